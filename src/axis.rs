@@ -1,0 +1,261 @@
+//! Axes, directions and the nine error terms, with the names of ISO 230-1.
+//!
+//! `EYX` is the deviation in **Y** while **X** moves: direction first, moving axis second.
+//! Terms are indexed by their two axes, never by a number.
+
+use std::fmt;
+use std::ops::{Index, IndexMut};
+
+/// A linear axis of the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Axis {
+    /// The X axis.
+    X,
+    /// The Y axis.
+    Y,
+    /// The Z axis.
+    Z,
+}
+
+impl Axis {
+    /// The three axes in their usual order.
+    pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+
+    /// Capital letter, as in `EYX`.
+    pub const fn letter(self) -> char {
+        match self {
+            Axis::X => 'X',
+            Axis::Y => 'Y',
+            Axis::Z => 'Z',
+        }
+    }
+
+    /// Small letter, as in the error table and in job keys.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Axis::X => "x",
+            Axis::Y => "y",
+            Axis::Z => "z",
+        }
+    }
+
+    /// The axis of a letter of either case.
+    pub fn from_letter(text: &str) -> Option<Axis> {
+        Axis::ALL
+            .into_iter()
+            .find(|axis| axis.key().eq_ignore_ascii_case(text))
+    }
+
+    const fn index(self) -> usize {
+        match self {
+            Axis::X => 0,
+            Axis::Y => 1,
+            Axis::Z => 2,
+        }
+    }
+}
+
+impl fmt::Display for Axis {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}", self.letter())
+    }
+}
+
+/// Direction of travel of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Direction {
+    /// Towards larger coordinates.
+    Plus,
+    /// Towards smaller coordinates.
+    Minus,
+}
+
+impl Direction {
+    /// Both directions, + first.
+    pub const BOTH: [Direction; 2] = [Direction::Plus, Direction::Minus];
+
+    /// `+` or `-`, as in the error table.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Direction::Plus => "+",
+            Direction::Minus => "-",
+        }
+    }
+
+    /// The direction of a symbol.
+    pub fn from_symbol(text: &str) -> Option<Direction> {
+        Direction::BOTH
+            .into_iter()
+            .find(|direction| direction.symbol() == text)
+    }
+
+    /// The other direction.
+    pub const fn opposite(self) -> Direction {
+        match self {
+            Direction::Plus => Direction::Minus,
+            Direction::Minus => Direction::Plus,
+        }
+    }
+}
+
+impl fmt::Display for Direction {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.symbol())
+    }
+}
+
+/// One of the nine error terms: the deviation in direction `of` while axis `along` moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ErrorTerm {
+    /// Direction of the deviation; the axis a control has to correct.
+    pub of: Axis,
+    /// The moving axis; the axis whose position is looked up.
+    pub along: Axis,
+}
+
+impl ErrorTerm {
+    /// The nine terms in the contract's order: EXX EYX EZX · EXY EYY EZY · EXZ EYZ EZZ.
+    pub const ALL: [ErrorTerm; 9] = {
+        let mut terms = [ErrorTerm {
+            of: Axis::X,
+            along: Axis::X,
+        }; 9];
+        let mut index = 0;
+        while index < 9 {
+            terms[index] = ErrorTerm {
+                of: Axis::ALL[index % 3],
+                along: Axis::ALL[index / 3],
+            };
+            index += 1;
+        }
+        terms
+    };
+
+    /// Positioning (`EXX`, `EYY`, `EZZ`): an axis corrects itself.
+    pub fn is_positioning(self) -> bool {
+        self.of == self.along
+    }
+
+    /// Straightness (a cross term): one axis moves, another one is corrected.
+    pub fn is_cross(self) -> bool {
+        self.of != self.along
+    }
+
+    /// The term of a name such as `EYX`.
+    pub fn from_name(name: &str) -> Option<ErrorTerm> {
+        ErrorTerm::ALL
+            .into_iter()
+            .find(|term| term.to_string() == name)
+    }
+}
+
+impl fmt::Display for ErrorTerm {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = format!("E{}{}", self.of, self.along);
+        out.pad(&name)
+    }
+}
+
+/// One value for each axis.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct PerAxis<T> {
+    /// Of the X axis.
+    pub x: T,
+    /// Of the Y axis.
+    pub y: T,
+    /// Of the Z axis.
+    pub z: T,
+}
+
+impl<T> PerAxis<T> {
+    /// The value of each axis from a function of the axis.
+    pub fn from_fn(mut of: impl FnMut(Axis) -> T) -> Self {
+        PerAxis {
+            x: of(Axis::X),
+            y: of(Axis::Y),
+            z: of(Axis::Z),
+        }
+    }
+
+    /// Axis and value, in the order X, Y, Z.
+    pub fn iter(&self) -> impl Iterator<Item = (Axis, &T)> {
+        Axis::ALL.into_iter().map(|axis| (axis, &self[axis]))
+    }
+}
+
+impl<T> Index<Axis> for PerAxis<T> {
+    type Output = T;
+    fn index(&self, axis: Axis) -> &T {
+        match axis {
+            Axis::X => &self.x,
+            Axis::Y => &self.y,
+            Axis::Z => &self.z,
+        }
+    }
+}
+
+impl<T> IndexMut<Axis> for PerAxis<T> {
+    fn index_mut(&mut self, axis: Axis) -> &mut T {
+        match axis {
+            Axis::X => &mut self.x,
+            Axis::Y => &mut self.y,
+            Axis::Z => &mut self.z,
+        }
+    }
+}
+
+/// One value for each of the nine error terms.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct PerTerm<T>([[T; 3]; 3]);
+
+impl<T> PerTerm<T> {
+    /// The value of each term from a function of the term.
+    pub fn from_fn(mut of: impl FnMut(ErrorTerm) -> T) -> Self {
+        PerTerm(Axis::ALL.map(|along| Axis::ALL.map(|direction| {
+            of(ErrorTerm {
+                of: direction,
+                along,
+            })
+        })))
+    }
+
+    /// Term and value, in the order of [`ErrorTerm::ALL`].
+    pub fn iter(&self) -> impl Iterator<Item = (ErrorTerm, &T)> {
+        ErrorTerm::ALL.into_iter().map(|term| (term, &self[term]))
+    }
+}
+
+impl<T> Index<ErrorTerm> for PerTerm<T> {
+    type Output = T;
+    fn index(&self, term: ErrorTerm) -> &T {
+        &self.0[term.along.index()][term.of.index()]
+    }
+}
+
+impl<T> IndexMut<ErrorTerm> for PerTerm<T> {
+    fn index_mut(&mut self, term: ErrorTerm) -> &mut T {
+        &mut self.0[term.along.index()][term.of.index()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terms_stand_in_the_order_of_the_contract() {
+        let names: Vec<String> = ErrorTerm::ALL.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            names.join(" "),
+            "EXX EYX EZX EXY EYY EZY EXZ EYZ EZZ",
+            "direction first, moving axis second"
+        );
+    }
+
+    #[test]
+    fn eyx_is_y_while_x_moves() {
+        let term = ErrorTerm::from_name("EYX").expect("a known name");
+        assert_eq!((term.of, term.along), (Axis::Y, Axis::X));
+        assert!(term.is_cross());
+    }
+}

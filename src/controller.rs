@@ -1,0 +1,359 @@
+//! What a control does with its tables: facts, each with its source and its evidence.
+//!
+//! A profile is a TOML page (`controllers/*.toml`, or a user's own); this module holds it after
+//! validation. Nothing in the program knows a control by name: compiler, emulator and checks ask
+//! the facts below. Fields that a manual does not settle are facts with evidence
+//! [`Evidence::Assumed`]; `generate` prints each of them with its consequence.
+
+use crate::units::{Correction, Deviation};
+
+/// How well a fact is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Evidence {
+    /// Read in a manual of the maker, or in data that a real control wrote.
+    Manual,
+    /// Taken from memory, inference or a weaker source; a control may differ.
+    Assumed,
+    /// Seen on a real control that executed our file.
+    Executed,
+}
+
+impl Evidence {
+    /// The word used in profiles and manifests.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Evidence::Manual => "manual",
+            Evidence::Assumed => "assumed",
+            Evidence::Executed => "executed",
+        }
+    }
+}
+
+/// A statement about a control, with its origin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fact<T> {
+    /// What is stated.
+    pub value: T,
+    /// How well it is known.
+    pub evidence: Evidence,
+    /// Manual, edition, chapter; or why it is assumed.
+    pub source: String,
+    /// What happens on the machine if it is wrong (required for assumed facts).
+    pub consequence: Option<String>,
+}
+
+/// What the numbers in a control's table mean: the machine's error, or what the control adds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableSign {
+    /// The table holds the deviation; a positive value makes the axis move in −.
+    AsError,
+    /// The table holds the correction; a positive value makes the axis move in +.
+    AsCorrection,
+}
+
+impl TableSign {
+    /// The number (µm) that a table of this sense holds for a deviation.
+    pub fn table_um(self, deviation: Deviation) -> f64 {
+        match self {
+            TableSign::AsError => deviation.um(),
+            TableSign::AsCorrection => (-deviation).um(),
+        }
+    }
+
+    /// What the control adds when its table holds `um` micrometres.
+    pub fn correction(self, um: f64) -> Correction {
+        match self {
+            TableSign::AsError => -Deviation::from_um(um),
+            TableSign::AsCorrection => Correction::from_um(um),
+        }
+    }
+}
+
+/// Basic system of the control: the unit of positions (and Siemens values) in its files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// Millimetres.
+    Millimetre,
+    /// Inches (25.4 mm).
+    Inch,
+}
+
+impl LengthUnit {
+    /// Millimetres in one unit.
+    pub const fn in_mm(self) -> f64 {
+        match self {
+            LengthUnit::Millimetre => 1.0,
+            LengthUnit::Inch => crate::units::MM_PER_INCH,
+        }
+    }
+
+    /// `mm` or `inch`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            LengthUnit::Millimetre => "mm",
+            LengthUnit::Inch => "inch",
+        }
+    }
+}
+
+/// An inclusive block of point numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NumberRange {
+    /// First number.
+    pub first: u32,
+    /// Last number.
+    pub last: u32,
+}
+
+impl NumberRange {
+    /// Whether a number lies in the block.
+    pub const fn contains(self, number: u32) -> bool {
+        self.first <= number && number <= self.last
+    }
+
+    /// Whether two blocks share a number.
+    pub const fn overlaps(self, other: NumberRange) -> bool {
+        self.first <= other.last && other.first <= self.last
+    }
+}
+
+/// How Siemens tables are delivered (siemens-840d.md §3.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableForm {
+    /// Part program without header, ends with `M30`.
+    Program,
+    /// NC active data: `%_N_…_INI`, `CHANDATA(1)`, ends with `M17`.
+    Data,
+}
+
+/// How a table t that names a factor table m contributes (siemens-840d.md §2.4, D8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MultiplyMode {
+    /// `f_t · f_m` instead of `f_t`.
+    Product,
+    /// `f_t + f_t · f_m`.
+    Additive,
+}
+
+/// Facts of the Siemens dialect: ENC_COMP and CEC tables (reference/siemens-840d.md).
+#[derive(Clone, Debug, PartialEq)]
+pub struct SiemensFacts {
+    /// Sense of `$AA_ENC_COMP` values.
+    pub lec_sign: Fact<TableSign>,
+    /// Sense of `$AN_CEC` values.
+    pub cec_sign: Fact<TableSign>,
+    /// Program or data form.
+    pub table_form: Fact<TableForm>,
+    /// Most points of one ENC_COMP table.
+    pub lec_points: Fact<u32>,
+    /// Number of CEC tables of the control.
+    pub cec_tables: Fact<u32>,
+    /// Most points of one CEC table.
+    pub cec_points: Fact<u32>,
+    /// Whether the points of a CEC table are fixed by the option (no MD18342 to set).
+    pub cec_memory_fixed: Fact<bool>,
+    /// Decimals of table values in the control's unit; one count is the last decimal.
+    pub value_decimals: Fact<u32>,
+    /// Decimals of MIN, STEP and MAX in the control's unit.
+    pub position_decimals: Fact<u32>,
+    /// Clamp of the CEC total (MD32720), µm.
+    pub cec_max_sum_um: Fact<f64>,
+    /// Contribution of a table that names a factor table.
+    pub multiply_mode: Fact<MultiplyMode>,
+    /// Whether a table used as a factor also contributes by itself.
+    pub factor_contributes: Fact<bool>,
+}
+
+/// Form of the straightness compensation (fanuc.md §2.1, §2.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StraightnessForm {
+    /// Three straight pieces through four points.
+    FourPoint,
+    /// One increment for each pitch point of the moving axis, up to 128.
+    PerPoint,
+}
+
+/// How parameter 3624 (interval) is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IntervalForm {
+    /// A real number in mm or inch, with a decimal point.
+    Real,
+    /// An integer in least input increments.
+    Integer,
+}
+
+/// Facts of the Fanuc dialect: stored pitch error compensation (reference/fanuc.md).
+#[derive(Clone, Debug, PartialEq)]
+pub struct FanucFacts {
+    /// Sense of pitch data.
+    pub pitch_sign: Fact<TableSign>,
+    /// Sense of straightness data.
+    pub straightness_sign: Fact<TableSign>,
+    /// Digits of a number below 10000 (`N03620` or `N3620`).
+    pub number_digits: Fact<u32>,
+    /// Whether blocks carry `Q1` (parameter) and `Q0` (pitch data).
+    pub q_identifier: Fact<bool>,
+    /// What is added to a point number in a file.
+    pub point_offset: Fact<u32>,
+    /// Numbers that pitch points may have.
+    pub pitch_points: Fact<Vec<NumberRange>>,
+    /// Numbers that the second run of a bidirectional table may have.
+    pub minus_points: Fact<Vec<NumberRange>>,
+    /// Largest increment of one point.
+    pub increment_max: Fact<u32>,
+    /// Largest magnification (3623).
+    pub magnification_max: Fact<u32>,
+    /// How 3624 is written.
+    pub interval_form: Fact<IntervalForm>,
+    /// Decimals of 3624 on a metric control (with `Integer`: of the least input increment).
+    pub interval_decimals_mm: Fact<u32>,
+    /// Decimals of 3624 on an inch control.
+    pub interval_decimals_inch: Fact<u32>,
+    /// The interval must be at least the largest feed (per minute) divided by this.
+    pub interval_feed_divisor: Fact<f64>,
+    /// Where inside its section a pulse comes out, 0 = lower end, 1 = upper end.
+    pub output_fraction: Fact<f64>,
+    /// Whether 3627 is multiplied by the magnification.
+    pub reversal_magnified: Fact<bool>,
+    /// Form of the straightness compensation.
+    pub straightness_form: Fact<StraightnessForm>,
+    /// Number of straightness sets.
+    pub straightness_sets: Fact<u32>,
+    /// Most pitch points of a moving axis that has straightness compensation.
+    pub straightness_axis_points: Fact<u32>,
+    /// Numbers of straightness data (per-point form).
+    pub straightness_points: Fact<Vec<NumberRange>>,
+    /// First parameter of the magnifications (per-point form), set 1.
+    pub straightness_magnification_parameter: Fact<u32>,
+    /// First parameter of the first data numbers (per-point form), set 1.
+    pub straightness_start_parameter: Fact<u32>,
+    /// Largest amount of the four-point form, detection units.
+    pub straightness_amount_max: Fact<u32>,
+}
+
+/// Facts of the generic dialect (contract §4.1). Its table carries deviation, correction and
+/// increment, so no sign has to be assumed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GenericFacts {
+    /// Most points of one table, if the control has a limit.
+    pub points: Fact<u32>,
+}
+
+/// The family of formats that a control reads.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Dialect {
+    /// `$AA_ENC_COMP` and `$AN_CEC` assignments.
+    Siemens(SiemensFacts),
+    /// Numbered parameters and pitch points.
+    Fanuc(FanucFacts),
+    /// One CSV and its JSON twin.
+    Generic(GenericFacts),
+}
+
+impl Dialect {
+    /// The word used in profiles.
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Dialect::Siemens(_) => "siemens",
+            Dialect::Fanuc(_) => "fanuc",
+            Dialect::Generic(_) => "generic",
+        }
+    }
+}
+
+/// End of a line in the files of a control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineEnd {
+    /// `\n`
+    Lf,
+    /// `\r\n`
+    CrLf,
+    /// `\n\r\r`, what a 30i-class control itself writes.
+    LfCrCr,
+}
+
+impl LineEnd {
+    /// The bytes.
+    pub const fn text(self) -> &'static str {
+        match self {
+            LineEnd::Lf => "\n",
+            LineEnd::CrLf => "\r\n",
+            LineEnd::LfCrCr => "\n\r\r",
+        }
+    }
+}
+
+/// What an emitted file is for (contract §4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Compensation values.
+    Table,
+    /// Parameters, or memory reservation.
+    Parameters,
+    /// Switches the compensation on.
+    Enable,
+    /// Switches it off.
+    Disable,
+    /// For people only; not read back.
+    Report,
+}
+
+impl Role {
+    /// The word used in profiles and manifests.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Role::Table => "table",
+            Role::Parameters => "parameters",
+            Role::Enable => "enable",
+            Role::Disable => "disable",
+            Role::Report => "report",
+        }
+    }
+}
+
+/// One file that a profile emits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EmittedFile {
+    /// What it is for.
+    pub role: Role,
+    /// Its name in the kit.
+    pub path: String,
+    /// Name of the template.
+    pub template_name: String,
+    /// Text of the template.
+    pub template: String,
+    /// Emitted only if the context holds at least one of these (siemens: `lec`, `cec`; empty = always).
+    pub when: Option<String>,
+}
+
+/// Where a profile came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// Compiled into the program.
+    BuiltIn,
+    /// A user's own, with the path as it was given.
+    File(String),
+}
+
+/// A control, as the program knows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// The id, as in `controllers list`.
+    pub id: String,
+    /// Maker and model.
+    pub name: String,
+    /// Built in, or a user's own.
+    pub origin: Origin,
+    /// The format family with its facts.
+    pub dialect: Dialect,
+    /// Line end of the emitted files.
+    pub line_end: Fact<LineEnd>,
+    /// Whether the control's files may carry comments.
+    pub comments: Fact<bool>,
+    /// Names of the axes X, Y, Z where the job does not state them.
+    pub axis_names: Fact<Vec<String>>,
+    /// Whether the job must state a detection unit for each axis.
+    pub detection_unit_required: Fact<bool>,
+    /// The files of a kit, in the order of the manifest.
+    pub files: Vec<EmittedFile>,
+}

@@ -1,0 +1,3 @@
+//! The `nonius` program: arguments in, exit code out.
+
+fn main() {}

@@ -1,0 +1,20 @@
+//! What lies in a control's memory after its files are loaded.
+//!
+//! This is the only thing that the writing side (`compensation`, `emit`) and the reading side
+//! (`readback`, `emulate`) have in common. Values stand here exactly as in the file: in the
+//! control's own unit, sense and numbering. A point that no file writes is missing (`None`).
+
+pub mod fanuc;
+pub mod generic;
+pub mod siemens;
+
+/// The memory of one of the three format families.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tables {
+    /// Siemens ENC_COMP and CEC tables.
+    Siemens(siemens::SiemensTables),
+    /// Fanuc parameters and points.
+    Fanuc(fanuc::FanucMemory),
+    /// The rows of the generic table.
+    Generic(generic::GenericTable),
+}

@@ -1,0 +1,72 @@
+//! Siemens tables: `$AA_ENC_COMP` (one axis corrects itself) and `$AN_CEC` (one axis corrects
+//! another, or itself depending on direction). reference/siemens-840d.md §1.1, §2.1.
+//!
+//! Positions and values are in the control's basic unit (mm or inch), as in the file.
+
+/// The grid of a table: `min`, `min + step`, … `max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SiemensGrid {
+    /// Position of point 0.
+    pub min: f64,
+    /// Distance of two points.
+    pub step: f64,
+    /// Position of the last point.
+    pub max: f64,
+}
+
+/// One measuring-system error compensation table, `$AA_ENC_COMP[e,N,axis]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LecTable {
+    /// Index of the measuring system in the file: 0 = first, 1 = second.
+    pub encoder: u32,
+    /// Name of the axis, upper case.
+    pub axis: String,
+    /// The grid.
+    pub grid: SiemensGrid,
+    /// Value of each point from index 0; `None` where the file does not write it (the control
+    /// would keep what it holds).
+    pub values: Vec<Option<f64>>,
+    /// `$AA_ENC_COMP_IS_MODULO`.
+    pub modulo: bool,
+}
+
+/// When a CEC table acts (`$AN_CEC_DIRECTION`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CecDirection {
+    /// 0: whichever way the base axis moves.
+    Both,
+    /// 1: only while the base axis moves in +.
+    Plus,
+    /// −1: only while the base axis moves in −.
+    Minus,
+}
+
+/// One cross-error compensation table, `$AN_CEC[t,N]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CecTable {
+    /// Table index t, from 0.
+    pub number: u32,
+    /// Name of the base axis, upper case.
+    pub input_axis: String,
+    /// Name of the corrected axis, upper case.
+    pub output_axis: String,
+    /// The grid on the base axis.
+    pub grid: SiemensGrid,
+    /// Value of each point from index 0.
+    pub values: Vec<Option<f64>>,
+    /// When it acts.
+    pub direction: CecDirection,
+    /// `$AN_CEC_MULT_BY_TABLE`: index + 1 of the factor table; 0 = none.
+    pub multiply_by: u32,
+    /// `$AN_CEC_IS_MODULO`.
+    pub modulo: bool,
+}
+
+/// All tables of a kit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SiemensTables {
+    /// ENC_COMP tables.
+    pub lec: Vec<LecTable>,
+    /// CEC tables.
+    pub cec: Vec<CecTable>,
+}
