@@ -5,6 +5,9 @@
 //! the facts below. Fields that a manual does not settle are facts with evidence
 //! [`Evidence::Assumed`]; `generate` prints each of them with its consequence.
 
+pub mod builtin;
+pub mod load;
+
 use crate::units::{Correction, Deviation};
 
 /// How well a fact is known.
@@ -322,7 +325,7 @@ pub struct EmittedFile {
     pub template_name: String,
     /// Text of the template.
     pub template: String,
-    /// Emitted only if the context holds at least one of these (siemens: `lec`, `cec`; empty = always).
+    /// Emitted only if the kit holds such tables (`lec`, `cec`, `points`); absent = always.
     pub when: Option<String>,
 }
 
@@ -333,6 +336,21 @@ pub enum Origin {
     BuiltIn,
     /// A user's own, with the path as it was given.
     File(String),
+}
+
+/// A fact as it stands in the profile, for people and for the manifest.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Statement {
+    /// Name of the fact.
+    pub fact: String,
+    /// Its value as written in the profile.
+    pub value: String,
+    /// How well it is known.
+    pub evidence: Evidence,
+    /// Where it is from.
+    pub source: String,
+    /// What happens if it is wrong.
+    pub consequence: Option<String>,
 }
 
 /// A control, as the program knows it.
@@ -356,4 +374,6 @@ pub struct Profile {
     pub detection_unit_required: Fact<bool>,
     /// The files of a kit, in the order of the manifest.
     pub files: Vec<EmittedFile>,
+    /// All facts in words, in the order of the program's questions.
+    pub statements: Vec<Statement>,
 }

@@ -1,9 +1,33 @@
 //! **nonius** turns laser measurements of a machine tool into the compensation files its
 //! control loads, and proves that they help.
 pub mod units;
+
 pub mod axis;
+
 pub mod problem;
+
+pub mod document;
+
+pub mod error_table;
+
 pub mod controller;
+
+pub mod curve;
+
+pub mod fit;
+
+pub mod job;
+
+pub mod model;
+
+pub mod grid;
+
+pub mod target;
+
+pub mod selection;
+
+pub mod plan;
+
 pub mod table;
 pub mod readback;
 pub mod emulate;

@@ -1,1 +1,315 @@
-//! Pending.
+//! Fanuc parameter and pitch-data files → [`FanucMemory`].
+//!
+//! ```text
+//!   file → record (% … %) → block (N Q A P) → point or parameter → memory ─┐ merge
+//!   file → …                                                     → memory ─┴──────→ one memory
+//! ```
+//! Written from the control's file formats alone: B-63950EN/02 §3.3 (30i class, with `Q`),
+//! B-63330EN/03 §3 (15i), operator's manual B-63534EN (four digits, no `Q`). It reads more than
+//! the program writes, as a control does, and says where a control would stop or where it would
+//! understand something else than was meant.
+
+mod block;
+mod record;
+#[cfg(test)]
+pub(crate) mod tests;
+
+use crate::controller::{FanucFacts, NumberRange};
+use crate::problem::{Problem, Problems};
+use crate::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use block::{Block, Identifier, Segment};
+use record::{Source, Span};
+
+/// What the data word of one point can hold (B-63330EN §3, B-63950EN §3.3: −128 to 127).
+const POINT_VALUES: std::ops::RangeInclusive<i32> = -128..=127;
+/// 3624 and 3625: lengths that depend on the unit of the machine.
+const LENGTH_PARAMETERS: [u32; 2] = [3624, 3625];
+
+/// Reads one file of `N…P…` blocks: parameters, pitch points, or both.
+///
+/// unit   values as in the file: increments and amounts in detection units, 3624 in the control's unit
+/// sign   as in the file ([`FanucFacts::pitch_sign`] says what it means)
+/// source grammar of B-63950EN/02 §3.3 (`Q0` point, `Q1` parameter) and B-63330EN/03 §3 (number
+///        from [`FanucFacts::point_offset`] on: point); a later block overwrites an earlier one,
+///        but two different values of one point are a problem
+/// limits path 1 only, no spindles, no G10 programs; `M` and `I` before an interval are refused,
+///        because the memory does not keep the unit of a value
+///
+/// All problems of the file come back together, each with its place.
+pub fn read(file_name: &str, text: &str, facts: &FanucFacts) -> Result<FanucMemory, Problems> {
+    let source = Source::new(file_name, text);
+    let mut problems = Problems::none();
+    let blocks = source.blocks(&mut problems);
+    let mut reader = Reader {
+        source: &source,
+        facts,
+        memory: FanucMemory::default(),
+        problems,
+        in_program: false,
+    };
+    for span in &blocks {
+        reader.read_block(span);
+    }
+    reader.problems.or_ok(reader.memory)
+}
+
+/// The memory after all files of a kit are loaded, in any order.
+///
+/// limits the same parameter or point with different contents in two files is a problem: what
+///        the control holds would then depend on the order of loading
+pub fn merge(memories: Vec<FanucMemory>) -> Result<FanucMemory, Problems> {
+    let mut all = FanucMemory::default();
+    let mut problems = Problems::none();
+    for memory in memories {
+        for (key, value) in memory.parameters {
+            if all
+                .parameters
+                .insert(key, value)
+                .is_some_and(|old| old != value)
+            {
+                problems.push(two_files(&parameter_name(key)));
+            }
+        }
+        for (point, value) in memory.points {
+            if all
+                .points
+                .insert(point, value)
+                .is_some_and(|old| old != value)
+            {
+                problems.push(two_files(&format!("point {point}")));
+            }
+        }
+    }
+    problems.or_ok(all)
+}
+
+fn two_files(what: &str) -> Problem {
+    Problem::new(format!(
+        "{what} has different contents in two files of the kit"
+    ))
+    .help("the control would keep whichever is loaded last; write it in one file only")
+}
+
+fn parameter_name(key: ParameterKey) -> String {
+    let axis = key
+        .axis
+        .map_or(String::new(), |axis| format!(" of axis {axis}"));
+    format!("parameter {}{axis}", key.number)
+}
+
+/// What the number of a block addresses.
+enum Target {
+    Point(u32),
+    Parameter(u32),
+}
+
+struct Reader<'a> {
+    source: &'a Source,
+    facts: &'a FanucFacts,
+    memory: FanucMemory,
+    problems: Problems,
+    /// Between a G code and `G11`; named once, not once for each of its blocks.
+    in_program: bool,
+}
+
+impl Reader<'_> {
+    fn read_block(&mut self, span: &Span) {
+        let text = self.source.slice(span).trim().to_ascii_uppercase();
+        if self.in_program {
+            self.in_program = text != "G11";
+            return;
+        }
+        self.in_program = text.starts_with('G') && text != "G11";
+        if let Err(problem) = self.store(span) {
+            self.problems.push(problem);
+        }
+    }
+
+    fn store(&mut self, span: &Span) -> Result<(), Problem> {
+        let block = block::parse(self.source, span)?;
+        match self.target(&block)? {
+            Target::Point(point) => self.store_point(point, &block),
+            Target::Parameter(number) => self.store_parameter(number, &block),
+        }
+    }
+
+    fn target(&self, block: &Block) -> Result<Target, Problem> {
+        let (number, offset) = (block.number, self.facts.point_offset.value);
+        let large = number >= offset;
+        match block.identifier {
+            Some(Identifier::Point) if large => self.known_point(block),
+            Some(Identifier::Point) => Err(self
+                .at_number(
+                    block,
+                    format!("number {number} is marked as pitch data, below {offset}"),
+                )
+                .help(format!(
+                    "point 33 is number {}; a parameter has `Q1`",
+                    offset + 33
+                ))),
+            Some(Identifier::Parameter) if self.means_a_point(number) => Err(self
+                .at_number(
+                    block,
+                    format!(
+                        "this would address parameter {number}, not pitch point {}",
+                        number - offset
+                    ),
+                )
+                .help("pitch data carry `Q0`")),
+            Some(Identifier::Parameter) => Ok(Target::Parameter(number)),
+            None if large && self.facts.q_identifier.value => Err(self
+                .at_number(block, format!("number {number} without `Q` is ambiguous"))
+                .help(format!(
+                    "`Q0` makes it point {}, `Q1` parameter {number}",
+                    number - offset
+                ))),
+            None if large => self.known_point(block),
+            None => Ok(Target::Parameter(number)),
+        }
+    }
+
+    fn at_number(&self, block: &Block, message: String) -> Problem {
+        self.source.problem(&block.number_span, message)
+    }
+
+    /// A `Q1` number in the space of the points that no known parameter has.
+    fn means_a_point(&self, number: u32) -> bool {
+        let facts = self.facts;
+        let sets = facts.straightness_sets.value;
+        let known = [
+            facts.straightness_magnification_parameter.value,
+            facts.straightness_start_parameter.value,
+        ];
+        let largest = self
+            .point_blocks()
+            .map(|block| block.last)
+            .max()
+            .unwrap_or(0);
+        number
+            .checked_sub(facts.point_offset.value)
+            .is_some_and(|point| point <= largest)
+            && !known
+                .iter()
+                .any(|first| (*first..*first + sets).contains(&number))
+    }
+
+    fn point_blocks(&self) -> impl Iterator<Item = NumberRange> {
+        let facts = self.facts;
+        [
+            &facts.pitch_points,
+            &facts.minus_points,
+            &facts.straightness_points,
+        ]
+        .into_iter()
+        .flat_map(|fact| fact.value.iter().copied())
+    }
+
+    fn known_point(&self, block: &Block) -> Result<Target, Problem> {
+        let point = block.number - self.facts.point_offset.value;
+        if self.point_blocks().any(|range| range.contains(point)) {
+            return Ok(Target::Point(point));
+        }
+        Err(self
+            .at_number(block, format!("this control has no point {point}"))
+            .help("compare the number with the point numbers of the controller profile"))
+    }
+
+    fn store_point(&mut self, point: u32, block: &Block) -> Result<(), Problem> {
+        let [segment] = block.segments.as_slice() else {
+            return Err(self.at_number(block, format!("point {point} has more than one value")));
+        };
+        let value = self.point_value(point, segment)?;
+        match self.memory.points.insert(point, value) {
+            Some(old) if old != value => Err(self
+                .at_number(
+                    block,
+                    format!("point {point} is {value} here and {old} in an earlier block"),
+                )
+                .help("two axes may share numbers by mistake; write each point once")),
+            _ => Ok(()),
+        }
+    }
+
+    fn point_value(&self, point: u32, segment: &Segment) -> Result<i32, Problem> {
+        let text = self.source.slice(&segment.value);
+        let at = |message: String| self.source.problem(&segment.value, message);
+        if segment.axis.is_some() || segment.letter != 'P' {
+            return Err(at(format!(
+                "point {point} takes a plain `P` value, without axis or unit"
+            ))
+            .help("a point belongs to the axis whose 3621 to 3622 hold its number"));
+        }
+        if text.contains('.') {
+            return Err(at(format!(
+                "point {point} has the value `{text}`, expected a whole number"
+            ))
+            .help("pitch data count detection units"));
+        }
+        text.parse()
+            .ok()
+            .filter(|value| POINT_VALUES.contains(value))
+            .ok_or_else(|| {
+                at(format!(
+                    "point {point} has the value `{text}`, expected -128 to 127"
+                ))
+                .help("larger steps need a larger magnification (3623) or a shorter interval")
+            })
+    }
+
+    fn store_parameter(&mut self, number: u32, block: &Block) -> Result<(), Problem> {
+        let mut keys = Vec::new();
+        for segment in &block.segments {
+            let axis = segment.axis;
+            let key = ParameterKey { number, axis };
+            let value = self.parameter_value(number, segment)?;
+            if keys.contains(&key) {
+                let message = format!("{} has two values in one block", parameter_name(key));
+                return Err(self.source.problem(&segment.value, message));
+            }
+            keys.push(key);
+            self.memory.parameters.insert(key, value);
+        }
+        Ok(())
+    }
+
+    fn parameter_value(&self, number: u32, segment: &Segment) -> Result<ParameterValue, Problem> {
+        let text = self.source.slice(&segment.value);
+        let at = |message: String| self.source.problem(&segment.value, message);
+        if segment.letter != 'P' && LENGTH_PARAMETERS.contains(&number) {
+            let letter = segment.letter;
+            return Err(at(format!(
+                "parameter {number} has the letter `{letter}`, expected `P`"
+            ))
+            .help("state the length in the unit of the machine, with `P`"));
+        }
+        if is_bit_parameter(number) {
+            return bits(text).ok_or_else(|| {
+                at(format!(
+                    "parameter {number} has the value `{text}`, expected eight bits"
+                ))
+                .help("write all eight bits, bit 7 first, as in `P00000001`")
+            });
+        }
+        whole_or_real(text).ok_or_else(|| at(format!("the value `{text}` is too large")))
+    }
+}
+
+/// Bit parameters that compensation files hold (B-63950EN: 1006, 360x, 5700; 8135 on 0i).
+fn is_bit_parameter(number: u32) -> bool {
+    matches!(number, 1006 | 3601..=3605 | 5700 | 8135)
+}
+
+/// Exactly eight characters 0 or 1, bit 7 leftmost (B-63950EN/02 §3.3.2).
+fn bits(text: &str) -> Option<ParameterValue> {
+    let exact = text.len() == 8 && text.bytes().all(|c| matches!(c, b'0' | b'1'));
+    let value = exact.then(|| u8::from_str_radix(text, 2).ok())?;
+    value.map(ParameterValue::Bits)
+}
+
+fn whole_or_real(text: &str) -> Option<ParameterValue> {
+    if text.contains('.') {
+        let value: f64 = text.parse().ok()?;
+        return value.is_finite().then_some(ParameterValue::Real(value));
+    }
+    text.parse().ok().map(ParameterValue::Integer)
+}

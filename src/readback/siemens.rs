@@ -1,1 +1,256 @@
-//! Pending.
+//! Reader of Siemens compensation files: `$AA_ENC_COMP`, `$AN_CEC` and their machine data.
+//!
+//! ```text
+//!   text ── statement (one line) ── variable ── memory (tables of the file) ── merge (tables of the kit)
+//! ```
+//! Reads both ways in which tables are delivered: a part program (ends with `M30`, `M17` or `M2`)
+//! and NC active data (`%_N_…_INI`, `;$PATH=…`, `CHANDATA(1)`, ends with `M17`); Function Manual
+//! Extended Functions 03/2013, K3 p. 240-249, and HMI Advanced Operator's Guide 03.04. It is
+//! written from these documents alone and knows nothing of the program's own templates.
+//!
+//! It accepts what a control accepts (any case, blanks, block numbers, integers, LF or CRLF) and
+//! refuses with line and column what stops a control, what could move the machine, and what the
+//! documents leave open.
+
+mod memory;
+mod statement;
+mod variable;
+
+use crate::problem::{Place, Problem, Problems};
+use crate::table::siemens::{CecTable, LecTable, SiemensGrid, SiemensTables};
+use memory::Memory;
+use statement::{Complaint, Statement, statement};
+use std::ops::Range;
+
+/// What one file, or all files of a kit together, write into a control.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SiemensContents {
+    /// The tables; `lec` in the order of axis and encoder, `cec` in the order of its number.
+    pub tables: SiemensTables,
+    /// Machine and setting data, in the order of their first assignment, with their last value.
+    pub machine_data: Vec<MachineDatum>,
+    /// Remarks for the user that are no problem, for instance a default that was assumed.
+    pub notes: Vec<String>,
+}
+
+/// One `$MA_`, `$MN_` or `$SN_` assignment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineDatum {
+    /// Name without `$`, upper case, such as `MA_ENC_COMP_ENABLE`.
+    pub name: String,
+    /// What stood in brackets: whole numbers without leading zeros, axis names in upper case.
+    pub indices: Vec<String>,
+    /// The value.
+    pub value: MachineValue,
+}
+
+/// Value of a machine or setting datum, in the control's own unit.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MachineValue {
+    /// A number; `TRUE` is 1 and `FALSE` is 0.
+    Number(f64),
+    /// A name in parentheses or quotes, upper case.
+    Text(String),
+}
+
+/// Reads one file.
+///
+/// **shape** points 0 to k = (MAX−MIN)/STEP; a point the file does not write is `None` ·
+/// **unit** and **sign** as in the file · **source** see the module · **limits** a ratio further
+/// than 1e-3 from a whole number is refused, controls differ in what they do with it; so is every
+/// word outside the grammar; after 200 problems it stops looking for more.
+///
+/// ```
+/// let text = "$AN_CEC[0,0]=0.001\n$AN_CEC[0,1]=0\n$AN_CEC_INPUT_AXIS[0]=(AX1)\n\
+///             $AN_CEC_OUTPUT_AXIS[0]=(AX2)\n$AN_CEC_STEP[0]=50\n$AN_CEC_MIN[0]=0\n\
+///             $AN_CEC_MAX[0]=50\nM30\n";
+/// let contents = nonius::readback::siemens::read("cec.mpf", text).unwrap();
+/// assert_eq!(contents.tables.cec[0].values, [Some(0.001), Some(0.0)]);
+/// ```
+pub fn read(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
+    let mut complaints = Vec::new();
+    let mut memory = Memory::default();
+    read_lines(text, &mut memory, &mut complaints);
+    let contents = memory.finish(&mut complaints);
+    complaints.sort_by_key(|complaint| complaint.span.start);
+    let mut problems = Problems::none();
+    for Complaint {
+        span,
+        message,
+        help,
+    } in complaints
+    {
+        let place = Place::in_text(file_name, text, span.start, span.end);
+        problems.push(Problem::new(message).at(place).help(help));
+    }
+    problems.or_ok(contents)
+}
+
+fn read_lines(text: &str, memory: &mut Memory, complaints: &mut Vec<Complaint>) {
+    const MOST_COMPLAINTS: usize = 200; // nobody reads further, and a binary file has millions
+    let mut ended = false;
+    for line in lines(text) {
+        if complaints.len() >= MOST_COMPLAINTS {
+            return;
+        }
+        let result = match statement(text, line.clone()) {
+            Ok(Statement::Nothing) if ended && has_code(text, &line) => Err(after_end(line)),
+            Ok(Statement::Nothing) => Ok(()),
+            Ok(_) if ended => Err(after_end(line)),
+            Ok(Statement::End) => {
+                ended = true;
+                Ok(())
+            }
+            Ok(Statement::Stop) => {
+                memory.note("M0: the program waits for cycle start before it goes on");
+                Ok(())
+            }
+            Ok(Statement::Set(set)) => memory.set(set),
+            Err(complaint) => Err(complaint),
+        };
+        complaints.extend(result.err());
+    }
+    if !ended {
+        complaints.push(Complaint::new(
+            text.len()..text.len(),
+            "the file has no end word; it is not complete",
+            "a compensation file ends with `M17` or `M30`; transfer it again",
+        ));
+    }
+}
+
+fn has_code(text: &str, line: &Range<usize>) -> bool {
+    let code = text[line.clone()].split(';').next().unwrap_or("");
+    !code.trim_matches([' ', '\t', '&']).is_empty()
+}
+
+fn after_end(line: Range<usize>) -> Complaint {
+    Complaint::new(
+        line,
+        "a statement follows the end word",
+        "the control does not read on; move the end word to the end of the file",
+    )
+}
+
+/// The lines as bytes of the text, without LF and the CRs before it.
+fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
+    let mut at = 0;
+    text.split('\n').map(move |line| {
+        let start = at;
+        at += line.len() + 1;
+        start..start + line.trim_end_matches('\r').len()
+    })
+}
+
+/// Puts the files of a kit into one memory, in the order in which they are loaded.
+///
+/// A point or parameter that two files write with different values is a problem, because the
+/// result would depend on the order of loading. The switches `ENC_COMP_ENABLE`, `CEC_ENABLE` and
+/// `CEC_TABLE_ENABLE` are made for being changed: of these the last one counts.
+pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems> {
+    let mut problems = Problems::none();
+    let mut all = SiemensContents::default();
+    for file in contents {
+        for table in file.tables.lec {
+            merge_lec(&mut all.tables.lec, table, &mut problems);
+        }
+        for table in file.tables.cec {
+            merge_cec(&mut all.tables.cec, table, &mut problems);
+        }
+        for datum in file.machine_data {
+            merge_datum(&mut all.machine_data, datum, &mut problems);
+        }
+        all.notes.extend(file.notes);
+    }
+    let place = |table: &LecTable| (table.axis.clone(), table.encoder);
+    all.tables.lec.sort_by_key(place);
+    all.tables.cec.sort_by_key(|table| table.number);
+    problems.or_ok(all)
+}
+
+fn merge_lec(all: &mut Vec<LecTable>, table: LecTable, problems: &mut Problems) {
+    let same = |known: &&mut LecTable| known.axis == table.axis && known.encoder == table.encoder;
+    let Some(known) = all.iter_mut().find(same) else {
+        all.push(table);
+        return;
+    };
+    let name = format!("$AA_ENC_COMP[{},{}]", table.encoder, table.axis);
+    if !same_grid(known.grid, table.grid) || known.modulo != table.modulo {
+        problems.push(conflict(&format!("the parameters of {name}")));
+        return;
+    }
+    merge_values(&name, &mut known.values, &table.values, problems);
+}
+
+fn merge_cec(all: &mut Vec<CecTable>, table: CecTable, problems: &mut Problems) {
+    let Some(known) = all.iter_mut().find(|known| known.number == table.number) else {
+        all.push(table);
+        return;
+    };
+    let name = format!("$AN_CEC[{}]", table.number);
+    let parameters = |of: &CecTable| {
+        (
+            of.input_axis.clone(),
+            of.output_axis.clone(),
+            of.direction,
+            of.multiply_by,
+            of.modulo,
+        )
+    };
+    if !same_grid(known.grid, table.grid) || parameters(known) != parameters(&table) {
+        problems.push(conflict(&format!("the parameters of {name}")));
+        return;
+    }
+    merge_values(&name, &mut known.values, &table.values, problems);
+}
+
+fn merge_values(
+    name: &str,
+    known: &mut [Option<f64>],
+    values: &[Option<f64>],
+    problems: &mut Problems,
+) {
+    for (point, (known, value)) in known.iter_mut().zip(values).enumerate() {
+        match (*known, *value) {
+            (Some(a), Some(b)) if !same_number(a, b) => {
+                problems.push(conflict(&format!("point {point} of {name} ({a} and {b})")));
+            }
+            (None, Some(_)) => *known = *value,
+            _ => {}
+        }
+    }
+}
+
+fn merge_datum(all: &mut Vec<MachineDatum>, datum: MachineDatum, problems: &mut Problems) {
+    const SWITCHES: [&str; 3] = ["MA_ENC_COMP_ENABLE", "MA_CEC_ENABLE", "SN_CEC_TABLE_ENABLE"];
+    let same =
+        |known: &&mut MachineDatum| known.name == datum.name && known.indices == datum.indices;
+    match all.iter_mut().find(same) {
+        None => all.push(datum),
+        Some(known) if SWITCHES.contains(&datum.name.as_str()) => known.value = datum.value,
+        Some(known) if known.value == datum.value => {}
+        Some(_) => {
+            let name = format!("${}[{}]", datum.name, datum.indices.join(","));
+            problems.push(conflict(&name));
+        }
+    }
+}
+
+fn conflict(what: &str) -> Problem {
+    Problem::new(format!(
+        "two files of the kit write {what} with different values"
+    ))
+    .help("what the control holds would depend on the order of loading; remove one of the two")
+}
+
+fn same_grid(a: SiemensGrid, b: SiemensGrid) -> bool {
+    same_number(a.min, b.min) && same_number(a.step, b.step) && same_number(a.max, b.max)
+}
+
+/// Whether two numbers of files are the same; exact, as both were read from decimal digits.
+fn same_number(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 0.0
+}
+
+#[cfg(test)]
+mod tests;

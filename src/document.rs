@@ -1,0 +1,423 @@
+//! TOML pages that users write, read key by key with every place kept.
+//!
+//! Jobs and controller profiles are read through [`Section`]. It notes each problem (wrong type,
+//! unknown key, missing key) with its line and goes on, so that one run shows all of them. The
+//! places of all keys stay available for later checks through [`Source::place_of`].
+
+use crate::problem::{Place, Problem, Problems, nearest};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A text file with its name as the user gave it, and the places of its keys.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// The name, as shown in messages.
+    pub name: String,
+    /// The text, without byte order mark.
+    pub text: String,
+    spans: BTreeMap<String, Range<usize>>,
+}
+
+impl Source {
+    /// A file from its bytes; UTF-8 with or without byte order mark, text only.
+    pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Source, Problems> {
+        let text = std::str::from_utf8(bytes).map_err(|_| not_text(name))?;
+        if text.contains('\0') {
+            return Err(not_text(name));
+        }
+        Ok(Source {
+            name: name.to_string(),
+            text: text.strip_prefix('\u{feff}').unwrap_or(text).to_string(),
+            spans: BTreeMap::new(),
+        })
+    }
+
+    /// The place of bytes of the text.
+    pub fn place(&self, span: &Range<usize>) -> Place {
+        Place::in_text(&self.name, &self.text, span.start, span.end)
+    }
+
+    /// The place of a key's value, by its dotted path, e.g. `compensation.axes.x.spacing_mm`.
+    pub fn place_of(&self, path: &str) -> Option<Place> {
+        self.spans.get(path).map(|span| self.place(span))
+    }
+
+    /// A problem at a key, or at the nearest section above it that exists.
+    pub fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
+        let mut path = path;
+        let problem = Problem::new(message);
+        loop {
+            if let Some(place) = self.place_of(path) {
+                return problem.at(place);
+            }
+            match path.rfind('.') {
+                Some(dot) => path = &path[..dot],
+                None => return problem.at(self.place(&(0..0))),
+            }
+        }
+    }
+}
+
+fn not_text(name: &str) -> Problems {
+    Problem::new(format!("`{name}` is not a text file, expected UTF-8 text"))
+        .help("save it as plain text in UTF-8 (a spreadsheet: `CSV UTF-8`)")
+        .into()
+}
+
+/// Reads a TOML page: `read` takes what it knows from the root section and gives a value if it
+/// could; every problem is collected. The source comes back with the places of its keys.
+pub fn read_page<T>(
+    mut source: Source,
+    read: impl FnOnce(&Section<'_>) -> Option<T>,
+) -> Result<(T, Source), Problems> {
+    let (root, errors) = DeTable::parse_recoverable(&source.text);
+    if !errors.is_empty() {
+        return Err(syntax_problems(&source, &errors));
+    }
+    let notes = Notes::default();
+    let section = Section {
+        source: &source,
+        table: root.get_ref(),
+        span: 0..0,
+        path: String::new(),
+        asked: RefCell::default(),
+        notes: &notes,
+    };
+    let value = read(&section);
+    section.refuse_unknown_keys();
+    let spans = notes.spans.into_inner();
+    let problems = notes.problems.into_inner();
+    match value {
+        Some(value) if problems.is_empty() => {
+            source.spans = spans;
+            Ok((value, source))
+        }
+        None if problems.is_empty() => Err(Problem::new(format!(
+            "`{}` could not be read",
+            source.name
+        ))
+        .into()),
+        _ => Err(problems),
+    }
+}
+
+fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
+    let mut problems = Problems::none();
+    for error in errors {
+        let message = error.message().lines().next().unwrap_or("not TOML");
+        let problem = Problem::new(format!("not valid TOML: {message}"))
+            .help("see https://toml.io; strings need quotes, numbers a decimal point");
+        problems.push(match error.span() {
+            Some(span) => problem.at(source.place(&span)),
+            None => problem,
+        });
+    }
+    problems
+}
+
+#[derive(Default)]
+struct Notes {
+    problems: RefCell<Problems>,
+    spans: RefCell<BTreeMap<String, Range<usize>>>,
+}
+
+/// A table of the page, e.g. `[machine.axes.x]`.
+pub struct Section<'a> {
+    source: &'a Source,
+    table: &'a DeTable<'a>,
+    span: Range<usize>,
+    path: String,
+    asked: RefCell<Vec<&'static str>>,
+    notes: &'a Notes,
+}
+
+impl<'a> Section<'a> {
+    /// Dotted path of the section, empty for the root.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Dotted path of a key of this section.
+    pub fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() {
+            key.to_string()
+        } else {
+            format!("{}.{key}", self.path)
+        }
+    }
+
+    /// Notes a problem at a key (or at the section, if the key is absent).
+    pub fn problem(&self, key: &str, message: impl Into<String>, help: impl Into<String>) {
+        let span = self.table.get(key).map_or_else(|| self.span.clone(), Spanned::span);
+        self.note(Problem::new(message).at(self.source.place(&span)).help(help));
+    }
+
+    fn note(&self, problem: Problem) {
+        self.notes.problems.borrow_mut().push(problem);
+    }
+
+    fn value(&self, key: &'static str) -> Option<&'a DeValue<'a>> {
+        self.asked.borrow_mut().push(key);
+        let value = self.table.get(key)?;
+        self.notes
+            .spans
+            .borrow_mut()
+            .insert(self.path_of(key), value.span());
+        Some(value.get_ref())
+    }
+
+    fn wrong_type(&self, key: &str, expected: &str) {
+        let found = self.table.get(key).map_or("nothing", |v| v.get_ref().type_str());
+        self.problem(
+            key,
+            format!("`{}` is a {found}, expected {expected}", self.path_of(key)),
+            format!("write `{key} = …` with {expected}"),
+        );
+    }
+
+    /// Whether the key is present (it then counts as known).
+    pub fn has(&self, key: &'static str) -> bool {
+        self.value(key).is_some()
+    }
+
+    /// Notes that a required key is missing.
+    pub fn missing(&self, key: &str, expected: &str) {
+        let place = if self.path.is_empty() {
+            format!("`{key}` is missing")
+        } else {
+            format!("`{key}` is missing in [{}]", self.path)
+        };
+        self.note(
+            Problem::new(format!("{place}, expected {expected}"))
+                .at(self.source.place(&self.span))
+                .help(format!("add `{key} = …`")),
+        );
+    }
+
+    /// Whether the key holds a list (it then counts as known).
+    pub fn is_list(&self, key: &'static str) -> bool {
+        self.value(key).is_some_and(DeValue::is_array)
+    }
+
+    /// The value of a key as it is written in the page.
+    pub fn as_written(&self, key: &str) -> Option<&'a str> {
+        let span = self.table.get(key)?.span();
+        self.source.text.get(span)
+    }
+
+    /// A text, if the key is present.
+    pub fn text(&self, key: &'static str) -> Option<String> {
+        match self.value(key)? {
+            DeValue::String(text) => Some(text.to_string()),
+            _ => {
+                self.wrong_type(key, "a text in quotes");
+                None
+            }
+        }
+    }
+
+    /// A text that must be there.
+    pub fn required_text(&self, key: &'static str, expected: &str) -> Option<String> {
+        if !self.has(key) {
+            self.missing(key, expected);
+        }
+        self.text(key)
+    }
+
+    /// A finite number, if the key is present.
+    pub fn number(&self, key: &'static str) -> Option<f64> {
+        let number = number_of(self.value(key)?);
+        if number.is_none() {
+            self.wrong_type(key, "a finite number");
+        }
+        number
+    }
+
+    /// A number greater than zero, if the key is present.
+    pub fn positive(&self, key: &'static str) -> Option<f64> {
+        let number = self.number(key)?;
+        if number > 0.0 {
+            return Some(number);
+        }
+        let path = self.path_of(key);
+        self.problem(key, format!("`{path}` is {number}, expected a number above 0"), "correct it");
+        None
+    }
+
+    /// A whole number from 0, if the key is present.
+    pub fn whole(&self, key: &'static str) -> Option<u32> {
+        let whole = match self.value(key)? {
+            DeValue::Integer(integer) => u32::from_str_radix(integer.as_str(), integer.radix()).ok(),
+            _ => None,
+        };
+        if whole.is_none() {
+            self.wrong_type(key, "a whole number from 0");
+        }
+        whole
+    }
+
+    /// `true` or `false`, if the key is present.
+    pub fn flag(&self, key: &'static str) -> Option<bool> {
+        match self.value(key)? {
+            DeValue::Boolean(flag) => Some(*flag),
+            _ => {
+                self.wrong_type(key, "`true` or `false`");
+                None
+            }
+        }
+    }
+
+    /// One of a list of words, if the key is present.
+    pub fn choice<T: Copy>(&self, key: &'static str, words: &[(&'static str, T)]) -> Option<T> {
+        let word = self.text(key)?;
+        let found = words.iter().find(|(known, _)| *known == word);
+        if found.is_none() {
+            let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
+            let list: Vec<String> = known.iter().map(|word| format!("`{word}`")).collect();
+            let help = nearest(&word, known.iter().copied())
+                .map_or_else(|| "choose one of them".to_string(), |near| format!("did you mean `{near}`?"));
+            let path = self.path_of(key);
+            self.problem(key, format!("`{path}` is `{word}`, expected one of {}", list.join(", ")), help);
+        }
+        found.map(|(_, value)| *value)
+    }
+
+    /// Two finite numbers in square brackets, if the key is present.
+    pub fn pair(&self, key: &'static str) -> Option<[f64; 2]> {
+        let numbers: Option<Vec<f64>> = match self.value(key)? {
+            DeValue::Array(items) => items.iter().map(|item| number_of(item.get_ref())).collect(),
+            _ => None,
+        };
+        match numbers.as_deref() {
+            Some([first, second]) => Some([*first, *second]),
+            _ => {
+                self.wrong_type(key, "two finite numbers, e.g. [0.0, 900.0]");
+                None
+            }
+        }
+    }
+
+    /// A list of texts, if the key is present.
+    pub fn texts(&self, key: &'static str) -> Option<Vec<String>> {
+        let texts: Option<Vec<String>> = match self.value(key)? {
+            DeValue::Array(items) => items
+                .iter()
+                .map(|item| item.get_ref().as_str().map(str::to_string))
+                .collect(),
+            _ => None,
+        };
+        if texts.is_none() {
+            self.wrong_type(key, "a list of texts, e.g. [\"a\", \"b\"]");
+        }
+        texts
+    }
+
+    /// A list of pairs of whole numbers, if the key is present.
+    pub fn whole_pairs(&self, key: &'static str) -> Option<Vec<[u32; 2]>> {
+        let pairs: Option<Vec<[u32; 2]>> = match self.value(key)? {
+            DeValue::Array(items) => items.iter().map(|item| whole_pair(item.get_ref())).collect(),
+            _ => None,
+        };
+        if pairs.is_none() {
+            self.wrong_type(key, "pairs of whole numbers, e.g. [[512, 767]]");
+        }
+        pairs
+    }
+
+    /// A sub-section, if it is present.
+    pub fn section(&self, key: &'static str) -> Option<Section<'a>> {
+        self.value(key)?;
+        let entry = self.table.get(key)?;
+        match entry.get_ref() {
+            DeValue::Table(table) => Some(self.child(table, entry.span(), key)),
+            _ => {
+                self.wrong_type(key, "a section");
+                None
+            }
+        }
+    }
+
+    /// A list of sub-sections (`[[key]]`); empty if absent.
+    pub fn sections(&self, key: &'static str) -> Vec<Section<'a>> {
+        match self.value(key) {
+            None => Vec::new(),
+            Some(DeValue::Array(items)) if items.iter().all(|item| item.get_ref().is_table()) => items
+                .iter()
+                .filter_map(|item| item.get_ref().as_table().map(|t| self.child(t, item.span(), key)))
+                .collect(),
+            Some(_) => {
+                self.wrong_type(key, "a list of sections");
+                Vec::new()
+            }
+        }
+    }
+
+    fn child(&self, table: &'a DeTable<'a>, span: Range<usize>, key: &str) -> Section<'a> {
+        Section {
+            source: self.source,
+            table,
+            span,
+            path: self.path_of(key),
+            asked: RefCell::default(),
+            notes: self.notes,
+        }
+    }
+
+    /// Keys and texts of a free section (protocol); numbers are kept as they are written.
+    pub fn entries(&self) -> Vec<(String, String)> {
+        self.table
+            .iter()
+            .filter_map(|(key, value)| match value.get_ref() {
+                DeValue::String(text) => Some((key.get_ref().to_string(), text.to_string())),
+                DeValue::Integer(number) => Some((key.get_ref().to_string(), number.as_str().to_string())),
+                DeValue::Float(number) => Some((key.get_ref().to_string(), number.as_str().to_string())),
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// Declares keys known that this version does not use.
+    pub fn know(&self, keys: &[&'static str]) {
+        self.asked.borrow_mut().extend(keys);
+    }
+
+    /// Notes every key that nobody asked for, with the nearest known one. Call it last.
+    pub fn refuse_unknown_keys(&self) {
+        let known = self.asked.borrow();
+        for (key, _) in self.table.iter() {
+            let name: &str = key.get_ref();
+            if known.contains(&name) {
+                continue;
+            }
+            let help = nearest(name, known.iter().copied())
+                .map_or_else(|| "remove it, or see the list of keys in README.md".to_string(), |near| format!("did you mean `{near}`?"));
+            let section = if self.path.is_empty() { String::new() } else { format!(" in [{}]", self.path) };
+            self.note(
+                Problem::new(format!("unknown key `{name}`{section}"))
+                    .at(self.source.place(&key.span()))
+                    .help(help),
+            );
+        }
+    }
+}
+
+fn number_of(value: &DeValue<'_>) -> Option<f64> {
+    let text = match value {
+        DeValue::Float(float) => float.as_str(),
+        DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
+        _ => return None,
+    };
+    text.parse::<f64>().ok().filter(|number| number.is_finite())
+}
+
+fn whole_pair(value: &DeValue<'_>) -> Option<[u32; 2]> {
+    let items = value.as_array()?;
+    let numbers: Option<Vec<u32>> = items
+        .iter()
+        .map(|item| item.get_ref().as_integer()?.as_str().parse().ok())
+        .collect();
+    numbers?.try_into().ok()
+}

@@ -1,0 +1,570 @@
+//! The measured errors of a machine: the error table of contract §2.1.
+//!
+//! One row is one position of one axis, with the deviations in X, Y and Z while that axis stands
+//! there. What is not measured is absent (`None`), never zero. A table that exists has passed
+//! every check of the format; its rows still know their lines, so that later checks can point at them.
+
+use crate::axis::{Axis, Direction, PerAxis};
+use crate::document::Source;
+use crate::problem::{Place, Problem, Problems, nearest};
+use crate::units::{Deviation, MM_PER_INCH, Millimetres, UM_PER_MM};
+use std::ops::Range;
+
+/// All measured positions of one axis in one direction (or without regard to direction).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Direction of travel; `None` = both.
+    pub direction: Option<Direction>,
+    /// Machine coordinates, strictly ascending.
+    pub positions: Vec<Millimetres>,
+    /// Deviations in X, Y, Z, one for each position; `None` = not measured.
+    pub deviations: PerAxis<Option<Vec<Deviation>>>,
+    /// Standard uncertainties (k = 1) of the deviations, µm.
+    pub uncertainties_um: PerAxis<Option<Vec<f64>>>,
+    /// Rotations about X, Y, Z (`ea`, `eb`, `ec`), µrad, right-handed.
+    pub angles_urad: PerAxis<Option<Vec<f64>>>,
+    lines: Vec<usize>,
+}
+
+/// A checked error table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorTable {
+    /// The file.
+    pub source: Source,
+    series: PerAxis<Vec<Series>>,
+}
+
+impl ErrorTable {
+    /// Reads and checks a table; all problems of the file are given at once.
+    pub fn read(source: Source) -> Result<ErrorTable, Problems> {
+        let lines = Lines::of(&source);
+        let Some((header, rows)) = lines.split_header() else {
+            return Err(Problem::new(format!("`{}` is empty, expected an error table", source.name))
+                .help("first line: axis,position_mm,ex_um,ey_um,ez_um")
+                .into());
+        };
+        let columns = Columns::read(&header)?;
+        let (records, mut problems) = read_rows(&columns, &rows);
+        let mut series = PerAxis::from_fn(|_| Vec::new());
+        for axis in Axis::ALL {
+            series[axis] = series_of(axis, &records, &columns, &mut problems);
+        }
+        if rows.is_empty() {
+            problems.push(
+                Problem::new("the table has a header but no rows, expected measured positions")
+                    .at(header.place(0..header.text.len())),
+            );
+        }
+        problems.or_ok(()).map(|()| ErrorTable { source, series })
+    }
+
+    /// The series of an axis: one without direction, or one or two with.
+    pub fn series(&self, axis: Axis) -> &[Series] {
+        &self.series[axis]
+    }
+
+    /// The place of a row of a series.
+    pub fn place(&self, series: &Series, row: usize) -> Option<Place> {
+        let line = *series.lines.get(row)?;
+        let text = self.source.text.lines().nth(line - 1)?;
+        Some(Place {
+            file: self.source.name.clone(),
+            line,
+            column: 1,
+            width: text.chars().count().max(1),
+            text: text.to_string(),
+        })
+    }
+}
+
+/// One line of the file, with what is needed to point into it.
+struct Line<'a> {
+    file: &'a str,
+    number: usize,
+    text: &'a str,
+    cells: Vec<String>,
+    starts: Vec<usize>,
+}
+
+impl Line<'_> {
+    fn place(&self, span: Range<usize>) -> Place {
+        let inside = Place::in_text(self.file, self.text, span.start, span.end);
+        Place {
+            line: self.number,
+            ..inside
+        }
+    }
+
+    fn cell_place(&self, index: usize) -> Place {
+        let start = self.starts.get(index).copied().unwrap_or(self.text.len());
+        let end = self.starts.get(index + 1).map_or(self.text.len(), |next| next - 1);
+        let cell = &self.text[start.min(end)..end];
+        let indent = cell.len() - cell.trim_start().len();
+        self.place(start + indent..start + indent + cell.trim().len().max(1))
+    }
+}
+
+struct Lines<'a> {
+    lines: Vec<Line<'a>>,
+}
+
+impl<'a> Lines<'a> {
+    fn of(source: &'a Source) -> Lines<'a> {
+        let content = source
+            .text
+            .split('\n')
+            .enumerate()
+            .map(|(index, text)| (index + 1, text.trim_end_matches('\r')))
+            .filter(|(_, text)| !text.trim().is_empty() && !text.trim_start().starts_with('#'));
+        let content: Vec<(usize, &str)> = content.collect();
+        let delimiter = match content.first() {
+            Some((_, header)) if header.contains(';') => b';',
+            _ => b',',
+        };
+        let lines = content
+            .into_iter()
+            .map(|(number, text)| Line {
+                file: &source.name,
+                number,
+                text,
+                cells: cells_of(text, delimiter),
+                starts: starts_of(text, delimiter),
+            })
+            .filter(|line| line.cells.iter().any(|cell| !cell.is_empty()))
+            .collect();
+        Lines { lines }
+    }
+
+    fn split_header(self) -> Option<(Line<'a>, Vec<Line<'a>>)> {
+        let mut lines = self.lines.into_iter();
+        let header = lines.next()?;
+        Some((header, lines.collect()))
+    }
+}
+
+fn cells_of(line: &str, delimiter: u8) -> Vec<String> {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .delimiter(delimiter)
+        .trim(csv::Trim::All)
+        .from_reader(line.as_bytes());
+    reader
+        .records()
+        .next()
+        .and_then(Result::ok)
+        .map(|record| record.iter().map(str::to_string).collect())
+        .unwrap_or_default()
+}
+
+fn starts_of(line: &str, delimiter: u8) -> Vec<usize> {
+    let mut quoted = false;
+    let mut starts = vec![0];
+    for (at, byte) in line.bytes().enumerate() {
+        quoted ^= byte == b'"';
+        if byte == delimiter && !quoted {
+            starts.push(at + 1);
+        }
+    }
+    starts
+}
+
+/// What a column holds; factors turn the column's unit into mm, µm or µrad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Column {
+    Axis,
+    Direction,
+    Position { to_mm: f64 },
+    Deviation { of: Axis, to_um: f64 },
+    Uncertainty { of: Axis, to_um: f64 },
+    Angle { about: Axis, to_urad: f64 },
+    AngleUncertainty { about: Axis },
+}
+
+const MRAD: f64 = 1000.0;
+/// Microradians in one second of arc.
+const ARCSEC: f64 = std::f64::consts::PI / (180.0 * 3600.0) * 1e6;
+
+fn known_columns() -> Vec<(String, Column)> {
+    let mut known = vec![
+        ("axis".to_string(), Column::Axis),
+        ("direction".to_string(), Column::Direction),
+        ("position_mm".to_string(), Column::Position { to_mm: 1.0 }),
+        ("position_in".to_string(), Column::Position { to_mm: MM_PER_INCH }),
+    ];
+    let lengths = [
+        ("um", 1.0),
+        ("mm", UM_PER_MM),
+        ("in", MM_PER_INCH * UM_PER_MM),
+        ("uin", MM_PER_INCH * UM_PER_MM / 1e6),
+    ];
+    let angles = [("urad", 1.0), ("mrad", MRAD), ("arcsec", ARCSEC)];
+    for (of, letter, angle) in [(Axis::X, 'x', 'a'), (Axis::Y, 'y', 'b'), (Axis::Z, 'z', 'c')] {
+        for (unit, to_um) in lengths {
+            known.push((format!("e{letter}_{unit}"), Column::Deviation { of, to_um }));
+            known.push((format!("u_e{letter}_{unit}"), Column::Uncertainty { of, to_um }));
+        }
+        for (unit, to_urad) in angles {
+            known.push((format!("e{angle}_{unit}"), Column::Angle { about: of, to_urad }));
+            known.push((format!("u_e{angle}_{unit}"), Column::AngleUncertainty { about: of }));
+        }
+    }
+    known
+}
+
+struct Columns {
+    kinds: Vec<Column>,
+    names: Vec<String>,
+    decimal_comma: bool,
+}
+
+impl Columns {
+    fn read(header: &Line<'_>) -> Result<Columns, Problems> {
+        let known = known_columns();
+        let mut problems = Problems::none();
+        let mut kinds = Vec::new();
+        for (index, name) in header.cells.iter().enumerate() {
+            match known.iter().find(|(known, _)| known == name) {
+                Some((_, kind)) => {
+                    let twin = kinds.iter().any(|other| same_content(other, kind));
+                    if twin {
+                        problems.push(
+                            Problem::new(format!("column `{name}` stands for something an earlier column already gives"))
+                                .at(header.cell_place(index))
+                                .help("keep one of the two"),
+                        );
+                    }
+                    kinds.push(*kind);
+                }
+                None => problems.push(unknown_column(header, index, name, &known)),
+            }
+        }
+        if problems.is_empty() {
+            require_columns(header, &kinds, &mut problems);
+        }
+        problems.or_ok(Columns {
+            kinds,
+            names: header.cells.clone(),
+            decimal_comma: header.text.contains(';'),
+        })
+    }
+
+    fn index_of(&self, wanted: impl Fn(&Column) -> bool) -> Option<usize> {
+        self.kinds.iter().position(wanted)
+    }
+}
+
+fn same_content(a: &Column, b: &Column) -> bool {
+    match (a, b) {
+        (Column::Position { .. }, Column::Position { .. }) => true,
+        (Column::Deviation { of: a, .. }, Column::Deviation { of: b, .. })
+        | (Column::Uncertainty { of: a, .. }, Column::Uncertainty { of: b, .. })
+        | (Column::Angle { about: a, .. }, Column::Angle { about: b, .. })
+        | (Column::AngleUncertainty { about: a }, Column::AngleUncertainty { about: b }) => a == b,
+        (Column::Axis, Column::Axis) | (Column::Direction, Column::Direction) => true,
+        _ => false,
+    }
+}
+
+fn unknown_column(header: &Line<'_>, index: usize, name: &str, known: &[(String, Column)]) -> Problem {
+    let names = || known.iter().map(|(name, _)| name.as_str());
+    let units: Vec<&str> = names()
+        .filter_map(|known| known.strip_prefix(name)?.strip_prefix('_'))
+        .collect();
+    if !units.is_empty() {
+        let list: Vec<String> = units.iter().map(|unit| format!("`{name}_{unit}`")).collect();
+        return Problem::new(format!("column `{name}` has no unit, expected {}", list.join(", ")))
+            .at(header.cell_place(index))
+            .help("the unit is part of the column's name");
+    }
+    let help = nearest(name, names()).map_or_else(
+        || "columns: axis, direction, position_mm, ex_um, ey_um, ez_um, u_ex_um …".to_string(),
+        |near| format!("did you mean `{near}`?"),
+    );
+    Problem::new(format!("unknown column `{name}`"))
+        .at(header.cell_place(index))
+        .help(help)
+}
+
+fn require_columns(header: &Line<'_>, kinds: &[Column], problems: &mut Problems) {
+    let whole = header.place(0..header.text.len());
+    let mut require = |present: bool, what: &str, example: &str| {
+        if !present {
+            problems.push(
+                Problem::new(format!("there is no column for {what}, expected {example}"))
+                    .at(whole.clone())
+                    .help("first line: axis,position_mm,ex_um,ey_um,ez_um"),
+            );
+        }
+    };
+    require(kinds.contains(&Column::Axis), "the axis", "`axis`");
+    require(
+        kinds.iter().any(|kind| matches!(kind, Column::Position { .. })),
+        "the position",
+        "`position_mm` or `position_in`",
+    );
+    require(
+        kinds.iter().any(|kind| matches!(kind, Column::Deviation { .. } | Column::Angle { .. })),
+        "any deviation",
+        "`ex_um`, `ey_um` or `ez_um`",
+    );
+}
+
+/// A row whose cells could all be read.
+struct Record {
+    line: usize,
+    place: Place,
+    axis: Axis,
+    direction: Option<Direction>,
+    position_mm: f64,
+    /// One for each column; `None` = empty, and for columns that hold no number.
+    numbers: Vec<Option<f64>>,
+    cell_places: Vec<Place>,
+}
+
+fn read_rows(columns: &Columns, rows: &[Line<'_>]) -> (Vec<Record>, Problems) {
+    let mut problems = Problems::none();
+    let records = rows
+        .iter()
+        .filter_map(|row| read_row(columns, row, &mut problems))
+        .collect();
+    (records, problems)
+}
+
+fn read_row(columns: &Columns, row: &Line<'_>, problems: &mut Problems) -> Option<Record> {
+    let expected = columns.kinds.len();
+    if row.cells.len() != expected {
+        problems.push(wrong_length(row, expected));
+        return None;
+    }
+    let before = problems.iter().count();
+    let mut axis = None;
+    let mut direction = Some(None);
+    let mut numbers = Vec::new();
+    for (index, kind) in columns.kinds.iter().enumerate() {
+        let cell = row.cells[index].as_str();
+        let mut number = None;
+        match kind {
+            Column::Axis => axis = read_axis(row, index, cell, problems),
+            Column::Direction => direction = read_direction(row, index, cell, problems),
+            _ if cell.is_empty() => {}
+            _ => number = read_number(columns, row, index, cell, problems),
+        }
+        numbers.push(number);
+    }
+    let at = columns.index_of(|kind| matches!(kind, Column::Position { .. }))?;
+    if row.cells[at].is_empty() {
+        problems.push(
+            Problem::new("the position is empty, expected a number")
+                .at(row.cell_place(at))
+                .help("every row needs its machine coordinate"),
+        );
+    }
+    if problems.iter().count() > before {
+        return None;
+    }
+    Some(Record {
+        line: row.number,
+        place: row.place(0..row.text.len()),
+        axis: axis?,
+        direction: direction?,
+        position_mm: numbers[at]?,
+        numbers,
+        cell_places: (0..expected).map(|index| row.cell_place(index)).collect(),
+    })
+}
+
+fn wrong_length(row: &Line<'_>, expected: usize) -> Problem {
+    let found = row.cells.len();
+    let help = if found > expected {
+        "numbers need a decimal point, or semicolons between the columns"
+    } else {
+        "leave a cell of a column that was not measured empty, but keep its separator"
+    };
+    Problem::new(format!("the row has {found} cells, expected {expected} as in the header"))
+        .at(row.place(0..row.text.len()))
+        .help(help)
+}
+
+fn read_axis(row: &Line<'_>, index: usize, cell: &str, problems: &mut Problems) -> Option<Axis> {
+    let axis = Axis::from_letter(cell);
+    if axis.is_none() {
+        problems.push(
+            Problem::new(format!("unknown axis `{cell}`, expected `x`, `y` or `z`"))
+                .at(row.cell_place(index))
+                .help("name the moving axis"),
+        );
+    }
+    axis
+}
+
+fn read_direction(
+    row: &Line<'_>,
+    index: usize,
+    cell: &str,
+    problems: &mut Problems,
+) -> Option<Option<Direction>> {
+    if cell.is_empty() {
+        return Some(None);
+    }
+    let direction = Direction::from_symbol(cell);
+    if direction.is_none() {
+        problems.push(
+            Problem::new(format!("unknown direction `{cell}`, expected `+`, `-` or an empty cell"))
+                .at(row.cell_place(index))
+                .help("`+` = the axis came from smaller coordinates"),
+        );
+    }
+    direction.map(Some)
+}
+
+fn read_number(
+    columns: &Columns,
+    row: &Line<'_>,
+    index: usize,
+    cell: &str,
+    problems: &mut Problems,
+) -> Option<f64> {
+    let name = &columns.names[index];
+    let refuse = |message: String, help: &str| Problem::new(message).at(row.cell_place(index)).help(help);
+    let text = if columns.decimal_comma {
+        cell.replace(',', ".")
+    } else {
+        cell.to_string()
+    };
+    let plain = text.chars().all(|c| c.is_ascii_digit() || "+-.eE".contains(c));
+    let number = text.parse::<f64>().ok().filter(|_| plain);
+    match number {
+        Some(number) if number.is_finite() => {
+            let uncertainty = matches!(columns.kinds[index], Column::Uncertainty { .. } | Column::AngleUncertainty { .. });
+            if uncertainty && number < 0.0 {
+                problems.push(refuse(format!("`{name}` is {cell}, expected an uncertainty of at least 0"), "write the standard uncertainty, k = 1"));
+                return None;
+            }
+            Some(number)
+        }
+        Some(_) => {
+            problems.push(refuse(format!("`{name}` is `{cell}`, which is too large for any machine"), "check the cell"));
+            None
+        }
+        None => {
+            let help = if cell.contains(',') {
+                "a decimal comma needs semicolons between the columns; or write a decimal point"
+            } else {
+                "leave the whole column empty for this axis if it was not measured"
+            };
+            problems.push(refuse(format!("`{name}` is `{cell}`, expected a finite number"), help));
+            None
+        }
+    }
+}
+
+fn series_of(axis: Axis, records: &[Record], columns: &Columns, problems: &mut Problems) -> Vec<Series> {
+    let of_axis: Vec<&Record> = records.iter().filter(|record| record.axis == axis).collect();
+    refuse_mixed_directions(axis, &of_axis, problems);
+    let directions = [None, Some(Direction::Plus), Some(Direction::Minus)];
+    directions
+        .into_iter()
+        .filter_map(|direction| {
+            let rows: Vec<&Record> = of_axis
+                .iter()
+                .copied()
+                .filter(|record| record.direction == direction)
+                .collect();
+            (!rows.is_empty()).then(|| build_series(axis, direction, &rows, columns, problems))
+        })
+        .collect()
+}
+
+fn refuse_mixed_directions(axis: Axis, records: &[&Record], problems: &mut Problems) {
+    let signed = records.iter().any(|record| record.direction.is_some());
+    let unsigned = records.iter().find(|record| record.direction.is_none());
+    if let (true, Some(record)) = (signed, unsigned) {
+        problems.push(
+            Problem::new(format!("axis {axis} has rows with and without a direction, expected one kind"))
+                .at(record.place.clone())
+                .help("give every row of the axis `+` or `-`, or none"),
+        );
+    }
+}
+
+fn build_series(
+    axis: Axis,
+    direction: Option<Direction>,
+    rows: &[&Record],
+    columns: &Columns,
+    problems: &mut Problems,
+) -> Series {
+    refuse_unordered(axis, rows, problems);
+    let mut series = Series {
+        direction,
+        positions: Vec::new(),
+        deviations: PerAxis::default(),
+        uncertainties_um: PerAxis::default(),
+        angles_urad: PerAxis::default(),
+        lines: rows.iter().map(|row| row.line).collect(),
+    };
+    for (index, kind) in columns.kinds.iter().enumerate() {
+        let name = &columns.names[index];
+        let mut values = |factor: f64| column_values(axis, name, index, rows, factor, problems);
+        match *kind {
+            Column::Position { to_mm } => {
+                series.positions = rows.iter().map(|row| Millimetres::new(row.position_mm * to_mm)).collect();
+            }
+            Column::Deviation { of, to_um } => {
+                series.deviations[of] = values(to_um).map(|um| um.into_iter().map(Deviation::from_um).collect());
+            }
+            Column::Uncertainty { of, to_um } => series.uncertainties_um[of] = values(to_um),
+            Column::Angle { about, to_urad } => series.angles_urad[about] = values(to_urad),
+            Column::AngleUncertainty { .. } => drop(values(1.0)),
+            Column::Axis | Column::Direction => {}
+        }
+    }
+    series
+}
+
+fn refuse_unordered(axis: Axis, rows: &[&Record], problems: &mut Problems) {
+    for pair in rows.windows(2) {
+        let (before, here) = (pair[0].position_mm, pair[1].position_mm);
+        if here > before {
+            continue;
+        }
+        let same = (here - before).abs() < f64::EPSILON * before.abs().max(1.0);
+        let (message, help) = if same {
+            (format!("position {here} of axis {axis} stands twice"), "average repeated runs, or give them directions `+` and `-`")
+        } else {
+            (format!("position {here} of axis {axis} comes after {before}, expected ascending positions"), "sort the rows of each axis and direction by position")
+        };
+        problems.push(Problem::new(message).at(pair[1].place.clone()).help(help));
+    }
+    if let [only] = rows
+        && problems.is_empty()
+    {
+        problems.push(
+            Problem::new(format!("axis {axis} has a single position, expected at least two"))
+                .at(only.place.clone())
+                .help("one position makes no curve"),
+        );
+    }
+}
+
+/// The values of a column for some rows: all of them, none of them (not measured), or a problem.
+fn column_values(
+    axis: Axis,
+    name: &str,
+    index: usize,
+    rows: &[&Record],
+    factor: f64,
+    problems: &mut Problems,
+) -> Option<Vec<f64>> {
+    if rows.iter().all(|row| row.numbers[index].is_none()) {
+        return None;
+    }
+    for row in rows.iter().filter(|row| row.numbers[index].is_none()) {
+        problems.push(
+            Problem::new(format!("`{name}` is empty in one row of axis {axis}, expected a number as in its other rows"))
+                .at(row.cell_places[index].clone())
+                .help("a missing value is never filled in: measure it, or leave the whole column empty for this axis"),
+        );
+    }
+    rows.iter().map(|row| row.numbers[index].map(|number| number * factor)).collect()
+}

@@ -1,0 +1,233 @@
+//! The job: everything needed to make a kit again (contract §2.3).
+//!
+//! A job that exists is valid in itself; whether it fits the measured errors and the control is
+//! checked later, with [`Job::problem_at`] pointing back at the key.
+
+mod read;
+
+use crate::axis::{Direction, ErrorTerm, PerAxis};
+use crate::controller::LengthUnit;
+use crate::curve::Interpolation;
+use crate::document::{Source, read_page};
+use crate::fit::Fit;
+use crate::problem::{Problem, Problems};
+use crate::units::Millimetres;
+
+/// A checked job.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
+    /// The file.
+    pub source: Source,
+    /// `[machine]`.
+    pub machine: Machine,
+    /// `[measurement]`.
+    pub measurement: Measurement,
+    /// `[compensation]`.
+    pub compensation: Compensation,
+    /// `[limits]`.
+    pub limits: Limits,
+    /// `[acceptance]`.
+    pub acceptance: Acceptance,
+}
+
+impl Job {
+    /// Reads and checks a job; all problems of the page are given at once.
+    pub fn read(source: Source) -> Result<Job, Problems> {
+        let (parts, source) = read_page(source, read::job)?;
+        let (machine, measurement, compensation, limits, acceptance) = parts;
+        Ok(Job {
+            source,
+            machine,
+            measurement,
+            compensation,
+            limits,
+            acceptance,
+        })
+    }
+
+    /// A problem at a key of the job, by its dotted path.
+    pub fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
+        self.source.problem_at(path, message)
+    }
+}
+
+/// The machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// Its name, as in reports.
+    pub name: String,
+    /// Serial number.
+    pub serial: Option<String>,
+    /// Kinematic chain in the notation of contract §1, e.g. `wXYZt`.
+    pub chain: Option<String>,
+    /// Its axes; absent where the job does not describe one.
+    pub axes: PerAxis<Option<MachineAxis>>,
+}
+
+/// One axis of the machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MachineAxis {
+    /// Smallest machine coordinate.
+    pub low: Millimetres,
+    /// Largest machine coordinate.
+    pub high: Millimetres,
+    /// Reference (home) point: every table is zero here.
+    pub reference: Millimetres,
+    /// Direction of the reference return, if the job states it.
+    pub reference_direction: Option<Direction>,
+    /// Largest feed, mm/min.
+    pub max_feed: Option<f64>,
+}
+
+impl MachineAxis {
+    /// The stated direction of the reference return, or +.
+    pub fn homing(&self) -> Direction {
+        self.reference_direction.unwrap_or(Direction::Plus)
+    }
+}
+
+/// Whether a compensation was active while measuring.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ActiveTables {
+    /// `"none"`: the machine was measured without compensation.
+    None,
+    /// The job does not say; warned about in every output.
+    NotStated,
+}
+
+/// What was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// Path of the error table, relative to the job.
+    pub errors: String,
+    /// Date of the measurement, as it is printed.
+    pub date: Option<String>,
+    /// Compensation that was active.
+    pub active: ActiveTables,
+    /// Squareness to add, µm/m, by the term it is added to (EXY, EXZ, EYZ).
+    pub squareness: Vec<(ErrorTerm, f64)>,
+    /// `[measurement.protocol]`, as it is printed.
+    pub protocol: Vec<(String, String)>,
+}
+
+/// Which terms to compensate.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum WantedTerms {
+    /// All that are measured and that the control can take.
+    All,
+    /// These.
+    Listed(Vec<ErrorTerm>),
+}
+
+/// What to do with the difference of the two directions of travel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BacklashPolicy {
+    /// One table with the mean of both directions.
+    Mean,
+    /// One table for each direction.
+    TwoTables,
+    /// One table with the curve of the + direction.
+    ForwardOnly,
+    /// One table with the curve of the reference direction; −B goes to the backlash parameter.
+    CurveAndParameter,
+}
+
+impl BacklashPolicy {
+    /// The word of the job.
+    pub const fn word(self) -> &'static str {
+        match self {
+            BacklashPolicy::Mean => "mean",
+            BacklashPolicy::TwoTables => "two-tables",
+            BacklashPolicy::ForwardOnly => "forward-only",
+            BacklashPolicy::CurveAndParameter => "curve-and-parameter",
+        }
+    }
+}
+
+/// How the points of a table are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GridRequest {
+    /// This distance of two points, mm.
+    Spacing(f64),
+    /// This number of points.
+    Points(u32),
+    /// As few points as keep this residual, µm.
+    MaxResidual(f64),
+}
+
+/// Where the grid passes the measured range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutsideMeasured {
+    /// The end value is held, marked as not measured.
+    Hold,
+    /// Refused.
+    Refuse,
+}
+
+/// `[compensation.axes.*]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisSettings {
+    /// How its points are chosen.
+    pub grid: Option<GridRequest>,
+    /// How the control names its physical axes (several for a gantry); empty = the profile's default.
+    pub ids: Vec<String>,
+    /// Siemens: measuring system, 1 or 2.
+    pub measuring_system: Option<u32>,
+    /// Detection unit, µm.
+    pub detection_unit_um: Option<f64>,
+    /// Fanuc: first pitch point number of the axis.
+    pub first_point: Option<u32>,
+    /// Fanuc: bit parameter 3605 as found.
+    pub parameter_3605: Option<u8>,
+    /// Fanuc: interpolated pitch compensation is on.
+    pub interpolated: bool,
+    /// First point of the table, mm.
+    pub start_mm: Option<f64>,
+    /// Last point of the table, mm.
+    pub end_mm: Option<f64>,
+    /// Where the grid passes the measured range.
+    pub outside: OutsideMeasured,
+}
+
+/// `[compensation]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compensation {
+    /// Id of a built-in profile, or the path of a user's own.
+    pub controller: String,
+    /// Basic system of the control.
+    pub control_unit: LengthUnit,
+    /// Which terms.
+    pub terms: WantedTerms,
+    /// What to do with two directions; no default where the data have two.
+    pub backlash: Option<BacklashPolicy>,
+    /// Between measured points.
+    pub curve: Interpolation,
+    /// Table values.
+    pub fit: Fit,
+    /// Siemens: first CEC table that is free.
+    pub first_table: Option<u32>,
+    /// Fanuc: first straightness set that is free (from 1).
+    pub first_set: Option<u32>,
+    /// Fanuc: point numbers in use elsewhere.
+    pub reserved_points: Vec<[u32; 2]>,
+    /// Settings of each axis.
+    pub axes: PerAxis<Option<AxisSettings>>,
+}
+
+/// `[limits]`: refuse rather than emit nonsense.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Largest correction, µm.
+    pub max_correction_um: f64,
+    /// Largest slope, µm/mm.
+    pub max_slope_um_per_mm: f64,
+}
+
+/// `[acceptance]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Acceptance {
+    /// Bound of what is left of every term, µm.
+    pub max_deviation_um: Option<f64>,
+    /// Bound of max − min along every body diagonal, µm.
+    pub max_diagonal_um: Option<f64>,
+}

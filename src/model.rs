@@ -1,0 +1,270 @@
+//! The nine errors as functions of position, zero at the reference point.
+//!
+//! ```text
+//!   error table ─┬→ one curve per term (and direction) ─→ − value at the reference ─→ ErrorModel
+//!   job ─────────┘   (+ squareness, if the slopes do not hold it)
+//! ```
+//! With two directions both curves are zeroed by the *same* value: that of the curve of the
+//! reference direction at the reference point. The other curve then carries the reversal there
+//! (contract §2.3, Zero).
+
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::curve::ErrorCurve;
+use crate::error_table::{ErrorTable, Series};
+use crate::job::{Job, MachineAxis};
+use crate::problem::{Problem, Problems};
+use crate::units::{Deviation, Millimetres};
+
+/// How a term was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measured {
+    /// Without regard to direction (or as the mean of both).
+    Undirected(ErrorCurve),
+    /// In both directions.
+    BothWays {
+        /// Moving in +.
+        plus: ErrorCurve,
+        /// Moving in −.
+        minus: ErrorCurve,
+    },
+    /// In one direction only.
+    OneWay(Direction, ErrorCurve),
+}
+
+impl Measured {
+    /// The curve that holds while the axis moves in `direction`, if that direction was measured.
+    pub fn curve(&self, direction: Direction) -> Option<&ErrorCurve> {
+        match (self, direction) {
+            (Measured::Undirected(curve), _)
+            | (Measured::BothWays { plus: curve, .. }, Direction::Plus)
+            | (Measured::BothWays { minus: curve, .. }, Direction::Minus) => Some(curve),
+            (Measured::OneWay(measured, curve), wanted) => (*measured == wanted).then_some(curve),
+        }
+    }
+
+    /// Whether the two directions were measured apart.
+    pub fn has_both_ways(&self) -> bool {
+        matches!(self, Measured::BothWays { .. })
+    }
+}
+
+/// One measured term.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredTerm {
+    /// Its curves, zero at the reference.
+    pub measured: Measured,
+    /// Largest standard uncertainty (k = 1) of its points, µm; `None` = not stated.
+    pub u_um: Option<f64>,
+}
+
+impl MeasuredTerm {
+    /// Largest |deviation| over the measured range and all measured directions, µm (the
+    /// contract's `before_um`).
+    pub fn largest_um(&self) -> f64 {
+        self.curves()
+            .map(|curve| {
+                let (from, to) = curve.measured_range();
+                curve.largest_magnitude(from, to)
+            })
+            .fold(0.0, f64::max)
+    }
+
+    /// Its curves, + before −.
+    pub fn curves(&self) -> impl Iterator<Item = &ErrorCurve> {
+        let (first, second) = match &self.measured {
+            Measured::Undirected(curve) | Measured::OneWay(_, curve) => (curve, None),
+            Measured::BothWays { plus, minus } => (plus, Some(minus)),
+        };
+        std::iter::once(first).chain(second)
+    }
+
+    /// Reversal B = mean deviation moving + minus mean deviation moving −, µm (contract §1).
+    pub fn reversal(&self) -> Option<Deviation> {
+        match &self.measured {
+            Measured::BothWays { plus, minus } => {
+                plus.difference(minus).map(|d| d.mean_value_over_range())
+            }
+            _ => None,
+        }
+    }
+
+    /// Slope of the line through the ends of the curve (mean of both directions), µm/m.
+    pub fn end_point_slope_um_per_m(&self) -> f64 {
+        match &self.measured {
+            Measured::Undirected(curve) | Measured::OneWay(_, curve) => curve.end_point_slope_um_per_m(),
+            Measured::BothWays { plus, minus } => {
+                f64::midpoint(plus.end_point_slope_um_per_m(), minus.end_point_slope_um_per_m())
+            }
+        }
+    }
+}
+
+/// The measured errors of a machine as curves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorModel {
+    /// The measured terms; `None` = not measured.
+    pub terms: PerTerm<Option<MeasuredTerm>>,
+    /// The measured range of each axis (where all its directions were measured).
+    pub ranges: PerAxis<Option<(Millimetres, Millimetres)>>,
+}
+
+impl ErrorModel {
+    /// Curves from a table and a job. All problems of both are given at once.
+    pub fn build(job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
+        let mut problems = Problems::none();
+        let ranges = PerAxis::from_fn(|axis| measured_range(table.series(axis)));
+        for axis in Axis::ALL {
+            check_axis(job, table, axis, &mut problems);
+        }
+        let mut terms = PerTerm::from_fn(|_| None);
+        for term in ErrorTerm::ALL {
+            if let Some(machine) = job.machine.axes[term.along] {
+                terms[term] = measured_term(job, table.series(term.along), term, machine);
+            }
+        }
+        for (term, slope) in &job.measurement.squareness {
+            add_squareness(job, &mut terms, *term, *slope, &mut problems);
+        }
+        if terms.iter().all(|(_, term)| term.is_none()) && problems.is_empty() {
+            problems.push(Problem::new(format!("`{}` holds no deviation, expected at least one of ex, ey, ez", table.source.name)));
+        }
+        problems.or_ok(ErrorModel { terms, ranges })
+    }
+
+    /// The measured terms in the contract's order.
+    pub fn measured(&self) -> impl Iterator<Item = (ErrorTerm, &MeasuredTerm)> {
+        self.terms.iter().filter_map(|(term, measured)| Some((term, measured.as_ref()?)))
+    }
+
+    /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured; end-point
+    /// slopes. Positive = the angle between the positive axis directions is less than 90°
+    /// (contract §1).
+    pub fn squareness_um_per_m(&self, first: Axis, second: Axis) -> Option<f64> {
+        let slope = |of, along| Some(self.terms[ErrorTerm { of, along }].as_ref()?.end_point_slope_um_per_m());
+        Some(slope(first, second)? + slope(second, first)?)
+    }
+}
+
+fn measured_range(series: &[Series]) -> Option<(Millimetres, Millimetres)> {
+    let ends = |s: &Series| Some((*s.positions.first()?, *s.positions.last()?));
+    series.iter().filter_map(ends).reduce(|a, b| {
+        let low = if a.0 > b.0 { a.0 } else { b.0 };
+        let high = if a.1 < b.1 { a.1 } else { b.1 };
+        (low, high)
+    })
+}
+
+fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &mut Problems) {
+    let series = table.series(axis);
+    if series.is_empty() {
+        return;
+    }
+    let Some(machine) = job.machine.axes[axis] else {
+        problems.push(
+            job.problem_at("machine.axes", format!("axis {axis} was measured, but [machine.axes.{}] is missing", axis.key()))
+                .help("add travel_mm and reference_mm of this axis"),
+        );
+        return;
+    };
+    for series in series {
+        check_inside_travel(table, axis, series, machine, problems);
+    }
+    if measured_range(series).is_some_and(|(low, high)| low >= high) {
+        problems.push(
+            Problem::new(format!("the two directions of axis {axis} were measured at places that do not overlap"))
+                .help("measure both directions over the same range"),
+        );
+    }
+}
+
+/// Targets may miss the stated travel by this much (rounding of inch positions).
+const TRAVEL_TOLERANCE_MM: f64 = 0.01;
+
+fn check_inside_travel(
+    table: &ErrorTable,
+    axis: Axis,
+    series: &Series,
+    machine: MachineAxis,
+    problems: &mut Problems,
+) {
+    let outside = |p: &Millimetres| {
+        p.mm() < machine.low.mm() - TRAVEL_TOLERANCE_MM || p.mm() > machine.high.mm() + TRAVEL_TOLERANCE_MM
+    };
+    let rows: Vec<usize> = (0..series.positions.len()).filter(|row| outside(&series.positions[*row])).collect();
+    let Some(first) = rows.first() else {
+        return;
+    };
+    let position = series.positions[*first].mm();
+    let more = if rows.len() > 1 { format!(", and {} more rows", rows.len() - 1) } else { String::new() };
+    let problem = Problem::new(format!(
+        "position {position} mm of axis {axis} lies outside its travel {} … {} mm{more}",
+        machine.low.mm(),
+        machine.high.mm()
+    ))
+    .help("positions are machine coordinates in the unit of their column; correct them or `travel_mm`");
+    problems.push(match table.place(series, *first) {
+        Some(place) => problem.at(place),
+        None => problem,
+    });
+}
+
+fn measured_term(job: &Job, series: &[Series], term: ErrorTerm, machine: MachineAxis) -> Option<MeasuredTerm> {
+    let curves: Vec<(Option<Direction>, ErrorCurve)> = series
+        .iter()
+        .filter_map(|s| {
+            let deviations = s.deviations[term.of].as_ref()?;
+            Some((s.direction, ErrorCurve::through(&s.positions, deviations, job.compensation.curve)))
+        })
+        .collect();
+    let zero = value_at_reference(&curves, machine)?;
+    let mut zeroed = curves.into_iter().map(|(direction, curve)| (direction, curve.less(zero)));
+    let (direction, first) = zeroed.next()?;
+    let measured = match (direction, zeroed.next()) {
+        (_, Some((_, minus))) => Measured::BothWays { plus: first, minus },
+        (Some(direction), None) => Measured::OneWay(direction, first),
+        (None, None) => Measured::Undirected(first),
+    };
+    let u_um = series
+        .iter()
+        .filter_map(|s| s.uncertainties_um[term.of].as_ref())
+        .flatten()
+        .copied()
+        .reduce(f64::max);
+    Some(MeasuredTerm { measured, u_um })
+}
+
+fn value_at_reference(curves: &[(Option<Direction>, ErrorCurve)], machine: MachineAxis) -> Option<Deviation> {
+    let homing = Some(machine.homing());
+    let (_, curve) = curves
+        .iter()
+        .find(|(direction, _)| *direction == homing)
+        .or(curves.first())?;
+    Some(curve.at(machine.reference))
+}
+
+fn add_squareness(
+    job: &Job,
+    terms: &mut PerTerm<Option<MeasuredTerm>>,
+    term: ErrorTerm,
+    slope: f64,
+    problems: &mut Problems,
+) {
+    let machine = job.machine.axes[term.along];
+    let (Some(measured), Some(machine)) = (terms[term].as_mut(), machine) else {
+        let key = format!("measurement.squareness_um_per_m.{}{}", term.of.key(), term.along.key());
+        problems.push(
+            job.problem_at(&key, format!("squareness is added to {term}, but {term} was not measured"))
+                .help(format!("give the straightness {term} in the error table, or leave this squareness out")),
+        );
+        return;
+    };
+    let tilt = |curve: &ErrorCurve| curve.plus_slope(slope, machine.reference);
+    measured.measured = match &measured.measured {
+        Measured::Undirected(curve) => Measured::Undirected(tilt(curve)),
+        Measured::OneWay(direction, curve) => Measured::OneWay(*direction, tilt(curve)),
+        Measured::BothWays { plus, minus } => Measured::BothWays {
+            plus: tilt(plus),
+            minus: tilt(minus),
+        },
+    };
+}

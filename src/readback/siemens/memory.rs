@@ -1,0 +1,367 @@
+//! Assignments of one file gathered into tables: the meaning of the variables.
+//!
+//! A table is complete when its file ends; until then its parameters and points may come in any
+//! order and the last assignment of each counts (Function Manual Extended Functions 03/2013, K3
+//! p. 240-249: the assignments are independent statements).
+
+use super::statement::{Assignment, Complaint, Value};
+use super::variable::{self, Key, number_of};
+use super::{MachineDatum, MachineValue, SiemensContents};
+use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// (MAX−MIN)/STEP may differ this much from a whole number, in steps. Real files round STEP:
+/// 770 / 19.7436 = 38.99998.
+const RATIO_TOLERANCE: f64 = 1e-3;
+/// No control reserves more points for one table (5000 is the largest bound known); keeps a
+/// mistyped STEP from filling the memory of the PC.
+const MOST_POINTS: f64 = 100_000.0;
+
+/// A number and where it stands.
+#[derive(Clone, Debug)]
+struct Placed {
+    number: f64,
+    span: Range<usize>,
+}
+
+/// What LEC and CEC tables have in common.
+#[derive(Debug, Default)]
+struct Draft {
+    head: Range<usize>,
+    unreadable: bool,
+    protected: bool,
+    min: Option<Placed>,
+    step: Option<Placed>,
+    max: Option<Placed>,
+    modulo: Option<bool>,
+    points: BTreeMap<u32, Placed>,
+}
+
+#[derive(Debug, Default)]
+struct CecDraft {
+    draft: Draft,
+    input: Option<String>,
+    output: Option<String>,
+    direction: Option<CecDirection>,
+    multiply_by: Option<u32>,
+}
+
+/// The tables and machine data of one file while it is being read.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    lec: BTreeMap<(String, u32), Draft>,
+    cec: BTreeMap<u32, CecDraft>,
+    machine: Vec<MachineDatum>,
+    notes: Vec<String>,
+}
+
+impl Memory {
+    /// Carries out one assignment.
+    pub(super) fn set(&mut self, set: Assignment) -> Result<(), Complaint> {
+        let key = variable::key(&set)?;
+        if set.name.starts_with("AA_") {
+            self.set_lec(&key, set)
+        } else if set.name.starts_with("AN_") {
+            self.set_cec(&key, set)
+        } else {
+            self.set_machine(set)
+        }
+    }
+
+    /// Adds a remark that is no problem.
+    pub(super) fn note(&mut self, note: impl Into<String>) {
+        self.notes.push(note.into());
+    }
+
+    fn set_lec(&mut self, key: &Key, set: Assignment) -> Result<(), Complaint> {
+        let indices = [key.encoder.to_string(), key.axis.clone()];
+        let enabled = self.is_on("MA_ENC_COMP_ENABLE", &indices);
+        let draft = self.lec.entry((key.axis.clone(), key.encoder)).or_default();
+        let head = draft.begin(&set);
+        let field = set.name.trim_start_matches("AA_ENC_COMP").to_string();
+        let result = draft.set(&field, key.point, set);
+        draft.unreadable |= result.is_err();
+        result.and_then(|()| draft.refuse_if(enabled, head, "MA_ENC_COMP_ENABLE"))
+    }
+
+    fn set_cec(&mut self, key: &Key, set: Assignment) -> Result<(), Complaint> {
+        let table = self.cec.entry(key.table).or_default();
+        let head = table.draft.begin(&set);
+        let result = table.set(key.point, set);
+        table.draft.unreadable |= result.is_err();
+        let output = table.output.clone().map(|axis| [axis]);
+        let enabled = output.is_some_and(|axis| self.is_on("MA_CEC_ENABLE", &axis));
+        let table = self.cec.entry(key.table).or_default();
+        result.and_then(|()| table.draft.refuse_if(enabled, head, "MA_CEC_ENABLE"))
+    }
+
+    fn set_machine(&mut self, set: Assignment) -> Result<(), Complaint> {
+        if set.name == "SN_CEC_TABLE_WEIGHT" {
+            variable::only_one(&set)?;
+        }
+        let value = match set.value? {
+            Value::Number(number) => MachineValue::Number(number),
+            Value::Truth(truth) => MachineValue::Number(f64::from(u8::from(truth))),
+            Value::Name(name) => MachineValue::Text(name),
+        };
+        if let Some(known) = self
+            .machine
+            .iter_mut()
+            .find(|datum| datum.name == set.name && same_indices(&datum.indices, &set.indices))
+        {
+            known.value = value;
+            return Ok(());
+        }
+        self.machine.push(MachineDatum {
+            name: set.name,
+            indices: set.indices.iter().map(|index| plain(index)).collect(),
+            value,
+        });
+        Ok(())
+    }
+
+    fn is_on(&self, name: &str, indices: &[String]) -> bool {
+        self.machine.iter().any(|datum| {
+            let on = matches!(datum.value, MachineValue::Number(number) if number > 0.0);
+            datum.name == name && datum.indices == indices && on
+        })
+    }
+
+    /// The tables, if nothing is missing; complaints are added to `complaints`.
+    pub(super) fn finish(mut self, complaints: &mut Vec<Complaint>) -> SiemensContents {
+        let mut tables = SiemensTables::default();
+        for ((axis, encoder), draft) in self.lec {
+            let name = format!("$AA_ENC_COMP[{encoder},{axis}]");
+            draft.note_default(&name, &mut self.notes);
+            if let Some((grid, values)) = draft.finish(&name, complaints) {
+                let modulo = draft.modulo.unwrap_or(false);
+                tables.lec.push(LecTable {
+                    encoder,
+                    axis,
+                    grid,
+                    values,
+                    modulo,
+                });
+            }
+        }
+        for (number, table) in self.cec {
+            table.note_defaults(number, &mut self.notes);
+            tables.cec.extend(table.finish(number, complaints));
+        }
+        SiemensContents {
+            tables,
+            machine_data: self.machine,
+            notes: self.notes,
+        }
+    }
+}
+
+impl Draft {
+    /// Notes where the table begins; gives the place of this assignment.
+    fn begin(&mut self, set: &Assignment) -> Range<usize> {
+        if self.head.is_empty() {
+            self.head = set.head.clone();
+        }
+        set.head.clone()
+    }
+
+    /// A parameter that no line writes; not told if a line could not be read, as it may be that one.
+    fn missing(&self, name: &str, field: &str, complaints: &mut Vec<Complaint>) {
+        if !self.unreadable {
+            complaints.push(Complaint::new(
+                self.head.clone(),
+                format!("{field} of {name} is missing"),
+                "write it in the same file as the points",
+            ));
+        }
+    }
+
+    /// A table that is switched on is write-protected: alarm 17070 (808D Function Manual
+    /// 01/2017 p. 109). Told once for each table.
+    fn refuse_if(&mut self, on: bool, at: Range<usize>, switch: &str) -> Result<(), Complaint> {
+        if !on || std::mem::replace(&mut self.protected, true) {
+            return Ok(());
+        }
+        Err(Complaint::new(
+            at,
+            format!(
+                "the table is written while `${switch}` is 1; the control stops with alarm 17070"
+            ),
+            format!("set `${switch}` to 0 before the table and to 1 after it"),
+        ))
+    }
+
+    fn set(&mut self, field: &str, point: u32, set: Assignment) -> Result<(), Complaint> {
+        match field {
+            "_IS_MODULO" => self.modulo = Some(variable::modulo(&set)?),
+            "_STEP" => self.step = Some(placed(set)?),
+            "_MIN" => self.min = Some(placed(set)?),
+            "_MAX" => self.max = Some(placed(set)?),
+            _ => {
+                self.points.insert(point, placed(set)?);
+            }
+        }
+        Ok(())
+    }
+
+    fn note_default(&self, name: &str, notes: &mut Vec<String>) {
+        if self.modulo.is_none() {
+            notes.push(format!("{name}: IS_MODULO is not written, 0 is assumed"));
+        }
+    }
+
+    fn finish(
+        &self,
+        name: &str,
+        complaints: &mut Vec<Complaint>,
+    ) -> Option<(SiemensGrid, Vec<Option<f64>>)> {
+        let grid = self.grid(name, complaints)?;
+        let last = last_point(name, grid, self.step.as_ref()?)
+            .map_err(|complaint| complaints.push(complaint))
+            .ok()?;
+        for (point, placed) in self.points.range(last + 1..) {
+            complaints.push(Complaint::new(
+                placed.span.clone(),
+                format!("{name} has point {point}, but MIN, STEP and MAX give points 0 to {last}"),
+                "remove the point or correct MIN, STEP or MAX",
+            ));
+        }
+        let value = |point| self.points.get(&point).map(|placed| placed.number);
+        Some((grid, (0..=last).map(value).collect()))
+    }
+
+    fn grid(&self, name: &str, complaints: &mut Vec<Complaint>) -> Option<SiemensGrid> {
+        for (field, value) in [("MIN", &self.min), ("STEP", &self.step), ("MAX", &self.max)] {
+            if value.is_none() {
+                self.missing(name, field, complaints);
+            }
+        }
+        let (min, step, max) = (self.min.as_ref()?, self.step.as_ref()?, self.max.as_ref()?);
+        if step.number <= 0.0 {
+            complaints.push(Complaint::new(
+                step.span.clone(),
+                format!(
+                    "STEP of {name} is {}, it must be greater than 0",
+                    step.number
+                ),
+                "write the distance of two points",
+            ));
+            return None;
+        }
+        if max.number <= min.number {
+            complaints.push(Complaint::new(
+                max.span.clone(),
+                format!(
+                    "MAX of {name} is {}, not greater than MIN {}",
+                    max.number, min.number
+                ),
+                "MIN is the position of point 0, MAX that of the last point",
+            ));
+            return None;
+        }
+        Some(SiemensGrid {
+            min: min.number,
+            step: step.number,
+            max: max.number,
+        })
+    }
+}
+
+impl CecDraft {
+    fn set(&mut self, point: u32, set: Assignment) -> Result<(), Complaint> {
+        let field = set.name.trim_start_matches("AN_CEC").to_string();
+        match field.as_str() {
+            "_INPUT_AXIS" => self.input = Some(variable::axis(set)?),
+            "_OUTPUT_AXIS" => self.output = Some(variable::axis(set)?),
+            "_DIRECTION" => self.direction = Some(variable::direction(&set)?),
+            "_MULT_BY_TABLE" => self.multiply_by = Some(variable::table_number(&set)?),
+            "_TYPE" => variable::only_zero(&set, "its meaning is not documented")?,
+            "_INPUT_NCU" | "_OUTPUT_NCU" => {
+                variable::only_zero(&set, "it links axes of several NCUs")?
+            }
+            other => self.draft.set(other, point, set)?,
+        }
+        Ok(())
+    }
+
+    fn note_defaults(&self, number: u32, notes: &mut Vec<String>) {
+        let name = format!("$AN_CEC[{number}]");
+        self.draft.note_default(&name, notes);
+        if self.direction.is_none() {
+            notes.push(format!("{name}: DIRECTION is not written, 0 is assumed"));
+        }
+        if self.multiply_by.is_none() {
+            notes.push(format!(
+                "{name}: MULT_BY_TABLE is not written, 0 is assumed"
+            ));
+        }
+    }
+
+    fn finish(self, number: u32, complaints: &mut Vec<Complaint>) -> Option<CecTable> {
+        let name = format!("$AN_CEC[{number}]");
+        for (field, axis) in [("INPUT_AXIS", &self.input), ("OUTPUT_AXIS", &self.output)] {
+            if axis.is_none() {
+                self.draft.missing(&name, field, complaints);
+            }
+        }
+        let (grid, values) = self.draft.finish(&name, complaints)?;
+        Some(CecTable {
+            number,
+            input_axis: self.input?,
+            output_axis: self.output?,
+            grid,
+            values,
+            direction: self.direction.unwrap_or(CecDirection::Both),
+            multiply_by: self.multiply_by.unwrap_or(0),
+            modulo: self.draft.modulo.unwrap_or(false),
+        })
+    }
+}
+
+/// Index of the last point, k = (MAX−MIN)/STEP.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a whole number between 1 and MOST_POINTS"
+)]
+fn last_point(name: &str, grid: SiemensGrid, step: &Placed) -> Result<u32, Complaint> {
+    let ratio = (grid.max - grid.min) / grid.step;
+    let last = ratio.round();
+    if last >= MOST_POINTS {
+        let message = format!("{name} would have {ratio:.0} points");
+        let help = "no control holds so many; correct MIN, STEP or MAX";
+        return Err(Complaint::new(step.span.clone(), message, help));
+    }
+    if (ratio - last).abs() >= RATIO_TOLERANCE || last < 1.0 {
+        return Err(Complaint::new(
+            step.span.clone(),
+            format!("(MAX-MIN)/STEP of {name} is {ratio}, expected a whole number from 1"),
+            "the last point must lie on MAX; controls differ in what they do otherwise",
+        ));
+    }
+    Ok(last as u32)
+}
+
+fn placed(set: Assignment) -> Result<Placed, Complaint> {
+    Ok(Placed {
+        number: number_of(&set)?,
+        span: set.value_span,
+    })
+}
+
+fn same_indices(plain_indices: &[String], indices: &[String]) -> bool {
+    plain_indices.len() == indices.len()
+        && plain_indices
+            .iter()
+            .zip(indices)
+            .all(|(a, b)| *a == plain(b))
+}
+
+/// `01` and `1` are the same index.
+fn plain(index: &str) -> String {
+    match index.parse::<u32>() {
+        Ok(number) => number.to_string(),
+        Err(_) => index.to_string(),
+    }
+}

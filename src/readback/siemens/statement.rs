@@ -1,0 +1,406 @@
+//! One line of a Siemens file: its grammar, without the meaning of the variables.
+//!
+//! ```text
+//!   line   = ["%" name] | ["N" digits] [ assign | word ] [";" comment]
+//!   assign = "$" name "[" index {"," index} "]" "=" value
+//!   value  = number | "(" axis ")" | '"' axis '"' | TRUE | FALSE
+//! ```
+//! Blank, tab and `&` separate; case does not matter (SINUMERIK Programming Manual 12/2019,
+//! structure of a part program). Whatever is not in this grammar is a complaint: a word that this
+//! program does not know could move the machine.
+
+use crate::problem::nearest;
+use std::ops::Range;
+
+/// What is wrong with a piece of the text; becomes a `Problem` once the file's name is known.
+#[derive(Clone, Debug)]
+pub(super) struct Complaint {
+    /// Bytes of the whole text.
+    pub(super) span: Range<usize>,
+    /// What was found and what was expected.
+    pub(super) message: String,
+    /// What to do next.
+    pub(super) help: String,
+}
+
+impl Complaint {
+    /// A complaint about the bytes `span`.
+    pub(super) fn new(
+        span: Range<usize>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Complaint {
+            span,
+            message: message.into(),
+            help: help.into(),
+        }
+    }
+}
+
+/// What a line says.
+#[derive(Debug)]
+pub(super) enum Statement {
+    /// Nothing that changes a table: blank, comment, header, `CHANDATA`, `NEWCONF`, `STOPRE`.
+    Nothing,
+    /// `M0`: the program waits for cycle start.
+    Stop,
+    /// `M17`, `M30`, `M2` or `M02`.
+    End,
+    /// An assignment to a `$` variable.
+    Set(Assignment),
+}
+
+/// `$NAME[index,…]=value`.
+#[derive(Debug)]
+pub(super) struct Assignment {
+    /// Name without `$`, upper case.
+    pub(super) name: String,
+    /// Name and indices in the text.
+    pub(super) head: Range<usize>,
+    /// The indices, upper case.
+    pub(super) indices: Vec<String>,
+    /// Where the value stands.
+    pub(super) value_span: Range<usize>,
+    /// The value; a complaint if it cannot be read.
+    pub(super) value: Result<Value, Complaint>,
+}
+
+/// The right side of an assignment.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    /// A number.
+    Number(f64),
+    /// `TRUE` or `FALSE`.
+    Truth(bool),
+    /// A name in parentheses or quotes, upper case.
+    Name(String),
+}
+
+/// Reads the line `line` (bytes of `source`, without its line end).
+pub(super) fn statement(source: &str, line: Range<usize>) -> Result<Statement, Complaint> {
+    let code = line.start
+        ..source[line.clone()]
+            .find(';')
+            .map_or(line.end, |at| line.start + at);
+    check_characters(source, &line, &code)?;
+    let mut cursor = Cursor {
+        source,
+        at: code.start,
+        end: code.end,
+    };
+    cursor.skip_blanks();
+    if cursor.peek() == Some('%') {
+        return header(&cursor);
+    }
+    cursor.block_number();
+    let found = match cursor.peek() {
+        None => Statement::Nothing,
+        Some('$') => Statement::Set(assignment(&mut cursor)?),
+        Some(_) => word(&mut cursor)?,
+    };
+    let unreadable = matches!(&found, Statement::Set(set) if set.value.is_err());
+    if unreadable || cursor.at_end() {
+        return Ok(found);
+    }
+    Err(Complaint::new(
+        cursor.rest(),
+        format!("`{}` follows a complete statement", &source[cursor.rest()]),
+        "one line holds one statement; remove the rest or give it its own line",
+    ))
+}
+
+fn check_characters(
+    source: &str,
+    line: &Range<usize>,
+    code: &Range<usize>,
+) -> Result<(), Complaint> {
+    for (offset, c) in source[line.clone()].char_indices() {
+        let at = line.start + offset;
+        let span = at..at + c.len_utf8();
+        if c.is_control() && c != '\t' {
+            let message = format!("control character U+{:04X} in the file", u32::from(c));
+            return Err(Complaint::new(
+                span,
+                message,
+                "transfer the file again as plain text",
+            ));
+        }
+        if !c.is_ascii() && at < code.end {
+            let message = format!("`{c}` is not an ASCII character");
+            let help = "outside comments the control reads ASCII only";
+            return Err(Complaint::new(span, message, help));
+        }
+    }
+    Ok(())
+}
+
+/// `%_N_<name>_<ext>` in column 1 of the first line; name up to 24 letters, digits and `_`
+/// (HMI Advanced Operator's Guide 03.04, archive formats).
+fn header(cursor: &Cursor<'_>) -> Result<Statement, Complaint> {
+    const LONGEST_NAME: usize = 24;
+    let span = cursor.rest();
+    if span.start != 0 {
+        return Err(Complaint::new(
+            span,
+            "a `%` header stands only in column 1 of the first line",
+            "give every program its own file",
+        ));
+    }
+    let text = cursor.source[span.clone()].to_ascii_uppercase();
+    let well_formed = text
+        .strip_prefix("%_N_")
+        .and_then(|name| name.rsplit_once('_'))
+        .is_some_and(|(name, extension)| {
+            (1..=LONGEST_NAME).contains(&name.len())
+                && extension.len() == 3
+                && name.bytes().chain(extension.bytes()).all(is_word_byte)
+        });
+    if well_formed {
+        return Ok(Statement::Nothing);
+    }
+    Err(Complaint::new(
+        span,
+        format!("`{text}` is not a header of the form `%_N_NAME_INI`"),
+        "letters, digits and `_`, a name of at most 24 characters and an ending of three",
+    ))
+}
+
+fn word(cursor: &mut Cursor<'_>) -> Result<Statement, Complaint> {
+    const WORDS: [&str; 8] = [
+        "M17", "M30", "M2", "M02", "M0", "NEWCONF", "STOPRE", "CHANDATA",
+    ];
+    let line = cursor.rest();
+    let word = cursor.take_word();
+    match word.as_str() {
+        "NEWCONF" | "STOPRE" => return Ok(Statement::Nothing),
+        "M17" | "M30" | "M2" | "M02" => return Ok(Statement::End),
+        "M0" | "M00" => return Ok(Statement::Stop),
+        "CHANDATA" => return channel_data(cursor),
+        _ => {}
+    }
+    let help = match nearest(&word, WORDS) {
+        Some(known) => format!("did you mean `{known}`?"),
+        None => "a compensation file holds only `$` assignments, `CHANDATA(1)`, `NEWCONF`, \
+                 `STOPRE`, `M0` and an end word; anything else could move the machine"
+            .to_string(),
+    };
+    let message = format!("`{}` does not belong here", &cursor.source[line.clone()]);
+    Err(Complaint::new(line, message, help))
+}
+
+fn channel_data(cursor: &mut Cursor<'_>) -> Result<Statement, Complaint> {
+    let opened = cursor.eat('(');
+    cursor.skip_blanks();
+    let number = cursor.take_word();
+    if opened && is_digits(&number) && cursor.eat(')') {
+        return Ok(Statement::Nothing);
+    }
+    Err(Complaint::new(
+        cursor.here(),
+        "`CHANDATA` needs a channel number in parentheses",
+        "write `CHANDATA(1)`",
+    ))
+}
+
+fn assignment(cursor: &mut Cursor<'_>) -> Result<Assignment, Complaint> {
+    let start = cursor.at;
+    cursor.at += 1;
+    let name = cursor.take_word();
+    let indices = indices(cursor, &name)?;
+    let head = start..cursor.at;
+    if !cursor.eat('=') {
+        return Err(Complaint::new(
+            cursor.here(),
+            format!("`=` is missing after `${name}[{}]`", indices.join(",")),
+            "write `$VARIABLE[index]=value`",
+        ));
+    }
+    cursor.skip_blanks();
+    let value_span = cursor.rest();
+    let value = value(cursor);
+    Ok(Assignment {
+        name,
+        head,
+        indices,
+        value_span,
+        value,
+    })
+}
+
+fn indices(cursor: &mut Cursor<'_>, name: &str) -> Result<Vec<String>, Complaint> {
+    let wrong = |cursor: &Cursor<'_>, expected: &str| {
+        Complaint::new(
+            cursor.here(),
+            format!("{expected} expected in the index of `${name}`"),
+            "write whole numbers and axis names between `[` and `]`, separated by commas",
+        )
+    };
+    if !cursor.eat('[') {
+        return Err(wrong(cursor, "`[`"));
+    }
+    let mut indices = Vec::new();
+    loop {
+        cursor.skip_blanks();
+        let index = cursor.take_word();
+        if index.is_empty() {
+            return Err(wrong(cursor, "a number or an axis"));
+        }
+        indices.push(index);
+        if cursor.eat(']') {
+            return Ok(indices);
+        }
+        if !cursor.eat(',') {
+            return Err(wrong(cursor, "`,` or `]`"));
+        }
+    }
+}
+
+fn value(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
+    match cursor.peek() {
+        Some('(') => name_between(cursor, '(', ')'),
+        Some('"') => name_between(cursor, '"', '"'),
+        Some(c) if c.is_ascii_alphabetic() => truth(cursor),
+        Some(_) => number(cursor),
+        None => Err(Complaint::new(
+            cursor.here(),
+            "the value is missing",
+            "write a number after `=`; if the file ends here it is incomplete",
+        )),
+    }
+}
+
+fn name_between(cursor: &mut Cursor<'_>, open: char, close: char) -> Result<Value, Complaint> {
+    let span = cursor.rest();
+    cursor.eat(open);
+    cursor.skip_blanks();
+    let name = cursor.take_word();
+    let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic());
+    if is_name && cursor.eat(close) {
+        return Ok(Value::Name(name));
+    }
+    let message = format!("`{}` is not an axis name", &cursor.source[span.clone()]);
+    Err(Complaint::new(span, message, "write `(AX1)` or `\"AX1\"`"))
+}
+
+fn truth(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
+    let span = cursor.rest();
+    match cursor.take_word().as_str() {
+        "TRUE" => Ok(Value::Truth(true)),
+        "FALSE" => Ok(Value::Truth(false)),
+        _ => Err(Complaint::new(
+            span.clone(),
+            format!("`{}` is not a value", &cursor.source[span]),
+            "write a number; an axis name needs parentheses, as `(AX1)`",
+        )),
+    }
+}
+
+/// Sign, digits and `.digits`; no comma, no exponent.
+fn number(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
+    let all = cursor.rest();
+    let start = cursor.at;
+    if matches!(cursor.peek(), Some('+' | '-')) {
+        cursor.at += 1;
+    }
+    let whole = cursor.take_digits();
+    let mut complete = whole > 0;
+    if cursor.peek() == Some('.') {
+        cursor.at += 1;
+        complete &= cursor.take_digits() > 0;
+    }
+    let text = &cursor.source[start..cursor.at];
+    let found = &cursor.source[all.clone()];
+    let (message, help) = match cursor.peek() {
+        Some(',') => ("has a decimal comma", "write a decimal point"),
+        Some('e' | 'E') if complete => ("has an exponent", "write all digits, as `0.001`"),
+        Some(c) if c.is_ascii_alphanumeric() || "._/".contains(c) => NOT_A_NUMBER,
+        _ if !complete => NOT_A_NUMBER,
+        _ => match text.parse::<f64>() {
+            Ok(number) if number.is_finite() => return Ok(Value::Number(number)),
+            _ => NOT_A_NUMBER,
+        },
+    };
+    Err(Complaint::new(all, format!("`{found}` {message}"), help))
+}
+
+const NOT_A_NUMBER: (&str, &str) = ("is not a number", "write sign, digits, `.` and digits");
+
+pub(super) fn is_digits(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+fn is_word_byte(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
+}
+
+/// A place in the code part of a line. The code part is ASCII, so bytes are characters.
+struct Cursor<'a> {
+    source: &'a str,
+    at: usize,
+    end: usize,
+}
+
+impl Cursor<'_> {
+    fn peek(&self) -> Option<char> {
+        self.source[self.at..self.end].chars().next()
+    }
+
+    fn skip_blanks(&mut self) {
+        while matches!(self.peek(), Some(' ' | '\t' | '&')) {
+            self.at += 1;
+        }
+    }
+
+    fn at_end(&mut self) -> bool {
+        self.skip_blanks();
+        self.at == self.end
+    }
+
+    /// Takes a character if it comes next, after blanks.
+    fn eat(&mut self, wanted: char) -> bool {
+        self.skip_blanks();
+        let found = self.peek() == Some(wanted);
+        self.at += usize::from(found);
+        found
+    }
+
+    /// Letters, digits and `_`, in upper case.
+    fn take_word(&mut self) -> String {
+        let rest = &self.source.as_bytes()[self.at..self.end];
+        let length = rest.iter().take_while(|byte| is_word_byte(**byte)).count();
+        let word = self.source[self.at..self.at + length].to_ascii_uppercase();
+        self.at += length;
+        word
+    }
+
+    fn take_digits(&mut self) -> usize {
+        let rest = &self.source.as_bytes()[self.at..self.end];
+        let length = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        self.at += length;
+        length
+    }
+
+    /// Skips `N` with digits, a block number or the number of a machine datum in an archive.
+    fn block_number(&mut self) {
+        let start = self.at;
+        if matches!(self.peek(), Some('n' | 'N')) {
+            self.at += 1;
+            if self.take_digits() == 0 {
+                self.at = start;
+            }
+        }
+        self.skip_blanks();
+    }
+
+    /// From here to the end of the code, without blanks at the end.
+    fn rest(&self) -> Range<usize> {
+        let text = self.source[self.at..self.end].trim_end_matches([' ', '\t', '&']);
+        self.at..self.at + text.len()
+    }
+
+    /// The next character.
+    fn here(&self) -> Range<usize> {
+        self.at..self.at + 1
+    }
+}

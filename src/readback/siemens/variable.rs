@@ -1,0 +1,219 @@
+//! The variables that a compensation file may write: their names, indices and allowed values.
+//!
+//! Function Manual Extended Functions 03/2013, K3 p. 237-249 and 268.
+
+use super::statement::{Assignment, Complaint, Value, is_digits};
+use crate::problem::nearest;
+use crate::table::siemens::CecDirection;
+
+/// Largest table or point number that is read at all.
+const LARGEST_INDEX: u32 = 99_999;
+
+/// What stands between `[` and `]`.
+#[derive(Clone, Copy)]
+enum Shape {
+    EncoderPointAxis,
+    EncoderAxis,
+    Axis,
+    TablePoint,
+    Table,
+}
+
+impl Shape {
+    const fn example(self) -> &'static str {
+        match self {
+            Shape::EncoderPointAxis => "[0,5,AX1]",
+            Shape::EncoderAxis => "[0,AX1]",
+            Shape::Axis => "[AX1]",
+            Shape::TablePoint => "[0,5]",
+            Shape::Table => "[0]",
+        }
+    }
+}
+
+/// Every variable that a compensation file may write. `$MA_`, `$MN_`, `$SN_` are closed too: a
+/// mistyped name stops a control just as an unknown one does.
+const VARIABLES: [(&str, Shape); 26] = [
+    ("AA_ENC_COMP", Shape::EncoderPointAxis),
+    ("AA_ENC_COMP_STEP", Shape::EncoderAxis),
+    ("AA_ENC_COMP_MIN", Shape::EncoderAxis),
+    ("AA_ENC_COMP_MAX", Shape::EncoderAxis),
+    ("AA_ENC_COMP_IS_MODULO", Shape::EncoderAxis),
+    ("AN_CEC", Shape::TablePoint),
+    ("AN_CEC_INPUT_AXIS", Shape::Table),
+    ("AN_CEC_OUTPUT_AXIS", Shape::Table),
+    ("AN_CEC_STEP", Shape::Table),
+    ("AN_CEC_MIN", Shape::Table),
+    ("AN_CEC_MAX", Shape::Table),
+    ("AN_CEC_DIRECTION", Shape::Table),
+    ("AN_CEC_MULT_BY_TABLE", Shape::Table),
+    ("AN_CEC_IS_MODULO", Shape::Table),
+    ("AN_CEC_TYPE", Shape::Table),
+    ("AN_CEC_INPUT_NCU", Shape::Table),
+    ("AN_CEC_OUTPUT_NCU", Shape::Table),
+    ("MA_ENC_COMP_ENABLE", Shape::EncoderAxis),
+    ("MA_MM_ENC_COMP_MAX_POINTS", Shape::EncoderAxis),
+    ("MA_BACKLASH", Shape::EncoderAxis),
+    ("MA_CEC_ENABLE", Shape::Axis),
+    ("MA_CEC_MAX_SUM", Shape::Axis),
+    ("MA_CEC_MAX_VELO", Shape::Axis),
+    ("MN_MM_CEC_MAX_POINTS", Shape::Table),
+    ("SN_CEC_TABLE_ENABLE", Shape::Table),
+    ("SN_CEC_TABLE_WEIGHT", Shape::Table),
+];
+
+/// The indices, told apart.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Key {
+    /// Measuring system, 0 or 1.
+    pub(super) encoder: u32,
+    /// CEC table.
+    pub(super) table: u32,
+    /// Point of the table.
+    pub(super) point: u32,
+    /// Axis.
+    pub(super) axis: String,
+}
+
+/// The indices of an assignment; a complaint if the variable is unknown or they do not fit it.
+pub(super) fn key(set: &Assignment) -> Result<Key, Complaint> {
+    let Some((_, shape)) = VARIABLES.iter().find(|(name, _)| *name == set.name) else {
+        return Err(unknown_variable(set));
+    };
+    let mut key = Key::default();
+    let fits = match (shape, set.indices.as_slice()) {
+        (Shape::EncoderPointAxis, [encoder, point, axis]) => {
+            put(&mut key.encoder, encoder, 1)
+                && put(&mut key.point, point, LARGEST_INDEX)
+                && put_axis(&mut key.axis, axis)
+        }
+        (Shape::EncoderAxis, [encoder, axis]) => {
+            put(&mut key.encoder, encoder, 1) && put_axis(&mut key.axis, axis)
+        }
+        (Shape::Axis, [axis]) => put_axis(&mut key.axis, axis),
+        (Shape::TablePoint, [table, point]) => {
+            put(&mut key.table, table, LARGEST_INDEX) && put(&mut key.point, point, LARGEST_INDEX)
+        }
+        (Shape::Table, [table]) => put(&mut key.table, table, LARGEST_INDEX),
+        _ => false,
+    };
+    if fits {
+        return Ok(key);
+    }
+    Err(Complaint::new(
+        set.head.clone(),
+        format!(
+            "`[{}]` is not an index of `${}`",
+            set.indices.join(","),
+            set.name
+        ),
+        format!(
+            "write it like `{}`; measuring systems are 0 and 1",
+            shape.example()
+        ),
+    ))
+}
+
+fn put(place: &mut u32, index: &str, largest: u32) -> bool {
+    let number = index.parse().ok().filter(|number| *number <= largest);
+    *place = number.unwrap_or_default();
+    number.is_some() && is_digits(index)
+}
+
+fn put_axis(place: &mut String, index: &str) -> bool {
+    *place = index.to_string();
+    index.starts_with(|c: char| c.is_ascii_alphabetic())
+}
+
+fn unknown_variable(set: &Assignment) -> Complaint {
+    let known = VARIABLES.iter().map(|(name, _)| *name);
+    let help = match nearest(&set.name, known) {
+        Some(known) => format!("did you mean `${known}`?"),
+        None => "only variables of ENC_COMP and CEC and their machine data are read".to_string(),
+    };
+    let message = format!("unknown variable `${}`", set.name);
+    Complaint::new(set.head.clone(), message, help)
+}
+
+/// The number assigned.
+pub(super) fn number_of(set: &Assignment) -> Result<f64, Complaint> {
+    match set.value.clone()? {
+        Value::Number(number) => Ok(number),
+        _ => Err(not_allowed(set, "a number")),
+    }
+}
+
+/// The axis assigned, upper case.
+pub(super) fn axis(set: Assignment) -> Result<String, Complaint> {
+    match set.value.clone()? {
+        Value::Name(name) => Ok(name),
+        _ => Err(not_allowed(&set, "an axis name such as `(AX1)`")),
+    }
+}
+
+/// The whole number `set` assigns, if it is one of `0..=largest` or −1.
+fn whole(set: &Assignment, allowed: &str, largest: i32) -> Result<i32, Complaint> {
+    let number = number_of(set)?;
+    (-1..=largest)
+        .find(|whole| (number - f64::from(*whole)).abs() <= 0.0)
+        .ok_or_else(|| not_allowed(set, allowed))
+}
+
+/// `IS_MODULO`: 0 or 1.
+pub(super) fn modulo(set: &Assignment) -> Result<bool, Complaint> {
+    const ALLOWED: &str = "0 or 1";
+    if let Value::Truth(truth) = set.value.clone()? {
+        return Ok(truth);
+    }
+    match whole(set, ALLOWED, 1)? {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(not_allowed(set, ALLOWED)),
+    }
+}
+
+/// `DIRECTION`: −1, 0 or 1.
+pub(super) fn direction(set: &Assignment) -> Result<CecDirection, Complaint> {
+    match whole(set, "-1, 0 or 1", 1)? {
+        0 => Ok(CecDirection::Both),
+        1 => Ok(CecDirection::Plus),
+        _ => Ok(CecDirection::Minus),
+    }
+}
+
+/// `MULT_BY_TABLE`: index + 1 of a table, or 0.
+pub(super) fn table_number(set: &Assignment) -> Result<u32, Complaint> {
+    const ALLOWED: &str = "0 or the number of a table (its index + 1)";
+    const LARGEST_NUMBER: i32 = 1000; // far above the 62 tables of an 840D sl
+    let number = whole(set, ALLOWED, LARGEST_NUMBER)?;
+    u32::try_from(number).map_err(|_| not_allowed(set, ALLOWED))
+}
+
+/// Refuses every value but 0, where the effect of others is not documented.
+pub(super) fn only_zero(set: &Assignment, why: &str) -> Result<(), Complaint> {
+    if number_of(set)?.abs() > 0.0 {
+        let mut complaint = not_allowed(set, "0");
+        complaint.help = format!("remove the line or write 0: {why}");
+        return Err(complaint);
+    }
+    Ok(())
+}
+
+/// Refuses a table weight other than 1: the manuals at hand do not say how it acts.
+pub(super) fn only_one(set: &Assignment) -> Result<(), Complaint> {
+    if (number_of(set)? - 1.0).abs() > 0.0 {
+        return Err(not_allowed(
+            set,
+            "1.0; the effect of other weights is not documented",
+        ));
+    }
+    Ok(())
+}
+
+fn not_allowed(set: &Assignment, expected: &str) -> Complaint {
+    Complaint::new(
+        set.value_span.clone(),
+        format!("`${}` cannot have this value", set.name),
+        format!("write {expected}"),
+    )
+}
