@@ -1,1 +1,3 @@
-fn main(){}
+//! Benchmarks of the main job; see docs/performance.md.
+
+fn main() {}

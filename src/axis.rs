@@ -211,12 +211,14 @@ pub struct PerTerm<T>([[T; 3]; 3]);
 impl<T> PerTerm<T> {
     /// The value of each term from a function of the term.
     pub fn from_fn(mut of: impl FnMut(ErrorTerm) -> T) -> Self {
-        PerTerm(Axis::ALL.map(|along| Axis::ALL.map(|direction| {
-            of(ErrorTerm {
-                of: direction,
-                along,
+        PerTerm(Axis::ALL.map(|along| {
+            Axis::ALL.map(|direction| {
+                of(ErrorTerm {
+                    of: direction,
+                    along,
+                })
             })
-        })))
+        }))
     }
 
     /// Term and value, in the order of [`ErrorTerm::ALL`].

@@ -95,11 +95,9 @@ pub fn read_page<T>(
             source.spans = spans;
             Ok((value, source))
         }
-        None if problems.is_empty() => Err(Problem::new(format!(
-            "`{}` could not be read",
-            source.name
-        ))
-        .into()),
+        None if problems.is_empty() => {
+            Err(Problem::new(format!("`{}` could not be read", source.name)).into())
+        }
         _ => Err(problems),
     }
 }
@@ -151,8 +149,15 @@ impl<'a> Section<'a> {
 
     /// Notes a problem at a key (or at the section, if the key is absent).
     pub fn problem(&self, key: &str, message: impl Into<String>, help: impl Into<String>) {
-        let span = self.table.get(key).map_or_else(|| self.span.clone(), Spanned::span);
-        self.note(Problem::new(message).at(self.source.place(&span)).help(help));
+        let span = self
+            .table
+            .get(key)
+            .map_or_else(|| self.span.clone(), Spanned::span);
+        self.note(
+            Problem::new(message)
+                .at(self.source.place(&span))
+                .help(help),
+        );
     }
 
     fn note(&self, problem: Problem) {
@@ -170,7 +175,10 @@ impl<'a> Section<'a> {
     }
 
     fn wrong_type(&self, key: &str, expected: &str) {
-        let found = self.table.get(key).map_or("nothing", |v| v.get_ref().type_str());
+        let found = self
+            .table
+            .get(key)
+            .map_or("nothing", |v| v.get_ref().type_str());
         self.problem(
             key,
             format!("`{}` is a {found}, expected {expected}", self.path_of(key)),
@@ -243,14 +251,20 @@ impl<'a> Section<'a> {
             return Some(number);
         }
         let path = self.path_of(key);
-        self.problem(key, format!("`{path}` is {number}, expected a number above 0"), "correct it");
+        self.problem(
+            key,
+            format!("`{path}` is {number}, expected a number above 0"),
+            "correct it",
+        );
         None
     }
 
     /// A whole number from 0, if the key is present.
     pub fn whole(&self, key: &'static str) -> Option<u32> {
         let whole = match self.value(key)? {
-            DeValue::Integer(integer) => u32::from_str_radix(integer.as_str(), integer.radix()).ok(),
+            DeValue::Integer(integer) => {
+                u32::from_str_radix(integer.as_str(), integer.radix()).ok()
+            }
             _ => None,
         };
         if whole.is_none() {
@@ -277,10 +291,16 @@ impl<'a> Section<'a> {
         if found.is_none() {
             let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
             let list: Vec<String> = known.iter().map(|word| format!("`{word}`")).collect();
-            let help = nearest(&word, known.iter().copied())
-                .map_or_else(|| "choose one of them".to_string(), |near| format!("did you mean `{near}`?"));
+            let help = nearest(&word, known.iter().copied()).map_or_else(
+                || "choose one of them".to_string(),
+                |near| format!("did you mean `{near}`?"),
+            );
             let path = self.path_of(key);
-            self.problem(key, format!("`{path}` is `{word}`, expected one of {}", list.join(", ")), help);
+            self.problem(
+                key,
+                format!("`{path}` is `{word}`, expected one of {}", list.join(", ")),
+                help,
+            );
         }
         found.map(|(_, value)| *value)
     }
@@ -318,7 +338,10 @@ impl<'a> Section<'a> {
     /// A list of pairs of whole numbers, if the key is present.
     pub fn whole_pairs(&self, key: &'static str) -> Option<Vec<[u32; 2]>> {
         let pairs: Option<Vec<[u32; 2]>> = match self.value(key)? {
-            DeValue::Array(items) => items.iter().map(|item| whole_pair(item.get_ref())).collect(),
+            DeValue::Array(items) => items
+                .iter()
+                .map(|item| whole_pair(item.get_ref()))
+                .collect(),
             _ => None,
         };
         if pairs.is_none() {
@@ -344,10 +367,16 @@ impl<'a> Section<'a> {
     pub fn sections(&self, key: &'static str) -> Vec<Section<'a>> {
         match self.value(key) {
             None => Vec::new(),
-            Some(DeValue::Array(items)) if items.iter().all(|item| item.get_ref().is_table()) => items
-                .iter()
-                .filter_map(|item| item.get_ref().as_table().map(|t| self.child(t, item.span(), key)))
-                .collect(),
+            Some(DeValue::Array(items)) if items.iter().all(|item| item.get_ref().is_table()) => {
+                items
+                    .iter()
+                    .filter_map(|item| {
+                        item.get_ref()
+                            .as_table()
+                            .map(|t| self.child(t, item.span(), key))
+                    })
+                    .collect()
+            }
             Some(_) => {
                 self.wrong_type(key, "a list of sections");
                 Vec::new()
@@ -372,8 +401,12 @@ impl<'a> Section<'a> {
             .iter()
             .filter_map(|(key, value)| match value.get_ref() {
                 DeValue::String(text) => Some((key.get_ref().to_string(), text.to_string())),
-                DeValue::Integer(number) => Some((key.get_ref().to_string(), number.as_str().to_string())),
-                DeValue::Float(number) => Some((key.get_ref().to_string(), number.as_str().to_string())),
+                DeValue::Integer(number) => {
+                    Some((key.get_ref().to_string(), number.as_str().to_string()))
+                }
+                DeValue::Float(number) => {
+                    Some((key.get_ref().to_string(), number.as_str().to_string()))
+                }
                 _ => None,
             })
             .collect()
@@ -392,9 +425,15 @@ impl<'a> Section<'a> {
             if known.contains(&name) {
                 continue;
             }
-            let help = nearest(name, known.iter().copied())
-                .map_or_else(|| "remove it, or see the list of keys in README.md".to_string(), |near| format!("did you mean `{near}`?"));
-            let section = if self.path.is_empty() { String::new() } else { format!(" in [{}]", self.path) };
+            let help = nearest(name, known.iter().copied()).map_or_else(
+                || "remove it, or see the list of keys in README.md".to_string(),
+                |near| format!("did you mean `{near}`?"),
+            );
+            let section = if self.path.is_empty() {
+                String::new()
+            } else {
+                format!(" in [{}]", self.path)
+            };
             self.note(
                 Problem::new(format!("unknown key `{name}`{section}"))
                     .at(self.source.place(&key.span()))

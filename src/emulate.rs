@@ -17,43 +17,6 @@ pub mod siemens;
 use crate::axis::Direction;
 use crate::units::{Correction, Millimetres};
 
-/// What an axis of the control is, apart from the files: what the job states as precondition.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AxisState {
-    /// The control's name of the axis (`AX1`, or `1`).
-    pub name: String,
-    /// Reference position, machine coordinates (Fanuc 1240).
-    pub reference: Millimetres,
-    /// Direction of the reference return (Fanuc 1006#5).
-    pub reference_direction: Direction,
-    /// Detection unit, µm (Fanuc).
-    pub detection_unit_um: Option<f64>,
-    /// Backlash parameter in µm, positive = ordinary lost motion (MD32450, 1851/1852); 0 if none.
-    pub backlash_um: f64,
-    /// Bidirectional pitch compensation is switched on (Fanuc 3605#0), where no file says so.
-    pub bidirectional: bool,
-    /// Interpolated pitch compensation is switched on (Fanuc 3605#1), where no file says so.
-    pub interpolated: bool,
-}
-
-/// State of the control outside the files.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ControlState {
-    /// Unit of positions in the control's files.
-    pub unit: crate::controller::LengthUnit,
-    /// Its axes.
-    pub axes: Vec<AxisState>,
-}
-
-impl ControlState {
-    /// The axis of a name, regardless of case.
-    pub fn axis(&self, name: &str) -> Option<&AxisState> {
-        self.axes
-            .iter()
-            .find(|axis| axis.name.eq_ignore_ascii_case(name))
-    }
-}
-
 /// Why an emulator cannot tell what a control would do with these tables, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CannotEmulate(pub String);
@@ -125,17 +88,22 @@ impl NodeTable {
         Millimetres::new(self.node_mm(self.values_um.len() - 1))
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a table has far fewer than 2^52 nodes")]
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "a table has far fewer than 2^52 nodes"
+    )]
     fn node_mm(&self, index: usize) -> f64 {
         self.start_mm + self.step_mm * index as f64
     }
 
     /// Nodes as position and correction.
     pub fn nodes(&self) -> impl Iterator<Item = (Millimetres, Correction)> {
-        self.values_um
-            .iter()
-            .enumerate()
-            .map(|(index, um)| (Millimetres::new(self.node_mm(index)), Correction::from_um(*um)))
+        self.values_um.iter().enumerate().map(|(index, um)| {
+            (
+                Millimetres::new(self.node_mm(index)),
+                Correction::from_um(*um),
+            )
+        })
     }
 
     /// The correction at a position.

@@ -39,9 +39,12 @@ impl ErrorTable {
     pub fn read(source: Source) -> Result<ErrorTable, Problems> {
         let lines = Lines::of(&source);
         let Some((header, rows)) = lines.split_header() else {
-            return Err(Problem::new(format!("`{}` is empty, expected an error table", source.name))
-                .help("first line: axis,position_mm,ex_um,ey_um,ez_um")
-                .into());
+            return Err(Problem::new(format!(
+                "`{}` is empty, expected an error table",
+                source.name
+            ))
+            .help("first line: axis,position_mm,ex_um,ey_um,ez_um")
+            .into());
         };
         let columns = Columns::read(&header)?;
         let (records, mut problems) = read_rows(&columns, &rows);
@@ -97,7 +100,10 @@ impl Line<'_> {
 
     fn cell_place(&self, index: usize) -> Place {
         let start = self.starts.get(index).copied().unwrap_or(self.text.len());
-        let end = self.starts.get(index + 1).map_or(self.text.len(), |next| next - 1);
+        let end = self
+            .starts
+            .get(index + 1)
+            .map_or(self.text.len(), |next| next - 1);
         let cell = &self.text[start.min(end)..end];
         let indent = cell.len() - cell.trim_start().len();
         self.place(start + indent..start + indent + cell.trim().len().max(1))
@@ -189,7 +195,10 @@ fn known_columns() -> Vec<(String, Column)> {
         ("axis".to_string(), Column::Axis),
         ("direction".to_string(), Column::Direction),
         ("position_mm".to_string(), Column::Position { to_mm: 1.0 }),
-        ("position_in".to_string(), Column::Position { to_mm: MM_PER_INCH }),
+        (
+            "position_in".to_string(),
+            Column::Position { to_mm: MM_PER_INCH },
+        ),
     ];
     let lengths = [
         ("um", 1.0),
@@ -198,14 +207,27 @@ fn known_columns() -> Vec<(String, Column)> {
         ("uin", MM_PER_INCH * UM_PER_MM / 1e6),
     ];
     let angles = [("urad", 1.0), ("mrad", MRAD), ("arcsec", ARCSEC)];
-    for (of, letter, angle) in [(Axis::X, 'x', 'a'), (Axis::Y, 'y', 'b'), (Axis::Z, 'z', 'c')] {
+    for (of, letter, angle) in [
+        (Axis::X, 'x', 'a'),
+        (Axis::Y, 'y', 'b'),
+        (Axis::Z, 'z', 'c'),
+    ] {
         for (unit, to_um) in lengths {
             known.push((format!("e{letter}_{unit}"), Column::Deviation { of, to_um }));
-            known.push((format!("u_e{letter}_{unit}"), Column::Uncertainty { of, to_um }));
+            known.push((
+                format!("u_e{letter}_{unit}"),
+                Column::Uncertainty { of, to_um },
+            ));
         }
         for (unit, to_urad) in angles {
-            known.push((format!("e{angle}_{unit}"), Column::Angle { about: of, to_urad }));
-            known.push((format!("u_e{angle}_{unit}"), Column::AngleUncertainty { about: of }));
+            known.push((
+                format!("e{angle}_{unit}"),
+                Column::Angle { about: of, to_urad },
+            ));
+            known.push((
+                format!("u_e{angle}_{unit}"),
+                Column::AngleUncertainty { about: of },
+            ));
         }
     }
     known
@@ -265,16 +287,27 @@ fn same_content(a: &Column, b: &Column) -> bool {
     }
 }
 
-fn unknown_column(header: &Line<'_>, index: usize, name: &str, known: &[(String, Column)]) -> Problem {
+fn unknown_column(
+    header: &Line<'_>,
+    index: usize,
+    name: &str,
+    known: &[(String, Column)],
+) -> Problem {
     let names = || known.iter().map(|(name, _)| name.as_str());
     let units: Vec<&str> = names()
         .filter_map(|known| known.strip_prefix(name)?.strip_prefix('_'))
         .collect();
     if !units.is_empty() {
-        let list: Vec<String> = units.iter().map(|unit| format!("`{name}_{unit}`")).collect();
-        return Problem::new(format!("column `{name}` has no unit, expected {}", list.join(", ")))
-            .at(header.cell_place(index))
-            .help("the unit is part of the column's name");
+        let list: Vec<String> = units
+            .iter()
+            .map(|unit| format!("`{name}_{unit}`"))
+            .collect();
+        return Problem::new(format!(
+            "column `{name}` has no unit, expected {}",
+            list.join(", ")
+        ))
+        .at(header.cell_place(index))
+        .help("the unit is part of the column's name");
     }
     let help = nearest(name, names()).map_or_else(
         || "columns: axis, direction, position_mm, ex_um, ey_um, ez_um, u_ex_um …".to_string(),
@@ -298,12 +331,16 @@ fn require_columns(header: &Line<'_>, kinds: &[Column], problems: &mut Problems)
     };
     require(kinds.contains(&Column::Axis), "the axis", "`axis`");
     require(
-        kinds.iter().any(|kind| matches!(kind, Column::Position { .. })),
+        kinds
+            .iter()
+            .any(|kind| matches!(kind, Column::Position { .. })),
         "the position",
         "`position_mm` or `position_in`",
     );
     require(
-        kinds.iter().any(|kind| matches!(kind, Column::Deviation { .. } | Column::Angle { .. })),
+        kinds
+            .iter()
+            .any(|kind| matches!(kind, Column::Deviation { .. } | Column::Angle { .. })),
         "any deviation",
         "`ex_um`, `ey_um` or `ez_um`",
     );
@@ -380,9 +417,11 @@ fn wrong_length(row: &Line<'_>, expected: usize) -> Problem {
     } else {
         "leave a cell of a column that was not measured empty, but keep its separator"
     };
-    Problem::new(format!("the row has {found} cells, expected {expected} as in the header"))
-        .at(row.place(0..row.text.len()))
-        .help(help)
+    Problem::new(format!(
+        "the row has {found} cells, expected {expected} as in the header"
+    ))
+    .at(row.place(0..row.text.len()))
+    .help(help)
 }
 
 fn read_axis(row: &Line<'_>, index: usize, cell: &str, problems: &mut Problems) -> Option<Axis> {
@@ -409,9 +448,11 @@ fn read_direction(
     let direction = Direction::from_symbol(cell);
     if direction.is_none() {
         problems.push(
-            Problem::new(format!("unknown direction `{cell}`, expected `+`, `-` or an empty cell"))
-                .at(row.cell_place(index))
-                .help("`+` = the axis came from smaller coordinates"),
+            Problem::new(format!(
+                "unknown direction `{cell}`, expected `+`, `-` or an empty cell"
+            ))
+            .at(row.cell_place(index))
+            .help("`+` = the axis came from smaller coordinates"),
         );
     }
     direction.map(Some)
@@ -425,25 +466,37 @@ fn read_number(
     problems: &mut Problems,
 ) -> Option<f64> {
     let name = &columns.names[index];
-    let refuse = |message: String, help: &str| Problem::new(message).at(row.cell_place(index)).help(help);
+    let refuse =
+        |message: String, help: &str| Problem::new(message).at(row.cell_place(index)).help(help);
     let text = if columns.decimal_comma {
         cell.replace(',', ".")
     } else {
         cell.to_string()
     };
-    let plain = text.chars().all(|c| c.is_ascii_digit() || "+-.eE".contains(c));
+    let plain = text
+        .chars()
+        .all(|c| c.is_ascii_digit() || "+-.eE".contains(c));
     let number = text.parse::<f64>().ok().filter(|_| plain);
     match number {
         Some(number) if number.is_finite() => {
-            let uncertainty = matches!(columns.kinds[index], Column::Uncertainty { .. } | Column::AngleUncertainty { .. });
+            let uncertainty = matches!(
+                columns.kinds[index],
+                Column::Uncertainty { .. } | Column::AngleUncertainty { .. }
+            );
             if uncertainty && number < 0.0 {
-                problems.push(refuse(format!("`{name}` is {cell}, expected an uncertainty of at least 0"), "write the standard uncertainty, k = 1"));
+                problems.push(refuse(
+                    format!("`{name}` is {cell}, expected an uncertainty of at least 0"),
+                    "write the standard uncertainty, k = 1",
+                ));
                 return None;
             }
             Some(number)
         }
         Some(_) => {
-            problems.push(refuse(format!("`{name}` is `{cell}`, which is too large for any machine"), "check the cell"));
+            problems.push(refuse(
+                format!("`{name}` is `{cell}`, which is too large for any machine"),
+                "check the cell",
+            ));
             None
         }
         None => {
@@ -452,14 +505,25 @@ fn read_number(
             } else {
                 "leave the whole column empty for this axis if it was not measured"
             };
-            problems.push(refuse(format!("`{name}` is `{cell}`, expected a finite number"), help));
+            problems.push(refuse(
+                format!("`{name}` is `{cell}`, expected a finite number"),
+                help,
+            ));
             None
         }
     }
 }
 
-fn series_of(axis: Axis, records: &[Record], columns: &Columns, problems: &mut Problems) -> Vec<Series> {
-    let of_axis: Vec<&Record> = records.iter().filter(|record| record.axis == axis).collect();
+fn series_of(
+    axis: Axis,
+    records: &[Record],
+    columns: &Columns,
+    problems: &mut Problems,
+) -> Vec<Series> {
+    let of_axis: Vec<&Record> = records
+        .iter()
+        .filter(|record| record.axis == axis)
+        .collect();
     refuse_mixed_directions(axis, &of_axis, problems);
     let directions = [None, Some(Direction::Plus), Some(Direction::Minus)];
     directions
@@ -480,9 +544,11 @@ fn refuse_mixed_directions(axis: Axis, records: &[&Record], problems: &mut Probl
     let unsigned = records.iter().find(|record| record.direction.is_none());
     if let (true, Some(record)) = (signed, unsigned) {
         problems.push(
-            Problem::new(format!("axis {axis} has rows with and without a direction, expected one kind"))
-                .at(record.place.clone())
-                .help("give every row of the axis `+` or `-`, or none"),
+            Problem::new(format!(
+                "axis {axis} has rows with and without a direction, expected one kind"
+            ))
+            .at(record.place.clone())
+            .help("give every row of the axis `+` or `-`, or none"),
         );
     }
 }
@@ -508,10 +574,14 @@ fn build_series(
         let mut values = |factor: f64| column_values(axis, name, index, rows, factor, problems);
         match *kind {
             Column::Position { to_mm } => {
-                series.positions = rows.iter().map(|row| Millimetres::new(row.position_mm * to_mm)).collect();
+                series.positions = rows
+                    .iter()
+                    .map(|row| Millimetres::new(row.position_mm * to_mm))
+                    .collect();
             }
             Column::Deviation { of, to_um } => {
-                series.deviations[of] = values(to_um).map(|um| um.into_iter().map(Deviation::from_um).collect());
+                series.deviations[of] =
+                    values(to_um).map(|um| um.into_iter().map(Deviation::from_um).collect());
             }
             Column::Uncertainty { of, to_um } => series.uncertainties_um[of] = values(to_um),
             Column::Angle { about, to_urad } => series.angles_urad[about] = values(to_urad),
@@ -530,9 +600,17 @@ fn refuse_unordered(axis: Axis, rows: &[&Record], problems: &mut Problems) {
         }
         let same = (here - before).abs() < f64::EPSILON * before.abs().max(1.0);
         let (message, help) = if same {
-            (format!("position {here} of axis {axis} stands twice"), "average repeated runs, or give them directions `+` and `-`")
+            (
+                format!("position {here} of axis {axis} stands twice"),
+                "average repeated runs, or give them directions `+` and `-`",
+            )
         } else {
-            (format!("position {here} of axis {axis} comes after {before}, expected ascending positions"), "sort the rows of each axis and direction by position")
+            (
+                format!(
+                    "position {here} of axis {axis} comes after {before}, expected ascending positions"
+                ),
+                "sort the rows of each axis and direction by position",
+            )
         };
         problems.push(Problem::new(message).at(pair[1].place.clone()).help(help));
     }
@@ -540,9 +618,11 @@ fn refuse_unordered(axis: Axis, rows: &[&Record], problems: &mut Problems) {
         && problems.is_empty()
     {
         problems.push(
-            Problem::new(format!("axis {axis} has a single position, expected at least two"))
-                .at(only.place.clone())
-                .help("one position makes no curve"),
+            Problem::new(format!(
+                "axis {axis} has a single position, expected at least two"
+            ))
+            .at(only.place.clone())
+            .help("one position makes no curve"),
         );
     }
 }
@@ -566,5 +646,7 @@ fn column_values(
                 .help("a missing value is never filled in: measure it, or leave the whole column empty for this axis"),
         );
     }
-    rows.iter().map(|row| row.numbers[index].map(|number| number * factor)).collect()
+    rows.iter()
+        .map(|row| row.numbers[index].map(|number| number * factor))
+        .collect()
 }

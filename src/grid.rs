@@ -59,7 +59,10 @@ pub struct Grid {
 
 impl Grid {
     /// Distance of two points.
-    #[allow(clippy::cast_precision_loss, reason = "spacings are far below 2^52 digits")]
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "spacings are far below 2^52 digits"
+    )]
     pub fn spacing(&self) -> Millimetres {
         Millimetres::new(self.spacing_digits as f64 * self.digit.mm())
     }
@@ -108,7 +111,10 @@ impl Span {
 
     /// Indices that cover the span with a spacing.
     fn indices(self, spacing_mm: f64) -> (i64, i64) {
-        (-steps(self.below, spacing_mm), steps(self.above, spacing_mm))
+        (
+            -steps(self.below, spacing_mm),
+            steps(self.above, spacing_mm),
+        )
     }
 
     fn count(self, spacing_mm: f64) -> i64 {
@@ -117,7 +123,10 @@ impl Span {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "a quotient of travel and spacing, bounded before use")]
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "a quotient of travel and spacing, bounded before use"
+)]
 fn steps(length_mm: f64, spacing_mm: f64) -> i64 {
     (length_mm / spacing_mm - ON_GRID).ceil().max(0.0) as i64
 }
@@ -135,17 +144,28 @@ pub fn with_spacing(
     let digits = (spacing_mm / digit.mm()).round();
     if digits < 1.0 {
         return Err(job
-            .problem_at(&path("spacing_mm"), format!("a spacing of {spacing_mm} mm is below the last digit of the control ({} {})", digit.mm() / digit.unit.in_mm(), digit.unit.word()))
+            .problem_at(
+                &path("spacing_mm"),
+                format!(
+                    "a spacing of {spacing_mm} mm is below the last digit of the control ({} {})",
+                    digit.mm() / digit.unit.in_mm(),
+                    digit.unit.word()
+                ),
+            )
             .help("use a larger spacing")
             .into());
     }
     let mut problems = Problems::none();
     let (mut first, mut last) = Span::of(machine).indices(spacing_mm);
     if let Some(start) = settings.start_mm {
-        first = problems.take(on_grid(job, &path("start_mm"), machine, spacing_mm, start)).unwrap_or(first);
+        first = problems
+            .take(on_grid(job, &path("start_mm"), machine, spacing_mm, start))
+            .unwrap_or(first);
     }
     if let Some(end) = settings.end_mm {
-        last = problems.take(on_grid(job, &path("end_mm"), machine, spacing_mm, end)).unwrap_or(last);
+        last = problems
+            .take(on_grid(job, &path("end_mm"), machine, spacing_mm, end))
+            .unwrap_or(last);
     }
     if first > 0 || last < 0 {
         let key = if first > 0 { "start_mm" } else { "end_mm" };
@@ -155,7 +175,13 @@ pub fn with_spacing(
         );
     }
     if first == last && problems.is_empty() {
-        problems.push(job.problem_at(&path("spacing_mm"), format!("the table of axis {axis} would have a single point")).help("use a smaller spacing"));
+        problems.push(
+            job.problem_at(
+                &path("spacing_mm"),
+                format!("the table of axis {axis} would have a single point"),
+            )
+            .help("use a smaller spacing"),
+        );
     }
     problems.or_ok(Grid {
         reference: machine.reference,
@@ -166,12 +192,21 @@ pub fn with_spacing(
     })
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "the number was rounded and is far below 2^52")]
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the number was rounded and is far below 2^52"
+)]
 fn whole(rounded: f64) -> i64 {
     rounded as i64
 }
 
-fn on_grid(job: &Job, path: &str, machine: MachineAxis, spacing_mm: f64, place_mm: f64) -> Result<i64, Problems> {
+fn on_grid(
+    job: &Job,
+    path: &str,
+    machine: MachineAxis,
+    spacing_mm: f64,
+    place_mm: f64,
+) -> Result<i64, Problems> {
     let index = (place_mm - machine.reference.mm()) / spacing_mm;
     if (index - index.round()).abs() <= ON_GRID * index.abs().max(1.0) {
         return Ok(whole(index.round()));
@@ -190,7 +225,11 @@ pub fn with_points(machine: MachineAxis, digit: LengthDigit, points: u32) -> Res
     let span = Span::of(machine);
     let wanted = i64::from(points);
     let fits = |step: i64| span.count(spacing_of(step)) <= wanted;
-    let longest = whole(((span.below + span.above) / SPACING_STEP_MM).ceil().max(1.0));
+    let longest = whole(
+        ((span.below + span.above) / SPACING_STEP_MM)
+            .ceil()
+            .max(1.0),
+    );
     if !fits(longest) {
         return Err(Problem::new(format!(
             "{points} points cannot be anchored on the reference {} mm and cover the travel on both sides",
@@ -218,7 +257,10 @@ pub fn with_points(machine: MachineAxis, digit: LengthDigit, points: u32) -> Res
     })
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a spacing in micrometres, far below 2^52")]
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "a spacing in micrometres, far below 2^52"
+)]
 fn spacing_of(step: i64) -> f64 {
     step as f64 * SPACING_STEP_MM
 }
@@ -245,20 +287,29 @@ mod tests {
     #[test]
     fn thirty_one_points_on_900_mm_are_30_mm_apart() {
         let grid = with_points(axis(0.0, 900.0, 0.0), MICRON, 31).expect("31 points fit");
-        assert_eq!((grid.spacing_digits, grid.first, grid.last), (30_000, 0, 30));
+        assert_eq!(
+            (grid.spacing_digits, grid.first, grid.last),
+            (30_000, 0, 30)
+        );
     }
 
     #[test]
     fn a_reference_inside_the_travel_is_a_point() {
         let grid = with_points(axis(0.0, 900.0, 100.0), MICRON, 10).expect("10 points fit");
         // 100 mm below: 1 step; 800 mm above: 8 steps of 100 mm.
-        assert_eq!((grid.spacing_digits, grid.first, grid.last), (100_000, -1, 8));
+        assert_eq!(
+            (grid.spacing_digits, grid.first, grid.last),
+            (100_000, -1, 8)
+        );
     }
 
     #[test]
     fn as_many_points_as_asked_for_even_where_fewer_would_do() {
         let grid = with_points(axis(-10.0, 10.0, 0.0), MICRON, 4).expect("4 points fit");
-        assert_eq!((grid.spacing_digits, grid.first, grid.last), (10_000, -1, 2));
+        assert_eq!(
+            (grid.spacing_digits, grid.first, grid.last),
+            (10_000, -1, 2)
+        );
     }
 
     #[test]
@@ -269,6 +320,9 @@ mod tests {
     #[test]
     fn seven_does_not_divide_900() {
         let grid = with_points(axis(0.0, 900.0, 0.0), MICRON, 8).expect("8 points fit");
-        assert_eq!(grid.spacing_digits, 128_572, "900 / 7 = 128.571…, rounded up");
+        assert_eq!(
+            grid.spacing_digits, 128_572,
+            "900 / 7 = 128.571…, rounded up"
+        );
     }
 }

@@ -28,6 +28,26 @@ pub mod selection;
 
 pub mod plan;
 
+pub mod claims;
+
 pub mod table;
+
+pub mod control_state;
+
+pub mod compensation;
+
+pub mod emit;
+
 pub mod readback;
+
 pub mod emulate;
+
+pub mod forecast;
+
+pub mod disagreement;
+
+pub mod manifest;
+
+pub mod kit;
+
+pub mod cli;

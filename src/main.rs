@@ -1,3 +1,7 @@
 //! The `nonius` program: arguments in, exit code out.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    nonius::cli::run(std::env::args_os())
+}

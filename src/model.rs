@@ -91,10 +91,13 @@ impl MeasuredTerm {
     /// Slope of the line through the ends of the curve (mean of both directions), µm/m.
     pub fn end_point_slope_um_per_m(&self) -> f64 {
         match &self.measured {
-            Measured::Undirected(curve) | Measured::OneWay(_, curve) => curve.end_point_slope_um_per_m(),
-            Measured::BothWays { plus, minus } => {
-                f64::midpoint(plus.end_point_slope_um_per_m(), minus.end_point_slope_um_per_m())
+            Measured::Undirected(curve) | Measured::OneWay(_, curve) => {
+                curve.end_point_slope_um_per_m()
             }
+            Measured::BothWays { plus, minus } => f64::midpoint(
+                plus.end_point_slope_um_per_m(),
+                minus.end_point_slope_um_per_m(),
+            ),
         }
     }
 }
@@ -126,21 +129,32 @@ impl ErrorModel {
             add_squareness(job, &mut terms, *term, *slope, &mut problems);
         }
         if terms.iter().all(|(_, term)| term.is_none()) && problems.is_empty() {
-            problems.push(Problem::new(format!("`{}` holds no deviation, expected at least one of ex, ey, ez", table.source.name)));
+            problems.push(Problem::new(format!(
+                "`{}` holds no deviation, expected at least one of ex, ey, ez",
+                table.source.name
+            )));
         }
         problems.or_ok(ErrorModel { terms, ranges })
     }
 
     /// The measured terms in the contract's order.
     pub fn measured(&self) -> impl Iterator<Item = (ErrorTerm, &MeasuredTerm)> {
-        self.terms.iter().filter_map(|(term, measured)| Some((term, measured.as_ref()?)))
+        self.terms
+            .iter()
+            .filter_map(|(term, measured)| Some((term, measured.as_ref()?)))
     }
 
     /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured; end-point
     /// slopes. Positive = the angle between the positive axis directions is less than 90°
     /// (contract §1).
     pub fn squareness_um_per_m(&self, first: Axis, second: Axis) -> Option<f64> {
-        let slope = |of, along| Some(self.terms[ErrorTerm { of, along }].as_ref()?.end_point_slope_um_per_m());
+        let slope = |of, along| {
+            Some(
+                self.terms[ErrorTerm { of, along }]
+                    .as_ref()?
+                    .end_point_slope_um_per_m(),
+            )
+        };
         Some(slope(first, second)? + slope(second, first)?)
     }
 }
@@ -161,8 +175,14 @@ fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &mut Problems
     }
     let Some(machine) = job.machine.axes[axis] else {
         problems.push(
-            job.problem_at("machine.axes", format!("axis {axis} was measured, but [machine.axes.{}] is missing", axis.key()))
-                .help("add travel_mm and reference_mm of this axis"),
+            job.problem_at(
+                "machine.axes",
+                format!(
+                    "axis {axis} was measured, but [machine.axes.{}] is missing",
+                    axis.key()
+                ),
+            )
+            .help("add travel_mm and reference_mm of this axis"),
         );
         return;
     };
@@ -171,8 +191,10 @@ fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &mut Problems
     }
     if measured_range(series).is_some_and(|(low, high)| low >= high) {
         problems.push(
-            Problem::new(format!("the two directions of axis {axis} were measured at places that do not overlap"))
-                .help("measure both directions over the same range"),
+            Problem::new(format!(
+                "the two directions of axis {axis} were measured at places that do not overlap"
+            ))
+            .help("measure both directions over the same range"),
         );
     }
 }
@@ -188,14 +210,21 @@ fn check_inside_travel(
     problems: &mut Problems,
 ) {
     let outside = |p: &Millimetres| {
-        p.mm() < machine.low.mm() - TRAVEL_TOLERANCE_MM || p.mm() > machine.high.mm() + TRAVEL_TOLERANCE_MM
+        p.mm() < machine.low.mm() - TRAVEL_TOLERANCE_MM
+            || p.mm() > machine.high.mm() + TRAVEL_TOLERANCE_MM
     };
-    let rows: Vec<usize> = (0..series.positions.len()).filter(|row| outside(&series.positions[*row])).collect();
+    let rows: Vec<usize> = (0..series.positions.len())
+        .filter(|row| outside(&series.positions[*row]))
+        .collect();
     let Some(first) = rows.first() else {
         return;
     };
     let position = series.positions[*first].mm();
-    let more = if rows.len() > 1 { format!(", and {} more rows", rows.len() - 1) } else { String::new() };
+    let more = if rows.len() > 1 {
+        format!(", and {} more rows", rows.len() - 1)
+    } else {
+        String::new()
+    };
     let problem = Problem::new(format!(
         "position {position} mm of axis {axis} lies outside its travel {} … {} mm{more}",
         machine.low.mm(),
@@ -208,16 +237,26 @@ fn check_inside_travel(
     });
 }
 
-fn measured_term(job: &Job, series: &[Series], term: ErrorTerm, machine: MachineAxis) -> Option<MeasuredTerm> {
+fn measured_term(
+    job: &Job,
+    series: &[Series],
+    term: ErrorTerm,
+    machine: MachineAxis,
+) -> Option<MeasuredTerm> {
     let curves: Vec<(Option<Direction>, ErrorCurve)> = series
         .iter()
         .filter_map(|s| {
             let deviations = s.deviations[term.of].as_ref()?;
-            Some((s.direction, ErrorCurve::through(&s.positions, deviations, job.compensation.curve)))
+            Some((
+                s.direction,
+                ErrorCurve::through(&s.positions, deviations, job.compensation.curve),
+            ))
         })
         .collect();
     let zero = value_at_reference(&curves, machine)?;
-    let mut zeroed = curves.into_iter().map(|(direction, curve)| (direction, curve.less(zero)));
+    let mut zeroed = curves
+        .into_iter()
+        .map(|(direction, curve)| (direction, curve.less(zero)));
     let (direction, first) = zeroed.next()?;
     let measured = match (direction, zeroed.next()) {
         (_, Some((_, minus))) => Measured::BothWays { plus: first, minus },
@@ -233,7 +272,10 @@ fn measured_term(job: &Job, series: &[Series], term: ErrorTerm, machine: Machine
     Some(MeasuredTerm { measured, u_um })
 }
 
-fn value_at_reference(curves: &[(Option<Direction>, ErrorCurve)], machine: MachineAxis) -> Option<Deviation> {
+fn value_at_reference(
+    curves: &[(Option<Direction>, ErrorCurve)],
+    machine: MachineAxis,
+) -> Option<Deviation> {
     let homing = Some(machine.homing());
     let (_, curve) = curves
         .iter()
@@ -251,10 +293,19 @@ fn add_squareness(
 ) {
     let machine = job.machine.axes[term.along];
     let (Some(measured), Some(machine)) = (terms[term].as_mut(), machine) else {
-        let key = format!("measurement.squareness_um_per_m.{}{}", term.of.key(), term.along.key());
+        let key = format!(
+            "measurement.squareness_um_per_m.{}{}",
+            term.of.key(),
+            term.along.key()
+        );
         problems.push(
-            job.problem_at(&key, format!("squareness is added to {term}, but {term} was not measured"))
-                .help(format!("give the straightness {term} in the error table, or leave this squareness out")),
+            job.problem_at(
+                &key,
+                format!("squareness is added to {term}, but {term} was not measured"),
+            )
+            .help(format!(
+                "give the straightness {term} in the error table, or leave this squareness out"
+            )),
         );
         return;
     };

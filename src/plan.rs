@@ -67,7 +67,10 @@ pub struct Task<'a> {
 impl Task<'_> {
     /// Settings and machine data of an axis that moves or is corrected.
     pub fn axis(&self, axis: Axis) -> Option<(MachineAxis, &AxisSettings)> {
-        Some((self.job.machine.axes[axis]?, self.job.compensation.axes[axis].as_ref()?))
+        Some((
+            self.job.machine.axes[axis]?,
+            self.job.compensation.axes[axis].as_ref()?,
+        ))
     }
 
     /// The last digit of positions and spacings in the control's files.
@@ -107,7 +110,11 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
         targets.retain(|t| !choice.omitted.iter().any(|o| o.term == t.term));
         omitted.extend(choice.omitted);
     }
-    omitted.sort_by_key(|omission| ErrorTerm::ALL.iter().position(|term| *term == omission.term));
+    omitted.sort_by_key(|omission| {
+        ErrorTerm::ALL
+            .iter()
+            .position(|term| *term == omission.term)
+    });
     let all: Vec<Target> = targets.iter().flat_map(|t| t.targets.clone()).collect();
     let grids = problems.take(grids(task, &all, &mut notes));
     let Some(grids) = grids else {
@@ -130,7 +137,10 @@ fn axis_names(task: Task<'_>) -> Result<PerAxis<Vec<String>>, Problems> {
     let defaults = &task.profile.axis_names.value;
     let mut problems = Problems::none();
     let names = PerAxis::from_fn(|axis| {
-        let stated = task.job.compensation.axes[axis].as_ref().map(|s| s.ids.clone()).unwrap_or_default();
+        let stated = task.job.compensation.axes[axis]
+            .as_ref()
+            .map(|s| s.ids.clone())
+            .unwrap_or_default();
         if stated.is_empty() {
             let index = Axis::ALL.iter().position(|a| *a == axis).unwrap_or(0);
             vec![defaults[index].clone()]
@@ -143,10 +153,26 @@ fn axis_names(task: Task<'_>) -> Result<PerAxis<Vec<String>>, Problems> {
         for name in of_axis {
             let path = format!("compensation.axes.{}.id", axis.key());
             if let Some(expected) = refused_name(task.profile, name) {
-                problems.push(task.job.problem_at(&path, format!("`{name}` is no axis of this control, expected {expected}")).help("write it as the control shows it"));
+                problems.push(
+                    task.job
+                        .problem_at(
+                            &path,
+                            format!("`{name}` is no axis of this control, expected {expected}"),
+                        )
+                        .help("write it as the control shows it"),
+                );
             }
             if seen.iter().any(|other| other.eq_ignore_ascii_case(name)) {
-                problems.push(task.job.problem_at(&path, format!("`{name}` names two axes, expected a name of its own for {axis}")).help("correct `id` or `ids`"));
+                problems.push(
+                    task.job
+                        .problem_at(
+                            &path,
+                            format!(
+                                "`{name}` names two axes, expected a name of its own for {axis}"
+                            ),
+                        )
+                        .help("correct `id` or `ids`"),
+                );
             }
             seen.push(name);
         }
@@ -160,19 +186,29 @@ fn refused_name(profile: &Profile, name: &str) -> Option<&'static str> {
         Dialect::Fanuc(_) => {
             let number: Option<u32> = name.parse().ok();
             let plain = name.chars().all(|c| c.is_ascii_digit()) && !name.starts_with('0');
-            (!plain || number.is_none_or(|n| n > 99)).then_some("the number of a controlled axis, e.g. \"1\"")
+            (!plain || number.is_none_or(|n| n > 99))
+                .then_some("the number of a controlled axis, e.g. \"1\"")
         }
         Dialect::Siemens(_) => {
             let starts = name.chars().next().is_some_and(|c| c.is_ascii_uppercase());
-            (!starts || !name.chars().all(upper)).then_some("a machine axis name in capitals, e.g. \"AX1\"")
+            (!starts || !name.chars().all(upper))
+                .then_some("a machine axis name in capitals, e.g. \"AX1\"")
         }
         Dialect::Generic(_) => None,
     }
 }
 
 fn default_names(task: Task<'_>, names: &PerAxis<Vec<String>>) -> Vec<Axis> {
-    let is_default = |axis: Axis| task.job.compensation.axes[axis].as_ref().is_none_or(|s| s.ids.is_empty());
-    names.iter().map(|(axis, _)| axis).filter(|axis| is_default(*axis)).collect()
+    let is_default = |axis: Axis| {
+        task.job.compensation.axes[axis]
+            .as_ref()
+            .is_none_or(|s| s.ids.is_empty())
+    };
+    names
+        .iter()
+        .map(|(axis, _)| axis)
+        .filter(|axis| is_default(*axis))
+        .collect()
 }
 
 /// Cost of each term in tables the control has few of, the number it has, and their name.
@@ -190,7 +226,10 @@ fn costs(
         }
         Dialect::Fanuc(facts) => {
             let used = compensation.first_set.unwrap_or(1).saturating_sub(1);
-            (facts.straightness_sets.value.saturating_sub(used), "straightness sets")
+            (
+                facts.straightness_sets.value.saturating_sub(used),
+                "straightness sets",
+            )
         }
         Dialect::Generic(_) => return None,
     };
@@ -206,7 +245,11 @@ fn costs(
     Some((costs, budget, resource))
 }
 
-fn grids(task: Task<'_>, targets: &[Target], notes: &mut Vec<String>) -> Result<PerAxis<Option<Grid>>, Problems> {
+fn grids(
+    task: Task<'_>,
+    targets: &[Target],
+    notes: &mut Vec<String>,
+) -> Result<PerAxis<Option<Grid>>, Problems> {
     let mut problems = Problems::none();
     let mut grids = PerAxis::default();
     check_settings(task, targets, &mut problems);
@@ -249,7 +292,17 @@ fn check_settings(task: Task<'_>, targets: &[Target], problems: &mut Problems) {
             );
         }
         if corrected && task.job.machine.axes[axis].is_none() {
-            problems.push(task.job.problem_at("machine.axes", format!("axis {axis} is corrected, but [machine.axes.{}] is missing", axis.key())).help("add travel_mm and reference_mm of this axis"));
+            problems.push(
+                task.job
+                    .problem_at(
+                        "machine.axes",
+                        format!(
+                            "axis {axis} is corrected, but [machine.axes.{}] is missing",
+                            axis.key()
+                        ),
+                    )
+                    .help("add travel_mm and reference_mm of this axis"),
+            );
         }
     }
 }
@@ -266,16 +319,26 @@ fn axis_grid(
     let request = settings.grid.unwrap_or(GridRequest::Points(2));
     let ends_given = settings.start_mm.is_some() || settings.end_mm.is_some();
     if ends_given && !matches!(request, GridRequest::Spacing(_)) {
-        let key = if settings.start_mm.is_some() { "start_mm" } else { "end_mm" };
+        let key = if settings.start_mm.is_some() {
+            "start_mm"
+        } else {
+            "end_mm"
+        };
         return Err(task
             .job
-            .problem_at(&path(key), format!("`{key}` needs a grid of stated spacing"))
+            .problem_at(
+                &path(key),
+                format!("`{key}` needs a grid of stated spacing"),
+            )
             .help("give `spacing_mm`, or leave `start_mm` and `end_mm` out")
             .into());
     }
     match request {
-        GridRequest::Spacing(spacing) => grid::with_spacing(task.job, axis, machine, settings, digit, spacing),
-        GridRequest::Points(points) => grid::with_points(machine, digit, points).map_err(|problem| at_key(task, &path("points"), problem)),
+        GridRequest::Spacing(spacing) => {
+            grid::with_spacing(task.job, axis, machine, settings, digit, spacing)
+        }
+        GridRequest::Points(points) => grid::with_points(machine, digit, points)
+            .map_err(|problem| at_key(task, &path("points"), problem)),
         GridRequest::MaxResidual(limit) => coarsest(task, axis, machine, targets, limit),
     }
 }
@@ -289,7 +352,13 @@ fn at_key(task: Task<'_>, path: &str, problem: Problem) -> Problems {
 
 /// The grid of the fewest points whose own residual (before rounding) keeps the limit for every
 /// term of the axis.
-fn coarsest(task: Task<'_>, axis: Axis, machine: MachineAxis, targets: &[&Target], limit_um: f64) -> Result<Grid, Problems> {
+fn coarsest(
+    task: Task<'_>,
+    axis: Axis,
+    machine: MachineAxis,
+    targets: &[&Target],
+    limit_um: f64,
+) -> Result<Grid, Problems> {
     let most = point_limit(task.profile, targets).0;
     let mut least = f64::INFINITY;
     for points in 2..=most {
@@ -323,18 +392,35 @@ fn point_limit(profile: &Profile, targets: &[&Target]) -> (u32, String) {
     let name = &profile.name;
     match &profile.dialect {
         Dialect::Siemens(facts) => {
-            let lec = targets.iter().any(|t| t.term.is_positioning() && t.direction.is_none());
+            let lec = targets
+                .iter()
+                .any(|t| t.term.is_positioning() && t.direction.is_none());
             let cec = crosses || directed;
             match (lec, cec) {
-                (true, true) => (facts.lec_points.value.min(facts.cec_points.value), format!("a CEC table of {name}")),
+                (true, true) => (
+                    facts.lec_points.value.min(facts.cec_points.value),
+                    format!("a CEC table of {name}"),
+                ),
                 (false, true) => (facts.cec_points.value, format!("a CEC table of {name}")),
-                _ => (facts.lec_points.value, format!("an ENC_COMP table of {name}")),
+                _ => (
+                    facts.lec_points.value,
+                    format!("an ENC_COMP table of {name}"),
+                ),
             }
         }
         Dialect::Fanuc(facts) => {
-            let space = facts.pitch_points.value.iter().map(|r| r.last - r.first + 1).max().unwrap_or(0);
+            let space = facts
+                .pitch_points
+                .value
+                .iter()
+                .map(|r| r.last - r.first + 1)
+                .max()
+                .unwrap_or(0);
             if crosses {
-                (facts.straightness_axis_points.value.min(space), format!("the moving axis of a straightness compensation of {name}"))
+                (
+                    facts.straightness_axis_points.value.min(space),
+                    format!("the moving axis of a straightness compensation of {name}"),
+                )
             } else {
                 (space, format!("the pitch points of {name}"))
             }
@@ -365,7 +451,13 @@ fn check_grid(
     }
 }
 
-fn refuse_unmeasured(task: Task<'_>, axis: Axis, settings: &AxisSettings, grid: &Grid, problems: &mut Problems) {
+fn refuse_unmeasured(
+    task: Task<'_>,
+    axis: Axis,
+    settings: &AxisSettings,
+    grid: &Grid,
+    problems: &mut Problems,
+) {
     let Some((low, high)) = task.model.ranges[axis] else {
         return;
     };
@@ -390,7 +482,10 @@ fn note_spacing(axis: Axis, settings: &AxisSettings, grid: &Grid, notes: &mut Ve
         && (asked - spacing).abs() > 1e-9
     {
         let per_unit = grid.digit.per_unit();
-        #[allow(clippy::cast_precision_loss, reason = "spacings are far below 2^52 digits")]
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "spacings are far below 2^52 digits"
+        )]
         let written = grid.spacing_digits as f64 / per_unit;
         notes.push(format!(
             "{axis}: the control writes a spacing of {asked} mm as {written} {} = {spacing:.6} mm; points and values are those of the written spacing",
@@ -404,10 +499,14 @@ fn tabulate(task: Task<'_>, target: &Target, grid: &Grid) -> (Vec<Deviation>, f6
     // reversal: its curve is fitted about its own value there.
     let nodes = grid.nodes();
     let offset = target.curve.at(grid.reference);
-    let values: Vec<Deviation> = table_values(&target.curve.less(offset), &nodes, task.job.compensation.fit)
-        .into_iter()
-        .map(|value| Deviation::from_um(value.um() + offset.um()))
-        .collect();
+    let values: Vec<Deviation> = table_values(
+        &target.curve.less(offset),
+        &nodes,
+        task.job.compensation.fit,
+    )
+    .into_iter()
+    .map(|value| Deviation::from_um(value.um() + offset.um()))
+    .collect();
     let (low, high) = whole_axis(task, target.term.along, grid);
     let worst = residual(&target.curve, &nodes, &values, low, high);
     (values, worst)
@@ -417,7 +516,12 @@ fn whole_axis(task: Task<'_>, axis: Axis, grid: &Grid) -> (Millimetres, Millimet
     task.job.machine.axes[axis].map_or_else(|| grid.range(), |machine| (machine.low, machine.high))
 }
 
-fn tables(task: Task<'_>, targets: Vec<Target>, grids: &PerAxis<Option<Grid>>, problems: &mut Problems) -> Vec<PlannedTable> {
+fn tables(
+    task: Task<'_>,
+    targets: Vec<Target>,
+    grids: &PerAxis<Option<Grid>>,
+    problems: &mut Problems,
+) -> Vec<PlannedTable> {
     let mut tables = Vec::new();
     let mut limited: Vec<Axis> = Vec::new();
     for target in &targets {
@@ -430,7 +534,14 @@ fn tables(task: Task<'_>, targets: Vec<Target>, grids: &PerAxis<Option<Grid>>, p
             let path = format!("compensation.axes.{}", target.term.along.key());
             problems.push(
                 task.job
-                    .problem_at(&path, format!("axis {} would have {} points, but {holder} holds {most}", target.term.along, grid.count()))
+                    .problem_at(
+                        &path,
+                        format!(
+                            "axis {} would have {} points, but {holder} holds {most}",
+                            target.term.along,
+                            grid.count()
+                        ),
+                    )
                     .help("use a larger spacing, or `points`, or `max_residual_um`"),
             );
         }
@@ -456,10 +567,22 @@ fn tables(task: Task<'_>, targets: Vec<Target>, grids: &PerAxis<Option<Grid>>, p
     tables
 }
 
-fn check_limits(task: Task<'_>, target: &Target, grid: &Grid, values: &[Deviation], problems: &mut Problems) {
+fn check_limits(
+    task: Task<'_>,
+    target: &Target,
+    grid: &Grid,
+    values: &[Deviation],
+    problems: &mut Problems,
+) {
     let limits = task.job.limits;
-    let place = |index: usize| grid.position(grid.first + i64::try_from(index).unwrap_or(0)).mm();
-    let largest = values.iter().enumerate().max_by(|a, b| a.1.um().abs().total_cmp(&b.1.um().abs()));
+    let place = |index: usize| {
+        grid.position(grid.first + i64::try_from(index).unwrap_or(0))
+            .mm()
+    };
+    let largest = values
+        .iter()
+        .enumerate()
+        .max_by(|a, b| a.1.um().abs().total_cmp(&b.1.um().abs()));
     if let Some((index, value)) = largest
         && value.um().abs() > limits.max_correction_um
     {
@@ -471,7 +594,16 @@ fn check_limits(task: Task<'_>, target: &Target, grid: &Grid, values: &[Deviatio
         };
         problems.push(
             task.job
-                .problem_at("limits.max_correction_um", format!("{} would need a correction of {:.1} µm at {} mm, the limit is {} µm", target.term, (-*value).um(), place(index), limits.max_correction_um))
+                .problem_at(
+                    "limits.max_correction_um",
+                    format!(
+                        "{} would need a correction of {:.1} µm at {} mm, the limit is {} µm",
+                        target.term,
+                        (-*value).um(),
+                        place(index),
+                        limits.max_correction_um
+                    ),
+                )
                 .help(help),
         );
     }
@@ -494,9 +626,13 @@ fn check_limits(task: Task<'_>, target: &Target, grid: &Grid, values: &[Deviatio
 
 fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {
     PerAxis::from_fn(|axis| {
-        let term = ErrorTerm { of: axis, along: axis };
+        let term = ErrorTerm {
+            of: axis,
+            along: axis,
+        };
         let compensated = targets.iter().any(|t| t.term == term);
-        if !compensated || task.job.compensation.backlash != Some(BacklashPolicy::CurveAndParameter) {
+        if !compensated || task.job.compensation.backlash != Some(BacklashPolicy::CurveAndParameter)
+        {
             return None;
         }
         let reversal = task.model.terms[term].as_ref()?.reversal()?;

@@ -29,7 +29,10 @@ impl Place {
         let line_start = source[..start].rfind('\n').map_or(0, |at| at + 1);
         let rest = &source[line_start..];
         let text = rest.split('\n').next().unwrap_or("").trim_end_matches('\r');
-        let end = floor_boundary(source, end.clamp(start, line_start + text.len().max(start - line_start)));
+        let end = floor_boundary(
+            source,
+            end.clamp(start, line_start + text.len().max(start - line_start)),
+        );
         Place {
             file: file.to_string(),
             line: source[..start].matches('\n').count() + 1,
@@ -115,7 +118,13 @@ fn byte_of_column(text: &str, column: usize) -> usize {
 /// Control characters of a user's file must not reach the terminal.
 fn clean(text: &str) -> String {
     text.chars()
-        .map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c })
+        .map(|c| {
+            if c.is_control() && c != '\n' {
+                '\u{fffd}'
+            } else {
+                c
+            }
+        })
         .collect()
 }
 
@@ -123,7 +132,15 @@ fn clean_line(text: &str) -> String {
     const LONGEST_LINE_SHOWN: usize = 400;
     text.chars()
         .take(LONGEST_LINE_SHOWN)
-        .map(|c| if c == '\t' { ' ' } else if c.is_control() { '\u{fffd}' } else { c })
+        .map(|c| {
+            if c == '\t' {
+                ' '
+            } else if c.is_control() {
+                '\u{fffd}'
+            } else {
+                c
+            }
+        })
         .collect()
 }
 
@@ -170,7 +187,11 @@ impl Problems {
 
     /// `Ok` with the value if there is no problem.
     pub fn or_ok<T>(self, value: T) -> Result<T, Problems> {
-        if self.is_empty() { Ok(value) } else { Err(self) }
+        if self.is_empty() {
+            Ok(value)
+        } else {
+            Err(self)
+        }
     }
 
     /// All problems as a person reads them, a blank line between.

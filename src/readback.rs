@@ -5,4 +5,5 @@
 
 pub mod fanuc;
 pub mod generic;
+pub mod kit;
 pub mod siemens;

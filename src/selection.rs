@@ -57,7 +57,8 @@ pub fn choose(
             let left = parts.largest(costs, set);
             // A hair's breadth of a difference is no reason to prefer a set of fewer terms.
             let better = best.is_none_or(|(least, chosen)| {
-                left < least - TIE_UM || (left < least + TIE_UM && set.count_ones() > chosen.count_ones())
+                left < least - TIE_UM
+                    || (left < least + TIE_UM && set.count_ones() > chosen.count_ones())
             });
             if better {
                 best = Some((left, set));
@@ -158,7 +159,12 @@ fn states_of(model: &ErrorModel, targets: &[TermTargets], axis: Axis) -> Vec<Sta
                 .into_iter()
                 .filter(|term| term.along == axis)
                 .filter_map(|term| {
-                    let deviation = model.terms[term].as_ref()?.measured.curve(direction)?.at(position).um();
+                    let deviation = model.terms[term]
+                        .as_ref()?
+                        .measured
+                        .curve(direction)?
+                        .at(position)
+                        .um();
                     let target = targets
                         .iter()
                         .find(|t| t.term == term)
@@ -169,7 +175,10 @@ fn states_of(model: &ErrorModel, targets: &[TermTargets], axis: Axis) -> Vec<Sta
                 .collect();
             states.push(State { terms });
         }
-        if !model.measured().any(|(term, m)| term.along == axis && m.measured.has_both_ways()) {
+        if !model
+            .measured()
+            .any(|(term, m)| term.along == axis && m.measured.has_both_ways())
+        {
             break; // one direction tells all
         }
     }

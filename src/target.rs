@@ -95,8 +95,11 @@ fn check_wanted(job: &Job, model: &ErrorModel, problems: &mut Problems) {
     };
     for term in terms.iter().filter(|term| model.terms[**term].is_none()) {
         problems.push(
-            job.problem_at("compensation.terms", format!("`terms` asks for {term}, which was not measured"))
-                .help("remove it, or measure it"),
+            job.problem_at(
+                "compensation.terms",
+                format!("`terms` asks for {term}, which was not measured"),
+            )
+            .help("remove it, or measure it"),
         );
     }
 }
@@ -135,7 +138,10 @@ fn term_targets(
     };
     let (plus, minus) = match &measured.measured {
         Measured::Undirected(curve) => return Ok(one(curve.clone(), None)),
-        Measured::OneWay(direction, curve) => return one_way(job, term, *direction, curve).map(|note| one(curve.clone(), Some(note))),
+        Measured::OneWay(direction, curve) => {
+            return one_way(job, term, *direction, curve)
+                .map(|note| one(curve.clone(), Some(note)));
+        }
         Measured::BothWays { plus, minus } => (plus, minus),
     };
     let homing = job.machine.axes[term.along].map_or(Direction::Plus, |axis| axis.homing());
@@ -147,19 +153,29 @@ fn term_targets(
     match policy {
         BacklashPolicy::ForwardOnly => Ok(one(at_reference(plus), None)),
         BacklashPolicy::CurveAndParameter => {
-            let curve = if homing == Direction::Plus { plus } else { minus };
+            let curve = if homing == Direction::Plus {
+                plus
+            } else {
+                minus
+            };
             let note = term.is_cross().then(|| format!("{term}: a backlash parameter cannot hold the reversal of a straightness; only the curve of the reference direction is compensated"));
             Ok(one(at_reference(curve), note))
         }
         BacklashPolicy::TwoTables if takes_directions(profile, term) => Ok(TermTargets {
             term,
-            targets: vec![directed(term, Direction::Plus, plus), directed(term, Direction::Minus, minus)],
+            targets: vec![
+                directed(term, Direction::Plus, plus),
+                directed(term, Direction::Minus, minus),
+            ],
             note: None,
         }),
         BacklashPolicy::TwoTables | BacklashPolicy::Mean => {
             let mean = plus.mean_with(minus).map(|mean| at_reference(&mean));
             let Some(mean) = mean else {
-                return Err(Problem::new(format!("the two directions of {term} have no common range")).into());
+                return Err(Problem::new(format!(
+                    "the two directions of {term} have no common range"
+                ))
+                .into());
             };
             let note = (policy == BacklashPolicy::TwoTables).then(|| format!("{term}: {} has no direction-dependent table for it; the mean of both directions is used", profile.name));
             Ok(one(mean, note))
@@ -175,12 +191,22 @@ fn directed(term: ErrorTerm, direction: Direction, curve: &ErrorCurve) -> Target
     }
 }
 
-fn one_way(job: &Job, term: ErrorTerm, direction: Direction, _: &ErrorCurve) -> Result<String, Problems> {
-    if job.compensation.backlash == Some(BacklashPolicy::ForwardOnly) && direction == Direction::Minus {
+fn one_way(
+    job: &Job,
+    term: ErrorTerm,
+    direction: Direction,
+    _: &ErrorCurve,
+) -> Result<String, Problems> {
+    if job.compensation.backlash == Some(BacklashPolicy::ForwardOnly)
+        && direction == Direction::Minus
+    {
         return Err(job
             .problem_at("compensation.backlash", format!("`backlash = \"forward-only\"` takes the + direction, but {term} was measured in - only"))
             .help("measure in +, or leave `backlash` out")
             .into());
     }
-    Ok(format!("{term}: measured moving {direction} only; what it is moving {} is not known", direction.opposite()))
+    Ok(format!(
+        "{term}: measured moving {direction} only; what it is moving {} is not known",
+        direction.opposite()
+    ))
 }

@@ -73,5 +73,7 @@ pub fn profile(id: &str) -> Result<Profile, Problems> {
             .into());
     };
     let source = Source::from_bytes(&format!("controllers/{id}.toml"), text.as_bytes())?;
-    load::profile(source, Origin::BuiltIn, &template, &|base| profile(base).ok())
+    load::profile(source, Origin::BuiltIn, &template, &|base| {
+        profile(base).ok()
+    })
 }

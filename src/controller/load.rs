@@ -25,9 +25,7 @@ pub fn profile(
     templates: TemplateFinder<'_>,
     bases: BaseFinder<'_>,
 ) -> Result<Profile, Problems> {
-    let (profile, source) = read_page(source, |root| {
-        read_profile(root, origin, templates, bases)
-    })?;
+    let (profile, source) = read_page(source, |root| read_profile(root, origin, templates, bases))?;
     let problems = check(&profile, &source);
     problems.or_ok(profile)
 }
@@ -40,7 +38,11 @@ fn read_profile(
 ) -> Option<Profile> {
     match root.whole("schema") {
         Some(1) => {}
-        _ => root.problem("schema", "a profile needs `schema = 1`", "write `schema = 1` in its first line"),
+        _ => root.problem(
+            "schema",
+            "a profile needs `schema = 1`",
+            "write `schema = 1` in its first line",
+        ),
     }
     let id = root.required_text("id", "a short name such as `fanuc-30i`")?;
     let name = root.required_text("name", "maker and model")?;
@@ -58,12 +60,23 @@ fn read_profile(
     let dialect = read_dialect(root, &reader, base);
     read_behaviour(&reader, base, dialect.as_ref());
     let line_end = reader.fact("line_end", base.map(|b| &b.line_end), |f| {
-        f.choice("value", &[("LF", LineEnd::Lf), ("CR LF", LineEnd::CrLf), ("LF CR CR", LineEnd::LfCrCr)])
+        f.choice(
+            "value",
+            &[
+                ("LF", LineEnd::Lf),
+                ("CR LF", LineEnd::CrLf),
+                ("LF CR CR", LineEnd::LfCrCr),
+            ],
+        )
     });
     let comments = reader.flag("comments", base.map(|b| &b.comments));
-    let axis_names = reader.fact("axis_names", base.map(|b| &b.axis_names), |f| f.texts("value"));
-    let detection_unit_required =
-        reader.flag("detection_unit_required", base.map(|b| &b.detection_unit_required));
+    let axis_names = reader.fact("axis_names", base.map(|b| &b.axis_names), |f| {
+        f.texts("value")
+    });
+    let detection_unit_required = reader.flag(
+        "detection_unit_required",
+        base.map(|b| &b.detection_unit_required),
+    );
     if let Some(section) = &facts {
         section.refuse_unknown_keys();
     }
@@ -106,7 +119,7 @@ fn read_behaviour(reader: &FactReader<'_>, base: Option<&Profile>, dialect: Opti
     let inherit = inherit.as_ref();
     reader.fact("interpolation", inherit, |f| f.choice("value", between));
     reader.fact("outside", inherit, |f| f.choice("value", &[("hold", ())]));
-    reader.fact("direction", inherit, |f| f.text("value"). map(|_| ()));
+    reader.fact("direction", inherit, |f| f.text("value").map(|_| ()));
     reader.fact("value_unit", inherit, |f| f.text("value").map(|_| ()));
 }
 
@@ -126,14 +139,27 @@ fn base_profile(root: &Section<'_>, bases: BaseFinder<'_>) -> Option<Option<Prof
     Some(base)
 }
 
-fn read_dialect(root: &Section<'_>, reader: &FactReader<'_>, base: Option<&Profile>) -> Option<Dialect> {
-    let stated = root.choice("dialect", &[("siemens", "siemens"), ("fanuc", "fanuc"), ("generic", "generic")]);
+fn read_dialect(
+    root: &Section<'_>,
+    reader: &FactReader<'_>,
+    base: Option<&Profile>,
+) -> Option<Dialect> {
+    let stated = root.choice(
+        "dialect",
+        &[
+            ("siemens", "siemens"),
+            ("fanuc", "fanuc"),
+            ("generic", "generic"),
+        ],
+    );
     let inherited = base.map(|b| b.dialect.word());
     let word = match (stated, inherited) {
         (Some(stated), Some(inherited)) if stated != inherited => {
             root.problem(
                 "dialect",
-                format!("`dialect` is `{stated}`, but the profile it builds on speaks `{inherited}`"),
+                format!(
+                    "`dialect` is `{stated}`, but the profile it builds on speaks `{inherited}`"
+                ),
                 "remove `dialect`, or build on another profile",
             );
             return None;
@@ -159,7 +185,10 @@ fn siemens_facts(reader: &FactReader<'_>, base: Option<&Profile>) -> Option<Siem
     let lec_sign = reader.sign("lec_sign", base.map(|b| &b.lec_sign));
     let cec_sign = reader.sign("cec_sign", base.map(|b| &b.cec_sign));
     let table_form = reader.fact("table_form", base.map(|b| &b.table_form), |f| {
-        f.choice("value", &[("program", TableForm::Program), ("data", TableForm::Data)])
+        f.choice(
+            "value",
+            &[("program", TableForm::Program), ("data", TableForm::Data)],
+        )
     });
     let lec_points = reader.whole("lec_points", base.map(|b| &b.lec_points));
     let cec_tables = reader.whole("cec_tables", base.map(|b| &b.cec_tables));
@@ -169,7 +198,13 @@ fn siemens_facts(reader: &FactReader<'_>, base: Option<&Profile>) -> Option<Siem
     let position_decimals = reader.whole("position_decimals", base.map(|b| &b.position_decimals));
     let cec_max_sum_um = reader.positive("cec_max_sum_um", base.map(|b| &b.cec_max_sum_um));
     let multiply_mode = reader.fact("multiply_mode", base.map(|b| &b.multiply_mode), |f| {
-        f.choice("value", &[("product", MultiplyMode::Product), ("additive", MultiplyMode::Additive)])
+        f.choice(
+            "value",
+            &[
+                ("product", MultiplyMode::Product),
+                ("additive", MultiplyMode::Additive),
+            ],
+        )
     });
     let factor_contributes = reader.flag("factor_contributes", base.map(|b| &b.factor_contributes));
     Some(SiemensFacts {
@@ -203,22 +238,48 @@ fn fanuc_facts(reader: &FactReader<'_>, base: Option<&Profile>) -> Option<FanucF
     let increment_max = reader.whole("increment_max", base.map(|b| &b.increment_max));
     let magnification_max = reader.whole("magnification_max", base.map(|b| &b.magnification_max));
     let interval_form = reader.fact("interval_form", base.map(|b| &b.interval_form), |f| {
-        f.choice("value", &[("real", IntervalForm::Real), ("integer", IntervalForm::Integer)])
+        f.choice(
+            "value",
+            &[
+                ("real", IntervalForm::Real),
+                ("integer", IntervalForm::Integer),
+            ],
+        )
     });
-    let interval_decimals_mm = reader.whole("interval_decimals_mm", base.map(|b| &b.interval_decimals_mm));
-    let interval_decimals_inch =
-        reader.whole("interval_decimals_inch", base.map(|b| &b.interval_decimals_inch));
-    let interval_feed_divisor =
-        reader.positive("interval_feed_divisor", base.map(|b| &b.interval_feed_divisor));
+    let interval_decimals_mm = reader.whole(
+        "interval_decimals_mm",
+        base.map(|b| &b.interval_decimals_mm),
+    );
+    let interval_decimals_inch = reader.whole(
+        "interval_decimals_inch",
+        base.map(|b| &b.interval_decimals_inch),
+    );
+    let interval_feed_divisor = reader.positive(
+        "interval_feed_divisor",
+        base.map(|b| &b.interval_feed_divisor),
+    );
     let output_fraction = reader.positive("output_fraction", base.map(|b| &b.output_fraction));
     let reversal_magnified = reader.flag("reversal_magnified", base.map(|b| &b.reversal_magnified));
-    let straightness_form = reader.fact("straightness_form", base.map(|b| &b.straightness_form), |f| {
-        f.choice("value", &[("four-point", StraightnessForm::FourPoint), ("per-point", StraightnessForm::PerPoint)])
-    });
+    let straightness_form = reader.fact(
+        "straightness_form",
+        base.map(|b| &b.straightness_form),
+        |f| {
+            f.choice(
+                "value",
+                &[
+                    ("four-point", StraightnessForm::FourPoint),
+                    ("per-point", StraightnessForm::PerPoint),
+                ],
+            )
+        },
+    );
     let straightness_sets = reader.whole("straightness_sets", base.map(|b| &b.straightness_sets));
-    let straightness_axis_points =
-        reader.whole("straightness_axis_points", base.map(|b| &b.straightness_axis_points));
-    let straightness_points = reader.ranges("straightness_points", base.map(|b| &b.straightness_points));
+    let straightness_axis_points = reader.whole(
+        "straightness_axis_points",
+        base.map(|b| &b.straightness_axis_points),
+    );
+    let straightness_points =
+        reader.ranges("straightness_points", base.map(|b| &b.straightness_points));
     let straightness_magnification_parameter = reader.whole(
         "straightness_magnification_parameter",
         base.map(|b| &b.straightness_magnification_parameter),
@@ -227,8 +288,10 @@ fn fanuc_facts(reader: &FactReader<'_>, base: Option<&Profile>) -> Option<FanucF
         "straightness_start_parameter",
         base.map(|b| &b.straightness_start_parameter),
     );
-    let straightness_amount_max =
-        reader.whole("straightness_amount_max", base.map(|b| &b.straightness_amount_max));
+    let straightness_amount_max = reader.whole(
+        "straightness_amount_max",
+        base.map(|b| &b.straightness_amount_max),
+    );
     Some(FanucFacts {
         pitch_sign: pitch_sign?,
         straightness_sign: straightness_sign?,
@@ -280,10 +343,15 @@ impl FactReader<'_> {
         value: impl FnOnce(&Section<'_>) -> Option<T>,
     ) -> Option<Fact<T>> {
         let Some(fact) = self.section.and_then(|section| section.section(name)) else {
-            if base.is_none() && let Some(section) = self.section {
+            if base.is_none()
+                && let Some(section) = self.section
+            {
                 section.missing(name, "a section with value, evidence and source");
             }
-            let inherited = self.inherited.iter().find(|statement| statement.fact == name);
+            let inherited = self
+                .inherited
+                .iter()
+                .find(|statement| statement.fact == name);
             self.statements.borrow_mut().extend(inherited.cloned());
             return base.cloned();
         };
@@ -292,10 +360,16 @@ impl FactReader<'_> {
             fact.missing("value", "what is stated");
         }
         let evidence = evidence(&fact);
-        let source = fact.required_text("source", "manual, edition and chapter, or why it is assumed");
+        let source = fact.required_text(
+            "source",
+            "manual, edition and chapter, or why it is assumed",
+        );
         let consequence = fact.text("consequence");
         if evidence == Some(Evidence::Assumed) && consequence.is_none() {
-            fact.missing("consequence", "what happens on the machine if the assumption is wrong");
+            fact.missing(
+                "consequence",
+                "what happens on the machine if the assumption is wrong",
+            );
         }
         fact.refuse_unknown_keys();
         let known = Fact {
@@ -306,7 +380,11 @@ impl FactReader<'_> {
         };
         self.statements.borrow_mut().push(Statement {
             fact: name.to_string(),
-            value: fact.as_written("value").unwrap_or_default().trim_matches('"').to_string(),
+            value: fact
+                .as_written("value")
+                .unwrap_or_default()
+                .trim_matches('"')
+                .to_string(),
             evidence: known.evidence,
             source: known.source.clone(),
             consequence: known.consequence.clone(),
@@ -316,7 +394,13 @@ impl FactReader<'_> {
 
     fn sign(&self, name: &'static str, base: Option<&Fact<TableSign>>) -> Option<Fact<TableSign>> {
         self.fact(name, base, |f| {
-            f.choice("value", &[("as_error", TableSign::AsError), ("as_correction", TableSign::AsCorrection)])
+            f.choice(
+                "value",
+                &[
+                    ("as_error", TableSign::AsError),
+                    ("as_correction", TableSign::AsCorrection),
+                ],
+            )
         })
     }
 
@@ -340,10 +424,22 @@ impl FactReader<'_> {
         self.fact(name, base, |f| {
             let pairs = f.whole_pairs("value")?;
             if pairs.iter().any(|[first, last]| first > last) {
-                f.problem("value", "a block ends before it begins", "write [first, last]");
+                f.problem(
+                    "value",
+                    "a block ends before it begins",
+                    "write [first, last]",
+                );
                 return None;
             }
-            Some(pairs.iter().map(|[first, last]| NumberRange { first: *first, last: *last }).collect())
+            Some(
+                pairs
+                    .iter()
+                    .map(|[first, last]| NumberRange {
+                        first: *first,
+                        last: *last,
+                    })
+                    .collect(),
+            )
         })
     }
 }
@@ -395,12 +491,18 @@ fn read_file(file: &Section<'_>, templates: TemplateFinder<'_>) -> Option<FormFi
         ],
     );
     if !file.has("role") {
-        file.missing("role", "`table`, `parameters`, `enable`, `disable` or `report`");
+        file.missing(
+            "role",
+            "`table`, `parameters`, `enable`, `disable` or `report`",
+        );
     }
     let path = file.required_text("path", "a file name");
     let name = file.required_text("template", "the name of a template");
     let when = file.text("when");
-    let form = file.choice("form", &[("program", TableForm::Program), ("data", TableForm::Data)]);
+    let form = file.choice(
+        "form",
+        &[("program", TableForm::Program), ("data", TableForm::Data)],
+    );
     file.refuse_unknown_keys();
     let (role, path, name) = (role?, path?, name?);
     let Some(template) = templates(&name) else {
@@ -432,31 +534,51 @@ fn check(profile: &Profile, source: &Source) -> Problems {
 
 fn ensure_three_axis_names(profile: &Profile, source: &Source, problems: &mut Problems) {
     if profile.axis_names.value.len() != 3 {
-        problems.push(source.problem_at("facts.axis_names.value", "expected three axis names, for X, Y and Z"));
+        problems.push(source.problem_at(
+            "facts.axis_names.value",
+            "expected three axis names, for X, Y and Z",
+        ));
     }
 }
 
 fn ensure_plain_file_names(profile: &Profile, source: &Source, problems: &mut Problems) {
     for file in &profile.files {
         let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
-        if file.path.is_empty() || file.path.starts_with('.') || !file.path.chars().all(plain) || file.path == "manifest.json" {
+        if file.path.is_empty()
+            || file.path.starts_with('.')
+            || !file.path.chars().all(plain)
+            || file.path == "manifest.json"
+        {
             problems.push(
                 source
-                    .problem_at("files", format!("`{}` is no file name that every control and laptop takes", file.path))
+                    .problem_at(
+                        "files",
+                        format!(
+                            "`{}` is no file name that every control and laptop takes",
+                            file.path
+                        ),
+                    )
                     .help("use letters, digits, `_`, `-` and `.`; `manifest.json` is taken"),
             );
         }
     }
     for (index, file) in profile.files.iter().enumerate() {
-        if profile.files[..index].iter().any(|other| other.path.eq_ignore_ascii_case(&file.path)) {
-            problems.push(source.problem_at("files", format!("two files are called `{}`", file.path)));
+        if profile.files[..index]
+            .iter()
+            .any(|other| other.path.eq_ignore_ascii_case(&file.path))
+        {
+            problems
+                .push(source.problem_at("files", format!("two files are called `{}`", file.path)));
         }
     }
 }
 
 fn ensure_a_table_is_written(profile: &Profile, source: &Source, problems: &mut Problems) {
     if !profile.files.iter().any(|file| file.role == Role::Table) {
-        problems.push(source.problem_at("files", "no file has the role `table`, expected at least one"));
+        problems.push(source.problem_at(
+            "files",
+            "no file has the role `table`, expected at least one",
+        ));
     }
 }
 
@@ -465,17 +587,29 @@ fn ensure_sensible_numbers(profile: &Profile, source: &Source, problems: &mut Pr
     let decimals = match &profile.dialect {
         Dialect::Siemens(facts) => vec![facts.value_decimals.value, facts.position_decimals.value],
         Dialect::Fanuc(facts) => {
-            if !(facts.output_fraction.value < 1.0) {
-                problems.push(source.problem_at("facts.output_fraction.value", "the place of a pulse must lie between 0 and 1"));
+            if facts.output_fraction.value >= 1.0 {
+                problems.push(source.problem_at(
+                    "facts.output_fraction.value",
+                    "the place of a pulse must lie between 0 and 1",
+                ));
             }
             if facts.increment_max.value == 0 || facts.magnification_max.value == 0 {
-                problems.push(source.problem_at("facts", "`increment_max` and `magnification_max` must be at least 1"));
+                problems.push(source.problem_at(
+                    "facts",
+                    "`increment_max` and `magnification_max` must be at least 1",
+                ));
             }
-            vec![facts.interval_decimals_mm.value, facts.interval_decimals_inch.value]
+            vec![
+                facts.interval_decimals_mm.value,
+                facts.interval_decimals_inch.value,
+            ]
         }
         Dialect::Generic(_) => Vec::new(),
     };
     if decimals.iter().any(|d| *d > MOST_DECIMALS) {
-        problems.push(Problem::new(format!("`{}`: at most {MOST_DECIMALS} decimals can be written", source.name)));
+        problems.push(Problem::new(format!(
+            "`{}`: at most {MOST_DECIMALS} decimals can be written",
+            source.name
+        )));
     }
 }

@@ -16,8 +16,9 @@ mod straightness;
 mod tests;
 
 use crate::axis::Direction;
+use crate::control_state::{AxisState, ControlState};
 use crate::controller::{FanucFacts, NumberRange};
-use crate::emulate::{AxisState, CannotEmulate, ControlState, Emulator, NodeTable, Response};
+use crate::emulate::{CannotEmulate, Emulator, NodeTable, Response};
 use crate::table::fanuc::FanucMemory;
 use crate::units::Correction;
 use parameters::{Loading, cannot};

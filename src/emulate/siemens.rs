@@ -16,10 +16,11 @@
 mod load;
 
 use crate::axis::Direction;
+use crate::control_state::{AxisState, ControlState};
 use crate::controller::{LengthUnit, MultiplyMode, SiemensFacts, TableSign};
-use crate::emulate::{AxisState, CannotEmulate, ControlState, Emulator, Response};
+use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensTables};
-use crate::units::{Correction, Deviation, Millimetres, UM_PER_MM};
+use crate::units::{Correction, Millimetres, UM_PER_MM};
 use load::{LoadedCec, LoadedLec, link_factors, load_cec, load_lec};
 
 /// A control of the Siemens family with its tables in memory.
@@ -151,10 +152,10 @@ impl SiemensControl {
         let limit = self.rules.max_sum_um;
         let cec_um = self.cec_sum_um(output, moment)?.clamp(-limit, limit);
         sum = sum + self.rules.cec_sign.correction(cec_um);
-        let backlash = self.axis(output)?.backlash_um;
-        if backlash.abs() > 0.0 {
-            let why = format!("axis {output} has a backlash of {backlash} µm");
-            sum = sum + self.backlash(output, moment.direction(output, &why)?)?;
+        let axis = self.axis(output)?;
+        if axis.backlash_um.abs() > 0.0 {
+            let why = format!("axis {output} has a backlash of {} µm", axis.backlash_um);
+            sum = sum + axis.backlash(moment.direction(output, &why)?);
         }
         Ok(sum)
     }
@@ -175,20 +176,6 @@ impl SiemensControl {
             };
         }
         Ok(sum * self.rules.um_per_unit)
-    }
-
-    /// What the backlash parameter adds while the axis moves in `direction`.
-    ///
-    /// With positive backlash the encoder leads: having reversed, the machine lags by that much.
-    /// Zero belongs to the direction of the reference return (machine data MD32450).
-    fn backlash(&self, axis: &str, direction: Direction) -> Result<Correction, CannotEmulate> {
-        let state = self.axis(axis)?;
-        let lag_um = match (state.reference_direction, direction) {
-            (Direction::Plus, Direction::Minus) => state.backlash_um,
-            (Direction::Minus, Direction::Plus) => -state.backlash_um,
-            _ => 0.0,
-        };
-        Ok(-Deviation::from_um(lag_um))
     }
 
     fn axis(&self, name: &str) -> Result<&AxisState, CannotEmulate> {
@@ -307,7 +294,7 @@ impl Emulator for SiemensControl {
         let mut constant = Correction::ZERO;
         if base.eq_ignore_ascii_case(output) {
             tables.extend(self.lec_of(base)?.map(|lec| lec.corrections.clone()));
-            constant = self.backlash(base, direction)?;
+            constant = self.axis(base)?.backlash(direction);
         }
         let acting = self
             .cec_of(output)

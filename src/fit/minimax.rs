@@ -30,7 +30,7 @@ const ROUNDS: usize = 40;
 /// Newton steps for one tolerance; finite by theory, about five in practice.
 const STEPS: usize = 200;
 /// A residual this much above t, relatively or in µm, still counts as t.
-const RELATIVE_SLACK: f64 = 1e-9;
+const RELATIVE_SLACK: f64 = 1e-12;
 /// See [`RELATIVE_SLACK`]; far below a control's last digit, above rounding noise.
 const ABSOLUTE_SLACK_UM: f64 = 1e-12;
 /// Places nearer than this part of a section are one place.
@@ -297,17 +297,17 @@ impl<'a> Side<'a> {
     /// intervals of that t behind.
     fn smallest_tolerance(&mut self, from: f64) -> f64 {
         let mut tolerance = from;
-        // Rounding can turn the last step into nothing; then t grows by this, ever faster.
-        let mut nudge = 1e-13 * from + 1e-16;
+        // Where rounding alone keeps an interval empty, the steps are noise; they then double.
+        let mut nudge = 4.0 * f64::EPSILON;
         for _ in 0..STEPS {
-            match self.propagate(tolerance) {
-                Ok(()) => break,
-                Err(raise) if raise > nudge => tolerance += raise,
-                Err(_) => {
-                    tolerance += nudge;
-                    nudge *= 2.0;
-                }
+            let Err(raise) = self.propagate(tolerance) else {
+                break;
+            };
+            if raise <= 0.1 * (RELATIVE_SLACK * tolerance + ABSOLUTE_SLACK_UM) {
+                nudge *= 2.0;
             }
+            let least = nudge * (tolerance + ABSOLUTE_SLACK_UM);
+            tolerance += raise.max(least);
         }
         tolerance
     }

@@ -69,10 +69,10 @@ fn largest_of(rows: &[Vec<f64>], bounds: &[f64], gains: &[f64]) -> f64 {
     last.resize(width, 0.0);
     tableau.push(last);
     let mut basis: Vec<usize> = (gains.len()..width - 1).collect();
-    while let Some(enters) = (0..width - 1).find(|&j| tableau[count][j] < -1e-10) {
+    while let Some(enters) = (0..width - 1).find(|&j| tableau[count][j] < -1e-9) {
         let ratio = |i: usize| tableau[i][width - 1] / tableau[i][enters];
         let leaves = (0..count)
-            .filter(|&i| tableau[i][enters] > 1e-10)
+            .filter(|&i| tableau[i][enters] > 1e-7)
             .min_by(|&i, &k| ratio(i).total_cmp(&ratio(k)).then(basis[i].cmp(&basis[k])))
             .expect("the programs here are bounded");
         let pivot = tableau[leaves][enters];
@@ -331,41 +331,48 @@ proptest! {
 
     #[test]
     fn a_scaled_or_turned_curve_scales_the_table(case in case(12), turned: bool) {
+        let Case { curve, nodes } = &case;
         let factor = if turned { -0.9375 } else { 0.9375 };
-        let other = scaled(&case.curve, factor);
+        let other = scaled(curve, factor);
         for fit in FITS {
-            let values = table_values(&case.curve, &case.nodes, fit);
-            // The ends of `scaled` are those of the curve, so the domain is the same.
-            for (value, scaled) in values.iter().zip(table_values(&other, &case.nodes, fit)) {
-                prop_assert!((value.um() * factor - scaled.um()).abs() < 1e-5, "{:?}", fit);
-            }
+            let mut values = table_values(curve, nodes, fit);
+            values.iter_mut().for_each(|value| *value = Deviation::from_um(value.um() * factor));
+            assert_same(&other, nodes, &values, &table_values(&other, nodes, fit), fit);
         }
     }
 
     #[test]
-    fn a_mirrored_axis_mirrors_the_table(case in case(12)) {
+    fn a_mirrored_axis_mirrors_the_table(case in case(12), kind in 0..3usize) {
         let Case { curve, nodes } = &case;
         let last = nodes.count - 1;
-        let end = nodes.position(last).mm();
-        let knots: Vec<f64> = curve.knots().iter().rev().map(|knot| -knot.mm()).collect();
-        let values: Vec<f64> = knots.iter().map(|&knot| curve.um_at(-knot)).collect();
-        for kind in KINDS {
-            let back = super::tests::curve(&knots, &values, kind);
-            let ahead_values: Vec<f64> = values.iter().rev().copied().collect();
-            let ahead_knots: Vec<f64> = knots.iter().rev().map(|knot| -knot).collect();
-            let ahead = super::tests::curve(&ahead_knots, &ahead_values, kind);
-            let mirrored = Nodes {
-                first: Millimetres::new(-end), reference_node: last - nodes.reference_node, ..*nodes
-            };
-            for fit in FITS {
-                let there = table_values(&ahead, nodes, fit);
-                let mirror = table_values(&back, &mirrored, fit);
-                for (one, two) in there.iter().zip(mirror.iter().rev()) {
-                    prop_assert!((one.um() - two.um()).abs() < 1e-5, "{:?}", fit);
-                }
-            }
+        let points = curve.knots().iter().map(|knot| (knot.mm(), curve.um_at(knot.mm())));
+        let (knots, values): (Vec<f64>, Vec<f64>) = points.clone().unzip();
+        let (turned_knots, turned): (Vec<f64>, Vec<f64>) =
+            points.rev().map(|(x, um)| (-x, um)).unzip();
+        let ahead = super::tests::curve(&knots, &values, KINDS[kind]);
+        let back = super::tests::curve(&turned_knots, &turned, KINDS[kind]);
+        let first = -nodes.position(last).mm();
+        let mirrored = grid(first, nodes.step.mm(), nodes.count, last - nodes.reference_node);
+        for fit in FITS {
+            let mut mirror = table_values(&back, &mirrored, fit);
+            mirror.reverse();
+            assert_same(&ahead, nodes, &table_values(&ahead, nodes, fit), &mirror, fit);
         }
     }
+}
+
+/// Two tables of one curve that are the same up to rounding. Where the line may touch t at a
+/// node with the slope of the curve, the minimax value there moves by the *root* of the rounding
+/// in t, so minimax tables are compared by what they leave and only loosely by their values.
+#[track_caller]
+fn assert_same(curve: &ErrorCurve, nodes: &Nodes, one: &[Deviation], two: &[Deviation], fit: Fit) {
+    let tolerance = if fit == Fit::Minimax { 0.02 } else { 1e-8 };
+    for (one, two) in one.iter().zip(two) {
+        let difference = (one.um() - two.um()).abs();
+        assert!(difference < tolerance, "{fit:?}: {one:?} and {two:?}");
+    }
+    let left = [one, two].map(|values| over_table(curve, nodes, values));
+    assert!((left[0] - left[1]).abs() < 1e-7, "{fit:?}: {left:?}");
 }
 
 proptest! {

@@ -20,12 +20,18 @@ type Parts = (Machine, Measurement, Compensation, Limits, Acceptance);
 pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
     match root.whole("schema") {
         Some(1) => {}
-        _ if root.has("schema") => root.problem("schema", "this version reads jobs with `schema = 1`", "write `schema = 1`"),
+        _ if root.has("schema") => root.problem(
+            "schema",
+            "this version reads jobs with `schema = 1`",
+            "write `schema = 1`",
+        ),
         _ => root.missing("schema", "`schema = 1` in the first line"),
     }
     let machine = required_section(root, "machine").and_then(|section| machine(&section));
-    let measurement = required_section(root, "measurement").and_then(|section| measurement(&section));
-    let compensation = required_section(root, "compensation").and_then(|section| compensation(&section));
+    let measurement =
+        required_section(root, "measurement").and_then(|section| measurement(&section));
+    let compensation =
+        required_section(root, "compensation").and_then(|section| compensation(&section));
     let limits = limits(root);
     let acceptance = acceptance(root);
     Some((machine?, measurement?, compensation?, limits, acceptance))
@@ -82,13 +88,20 @@ fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {
         section.missing("travel_mm", "the ends of the travel, e.g. [0.0, 900.0]");
     }
     if !section.has("reference_mm") {
-        section.missing("reference_mm", "the machine coordinate of the reference point");
+        section.missing(
+            "reference_mm",
+            "the machine coordinate of the reference point",
+        );
     }
     let travel = section.pair("travel_mm");
     if let Some([low, high]) = travel
         && low >= high
     {
-        section.problem("travel_mm", format!("the travel ends at {high} mm, before it begins at {low} mm"), "write [smallest, largest] machine coordinate");
+        section.problem(
+            "travel_mm",
+            format!("the travel ends at {high} mm, before it begins at {low} mm"),
+            "write [smallest, largest] machine coordinate",
+        );
     }
     let reference = section.number("reference_mm");
     let reference_direction = direction(section, "reference_direction");
@@ -118,10 +131,18 @@ fn measurement(section: &Section<'_>) -> Option<Measurement> {
     }
     let date = section.text("date");
     let active = active_tables(section);
-    let squareness = section.section("squareness_um_per_m").map(|s| squareness(&s));
+    let squareness = section
+        .section("squareness_um_per_m")
+        .map(|s| squareness(&s));
     let protocol = section.section("protocol").map(|s| s.entries());
     // Keys of the contract that concern angles, readings and uncertainty of later steps.
-    section.know(&["angles", "offsets_mm", "tool_offset_mm", "uncertainty", "step_diagonal"]);
+    section.know(&[
+        "angles",
+        "offsets_mm",
+        "tool_offset_mm",
+        "uncertainty",
+        "step_diagonal",
+    ]);
     section.refuse_unknown_keys();
     if readings {
         return None;
@@ -139,7 +160,11 @@ fn active_tables(section: &Section<'_>) -> ActiveTables {
     match section.text("active_while_measuring").as_deref() {
         Some("none") => ActiveTables::None,
         Some(_) => {
-            section.problem("active_while_measuring", "tables that were active while measuring cannot be added yet", "measure with the compensation switched off and write \"none\"");
+            section.problem(
+                "active_while_measuring",
+                "tables that were active while measuring cannot be added yet",
+                "measure with the compensation switched off and write \"none\"",
+            );
             ActiveTables::NotStated
         }
         None => ActiveTables::NotStated,
@@ -147,7 +172,11 @@ fn active_tables(section: &Section<'_>) -> ActiveTables {
 }
 
 fn squareness(section: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
-    let pairs = [("xy", Axis::X, Axis::Y), ("xz", Axis::X, Axis::Z), ("yz", Axis::Y, Axis::Z)];
+    let pairs = [
+        ("xy", Axis::X, Axis::Y),
+        ("xz", Axis::X, Axis::Z),
+        ("yz", Axis::Y, Axis::Z),
+    ];
     let given = pairs
         .into_iter()
         .filter_map(|(key, of, along)| Some((ErrorTerm { of, along }, section.number(key)?)))
@@ -157,9 +186,15 @@ fn squareness(section: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
 }
 
 fn compensation(section: &Section<'_>) -> Option<Compensation> {
-    let controller = section.required_text("controller", "an id of `nonius controllers list`, or the path of a profile");
+    let controller = section.required_text(
+        "controller",
+        "an id of `nonius controllers list`, or the path of a profile",
+    );
     let control_unit = section
-        .choice("control_unit", &[("mm", LengthUnit::Millimetre), ("inch", LengthUnit::Inch)])
+        .choice(
+            "control_unit",
+            &[("mm", LengthUnit::Millimetre), ("inch", LengthUnit::Inch)],
+        )
         .unwrap_or(LengthUnit::Millimetre);
     let terms = terms(section);
     let backlash = section.choice(
@@ -191,11 +226,19 @@ fn compensation(section: &Section<'_>) -> Option<Compensation> {
     let first_table = section.whole("first_table");
     let first_set = section.whole("first_set");
     if first_set == Some(0) {
-        section.problem("first_set", "straightness sets count from 1", "write `first_set = 1`");
+        section.problem(
+            "first_set",
+            "straightness sets count from 1",
+            "write `first_set = 1`",
+        );
     }
     let reserved_points = section.whole_pairs("reserved_points").unwrap_or_default();
     if reserved_points.iter().any(|[first, last]| first > last) {
-        section.problem("reserved_points", "a block ends before it begins", "write [first, last]");
+        section.problem(
+            "reserved_points",
+            "a block ends before it begins",
+            "write [first, last]",
+        );
     }
     let axes = axes(section, axis_settings);
     section.refuse_unknown_keys();
@@ -226,14 +269,22 @@ fn listed_terms(section: &Section<'_>) -> WantedTerms {
     for name in section.texts("terms").unwrap_or_default() {
         match ErrorTerm::from_name(&name) {
             Some(term) if listed.contains(&term) => {
-                section.problem("terms", format!("`{name}` stands twice in `terms`"), "remove one");
+                section.problem(
+                    "terms",
+                    format!("`{name}` stands twice in `terms`"),
+                    "remove one",
+                );
             }
             Some(term) => listed.push(term),
             None => unknown_term(section, &name),
         }
     }
     if listed.is_empty() {
-        section.problem("terms", "`terms` names no term, expected at least one", "write \"all\", or for instance [\"EXX\", \"EYX\"]");
+        section.problem(
+            "terms",
+            "`terms` names no term, expected at least one",
+            "write \"all\", or for instance [\"EXX\", \"EYX\"]",
+        );
     }
     WantedTerms::Listed(listed)
 }
@@ -252,7 +303,11 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
     let ids = axis_ids(section);
     let measuring_system = section.whole("measuring_system");
     if measuring_system.is_some_and(|e| !(1..=2).contains(&e)) {
-        section.problem("measuring_system", "`measuring_system` must be 1 or 2", "1 = motor encoder or first system, 2 = direct scale");
+        section.problem(
+            "measuring_system",
+            "`measuring_system` must be 1 or 2",
+            "1 = motor encoder or first system, 2 = direct scale",
+        );
     }
     let detection_unit_um = section.positive("detection_unit_um");
     let first_point = section.whole("first_point");
@@ -263,9 +318,19 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
     if let (Some(start), Some(end)) = (start_mm, end_mm)
         && start >= end
     {
-        section.problem("end_mm", format!("the table ends at {end} mm, before it begins at {start} mm"), "give the smaller coordinate as `start_mm`");
+        section.problem(
+            "end_mm",
+            format!("the table ends at {end} mm, before it begins at {start} mm"),
+            "give the smaller coordinate as `start_mm`",
+        );
     }
-    let outside = section.choice("outside", &[("hold", OutsideMeasured::Hold), ("refuse", OutsideMeasured::Refuse)]);
+    let outside = section.choice(
+        "outside",
+        &[
+            ("hold", OutsideMeasured::Hold),
+            ("refuse", OutsideMeasured::Refuse),
+        ],
+    );
     section.refuse_unknown_keys();
     Some(AxisSettings {
         grid,
@@ -285,13 +350,23 @@ fn grid_request(section: &Section<'_>) -> Option<GridRequest> {
     let spacing = section.positive("spacing_mm").map(GridRequest::Spacing);
     let points = section.whole("points");
     if points.is_some_and(|n| n < 2) {
-        section.problem("points", "a table needs at least 2 points", "write a larger number");
+        section.problem(
+            "points",
+            "a table needs at least 2 points",
+            "write a larger number",
+        );
     }
     let points = points.map(GridRequest::Points);
-    let residual = section.positive("max_residual_um").map(GridRequest::MaxResidual);
+    let residual = section
+        .positive("max_residual_um")
+        .map(GridRequest::MaxResidual);
     let given: Vec<GridRequest> = [spacing, points, residual].into_iter().flatten().collect();
     if given.len() > 1 {
-        let key = if points.is_some() { "points" } else { "max_residual_um" };
+        let key = if points.is_some() {
+            "points"
+        } else {
+            "max_residual_um"
+        };
         section.problem(key, format!("[{}] asks for its grid in {} ways, expected one of `spacing_mm`, `points`, `max_residual_um`", section.path(), given.len()), "keep one");
     }
     given.first().copied()
@@ -301,16 +376,32 @@ fn axis_ids(section: &Section<'_>) -> Vec<String> {
     let id = section.text("id");
     let ids = section.texts("ids");
     if id.is_some() && ids.is_some() {
-        section.problem("ids", "`id` and `ids` are both given, expected one", "`ids` is for a gantry of several physical axes");
+        section.problem(
+            "ids",
+            "`id` and `ids` are both given, expected one",
+            "`ids` is for a gantry of several physical axes",
+        );
     }
     let all: Vec<String> = ids.unwrap_or_else(|| id.into_iter().collect());
     for (index, id) in all.iter().enumerate() {
-        let key = if section.as_written("ids").is_some() { "ids" } else { "id" };
+        let key = if section.as_written("ids").is_some() {
+            "ids"
+        } else {
+            "id"
+        };
         if id.is_empty() || !id.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-            section.problem(key, format!("`{id}` is no axis name, expected letters, digits and `_`"), "write it as the control shows it, e.g. `AX1`");
+            section.problem(
+                key,
+                format!("`{id}` is no axis name, expected letters, digits and `_`"),
+                "write it as the control shows it, e.g. `AX1`",
+            );
         }
         if all[..index].contains(id) {
-            section.problem(key, format!("`{id}` stands twice"), "every physical axis once");
+            section.problem(
+                key,
+                format!("`{id}` stands twice"),
+                "every physical axis once",
+            );
         }
     }
     all
@@ -318,16 +409,27 @@ fn axis_ids(section: &Section<'_>) -> Vec<String> {
 
 fn bits(section: &Section<'_>, key: &'static str) -> Option<u8> {
     let text = section.text(key)?;
-    let bits = (text.len() == 8).then(|| u8::from_str_radix(&text, 2).ok()).flatten();
+    let bits = (text.len() == 8)
+        .then(|| u8::from_str_radix(&text, 2).ok())
+        .flatten();
     if bits.is_none() || text.contains('+') {
-        section.problem(key, format!("`{key}` is `{text}`, expected eight digits 0 or 1, bit 7 first"), "read the parameter out of the control and copy it, e.g. \"00000000\"");
+        section.problem(
+            key,
+            format!("`{key}` is `{text}`, expected eight digits 0 or 1, bit 7 first"),
+            "read the parameter out of the control and copy it, e.g. \"00000000\"",
+        );
     }
     bits
 }
 
 fn limits(root: &Section<'_>) -> Limits {
     let section = root.section("limits");
-    let read = |key, default| section.as_ref().and_then(|s| s.positive(key)).unwrap_or(default);
+    let read = |key, default| {
+        section
+            .as_ref()
+            .and_then(|s| s.positive(key))
+            .unwrap_or(default)
+    };
     let limits = Limits {
         max_correction_um: read("max_correction_um", DEFAULT_MAX_CORRECTION_UM),
         max_slope_um_per_mm: read("max_slope_um_per_mm", DEFAULT_MAX_SLOPE_UM_PER_MM),

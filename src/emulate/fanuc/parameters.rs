@@ -2,8 +2,9 @@
 //!
 //! A parameter that no file writes keeps its old content, so a missing one is never taken as 0.
 
+use crate::control_state::{AxisState, ControlState};
 use crate::controller::FanucFacts;
-use crate::emulate::{AxisState, CannotEmulate, ControlState};
+use crate::emulate::CannotEmulate;
 use crate::table::fanuc::{FanucMemory, ParameterValue};
 
 /// Everything the tables of a control are built from.

@@ -12,8 +12,9 @@
 use super::parameters::{Loading, cannot, name};
 use super::{Link, Run};
 use crate::axis::Direction;
+use crate::control_state::AxisState;
 use crate::controller::{IntervalForm, LengthUnit, NumberRange};
-use crate::emulate::{AxisState, Between, CannotEmulate, NodeTable};
+use crate::emulate::{Between, CannotEmulate, NodeTable};
 use crate::table::fanuc::ParameterValue;
 use crate::units::{Correction, Millimetres};
 

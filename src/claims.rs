@@ -1,0 +1,62 @@
+//! What a kit relies on without being able to prove it: assumptions and preconditions.
+
+use serde::Serialize;
+
+/// A fact about the control that nobody has shown yet (contract §4).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Assumption {
+    /// Name of the fact.
+    pub fact: String,
+    /// What is assumed.
+    pub value: String,
+    /// `assumed`, always; kept as a field because scripts read it.
+    pub evidence: &'static str,
+    /// What happens on the machine if it is wrong.
+    pub consequence: String,
+}
+
+impl Assumption {
+    /// An assumption that comes from the job, not from a profile.
+    pub fn of_job(
+        fact: impl Into<String>,
+        value: impl Into<String>,
+        consequence: impl Into<String>,
+    ) -> Self {
+        Assumption {
+            fact: fact.into(),
+            value: value.into(),
+            evidence: crate::controller::Evidence::Assumed.word(),
+            consequence: consequence.into(),
+        }
+    }
+}
+
+/// What a person has to see to on the control; no file of the kit writes it (contract §4).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Precondition {
+    /// Parameter, machine datum or option.
+    pub what: String,
+    /// Value that it must have.
+    pub value: String,
+    /// Why.
+    pub why: String,
+    /// Where that is from.
+    pub source: String,
+}
+
+impl Precondition {
+    /// A precondition from its four texts.
+    pub fn new(
+        what: impl Into<String>,
+        value: impl Into<String>,
+        why: impl Into<String>,
+        source: impl Into<String>,
+    ) -> Self {
+        Precondition {
+            what: what.into(),
+            value: value.into(),
+            why: why.into(),
+            source: source.into(),
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! The command line: the only part that touches files, terminal and arguments.
+//!
+//! Data goes to standard output, talk to standard error. Exit status (contract §3): 0 = done and
+//! within limits, 1 = the answer is no (files are written), 2 = could not do it (nothing is
+//! written).
+
+mod context;
+mod controllers;
+mod generate;
+mod inputs;
+mod show;
+mod verify;
+mod write;
+
+use crate::problem::Problems;
+use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
+use serde::Serialize;
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Turns laser measurements of a machine tool into the compensation files its control loads,
+/// and proves that they help.
+#[derive(Debug, Parser)]
+#[command(name = "nonius", version, about, long_about = None, after_help = EXAMPLES, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "Examples:
+  nonius generate job.toml -o kit       make the files for the control, with a forecast
+  nonius verify job.toml --tables kit   read them back and judge them
+
+Exit status: 0 done and within limits · 1 the answer is no · 2 could not do it, nothing written";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make the compensation files of a job, with a forecast of what they leave
+    Generate {
+        /// The job (TOML); `-` = standard input
+        job: PathBuf,
+        /// Directory of the kit; must not exist or be empty
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
+        /// Replace an existing directory; the old one is kept as DIR.previous
+        #[arg(long)]
+        force: bool,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
+    /// Read the files of a directory back and judge them against a job
+    Verify {
+        /// The job (TOML); `-` = standard input
+        job: PathBuf,
+        /// Directory with the control's files
+        #[arg(long, value_name = "DIR")]
+        tables: PathBuf,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
+    /// List, show or check the controls that can be written for
+    Controllers {
+        #[command(subcommand)]
+        command: ControllersCommand,
+    },
+    /// Print what the templates of a job's control see (JSON)
+    Context {
+        /// The job (TOML); `-` = standard input
+        job: PathBuf,
+    },
+    /// Print completions for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page
+    Man,
+}
+
+#[derive(Debug, Subcommand)]
+enum ControllersCommand {
+    /// List the built-in controls
+    List {
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
+    /// Show the facts of a control with their sources
+    Show {
+        /// An id of `controllers list`, or the path of a profile of your own
+        id: String,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+        /// Print the profile as it is, to start one of your own
+        #[arg(long, conflicts_with = "format")]
+        toml: bool,
+    },
+    /// Check a profile of your own and its templates
+    Check {
+        /// The profile (TOML)
+        file: PathBuf,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// Tables for people
+    Text,
+    /// One JSON document for scripts
+    Json,
+}
+
+/// What a command answers.
+enum Answer {
+    /// Exit status 0.
+    Yes,
+    /// Exit status 1.
+    No,
+}
+
+/// Runs the program with its arguments (the first is its name) and gives the exit status.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version are answers, everything else is wrong usage (2).
+            let failed = error.use_stderr();
+            return if error.print().is_ok() && !failed {
+                ExitCode::SUCCESS
+            } else {
+                could_not()
+            };
+        }
+    };
+    match execute(arguments.command) {
+        Ok(Answer::Yes) => ExitCode::SUCCESS,
+        Ok(Answer::No) => ExitCode::from(1),
+        Err(problems) => {
+            say(&problems.render());
+            could_not()
+        }
+    }
+}
+
+/// Exit status 2: could not do it.
+fn could_not() -> ExitCode {
+    ExitCode::from(2)
+}
+
+fn execute(command: Command) -> Result<Answer, Problems> {
+    match command {
+        Command::Generate {
+            job,
+            output,
+            force,
+            format,
+        } => generate::run(&job, &output, force, format),
+        Command::Verify {
+            job,
+            tables,
+            format,
+        } => verify::run(&job, &tables, format),
+        Command::Controllers { command } => match command {
+            ControllersCommand::List { format } => controllers::list(format),
+            ControllersCommand::Show { id, format, toml } => controllers::show(&id, format, toml),
+            ControllersCommand::Check { file } => controllers::check(&file),
+        },
+        Command::Context { job } => context::run(&job),
+        Command::Completions { shell } => {
+            let mut page = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "nonius", &mut page);
+            print_bytes(&page)
+        }
+        Command::Man => {
+            let mut page = Vec::new();
+            let man = clap_mangen::Man::new(Arguments::command());
+            man.render(&mut page).map_err(|error| {
+                crate::problem::Problem::new(format!("the manual page cannot be made: {error}"))
+            })?;
+            print_bytes(&page)
+        }
+    }
+}
+
+/// Data, to standard output. A reader that went away (`| head`) is no failure.
+fn print_bytes(bytes: &[u8]) -> Result<Answer, Problems> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(bytes).and_then(|()| out.flush()) {
+        Ok(()) => Ok(Answer::Yes),
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(Answer::Yes),
+        Err(error) => Err(crate::problem::Problem::new(format!(
+            "standard output cannot be written: {error}"
+        ))
+        .into()),
+    }
+}
+
+/// A text, to standard output.
+fn print(text: &str) -> Result<Answer, Problems> {
+    print_bytes(format!("{}\n", text.trim_end()).as_bytes())
+}
+
+/// A document, to standard output.
+fn print_json(document: &impl Serialize) -> Result<Answer, Problems> {
+    let text = serde_json::to_string_pretty(document).map_err(|error| {
+        crate::problem::Problem::new(format!("the document cannot be written: {error}"))
+    })?;
+    print(&text)
+}
+
+/// Talk, to standard error.
+fn say(text: &str) {
+    let mut out = std::io::stderr().lock();
+    // Nothing can be said about a standard error that is closed.
+    let _ = writeln!(out, "{}", text.trim_end());
+}

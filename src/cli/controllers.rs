@@ -1,0 +1,160 @@
+//! `nonius controllers list|show|check`
+
+use crate::cli::show::{Column, table};
+use crate::cli::{Answer, Format, inputs, print, print_json, say};
+use crate::controller::{Evidence, Origin, Profile, Statement, builtin};
+use crate::problem::Problems;
+use serde_json::{Value, json};
+use std::path::Path;
+
+pub(super) fn list(format: Format) -> Result<Answer, Problems> {
+    let profiles: Vec<Profile> = builtin::ids()
+        .into_iter()
+        .map(builtin::profile)
+        .collect::<Result<_, _>>()?;
+    if format == Format::Json {
+        let list: Vec<Value> = profiles.iter().map(summary_json).collect();
+        return print_json(&json!({ "schema": 1, "controllers": list }));
+    }
+    let columns = [
+        Column::Left("id"),
+        Column::Left("control"),
+        Column::Right("facts"),
+        Column::Right("manual"),
+        Column::Right("assumed"),
+        Column::Right("executed"),
+    ];
+    let rows = profiles.iter().map(|profile| {
+        vec![
+            profile.id.clone(),
+            profile.name.clone(),
+            profile.statements.len().to_string(),
+            count(profile, Evidence::Manual).to_string(),
+            count(profile, Evidence::Assumed).to_string(),
+            count(profile, Evidence::Executed).to_string(),
+        ]
+    });
+    print(&table(&columns, rows))
+}
+
+fn count(profile: &Profile, evidence: Evidence) -> usize {
+    profile
+        .statements
+        .iter()
+        .filter(|s| s.evidence == evidence)
+        .count()
+}
+
+fn summary_json(profile: &Profile) -> Value {
+    json!({
+        "id": profile.id,
+        "name": profile.name,
+        "dialect": profile.dialect.word(),
+        "manual": count(profile, Evidence::Manual),
+        "assumed": count(profile, Evidence::Assumed),
+        "executed": count(profile, Evidence::Executed),
+    })
+}
+
+pub(super) fn show(id: &str, format: Format, toml: bool) -> Result<Answer, Problems> {
+    let profile = inputs::profile(id, Path::new(""), &mut Vec::new())?;
+    if toml {
+        let page = match builtin::page(id) {
+            Some(page) => page.to_string(),
+            None => String::from_utf8_lossy(&inputs::read_file(Path::new(id))?).into_owned(),
+        };
+        return print(&page);
+    }
+    if format == Format::Json {
+        return print_json(&profile_json(&profile));
+    }
+    print(&profile_text(&profile))
+}
+
+fn profile_json(profile: &Profile) -> Value {
+    let facts: Vec<Value> = profile
+        .statements
+        .iter()
+        .map(|s| {
+            json!({
+                "fact": s.fact,
+                "value": s.value,
+                "evidence": s.evidence.word(),
+                "source": s.source,
+                "consequence": s.consequence,
+            })
+        })
+        .collect();
+    let files: Vec<Value> = profile
+        .files
+        .iter()
+        .map(|file| json!({ "path": file.path, "role": file.role.word(), "template": file.template_name }))
+        .collect();
+    let mut document = summary_json(profile);
+    document["schema"] = json!(1);
+    document["facts"] = json!(facts);
+    document["files"] = json!(files);
+    document
+}
+
+fn profile_text(profile: &Profile) -> String {
+    let mut lines = vec![format!(
+        "{} - {} ({} dialect)",
+        profile.id,
+        profile.name,
+        profile.dialect.word()
+    )];
+    if let Origin::File(path) = &profile.origin {
+        lines.push(format!("your own profile `{path}`"));
+    }
+    lines.push(String::new());
+    lines.push(files_text(profile));
+    for statement in &profile.statements {
+        lines.push(String::new());
+        lines.extend(statement_lines(statement));
+    }
+    lines.join("\n")
+}
+
+fn files_text(profile: &Profile) -> String {
+    let columns = [
+        Column::Left("file"),
+        Column::Left("role"),
+        Column::Left("template"),
+    ];
+    let rows = profile.files.iter().map(|file| {
+        vec![
+            file.path.clone(),
+            file.role.word().to_string(),
+            file.template_name.clone(),
+        ]
+    });
+    table(&columns, rows)
+}
+
+fn statement_lines(statement: &Statement) -> Vec<String> {
+    let mut lines = vec![
+        format!("{} = {}", statement.fact, statement.value),
+        format!("    {}: {}", statement.evidence.word(), statement.source),
+    ];
+    if let Some(consequence) = &statement.consequence {
+        lines.push(format!("    if wrong: {consequence}"));
+    }
+    lines
+}
+
+pub(super) fn check(file: &Path) -> Result<Answer, Problems> {
+    let path = file.display().to_string();
+    // A bare name is still a path here, so it gets a folder in front.
+    let reference = if path.contains(['/', '\\']) {
+        path.clone()
+    } else {
+        format!("./{path}")
+    };
+    let profile = inputs::profile(&reference, Path::new(""), &mut Vec::new())?;
+    say(&format!(
+        "`{path}` is a valid profile: {} ({})",
+        profile.name, profile.id
+    ));
+    print(&files_text(&profile))
+}

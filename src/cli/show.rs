@@ -1,0 +1,269 @@
+//! Tables and lines for people.
+
+use crate::axis::{Axis, Direction};
+use crate::claims::{Assumption, Precondition};
+use crate::compensation::{Compiled, Placement};
+use crate::forecast::{COVERAGE_FACTOR, Forecast, Verdict};
+use crate::job::Acceptance;
+use crate::model::ErrorModel;
+use crate::plan::Plan;
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+
+/// A column with its heading.
+pub(super) enum Column {
+    /// Text.
+    Left(&'static str),
+    /// Numbers.
+    Right(&'static str),
+}
+
+/// An aligned table without lines.
+pub(super) fn table(columns: &[Column], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let mut table = Table::new();
+    table
+        .load_preset(presets::NOTHING)
+        .set_content_arrangement(ContentArrangement::Disabled);
+    table.set_header(columns.iter().map(|column| match column {
+        Column::Left(name) | Column::Right(name) => *name,
+    }));
+    for row in rows {
+        table.add_row(row);
+    }
+    for (index, column) in columns.iter().enumerate() {
+        if let Some(shown) = table.column_mut(index) {
+            shown.set_padding((0, 2));
+            if matches!(column, Column::Right(_)) {
+                shown.set_cell_alignment(CellAlignment::Right);
+            }
+        }
+    }
+    let lines: Vec<String> = table
+        .lines()
+        .map(|line| line.trim_end().to_string())
+        .collect();
+    lines.join("\n")
+}
+
+/// Where each term went: points, count, what grid and form leave.
+pub(super) fn placements(placements: &[Placement]) -> String {
+    let columns = [
+        Column::Left("term"),
+        Column::Left("travel"),
+        Column::Left("where"),
+        Column::Right("points"),
+        Column::Right("count/µm"),
+        Column::Right("grid leaves/µm"),
+        Column::Right("form leaves/µm"),
+    ];
+    let rows = placements.iter().map(|p| {
+        vec![
+            p.term.to_string(),
+            p.direction.map_or("both", Direction::symbol).to_string(),
+            p.place.clone(),
+            p.points.to_string(),
+            if p.count_um > 0.0 {
+                short(p.count_um)
+            } else {
+                "unrounded".to_string()
+            },
+            format!("{:.3}", p.grid_residual_um),
+            p.fit_residual_um
+                .map_or_else(|| "-".to_string(), |um| format!("{um:.3}")),
+        ]
+    });
+    table(&columns, rows)
+}
+
+fn short(number: f64) -> String {
+    let text = format!("{number:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+/// Every measured term before and after.
+pub(super) fn forecast(forecast: &Forecast) -> String {
+    let columns = [
+        Column::Left("term"),
+        Column::Right("before/µm"),
+        Column::Right("after/µm"),
+        Column::Right("U(k=2)/µm"),
+        Column::Left("table"),
+    ];
+    let terms = forecast.terms.iter().map(|t| {
+        vec![
+            t.term.to_string(),
+            format!("{:.3}", t.before_um),
+            format!("{:.3}", t.after_um),
+            expanded(t.u_um),
+            if t.compensated { "yes" } else { "none" }.to_string(),
+        ]
+    });
+    let diagonals = forecast.diagonals.iter().map(|d| {
+        vec![
+            format!("diagonal {}", d.name),
+            format!("{:.3}", d.before_um),
+            format!("{:.3}", d.after_um),
+            expanded(d.u_um),
+            "max - min".to_string(),
+        ]
+    });
+    table(&columns, terms.chain(diagonals))
+}
+
+fn expanded(u_um: Option<f64>) -> String {
+    u_um.map_or_else(
+        || "not stated".to_string(),
+        |u| format!("{:.3}", COVERAGE_FACTOR * u),
+    )
+}
+
+/// Slope of each cross term, and squareness where both terms of a pair were measured.
+pub(super) fn slopes(model: &ErrorModel) -> String {
+    let slopes: Vec<String> = model
+        .measured()
+        .filter(|(term, _)| term.is_cross())
+        .map(|(term, measured)| format!("{term} {:+.3}", measured.end_point_slope_um_per_m() + 0.0))
+        .collect();
+    if slopes.is_empty() {
+        return String::new();
+    }
+    let mut lines = vec![format!(
+        "slopes of the cross terms (end points), µm/m: {}",
+        slopes.join(", ")
+    )];
+    let pairs = [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)];
+    let squareness: Vec<String> = pairs
+        .into_iter()
+        .filter_map(|(a, b)| {
+            Some(format!(
+                "{}{} {:+.3}",
+                a.key(),
+                b.key(),
+                model.squareness_um_per_m(a, b)? + 0.0
+            ))
+        })
+        .collect();
+    if !squareness.is_empty() {
+        lines.push(format!("squareness, µm/m: {}", squareness.join(", ")));
+        lines.push(
+            "  positive = the angle between the two positive axis directions is less than 90°"
+                .to_string(),
+        );
+    }
+    lines.join("\n")
+}
+
+/// Reversal of each axis, where both directions were measured.
+pub(super) fn reversals(model: &ErrorModel) -> String {
+    let texts: Vec<String> = model
+        .measured()
+        .filter_map(|(term, measured)| {
+            Some(format!("{term} {:+.3}", measured.reversal()?.um() + 0.0))
+        })
+        .collect();
+    if texts.is_empty() {
+        return String::new();
+    }
+    format!(
+        "reversal B (mean moving + minus mean moving -), µm: {}",
+        texts.join(", ")
+    )
+}
+
+/// Verdict with the limits it was judged by.
+pub(super) fn verdict(
+    verdict: Verdict,
+    acceptance: Acceptance,
+    forecast: Option<&Forecast>,
+) -> String {
+    let mut limits = Vec::new();
+    if let Some(um) = acceptance.max_deviation_um {
+        limits.push(format!("every term within {um} µm"));
+    }
+    if let Some(um) = acceptance.max_diagonal_um {
+        limits.push(format!("max - min of every body diagonal within {um} µm"));
+    }
+    let asked = if limits.is_empty() {
+        "no acceptance is stated in the job".to_string()
+    } else {
+        limits.join(", ")
+    };
+    let unknown = forecast.is_some_and(|f| f.terms.iter().any(|t| t.u_um.is_none()));
+    let uncertainty = if unknown && !limits.is_empty() {
+        "; U is not stated and counted as 0"
+    } else {
+        ""
+    };
+    let short =
+        acceptance.max_diagonal_um.is_some() && forecast.is_some_and(|f| f.diagonals.is_empty());
+    let missing = if short {
+        "; body diagonals need all nine errors"
+    } else {
+        ""
+    };
+    format!(
+        "verdict: {} ({asked}{uncertainty}{missing})",
+        verdict.word()
+    )
+}
+
+/// Assumed facts with their consequence.
+pub(super) fn assumptions(assumptions: &[Assumption]) -> String {
+    if assumptions.is_empty() {
+        return String::new();
+    }
+    let mut lines = vec!["assumed, not shown by any control yet:".to_string()];
+    for a in assumptions {
+        lines.push(format!("  {} = {}", a.fact, a.value));
+        lines.push(format!("      if wrong: {}", a.consequence));
+    }
+    lines.join("\n")
+}
+
+/// What a person has to see to.
+pub(super) fn preconditions(preconditions: &[Precondition]) -> String {
+    if preconditions.is_empty() {
+        return String::new();
+    }
+    let mut lines =
+        vec!["preconditions on the control (no file of the kit sets them):".to_string()];
+    for p in preconditions {
+        lines.push(format!("  {} = {}", p.what, p.value));
+        lines.push(format!("      {} [{}]", p.why, p.source));
+    }
+    lines.join("\n")
+}
+
+/// Terms without a table, stretches that were not measured, notes.
+pub(super) fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Forecast>) -> String {
+    let mut lines = Vec::new();
+    for omission in &plan.omitted {
+        lines.push(format!(
+            "no table for {}: {}",
+            omission.term, omission.reason
+        ));
+    }
+    for axis in Axis::ALL {
+        for (from, to) in forecast
+            .map(|f| f.unmeasured[axis].as_slice())
+            .unwrap_or_default()
+        {
+            lines.push(format!(
+                "not measured: {axis} from {} to {} mm; the table holds the end value there",
+                short(from.mm()),
+                short(to.mm())
+            ));
+        }
+    }
+    lines.extend(compiled.notes.iter().map(|note| format!("note: {note}")));
+    lines.join("\n")
+}
+
+/// Paragraphs with a blank line between; empty ones are left out.
+pub(super) fn paragraphs(parts: &[String]) -> String {
+    let parts: Vec<&str> = parts
+        .iter()
+        .map(String::as_str)
+        .filter(|part| !part.is_empty())
+        .collect();
+    parts.join("\n\n")
+}

@@ -1,0 +1,172 @@
+//! Writing a kit: whole or not at all.
+//!
+//! ```text
+//!   DIR.partial-…/   all files, synced, read back; manifest.json last
+//!        │ rename (with --force: DIR → DIR.previous first)
+//!        ▼
+//!       DIR/
+//! ```
+//! Killed at any moment, what lies at DIR is the old kit, nothing, or the complete new one. A
+//! left-over `DIR.partial-…` has no manifest unless it is complete.
+
+use crate::cli::inputs::{plain_words, with_suffix};
+use crate::problem::{Problem, Problems};
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// A file to be written: name and bytes.
+pub(super) type NamedBytes<'a> = (&'a str, &'a [u8]);
+
+/// Refuses a directory that holds something, before any work is done.
+pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems> {
+    let name = directory.display();
+    match fs::read_dir(directory).map(Iterator::count) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(Problem::new(format!(
+            "`{name}` cannot be used as the kit's directory: {}",
+            plain_words(&error)
+        ))
+        .into()),
+        Ok(entries) if entries == 0 || force => Ok(()),
+        Ok(_) => Err(Problem::new(format!(
+            "the directory `{name}` is not empty, expected a new or an empty one"
+        ))
+        .help("choose another directory, or `--force` to keep the old one as DIR.previous")
+        .into()),
+    }
+}
+
+/// Writes all files, then `manifest`, then puts the directory into place.
+pub(super) fn write_kit(
+    directory: &Path,
+    files: &[NamedBytes<'_>],
+    manifest: NamedBytes<'_>,
+    force: bool,
+) -> Result<(), Problems> {
+    let directory = trimmed(directory);
+    let parent = match directory.parent() {
+        Some(parent) if parent != Path::new("") => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    let place = |what: &str, path: &Path, error: &std::io::Error| {
+        Problems::from(
+            Problem::new(format!(
+                "{what} `{}`: {}; nothing was written",
+                path.display(),
+                plain_words(error)
+            ))
+            .help("check the place and its free space, then run the command again"),
+        )
+    };
+    fs::create_dir_all(&parent).map_err(|e| place("cannot make the directory", &parent, &e))?;
+    let name = directory
+        .file_name()
+        .map(|n| n.to_string_lossy().into_owned())
+        .ok_or_else(|| {
+            Problems::from(Problem::new(format!(
+                "`{}` is no name for a new directory",
+                directory.display()
+            )))
+        })?;
+    let partial = tempfile::Builder::new()
+        .prefix(&format!("{name}.partial-"))
+        .tempdir_in(&parent)
+        .map_err(|e| place("cannot make a directory in", &parent, &e))?;
+    for (file, bytes) in files.iter().chain([&manifest]) {
+        let path = partial.path().join(file);
+        write_synced(&path, bytes).map_err(|e| place("cannot write", &path, &e))?;
+    }
+    open_to_others(partial.path());
+    sync_directory(partial.path());
+    make_room(&directory, force)?;
+    fs::rename(partial.path(), &directory)
+        .map_err(|e| place("cannot put into place", &directory, &e))?;
+    sync_directory(&parent);
+    // The directory has its final name now; there is nothing left to remove.
+    let _ = partial.keep();
+    Ok(())
+}
+
+/// `kit/` and `kit` are the same directory.
+fn trimmed(directory: &Path) -> PathBuf {
+    directory.components().collect()
+}
+
+fn write_synced(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = File::create_new(path)?;
+    file.write_all(bytes)?;
+    file.sync_all()?;
+    drop(file);
+    if fs::read(path)? == bytes {
+        Ok(())
+    } else {
+        Err(std::io::Error::other(
+            "the bytes on the disk are not those that were written",
+        ))
+    }
+}
+
+/// A temporary directory is closed to others; a kit has the usual permissions.
+#[cfg(unix)]
+fn open_to_others(directory: &Path) {
+    use std::os::unix::fs::PermissionsExt;
+    // If it cannot be opened, the kit is complete all the same.
+    let _ = fs::set_permissions(directory, fs::Permissions::from_mode(0o755));
+}
+
+#[cfg(not(unix))]
+fn open_to_others(_: &Path) {}
+
+/// Makes a rename durable where the system can; elsewhere the system does it in its own time.
+fn sync_directory(directory: &Path) {
+    if let Ok(handle) = File::open(directory) {
+        let _ = handle.sync_all();
+    }
+}
+
+/// Removes an empty directory, or renames a full one to `DIR.previous`.
+fn make_room(directory: &Path, force: bool) -> Result<(), Problems> {
+    if fs::symlink_metadata(directory).is_err() {
+        return Ok(());
+    }
+    if fs::remove_dir(directory).is_ok() {
+        return Ok(());
+    }
+    ensure_free(directory, force)?;
+    let previous = with_suffix(directory, ".previous");
+    remove_older(&previous)?;
+    fs::rename(directory, &previous).map_err(|error| {
+        Problem::new(format!(
+            "cannot rename `{}` to `{}`: {}; nothing was changed",
+            directory.display(),
+            previous.display(),
+            plain_words(&error)
+        ))
+        .help("close programs that use it, or choose another directory")
+        .into()
+    })
+}
+
+/// An older `DIR.previous` is removed only if it is a kit.
+fn remove_older(previous: &Path) -> Result<(), Problems> {
+    if fs::symlink_metadata(previous).is_err() {
+        return Ok(());
+    }
+    if !previous.join("manifest.json").is_file() {
+        return Err(Problem::new(format!(
+            "`{}` exists and is no kit, so it is not removed",
+            previous.display()
+        ))
+        .help("move it away, or choose another directory")
+        .into());
+    }
+    fs::remove_dir_all(previous).map_err(|error| {
+        Problem::new(format!(
+            "cannot remove `{}`: {}",
+            previous.display(),
+            plain_words(&error)
+        ))
+        .into()
+    })
+}

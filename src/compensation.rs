@@ -1,0 +1,170 @@
+//! The plan in a control's own numbers: rounded once, numbered, within its limits.
+//!
+//! ```text
+//!   Plan ─→ siemens | fanuc | generic ─→ Compiled { tables, state, assumptions, preconditions }
+//! ```
+//! Deviations become table values through [`crate::controller::TableSign`], the only place where
+//! a profile's sense of a table enters. Rounding is half away from zero, on totals, so no point
+//! is off by more than half a count.
+
+pub mod fanuc;
+pub mod four_point;
+pub mod generic;
+pub mod siemens;
+
+use crate::axis::{Axis, Direction, ErrorTerm};
+use crate::claims::{Assumption, Precondition};
+use crate::control_state::{AxisState, ControlState};
+use crate::controller::{Dialect, Evidence};
+use crate::job::{ActiveTables, BacklashPolicy};
+use crate::plan::{Plan, Task};
+use crate::problem::Problems;
+use crate::table::Tables;
+
+/// Where one planned table went and how coarse it is there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placement {
+    /// Which error.
+    pub term: ErrorTerm,
+    /// Direction of the moving axis it acts in; `None` = both.
+    pub direction: Option<Direction>,
+    /// The place in the control's words, e.g. `ENC_COMP[0,AX1]` or `points 0…30`.
+    pub place: String,
+    /// Number of points.
+    pub points: usize,
+    /// The smallest step the table can express, µm (contract §1, count).
+    pub count_um: f64,
+    /// Largest difference of curve and unrounded table over the whole axis, µm.
+    pub grid_residual_um: f64,
+    /// What the form of the control leaves at its points beyond rounding, µm (four-point
+    /// straightness only).
+    pub fit_residual_um: Option<f64>,
+}
+
+/// A kit before it becomes text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compiled {
+    /// What the files will write.
+    pub tables: Tables,
+    /// Where each planned table went.
+    pub placements: Vec<Placement>,
+    /// The state of the control that the job states or requires.
+    pub state: ControlState,
+    /// What is assumed.
+    pub assumptions: Vec<Assumption>,
+    /// What a person has to see to.
+    pub preconditions: Vec<Precondition>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+/// Puts a plan into the numbers of the task's control; all problems are given at once.
+pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
+    let mut compiled = match &task.profile.dialect {
+        Dialect::Siemens(facts) => siemens::compile(task, plan, facts)?,
+        Dialect::Fanuc(facts) => fanuc::compile(task, plan, facts)?,
+        Dialect::Generic(_) => generic::compile(task, plan),
+    };
+    let mut assumptions = profile_assumptions(task);
+    assumptions.extend(job_assumptions(task, plan));
+    assumptions.append(&mut compiled.assumptions);
+    compiled.assumptions = assumptions;
+    let mut notes = plan.notes.clone();
+    notes.append(&mut compiled.notes);
+    if task.job.measurement.active == ActiveTables::NotStated {
+        notes.push(
+            "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these tables are wrong"
+                .to_string(),
+        );
+    }
+    compiled.notes = notes;
+    Ok(compiled)
+}
+
+fn profile_assumptions(task: Task<'_>) -> Vec<Assumption> {
+    let stated = |fact: &str| fact == "axis_names"; // listed axis by axis below
+    task.profile
+        .statements
+        .iter()
+        .filter(|s| s.evidence == Evidence::Assumed && !stated(&s.fact))
+        .map(|s| Assumption {
+            fact: s.fact.clone(),
+            value: s.value.clone(),
+            evidence: s.evidence.word(),
+            consequence: s.consequence.clone().unwrap_or_default(),
+        })
+        .collect()
+}
+
+fn job_assumptions(task: Task<'_>, plan: &Plan) -> Vec<Assumption> {
+    let mut assumptions = Vec::new();
+    let involved = |axis: Axis| {
+        plan.tables
+            .iter()
+            .any(|t| t.term.of == axis || t.term.along == axis)
+    };
+    for axis in plan.default_names.iter().filter(|axis| involved(**axis)) {
+        if !matches!(task.profile.dialect, Dialect::Generic(_)) {
+            assumptions.push(Assumption::of_job(
+                format!("axis_name_{}", axis.key()),
+                plan.names[*axis].join(", "),
+                format!(
+                    "tables would reach another axis: state `id` in [compensation.axes.{}]",
+                    axis.key()
+                ),
+            ));
+        }
+    }
+    let directed = task
+        .job
+        .compensation
+        .backlash
+        .is_some_and(|p| p != BacklashPolicy::Mean);
+    for axis in Axis::ALL
+        .into_iter()
+        .filter(|axis| involved(*axis) && directed)
+    {
+        let stated =
+            task.job.machine.axes[axis].is_none_or(|machine| machine.reference_direction.is_some());
+        if !stated {
+            assumptions.push(Assumption::of_job(
+                format!("reference_direction_{}", axis.key()),
+                "+",
+                format!("the whole table of {axis} would be off by the reversal: state `reference_direction` in [machine.axes.{}]", axis.key()),
+            ));
+        }
+    }
+    assumptions
+}
+
+/// The state of the control that the job states: one entry for each physical axis.
+/// `backlash_um` is what the backlash parameter will hold, −B rounded as it is named.
+fn control_state(task: Task<'_>, plan: &Plan, backlash_um: impl Fn(Axis) -> f64) -> ControlState {
+    let mut axes = Vec::new();
+    for (axis, names) in plan.names.iter() {
+        let Some(machine) = task.job.machine.axes[axis] else {
+            continue;
+        };
+        let settings = task.job.compensation.axes[axis].as_ref();
+        let own = |directed: bool| {
+            plan.tables.iter().any(|t| {
+                t.term.is_positioning() && t.term.of == axis && t.direction.is_some() == directed
+            })
+        };
+        for name in names {
+            axes.push(AxisState {
+                name: name.clone(),
+                reference: machine.reference,
+                reference_direction: machine.homing(),
+                detection_unit_um: settings.and_then(|s| s.detection_unit_um),
+                backlash_um: backlash_um(axis),
+                bidirectional: own(true),
+                interpolated: settings.is_some_and(|s| s.interpolated),
+            });
+        }
+    }
+    ControlState {
+        unit: task.job.compensation.control_unit,
+        axes,
+    }
+}

@@ -1,0 +1,181 @@
+//! Tables → template context → text. The only user of Tera.
+//!
+//! A context holds finished strings only: numbers are rounded in [`crate::compensation`] and
+//! turned into text here, once, so a template decides about layout and nothing else. What a
+//! template sees is printed by `nonius context JOB` and explained in docs/templates.md.
+
+mod fanuc;
+mod generic;
+mod siemens;
+
+use crate::axis::Direction;
+use crate::compensation::{Compiled, Placement};
+use crate::controller::{Dialect, EmittedFile, Role};
+use crate::job::ActiveTables;
+use crate::plan::Task;
+use crate::problem::{Problem, Problems};
+use crate::table::Tables;
+use serde_json::{Value, json};
+
+/// A file of the kit, ready to be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RenderedFile {
+    /// Name in the kit.
+    pub path: String,
+    /// What it is for.
+    pub role: Role,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// The name and version of the program, as it stands in files and manifests.
+pub const TOOL: &str = concat!("nonius ", env!("CARGO_PKG_VERSION"));
+
+/// What the templates of a control see.
+pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Value, Problems> {
+    let mut context = header(task, compiled);
+    let tables = match (&compiled.tables, &task.profile.dialect) {
+        (Tables::Siemens(tables), Dialect::Siemens(facts)) => {
+            siemens::context(task, compiled, tables, facts)
+        }
+        (Tables::Fanuc(memory), Dialect::Fanuc(facts)) => fanuc::context(memory, facts),
+        (Tables::Generic(table), _) => generic::context(table),
+        _ => Value::Null,
+    };
+    if let (Value::Object(context), Value::Object(tables)) = (&mut context, tables) {
+        context.extend(tables);
+    }
+    if task.profile.comments.value {
+        refuse_unsafe_text(task, &context)?;
+    }
+    Ok(context)
+}
+
+fn header(task: Task<'_>, compiled: &Compiled) -> Value {
+    let machine = &task.job.machine;
+    let not_stated = "not stated".to_string();
+    let text = |value: &Option<String>| value.clone().unwrap_or_else(|| not_stated.clone());
+    let terms: Vec<Value> = compiled.placements.iter().map(term_context).collect();
+    json!({
+        "tool": TOOL,
+        "controller": { "id": task.profile.id, "name": task.profile.name },
+        "machine": {
+            "name": machine.name,
+            "serial": text(&machine.serial),
+            "chain": text(&machine.chain),
+        },
+        "measurement": {
+            "date": text(&task.job.measurement.date),
+            "active": match task.job.measurement.active {
+                ActiveTables::None => "none",
+                ActiveTables::NotStated => "not stated",
+            },
+        },
+        "unit": task.job.compensation.control_unit.word(),
+        "terms": terms,
+    })
+}
+
+fn term_context(placement: &Placement) -> Value {
+    json!({
+        "term": placement.term.to_string(),
+        "direction": direction_word(placement.direction),
+        "place": placement.place,
+        "points": placement.points.to_string(),
+    })
+}
+
+/// `both`, `+` or `-`.
+fn direction_word(direction: Option<Direction>) -> &'static str {
+    direction.map_or("both", Direction::symbol)
+}
+
+/// Text of a job that reaches a control's file must not be able to end a comment, start a block
+/// or a program (contract §2.3, `name`).
+fn refuse_unsafe_text(task: Task<'_>, context: &Value) -> Result<(), Problems> {
+    let mut problems = Problems::none();
+    let fields = [
+        ("machine.name", &context["machine"]["name"]),
+        ("machine.serial", &context["machine"]["serial"]),
+        ("measurement.date", &context["measurement"]["date"]),
+    ];
+    for (path, value) in fields {
+        let text = value.as_str().unwrap_or_default();
+        let safe = |c: char| (' '..='~').contains(&c) && !"%;()[]{}<>".contains(c);
+        if text.chars().all(safe) && text.len() <= LONGEST_TEXT {
+            continue;
+        }
+        problems.push(
+            task.job
+                .problem_at(path, format!("`{path}` goes into comments of the control's files, expected up to {LONGEST_TEXT} printable ASCII characters without line breaks, `%`, `;` or brackets"))
+                .help("write it in plain letters, e.g. `VMC 900`"),
+        );
+    }
+    problems.or_ok(())
+}
+
+/// Longest name in a comment: the line stays below 80 characters.
+const LONGEST_TEXT: usize = 60;
+
+/// The kit's files from the context, with the control's line ends.
+pub fn render(task: Task<'_>, context: &Value) -> Result<Vec<RenderedFile>, Problems> {
+    let mut problems = Problems::none();
+    let mut files = Vec::new();
+    for file in task
+        .profile
+        .files
+        .iter()
+        .filter(|file| is_wanted(file, context))
+    {
+        match render_text(file, context) {
+            Ok(text) => files.push(RenderedFile {
+                path: file.path.clone(),
+                role: file.role,
+                bytes: with_line_ends(&text, task.profile.line_end.value.text()).into_bytes(),
+            }),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    problems.or_ok(files)
+}
+
+fn is_wanted(file: &EmittedFile, context: &Value) -> bool {
+    match &file.when {
+        None => true,
+        Some(name) => context[name]
+            .as_array()
+            .is_some_and(|list| !list.is_empty()),
+    }
+}
+
+/// One file as text with `\n` line ends.
+fn render_text(file: &EmittedFile, context: &Value) -> Result<String, Problem> {
+    let mut tera = tera::Tera::default();
+    tera.autoescape_on(Vec::<&'static str>::new());
+    let refuse = |error: tera::Error| {
+        Problem::new(format!(
+            "template `{}` cannot be rendered: {error}",
+            file.template_name
+        ))
+        .help("`nonius context JOB` prints what a template sees")
+    };
+    tera.add_raw_template(&file.template_name, &file.template)
+        .map_err(refuse)?;
+    let context = tera::Context::from_serialize(context).map_err(refuse)?;
+    tera.render(&file.template_name, &context).map_err(refuse)
+}
+
+fn with_line_ends(text: &str, line_end: &str) -> String {
+    text.replace("\r\n", "\n").replace('\n', line_end)
+}
+
+/// A number with a fixed number of decimals, never `-0`.
+fn fixed(number: f64, decimals: u32) -> String {
+    let text = format!("{number:.*}", decimals as usize);
+    let zero = text.chars().all(|c| "-0.".contains(c));
+    if zero {
+        text.trim_start_matches('-').to_string()
+    } else {
+        text
+    }
+}

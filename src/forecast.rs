@@ -1,0 +1,444 @@
+//! What the tables will leave: measured deviation + emulated correction, over the whole
+//! measured range, in every measured direction.
+//!
+//! ```text
+//!   ErrorModel ───────────────┐
+//!                             ├→ residual of every term, of every body diagonal → Forecast
+//!   bytes → Tables → Emulator ┘
+//! ```
+//! Extremes are exact: a correction is a straight line between its breaks, a curve a cubic
+//! between its knots, so no position has to be sampled.
+
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::emulate::{CannotEmulate, Emulator, Response};
+use crate::job::Acceptance;
+use crate::model::{ErrorModel, MeasuredTerm};
+use crate::plan::Plan;
+use crate::units::Millimetres;
+
+/// Forecast of one term.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TermForecast {
+    /// Which error.
+    pub term: ErrorTerm,
+    /// Largest |deviation| as measured, relative to the reference, µm.
+    pub before_um: f64,
+    /// Largest |deviation + emulated correction|, µm.
+    pub after_um: f64,
+    /// Largest standard uncertainty (k = 1), µm; `None` = not stated.
+    pub u_um: Option<f64>,
+    /// Whether a table was planned for it.
+    pub compensated: bool,
+}
+
+/// Forecast along one body diagonal of the measured box: max − min of the deviation along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiagonalForecast {
+    /// `PPP`, `NPP`, `PNP` or `PPN` (contract §2.2).
+    pub name: &'static str,
+    /// As measured, µm.
+    pub before_um: f64,
+    /// With the tables, µm.
+    pub after_um: f64,
+    /// Standard uncertainty (k = 1) of the figure, µm; `None` if any of the nine is not stated.
+    pub u_um: Option<f64>,
+}
+
+/// What the tables will leave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forecast {
+    /// Every measured term, in the contract's order.
+    pub terms: Vec<TermForecast>,
+    /// The four body diagonals; empty unless all nine errors were measured.
+    pub diagonals: Vec<DiagonalForecast>,
+    /// Stretches of each axis where the table passes the measured range.
+    pub unmeasured: PerAxis<Vec<(Millimetres, Millimetres)>>,
+}
+
+impl Forecast {
+    /// Largest residual of all measured terms, µm.
+    pub fn max_residual_um(&self) -> f64 {
+        self.terms
+            .iter()
+            .map(|term| term.after_um)
+            .fold(0.0, f64::max)
+    }
+
+    /// Compares with the acceptance of the job.
+    pub fn verdict(&self, acceptance: Acceptance) -> Verdict {
+        let terms = self
+            .terms
+            .iter()
+            .map(|t| judge(t.after_um, t.u_um, acceptance.max_deviation_um));
+        let diagonals = self
+            .diagonals
+            .iter()
+            .map(|d| judge(d.after_um, d.u_um, acceptance.max_diagonal_um));
+        let missing = acceptance.max_diagonal_um.is_some() && self.diagonals.is_empty();
+        terms
+            .chain(diagonals)
+            .chain(missing.then_some(Verdict::Undecided))
+            .max()
+            .unwrap_or(Verdict::Pass)
+    }
+}
+
+/// Answer to the question whether a limit is kept; the worse one is the larger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// |d| + U ≤ limit, or no limit is stated.
+    Pass,
+    /// Neither.
+    Undecided,
+    /// |d| − U > limit.
+    Fail,
+}
+
+impl Verdict {
+    /// `pass`, `fail` or `undecided`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Verdict::Pass => "pass",
+            Verdict::Undecided => "undecided",
+            Verdict::Fail => "fail",
+        }
+    }
+}
+
+/// Coverage factor of the expanded uncertainty U = k·u (contract §5).
+pub const COVERAGE_FACTOR: f64 = 2.0;
+
+/// Contract §5: pass if |d| + U ≤ limit, fail if |d| − U > limit; U = 0 where u is not stated.
+pub fn judge(largest_um: f64, u_um: Option<f64>, limit_um: Option<f64>) -> Verdict {
+    let Some(limit) = limit_um else {
+        return Verdict::Pass;
+    };
+    let expanded = COVERAGE_FACTOR * u_um.unwrap_or(0.0);
+    if largest_um + expanded <= limit {
+        Verdict::Pass
+    } else if largest_um - expanded > limit {
+        Verdict::Fail
+    } else {
+        Verdict::Undecided
+    }
+}
+
+/// Computes the forecast from a model and the emulated control.
+pub fn forecast(
+    model: &ErrorModel,
+    plan: &Plan,
+    control: &dyn Emulator,
+) -> Result<Forecast, CannotEmulate> {
+    let mut terms = Vec::new();
+    for (term, measured) in model.measured() {
+        terms.push(TermForecast {
+            term,
+            before_um: measured.largest_um(),
+            after_um: largest_residual(plan, control, term, measured)?,
+            u_um: measured.u_um,
+            compensated: plan.tables.iter().any(|t| t.term == term),
+        });
+    }
+    Ok(Forecast {
+        diagonals: diagonals(model, plan, control)?,
+        terms,
+        unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),
+    })
+}
+
+/// The pairs (base, output) of physical axes that a term concerns: each axis of a gantry is
+/// corrected, the first one is looked up.
+pub fn axis_pairs(plan: &Plan, term: ErrorTerm) -> Vec<(&str, &str)> {
+    plan.names[term.of]
+        .iter()
+        .map(|output| {
+            let base = if term.is_positioning() {
+                output
+            } else {
+                &plan.names[term.along][0]
+            };
+            (base.as_str(), output.as_str())
+        })
+        .collect()
+}
+
+fn largest_residual(
+    plan: &Plan,
+    control: &dyn Emulator,
+    term: ErrorTerm,
+    measured: &MeasuredTerm,
+) -> Result<f64, CannotEmulate> {
+    let mut largest = 0.0_f64;
+    for direction in Direction::BOTH {
+        let Some(curve) = measured.measured.curve(direction) else {
+            continue;
+        };
+        let (from, to) = curve.measured_range();
+        for (base, output) in axis_pairs(plan, term) {
+            let response = control.response(base, output, direction)?;
+            for stretch in response.stretches(from, to) {
+                let (low, high) = curve.extremes_against_line(
+                    stretch.from,
+                    stretch.to,
+                    stretch.at_from.um(),
+                    stretch.at_to.um(),
+                );
+                largest = largest.max(high).max(-low);
+            }
+        }
+    }
+    Ok(largest)
+}
+
+/// A table may pass the measured range by this much without being named (inch rounding), mm.
+const EDGE_MM: f64 = 0.01;
+
+fn unmeasured(model: &ErrorModel, plan: &Plan, axis: Axis) -> Vec<(Millimetres, Millimetres)> {
+    let (Some(grid), Some((low, high))) = (plan.grids[axis], model.ranges[axis]) else {
+        return Vec::new();
+    };
+    let (first, last) = grid.range();
+    [(first, low), (high, last)]
+        .into_iter()
+        .filter(|(from, to)| to.mm() - from.mm() > EDGE_MM)
+        .collect()
+}
+
+/// Sign of travel of X, Y, Z on the forward run of each diagonal (contract §2.2).
+const DIAGONALS: [(&str, [f64; 3]); 4] = [
+    ("PPP", [1.0, 1.0, 1.0]),
+    ("NPP", [-1.0, 1.0, 1.0]),
+    ("PNP", [1.0, -1.0, 1.0]),
+    ("PPN", [1.0, 1.0, -1.0]),
+];
+
+/// The measured box: low corner and size of each axis, mm.
+struct MeasuredBox {
+    low: [f64; 3],
+    size: [f64; 3],
+}
+
+impl MeasuredBox {
+    fn of(model: &ErrorModel) -> Option<MeasuredBox> {
+        let ends: Option<Vec<(f64, f64)>> = Axis::ALL
+            .iter()
+            .map(|axis| model.ranges[*axis].map(|(low, high)| (low.mm(), high.mm())))
+            .collect();
+        let ends = ends?;
+        Some(MeasuredBox {
+            low: [ends[0].0, ends[1].0, ends[2].0],
+            size: [
+                ends[0].1 - ends[0].0,
+                ends[1].1 - ends[1].0,
+                ends[2].1 - ends[2].0,
+            ],
+        })
+    }
+
+    fn length(&self) -> f64 {
+        self.size.iter().map(|s| s * s).sum::<f64>().sqrt()
+    }
+}
+
+fn diagonals(
+    model: &ErrorModel,
+    plan: &Plan,
+    control: &dyn Emulator,
+) -> Result<Vec<DiagonalForecast>, CannotEmulate> {
+    let Some(measured_box) = MeasuredBox::of(model) else {
+        return Ok(Vec::new());
+    };
+    if model.measured().count() < ErrorTerm::ALL.len() {
+        return Ok(Vec::new());
+    }
+    let u_um = diagonal_uncertainty(model, &measured_box);
+    DIAGONALS
+        .iter()
+        .map(|(name, signs)| {
+            let mut before = Extent::default();
+            let mut after = Extent::default();
+            for reverse in [false, true] {
+                let walk = Walk::new(model, plan, control, &measured_box, *signs, reverse)?;
+                walk.extremes(&mut before, &mut after);
+            }
+            Ok(DiagonalForecast {
+                name,
+                before_um: before.size(),
+                after_um: after.size(),
+                u_um,
+            })
+        })
+        .collect()
+}
+
+/// u of max − min along a diagonal: two readings, each the sum of three terms per direction
+/// weighted with the direction cosine; the largest u of each term is taken everywhere.
+fn diagonal_uncertainty(model: &ErrorModel, measured_box: &MeasuredBox) -> Option<f64> {
+    let mut variance = 0.0;
+    for (term, measured) in model.measured() {
+        let cosine = measured_box.size[index(term.of)] / measured_box.length();
+        variance += (cosine * measured.u_um?).powi(2);
+    }
+    Some((2.0 * variance).sqrt())
+}
+
+const fn index(axis: Axis) -> usize {
+    match axis {
+        Axis::X => 0,
+        Axis::Y => 1,
+        Axis::Z => 2,
+    }
+}
+
+/// Smallest and largest value met.
+#[derive(Default)]
+struct Extent {
+    ends: Option<(f64, f64)>,
+}
+
+impl Extent {
+    fn meet(&mut self, value: f64) {
+        let (low, high) = self.ends.unwrap_or((value, value));
+        self.ends = Some((low.min(value), high.max(value)));
+    }
+
+    fn size(&self) -> f64 {
+        self.ends.map_or(0.0, |(low, high)| high - low)
+    }
+}
+
+/// One run along a diagonal, t from 0 to 1.
+struct Walk<'a> {
+    parts: Vec<Part<'a>>,
+    measured_box: &'a MeasuredBox,
+    signs: [f64; 3],
+}
+
+/// One term on the way: its curve, its correction, and the cosine of the beam to its direction.
+struct Part<'a> {
+    curve: &'a crate::curve::ErrorCurve,
+    response: Response,
+    along: usize,
+    cosine: f64,
+}
+
+impl<'a> Walk<'a> {
+    fn new(
+        model: &'a ErrorModel,
+        plan: &Plan,
+        control: &dyn Emulator,
+        measured_box: &'a MeasuredBox,
+        signs: [f64; 3],
+        reverse: bool,
+    ) -> Result<Walk<'a>, CannotEmulate> {
+        let mut parts = Vec::new();
+        for (term, measured) in model.measured() {
+            let forward = (signs[index(term.along)] > 0.0) != reverse;
+            let direction = if forward {
+                Direction::Plus
+            } else {
+                Direction::Minus
+            };
+            let Some(curve) = measured.measured.curve(direction) else {
+                continue;
+            };
+            let Some((base, output)) = axis_pairs(plan, term).first().copied() else {
+                continue;
+            };
+            parts.push(Part {
+                curve,
+                response: control.response(base, output, direction)?,
+                along: index(term.along),
+                cosine: signs[index(term.of)] * measured_box.size[index(term.of)]
+                    / measured_box.length(),
+            });
+        }
+        Ok(Walk {
+            parts,
+            measured_box,
+            signs,
+        })
+    }
+
+    fn position(&self, axis: usize, t: f64) -> Millimetres {
+        let travelled = if self.signs[axis] > 0.0 { t } else { 1.0 - t };
+        Millimetres::new(self.measured_box.low[axis] + travelled * self.measured_box.size[axis])
+    }
+
+    /// Places t where a curve or a correction bends or jumps.
+    fn breaks(&self) -> Vec<f64> {
+        let mut breaks = vec![0.0, 1.0];
+        for part in &self.parts {
+            let (low, size) = (
+                self.measured_box.low[part.along],
+                self.measured_box.size[part.along],
+            );
+            let from = Millimetres::new(low);
+            let to = Millimetres::new(low + size);
+            let stretches = part
+                .response
+                .stretches(from, to)
+                .into_iter()
+                .map(|s| s.from);
+            for x in part.curve.knots().iter().copied().chain(stretches) {
+                let travelled = (x.mm() - low) / size;
+                breaks.push(if self.signs[part.along] > 0.0 {
+                    travelled
+                } else {
+                    1.0 - travelled
+                });
+            }
+        }
+        breaks.retain(|t| (0.0..=1.0).contains(t));
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-12);
+        breaks
+    }
+
+    /// Deviation along the beam at t, as measured and with the tables, µm.
+    fn deviation(&self, t: f64) -> (f64, f64) {
+        let mut before = 0.0;
+        let mut after = 0.0;
+        for part in &self.parts {
+            let at = self.position(part.along, t);
+            let deviation = part.curve.at(at);
+            before += part.cosine * deviation.um();
+            after += part.cosine * (deviation + part.response.correction(at)).um();
+        }
+        (before, after)
+    }
+
+    /// Between two breaks both sums are cubics in t; four places determine each.
+    fn extremes(&self, before: &mut Extent, after: &mut Extent) {
+        const PLACES: [f64; 4] = [0.125, 0.375, 0.625, 0.875];
+        for pair in self.breaks().windows(2) {
+            let values = PLACES.map(|s| self.deviation(pair[0] + s * (pair[1] - pair[0])));
+            cubic_extremes(values.map(|v| v.0), before);
+            cubic_extremes(values.map(|v| v.1), after);
+        }
+    }
+}
+
+/// Meets the extremes on 0…1 of the cubic through values at 1/8, 3/8, 5/8, 7/8.
+fn cubic_extremes(values: [f64; 4], extent: &mut Extent) {
+    // Newton's forward differences with u = (s − 1/8) / (1/4), so s = 0 and 1 are u = −½ and 3½.
+    let d1 = values[1] - values[0];
+    let d2 = values[2] - 2.0 * values[1] + values[0];
+    let d3 = values[3] - 3.0 * values[2] + 3.0 * values[1] - values[0];
+    let at = |u: f64| {
+        values[0] + u * d1 + u * (u - 1.0) / 2.0 * d2 + u * (u - 1.0) * (u - 2.0) / 6.0 * d3
+    };
+    const FIRST: f64 = -0.5;
+    const LAST: f64 = 3.5;
+    extent.meet(at(FIRST));
+    extent.meet(at(LAST));
+    // derivative: d3/2·u² + (d2 − d3)·u + (d1 − d2/2 + d3/3)
+    let (a, b, c) = (d3 / 2.0, d2 - d3, d1 - d2 / 2.0 + d3 / 3.0);
+    let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
+    let q = -0.5 * (b + root.copysign(b));
+    for u in [q / a, c / q] {
+        if u > FIRST && u < LAST {
+            extent.meet(at(u));
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! A kit from end to end, in memory: model → plan → numbers → text → read back → forecast.
+//!
+//! Nothing here touches a file. What is written later is exactly `Kit::files`, and the forecast
+//! comes from these bytes through the readers and the emulator, never from the numbers that
+//! went in.
+
+use crate::compensation::{Compiled, compile};
+use crate::control_state::ControlState;
+use crate::controller::{Dialect, Profile};
+use crate::disagreement;
+use crate::emit::{self, RenderedFile, TOOL};
+use crate::emulate::fanuc::FanucControl;
+use crate::emulate::generic::GenericControl;
+use crate::emulate::siemens::SiemensControl;
+use crate::emulate::{CannotEmulate, Emulator};
+use crate::error_table::ErrorTable;
+use crate::forecast::{Forecast, Verdict, forecast};
+use crate::job::Job;
+use crate::manifest::{self, HashedFile, Manifest, SCHEMA};
+use crate::model::ErrorModel;
+use crate::plan::{Plan, Task, plan};
+use crate::problem::{Problem, Problems};
+use crate::readback::kit::{KitFile, ReadBack, read};
+use crate::table::Tables;
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+/// The inputs of a kit, read and checked.
+#[derive(Clone, Debug)]
+pub struct Inputs {
+    /// The job.
+    pub job: Job,
+    /// The control.
+    pub profile: Profile,
+    /// The measured errors as curves.
+    pub model: ErrorModel,
+    /// Every file that went in, with its hash.
+    pub hashes: Vec<HashedFile>,
+}
+
+impl Inputs {
+    /// Puts checked files together.
+    pub fn new(
+        job: Job,
+        profile: Profile,
+        table: &ErrorTable,
+        hashes: Vec<HashedFile>,
+    ) -> Result<Inputs, Problems> {
+        let model = ErrorModel::build(&job, table)?;
+        Ok(Inputs {
+            job,
+            profile,
+            model,
+            hashes,
+        })
+    }
+
+    fn task(&self) -> Task<'_> {
+        Task {
+            job: &self.job,
+            profile: &self.profile,
+            model: &self.model,
+        }
+    }
+}
+
+/// Hash of an input.
+pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
+    HashedFile {
+        path: path.to_string(),
+        role: None,
+        sha256: sha256(bytes),
+    }
+}
+
+/// SHA-256 in hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+/// A complete kit.
+#[derive(Clone, Debug)]
+pub struct Kit {
+    /// What was planned.
+    pub plan: Plan,
+    /// In the control's numbers.
+    pub compiled: Compiled,
+    /// The control's files.
+    pub files: Vec<RenderedFile>,
+    /// What they will leave.
+    pub forecast: Forecast,
+    /// Forecast against the acceptance of the job.
+    pub verdict: Verdict,
+    /// The manifest.
+    pub manifest: Manifest,
+}
+
+impl Kit {
+    /// The bytes of `manifest.json`.
+    pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
+        let text = serde_json::to_string_pretty(&self.manifest)
+            .map_err(|error| Problem::new(format!("the manifest cannot be written: {error}")))?;
+        Ok(format!("{text}\n").into_bytes())
+    }
+}
+
+/// What a template sees.
+pub fn template_context(inputs: &Inputs) -> Result<Value, Problems> {
+    let task = inputs.task();
+    let plan = plan(task)?;
+    emit::context(task, &compile(task, &plan)?)
+}
+
+/// Makes a kit. Refused unless every file reads back to exactly what was meant.
+pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
+    let task = inputs.task();
+    let plan = plan(task)?;
+    let compiled = compile(task, &plan)?;
+    let files = emit::render(task, &emit::context(task, &compiled)?)?;
+    let read = read_back(&inputs.profile, &files)?;
+    ensure_same(&compiled, &read)?;
+    let control =
+        emulator(&inputs.profile, &read.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
+    let forecast =
+        forecast(&inputs.model, &plan, control.as_ref()).map_err(|e| cannot_emulate(&e))?;
+    let verdict = forecast.verdict(inputs.job.acceptance);
+    let manifest = build_manifest(inputs, &plan, &compiled, &files, &forecast);
+    Ok(Kit {
+        plan,
+        compiled,
+        files,
+        forecast,
+        verdict,
+        manifest,
+    })
+}
+
+fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
+    let files: Vec<KitFile<'_>> = files
+        .iter()
+        .map(|file| KitFile {
+            path: &file.path,
+            role: file.role,
+            bytes: &file.bytes,
+        })
+        .collect();
+    read(profile, &files).map_err(|problems| {
+        let mut all = Problems::from(
+            Problem::new("the files that the templates made cannot be read back, so nothing is written")
+                .help("a template of your own has to keep to the format of the dialect (docs/templates.md)"),
+        );
+        all.extend(problems);
+        all
+    })
+}
+
+/// A template that drops, doubles or changes a number is found here.
+fn ensure_same(compiled: &Compiled, read: &ReadBack) -> Result<(), Problems> {
+    let mut problems = Problems::none();
+    if compiled.tables != read.tables {
+        problems.push(
+            Problem::new("the files that the templates made do not read back to the tables that were meant, so nothing is written")
+                .help("a template leaves something out, doubles it or changes a number; `nonius context JOB` prints what it sees"),
+        );
+    }
+    for table in &read.not_enabled {
+        problems.push(
+            Problem::new(format!("the enable file does not switch on {table}"))
+                .help("correct the template of the enable file"),
+        );
+    }
+    problems.or_ok(())
+}
+
+fn cannot_emulate(reason: &CannotEmulate) -> Problems {
+    Problem::new(format!("the tables cannot be emulated: {}", reason.0))
+        .help("nothing is written, because no forecast could be given")
+        .into()
+}
+
+/// The emulator of a profile's dialect, loaded with tables.
+pub fn emulator(
+    profile: &Profile,
+    tables: &Tables,
+    state: &ControlState,
+) -> Result<Box<dyn Emulator>, CannotEmulate> {
+    Ok(match (&profile.dialect, tables) {
+        (Dialect::Siemens(facts), Tables::Siemens(tables)) => {
+            Box::new(SiemensControl::new(tables, facts, state)?)
+        }
+        (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
+            Box::new(FanucControl::new(memory, facts, state)?)
+        }
+        (Dialect::Generic(_), Tables::Generic(table)) => {
+            Box::new(GenericControl::new(table, state)?)
+        }
+        _ => {
+            return Err(CannotEmulate(
+                "the tables are not of the profile's dialect".to_string(),
+            ));
+        }
+    })
+}
+
+fn build_manifest(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    files: &[RenderedFile],
+    forecast: &Forecast,
+) -> Manifest {
+    let job = &inputs.job;
+    Manifest {
+        schema: SCHEMA,
+        tool: TOOL,
+        controller: inputs.profile.id.clone(),
+        inputs: inputs.hashes.clone(),
+        files: files
+            .iter()
+            .map(|file| HashedFile {
+                path: file.path.clone(),
+                role: Some(file.role.word()),
+                sha256: sha256(&file.bytes),
+            })
+            .collect(),
+        assumptions: compiled.assumptions.clone(),
+        preconditions: compiled.preconditions.clone(),
+        omitted: manifest::omitted(&plan.omitted),
+        forecast: manifest::forecast(forecast),
+        tables: manifest::placements(&compiled.placements),
+        machine: json!({
+            "name": job.machine.name,
+            "serial": job.machine.serial,
+            "chain": job.machine.chain,
+            "measured": job.measurement.date,
+            "protocol": job.measurement.protocol.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
+        }),
+        notes: compiled.notes.clone(),
+    }
+}
+
+/// What `verify` finds.
+#[derive(Clone, Debug)]
+pub struct Verification {
+    /// The plan of the job.
+    pub plan: Plan,
+    /// What the job compiles to (assumptions, preconditions, notes).
+    pub compiled: Compiled,
+    /// What the tables will leave; absent where they cannot be emulated.
+    pub forecast: Option<Forecast>,
+    /// How the tables differ from what the job asks for, one sentence each.
+    pub disagreements: Vec<String>,
+    /// Forecast against the acceptance; a disagreement fails.
+    pub verdict: Verdict,
+}
+
+/// Judges the bytes of a directory against a job. Only these bytes and the state of the control
+/// that the job states go into the forecast.
+pub fn verify(
+    inputs: &Inputs,
+    files: &[KitFile<'_>],
+    mut disagreements: Vec<String>,
+) -> Result<Verification, Problems> {
+    let task = inputs.task();
+    let plan = plan(task)?;
+    let compiled = compile(task, &plan)?;
+    let read = read(&inputs.profile, files)?;
+    let wanted = emulator(&inputs.profile, &compiled.tables, &compiled.state)
+        .map_err(|e| cannot_emulate(&e))?;
+    let mut result = None;
+    match emulator(&inputs.profile, &read.tables, &compiled.state) {
+        Ok(found) => {
+            disagreements.extend(disagreement::compare(
+                &plan,
+                wanted.as_ref(),
+                found.as_ref(),
+            ));
+            match forecast(&inputs.model, &plan, found.as_ref()) {
+                Ok(forecast) => result = Some(forecast),
+                Err(reason) => disagreements.push(reason.0),
+            }
+        }
+        Err(reason) => disagreements.push(reason.0),
+    }
+    disagreements.extend(
+        read.not_enabled
+            .iter()
+            .map(|table| format!("the enable file does not switch on {table}")),
+    );
+    disagreements.dedup();
+    let verdict = match &result {
+        Some(forecast) if disagreements.is_empty() => forecast.verdict(inputs.job.acceptance),
+        _ => Verdict::Fail,
+    };
+    Ok(Verification {
+        plan,
+        compiled,
+        forecast: result,
+        disagreements,
+        verdict,
+    })
+}

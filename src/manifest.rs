@@ -1,0 +1,143 @@
+//! `manifest.json`: what a kit is made from, what it relies on, what it will achieve (contract §4).
+//!
+//! Figures are rounded to a picometre, so that the file is readable and the same everywhere.
+
+use crate::axis::{Axis, PerAxis};
+use crate::claims::{Assumption, Precondition};
+use crate::compensation::Placement;
+use crate::forecast::{DiagonalForecast, Forecast, TermForecast};
+use crate::target::Omission;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+/// Version of the format.
+pub const SCHEMA: u32 = 1;
+
+/// A file with its hash.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct HashedFile {
+    /// Path: of an input as the job names it, of an output inside the kit.
+    pub path: String,
+    /// What it is for; inputs have none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub role: Option<&'static str>,
+    /// SHA-256 of its bytes, in hexadecimal digits.
+    pub sha256: String,
+}
+
+/// The manifest of a kit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Manifest {
+    /// Version of the format.
+    pub schema: u32,
+    /// Name and version of the program.
+    pub tool: &'static str,
+    /// Id of the profile.
+    pub controller: String,
+    /// What went in.
+    pub inputs: Vec<HashedFile>,
+    /// What was written.
+    pub files: Vec<HashedFile>,
+    /// What is assumed.
+    pub assumptions: Vec<Assumption>,
+    /// What a person has to see to.
+    pub preconditions: Vec<Precondition>,
+    /// Measured terms without a table.
+    pub omitted: Vec<Value>,
+    /// What the tables will leave, computed from the bytes of the files.
+    pub forecast: Value,
+    /// Where each term went.
+    pub tables: Vec<Value>,
+    /// Machine and protocol, as stated in the job.
+    pub machine: Value,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+/// Terms without a table, as JSON.
+pub fn omitted(omitted: &[Omission]) -> Vec<Value> {
+    omitted
+        .iter()
+        .map(|o| json!({ "term": o.term.to_string(), "reason": o.reason }))
+        .collect()
+}
+
+/// Where each term went, as JSON.
+pub fn placements(placements: &[Placement]) -> Vec<Value> {
+    placements
+        .iter()
+        .map(|p| {
+            json!({
+                "term": p.term.to_string(),
+                "direction": p.direction.map(|d| d.symbol()),
+                "place": p.place,
+                "points": p.points,
+                "count_um": picometres(p.count_um),
+                "grid_residual_um": picometres(p.grid_residual_um),
+                "fit_residual_um": p.fit_residual_um.map(picometres),
+            })
+        })
+        .collect()
+}
+
+/// A forecast as JSON, with the keys of the manifest.
+pub fn forecast(forecast: &Forecast) -> Value {
+    let mut terms = Map::new();
+    for term in &forecast.terms {
+        terms.insert(term.term.to_string(), term_json(term));
+    }
+    let mut document = json!({
+        "max_residual_um": picometres(forecast.max_residual_um()),
+        "terms": terms,
+        "unmeasured_mm": unmeasured(&forecast.unmeasured),
+    });
+    if !forecast.diagonals.is_empty() {
+        document["diagonals"] = diagonals(&forecast.diagonals, "after_um");
+    }
+    document
+}
+
+fn term_json(term: &TermForecast) -> Value {
+    json!({
+        "before_um": picometres(term.before_um),
+        "after_um": picometres(term.after_um),
+        "u_um": term.u_um.map(picometres),
+    })
+}
+
+/// Body diagonals as JSON; `after` names the key of the figure with tables.
+pub fn diagonals(diagonals: &[DiagonalForecast], after: &str) -> Value {
+    let mut document = Map::new();
+    for diagonal in diagonals {
+        let mut figures = Map::new();
+        figures.insert(
+            "before_um".to_string(),
+            json!(picometres(diagonal.before_um)),
+        );
+        figures.insert(after.to_string(), json!(picometres(diagonal.after_um)));
+        figures.insert("u_um".to_string(), json!(diagonal.u_um.map(picometres)));
+        document.insert(diagonal.name.to_string(), Value::Object(figures));
+    }
+    Value::Object(document)
+}
+
+fn unmeasured(
+    stretches: &PerAxis<Vec<(crate::units::Millimetres, crate::units::Millimetres)>>,
+) -> Value {
+    let mut document = Map::new();
+    for axis in Axis::ALL {
+        if !stretches[axis].is_empty() {
+            let pairs: Vec<[f64; 2]> = stretches[axis]
+                .iter()
+                .map(|(from, to)| [picometres(from.mm()), picometres(to.mm())])
+                .collect();
+            document.insert(axis.key().to_string(), json!(pairs));
+        }
+    }
+    Value::Object(document)
+}
+
+/// Rounded to 1e-6 µm, never −0.
+pub fn picometres(um: f64) -> f64 {
+    (um * 1e6).round() / 1e6 + 0.0
+}

@@ -1,0 +1,213 @@
+//! What the rows of a generic table must be to each other.
+//!
+//! Rows are gathered into blocks while they are read; [`Reading::finish`] walks each block once.
+//! A block that lost a row to a complaint is not walked: its gaps would only repeat the complaint.
+
+use super::MOST_COMPLAINTS;
+use super::row::{BlockKey, Column, Complaint, RawRow, Unusable, read_row};
+use crate::axis::Axis;
+use crate::table::generic::{GenericRow, GenericTable};
+use std::collections::BTreeMap;
+
+/// Two increments closer than this are the same, µm: the rounding of a difference of two
+/// corrections, far below any count of a control.
+const SAME_INCREMENT_UM: f64 = 1e-9;
+/// How far a position may be from its equally spaced place: this many mm …
+const OFF_GRID_MM: f64 = 1e-6;
+/// … and this part of the position, for its rounding.
+const OFF_GRID_RELATIVE: f64 = 1e-9;
+
+/// The rows of a file while they are being read.
+#[derive(Default)]
+pub(super) struct Reading {
+    complaints: Vec<Complaint>,
+    rows: Vec<GenericRow>,
+    raw: Vec<RawRow>,
+    blocks: BTreeMap<BlockKey, Block>,
+    /// A row was lost, and nobody knows from which block.
+    lost: bool,
+    axes: BTreeMap<String, Axis>,
+}
+
+/// Numbers of the rows of a block, in file order.
+#[derive(Default)]
+struct Block {
+    rows: Vec<usize>,
+    broken: bool,
+}
+
+impl Reading {
+    /// Whether there is enough to complain about.
+    pub(super) fn is_full(&self) -> bool {
+        self.complaints.len() >= MOST_COMPLAINTS
+    }
+
+    /// Notes a complaint about something that is no row.
+    pub(super) fn complain(&mut self, complaint: Complaint) {
+        self.complaints.push(complaint);
+    }
+
+    /// Notes a complaint about a row that could not be taken apart.
+    pub(super) fn lose_row(&mut self, complaint: Complaint) {
+        self.lost = true;
+        self.complain(complaint);
+    }
+
+    /// Takes the next row of the file.
+    pub(super) fn take(&mut self, raw: RawRow) {
+        match read_row(&raw, &mut self.complaints) {
+            Ok((key, row)) => {
+                self.check_axis(&raw, Column::BaseAxis, &row);
+                self.check_axis(&raw, Column::OutputAxis, &row);
+                let block = self.blocks.entry(key).or_default();
+                block.rows.push(self.rows.len());
+                self.rows.push(row);
+                self.raw.push(raw);
+            }
+            Err(Unusable(Some(key))) => self.blocks.entry(key).or_default().broken = true,
+            Err(Unusable(None)) => self.lost = true,
+        }
+    }
+
+    /// The name of an axis stands for one axis of the machine; so a pair of axes has one term,
+    /// and a straightness cannot act on its own moving axis.
+    fn check_axis(&mut self, raw: &RawRow, column: Column, row: &GenericRow) {
+        let (name, axis) = match column {
+            Column::BaseAxis => (&row.base_axis, row.term.along),
+            _ => (&row.output_axis, row.term.of),
+        };
+        let known = *self.axes.entry(name.to_ascii_uppercase()).or_insert(axis);
+        if known == axis {
+            return;
+        }
+        let message = format!(
+            "`{name}` stands for the {axis} axis in {}, but for the {known} axis before",
+            row.term
+        );
+        let help = "EYX is Y while X moves: `base_axis` X, `output_axis` Y";
+        self.complain(raw.complaint(column, &message, help));
+    }
+
+    /// The table, if nothing is wrong with it.
+    pub(super) fn finish(mut self) -> Result<GenericTable, Vec<Complaint>> {
+        let mut complaints = std::mem::take(&mut self.complaints);
+        let whole = self.blocks.values().filter(|block| !block.broken);
+        for block in whole.filter(|_| !self.lost) {
+            self.walk(block, &mut complaints);
+            if complaints.len() >= MOST_COMPLAINTS {
+                break;
+            }
+        }
+        if complaints.is_empty() {
+            Ok(GenericTable { rows: self.rows })
+        } else {
+            Err(complaints)
+        }
+    }
+
+    fn walk(&self, block: &Block, complaints: &mut Vec<Complaint>) {
+        let before = complaints.len();
+        self.walk_indices(block, complaints);
+        if complaints.len() > before {
+            return; // positions and increments of a jumbled block say nothing new
+        }
+        if let [only] = block.rows[..] {
+            let raw = &self.raw[only];
+            let message = format!("{}a block of one point, expected two or more", raw.label);
+            let help = "a line needs two points; the rows after this one may have been lost";
+            complaints.push(Complaint::new(raw.span.clone(), message, help));
+        }
+        for pair in block.rows.windows(2) {
+            complaints.extend(self.position_flaw(pair[0], pair[1]));
+            complaints.extend(self.increment_flaw(pair[0], pair[1]));
+        }
+        if complaints.len() == before {
+            complaints.extend(self.spacing_flaw(block));
+        }
+    }
+
+    /// Complains about the first row that is not the next one.
+    fn walk_indices(&self, block: &Block, complaints: &mut Vec<Complaint>) {
+        let mut counted = block.rows.iter().zip(0_u32..);
+        let jump = counted.find(|(row, expected)| self.rows[**row].index != *expected);
+        if let Some((row, expected)) = jump {
+            let message = format!(
+                "`index` is {}, expected {expected} as the next of its block",
+                self.rows[*row].index
+            );
+            let help = "each term, pair of axes and direction is one block, counted from 0 \
+                        without gaps and written once";
+            complaints.push(self.raw[*row].complaint(Column::Index, &message, help));
+        }
+    }
+
+    fn position_flaw(&self, before: usize, row: usize) -> Option<Complaint> {
+        let (from, to) = (self.rows[before].position_mm, self.rows[row].position_mm);
+        if to > from {
+            return None;
+        }
+        let message = format!("`position_mm` is {to}, expected more than {from} of the row before");
+        let help = "the positions of a block ascend";
+        Some(self.raw[row].complaint(Column::Position, &message, help))
+    }
+
+    fn increment_flaw(&self, before: usize, row: usize) -> Option<Complaint> {
+        let change = self.rows[row].correction_um - self.rows[before].correction_um;
+        let increment = self.rows[row].increment_um?;
+        if (increment - change).abs() <= SAME_INCREMENT_UM {
+            return None;
+        }
+        let message = format!(
+            "`increment_um` is {increment}, expected {change}, the change of the correction"
+        );
+        let help = "an increment is the correction minus the correction of the row before";
+        Some(self.raw[row].complaint(Column::Increment, &message, help))
+    }
+
+    /// The row with the most unusual step, if the positions are not equally spaced.
+    fn spacing_flaw(&self, block: &Block) -> Option<Complaint> {
+        let at: Vec<f64> = block
+            .rows
+            .iter()
+            .map(|row| self.rows[*row].position_mm)
+            .collect();
+        if is_equally_spaced(&at) {
+            return None;
+        }
+        let steps: Vec<f64> = at.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let usual = median(&steps)?;
+        let mut worst = 0;
+        for (step, length) in steps.iter().enumerate() {
+            if (length - usual).abs() > (steps[worst] - usual).abs() {
+                worst = step;
+            }
+        }
+        let message = format!(
+            "`position_mm` is {} mm after the row before, expected {usual} mm",
+            steps[worst]
+        );
+        let help = "the positions of a block are equally spaced; a row may be missing";
+        Some(self.raw[block.rows[worst + 1]].complaint(Column::Position, &message, help))
+    }
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "a table has far fewer than 2^52 rows"
+)]
+fn is_equally_spaced(at: &[f64]) -> bool {
+    let (Some(first), Some(last)) = (at.first(), at.last()) else {
+        return true;
+    };
+    let step = (last - first) / (at.len().max(2) - 1) as f64;
+    at.iter().enumerate().all(|(index, position)| {
+        let expected = first + step * index as f64;
+        (position - expected).abs() <= OFF_GRID_MM + OFF_GRID_RELATIVE * position.abs()
+    })
+}
+
+fn median(steps: &[f64]) -> Option<f64> {
+    let mut sorted = steps.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
+}

@@ -1,0 +1,448 @@
+use super::*;
+use crate::axis::{Direction, ErrorTerm};
+use std::fmt::Write;
+
+const HEADER: &str = "term,base_axis,output_axis,direction,index,position_mm,deviation_um,correction_um,increment_um\n";
+/// Lines 2 to 4 of the file, then 5 and 6.
+const EXX: &str = "EXX,X,X,,0,-50,0,0,\nEXX,X,X,,1,0,1.5,-1.5,-1.5\nEXX,X,X,,2,50,-1,1,2.5\n";
+const EYX: &str = "EYX,X,Y,+,0,0,0,0,\nEYX,X,Y,+,1,25.4,0.1,-0.1,-0.1\n";
+
+fn csv_text() -> String {
+    format!("{HEADER}{EXX}{EYX}")
+}
+
+/// The JSON twin of a CSV in the order of the contract, one row on a line from line 2 on.
+fn json_text(csv: &str) -> String {
+    let mut text = "{\"schema\":1,\"rows\":[".to_string();
+    for (number, line) in csv.lines().skip(1).enumerate() {
+        let comma = if number == 0 { "" } else { "," };
+        let cells = Column::ALL.iter().zip(line.split(','));
+        let cells = cells.map(|(column, cell)| match (cell, column.is_number()) {
+            ("", _) => format!("\"{}\":null", column.name()),
+            (cell, true) => format!("\"{}\":{cell}", column.name()),
+            (cell, false) => format!("\"{}\":\"{cell}\"", column.name()),
+        });
+        let cells: Vec<String> = cells.collect();
+        write!(text, "{comma}\n{{{}}}", cells.join(",")).expect("a string");
+    }
+    text + "\n]}\n"
+}
+
+fn table(text: &str) -> GenericTable {
+    read("table", text).unwrap_or_else(|problems| panic!("{text}\n{problems}"))
+}
+
+/// Each problem as `line:column message`; all have a help text.
+fn flaws(text: &str) -> Vec<String> {
+    let problems = read("table", text).expect_err(text);
+    let shown = |problem: &Problem| {
+        let place = problem.place.as_ref().expect("a place");
+        assert!(problem.help.is_some(), "{problem:?}");
+        format!("{}:{} {}", place.line, place.column, problem.message)
+    };
+    problems.iter().map(shown).collect()
+}
+
+/// One problem, at this place, with these words.
+fn check(text: &str, place: &str, part: &str) {
+    let found = flaws(text);
+    assert_eq!(found.len(), 1, "{text}\n{found:#?}");
+    assert!(
+        found[0].starts_with(&format!("{place} ")),
+        "{place} {part}: {found:#?}"
+    );
+    assert!(found[0].contains(part), "{place} {part}: {found:#?}");
+}
+
+#[test]
+fn a_row_is_read_as_it_stands() {
+    let rows = table(&csv_text()).rows;
+    let expected = GenericRow {
+        term: ErrorTerm::from_name("EYX").expect("a term"),
+        base_axis: "X".to_string(),
+        output_axis: "Y".to_string(),
+        direction: Some(Direction::Plus),
+        index: 1,
+        position_mm: 25.4,
+        deviation_um: 0.1,
+        correction_um: -0.1,
+        increment_um: Some(-0.1),
+    };
+    assert_eq!((rows.len(), &rows[4]), (5, &expected));
+    assert_eq!((rows[0].direction, rows[0].increment_um), (None, None));
+}
+
+#[test]
+fn what_means_the_same_is_read_the_same() {
+    let plain = csv_text();
+    let swapped: String = plain
+        .lines()
+        .map(|line| line.split(',').rev().collect::<Vec<_>>().join(",") + "\n")
+        .collect();
+    let lines: Vec<&str> = plain.lines().collect();
+    let cases = [
+        ("JSON", json_text(&plain)),
+        ("JSON on one line", json_text(&plain).replace('\n', "")),
+        ("CRLF", plain.replace('\n', "\r\n")),
+        ("other order of columns", swapped),
+        ("no line end at the end", plain.trim_end().to_string()),
+        ("blank lines", format!("\n{plain}\n \n")),
+        ("byte order mark", format!("\u{feff}{plain}")),
+        ("quotes and blanks", plain.replace(",X,", ", \"X\" ,")),
+        ("negative zero", plain.replace(",0,0,\n", ",0,-0,\n")),
+        ("exponents", plain.replace(",50,", ",5e1,")),
+    ];
+    for (case, text) in cases {
+        assert_eq!(table(&text), table(&plain), "{case}");
+    }
+    let interleaved = [0, 1, 4, 2, 5, 3].map(|line| lines[line]).join("\n");
+    assert_eq!(table(&interleaved).rows.len(), 5);
+}
+
+#[test]
+fn each_flaw_of_a_csv_is_refused_at_its_place() {
+    let with = |from: &str, to: &str| {
+        assert!(csv_text().contains(from), "{from}");
+        csv_text().replacen(from, to, 1)
+    };
+    let exx = |rows: &str| format!("{HEADER}{rows}");
+    let cases = [
+        // the file
+        (String::new(), "1:1", "file is empty"),
+        ("\r\n \n".to_string(), "1:1", "file is empty"),
+        (HEADER.to_string(), "1:1", "no rows"),
+        // the header
+        (with("index", "indx"), "1:33", "unknown column `indx`"),
+        (with("index,", ""), "1:1", "no column `index`"),
+        (
+            with("um\n", "um,index\n"),
+            "1:93",
+            "`index` stands in the header twice",
+        ),
+        (with("um\n", "um,\n"), "1:93", "unknown column ``"),
+        // cells of a row
+        (
+            with("1.5,-1.5,-1.5\n", "1.5,-1.5\n"),
+            "3:1",
+            "8 cells, expected 9",
+        ),
+        (with("-0.1,-0.1\n", "-0.1"), "6:1", "8 cells, expected 9"),
+        (
+            with("EYX,X,Y,+,1,25.4,0.1,-0.1,-0.1\n", "EYX,X"),
+            "6:1",
+            "2 cells, expected 9",
+        ),
+        (with("1.5,-1.5", "1,5,-1.5"), "3:1", "10 cells, expected 9"),
+        (with("EYX,X,Y,+,1", "# comment"), "6:1", "5 cells"),
+        (with("\"".repeat(0).as_str(), "\""), "1:1", "cells"),
+        (with("EXX,X,X,,2", "EXW,X,X,,2"), "4:1", "`term` is `EXW`"),
+        (with("EXX,X,X,,2", "exx,X,X,,2"), "4:1", "`term` is `exx`"),
+        (with("EXX,X,X,,2", ",X,X,,2"), "4:1", "`term` is empty"),
+        (
+            with("EXX,X,X,,2", "EXX,,X,,2"),
+            "4:5",
+            "`base_axis` is empty",
+        ),
+        (
+            with("EXX,X,X,,2", "EXX,X,X\"\",,2"),
+            "4:7",
+            "the name of an axis",
+        ),
+        (
+            with("EXX,X,X,,2", "EXX,X,X,0,2"),
+            "4:9",
+            "`direction` is `0`",
+        ),
+        (
+            with("EXX,X,X,,2", "EXX,X,X,,2.0"),
+            "4:10",
+            "`index` is `2.0`",
+        ),
+        (with("EXX,X,X,,2", "EXX,X,X,,-2"), "4:10", "whole number"),
+        (
+            with("EXX,X,X,,2", "EXX,X,X,,4294967296"),
+            "4:10",
+            "whole number",
+        ),
+        (with("EXX,X,X,,2", "EXX,X,X,,"), "4:10", "`index` is empty"),
+        (
+            with("2,50,", "2,NaN,"),
+            "4:12",
+            "`position_mm` is `NaN`, expected a finite",
+        ),
+        (with("2,50,", "2,inf,"), "4:12", "finite"),
+        (with("2,50,", "2,1e400,"), "4:12", "finite"),
+        (with("2,50,", "2,,"), "4:12", "`position_mm` is empty"),
+        (with("2,50,", "2,50mm,"), "4:12", "`50mm`"),
+        (
+            with("50,-1,1,2.5", "50,,1,2.5"),
+            "4:15",
+            "`deviation_um` is empty",
+        ),
+        (
+            with("50,-1,1,2.5", "50,-1,,2.5"),
+            "4:18",
+            "`correction_um` is empty",
+        ),
+        (
+            with("50,-1,1,2.5", "50,-1,1,"),
+            "4:20",
+            "`increment_um` is empty",
+        ),
+        (
+            with("50,-1,1,2.5", "50,-1,1,nan"),
+            "4:20",
+            "`increment_um` is `nan`",
+        ),
+        (with("-50,0,0,", "-50,0,0,0"), "2:18", "nothing at index 0"),
+        (
+            with("50,-1,1,2.5", "50,1,1,2.5"),
+            "4:17",
+            "expected -1, the opposite",
+        ),
+        (
+            with("50,-1,1,2.5", "50,-1.0000000001,1,2.5"),
+            "4:28",
+            "the opposite",
+        ),
+        // rows of a block
+        (
+            with("50,-1,1,2.5", "50,-1,1,2.5000001"),
+            "4:20",
+            "expected 2.5, the change",
+        ),
+        (with("50,-1,1,2.5", "50,-1,1,-2.5"), "4:20", "the change"),
+        (with(EXX, &EXX[40..]), "2:10", "`index` is 2, expected 0"),
+        (
+            with("EXX,X,X,,1,0,1.5,-1.5,-1.5\n", ""),
+            "3:10",
+            "`index` is 2, expected 1",
+        ),
+        (with(EYX, EXX), "5:10", "`index` is 0, expected 3"),
+        (with("2,50,", "2,0,"), "4:12", "expected more than 0"),
+        (with("2,50,", "2,-60,"), "4:12", "expected more than 0"),
+        (with("2,50,", "2,50.00001,"), "4:12", "expected 50 mm"),
+        (with("1,0,1.5", "1,0.1,1.5"), "3:12", "expected"),
+        (exx("EXX,X,X,,0,0,0,0,\n"), "2:1", "block of one point"),
+        (
+            with("EYX,X,Y,+,1", "EYX,X,Y,-,1"),
+            "6:11",
+            "`index` is 1, expected 0",
+        ),
+        // terms and axes
+        (
+            with(EYX, &EYX.replace("X,Y", "X,X")),
+            "5:7",
+            "`X` stands for the Y axis in EYX",
+        ),
+        (
+            with(EYX, &EYX.replace("X,Y", "x,Y").replace("EYX", "EYZ")),
+            "5:5",
+            "for the X axis before",
+        ),
+    ];
+    for (text, place, part) in cases {
+        let rows = flaws(&text);
+        assert!(
+            rows[0].starts_with(&format!("{place} ")) && rows[0].contains(part),
+            "{place} {part}: {rows:#?}"
+        );
+    }
+}
+
+#[test]
+fn each_flaw_of_a_json_is_refused_at_its_place() {
+    let text = json_text(&csv_text());
+    let with = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    };
+    let cases = [
+        // the file
+        ("{}".to_string(), "1:1", "key `schema` is missing"),
+        ("{\"schema\":1}".to_string(), "1:1", "key `rows` is missing"),
+        ("{\"schema\":1,\"rows\":[]}".to_string(), "1:13", "no rows"),
+        (
+            "{\"schema\":1,\"rows\":{}}".to_string(),
+            "1:13",
+            "`rows` is an object",
+        ),
+        (with("\n]}", ""), "6:", "EOF while parsing"),
+        (with("]}", "]}]"), "7:3", "trailing characters"),
+        (with("-0.1}", "NaN}"), "6:", "expected value"),
+        (with("-0.1}", "1e999}"), "6:", "number out of range"),
+        (with(":1,", ":2,"), "1:2", "`schema` is `2`, expected 1"),
+        (with(":1,", ":\"1\","), "1:2", "`schema` is `\"1\"`"),
+        (
+            with(":1,", ":1,\"unit\":\"mm\","),
+            "1:13",
+            "unknown key `unit`",
+        ),
+        (with(":1,", ":1,\"schema\":1,"), "1:2", "twice"),
+        // a row
+        (with("[\n", "[5,\n"), "1:21", "rows[0]: not an object"),
+        (
+            with("\"term\"", "\"trm\""),
+            "2:2",
+            "rows[0]: unknown key `trm`",
+        ),
+        (
+            with("\"index\":0,", ""),
+            "2:1",
+            "rows[0]: key `index` is missing",
+        ),
+        (
+            with("\"index\":0,", "\"index\":0,\"index\":0,"),
+            "2:",
+            "key `index` stands there twice",
+        ),
+        (with("\"EXX\"", "7"), "2:2", "rows[0]: `term` is `7`"),
+        (with("\"EXX\"", "{\"EXX\":[]}"), "2:2", "rows[0]: `term`"),
+        (
+            with("\"base_axis\":\"X\"", "\"base_axis\":null"),
+            "2:15",
+            "`base_axis` is empty",
+        ),
+        (
+            with("\"direction\":null", "\"direction\":\"\""),
+            "2:49",
+            "`direction` is ``",
+        ),
+        (
+            with("\"direction\":null", "\"direction\":0"),
+            "2:49",
+            "`direction` is `0`",
+        ),
+        (
+            with("\"index\":0", "\"index\":0.0"),
+            "2:66",
+            "`index` is `0.0`",
+        ),
+        (
+            with("\"position_mm\":-50", "\"position_mm\":\"-50\""),
+            "2:76",
+            "`position_mm` is `-50`",
+        ),
+        (
+            with("\"deviation_um\":0", "\"deviation_um\":null"),
+            "2:94",
+            "`deviation_um` is empty",
+        ),
+        (
+            with("\"increment_um\":null", "\"increment_um\":0"),
+            "2:129",
+            "nothing at index 0",
+        ),
+        (
+            with("\"correction_um\":1,", "\"correction_um\":2,"),
+            "4:",
+            "rows[2]: `correction_um` is 2",
+        ),
+        // rows of a block
+        (
+            with("\"index\":2", "\"index\":3"),
+            "4:66",
+            "rows[2]: `index` is 3, expected 2",
+        ),
+        (
+            with("\"increment_um\":2.5", "\"increment_um\":2"),
+            "4:",
+            "expected 2.5, the change",
+        ),
+    ];
+    for (text, place, part) in cases {
+        let found = flaws(&text);
+        assert!(
+            found[0].starts_with(place) && found[0].contains(part),
+            "{place} {part}: {found:#?}"
+        );
+    }
+}
+
+/// A flaw is told once: a block that lost a row is not searched for the gap.
+#[test]
+fn a_flaw_brings_no_others() {
+    let text = csv_text();
+    check(&text.replace("1,0,1.5", "1,zero,1.5"), "3:12", "`zero`");
+    check(&text.replace("EXX,X,X,,1", "EXQ,X,X,,1"), "3:1", "`EXQ`");
+    check(&text.replace("EXX,X,X,,1", "EXX;X;X;;1"), "3:1", "cells");
+    check(&text.replace("2,50,", "2,-60,"), "4:12", "more than");
+}
+
+#[test]
+fn all_flaws_are_told_in_the_order_of_the_file_up_to_200() {
+    let text = csv_text()
+        .replace("-50,", "x,")
+        .replace("50,-1", "50,-2")
+        .replace("25.4", "-25.4");
+    let found = flaws(&text);
+    let places: Vec<&str> = found
+        .iter()
+        .map(|flaw| flaw.split(' ').next().expect("a place"))
+        .collect();
+    assert_eq!(places, ["2:12", "4:18", "6:13"], "{found:#?}");
+    assert_eq!(
+        flaws(&format!("{HEADER}{}", "a,b\n".repeat(1000))).len(),
+        200
+    );
+    assert_eq!(
+        flaws(&format!("{HEADER}{}", "a,b,c,d,e,f,g,h,i\n".repeat(1000))).len(),
+        200
+    );
+    let jumbled: String = (0..300).fold(String::new(), |rows, n| {
+        format!("{rows}EXX,A{n},B,,1,0,0,0,0\n")
+    });
+    assert_eq!(flaws(&format!("{HEADER}{jumbled}")).len(), 200);
+}
+
+#[test]
+fn a_long_grid_of_fractions_is_equally_spaced() {
+    let mut text = HEADER.to_string();
+    for index in 0..=1000 {
+        let position = -1000.0 + 25.4 / 3.0 * f64::from(index);
+        let increment = if index == 0 { "" } else { "0" };
+        writeln!(text, "EZZ,3,3,-,{index},{position},2,-2,{increment}").expect("a string");
+    }
+    assert_eq!(table(&text).rows.len(), 1001);
+}
+
+#[test]
+fn twins_give_one_table() {
+    let csv = table(&csv_text());
+    let json = table(&json_text(&csv_text()));
+    assert_eq!(merge(vec![csv.clone(), json]), Ok(csv.clone()));
+    assert_eq!(merge(vec![csv.clone()]), Ok(csv));
+    assert_eq!(merge(Vec::new()), Ok(GenericTable::default()));
+}
+
+#[test]
+fn what_is_no_twin_is_refused_with_its_first_differing_row() {
+    let twin = |from: &str, to: &str| table(&csv_text().replace(from, to));
+    let cases = [
+        (
+            twin("1,25.4,", "1,25.400000000000002,"),
+            "row 5 (EYX+ from `X` to `Y`, index 1) differs in `position_mm` (`25.4` and `25.400000000000002`)",
+        ),
+        (
+            twin(",1.5,-1.5,-1.5", ",1.5,-1.5,-1.5000000001"),
+            "row 2 (EXX from `X` to `X`, index 1) differs in `increment_um`",
+        ),
+        (
+            twin("X,Y,+", "X,Y,"),
+            "row 4 (EYX+ from `X` to `Y`, index 0) differs in `direction` (`+` and ``)",
+        ),
+        (
+            twin("X,Y,", "X,AX2,"),
+            "differs in `output_axis` (`Y` and `AX2`)",
+        ),
+        (
+            twin(EYX, ""),
+            "row 4 (EYX+ from `X` to `Y`, index 0) stands in only one",
+        ),
+    ];
+    for (other, part) in cases {
+        let first = table(&csv_text());
+        let problems = merge(vec![first, other]).expect_err(part).render();
+        assert!(problems.contains(part), "{part}\n{problems}");
+    }
+}

@@ -1,0 +1,139 @@
+//! All files of a kit as one memory of the control.
+
+use crate::controller::{Dialect, Profile, Role};
+use crate::problem::{Problem, Problems};
+use crate::readback::{fanuc, generic, siemens};
+use crate::table::Tables;
+
+/// A file of a kit as it lies on the disk.
+#[derive(Clone, Copy, Debug)]
+pub struct KitFile<'a> {
+    /// Its name.
+    pub path: &'a str,
+    /// What it is for.
+    pub role: Role,
+    /// Its bytes.
+    pub bytes: &'a [u8],
+}
+
+/// What a control holds after all files were loaded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadBack {
+    /// Tables, parameters and points.
+    pub tables: Tables,
+    /// Remarks of the reader.
+    pub notes: Vec<String>,
+    /// Tables that no file of the kit switches on, in the control's words (only where the kit
+    /// has files that switch).
+    pub not_enabled: Vec<String>,
+}
+
+/// Reads all files of a kit through the reader of the profile's dialect. Files for people
+/// (`report`) are not read.
+pub fn read(profile: &Profile, files: &[KitFile<'_>]) -> Result<ReadBack, Problems> {
+    let mut problems = Problems::none();
+    let mut texts = Vec::new();
+    for file in files.iter().filter(|file| file.role != Role::Report) {
+        match std::str::from_utf8(file.bytes) {
+            Ok(text) => texts.push((file, text)),
+            Err(_) => problems.push(Problem::new(format!("`{}` is not text", file.path))),
+        }
+    }
+    if texts.is_empty() && problems.is_empty() {
+        problems.push(Problem::new("there is no file to read back"));
+    }
+    let read = match &profile.dialect {
+        Dialect::Siemens(_) => problems.take(read_siemens(&texts)),
+        Dialect::Fanuc(facts) => {
+            let memories = each(&texts, |path, text| fanuc::read(path, text, facts));
+            problems.take(
+                memories
+                    .and_then(fanuc::merge)
+                    .map(|memory| plain(Tables::Fanuc(memory))),
+            )
+        }
+        Dialect::Generic(_) => {
+            let tables = each(&texts, generic::read);
+            problems.take(
+                tables
+                    .and_then(generic::merge)
+                    .map(|table| plain(Tables::Generic(table))),
+            )
+        }
+    };
+    match read {
+        Some(read) => problems.or_ok(read),
+        None => Err(problems),
+    }
+}
+
+fn plain(tables: Tables) -> ReadBack {
+    ReadBack {
+        tables,
+        notes: Vec::new(),
+        not_enabled: Vec::new(),
+    }
+}
+
+/// Reads every text; the problems of all of them are given at once.
+fn each<T>(
+    texts: &[(&KitFile<'_>, &str)],
+    read: impl Fn(&str, &str) -> Result<T, Problems>,
+) -> Result<Vec<T>, Problems> {
+    let mut problems = Problems::none();
+    let contents = texts
+        .iter()
+        .filter_map(|(file, text)| problems.take(read(file.path, text)))
+        .collect();
+    problems.or_ok(contents)
+}
+
+fn read_siemens(texts: &[(&KitFile<'_>, &str)]) -> Result<ReadBack, Problems> {
+    let contents = each(texts, siemens::read)?;
+    let switches: Vec<_> = texts
+        .iter()
+        .zip(&contents)
+        .filter(|((file, _), _)| file.role == Role::Enable)
+        .flat_map(|(_, contents)| contents.machine_data.clone())
+        .collect();
+    let merged = siemens::merge(contents)?;
+    let not_enabled = if switches.is_empty() {
+        Vec::new()
+    } else {
+        not_enabled(&merged.tables, &switches)
+    };
+    Ok(ReadBack {
+        tables: Tables::Siemens(merged.tables),
+        notes: merged.notes,
+        not_enabled,
+    })
+}
+
+fn not_enabled(
+    tables: &crate::table::siemens::SiemensTables,
+    switches: &[siemens::MachineDatum],
+) -> Vec<String> {
+    let is_on = |name: &str, indices: &[&str]| {
+        switches.iter().any(|datum| {
+            datum.name == name
+                && datum.indices == indices
+                && datum.value == siemens::MachineValue::Number(1.0)
+        })
+    };
+    let mut off = Vec::new();
+    for table in &tables.lec {
+        let encoder = table.encoder.to_string();
+        if !is_on("MA_ENC_COMP_ENABLE", &[&encoder, &table.axis]) {
+            off.push(format!("ENC_COMP[{encoder},{}]", table.axis));
+        }
+    }
+    for table in &tables.cec {
+        let number = table.number.to_string();
+        if !is_on("SN_CEC_TABLE_ENABLE", &[&number])
+            || !is_on("MA_CEC_ENABLE", &[&table.output_axis])
+        {
+            off.push(format!("CEC table {number}"));
+        }
+    }
+    off
+}
