@@ -1,3 +1,81 @@
-//! Benchmarks of the main job; see docs/performance.md.
+//! Benchmarks of the main job; docs/performance.md has the figures and how to rerun them.
 
-fn main() {}
+use criterion::{Criterion, Throughput, black_box, criterion_group, criterion_main};
+use nonius::axis::Direction;
+use nonius::controller::builtin;
+use nonius::document::Source;
+use nonius::error_table::ErrorTable;
+use nonius::job::Job;
+use nonius::kit::{Inputs, emulator, generate};
+use nonius::units::Millimetres;
+
+const JOB: &str = include_str!("../fixtures/nine_errors_900/siemens-840d-sl.toml");
+const ERRORS: &str = include_str!("../fixtures/nine_errors_900/errors.csv");
+
+/// The job of the shipped fixture for any control (a detection unit does no harm elsewhere).
+fn job_text(controller: &str) -> String {
+    JOB.replace("siemens-840d-sl", controller)
+        .replace(
+            "[compensation.axes.y]",
+            "detection_unit_um = 1.0\n[compensation.axes.y]",
+        )
+        .replace(
+            "[compensation.axes.z]",
+            "detection_unit_um = 1.0\n[compensation.axes.z]",
+        )
+        .replace("[acceptance]", "detection_unit_um = 1.0\n[acceptance]")
+}
+
+/// From the bytes of the files to a complete kit.
+fn inputs(job: &str, controller: &str) -> Inputs {
+    let source = |name: &str, text: &str| Source::from_bytes(name, text.as_bytes()).expect("text");
+    let job = Job::read(source("job.toml", job)).expect("a valid job");
+    let table = ErrorTable::read(source("errors.csv", ERRORS)).expect("a valid table");
+    let profile = builtin::profile(controller).expect("a built-in profile");
+    Inputs::new(job, profile, &table, Vec::new()).expect("inputs that fit")
+}
+
+fn whole_job(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("whole job, 31 points an axis");
+    for controller in builtin::ids() {
+        let text = job_text(controller);
+        group.bench_function(controller, |bencher| {
+            bencher.iter(|| {
+                let kit = generate(&inputs(black_box(&text), controller)).expect("a kit");
+                kit.manifest_bytes().expect("a manifest")
+            });
+        });
+    }
+    group.finish();
+}
+
+/// One evaluation = the correction of one output axis at one position of one base axis.
+fn emulation(criterion: &mut Criterion) {
+    const POSITIONS: u32 = 10_000;
+    let mut group = criterion.benchmark_group("emulator");
+    group.throughput(Throughput::Elements(u64::from(POSITIONS)));
+    for (controller, base, output) in [("siemens-840d-sl", "AX1", "AX2"), ("fanuc-30i", "1", "2")] {
+        let kit = generate(&inputs(&job_text(controller), controller)).expect("a kit");
+        let profile = builtin::profile(controller).expect("a built-in profile");
+        let control = emulator(&profile, &kit.compiled.tables, &kit.compiled.state)
+            .expect("an emulated control");
+        let response = control
+            .response(base, output, Direction::Plus)
+            .expect("a response");
+        let positions: Vec<Millimetres> = (0..POSITIONS)
+            .map(|k| Millimetres::new(f64::from(k * 7919 % POSITIONS) * 0.09))
+            .collect();
+        group.bench_function(controller, |bencher| {
+            bencher.iter(|| {
+                positions
+                    .iter()
+                    .map(|at| response.correction(*at).um())
+                    .sum::<f64>()
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, whole_job, emulation);
+criterion_main!(benches);

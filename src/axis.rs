@@ -143,9 +143,18 @@ impl ErrorTerm {
 
     /// The term of a name such as `EYX`.
     pub fn from_name(name: &str) -> Option<ErrorTerm> {
-        ErrorTerm::ALL
-            .into_iter()
-            .find(|term| term.to_string() == name)
+        let axis = |letter: u8| {
+            Axis::ALL
+                .into_iter()
+                .find(|axis| axis.letter() == char::from(letter))
+        };
+        match name.as_bytes() {
+            [b'E', of, along] => Some(ErrorTerm {
+                of: axis(*of)?,
+                along: axis(*along)?,
+            }),
+            _ => None,
+        }
     }
 }
 

@@ -101,7 +101,7 @@ impl ErrorCurve {
         Deviation::from_um(self.um_at(position.mm()))
     }
 
-    /// First and last measured position, mm. A curve without knots cannot be made.
+    /// First and last measured position, mm.
     pub fn measured_range(&self) -> (Millimetres, Millimetres) {
         (self.knots[0], self.knots[self.knots.len() - 1])
     }

@@ -15,7 +15,7 @@ use crate::job::ActiveTables;
 use crate::plan::Task;
 use crate::problem::{Problem, Problems};
 use crate::table::Tables;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 /// A file of the kit, ready to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,58 +31,120 @@ pub struct RenderedFile {
 /// The name and version of the program, as it stands in files and manifests.
 pub const TOOL: &str = concat!("nonius ", env!("CARGO_PKG_VERSION"));
 
+/// What the templates of a control see. Every number is finished text.
+#[derive(Clone, Debug, Serialize)]
+pub struct Context {
+    tool: &'static str,
+    controller: ControllerContext,
+    machine: MachineContext,
+    measurement: MeasurementContext,
+    unit: &'static str,
+    terms: Vec<TermContext>,
+    #[serde(flatten)]
+    tables: TablesContext,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct ControllerContext {
+    id: String,
+    name: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct MachineContext {
+    name: String,
+    serial: String,
+    chain: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct MeasurementContext {
+    date: String,
+    active: &'static str,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct TermContext {
+    term: String,
+    direction: &'static str,
+    place: String,
+    points: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+enum TablesContext {
+    Siemens(siemens::SiemensContext),
+    Fanuc(fanuc::FanucContext),
+    Generic(generic::GenericContext),
+}
+
+impl Context {
+    /// Whether a list of tables (`lec`, `cec`, `points`, …) holds something; profiles ask with `when`.
+    fn holds(&self, list: &str) -> bool {
+        match (&self.tables, list) {
+            (TablesContext::Siemens(tables), "lec") => !tables.lec.is_empty(),
+            (TablesContext::Siemens(tables), "cec") => !tables.cec.is_empty(),
+            (TablesContext::Fanuc(tables), "points") => !tables.points.is_empty(),
+            (TablesContext::Generic(tables), "rows") => !tables.rows.is_empty(),
+            _ => false,
+        }
+    }
+}
+
 /// What the templates of a control see.
-pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Value, Problems> {
-    let mut context = header(task, compiled);
+pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems> {
     let tables = match (&compiled.tables, &task.profile.dialect) {
         (Tables::Siemens(tables), Dialect::Siemens(facts)) => {
-            siemens::context(task, compiled, tables, facts)
+            TablesContext::Siemens(siemens::context(task, compiled, tables, facts))
         }
-        (Tables::Fanuc(memory), Dialect::Fanuc(facts)) => fanuc::context(memory, facts),
-        (Tables::Generic(table), _) => generic::context(table),
-        _ => Value::Null,
+        (Tables::Fanuc(memory), Dialect::Fanuc(facts)) => {
+            TablesContext::Fanuc(fanuc::context(memory, facts))
+        }
+        (Tables::Generic(table), _) => TablesContext::Generic(generic::context(table)),
+        _ => return Err(Problem::new("the tables are not of the profile's dialect").into()),
     };
-    if let (Value::Object(context), Value::Object(tables)) = (&mut context, tables) {
-        context.extend(tables);
-    }
+    let context = with_header(task, compiled, tables);
     if task.profile.comments.value {
         refuse_unsafe_text(task, &context)?;
     }
     Ok(context)
 }
 
-fn header(task: Task<'_>, compiled: &Compiled) -> Value {
+fn with_header(task: Task<'_>, compiled: &Compiled, tables: TablesContext) -> Context {
     let machine = &task.job.machine;
-    let not_stated = "not stated".to_string();
-    let text = |value: &Option<String>| value.clone().unwrap_or_else(|| not_stated.clone());
-    let terms: Vec<Value> = compiled.placements.iter().map(term_context).collect();
-    json!({
-        "tool": TOOL,
-        "controller": { "id": task.profile.id, "name": task.profile.name },
-        "machine": {
-            "name": machine.name,
-            "serial": text(&machine.serial),
-            "chain": text(&machine.chain),
+    let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "not stated".to_string());
+    Context {
+        tool: TOOL,
+        controller: ControllerContext {
+            id: task.profile.id.clone(),
+            name: task.profile.name.clone(),
         },
-        "measurement": {
-            "date": text(&task.job.measurement.date),
-            "active": match task.job.measurement.active {
+        machine: MachineContext {
+            name: machine.name.clone(),
+            serial: text(&machine.serial),
+            chain: text(&machine.chain),
+        },
+        measurement: MeasurementContext {
+            date: text(&task.job.measurement.date),
+            active: match task.job.measurement.active {
                 ActiveTables::None => "none",
                 ActiveTables::NotStated => "not stated",
             },
         },
-        "unit": task.job.compensation.control_unit.word(),
-        "terms": terms,
-    })
+        unit: task.job.compensation.control_unit.word(),
+        terms: compiled.placements.iter().map(term_context).collect(),
+        tables,
+    }
 }
 
-fn term_context(placement: &Placement) -> Value {
-    json!({
-        "term": placement.term.to_string(),
-        "direction": direction_word(placement.direction),
-        "place": placement.place,
-        "points": placement.points.to_string(),
-    })
+fn term_context(placement: &Placement) -> TermContext {
+    TermContext {
+        term: placement.term.to_string(),
+        direction: direction_word(placement.direction),
+        place: placement.place.clone(),
+        points: placement.points.to_string(),
+    }
 }
 
 /// `both`, `+` or `-`.
@@ -92,15 +154,14 @@ fn direction_word(direction: Option<Direction>) -> &'static str {
 
 /// Text of a job that reaches a control's file must not be able to end a comment, start a block
 /// or a program (contract §2.3, `name`).
-fn refuse_unsafe_text(task: Task<'_>, context: &Value) -> Result<(), Problems> {
+fn refuse_unsafe_text(task: Task<'_>, context: &Context) -> Result<(), Problems> {
     let mut problems = Problems::none();
     let fields = [
-        ("machine.name", &context["machine"]["name"]),
-        ("machine.serial", &context["machine"]["serial"]),
-        ("measurement.date", &context["measurement"]["date"]),
+        ("machine.name", &context.machine.name),
+        ("machine.serial", &context.machine.serial),
+        ("measurement.date", &context.measurement.date),
     ];
-    for (path, value) in fields {
-        let text = value.as_str().unwrap_or_default();
+    for (path, text) in fields {
         let safe = |c: char| (' '..='~').contains(&c) && !"%;()[]{}<>".contains(c);
         if text.chars().all(safe) && text.len() <= LONGEST_TEXT {
             continue;
@@ -118,16 +179,18 @@ fn refuse_unsafe_text(task: Task<'_>, context: &Value) -> Result<(), Problems> {
 const LONGEST_TEXT: usize = 60;
 
 /// The kit's files from the context, with the control's line ends.
-pub fn render(task: Task<'_>, context: &Value) -> Result<Vec<RenderedFile>, Problems> {
+pub fn render(task: Task<'_>, context: &Context) -> Result<Vec<RenderedFile>, Problems> {
+    let seen = tera::Context::from_serialize(context).map_err(|error| {
+        Problem::new(format!(
+            "the context of the templates cannot be made: {error}"
+        ))
+    })?;
     let mut problems = Problems::none();
     let mut files = Vec::new();
-    for file in task
-        .profile
-        .files
-        .iter()
-        .filter(|file| is_wanted(file, context))
-    {
-        match render_text(file, context) {
+    let is_wanted =
+        |file: &EmittedFile| file.when.as_deref().is_none_or(|list| context.holds(list));
+    for file in task.profile.files.iter().filter(|file| is_wanted(file)) {
+        match render_text(file, &seen) {
             Ok(text) => files.push(RenderedFile {
                 path: file.path.clone(),
                 role: file.role,
@@ -139,17 +202,8 @@ pub fn render(task: Task<'_>, context: &Value) -> Result<Vec<RenderedFile>, Prob
     problems.or_ok(files)
 }
 
-fn is_wanted(file: &EmittedFile, context: &Value) -> bool {
-    match &file.when {
-        None => true,
-        Some(name) => context[name]
-            .as_array()
-            .is_some_and(|list| !list.is_empty()),
-    }
-}
-
 /// One file as text with `\n` line ends.
-fn render_text(file: &EmittedFile, context: &Value) -> Result<String, Problem> {
+fn render_text(file: &EmittedFile, context: &tera::Context) -> Result<String, Problem> {
     let mut tera = tera::Tera::default();
     tera.autoescape_on(Vec::<&'static str>::new());
     let refuse = |error: tera::Error| {
@@ -161,8 +215,7 @@ fn render_text(file: &EmittedFile, context: &Value) -> Result<String, Problem> {
     };
     tera.add_raw_template(&file.template_name, &file.template)
         .map_err(refuse)?;
-    let context = tera::Context::from_serialize(context).map_err(refuse)?;
-    tera.render(&file.template_name, &context).map_err(refuse)
+    tera.render(&file.template_name, context).map_err(refuse)
 }
 
 fn with_line_ends(text: &str, line_end: &str) -> String {

@@ -22,7 +22,7 @@ use crate::plan::{Plan, Task, plan};
 use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::table::Tables;
-use serde_json::{Value, json};
+use serde_json::json;
 use sha2::{Digest, Sha256};
 
 /// The inputs of a kit, read and checked.
@@ -108,7 +108,7 @@ impl Kit {
 }
 
 /// What a template sees.
-pub fn template_context(inputs: &Inputs) -> Result<Value, Problems> {
+pub fn template_context(inputs: &Inputs) -> Result<emit::Context, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
     emit::context(task, &compile(task, &plan)?)

@@ -2,41 +2,67 @@
 
 use crate::controller::FanucFacts;
 use crate::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::collections::BTreeMap;
 
-pub(super) fn context(memory: &FanucMemory, facts: &FanucFacts) -> Value {
-    let mut blocks: BTreeMap<u32, Vec<Value>> = BTreeMap::new();
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct FanucContext {
+    pub(super) parameters: Vec<Block>,
+    pub(super) points: Vec<Point>,
+}
+
+/// One parameter with all its axes.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Block {
+    number: String,
+    identifier: &'static str,
+    segments: Vec<Segment>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Segment {
+    axis: String,
+    value: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Point {
+    number: String,
+    point: String,
+    identifier: &'static str,
+    value: String,
+}
+
+pub(super) fn context(memory: &FanucMemory, facts: &FanucFacts) -> FanucContext {
+    let identifier = |q: &'static str| if facts.q_identifier.value { q } else { "" };
+    let mut blocks: BTreeMap<u32, Vec<Segment>> = BTreeMap::new();
     for (ParameterKey { number, axis }, value) in &memory.parameters {
         let axis = axis.map_or_else(String::new, |axis| format!("A{axis}"));
-        blocks
-            .entry(*number)
-            .or_default()
-            .push(json!({ "axis": axis, "value": text(*value) }));
+        let segment = Segment {
+            axis,
+            value: text(*value),
+        };
+        blocks.entry(*number).or_default().push(segment);
     }
-    let parameters: Vec<Value> = blocks
+    let parameters = blocks
         .into_iter()
-        .map(|(number, segments)| {
-            json!({
-                "number": digits(number, facts),
-                "identifier": if facts.q_identifier.value { "Q1" } else { "" },
-                "segments": segments,
-            })
+        .map(|(number, segments)| Block {
+            number: digits(number, facts),
+            identifier: identifier("Q1"),
+            segments,
         })
         .collect();
-    let points: Vec<Value> = memory
+    let points = memory
         .points
         .iter()
-        .map(|(point, increment)| {
-            json!({
-                "number": digits(point + facts.point_offset.value, facts),
-                "point": point.to_string(),
-                "identifier": if facts.q_identifier.value { "Q0" } else { "" },
-                "value": increment.to_string(),
-            })
+        .map(|(point, increment)| Point {
+            number: digits(point + facts.point_offset.value, facts),
+            point: point.to_string(),
+            identifier: identifier("Q0"),
+            value: increment.to_string(),
         })
         .collect();
-    json!({ "parameters": parameters, "points": points })
+    FanucContext { parameters, points }
 }
 
 fn digits(number: u32, facts: &FanucFacts) -> String {

@@ -5,60 +5,117 @@ use crate::compensation::Compiled;
 use crate::controller::{Evidence, SiemensFacts, TableSign};
 use crate::emit::fixed;
 use crate::plan::Task;
-use crate::table::siemens::{CecDirection, SiemensGrid, SiemensTables};
-use serde_json::{Value, json};
+use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
+use serde::Serialize;
+
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct SiemensContext {
+    pub(super) lec: Vec<Lec>,
+    pub(super) cec: Vec<Cec>,
+    lec_sense: &'static str,
+    cec_sense: &'static str,
+    lec_sense_evidence: &'static str,
+    cec_sense_evidence: &'static str,
+    cec_outputs: Vec<String>,
+    cec_memory_fixed: &'static str,
+    controller_reference: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Lec {
+    encoder: String,
+    axis: String,
+    title: String,
+    grid: Grid,
+    memory: String,
+    points: Vec<Point>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Cec {
+    number: String,
+    input_axis: String,
+    output_axis: String,
+    title: String,
+    grid: Grid,
+    direction: &'static str,
+    memory: String,
+    points: Vec<Point>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Grid {
+    min: String,
+    step: String,
+    max: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Point {
+    index: String,
+    position: String,
+    value: String,
+}
 
 pub(super) fn context(
     task: Task<'_>,
     compiled: &Compiled,
     tables: &SiemensTables,
     facts: &SiemensFacts,
-) -> Value {
-    let titles = Titles::of(compiled);
-    let lec: Vec<Value> = tables
-        .lec
-        .iter()
-        .map(|table| {
-            json!({
-                "encoder": table.encoder.to_string(),
-                "axis": table.axis,
-                "title": titles.of_place(&format!("ENC_COMP[{},{}]", table.encoder, table.axis)),
-                "grid": grid(&table.grid, facts),
-                "memory": table.values.len().to_string(),
-                "points": points(&table.values, &table.grid, facts),
-            })
-        })
-        .collect();
-    let cec: Vec<Value> = tables
-        .cec
-        .iter()
-        .map(|table| {
-            json!({
-                "number": table.number.to_string(),
-                "input_axis": table.input_axis,
-                "output_axis": table.output_axis,
-                "title": titles.of_place(&format!("CEC table {}", table.number)),
-                "grid": grid(&table.grid, facts),
-                "direction": direction(table.direction),
-                "memory": table.values.len().to_string(),
-                "points": points(&table.values, &table.grid, facts),
-            })
-        })
-        .collect();
-    let mut outputs: Vec<&str> = tables.cec.iter().map(|t| t.output_axis.as_str()).collect();
-    outputs.sort_unstable();
-    outputs.dedup();
-    json!({
-        "lec": lec,
-        "cec": cec,
-        "lec_sense": sense(facts.lec_sign.value),
-        "cec_sense": sense(facts.cec_sign.value),
-        "lec_sense_evidence": evidence(facts.lec_sign.evidence),
-        "cec_sense_evidence": evidence(facts.cec_sign.evidence),
-        "cec_outputs": outputs,
-        "cec_memory_fixed": if facts.cec_memory_fixed.value { "yes" } else { "no" },
-        "controller_reference": reference(task),
-    })
+) -> SiemensContext {
+    let mut cec_outputs: Vec<String> = tables.cec.iter().map(|t| t.output_axis.clone()).collect();
+    cec_outputs.sort_unstable();
+    cec_outputs.dedup();
+    SiemensContext {
+        lec: tables
+            .lec
+            .iter()
+            .map(|table| lec(table, compiled, facts))
+            .collect(),
+        cec: tables
+            .cec
+            .iter()
+            .map(|table| cec(table, compiled, facts))
+            .collect(),
+        lec_sense: sense(facts.lec_sign.value),
+        cec_sense: sense(facts.cec_sign.value),
+        lec_sense_evidence: evidence(facts.lec_sign.evidence),
+        cec_sense_evidence: evidence(facts.cec_sign.evidence),
+        cec_outputs,
+        cec_memory_fixed: if facts.cec_memory_fixed.value {
+            "yes"
+        } else {
+            "no"
+        },
+        controller_reference: reference(task),
+    }
+}
+
+fn lec(table: &LecTable, compiled: &Compiled, facts: &SiemensFacts) -> Lec {
+    Lec {
+        encoder: table.encoder.to_string(),
+        axis: table.axis.clone(),
+        title: title(
+            compiled,
+            &format!("ENC_COMP[{},{}]", table.encoder, table.axis),
+        ),
+        grid: grid(&table.grid, facts),
+        memory: table.values.len().to_string(),
+        points: points(&table.values, &table.grid, facts),
+    }
+}
+
+fn cec(table: &CecTable, compiled: &Compiled, facts: &SiemensFacts) -> Cec {
+    Cec {
+        number: table.number.to_string(),
+        input_axis: table.input_axis.clone(),
+        output_axis: table.output_axis.clone(),
+        title: title(compiled, &format!("CEC table {}", table.number)),
+        grid: grid(&table.grid, facts),
+        direction: direction(table.direction),
+        memory: table.values.len().to_string(),
+        points: points(&table.values, &table.grid, facts),
+    }
 }
 
 /// What the numbers of a table mean, in words.
@@ -89,34 +146,23 @@ fn reference(task: Task<'_>) -> String {
     format!("{} mm", texts.join(", "))
 }
 
-/// The term of each table, in words, by the place it was put.
-struct Titles<'a> {
-    compiled: &'a Compiled,
-}
-
-impl Titles<'_> {
-    fn of(compiled: &Compiled) -> Titles<'_> {
-        Titles { compiled }
-    }
-
-    fn of_place(&self, place: &str) -> String {
-        let placement = self
-            .compiled
-            .placements
-            .iter()
-            .find(|p| p.place.split(", ").any(|one| one == place));
-        placement.map_or_else(String::new, |p| {
-            let travel = match p.direction {
-                None => "",
-                Some(Direction::Plus) => " while it travels in +",
-                Some(Direction::Minus) => " while it travels in -",
-            };
-            format!(
-                "{}: deviation of {} over {}{travel}",
-                p.term, p.term.of, p.term.along
-            )
-        })
-    }
+/// The term of a table in words, by the place it was put.
+fn title(compiled: &Compiled, place: &str) -> String {
+    let placement = compiled
+        .placements
+        .iter()
+        .find(|p| p.place.split(", ").any(|one| one == place));
+    placement.map_or_else(String::new, |p| {
+        let travel = match p.direction {
+            None => "",
+            Some(Direction::Plus) => " while it travels in +",
+            Some(Direction::Minus) => " while it travels in -",
+        };
+        format!(
+            "{}: deviation of {} over {}{travel}",
+            p.term, p.term.of, p.term.along
+        )
+    })
 }
 
 fn direction(direction: CecDirection) -> &'static str {
@@ -127,26 +173,29 @@ fn direction(direction: CecDirection) -> &'static str {
     }
 }
 
-fn grid(grid: &SiemensGrid, facts: &SiemensFacts) -> Value {
+fn grid(grid: &SiemensGrid, facts: &SiemensFacts) -> Grid {
     let decimals = facts.position_decimals.value;
-    json!({
-        "min": fixed(grid.min, decimals),
-        "step": fixed(grid.step, decimals),
-        "max": fixed(grid.max, decimals),
-    })
+    Grid {
+        min: fixed(grid.min, decimals),
+        step: fixed(grid.step, decimals),
+        max: fixed(grid.max, decimals),
+    }
 }
 
 #[allow(
     clippy::cast_precision_loss,
     reason = "a table has few thousand points"
 )]
-fn points(values: &[Option<f64>], grid: &SiemensGrid, facts: &SiemensFacts) -> Vec<Value> {
+fn points(values: &[Option<f64>], grid: &SiemensGrid, facts: &SiemensFacts) -> Vec<Point> {
     let of_point = |(index, value): (usize, &Option<f64>)| {
-        Some(json!({
-            "index": index.to_string(),
-            "position": fixed(grid.min + index as f64 * grid.step, facts.position_decimals.value),
-            "value": fixed((*value)?, facts.value_decimals.value),
-        }))
+        Some(Point {
+            index: index.to_string(),
+            position: fixed(
+                grid.min + index as f64 * grid.step,
+                facts.position_decimals.value,
+            ),
+            value: fixed((*value)?, facts.value_decimals.value),
+        })
     };
     values.iter().enumerate().filter_map(of_point).collect()
 }

@@ -18,6 +18,9 @@
 //! * **The choice.** Admissible intervals usually leave room. From the outermost node inwards
 //!   each value is taken as near to the sampled one as the interval allows.
 //!
+//! Best approximation by splines with fixed knots: G. Nürnberger, *Approximation by Spline
+//! Functions*, Springer 1989. The tests certify t by the dual of the linear program.
+//!
 //! Limits: t governs the worst section of a side only; elsewhere the table keeps to t and to the
 //! sampled values, and is not best section by section. A linear curve needs no exchange.
 
@@ -30,7 +33,7 @@ const ROUNDS: usize = 40;
 /// Newton steps for one tolerance; finite by theory, about five in practice.
 const STEPS: usize = 200;
 /// A residual this much above t, relatively or in µm, still counts as t.
-const RELATIVE_SLACK: f64 = 1e-12;
+const RELATIVE_SLACK: f64 = 1e-10;
 /// See [`RELATIVE_SLACK`]; far below a control's last digit, above rounding noise.
 const ABSOLUTE_SLACK_UM: f64 = 1e-12;
 /// Places nearer than this part of a section are one place.
@@ -276,21 +279,23 @@ impl<'a> Side<'a> {
 
     /// The best values, or the sampled ones if they are as good.
     fn best(&mut self) -> Vec<f64> {
-        let mut best = self.sampled.clone();
-        let (mut least, _) = self.exchange(&best, f64::INFINITY);
+        let sampled = self.sampled.clone();
+        let (by_sampling, _) = self.exchange(&sampled, f64::INFINITY);
+        let (mut best, mut least) = (Vec::new(), f64::INFINITY);
         let mut tolerance = 0.0;
         for _ in 0..ROUNDS {
             tolerance = self.smallest_tolerance(tolerance);
             let values = self.choice(tolerance);
             let (largest, added) = self.exchange(&values, tolerance);
-            if largest < least {
+            if !added || largest < least {
                 (best, least) = (values, largest);
             }
             if !added {
                 break;
             }
         }
-        best
+        let as_good = by_sampling <= with_slack(least);
+        if as_good { sampled } else { best }
     }
 
     /// The least t not below `from` that meets all demands so far, by Newton's method; leaves the
@@ -303,7 +308,7 @@ impl<'a> Side<'a> {
             let Err(raise) = self.propagate(tolerance) else {
                 break;
             };
-            if raise <= 0.1 * (RELATIVE_SLACK * tolerance + ABSOLUTE_SLACK_UM) {
+            if tolerance + raise <= with_slack(tolerance) {
                 nudge *= 2.0;
             }
             let least = nudge * (tolerance + ABSOLUTE_SLACK_UM);
@@ -346,7 +351,7 @@ impl<'a> Side<'a> {
 
     /// The exact largest residual of the values, and whether places beyond t were added.
     fn exchange(&mut self, values: &[f64], tolerance: f64) -> (f64, bool) {
-        let limit = tolerance * (1.0 + RELATIVE_SLACK) + ABSOLUTE_SLACK_UM;
+        let limit = with_slack(tolerance);
         let (mut largest, mut added) = (0.0_f64, false);
         let mut beyond = Vec::new();
         for (section, ends) in self.sections.iter_mut().zip(values.windows(2)) {
@@ -364,6 +369,11 @@ impl<'a> Side<'a> {
         }
         (largest, added)
     }
+}
+
+/// What still counts as the tolerance.
+fn with_slack(tolerance: f64) -> f64 {
+    tolerance * (1.0 + RELATIVE_SLACK) + ABSOLUTE_SLACK_UM
 }
 
 /// The allowed value nearest to `wanted`; the middle where rounding left nothing between.

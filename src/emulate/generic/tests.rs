@@ -49,6 +49,11 @@ fn at(control: &GenericControl, pair: [&str; 2], direction: Direction, mm: f64) 
     response.correction(Millimetres::new(mm)).um()
 }
 
+/// In + and in −.
+fn both(control: &GenericControl, pair: [&str; 2], mm: f64) -> [Correction; 2] {
+    Direction::BOTH.map(|direction| Correction::from_um(at(control, pair, direction, mm)))
+}
+
 const RAMP: [(f64, f64); 3] = [(-50.0, 4.0), (0.0, 0.0), (50.0, -2.0)];
 const FLAT: [(f64, f64); 2] = [(0.0, 1.0), (100.0, 1.0)];
 
@@ -86,8 +91,8 @@ fn a_direction_acts_only_in_its_own() {
     ];
     for (blocks, expected) in cases {
         let control = control(&blocks);
-        let found = Direction::BOTH.map(|direction| at(&control, ["X", "Y"], direction, 50.0));
-        assert_eq!(found, expected, "{blocks:?}");
+        let found = both(&control, ["X", "Y"], 50.0);
+        assert_eq!(found, expected.map(Correction::from_um), "{blocks:?}");
     }
 }
 
@@ -122,14 +127,10 @@ fn backlash_acts_away_from_the_reference_direction() {
         state.axes[0].backlash_um = 8.0;
         let blocks = table(&[rows("EXX,X,X,", &FLAT), rows("EYX,X,Y,", &FLAT)]);
         let control = GenericControl::new(&blocks, &state).expect("a table");
-        assert_eq!(
-            Direction::BOTH.map(|d| at(&control, ["X", "X"], d, 10.0)),
-            expected
-        );
-        assert_eq!(
-            Direction::BOTH.map(|d| at(&control, ["X", "Y"], d, 10.0)),
-            [-1.0, -1.0]
-        );
+        let expected = expected.map(Correction::from_um);
+        assert_eq!(both(&control, ["X", "X"], 10.0), expected, "{reference}");
+        let unmoved = [Correction::from_um(-1.0); 2];
+        assert_eq!(both(&control, ["X", "Y"], 10.0), unmoved, "{reference}");
     }
 }
 

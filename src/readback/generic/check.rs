@@ -206,8 +206,9 @@ fn is_equally_spaced(at: &[f64]) -> bool {
     })
 }
 
+/// Of two middle ones the smaller, as a missing row makes a step longer.
 fn median(steps: &[f64]) -> Option<f64> {
     let mut sorted = steps.to_vec();
     sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
+    sorted.get(sorted.len().saturating_sub(1) / 2).copied()
 }

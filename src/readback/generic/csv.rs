@@ -124,7 +124,8 @@ fn raw_row(text: &str, line: Range<usize>, columns: &[Column]) -> Result<RawRow,
         } else {
             "cells are separated by commas, decimals by a point"
         };
-        let message = format!("the row has {found} cells, expected {expected}");
+        let cells = if found == 1 { "cell" } else { "cells" };
+        let message = format!("the row has {found} {cells}, expected {expected}");
         return Err(Complaint::new(line, message, help));
     }
     // One cell of each column, as the header was checked to have nine different ones.

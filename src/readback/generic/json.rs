@@ -98,7 +98,7 @@ fn syntax(text: &str, flaw: &serde_json::Error) -> Complaint {
     let whole = flaw.to_string();
     let what = whole.split(" at line ").next().unwrap_or(&whole);
     let help = format!("{SHAPE}; the file may have been cut off");
-    Complaint::new(at..at + 1, format!("this is not such a JSON: {what}"), help)
+    Complaint::new(at..at + 1, format!("the JSON cannot be read: {what}"), help)
 }
 
 fn top_flaws(text: &str, top: &Entries) -> Vec<Complaint> {

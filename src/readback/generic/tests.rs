@@ -43,15 +43,26 @@ fn flaws(text: &str) -> Vec<String> {
     problems.iter().map(shown).collect()
 }
 
-/// One problem, at this place, with these words.
-fn check(text: &str, place: &str, part: &str) {
-    let found = flaws(text);
-    assert_eq!(found.len(), 1, "{text}\n{found:#?}");
-    assert!(
-        found[0].starts_with(&format!("{place} ")),
-        "{place} {part}: {found:#?}"
-    );
-    assert!(found[0].contains(part), "{place} {part}: {found:#?}");
+/// Each case replaces a part of `text` (`¶` is a line end) and names a problem by its place and
+/// words: `part | replacement | line:column | words`. All misses are shown at once.
+fn check(text: &str, cases: &str) {
+    let mut misses = String::new();
+    for case in cases.trim().lines().filter(|line| !line.starts_with("--")) {
+        let cells: Vec<String> = case
+            .split('|')
+            .map(|cell| cell.trim().replace('¶', "\n"))
+            .collect();
+        let [from, to, place, words] = &cells[..] else {
+            panic!("four cells: {case}");
+        };
+        assert!(text.contains(from), "{case}");
+        let found = flaws(&text.replacen(from, to, 1));
+        let fits = |flaw: &String| flaw.starts_with(&format!("{place} ")) && flaw.contains(words);
+        if !found.iter().any(fits) {
+            writeln!(misses, "{case}: {found:#?}").expect("a string");
+        }
+    }
+    assert!(misses.is_empty(), "{misses}");
 }
 
 #[test]
@@ -101,272 +112,133 @@ fn what_means_the_same_is_read_the_same() {
 
 #[test]
 fn each_flaw_of_a_csv_is_refused_at_its_place() {
-    let with = |from: &str, to: &str| {
-        assert!(csv_text().contains(from), "{from}");
-        csv_text().replacen(from, to, 1)
-    };
-    let exx = |rows: &str| format!("{HEADER}{rows}");
-    let cases = [
-        // the file
-        (String::new(), "1:1", "file is empty"),
-        ("\r\n \n".to_string(), "1:1", "file is empty"),
-        (HEADER.to_string(), "1:1", "no rows"),
-        // the header
-        (with("index", "indx"), "1:33", "unknown column `indx`"),
-        (with("index,", ""), "1:1", "no column `index`"),
-        (
-            with("um\n", "um,index\n"),
-            "1:93",
-            "`index` stands in the header twice",
-        ),
-        (with("um\n", "um,\n"), "1:93", "unknown column ``"),
-        // cells of a row
-        (
-            with("1.5,-1.5,-1.5\n", "1.5,-1.5\n"),
-            "3:1",
-            "8 cells, expected 9",
-        ),
-        (with("-0.1,-0.1\n", "-0.1"), "6:1", "8 cells, expected 9"),
-        (
-            with("EYX,X,Y,+,1,25.4,0.1,-0.1,-0.1\n", "EYX,X"),
-            "6:1",
-            "2 cells, expected 9",
-        ),
-        (with("1.5,-1.5", "1,5,-1.5"), "3:1", "10 cells, expected 9"),
-        (with("EYX,X,Y,+,1", "# comment"), "6:1", "5 cells"),
-        (with("\"".repeat(0).as_str(), "\""), "1:1", "cells"),
-        (with("EXX,X,X,,2", "EXW,X,X,,2"), "4:1", "`term` is `EXW`"),
-        (with("EXX,X,X,,2", "exx,X,X,,2"), "4:1", "`term` is `exx`"),
-        (with("EXX,X,X,,2", ",X,X,,2"), "4:1", "`term` is empty"),
-        (
-            with("EXX,X,X,,2", "EXX,,X,,2"),
-            "4:5",
-            "`base_axis` is empty",
-        ),
-        (
-            with("EXX,X,X,,2", "EXX,X,X\"\",,2"),
-            "4:7",
-            "the name of an axis",
-        ),
-        (
-            with("EXX,X,X,,2", "EXX,X,X,0,2"),
-            "4:9",
-            "`direction` is `0`",
-        ),
-        (
-            with("EXX,X,X,,2", "EXX,X,X,,2.0"),
-            "4:10",
-            "`index` is `2.0`",
-        ),
-        (with("EXX,X,X,,2", "EXX,X,X,,-2"), "4:10", "whole number"),
-        (
-            with("EXX,X,X,,2", "EXX,X,X,,4294967296"),
-            "4:10",
-            "whole number",
-        ),
-        (with("EXX,X,X,,2", "EXX,X,X,,"), "4:10", "`index` is empty"),
-        (
-            with("2,50,", "2,NaN,"),
-            "4:12",
-            "`position_mm` is `NaN`, expected a finite",
-        ),
-        (with("2,50,", "2,inf,"), "4:12", "finite"),
-        (with("2,50,", "2,1e400,"), "4:12", "finite"),
-        (with("2,50,", "2,,"), "4:12", "`position_mm` is empty"),
-        (with("2,50,", "2,50mm,"), "4:12", "`50mm`"),
-        (
-            with("50,-1,1,2.5", "50,,1,2.5"),
-            "4:15",
-            "`deviation_um` is empty",
-        ),
-        (
-            with("50,-1,1,2.5", "50,-1,,2.5"),
-            "4:18",
-            "`correction_um` is empty",
-        ),
-        (
-            with("50,-1,1,2.5", "50,-1,1,"),
-            "4:20",
-            "`increment_um` is empty",
-        ),
-        (
-            with("50,-1,1,2.5", "50,-1,1,nan"),
-            "4:20",
-            "`increment_um` is `nan`",
-        ),
-        (with("-50,0,0,", "-50,0,0,0"), "2:18", "nothing at index 0"),
-        (
-            with("50,-1,1,2.5", "50,1,1,2.5"),
-            "4:17",
-            "expected -1, the opposite",
-        ),
-        (
-            with("50,-1,1,2.5", "50,-1.0000000001,1,2.5"),
-            "4:28",
-            "the opposite",
-        ),
-        // rows of a block
-        (
-            with("50,-1,1,2.5", "50,-1,1,2.5000001"),
-            "4:20",
-            "expected 2.5, the change",
-        ),
-        (with("50,-1,1,2.5", "50,-1,1,-2.5"), "4:20", "the change"),
-        (with(EXX, &EXX[40..]), "2:10", "`index` is 2, expected 0"),
-        (
-            with("EXX,X,X,,1,0,1.5,-1.5,-1.5\n", ""),
-            "3:10",
-            "`index` is 2, expected 1",
-        ),
-        (with(EYX, EXX), "5:10", "`index` is 0, expected 3"),
-        (with("2,50,", "2,0,"), "4:12", "expected more than 0"),
-        (with("2,50,", "2,-60,"), "4:12", "expected more than 0"),
-        (with("2,50,", "2,50.00001,"), "4:12", "expected 50 mm"),
-        (with("1,0,1.5", "1,0.1,1.5"), "3:12", "expected"),
-        (exx("EXX,X,X,,0,0,0,0,\n"), "2:1", "block of one point"),
-        (
-            with("EYX,X,Y,+,1", "EYX,X,Y,-,1"),
-            "6:11",
-            "`index` is 1, expected 0",
-        ),
-        // terms and axes
-        (
-            with(EYX, &EYX.replace("X,Y", "X,X")),
-            "5:7",
-            "`X` stands for the Y axis in EYX",
-        ),
-        (
-            with(EYX, &EYX.replace("X,Y", "x,Y").replace("EYX", "EYZ")),
-            "5:5",
-            "for the X axis before",
-        ),
-    ];
-    for (text, place, part) in cases {
-        let rows = flaws(&text);
-        assert!(
-            rows[0].starts_with(&format!("{place} ")) && rows[0].contains(part),
-            "{place} {part}: {rows:#?}"
-        );
-    }
+    check(&csv_text(), CSV_FLAWS);
 }
+
+const CSV_FLAWS: &str = r#"
+-- the header
+index             | indx               | 1:38 | unknown column `indx`
+index,            |                    | 1:1  | no column `index`
+increment_um      | increment_um,index | 1:96 | `index` stands in the header twice
+increment_um      | increment_um,      | 1:96 | unknown column ``
+,base_axis,       | ;base_axis;        | 1:1  | no column `term`
+-- the cells of a row
+1.5,-1.5,-1.5     | 1.5,-1.5           | 3:1  | the row has 8 cells, expected 9
+,-0.1,-0.1¶       | ,-0.1              | 6:1  | the row has 8 cells, expected 9
+EYX,X,Y,+,1,25.4,0.1,-0.1,-0.1¶ | EYX  | 6:1  | the row has 1 cell, expected 9
+1.5,-1.5          | 1,5,-1.5           | 3:1  | the row has 10 cells, expected 9
+EYX,X,Y,+,1       | # note¶EYX,X,Y,+,1 | 6:1  | the row has 1 cell, expected 9
+EXX,X,X,,2        | EXX,"X,X,,2        | 4:1  | the row has 2 cells, expected 9
+EXX,X,X,,2        | EXW,X,X,,2         | 4:1  | `term` is `EXW`, expected the name of a term
+EXX,X,X,,2        | exx,X,X,,2         | 4:1  | `term` is `exx`
+EXX,X,X,,2        | ,X,X,,2            | 4:1  | `term` is empty
+EXX,X,X,,2        | EXX,,X,,2          | 4:5  | `base_axis` is empty, expected the name of an axis
+EXX,X,X,,2        | EXX,X,X"",,2       | 4:7  | expected the name of an axis
+EXX,X,X,,2        | EXX,X,X,0,2        | 4:9  | `direction` is `0`, expected `+`, `-` or nothing
+EXX,X,X,,2        | EXX,X,X,,2.0       | 4:10 | `index` is `2.0`, expected a whole number from 0
+EXX,X,X,,2        | EXX,X,X,,-2        | 4:10 | expected a whole number
+EXX,X,X,,2        | EXX,X,X,,4294967296| 4:10 | expected a whole number
+EXX,X,X,,2        | EXX,X,X,,          | 4:10 | `index` is empty
+2,50,             | 2,NaN,             | 4:12 | `position_mm` is `NaN`, expected a finite number
+2,50,             | 2,-inf,            | 4:12 | expected a finite number
+2,50,             | 2,1e400,           | 4:12 | expected a finite number
+2,50,             | 2,50mm,            | 4:12 | expected a finite number
+2,50,             | 2,,                | 4:12 | `position_mm` is empty
+50,-1,1,2.5       | 50,,1,2.5          | 4:15 | `deviation_um` is empty
+50,-1,1,2.5       | 50,-1,,2.5         | 4:18 | `correction_um` is empty
+50,-1,1,2.5       | 50,-1,1,           | 4:20 | `increment_um` is empty
+50,-1,1,2.5       | 50,-1,1,nan        | 4:20 | `increment_um` is `nan`
+-50,0,0,          | -50,0,0,0          | 2:20 | `increment_um` is `0`, expected nothing at index 0
+50,-1,1,2.5       | 50,1,1,2.5         | 4:17 | expected -1, the opposite of the deviation
+50,-1,1,          | 50,-1.0000000001,1,| 4:29 | the opposite of the deviation
+-- the rows of a block
+50,-1,1,2.5       | 50,-1,1,2.50000001 | 4:20 | expected 2.5, the change of the correction
+50,-1,1,2.5       | 50,-1,1,-2.5       | 4:20 | the change of the correction
+EXX,X,X,,0,-50,0,0,¶         |         | 2:10 | `index` is 1, expected 0
+EXX,X,X,,1,0,1.5,-1.5,-1.5¶  |         | 3:10 | `index` is 2, expected 1
+EYX,X,Y,+,0       | EXX,X,X,,0         | 5:10 | `index` is 0, expected 3
+EYX,X,Y,+,1       | EYX,X,Y,-,1        | 6:11 | `index` is 1, expected 0
+EYX,X,Y,+,1,25.4,0.1,-0.1,-0.1¶ |      | 5:1  | block of one point
+2,50,             | 2,0,               | 4:12 | `position_mm` is 0, expected more than 0
+2,50,             | 2,-60,             | 4:12 | `position_mm` is -60, expected more than 0
+2,50,             | 2,50.00001,        | 4:12 | expected 50 mm
+1,0,1.5           | 1,0.1,1.5          | 3:12 | 50.1 mm after the row before
+-- terms and axes
+EYX,X,Y,+,0       | EYX,X,X,+,0        | 5:7  | `X` stands for the Y axis in EYX, but for the X axis
+EYX,X,Y,+,0       | EYZ,x,Y,+,0        | 5:5  | `x` stands for the Z axis in EYZ
+"#;
 
 #[test]
 fn each_flaw_of_a_json_is_refused_at_its_place() {
-    let text = json_text(&csv_text());
-    let with = |from: &str, to: &str| {
-        assert!(text.contains(from), "{from}");
-        text.replacen(from, to, 1)
-    };
+    check(&json_text(&csv_text()), JSON_FLAWS);
+}
+
+const JSON_FLAWS: &str = r#"
+-- the file
+¶]}             |                          | 7:1   | EOF while parsing a list
+]}              | ]}]                      | 7:3   | trailing characters
+-0.1}           | NaN}                     | 6:149 | expected value
+-0.1}           | 1e999}                   | 6:153 | number out of range
+{"schema":1,    | {                        | 1:1   | key `schema` is missing
+"schema":1      | "schema":2               | 1:2   | `schema` is `2`, expected 1
+"schema":1      | "schema":"1"             | 1:2   | `schema` is `"1"`
+"schema":1      | "schema":1,"unit":"mm"   | 1:13  | unknown key `unit`
+"schema":1      | "schema":1,"schema":1    | 1:2   | key `schema` stands there twice
+"rows":[        | "rows":[5,               | 1:21  | rows[0]: not an object
+-- the keys of a row
+"term"          | "trm"                    | 2:2   | rows[0]: unknown key `trm`
+"index":0,      |                          | 2:1   | rows[0]: key `index` is missing
+"index":0       | "index":0,"index":0      | 2:66  | rows[0]: key `index` stands there twice
+"EXX"           | 7                        | 2:2   | rows[0]: `term` is `7`
+"EXX"           | {"EXX":["}"]}            | 2:2   | rows[0]: `term` is
+"base_axis":"X" | "base_axis":null         | 2:15  | `base_axis` is empty
+"base_axis":"X" | "base_axis":1            | 2:15  | `base_axis` is `1`
+null            | ""                       | 2:49  | `direction` is ``, expected `+`, `-` or nothing
+null            | 0                        | 2:49  | `direction` is `0`
+"index":0       | "index":0.0              | 2:66  | `index` is `0.0`
+:-50            | :"-50"                   | 2:76  | `position_mm` is `-50`, expected a finite number
+:-50            | :true                    | 2:76  | `position_mm` is `true`
+"deviation_um":0| "deviation_um":null      | 2:94  | `deviation_um` is empty
+null}           | 0}                       | 2:129 | expected nothing at index 0
+"correction_um":1,| "correction_um":2,     | 4:111 | rows[2]: `correction_um` is 2, expected 1
+-- the rows of a block
+"index":2       | "index":3                | 4:66  | rows[2]: `index` is 3, expected 2
+:2.5            | :2                       | 4:129 | rows[2]: `increment_um` is 2, expected 2.5
+:50,            | :60,                     | 4:76  | rows[2]: `position_mm` is 60 mm after
+"#;
+
+/// Files without a single row.
+#[test]
+fn a_file_without_rows_is_refused() {
     let cases = [
-        // the file
-        ("{}".to_string(), "1:1", "key `schema` is missing"),
-        ("{\"schema\":1}".to_string(), "1:1", "key `rows` is missing"),
-        ("{\"schema\":1,\"rows\":[]}".to_string(), "1:13", "no rows"),
+        ("", "1:1 the file is empty, expected a generic table"),
+        ("\r\n \n", "1:1 the file is empty, expected a generic table"),
+        (HEADER, "1:1 the table has a header but no rows"),
+        ("{\"schema\":1,\"rows\":[ ]}", "1:13 the table has no rows"),
         (
-            "{\"schema\":1,\"rows\":{}}".to_string(),
-            "1:13",
-            "`rows` is an object",
-        ),
-        (with("\n]}", ""), "6:", "EOF while parsing"),
-        (with("]}", "]}]"), "7:3", "trailing characters"),
-        (with("-0.1}", "NaN}"), "6:", "expected value"),
-        (with("-0.1}", "1e999}"), "6:", "number out of range"),
-        (with(":1,", ":2,"), "1:2", "`schema` is `2`, expected 1"),
-        (with(":1,", ":\"1\","), "1:2", "`schema` is `\"1\"`"),
-        (
-            with(":1,", ":1,\"unit\":\"mm\","),
-            "1:13",
-            "unknown key `unit`",
-        ),
-        (with(":1,", ":1,\"schema\":1,"), "1:2", "twice"),
-        // a row
-        (with("[\n", "[5,\n"), "1:21", "rows[0]: not an object"),
-        (
-            with("\"term\"", "\"trm\""),
-            "2:2",
-            "rows[0]: unknown key `trm`",
-        ),
-        (
-            with("\"index\":0,", ""),
-            "2:1",
-            "rows[0]: key `index` is missing",
-        ),
-        (
-            with("\"index\":0,", "\"index\":0,\"index\":0,"),
-            "2:",
-            "key `index` stands there twice",
-        ),
-        (with("\"EXX\"", "7"), "2:2", "rows[0]: `term` is `7`"),
-        (with("\"EXX\"", "{\"EXX\":[]}"), "2:2", "rows[0]: `term`"),
-        (
-            with("\"base_axis\":\"X\"", "\"base_axis\":null"),
-            "2:15",
-            "`base_axis` is empty",
-        ),
-        (
-            with("\"direction\":null", "\"direction\":\"\""),
-            "2:49",
-            "`direction` is ``",
-        ),
-        (
-            with("\"direction\":null", "\"direction\":0"),
-            "2:49",
-            "`direction` is `0`",
-        ),
-        (
-            with("\"index\":0", "\"index\":0.0"),
-            "2:66",
-            "`index` is `0.0`",
-        ),
-        (
-            with("\"position_mm\":-50", "\"position_mm\":\"-50\""),
-            "2:76",
-            "`position_mm` is `-50`",
-        ),
-        (
-            with("\"deviation_um\":0", "\"deviation_um\":null"),
-            "2:94",
-            "`deviation_um` is empty",
-        ),
-        (
-            with("\"increment_um\":null", "\"increment_um\":0"),
-            "2:129",
-            "nothing at index 0",
-        ),
-        (
-            with("\"correction_um\":1,", "\"correction_um\":2,"),
-            "4:",
-            "rows[2]: `correction_um` is 2",
-        ),
-        // rows of a block
-        (
-            with("\"index\":2", "\"index\":3"),
-            "4:66",
-            "rows[2]: `index` is 3, expected 2",
-        ),
-        (
-            with("\"increment_um\":2.5", "\"increment_um\":2"),
-            "4:",
-            "expected 2.5, the change",
+            "{\"schema\":1,\"rows\":{}}",
+            "1:13 `rows` is an object, expected an array of rows",
         ),
     ];
-    for (text, place, part) in cases {
-        let found = flaws(&text);
-        assert!(
-            found[0].starts_with(place) && found[0].contains(part),
-            "{place} {part}: {found:#?}"
-        );
+    for (text, flaw) in cases {
+        assert_eq!(flaws(text), [flaw], "{text}");
     }
+    assert!(read_json("table", " ").is_err());
 }
 
 /// A flaw is told once: a block that lost a row is not searched for the gap.
 #[test]
 fn a_flaw_brings_no_others() {
-    let text = csv_text();
-    check(&text.replace("1,0,1.5", "1,zero,1.5"), "3:12", "`zero`");
-    check(&text.replace("EXX,X,X,,1", "EXQ,X,X,,1"), "3:1", "`EXQ`");
-    check(&text.replace("EXX,X,X,,1", "EXX;X;X;;1"), "3:1", "cells");
-    check(&text.replace("2,50,", "2,-60,"), "4:12", "more than");
+    let cases = [
+        ("1,0,1.5", "1,zero,1.5"),
+        ("EXX,X,X,,1", "EXQ,X,X,,1"),
+        ("EXX,X,X,,1", "EXX;X;X;;1"),
+        ("2,50,", "2,-60,"),
+    ];
+    for (from, to) in cases {
+        let found = flaws(&csv_text().replace(from, to));
+        assert_eq!(found.len(), 1, "{to}: {found:#?}");
+    }
 }
 
 #[test]
