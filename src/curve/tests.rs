@@ -180,8 +180,9 @@ proptest! {
         let ends = (Millimetres::new(from), Millimetres::new(from + length));
         let (low, high) = curve.extremes_against_line(ends.0, ends.1, line.0, line.1);
         let (mut sampled_low, mut sampled_high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for part in 0..=4000 {
-            let u = f64::from(part) / 4000.0;
+        // Corners between the samples would be missed by slope x distance, so knots are samples too.
+        let at_knots = positions.iter().map(|x| (x - from) / length).filter(|u| (0.0..=1.0).contains(u));
+        for u in (0..=4000).map(|part| f64::from(part) / 4000.0).chain(at_knots) {
             let sum = curve.um_at(from + length * u) + line.0 + (line.1 - line.0) * u;
             sampled_low = sampled_low.min(sum);
             sampled_high = sampled_high.max(sum);
