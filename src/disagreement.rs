@@ -18,18 +18,18 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Ve
     let mut known = Vec::new();
     for term in ErrorTerm::ALL {
         for (base, output) in axis_pairs(plan, term) {
-            known.push((base.to_string(), output.to_string()));
             for direction in Direction::BOTH {
                 let label = label(term, base, output, direction);
-                match (
-                    expected.response(base, output, direction),
-                    found.response(base, output, direction),
-                ) {
-                    (Ok(wanted), Ok(got)) => {
-                        sentences.extend(difference(&wanted, &got).map(|words| (label, words)))
+                // An axis that the job does not have; tables for it are foreign.
+                let Ok(wanted) = expected.response(base, output, direction) else {
+                    continue;
+                };
+                known.push((base.to_string(), output.to_string()));
+                match found.response(base, output, direction) {
+                    Ok(got) => {
+                        sentences.extend(difference(&wanted, &got).map(|words| (label, words)));
                     }
-                    (_, Err(problem)) => sentences.push((label, problem.0)),
-                    (Err(_), Ok(_)) => {}
+                    Err(problem) => sentences.push((label, problem.0)),
                 }
             }
         }

@@ -4,6 +4,8 @@
 //! with status 2, say exactly what `expected.txt` says, and leave the directory as it was.
 //! `NONIUS_UPDATE=1 cargo test --test refuses` rewrites the expectations (fixtures/cases/README.md).
 
+#![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -54,7 +56,12 @@ fn run(case: &Path) -> Result<(), String> {
     let before = content(directory.path());
     let command = fs::read_to_string(case.join("command"));
     let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(command.as_deref().unwrap_or(DEFAULT_COMMAND).split_whitespace())
+        .args(
+            command
+                .as_deref()
+                .unwrap_or(DEFAULT_COMMAND)
+                .split_whitespace(),
+        )
         .current_dir(directory.path())
         .stdin(Stdio::null())
         .output()
@@ -84,7 +91,10 @@ fn told(output: &Output) -> String {
         let text = String::from_utf8(bytes.to_vec()).expect("the program prints UTF-8");
         text.replace('\r', "").replace("nonius.exe", "nonius")
     };
-    let status = output.status.code().map_or("none".to_string(), |c| c.to_string());
+    let status = output
+        .status
+        .code()
+        .map_or("none".to_string(), |c| c.to_string());
     format!(
         "exit status {status}\n\n{}{}",
         text(&output.stderr),
