@@ -105,7 +105,7 @@ fn changed_files(
             entry["sha256"].as_str().unwrap_or_default(),
         );
         match files.iter().find(|(name, _, _)| name == path) {
-            None => remarks.push(format!("`{path}` is listed in manifest.json but not there")),
+            None => remarks.push(format!("`{path}` is listed in manifest.json but missing")),
             Some((_, _, bytes)) if sha256(bytes) != hash => {
                 remarks.push(format!(
                     "`{path}` was changed after it was made: its hash is not that of manifest.json"
