@@ -542,7 +542,7 @@ fn tables(
                     .problem_at(
                         &path,
                         format!(
-                            "axis {} would have {} points, but {holder} holds {most}",
+                            "axis {} would have {} points, more than the {most} of {holder}",
                             target.term.along,
                             grid.count()
                         ),
@@ -580,6 +580,14 @@ fn check_limits(
     problems: &mut Problems,
 ) {
     let limits = task.job.limits;
+    // A limit that is not stated has no line of its own.
+    let section = format!("compensation.axes.{}", target.term.along.key());
+    let at_limit = |key: &str, message: String| {
+        let path = format!("limits.{key}");
+        let stated = task.job.source.place_of(&path).is_some();
+        let path = if stated { &path } else { &section };
+        task.job.problem_at(path, message)
+    };
     let place = |index: usize| {
         grid.position(grid.first + i64::try_from(index).unwrap_or(0))
             .mm()
@@ -598,18 +606,17 @@ fn check_limits(
             "check the measurement; else raise `max_correction_um` in [limits]"
         };
         problems.push(
-            task.job
-                .problem_at(
-                    "limits.max_correction_um",
-                    format!(
-                        "{} would need a correction of {:.1} µm at {} mm, the limit is {} µm",
-                        target.term,
-                        (-*value).um(),
-                        place(index),
-                        limits.max_correction_um
-                    ),
-                )
-                .help(help),
+            at_limit(
+                "max_correction_um",
+                format!(
+                    "{} would need a correction of {:.1} µm at {} mm, the limit is {} µm",
+                    target.term,
+                    (-*value).um(),
+                    place(index),
+                    limits.max_correction_um
+                ),
+            )
+            .help(help),
         );
     }
     let spacing = grid.spacing().mm();
@@ -622,8 +629,7 @@ fn check_limits(
         && slope > limits.max_slope_um_per_mm
     {
         problems.push(
-            task.job
-                .problem_at("limits.max_slope_um_per_mm", format!("{} would change by {slope:.3} µm/mm between {} and {} mm, the limit is {} µm/mm", target.term, place(index), place(index + 1), limits.max_slope_um_per_mm))
+            at_limit("max_slope_um_per_mm", format!("{} would change by {slope:.3} µm/mm between {} and {} mm, the limit is {} µm/mm", target.term, place(index), place(index + 1), limits.max_slope_um_per_mm))
                 .help("check the unit and the measurement there; else raise `max_slope_um_per_mm` in [limits]"),
         );
     }

@@ -21,12 +21,20 @@ pub(super) type NamedBytes<'a> = (&'a str, &'a [u8]);
 /// Refuses a directory that holds something, before any work is done.
 pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems> {
     let name = directory.display();
+    if directory.is_file() {
+        return Err(Problem::new(format!(
+            "`{name}` is a file, expected a new or an empty directory"
+        ))
+        .help("choose another directory")
+        .into());
+    }
     match fs::read_dir(directory).map(Iterator::count) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(Problem::new(format!(
             "`{name}` cannot be used as the kit's directory: {}",
             plain_words(&error)
         ))
+        .help("choose another directory")
         .into()),
         Ok(entries) if entries == 0 || force => Ok(()),
         Ok(_) => Err(Problem::new(format!(
