@@ -350,6 +350,10 @@ fn at_key(task: Task<'_>, path: &str, problem: Problem) -> Problems {
     }
 }
 
+/// Every number of points is tried, so the work grows with the square of this; a table with more
+/// points is not what `max_residual_um` is for.
+const MOST_PLANNED_POINTS: u32 = 2000;
+
 /// The grid of the fewest points whose own residual (before rounding) keeps the limit for every
 /// term of the axis.
 fn coarsest(
@@ -359,7 +363,9 @@ fn coarsest(
     targets: &[&Target],
     limit_um: f64,
 ) -> Result<Grid, Problems> {
-    let most = point_limit(task.profile, targets).0;
+    let most = point_limit(task.profile, targets)
+        .0
+        .min(MOST_PLANNED_POINTS);
     let mut least = f64::INFINITY;
     for points in 2..=most {
         let Ok(grid) = grid::with_points(machine, task.length_digit(), points) else {

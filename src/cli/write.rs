@@ -72,10 +72,13 @@ pub(super) fn write_kit(
         .file_name()
         .map(|n| n.to_string_lossy().into_owned())
         .ok_or_else(|| {
-            Problems::from(Problem::new(format!(
-                "`{}` is no name for a new directory",
-                directory.display()
-            )))
+            Problems::from(
+                Problem::new(format!(
+                    "`{}` is no name for a new directory",
+                    directory.display()
+                ))
+                .help("name a directory below it, e.g. `kit`"),
+            )
         })?;
     let partial = tempfile::Builder::new()
         .prefix(&format!("{name}.partial-"))
