@@ -8,6 +8,8 @@ use crate::axis::{Direction, ErrorTerm};
 use crate::emulate::{Emulator, NodeTable, Response};
 use crate::forecast::axis_pairs;
 use crate::plan::Plan;
+use crate::table::Tables;
+use crate::table::siemens::LecTable;
 use crate::units::{Correction, Millimetres};
 
 /// Two corrections closer than this are equal, µm (a picometre).
@@ -48,6 +50,32 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Ve
         }
     }
     words
+}
+
+/// ENC_COMP tables of another measuring system than the job states: emulated alike, but without
+/// effect on the control.
+pub fn measuring_systems(wanted: &Tables, found: &Tables) -> Vec<String> {
+    let (Tables::Siemens(wanted), Tables::Siemens(found)) = (wanted, found) else {
+        return Vec::new();
+    };
+    let of_axis = |axis: &str| {
+        wanted
+            .lec
+            .iter()
+            .find(|t| t.axis.eq_ignore_ascii_case(axis))
+    };
+    let sentence = |table: &LecTable| {
+        let stated = of_axis(&table.axis)?.encoder;
+        (table.encoder != stated).then(|| {
+            format!(
+                "foreign measuring system: the ENC_COMP table of {} is for system {}, the job is for {}",
+                table.axis,
+                table.encoder + 1,
+                stated + 1
+            )
+        })
+    };
+    found.lec.iter().filter_map(sentence).collect()
 }
 
 /// What the job asks for, term by term.

@@ -277,10 +277,24 @@ impl<'a> Section<'a> {
     /// A finite number, if the key is present.
     pub fn number(&self, key: &'static str) -> Option<f64> {
         let number = number_of(self.value(key)?);
-        if number.is_none() {
-            self.wrong_type(key, "a finite number");
+        match number {
+            None => self.wrong_type(key, "a finite number"),
+            Some(number) if number.abs() > LARGEST_NUMBER => self.too_large(key),
+            Some(_) => return number,
         }
-        number
+        None
+    }
+
+    fn too_large(&self, key: &str) {
+        let written = self.as_written(key).unwrap_or_default();
+        self.problem(
+            key,
+            format!(
+                "`{}` is `{written}`, which is too large for any machine",
+                self.path_of(key)
+            ),
+            "check the number and its unit",
+        );
     }
 
     /// A number greater than zero, if the key is present.
@@ -351,6 +365,10 @@ impl<'a> Section<'a> {
             _ => None,
         };
         match numbers.as_deref() {
+            Some([first, second]) if first.abs().max(second.abs()) > LARGEST_NUMBER => {
+                self.too_large(key);
+                None
+            }
             Some([first, second]) => Some([*first, *second]),
             _ => {
                 self.wrong_type(key, "two finite numbers, e.g. [0.0, 900.0]");
@@ -481,6 +499,9 @@ impl<'a> Section<'a> {
         }
     }
 }
+
+/// No length, deviation or feed of a machine comes near, whatever its unit.
+const LARGEST_NUMBER: f64 = 1e9;
 
 /// Words in back-quotes, each once.
 fn list_of(words: &[&str]) -> String {

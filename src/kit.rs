@@ -290,6 +290,10 @@ pub fn verify(
     let read = read(&inputs.profile, files)?;
     let wanted = emulator(&inputs.profile, &compiled.tables, &compiled.state)
         .map_err(|e| cannot_emulate(&e))?;
+    disagreements.extend(disagreement::measuring_systems(
+        &compiled.tables,
+        &read.tables,
+    ));
     let mut result = None;
     match emulator(&inputs.profile, &read.tables, &compiled.state) {
         Ok(found) => {

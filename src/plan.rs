@@ -104,7 +104,14 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
         return Err(problems);
     };
     let mut notes: Vec<String> = targets.iter().filter_map(|t| t.note.clone()).collect();
-    if let Some((costs, budget, resource)) = costs(task, &names, &targets)
+    let costs = costs(task, &names, &targets);
+    if let Some((costs, 0, resource)) = &costs
+        && !costs.is_empty()
+    {
+        problems.push(none_left(task, resource));
+        return Err(problems);
+    }
+    if let Some((costs, budget, resource)) = costs
         && let Some(choice) = selection::choose(task.model, &targets, &costs, budget, resource)
     {
         targets.retain(|t| !choice.omitted.iter().any(|o| o.term == t.term));
@@ -245,6 +252,23 @@ fn costs(
     Some((costs, budget, resource))
 }
 
+/// `first_table` or `first_set` lies behind the last one of the control.
+fn none_left(task: Task<'_>, resource: &str) -> Problem {
+    let key = match &task.profile.dialect {
+        Dialect::Siemens(_) => "first_table",
+        _ => "first_set",
+    };
+    task.job
+        .problem_at(
+            &format!("compensation.{key}"),
+            format!(
+                "`{key}` leaves no {resource} of {}, expected a smaller number",
+                task.profile.name
+            ),
+        )
+        .help("give the number of the first one that is free on the control")
+}
+
 fn grids(
     task: Task<'_>,
     targets: &[Target],
@@ -350,8 +374,9 @@ fn at_key(task: Task<'_>, path: &str, problem: Problem) -> Problems {
     }
 }
 
-/// A longer table is asked for with `points`; the search for fewer points would take too long.
-const MOST_PLANNED_POINTS: u32 = 5000;
+/// Every number of points is tried, so the work grows with the square of this; a table with more
+/// points is not what `max_residual_um` is for.
+const MOST_PLANNED_POINTS: u32 = 2000;
 
 /// The grid of the fewest points whose own residual (before rounding) keeps the limit for every
 /// term of the axis.

@@ -169,6 +169,16 @@ fn siemens() {
                 status: 1,
             },
             Change {
+                what: "ENC_COMP of the other measuring system",
+                file: EEC,
+                line: |line| match line.contains(",AX1]") {
+                    true => Some(line.replace("[0,", "[1,")),
+                    false => Some(line.to_string()),
+                },
+                says: "foreign measuring system: the ENC_COMP table of AX1 is for system 2",
+                status: 1,
+            },
+            Change {
                 what: "an output axis of CEC renamed",
                 file: CEC,
                 line: |line| replaced(line, "OUTPUT_AXIS[0]=(AX2)", "OUTPUT_AXIS[0]=(AX3)"),

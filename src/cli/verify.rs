@@ -50,6 +50,14 @@ fn read_directory(profile: &Profile, directory: &Path) -> Result<Found, Problems
         ))
         .help("name the directory with the control's files, as `nonius generate` wrote it")
     };
+    if directory.is_file() {
+        return Err(Problem::new(format!(
+            "`{}` is a file, expected the directory that holds it",
+            directory.display()
+        ))
+        .help("name the directory with the control's files, as `nonius generate` wrote it")
+        .into());
+    }
     let mut names: Vec<String> = Vec::new();
     for entry in std::fs::read_dir(directory).map_err(refuse)? {
         let entry = entry.map_err(refuse)?;

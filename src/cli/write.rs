@@ -55,7 +55,9 @@ pub(super) fn write_kit(
     let directory = trimmed(directory);
     if directory.file_name().is_none() {
         let message = format!("`{}` is no name for a new directory", directory.display());
-        return Err(Problem::new(message).into());
+        return Err(Problem::new(message)
+            .help("name a directory below it, e.g. `kit`")
+            .into());
     }
     let parent = parent_of(&directory);
     fs::create_dir_all(&parent)
