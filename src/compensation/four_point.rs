@@ -14,8 +14,7 @@
 //! the best so far; only one that has an answer is followed to its own least. Nothing is missed:
 //! the answer is the best of all whole amounts, not only of those beside the best fractional ones.
 
-/// x
-pub mod gates;
+mod gates;
 
 use gates::{Gates, Sieve};
 

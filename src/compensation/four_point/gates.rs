@@ -13,9 +13,6 @@
 //! Gates are a trifle too wide, so that rounding noise never refuses an answer; the check of each
 //! piece decides.
 
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-/// x
-pub static C: [AtomicUsize; 6] = [const { AtomicUsize::new(0) }; 6];
 use super::{Chain, Side, output_between};
 
 /// Added to a gate at both ends, detection units.
@@ -74,7 +71,6 @@ pub(super) struct Gates<'a> {
 impl<'a> Gates<'a> {
     /// `None` if somewhere no whole number is near enough.
     pub(super) fn new(side: &'a Side, limit: f64) -> Option<Gates<'a>> {
-        C[5].fetch_add(1, Relaxed);
         let count = side.wanted.len();
         let (mut low, mut high) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for &wanted in &side.wanted {
@@ -92,7 +88,6 @@ impl<'a> Gates<'a> {
 
     /// Whole amounts at the ends of the pieces, if there are any.
     pub(super) fn solve(&self, ends: &[usize]) -> Option<Chain> {
-        C[2].fetch_add(1, Relaxed);
         let mut spans: Vec<Span> = ends.iter().map(|&end| self.at(end)).collect();
         for inner in (0..ends.len() - 1).rev() {
             let piece = (ends[inner], ends[inner + 1]);
@@ -143,7 +138,6 @@ impl<'a> Gates<'a> {
     }
 
     fn left_at(&self, node: usize, inner: Knot, outer: Knot) -> f64 {
-        C[4].fetch_add(1, Relaxed);
         (output_between(inner, outer, node) - self.side.wanted[node]).abs()
     }
 
@@ -158,8 +152,6 @@ impl<'a> Gates<'a> {
 
     /// Least and greatest slope of lines from an amount at a node through the gates into `outer`.
     fn cone(&self, from: Knot, to: usize, outer: Span) -> (Bound, Bound) {
-        C[0].fetch_add(1, Relaxed);
-        C[1].fetch_add(to - from.0, Relaxed);
         let bound = |at: f64, inverse: f64| Bound {
             slope: (at - from.1) * inverse,
             inverse,
@@ -246,7 +238,6 @@ pub(super) struct Sieve<'a> {
 
 impl<'a> Sieve<'a> {
     pub(super) fn new(gates: Gates<'a>) -> Sieve<'a> {
-        C[3].fetch_add(1, Relaxed);
         let end = gates.side.wanted.len() - 1;
         let inward = |node| gates.reachable((0, 0.0), node, gates.at(node));
         let outward = |node| gates.passable((node, end), gates.at(node), gates.at(end));
