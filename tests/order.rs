@@ -90,7 +90,13 @@ fn what_is_made_and_what_checks_it_share_no_code() {
 #[test]
 fn only_the_command_line_touches_files_environment_and_terminal() {
     let reserved = [
-        "std::fs", "std::env", "std::io", "std::process", "println!", "print!(", "SystemTime",
+        "std::fs",
+        "std::env",
+        "std::io",
+        "std::process",
+        "println!",
+        "print!(",
+        "SystemTime",
     ];
     for (file, _, code) in sources().iter().filter(|(_, module, _)| module != "cli") {
         for line in code {
@@ -103,7 +109,9 @@ fn only_the_command_line_touches_files_environment_and_terminal() {
 #[test]
 fn templates_lay_out_and_do_not_compute() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("templates");
-    let computing = ["|", "round", " + ", " - ", " * ", " / ", " % ", "set ", "macro"];
+    let computing = [
+        "|", "round", " + ", " - ", " * ", " / ", " % ", "set ", "macro",
+    ];
     let mut templates = 0;
     for path in glob::glob(&format!("{}/*.tera", folder.display())).unwrap() {
         let path = path.unwrap();

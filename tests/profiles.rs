@@ -22,10 +22,18 @@ fn all() -> Vec<Profile> {
 fn every_built_in_profile_loads_under_its_own_id() {
     let ids: Vec<String> = all().into_iter().map(|profile| profile.id).collect();
     assert_eq!(ids, builtin::ids());
-    assert!(all().iter().all(|profile| profile.origin == Origin::BuiltIn));
+    assert!(
+        all()
+            .iter()
+            .all(|profile| profile.origin == Origin::BuiltIn)
+    );
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("controllers");
     let pages = glob::glob(&format!("{}/*.toml", folder.display())).unwrap();
-    assert_eq!(pages.count(), ids.len(), "a page in controllers/ is not built in");
+    assert_eq!(
+        pages.count(),
+        ids.len(),
+        "a page in controllers/ is not built in"
+    );
 }
 
 #[test]
@@ -62,7 +70,10 @@ fn a_fact_is_stated_once() {
 #[test]
 fn no_fact_claims_to_have_been_executed() {
     for profile in all() {
-        let executed = profile.statements.iter().find(|s| s.evidence == Evidence::Executed);
+        let executed = profile
+            .statements
+            .iter()
+            .find(|s| s.evidence == Evidence::Executed);
         assert!(
             executed.is_none(),
             "{}: {executed:?} - name the control that ran it in the source and change this test",
@@ -86,7 +97,10 @@ fn every_template_renders() {
                 let name = format!("{}: {}", profile.id, file.path);
                 let text = std::str::from_utf8(&file.bytes).unwrap();
                 assert!(text.is_ascii(), "{name} holds more than ASCII");
-                assert!(!text.contains("{{") && !text.contains("{%"), "{name}: {text}");
+                assert!(
+                    !text.contains("{{") && !text.contains("{%"),
+                    "{name}: {text}"
+                );
                 let end = profile.line_end.value.text();
                 assert!(text.ends_with(end), "{name} does not end with a line end");
                 let others = text.replace(end, "");
@@ -100,7 +114,11 @@ fn every_template_renders() {
             .map(|file| file.path.as_str())
             .filter(|path| !rendered.contains(*path))
             .collect();
-        assert!(missing.is_empty(), "{}: {missing:?} were not rendered", profile.id);
+        assert!(
+            missing.is_empty(),
+            "{}: {missing:?} were not rendered",
+            profile.id
+        );
     }
 }
 

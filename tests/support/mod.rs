@@ -7,6 +7,8 @@
     reason = "each test binary uses a part of it; a test may stop at what it did not expect"
 )]
 
+pub(crate) mod machine;
+
 use nonius::axis::Direction;
 use nonius::controller::{Profile, builtin};
 use nonius::document::Source;
@@ -40,8 +42,7 @@ pub(crate) fn inputs(job: &str, errors: &str) -> Inputs {
 /// The kit of a job.
 pub(crate) fn generate(job: &str, errors: &str) -> (Inputs, Kit) {
     let inputs = inputs(job, errors);
-    let kit =
-        kit::generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}\n{errors}", p.render()));
+    let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}\n{errors}", p.render()));
     (inputs, kit)
 }
 
