@@ -314,7 +314,15 @@ fn add_squareness(
         );
         return;
     };
-    let tilt = |curve: &ErrorCurve| curve.plus_slope(slope, machine.reference);
+    // Outside the measured range the tilt is held with the curve, so off that range the line has
+    // its zero at the near end: the reference stays zero.
+    let homing = measured.measured.curve(machine.homing());
+    let Some(curve) = homing.or(measured.curves().next()) else {
+        return;
+    };
+    let (low, high) = curve.measured_range();
+    let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
+    let tilt = |curve: &ErrorCurve| curve.plus_slope(slope, zero);
     measured.measured = match &measured.measured {
         Measured::Undirected(curve) => Measured::Undirected(tilt(curve)),
         Measured::OneWay(direction, curve) => Measured::OneWay(*direction, tilt(curve)),

@@ -528,7 +528,13 @@ fn tabulate(task: Task<'_>, target: &Target, grid: &Grid) -> (Vec<Deviation>, f6
     // The reference node of a table is exactly zero, except for the direction that carries the
     // reversal: its curve is fitted about its own value there.
     let nodes = grid.nodes();
-    let offset = target.curve.at(grid.reference);
+    let homing = task.job.machine.axes[target.term.along].map(|machine| machine.homing());
+    let carries_reversal = target.direction.is_some_and(|own| Some(own) != homing);
+    let offset = if carries_reversal {
+        target.curve.at(grid.reference)
+    } else {
+        Deviation::ZERO
+    };
     let values: Vec<Deviation> = table_values(
         &target.curve.less(offset),
         &nodes,
