@@ -115,14 +115,19 @@ fn job_assumptions(task: Task<'_>, plan: &Plan) -> Vec<Assumption> {
             ));
         }
     }
-    let directed = task
+    let separates = task
         .job
         .compensation
         .backlash
         .is_some_and(|p| p != BacklashPolicy::Mean);
+    let both_ways = |axis: Axis| {
+        task.model
+            .measured()
+            .any(|(term, measured)| term.along == axis && measured.measured.has_both_ways())
+    };
     for axis in Axis::ALL
         .into_iter()
-        .filter(|axis| involved(*axis) && directed)
+        .filter(|axis| separates && involved(*axis) && both_ways(*axis))
     {
         let stated =
             task.job.machine.axes[axis].is_none_or(|machine| machine.reference_direction.is_some());

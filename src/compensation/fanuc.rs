@@ -202,11 +202,7 @@ fn magnify(
 fn too_steep(task: Task<'_>, facts: &FanucFacts, planned: &PlannedTable, unit_um: f64) -> Problem {
     let most =
         f64::from(facts.increment_max.value) * f64::from(facts.magnification_max.value) * unit_um;
-    let steepest = planned
-        .values
-        .windows(2)
-        .map(|p| (p[1] - p[0]).um().abs())
-        .fold(0.0, f64::max);
+    let steepest = steepest_um(planned);
     task.job
         .problem_at(
             &format!("compensation.axes.{}", planned.term.along.key()),
@@ -216,6 +212,12 @@ fn too_steep(task: Task<'_>, facts: &FanucFacts, planned: &PlannedTable, unit_um
             ),
         )
         .help("use a smaller spacing, or check the measurement and `detection_unit_um`")
+}
+
+/// Largest change between two points, µm.
+fn steepest_um(planned: &PlannedTable) -> f64 {
+    let changes = planned.values.windows(2).map(|p| (p[1] - p[0]).um().abs());
+    changes.fold(0.0, f64::max)
 }
 
 fn wanted(planned: &PlannedTable, sign: crate::controller::TableSign) -> Vec<f64> {
@@ -252,7 +254,10 @@ fn write_pitch(
         })
         .collect();
     let Some((magnification, reversal, totals)) = magnify(facts, run.grid, &curves, unit_um) else {
-        if let Some(planned) = tables.first() {
+        let steepest = tables
+            .iter()
+            .max_by(|a, b| steepest_um(a).total_cmp(&steepest_um(b)));
+        if let Some(planned) = steepest {
             problems.push(too_steep(task, facts, planned, unit_um));
         }
         return;

@@ -11,7 +11,6 @@ use crate::claims::{Assumption, Precondition};
 use crate::compensation::{Compiled, Placement, control_state};
 use crate::controller::{SiemensFacts, TableSign};
 use crate::grid::Grid;
-use crate::job::BacklashPolicy;
 use crate::plan::{Plan, PlannedTable, Task};
 use crate::problem::Problems;
 use crate::table::Tables;
@@ -303,13 +302,12 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
     if !plan.tables.iter().any(|t| t.term == term) {
         return Vec::new();
     }
-    let policy = task.job.compensation.backlash;
-    let (value, why) = match (policy, plan.backlash_um[axis]) {
-        (_, Some(um)) => (
+    let (value, why) = match plan.backlash_um[axis] {
+        Some(um) => (
             backlash_text(task, um).0,
             "−B of the measurement; the table holds the curve of the reference direction",
         ),
-        (Some(BacklashPolicy::TwoTables), _) => (
+        None if has_two_tables(plan, axis) => (
             "0".to_string(),
             "the reversal is in the two tables; counted twice it would turn round",
         ),
@@ -333,12 +331,16 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
         .collect()
 }
 
-fn no_second_table(plan: &Plan, axis: Axis) -> Vec<Precondition> {
-    let directed = plan
-        .tables
+fn has_two_tables(plan: &Plan, axis: Axis) -> bool {
+    let own = |t: &&PlannedTable| t.term.is_positioning() && t.term.of == axis;
+    plan.tables
         .iter()
-        .any(|t| t.term.is_positioning() && t.term.of == axis && t.direction.is_some());
-    if !directed {
+        .filter(own)
+        .any(|t| t.direction.is_some())
+}
+
+fn no_second_table(plan: &Plan, axis: Axis) -> Vec<Precondition> {
+    if !has_two_tables(plan, axis) {
         return Vec::new();
     }
     plan.names[axis]

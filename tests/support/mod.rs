@@ -28,21 +28,21 @@ pub(crate) fn inputs(job: &str, errors: &str) -> Inputs {
     let source = |name: &str, text: &str| Source::from_bytes(name, text.as_bytes()).unwrap();
     let read = |text| Job::read(source("job.toml", text));
     let read_job = read(job).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
-    let table = ErrorTable::read(source("errors.csv", errors))
-        .unwrap_or_else(|p| panic!("{}\n{errors}", p.render()));
+    let table =
+        ErrorTable::read(source("errors.csv", errors)).unwrap_or_else(|p| panic!("{}", p.render()));
     let profile = builtin::profile(&read_job.compensation.controller).unwrap();
     let hashes = vec![
         kit::hashed("job.toml", job.as_bytes()),
         kit::hashed("errors.csv", errors.as_bytes()),
     ];
     Inputs::new(read_job, profile, &table, hashes)
-        .unwrap_or_else(|p| panic!("{}\n{job}\n{errors}", p.render()))
+        .unwrap_or_else(|p| panic!("{}\n{job}", p.render()))
 }
 
 /// The kit of a job.
 pub(crate) fn generate(job: &str, errors: &str) -> (Inputs, Kit) {
     let inputs = inputs(job, errors);
-    let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}\n{errors}", p.render()));
+    let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
     (inputs, kit)
 }
 

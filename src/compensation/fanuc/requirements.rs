@@ -5,7 +5,6 @@ use crate::claims::{Assumption, Precondition};
 use crate::compensation::fanuc::numbers::Run;
 use crate::compensation::fanuc::{detection_unit, is_four_point};
 use crate::controller::{FanucFacts, LengthUnit};
-use crate::job::BacklashPolicy;
 use crate::plan::{Plan, Task};
 use crate::problem::Problems;
 
@@ -172,7 +171,7 @@ fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
             format!("{counts} (detection units of {unit_um} µm)"),
             "−B of the measurement; the table holds the curve of the reference direction",
         ),
-        None if task.job.compensation.backlash == Some(BacklashPolicy::TwoTables) => (
+        None if run.minus_first.is_some() => (
             "0".to_string(),
             "the reversal is in the two tables; counted twice it would turn round",
         ),

@@ -1,0 +1,142 @@
+//! Whole files as a control gets them, of a machine of five points an axis with round numbers.
+//! A snapshot shows that nothing changed; each one was checked by hand when it was accepted.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test may stop at what it did not expect"
+)]
+
+mod support;
+
+use nonius::controller::{Role, builtin};
+use nonius::kit::Kit;
+use std::path::Path;
+use std::process::Command;
+
+const FOLDER: &str = "fixtures/machines/five_points";
+
+fn kit(profile: &str) -> Kit {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(FOLDER);
+    let read = |name: &str| {
+        let text = std::fs::read_to_string(folder.join(name)).unwrap();
+        text.replace("\r\n", "\n")
+    };
+    support::generate(&read(&format!("{profile}.toml")), &read("errors.csv")).1
+}
+
+/// Control characters made visible; the line end of a file stays a line end.
+fn visible(bytes: &[u8]) -> String {
+    let text = std::str::from_utf8(bytes).unwrap();
+    text.replace("\n\r\r", "␊␍␍¶")
+        .replace("\r\n", "␍␊¶")
+        .replace('\r', "␍")
+        .replace('¶', "\n")
+}
+
+/// How a person checks the file with the error table beside it.
+fn by_hand(profile: &str, role: Role) -> &'static str {
+    match (profile.split('-').next().unwrap(), role) {
+        ("siemens", Role::Table) => {
+            "a value is the deviation of errors.csv in mm less that at the reference (as_error): \
+             X+ at 400 mm 8 um = 0.008, X- at 0 mm 3 um = 0.003 (two CEC tables, DIRECTION 1 and \
+             -1); Y at 200 mm -6 um = -0.006; MIN + index * STEP is the position"
+        }
+        ("siemens", Role::Parameters) => "five points for every table of the other files",
+        ("siemens", _) => {
+            "every ENC_COMP table, every CEC table and every output axis of a CEC table once"
+        }
+        ("fanuc", Role::Parameters) => {
+            "3620 is the point of the reference, 3621 and 3622 first and last point, 3623 = 1, \
+             3624 the spacing 100 mm; 3627 of axis 1 is -3: the correction of the 3 um that X- has \
+             at the reference. Y (axis 2) has two sections on each side of its reference, Z \
+             (axis 3) has all below it. Sets: 5711 moving axis, 5721 axis it shifts"
+        }
+        ("fanuc", _) => {
+            "a point is the change of the correction (minus the deviation, in um) over its \
+             section, seen from - to +: X 0 2 4 6 8 um gives -2 in every section after the \
+             reference point; Y 4 2 0 -3 -6 um gives 2 2 3 3; Z 8 6 4 2 0 um gives 2 2 2 2"
+        }
+        _ => {
+            "deviation as in errors.csv, less that at the reference; correction is minus the \
+             deviation; increment is the change of the correction from the row before"
+        }
+    }
+}
+
+fn settings(description: &str) -> insta::Settings {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.set_description(description);
+    settings
+}
+
+fn files_of(profile: &str) {
+    for file in &kit(profile).files {
+        let name = format!("{profile}-{}", file.path);
+        settings(by_hand(profile, file.role))
+            .bind(|| insta::assert_snapshot!(name, visible(&file.bytes)));
+    }
+}
+
+#[test]
+fn siemens_840d_sl() {
+    files_of("siemens-840d-sl");
+}
+
+#[test]
+fn siemens_828d() {
+    files_of("siemens-828d");
+}
+
+#[test]
+fn fanuc_30i() {
+    files_of("fanuc-30i");
+}
+
+#[test]
+fn fanuc_0i_f() {
+    files_of("fanuc-0i-f");
+}
+
+#[test]
+fn fanuc_16i() {
+    files_of("fanuc-16i");
+}
+
+#[test]
+fn generic() {
+    files_of("generic");
+}
+
+#[test]
+fn manifest() {
+    let bytes = kit("fanuc-0i-f").manifest_bytes().unwrap();
+    let description = "before_um: largest deviation of errors.csv relative to the reference (EXX: \
+        X- at 400 mm, 11 um). Three of six cross terms have a straightness set, the others are \
+        listed as omitted";
+    settings(description)
+        .bind(|| insta::assert_snapshot!("fanuc-0i-f-manifest.json", visible(&bytes)));
+}
+
+#[test]
+fn list_of_controllers() {
+    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
+        .args(["controllers", "list"])
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    settings("facts = manual + assumed + executed in every row")
+        .bind(|| insta::assert_snapshot!("controllers-list", visible(&output.stdout)));
+}
+
+#[test]
+fn every_profile_has_its_snapshots() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots");
+    for profile in builtin::ids() {
+        for file in &kit(profile).files {
+            let name = format!("{profile}-{}.snap", file.path);
+            assert!(folder.join(&name).exists(), "{name} is missing");
+        }
+    }
+}
