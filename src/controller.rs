@@ -120,7 +120,7 @@ impl NumberRange {
     }
 }
 
-/// How Siemens tables are delivered (siemens-840d.md §3.2).
+/// How Siemens tables are delivered (docs/siemens.md §3.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableForm {
     /// Part program without header, ends with `M30`.
@@ -129,7 +129,7 @@ pub enum TableForm {
     Data,
 }
 
-/// How a table t that names a factor table m contributes (siemens-840d.md §2.4, D8).
+/// How a table t that names a factor table m contributes (docs/siemens.md §2.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MultiplyMode {
     /// `f_t · f_m` instead of `f_t`.
@@ -138,7 +138,7 @@ pub enum MultiplyMode {
     Additive,
 }
 
-/// Facts of the Siemens dialect: ENC_COMP and CEC tables (reference/siemens-840d.md).
+/// Facts of the Siemens dialect: ENC_COMP and CEC tables (docs/siemens.md).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SiemensFacts {
     /// Sense of `$AA_ENC_COMP` values.
@@ -167,7 +167,7 @@ pub struct SiemensFacts {
     pub factor_contributes: Fact<bool>,
 }
 
-/// Form of the straightness compensation (fanuc.md §2.1, §2.2).
+/// Form of the straightness compensation (docs/fanuc.md §2.1, §2.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StraightnessForm {
     /// Three straight pieces through four points.
@@ -185,7 +185,7 @@ pub enum IntervalForm {
     Integer,
 }
 
-/// Facts of the Fanuc dialect: stored pitch error compensation (reference/fanuc.md).
+/// Facts of the Fanuc dialect: stored pitch error compensation (docs/fanuc.md).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FanucFacts {
     /// Sense of pitch data.

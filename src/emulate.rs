@@ -8,7 +8,7 @@
 //! An emulator turns tables into [`NodeTable`]s: corrections at equally spaced nodes and a rule
 //! for what happens between them. Everything after that (evaluation, exact extremes, forecast)
 //! is common to all controls. Emulators follow the formal semantics of the references
-//! (siemens-840d.md §7, fanuc.md §5) and know nothing of how a table was made.
+//! (docs/siemens.md §5, docs/fanuc.md §5) and know nothing of how a table was made.
 
 pub mod fanuc;
 pub mod generic;
@@ -31,7 +31,7 @@ pub enum Between {
         /// Place of the step inside the section.
         fraction: f64,
     },
-    /// Single pulses of `pulse_um` at equal distances in the section (fanuc.md §5.2, quantised form).
+    /// Single pulses of `pulse_um` at equal distances in the section (docs/fanuc.md §5.2).
     Pulses {
         /// Size of one pulse, µm.
         pulse_um: f64,

@@ -103,7 +103,7 @@ impl Correction {
     }
 }
 
-/// The corrections of several tables on one axis add (siemens-840d.md §2.3, fanuc.md §2.6).
+/// The corrections of several tables on one axis add (docs/siemens.md §2.3, docs/fanuc.md §2.3).
 impl Add for Correction {
     type Output = Correction;
     fn add(self, other: Correction) -> Correction {

@@ -1,4 +1,4 @@
-//! A Fanuc control, loaded with parameters and points (fanuc.md §5).
+//! A Fanuc control, loaded with parameters and points (docs/fanuc.md §5).
 //!
 //! ```text
 //!   memory ─┐  refuse what is not emulated
@@ -32,7 +32,7 @@ const ZMI: u8 = 0b0010_0000;
 ///
 /// unit   corrections in µm, positions in mm of the machine
 /// sign   correction = what the axis moves further in +
-/// source fanuc.md §5.2, §5.4, §5.5, §5.6 (B-63980EN/01 p. 100; A-77810E/02; B-63522EN/02 §15.5)
+/// source docs/fanuc.md §5.2 to §5.5 (B-63980EN/01 p. 100; A-77810E/02; B-63522EN/02 §15.5)
 /// limits after reference return; no rotary axes, inclination, total values or 3-D compensation
 #[derive(Clone, Debug, PartialEq)]
 pub struct FanucControl {
@@ -187,7 +187,8 @@ fn pitch_axes(memory: &FanucMemory) -> BTreeSet<u32> {
         .collect()
 }
 
-/// The backlash parameter (1851/1852) moves an axis further after a reversal (fanuc.md §5.4).
+/// The backlash parameter moves an axis further after a reversal: in + when it returns in −,
+/// in − when it returns in + (docs/fanuc.md §5.3).
 fn add_backlash(axis: &AxisState, links: &mut Links) {
     let own = (axis.name.clone(), axis.name.clone());
     let link = links.entry(own).or_default();

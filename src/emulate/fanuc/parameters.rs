@@ -175,10 +175,10 @@ impl<'a> Loading<'a> {
     }
 }
 
-/// Pitch parameters, one for each axis (fanuc.md §1.1).
+/// Pitch parameters, one for each axis (docs/fanuc.md §1.1).
 const AXIS_TYPE: [u32; 9] = [3605, 3620, 3621, 3622, 3623, 3624, 3625, 3626, 3627];
 
-/// Straightness parameters, which no axis owns (fanuc.md §2.1).
+/// Straightness parameters, which no axis owns (docs/fanuc.md §2.1).
 const NO_AXIS: [(u32, u32); 8] = [
     (5711, 5716),
     (5721, 5726),
@@ -190,7 +190,7 @@ const NO_AXIS: [(u32, u32); 8] = [
     (5781, 5784),
 ];
 
-/// First, last, and why the emulation would be wrong if it passed over them (fanuc.md §1, §2).
+/// First, last, and why the emulation would be wrong if it passed over them (docs/fanuc.md §5.6).
 const OTHERS: [(u32, u32, &str); 8] = [
     (
         1240,
@@ -226,7 +226,7 @@ const OTHERS: [(u32, u32, &str); 8] = [
     ),
 ];
 
-/// Parameter, bits that must be 0, and what they would mean (fanuc.md §1.1).
+/// Parameter, bits that must be 0, and what they would mean (docs/fanuc.md §1.1).
 const OTHER_BITS: [(u32, u8, &str); 3] = [
     (
         3602,

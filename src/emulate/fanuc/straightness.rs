@@ -1,4 +1,4 @@
-//! Straightness compensation: while one axis moves, another is shifted (fanuc.md §5.5, §5.6).
+//! Straightness compensation: while one axis moves, another is shifted (docs/fanuc.md §5.4, §5.5).
 //!
 //! ```text
 //!   four-point   amounts at the moving axis' points a, b, c, d; straight between, held outside
@@ -159,7 +159,7 @@ impl Set<'_> {
         sign.correction(units * unit_um)
     }
 
-    /// Rounded to whole units at every point, relative to the reference (fanuc.md §5.5, D7, D10).
+    /// Rounded to whole units at every point, relative to the reference (docs/fanuc.md §5.4).
     fn four_points(self, grid: &Grid, unit_um: f64) -> Result<NodeTable, CannotEmulate> {
         let knots = self.knots(grid)?;
         let at_reference = amount_at(&knots, f64::from(grid.reference_point));
@@ -201,7 +201,7 @@ impl Set<'_> {
         Ok(knots)
     }
 
-    /// One increment for each pitch point of the moving axis (fanuc.md §5.6). Its interpolated
+    /// One increment for each pitch point of the moving axis (docs/fanuc.md §5.5). Its interpolated
     /// form is a function of its own whose switch is not known, so the step form is taken.
     fn per_point(
         self,
@@ -248,7 +248,8 @@ struct Knot {
 
 /// W(p): straight lines through the knots, the end values held outside.
 ///
-/// source B-63522EN/02 §15.5; its slope (β−α)/(a−b) is a misprint for (β−α)/(b−a) (fanuc.md D6)
+/// source B-63522EN/02 §15.5; its slope (β−α)/(a−b) is a misprint for (β−α)/(b−a)
+///        (docs/fanuc.md §2.1)
 fn amount_at(knots: &[Knot; 4], point: f64) -> f64 {
     let [first, .., last] = knots;
     if point <= f64::from(first.point) {
