@@ -67,10 +67,13 @@ enum Command {
         #[command(subcommand)]
         command: ControllersCommand,
     },
-    /// Print what the templates of a job's control see (JSON)
+    /// Print what the templates of a job's control see (always JSON)
     Context {
         /// The job (TOML); `-` = standard input
         job: PathBuf,
+        /// Both print the same JSON document
+        #[arg(long, value_enum, default_value_t = Format::Json)]
+        format: Format,
     },
     /// Print completions for a shell
     Completions {
@@ -104,6 +107,9 @@ enum ControllersCommand {
     Check {
         /// The profile (TOML)
         file: PathBuf,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
     },
 }
 
@@ -168,9 +174,9 @@ fn execute(command: Command) -> Result<Answer, Problems> {
         Command::Controllers { command } => match command {
             ControllersCommand::List { format } => controllers::list(format),
             ControllersCommand::Show { id, format, toml } => controllers::show(&id, format, toml),
-            ControllersCommand::Check { file } => controllers::check(&file),
+            ControllersCommand::Check { file, format } => controllers::check(&file, format),
         },
-        Command::Context { job } => context::run(&job),
+        Command::Context { job, format: _ } => context::run(&job),
         Command::Completions { shell } => {
             let mut page = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "nonius", &mut page);

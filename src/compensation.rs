@@ -16,7 +16,7 @@ use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
 use crate::control_state::{AxisState, ControlState};
 use crate::controller::{Dialect, Evidence};
-use crate::job::{ActiveTables, BacklashPolicy};
+use crate::job::{ActiveTables, AxisSettings, BacklashPolicy};
 use crate::plan::{Plan, Task};
 use crate::problem::Problems;
 use crate::table::Tables;
@@ -164,7 +164,7 @@ fn control_state(task: Task<'_>, plan: &Plan, backlash_um: impl Fn(Axis) -> f64)
                 detection_unit_um: settings.and_then(|s| s.detection_unit_um),
                 backlash_um: backlash_um(axis),
                 bidirectional: own(true),
-                interpolated: settings.is_some_and(|s| s.interpolated),
+                interpolated: settings.is_some_and(AxisSettings::is_interpolated),
             });
         }
     }

@@ -152,23 +152,6 @@ impl ErrorCurve {
         self.combined(other, 1.0, -1.0)
     }
 
-    /// The mean value over the measured range: ∫ d dx / length, µm; of one point, its value.
-    pub fn mean_value_over_range(&self) -> Deviation {
-        let (from, to) = self.measured_range();
-        let length = (to - from).mm();
-        if length <= 0.0 {
-            return Deviation::from_um(self.last);
-        }
-        let steps = self.knots.windows(2).map(|pair| (pair[1] - pair[0]).mm());
-        let area: f64 = self
-            .pieces
-            .iter()
-            .zip(steps)
-            .map(|(c, h)| h * (c[0] + h * (c[1] / 2.0 + h * (c[2] / 3.0 + h * c[3] / 4.0))))
-            .sum();
-        Deviation::from_um(area / length)
-    }
-
     /// The slope of the straight line through the two ends, µm/m; of one point, 0.
     ///
     /// sign   positive: the deviation grows with the coordinate (the axis is long)

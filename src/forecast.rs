@@ -12,7 +12,7 @@
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::job::Acceptance;
-use crate::model::{ErrorModel, MeasuredTerm};
+use crate::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::plan::Plan;
 use crate::units::Millimetres;
 
@@ -49,7 +49,7 @@ pub struct DiagonalForecast {
 pub struct Forecast {
     /// Every measured term, in the contract's order.
     pub terms: Vec<TermForecast>,
-    /// The four body diagonals; empty unless all nine errors were measured.
+    /// The four body diagonals; empty unless all nine errors were measured, none in one direction only.
     pub diagonals: Vec<DiagonalForecast>,
     /// Stretches of each axis where the table passes the measured range.
     pub unmeasured: PerAxis<Vec<(Millimetres, Millimetres)>>,
@@ -258,7 +258,9 @@ fn diagonals(
     let Some(measured_box) = MeasuredBox::of(model) else {
         return Ok(Vec::new());
     };
-    if model.measured().count() < ErrorTerm::ALL.len() {
+    let one_way = |(_, m): (ErrorTerm, &MeasuredTerm)| matches!(m.measured, Measured::OneWay(..));
+    if model.measured().count() < ErrorTerm::ALL.len() || model.measured().any(one_way) {
+        // A diagonal travels some axis in the direction that was not measured.
         return Ok(Vec::new());
     }
     let u_um = diagonal_uncertainty(model, &measured_box);

@@ -18,6 +18,8 @@ use crate::units::Millimetres;
 
 /// Smallest difference of two spacings when the number of points is given (contract §2.3).
 const SPACING_STEP_MM: f64 = 0.001;
+/// A stated end of a table may miss its grid point by this much (rounding of the spacing), mm.
+const SAME_PLACE_MM: f64 = 0.001;
 /// Part of a spacing by which a place may miss a grid point and still be on it (floating point).
 const ON_GRID: f64 = 1e-6;
 
@@ -59,12 +61,8 @@ pub struct Grid {
 
 impl Grid {
     /// Distance of two points.
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "spacings are far below 2^52 digits"
-    )]
     pub fn spacing(&self) -> Millimetres {
-        Millimetres::new(self.spacing_digits as f64 * self.digit.mm())
+        Millimetres::new(written_mm(self.spacing_digits, self.digit))
     }
 
     /// Machine coordinate of a point.
@@ -125,7 +123,7 @@ impl Span {
 
 #[allow(
     clippy::cast_possible_truncation,
-    reason = "a quotient of travel and spacing, bounded before use"
+    reason = "lengths of a job are bounded where it is read, spacings by the last digit"
 )]
 fn steps(length_mm: f64, spacing_mm: f64) -> i64 {
     (length_mm / spacing_mm - ON_GRID).ceil().max(0.0) as i64
@@ -141,8 +139,7 @@ pub fn with_spacing(
     spacing_mm: f64,
 ) -> Result<Grid, Problems> {
     let path = |key: &str| format!("compensation.axes.{}.{key}", axis.key());
-    let digits = (spacing_mm / digit.mm()).round();
-    if digits < 1.0 {
+    if spacing_mm < digit.mm() {
         return Err(job
             .problem_at(
                 &path("spacing_mm"),
@@ -156,6 +153,8 @@ pub fn with_spacing(
             .into());
     }
     let mut problems = Problems::none();
+    let spacing_digits = digits_of(spacing_mm, digit);
+    let spacing_mm = written_mm(spacing_digits, digit);
     let (mut first, mut last) = Span::of(machine).indices(spacing_mm);
     if let Some(start) = settings.start_mm {
         first = problems
@@ -185,11 +184,31 @@ pub fn with_spacing(
     }
     problems.or_ok(Grid {
         reference: machine.reference,
-        spacing_digits: whole(digits),
+        spacing_digits,
         digit,
         first,
         last,
     })
+}
+
+/// A spacing in last digits of the control, rounded up: the table then never ends before the
+/// travel because of the rounding.
+fn digits_of(spacing_mm: f64, digit: LengthDigit) -> i64 {
+    let digits = spacing_mm / digit.mm();
+    let near = digits.round();
+    if (digits - near).abs() <= ON_GRID {
+        whole(near)
+    } else {
+        whole(digits.ceil())
+    }
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "spacings are far below 2^52 digits"
+)]
+fn written_mm(spacing_digits: i64, digit: LengthDigit) -> f64 {
+    spacing_digits as f64 * digit.mm()
 }
 
 #[allow(
@@ -208,7 +227,7 @@ fn on_grid(
     place_mm: f64,
 ) -> Result<i64, Problems> {
     let index = (place_mm - machine.reference.mm()) / spacing_mm;
-    if (index - index.round()).abs() <= ON_GRID * index.abs().max(1.0) {
+    if (index - index.round()).abs() * spacing_mm <= SAME_PLACE_MM {
         return Ok(whole(index.round()));
     }
     let near = |index: f64| machine.reference.mm() + index * spacing_mm;
@@ -246,8 +265,8 @@ pub fn with_points(machine: MachineAxis, digit: LengthDigit, points: u32) -> Res
             too_short = middle;
         }
     }
-    let spacing_digits = whole((spacing_of(enough) / digit.mm() - ON_GRID).ceil().max(1.0));
-    let (first, last) = span.indices(spacing_of(enough));
+    let spacing_digits = digits_of(spacing_of(enough), digit);
+    let (first, last) = span.indices(written_mm(spacing_digits, digit));
     Ok(Grid {
         reference: machine.reference,
         spacing_digits,

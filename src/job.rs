@@ -179,14 +179,22 @@ pub struct AxisSettings {
     pub first_point: Option<u32>,
     /// Fanuc: bit parameter 3605 as found.
     pub parameter_3605: Option<u8>,
-    /// Fanuc: interpolated pitch compensation is on.
-    pub interpolated: bool,
+    /// Fanuc: interpolated pitch compensation (3605#1) is on; `None` = not stated.
+    pub interpolated: Option<bool>,
     /// First point of the table, mm.
     pub start_mm: Option<f64>,
     /// Last point of the table, mm.
     pub end_mm: Option<f64>,
     /// Where the grid passes the measured range.
     pub outside: OutsideMeasured,
+}
+
+impl AxisSettings {
+    /// Whether Fanuc 3605#1 is taken to be on: as stated, else as found, else off.
+    pub fn is_interpolated(&self) -> bool {
+        let found = self.parameter_3605.is_some_and(|bits| bits & 0b10 != 0);
+        self.interpolated.unwrap_or(found)
+    }
 }
 
 /// `[compensation]`.

@@ -78,14 +78,21 @@ impl MeasuredTerm {
         std::iter::once(first).chain(second)
     }
 
-    /// Reversal B = mean deviation moving + minus mean deviation moving −, µm (contract §1).
+    /// Reversal B = mean deviation moving + minus mean deviation moving − over the target
+    /// positions that both directions cover (contract §1; ISO 230-2), µm.
     pub fn reversal(&self) -> Option<Deviation> {
-        match &self.measured {
-            Measured::BothWays { plus, minus } => {
-                plus.difference(minus).map(|d| d.mean_value_over_range())
-            }
-            _ => None,
-        }
+        let Measured::BothWays { plus, minus } = &self.measured else {
+            return None;
+        };
+        let difference = plus.difference(minus)?;
+        let knots = difference.knots();
+        let sum: f64 = knots.iter().map(|at| difference.at(*at).um()).sum();
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "a curve has far fewer than 2^52 targets"
+        )]
+        let count = knots.len() as f64;
+        Some(Deviation::from_um(sum / count))
     }
 
     /// Slope of the line through the ends of the curve (mean of both directions), µm/m.

@@ -3,6 +3,10 @@
 use crate::cli::show::{Column, table};
 use crate::cli::{Answer, Format, inputs, print, print_json, say};
 use crate::controller::{Evidence, Origin, Profile, Statement, builtin};
+use crate::document::Source;
+use crate::error_table::ErrorTable;
+use crate::job::Job;
+use crate::kit::{Inputs, generate};
 use crate::problem::Problems;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -143,7 +147,9 @@ fn statement_lines(statement: &Statement) -> Vec<String> {
     lines
 }
 
-pub(super) fn check(file: &Path) -> Result<Answer, Problems> {
+/// Checks a profile and renders its templates with a small machine that has everything: nine
+/// errors, X in both directions.
+pub(super) fn check(file: &Path, format: Format) -> Result<Answer, Problems> {
     let path = file.display().to_string();
     // A bare name is still a path here, so it gets a folder in front.
     let reference = if path.contains(['/', '\\']) {
@@ -152,9 +158,47 @@ pub(super) fn check(file: &Path) -> Result<Answer, Problems> {
         format!("./{path}")
     };
     let profile = inputs::profile(&reference, Path::new(""), &mut Vec::new())?;
+    let sample = |name: &str, text: &str| Source::from_bytes(name, text.as_bytes());
+    let job = Job::read(sample("sample job", SAMPLE_JOB)?)?;
+    let table = ErrorTable::read(sample("sample errors", SAMPLE_ERRORS)?)?;
+    let kit = generate(&Inputs::new(job, profile.clone(), &table, Vec::new())?)?;
+    if format == Format::Json {
+        return print_json(&profile_json(&profile));
+    }
     say(&format!(
-        "`{path}` is a valid profile: {} ({})",
-        profile.name, profile.id
+        "`{path}` is a valid profile: {} ({}); its templates made {} files of a sample machine",
+        profile.name,
+        profile.id,
+        kit.files.len()
     ));
     print(&files_text(&profile))
 }
+
+const SAMPLE_JOB: &str = r#"
+schema = 1
+[machine]
+name = "sample"
+axes.x = { travel_mm = [0, 200], reference_mm = 0, reference_direction = "+" }
+axes.y = { travel_mm = [0, 200], reference_mm = 0 }
+axes.z = { travel_mm = [-200, 0], reference_mm = 0 }
+[measurement]
+errors = "errors.csv"
+active_while_measuring = "none"
+[compensation]
+controller = "generic"
+backlash = "two-tables"
+axes.x = { points = 5, detection_unit_um = 1 }
+axes.y = { points = 5, detection_unit_um = 1 }
+axes.z = { points = 5, detection_unit_um = 1 }
+"#;
+
+const SAMPLE_ERRORS: &str = "axis,position_mm,ex_um,ey_um,ez_um,direction
+x,0,0,0,0,+
+x,200,4,2,-2,+
+x,0,3,1,0,-
+x,200,7,3,-2,-
+y,0,0,0,0,
+y,200,2,-4,2,
+z,-200,2,2,4,
+z,0,0,0,0,
+";

@@ -196,7 +196,7 @@ pub(super) fn verdict(
     let short =
         acceptance.max_diagonal_um.is_some() && forecast.is_some_and(|f| f.diagonals.is_empty());
     let missing = if short {
-        "; body diagonals need all nine errors"
+        "; body diagonals need all nine errors, none measured in one direction only"
     } else {
         ""
     };
@@ -224,8 +224,7 @@ pub(super) fn preconditions(preconditions: &[Precondition]) -> String {
     if preconditions.is_empty() {
         return String::new();
     }
-    let mut lines =
-        vec!["preconditions on the control (no file of the kit sets them):".to_string()];
+    let mut lines = vec!["preconditions on the control, for a person to see to:".to_string()];
     for p in preconditions {
         lines.push(format!("  {} = {}", p.what, p.value));
         lines.push(format!("      {} [{}]", p.why, p.source));

@@ -17,6 +17,7 @@ use crate::axis::{Axis, Direction};
 use crate::compensation::{Compiled, Placement, control_state};
 use crate::controller::{FanucFacts, IntervalForm, StraightnessForm};
 use crate::grid::Grid;
+use crate::job::AxisSettings;
 use crate::plan::{Plan, PlannedTable, Task};
 use crate::problem::{Problem, Problems};
 use crate::table::Tables;
@@ -228,6 +229,21 @@ fn wanted(planned: &PlannedTable, sign: crate::controller::TableSign) -> Vec<f64
         .collect()
 }
 
+/// Parameter 3627 is a signed word; parameter manual B-63530EN, from memory.
+const LARGEST_REVERSAL: i64 = 32767;
+
+fn too_large_a_reversal(task: Task<'_>, run: &Run, reversal: i64, unit_um: f64) -> Problem {
+    task.job
+        .problem_at(
+            &format!("compensation.axes.{}.detection_unit_um", run.axis.key()),
+            format!(
+                "the reversal of axis {} at the reference is {reversal} × {unit_um} µm, more than ±{LARGEST_REVERSAL} that parameter 3627 holds",
+                run.axis
+            ),
+        )
+        .help("check the measurement and `detection_unit_um`")
+}
+
 /// Pitch parameters and data of one physical axis.
 fn write_pitch(
     task: Task<'_>,
@@ -262,6 +278,10 @@ fn write_pitch(
         }
         return;
     };
+    if reversal.abs() > LARGEST_REVERSAL {
+        problems.push(too_large_a_reversal(task, run, reversal, unit_um));
+        return;
+    }
     write_pitch_parameters(task, facts, run, magnification, out);
     let by_direction = |wanted: Option<Direction>| {
         let index = tables
@@ -293,7 +313,7 @@ fn write_pitch_parameters(
     out.parameter(3624, id, interval(facts, &run.grid));
     let settings = task.job.compensation.axes[run.axis].as_ref();
     if let Some(found) = settings.and_then(|s| s.parameter_3605) {
-        let interpolated = settings.is_some_and(|s| s.interpolated);
+        let interpolated = settings.is_some_and(AxisSettings::is_interpolated);
         let bits =
             (found & !0b11) | u8::from(run.minus_first.is_some()) | (u8::from(interpolated) << 1);
         out.parameter(3605, id, ParameterValue::Bits(bits));

@@ -6,7 +6,7 @@
 //! * A cross term goes into one CEC table (or two) for each physical output axis.
 //! * No product tables are ever made: a misreading of their meaning moves an axis by millimetres.
 
-use crate::axis::{Axis, Direction};
+use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
 use crate::compensation::{Compiled, Placement, control_state};
 use crate::controller::{SiemensFacts, TableSign};
@@ -21,6 +21,7 @@ const K3: &str = "Function Manual Extended Functions 03/2013, K3";
 
 /// Puts a plan into ENC_COMP and CEC tables.
 pub fn compile(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<Compiled, Problems> {
+    check_sum(task, plan, facts)?;
     let mut tables = SiemensTables::default();
     let mut placements = Vec::new();
     let mut number = task.job.compensation.first_table.unwrap_or(0);
@@ -56,8 +57,8 @@ pub fn compile(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<Comp
         backlash_um(task, plan, axis).unwrap_or(0.0)
     });
     Ok(Compiled {
-        assumptions: assumptions(task, &tables),
-        preconditions: preconditions(task, plan, facts, &tables),
+        assumptions: assumptions(task, plan, &tables),
+        preconditions: preconditions(task, plan, &tables),
         notes: Vec::new(),
         tables: Tables::Siemens(tables),
         placements,
@@ -173,11 +174,12 @@ fn backlash_um(task: Task<'_>, plan: &Plan, axis: Axis) -> Option<f64> {
     plan.backlash_um[axis].map(|um| backlash_text(task, um).1)
 }
 
-fn assumptions(task: Task<'_>, tables: &SiemensTables) -> Vec<Assumption> {
+fn assumptions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec<Assumption> {
     let mut assumptions = Vec::new();
+    let has_lec = |axis: Axis| plan.tables.iter().any(|t| is_lec(t) && t.term.of == axis);
     for axis in Axis::ALL {
         let settings = task.job.compensation.axes[axis].as_ref();
-        if !tables.lec.is_empty() && settings.is_some_and(|s| s.measuring_system.is_none()) {
+        if has_lec(axis) && settings.is_some_and(|s| s.measuring_system.is_none()) {
             assumptions.push(Assumption::of_job(
                 format!("measuring_system_{}", axis.key()),
                 "1 (motor encoder)",
@@ -195,12 +197,7 @@ fn assumptions(task: Task<'_>, tables: &SiemensTables) -> Vec<Assumption> {
     assumptions
 }
 
-fn preconditions(
-    task: Task<'_>,
-    plan: &Plan,
-    facts: &SiemensFacts,
-    tables: &SiemensTables,
-) -> Vec<Precondition> {
+fn preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec<Precondition> {
     let mut list = vec![basic_system(task)];
     for table in &tables.lec {
         list.push(Precondition::new(
@@ -214,7 +211,7 @@ fn preconditions(
         ));
     }
     if !tables.cec.is_empty() {
-        list.extend(cec_preconditions(task, facts, tables));
+        list.extend(cec_preconditions(task, plan, tables));
     }
     for axis in Axis::ALL {
         list.extend(backlash_precondition(task, plan, axis));
@@ -241,11 +238,7 @@ fn basic_system(task: Task<'_>) -> Precondition {
     )
 }
 
-fn cec_preconditions(
-    task: Task<'_>,
-    facts: &SiemensFacts,
-    tables: &SiemensTables,
-) -> Vec<Precondition> {
+fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec<Precondition> {
     let metric = match task.job.compensation.control_unit {
         crate::controller::LengthUnit::Millimetre => "1 (metric)",
         crate::controller::LengthUnit::Inch => "0 (inch)",
@@ -269,8 +262,11 @@ fn cec_preconditions(
         ),
         Precondition::new(
             "MD32720 $MA_CEC_MAX_SUM",
-            format!("at least {} mm", facts.cec_max_sum_um.value / UM_PER_MM),
-            "a larger sum of corrections is cut off (alarm 20124)",
+            format!(
+                "at least {:.3} mm",
+                (largest_sum_um(plan) / UM_PER_MM * 1000.0).ceil() / 1000.0
+            ),
+            "the largest sum of CEC corrections of this kit; a larger one than the limit is cut off (alarm 20124)",
             "from memory, not read in a manual",
         ),
         Precondition::new(
@@ -278,6 +274,12 @@ fn cec_preconditions(
             "0 while the tables are loaded",
             "tables can only be loaded while CEC is off",
             format!("{K3} p. 237"),
+        ),
+        Precondition::new(
+            format!("other CEC tables of {}", outputs.join(", ")),
+            "none, or meant to act",
+            "MD32710 in the enable and disable files switches every CEC table of an axis",
+            format!("{K3} p. 245"),
         ),
         Precondition::new(
             format!("SD41310 $SN_CEC_TABLE_WEIGHT[{}]", numbers.join(", ")),
@@ -295,7 +297,7 @@ fn cec_preconditions(
 }
 
 fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precondition> {
-    let term = crate::axis::ErrorTerm {
+    let term = ErrorTerm {
         of: axis,
         along: axis,
     };
@@ -347,7 +349,7 @@ fn no_second_table(plan: &Plan, axis: Axis) -> Vec<Precondition> {
         .iter()
         .map(|name| {
             Precondition::new(
-                format!("MD32700 $MA_ENC_COMP_ENABLE[…,{name}]"),
+                format!("MD32700 $MA_ENC_COMP_ENABLE[0,{name}] and [1,{name}]"),
                 "0",
                 "the positioning error is in CEC tables; an ENC_COMP table with the same error would correct it twice",
                 format!("{K3} section 4.4.4"),
@@ -356,14 +358,52 @@ fn no_second_table(plan: &Plan, axis: Axis) -> Vec<Precondition> {
         .collect()
 }
 
-fn reference_text(task: Task<'_>) -> String {
+/// Largest sum of CEC corrections of an output axis, µm: the largest value of each table, the
+/// worse direction of each base axis, added up over the base axes. A bound, not a place.
+fn largest_sum_um(plan: &Plan) -> f64 {
+    let of_term = |term: ErrorTerm| {
+        let tables = plan.tables.iter().filter(|t| t.term == term && !is_lec(t));
+        tables
+            .flat_map(|t| &t.values)
+            .map(|value| value.um().abs())
+            .fold(0.0, f64::max)
+    };
+    let of_output = |of: Axis| {
+        Axis::ALL
+            .iter()
+            .map(|along| of_term(ErrorTerm { of, along: *along }))
+            .sum::<f64>()
+    };
+    Axis::ALL.into_iter().map(of_output).fold(0.0, f64::max)
+}
+
+/// What the control would cut off is refused before it is written.
+fn check_sum(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<(), Problems> {
+    let (sum, limit) = (largest_sum_um(plan), facts.cec_max_sum_um.value);
+    if sum <= limit {
+        return Ok(());
+    }
+    Err(task
+        .job
+        .problem_at(
+            "compensation.controller",
+            format!("CEC corrections may add up to {sum:.0} µm, more than the {limit} µm at which the control cuts off (MD32720)"),
+        )
+        .help("check the measurement; a control with another MD32720 needs a profile with its own `cec_max_sum_um`")
+        .into())
+}
+
+/// Machine coordinates of the reference points, as they stand in files and preconditions.
+pub(crate) fn reference_text(task: Task<'_>) -> String {
     let texts: Vec<String> = task
         .job
         .machine
         .axes
         .iter()
         .filter_map(|(axis, machine)| {
-            Some(format!("{axis} {} mm", machine.as_ref()?.reference.mm()))
+            let text = format!("{:.6}", machine.as_ref()?.reference.mm() + 0.0);
+            let text = text.trim_end_matches('0').trim_end_matches('.');
+            Some(format!("{axis} {text} mm"))
         })
         .collect();
     texts.join(", ")

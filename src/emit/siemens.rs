@@ -2,6 +2,7 @@
 
 use crate::axis::Direction;
 use crate::compensation::Compiled;
+use crate::compensation::siemens::reference_text;
 use crate::controller::{Evidence, SiemensFacts, TableSign};
 use crate::emit::fixed;
 use crate::plan::Task;
@@ -87,7 +88,7 @@ pub(super) fn context(
         } else {
             "no"
         },
-        controller_reference: reference(task),
+        controller_reference: reference_text(task),
     }
 }
 
@@ -133,17 +134,6 @@ fn evidence(evidence: Evidence) -> &'static str {
         Evidence::Executed => "sense of the values as seen on a control",
         Evidence::Assumed => "sense of the values ASSUMED: prove it with one small bump before use",
     }
-}
-
-fn reference(task: Task<'_>) -> String {
-    let texts: Vec<String> = task
-        .job
-        .machine
-        .axes
-        .iter()
-        .filter_map(|(axis, machine)| Some(format!("{axis} {}", machine.as_ref()?.reference.mm())))
-        .collect();
-    format!("{} mm", texts.join(", "))
 }
 
 /// The term of a table in words, by the place it was put.

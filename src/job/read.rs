@@ -338,7 +338,7 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
     let detection_unit_um = section.positive("detection_unit_um");
     let first_point = section.whole("first_point");
     let parameter_3605 = bits(section, "parameter_3605");
-    let interpolated = section.flag("interpolated").unwrap_or(false);
+    let interpolated = section.flag("interpolated");
     let start_mm = section.number("start_mm");
     let end_mm = section.number("end_mm");
     if let (Some(start), Some(end)) = (start_mm, end_mm)

@@ -4,8 +4,8 @@ use crate::axis::{Axis, Direction};
 use crate::claims::{Assumption, Precondition};
 use crate::compensation::fanuc::numbers::Run;
 use crate::compensation::fanuc::{detection_unit, is_four_point};
-use crate::controller::{FanucFacts, LengthUnit};
-use crate::plan::{Plan, Task};
+use crate::controller::FanucFacts;
+use crate::plan::{Plan, PlannedTable, Task};
 use crate::problem::Problems;
 
 const MEMORY: &str = "parameter manual of the family, from memory";
@@ -47,6 +47,19 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
             "points already used by other axes would be overwritten: state `reserved_points`",
         ));
     }
+    for run in runs {
+        let own = |t: &PlannedTable| t.term.is_positioning() && t.term.of == run.axis;
+        if !plan.tables.iter().any(own) {
+            assumptions.push(Assumption::of_job(
+                format!("pitch_compensation_of_axis_{}", run.id),
+                "none in use",
+                format!(
+                    "an existing pitch compensation of axis {} would be replaced by zeros: compensate E{1}{1} in the same job",
+                    run.id, run.axis
+                ),
+            ));
+        }
+    }
     let crosses = plan.tables.iter().any(|t| t.term.is_cross());
     if crosses && task.job.compensation.first_set.is_none() {
         assumptions.push(Assumption::of_job(
@@ -56,6 +69,12 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
         ));
     }
     assumptions
+}
+
+/// A length as it is named: up to six decimals, no trailing zeros, no `-0`.
+fn trimmed(length: f64) -> String {
+    let text = format!("{:.6}", length + 0.0);
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 pub(super) fn preconditions(
@@ -92,6 +111,18 @@ pub(super) fn preconditions(
         ));
     }
     list.push(Precondition::new(
+        "power",
+        "off and on after loading 3620 to 3627",
+        "the parameters act only then (alarm PW0000 or P/S 000)",
+        "cnc.wiki, FANUC pitch error compensation; alarm numbers from memory",
+    ));
+    list.push(Precondition::new(
+        "reference return",
+        "of every axis concerned",
+        "the compensation acts only after it",
+        "cnc.wiki, FANUC pitch error compensation",
+    ));
+    list.push(Precondition::new(
         "3602#0",
         "0",
         "the data are increments, not totals",
@@ -109,15 +140,11 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
         return Vec::new();
     };
     let unit = task.job.compensation.control_unit;
-    let decimals = match unit {
-        LengthUnit::Millimetre => 3,
-        LengthUnit::Inch => 4,
-    };
     let mut list = vec![Precondition::new(
         format!("1240 of axis {id}"),
         format!(
-            "{:.decimals$} {}",
-            machine.reference.mm() / unit.in_mm() + 0.0,
+            "{} {}",
+            trimmed(machine.reference.mm() / unit.in_mm()),
             unit.word()
         ),
         "the points are anchored on the reference position",
@@ -132,11 +159,16 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
             "bidirectional pitch error compensation; the parameter holds other bits too, so it is not written",
             "A-77810E/02",
         ));
-        let interpolated = settings.is_some_and(|s| s.interpolated);
+        let stated = settings.and_then(|s| s.interpolated);
         list.push(Precondition::new(
             format!("3605#1 of axis {id}"),
-            if interpolated { "1" } else { "0" },
-            "interpolated pitch error compensation, as the job states",
+            if stated == Some(true) { "1" } else { "0" },
+            match stated {
+                Some(_) => "interpolated pitch error compensation, as the job states",
+                None => {
+                    "the job does not state `interpolated`; the forecast is for output in steps"
+                }
+            },
             MEMORY,
         ));
     }

@@ -19,7 +19,7 @@ use crate::table::fanuc::ParameterValue;
 use crate::units::{Correction, Millimetres};
 
 /// 3627 is a signed word (B-63530EN).
-const REVERSAL_MAX: u32 = 32768;
+const REVERSAL_MAX: u32 = 32767;
 
 /// Where the points of an axis lie.
 pub(super) struct Grid {
