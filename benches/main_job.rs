@@ -1,6 +1,12 @@
 //! Benchmarks of the main job; docs/performance.md has the figures and how to rerun them.
 
-use criterion::{Criterion, Throughput, black_box, criterion_group, criterion_main};
+#![allow(
+    missing_docs,
+    clippy::expect_used,
+    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong"
+)]
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::axis::Direction;
 use nonius::controller::builtin;
 use nonius::document::Source;
@@ -8,6 +14,7 @@ use nonius::error_table::ErrorTable;
 use nonius::job::Job;
 use nonius::kit::{Inputs, emulator, generate};
 use nonius::units::Millimetres;
+use std::hint::black_box;
 
 const JOB: &str = include_str!("../fixtures/nine_errors_900/siemens-840d-sl.toml");
 const ERRORS: &str = include_str!("../fixtures/nine_errors_900/errors.csv");

@@ -1,12 +1,15 @@
 //! How tables that were read back differ from what the job asks for, in words.
 //!
 //! Both sides are emulated; where they differ, the difference is compared with the mistakes that
-//! happen: turned sign, shifted reference, wrong unit, missing points, wrong axis.
+//! happen: turned sign, shifted reference, other spacing, wrong scale, missing points, foreign
+//! axis.
 
 use crate::axis::{Direction, ErrorTerm};
 use crate::emulate::{Emulator, NodeTable, Response};
 use crate::forecast::axis_pairs;
 use crate::plan::Plan;
+use crate::table::Tables;
+use crate::table::siemens::LecTable;
 use crate::units::{Correction, Millimetres};
 
 /// Two corrections closer than this are equal, µm (a picometre).
@@ -16,20 +19,23 @@ const EQUAL_UM: f64 = 1e-6;
 pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Vec<String> {
     let mut sentences = Vec::new();
     let mut known = Vec::new();
+    let all = responses(plan, expected);
     for term in ErrorTerm::ALL {
         for (base, output) in axis_pairs(plan, term) {
-            known.push((base.to_string(), output.to_string()));
             for direction in Direction::BOTH {
                 let label = label(term, base, output, direction);
-                match (
-                    expected.response(base, output, direction),
-                    found.response(base, output, direction),
-                ) {
-                    (Ok(wanted), Ok(got)) => {
-                        sentences.extend(difference(&wanted, &got).map(|words| (label, words)))
+                // An axis that the job does not have; tables for it are foreign.
+                let Ok(wanted) = expected.response(base, output, direction) else {
+                    continue;
+                };
+                known.push((base.to_string(), output.to_string()));
+                match found.response(base, output, direction) {
+                    Ok(got) => {
+                        let words =
+                            difference(&wanted, &got, || foreign(&all, term, &wanted, &got));
+                        sentences.extend(words.map(|words| (label, words)));
                     }
-                    (_, Err(problem)) => sentences.push((label, problem.0)),
-                    (Err(_), Ok(_)) => {}
+                    Err(problem) => sentences.push((label, problem.0)),
                 }
             }
         }
@@ -44,6 +50,46 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Ve
         }
     }
     words
+}
+
+/// ENC_COMP tables of another measuring system than the job states: emulated alike, but without
+/// effect on the control.
+pub fn measuring_systems(wanted: &Tables, found: &Tables) -> Vec<String> {
+    let (Tables::Siemens(wanted), Tables::Siemens(found)) = (wanted, found) else {
+        return Vec::new();
+    };
+    let of_axis = |axis: &str| {
+        wanted
+            .lec
+            .iter()
+            .find(|t| t.axis.eq_ignore_ascii_case(axis))
+    };
+    let sentence = |table: &LecTable| {
+        let stated = of_axis(&table.axis)?.encoder;
+        (table.encoder != stated).then(|| {
+            format!(
+                "foreign measuring system: the ENC_COMP table of {} is for system {}, the job is for {}",
+                table.axis,
+                table.encoder + 1,
+                stated + 1
+            )
+        })
+    };
+    found.lec.iter().filter_map(sentence).collect()
+}
+
+/// What the job asks for, term by term.
+fn responses(plan: &Plan, expected: &dyn Emulator) -> Vec<(ErrorTerm, Response)> {
+    let mut all = Vec::new();
+    for term in ErrorTerm::ALL {
+        for (base, output) in axis_pairs(plan, term) {
+            for direction in Direction::BOTH {
+                let response = expected.response(base, output, direction);
+                all.extend(response.ok().map(|response| (term, response)));
+            }
+        }
+    }
+    all
 }
 
 /// What a sentence is about.
@@ -93,7 +139,11 @@ fn join_directions(sentences: Vec<(Label, String)>) -> Vec<String> {
 }
 
 /// What is wrong with one response, if anything.
-fn difference(wanted: &Response, got: &Response) -> Option<String> {
+fn difference(
+    wanted: &Response,
+    got: &Response,
+    foreign: impl Fn() -> Option<String>,
+) -> Option<String> {
     let places = places(wanted, got);
     let pairs: Vec<(f64, f64)> = places
         .iter()
@@ -117,12 +167,17 @@ fn difference(wanted: &Response, got: &Response) -> Option<String> {
         );
     }
     if all(&|w| 2.0 * w) {
-        return Some("applied twice: every correction is double".to_string());
+        return Some(
+            "wrong scale: every correction is double (applied twice, or twice the magnification?)"
+                .to_string(),
+        );
     }
     if all(&|_| 0.0) {
         return Some("all corrections are zero".to_string());
     }
     scale(&pairs)
+        .or_else(foreign)
+        .or_else(|| spaced(wanted, got))
         .or_else(|| shifted(wanted, got))
         .or_else(|| lifted(&pairs))
         .or_else(|| points(wanted, got))
@@ -167,7 +222,66 @@ fn scale(pairs: &[(f64, f64)]) -> Option<String> {
             }
         }
     }
-    None
+    let (w, g) = pairs
+        .iter()
+        .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+    let factor = g / w;
+    let fits = |(w, g): &(f64, f64)| (g - factor * w).abs() <= EQUAL_UM;
+    (largest > EQUAL_UM && pairs.iter().all(fits)).then(|| {
+        format!("wrong scale: every correction is {factor:.3} times what the job asks for")
+    })
+}
+
+/// Whether the corrections of another term stand here, instead of the own ones or beside them.
+fn foreign(
+    all: &[(ErrorTerm, Response)],
+    term: ErrorTerm,
+    wanted: &Response,
+    got: &Response,
+) -> Option<String> {
+    let places = places(wanted, got);
+    let equals = |other: &Response, rest: &dyn Fn(Millimetres) -> f64| {
+        let differs = |at: &Millimetres| (rest(*at) - other.correction(*at).um()).abs() > EQUAL_UM;
+        let is_zero = |at: &Millimetres| other.correction(*at).um().abs() <= EQUAL_UM;
+        !places.iter().any(differs) && !places.iter().all(is_zero)
+    };
+    let whole = |at: Millimetres| got.correction(at).um();
+    let surplus = |at: Millimetres| got.correction(at).um() - wanted.correction(at).um();
+    all.iter()
+        .filter(|(other, _)| *other != term)
+        .find_map(|(other, response)| {
+            if equals(response, &whole) {
+                Some(format!(
+                    "foreign axis: these are the corrections of {other}"
+                ))
+            } else if equals(response, &surplus) {
+                Some(format!(
+                    "foreign axis: the corrections of {other} are added to its own"
+                ))
+            } else {
+                None
+            }
+        })
+}
+
+/// Distance of the nodes of a table, mm.
+fn spacing(table: &NodeTable) -> Option<f64> {
+    let mut nodes = table.nodes();
+    let (first, second) = (nodes.next()?.0, nodes.next()?.0);
+    Some(second.mm() - first.mm())
+}
+
+fn spaced(wanted: &Response, got: &Response) -> Option<String> {
+    let ([w], [g]) = (wanted.tables(), got.tables()) else {
+        return None;
+    };
+    let (expected, found) = (spacing(w)?, spacing(g)?);
+    let differs = (found - expected).abs() > EQUAL_UM;
+    (differs && is_lifted_copy(w, g)).then(|| {
+        format!(
+            "other spacing: the points are {found:.4} mm apart, the job asks for {expected:.4} mm"
+        )
+    })
 }
 
 fn shifted(wanted: &Response, got: &Response) -> Option<String> {
@@ -175,19 +289,20 @@ fn shifted(wanted: &Response, got: &Response) -> Option<String> {
         return None;
     };
     let shift = g.first().mm() - w.first().mm();
-    let same_values = same_values(w, g);
-    (same_values && shift.abs() > EQUAL_UM).then(|| {
+    (is_lifted_copy(w, g) && shift.abs() > EQUAL_UM).then(|| {
         format!("shifted reference: the table stands {shift:.4} mm from where the job puts it ({:.4} instead of {:.4} mm)", g.first().mm(), w.first().mm())
     })
 }
 
-fn same_values(a: &NodeTable, b: &NodeTable) -> bool {
+/// Whether two tables hold the same values but for a constant: increments that are counted from
+/// another point give another zero.
+fn is_lifted_copy(a: &NodeTable, b: &NodeTable) -> bool {
     let values = |t: &NodeTable| -> Vec<Correction> { t.nodes().map(|(_, c)| c).collect() };
     let (a, b) = (values(a), values(b));
-    a.len() == b.len()
-        && a.iter()
-            .zip(&b)
-            .all(|(a, b)| (a.um() - b.um()).abs() <= EQUAL_UM)
+    let lift = |(a, b): (&Correction, &Correction)| b.um() - a.um();
+    let mut lifts = a.iter().zip(&b).map(lift);
+    let first = lifts.next().unwrap_or(0.0);
+    a.len() == b.len() && lifts.all(|lift| (lift - first).abs() <= EQUAL_UM)
 }
 
 fn lifted(pairs: &[(f64, f64)]) -> Option<String> {

@@ -24,10 +24,10 @@ pub struct Source {
 impl Source {
     /// A file from its bytes; UTF-8 with or without byte order mark, text only.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Source, Problems> {
-        let text = std::str::from_utf8(bytes).map_err(|_| not_text(name))?;
-        if text.contains('\0') {
-            return Err(not_text(name));
-        }
+        let text = std::str::from_utf8(bytes)
+            .ok()
+            .filter(|text| !text.contains('\0'))
+            .ok_or_else(|| not_text(name, bytes))?;
         Ok(Source {
             name: name.to_string(),
             text: text.strip_prefix('\u{feff}').unwrap_or(text).to_string(),
@@ -61,8 +61,19 @@ impl Source {
     }
 }
 
-fn not_text(name: &str) -> Problems {
-    Problem::new(format!("`{name}` is not a text file, expected UTF-8 text"))
+fn not_text(name: &str, bytes: &[u8]) -> Problems {
+    let good = std::str::from_utf8(bytes).map_or_else(|error| error.valid_up_to(), str::len);
+    let what = if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        "is UTF-16 text".to_string()
+    } else if bytes.starts_with(b"PK") {
+        "is a spreadsheet or an archive".to_string()
+    } else if bytes.contains(&0) {
+        "is not a text file".to_string()
+    } else {
+        let line = bytes[..good].split(|byte| *byte == b'\n').count();
+        format!("holds a letter in another encoding in line {line}")
+    };
+    Problem::new(format!("`{name}` {what}, expected UTF-8 text"))
         .help("save it as plain text in UTF-8 (a spreadsheet: `CSV UTF-8`)")
         .into()
 }
@@ -106,9 +117,17 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
     let mut problems = Problems::none();
     for error in errors {
         let message = error.message().lines().next().unwrap_or("not TOML");
-        let problem = Problem::new(format!("not valid TOML: {message}"))
-            .help("see https://toml.io; strings need quotes, numbers a decimal point");
-        problems.push(match error.span() {
+        let span = error.span();
+        let written = span.clone().and_then(|span| source.text.get(span));
+        let problem = match (message, written) {
+            ("duplicate key", Some(key)) => {
+                Problem::new(format!("`{key}` stands twice in its section"))
+                    .help("keep one of the two")
+            }
+            _ => Problem::new(format!("not valid TOML: {message}"))
+                .help("see https://toml.io; strings need quotes, numbers a decimal point"),
+        };
+        problems.push(match span {
             Some(span) => problem.at(source.place(&span)),
             None => problem,
         });
@@ -175,13 +194,14 @@ impl<'a> Section<'a> {
     }
 
     fn wrong_type(&self, key: &str, expected: &str) {
-        let found = self
-            .table
-            .get(key)
-            .map_or("nothing", |v| v.get_ref().type_str());
+        let found = match self.table.get(key).map(Spanned::get_ref) {
+            Some(DeValue::Array(_)) => "a list".to_string(),
+            Some(DeValue::Table(_)) => "a section".to_string(),
+            _ => format!("`{}`", self.as_written(key).unwrap_or_default()),
+        };
         self.problem(
             key,
-            format!("`{}` is a {found}, expected {expected}", self.path_of(key)),
+            format!("`{}` is {found}, expected {expected}", self.path_of(key)),
             format!("write `{key} = …` with {expected}"),
         );
     }
@@ -203,6 +223,25 @@ impl<'a> Section<'a> {
                 .at(self.source.place(&self.span))
                 .help(format!("add `{key} = …`")),
         );
+    }
+
+    /// A sub-section that must be there.
+    pub fn required_section(&self, key: &'static str) -> Option<Section<'a>> {
+        if !self.has(key) {
+            let name = self.path_of(key);
+            let end = self.source.text.trim_end().len();
+            let span = if self.path.is_empty() {
+                end..end
+            } else {
+                self.span.clone()
+            };
+            self.note(
+                Problem::new(format!("there is no section [{name}]"))
+                    .at(self.source.place(&span))
+                    .help(format!("add `[{name}]`")),
+            );
+        }
+        self.section(key)
     }
 
     /// Whether the key holds a list (it then counts as known).
@@ -238,10 +277,24 @@ impl<'a> Section<'a> {
     /// A finite number, if the key is present.
     pub fn number(&self, key: &'static str) -> Option<f64> {
         let number = number_of(self.value(key)?);
-        if number.is_none() {
-            self.wrong_type(key, "a finite number");
+        match number {
+            None => self.wrong_type(key, "a finite number"),
+            Some(number) if number.abs() > LARGEST_NUMBER => self.too_large(key),
+            Some(_) => return number,
         }
-        number
+        None
+    }
+
+    fn too_large(&self, key: &str) {
+        let written = self.as_written(key).unwrap_or_default();
+        self.problem(
+            key,
+            format!(
+                "`{}` is `{written}`, which is too large for any machine",
+                self.path_of(key)
+            ),
+            "check the number and its unit",
+        );
     }
 
     /// A number greater than zero, if the key is present.
@@ -254,7 +307,7 @@ impl<'a> Section<'a> {
         self.problem(
             key,
             format!("`{path}` is {number}, expected a number above 0"),
-            "correct it",
+            format!("write `{key} = …` with a number above 0"),
         );
         None
     }
@@ -312,6 +365,10 @@ impl<'a> Section<'a> {
             _ => None,
         };
         match numbers.as_deref() {
+            Some([first, second]) if first.abs().max(second.abs()) > LARGEST_NUMBER => {
+                self.too_large(key);
+                None
+            }
             Some([first, second]) => Some([*first, *second]),
             _ => {
                 self.wrong_type(key, "two finite numbers, e.g. [0.0, 900.0]");
@@ -426,7 +483,7 @@ impl<'a> Section<'a> {
                 continue;
             }
             let help = nearest(name, known.iter().copied()).map_or_else(
-                || "remove it, or see the list of keys in README.md".to_string(),
+                || format!("keys that are known here: {}", list_of(&known)),
                 |near| format!("did you mean `{near}`?"),
             );
             let section = if self.path.is_empty() {
@@ -441,6 +498,21 @@ impl<'a> Section<'a> {
             );
         }
     }
+}
+
+/// No length, deviation or feed of a machine comes near, whatever its unit.
+const LARGEST_NUMBER: f64 = 1e9;
+
+/// Words in back-quotes, each once.
+fn list_of(words: &[&str]) -> String {
+    let mut list: Vec<String> = Vec::new();
+    for word in words {
+        let quoted = format!("`{word}`");
+        if !list.contains(&quoted) {
+            list.push(quoted);
+        }
+    }
+    list.join(", ")
 }
 
 fn number_of(value: &DeValue<'_>) -> Option<f64> {

@@ -13,7 +13,7 @@ use crate::compensation::{Compiled, Placement};
 use crate::controller::{Dialect, EmittedFile, Role};
 use crate::job::ActiveTables;
 use crate::plan::Task;
-use crate::problem::{Problem, Problems};
+use crate::problem::{Place, Problem, Problems};
 use crate::table::Tables;
 use serde::Serialize;
 
@@ -162,21 +162,33 @@ fn refuse_unsafe_text(task: Task<'_>, context: &Context) -> Result<(), Problems>
         ("measurement.date", &context.measurement.date),
     ];
     for (path, text) in fields {
-        let safe = |c: char| (' '..='~').contains(&c) && !"%;()[]{}<>".contains(c);
-        if text.chars().all(safe) && text.len() <= LONGEST_TEXT {
+        if is_comment_text(text) {
             continue;
         }
         problems.push(
             task.job
-                .problem_at(path, format!("`{path}` goes into comments of the control's files, expected up to {LONGEST_TEXT} printable ASCII characters without line breaks, `%`, `;` or brackets"))
-                .help("write it in plain letters, e.g. `VMC 900`"),
+                .problem_at(path, format!("`{path}` goes into comments of the control's files, expected {COMMENT_TEXT}"))
+                .help("write it in plain letters and digits"),
+        );
+    }
+    if !is_comment_text(&task.profile.name) {
+        problems.push(
+            Problem::new(format!("the profile's `name` goes into comments of the control's files, expected {COMMENT_TEXT}"))
+                .help("write it in plain letters and digits"),
         );
     }
     problems.or_ok(())
 }
 
+fn is_comment_text(text: &str) -> bool {
+    let safe = |c: char| (' '..='~').contains(&c) && !"%;()[]{}<>".contains(c);
+    text.chars().all(safe) && text.len() <= LONGEST_TEXT
+}
+
 /// Longest name in a comment: the line stays below 80 characters.
 const LONGEST_TEXT: usize = 60;
+const COMMENT_TEXT: &str =
+    "up to 60 printable ASCII characters without line breaks, `%`, `;` or brackets";
 
 /// The kit's files from the context, with the control's line ends.
 pub fn render(task: Task<'_>, context: &Context) -> Result<Vec<RenderedFile>, Problems> {
@@ -206,16 +218,38 @@ pub fn render(task: Task<'_>, context: &Context) -> Result<Vec<RenderedFile>, Pr
 fn render_text(file: &EmittedFile, context: &tera::Context) -> Result<String, Problem> {
     let mut tera = tera::Tera::default();
     tera.autoescape_on(Vec::<&'static str>::new());
-    let refuse = |error: tera::Error| {
-        Problem::new(format!(
-            "template `{}` cannot be rendered: {error}",
-            file.template_name
-        ))
-        .help("`nonius context JOB` prints what a template sees")
-    };
+    let refuse = |error: tera::Error| template_problem(file, &error);
     tera.add_raw_template(&file.template_name, &file.template)
         .map_err(refuse)?;
     tera.render(&file.template_name, context).map_err(refuse)
+}
+
+/// A problem of a template at its place in the template.
+fn template_problem(file: &EmittedFile, error: &tera::Error) -> Problem {
+    let (message, place) = match error.kind() {
+        tera::ErrorKind::SyntaxError(report) | tera::ErrorKind::RenderingError(report) => {
+            let span = report.span();
+            let text = file.template.lines().nth(span.start_line.max(1) - 1);
+            let place = Place {
+                file: file.template_name.clone(),
+                line: span.start_line,
+                column: span.start_col + 1,
+                width: span.end_col.saturating_sub(span.start_col).max(1),
+                text: text.unwrap_or_default().to_string(),
+            };
+            (report.message().to_string(), Some(place))
+        }
+        _ => (error.to_string(), None),
+    };
+    let problem = Problem::new(format!(
+        "template `{}` cannot be rendered: {message}",
+        file.template_name
+    ))
+    .help("`nonius context JOB` prints what a template sees");
+    match place {
+        Some(place) => problem.at(place),
+        None => problem,
+    }
 }
 
 fn with_line_ends(text: &str, line_end: &str) -> String {

@@ -31,6 +31,8 @@ pub struct Series {
 pub struct ErrorTable {
     /// The file.
     pub source: Source,
+    /// The line that names the columns.
+    pub header: Place,
     series: PerAxis<Vec<Series>>,
 }
 
@@ -40,25 +42,35 @@ impl ErrorTable {
         let lines = Lines::of(&source);
         let Some((header, rows)) = lines.split_header() else {
             return Err(Problem::new(format!(
-                "`{}` is empty, expected an error table",
+                "`{}` holds no table, expected a header and measured positions",
                 source.name
             ))
-            .help("first line: axis,position_mm,ex_um,ey_um,ez_um")
+            .help(FIRST_LINE)
             .into());
         };
         let columns = Columns::read(&header)?;
         let (records, mut problems) = read_rows(&columns, &rows);
+        let all_rows_read = problems.is_empty();
         let mut series = PerAxis::from_fn(|_| Vec::new());
         for axis in Axis::ALL {
             series[axis] = series_of(axis, &records, &columns, &mut problems);
         }
+        if all_rows_read {
+            refuse_single_positions(&records, &series, &mut problems);
+        }
         if rows.is_empty() {
             problems.push(
                 Problem::new("the table has a header but no rows, expected measured positions")
-                    .at(header.place(0..header.text.len())),
+                    .at(header.place(0..header.text.len()))
+                    .help("write one row for each measured position, e.g. x,0,0"),
             );
         }
-        problems.or_ok(()).map(|()| ErrorTable { source, series })
+        let header = header.place(0..header.text.len());
+        problems.or_ok(()).map(|()| ErrorTable {
+            source,
+            header,
+            series,
+        })
     }
 
     /// The series of an axis: one without direction, or one or two with.
@@ -191,6 +203,8 @@ enum Column {
     AngleUncertainty { about: Axis },
 }
 
+const FIRST_LINE: &str = "first line: axis,position_mm,ex_um,ey_um,ez_um";
+
 const MRAD: f64 = 1000.0;
 /// Microradians in one second of arc.
 const ARCSEC: f64 = std::f64::consts::PI / (180.0 * 3600.0) * 1e6;
@@ -247,17 +261,21 @@ struct Columns {
 impl Columns {
     fn read(header: &Line<'_>) -> Result<Columns, Problems> {
         let known = known_columns();
+        refuse_other_first_line(header)?;
         let mut problems = Problems::none();
-        let mut kinds = Vec::new();
+        let mut kinds: Vec<Column> = Vec::new();
         for (index, name) in header.cells.iter().enumerate() {
             match known.iter().find(|(known, _)| known == name) {
                 Some((_, kind)) => {
-                    let twin = kinds.iter().any(|other| same_content(other, kind));
-                    if twin {
+                    let twin = kinds.iter().position(|other| same_content(other, kind));
+                    if let Some(twin) = twin {
                         problems.push(
-                            Problem::new(format!("column `{name}` stands for something an earlier column already gives"))
-                                .at(header.cell_place(index))
-                                .help("keep one of the two"),
+                            Problem::new(format!(
+                                "column `{name}` gives the same as column `{}` before it",
+                                header.cells[twin]
+                            ))
+                            .at(header.cell_place(index))
+                            .help("keep one of the two"),
                         );
                     }
                     kinds.push(*kind);
@@ -273,6 +291,15 @@ impl Columns {
             names: header.cells.clone(),
             decimal_comma: header.text.contains(';'),
         })
+    }
+
+    fn position_unit(&self) -> &'static str {
+        let inch = |kind: &Column| matches!(kind, Column::Position { to_mm } if *to_mm > 1.0);
+        if self.kinds.iter().any(inch) {
+            "in"
+        } else {
+            "mm"
+        }
     }
 
     fn index_of(&self, wanted: impl Fn(&Column) -> bool) -> Option<usize> {
@@ -292,6 +319,20 @@ fn same_content(a: &Column, b: &Column) -> bool {
     }
 }
 
+/// A table without header, or with tabs, would be one unknown column after the other.
+fn refuse_other_first_line(header: &Line<'_>) -> Result<(), Problem> {
+    let message = if header.text.contains('\t') {
+        "the columns are separated by tabs, expected commas or semicolons"
+    } else if header.cells.iter().any(|cell| cell.parse::<f64>().is_ok()) {
+        "the first line holds numbers, expected the names of the columns"
+    } else {
+        return Ok(());
+    };
+    Err(Problem::new(message)
+        .at(header.place(0..header.text.len()))
+        .help(FIRST_LINE))
+}
+
 fn unknown_column(
     header: &Line<'_>,
     index: usize,
@@ -299,20 +340,27 @@ fn unknown_column(
     known: &[(String, Column)],
 ) -> Problem {
     let names = || known.iter().map(|(name, _)| name.as_str());
-    let units: Vec<&str> = names()
-        .filter_map(|known| known.strip_prefix(name)?.strip_prefix('_'))
-        .collect();
-    if !units.is_empty() {
-        let list: Vec<String> = units
-            .iter()
-            .map(|unit| format!("`{name}_{unit}`"))
-            .collect();
-        return Problem::new(format!(
-            "column `{name}` has no unit, expected {}",
-            list.join(", ")
-        ))
-        .at(header.cell_place(index))
-        .help("the unit is part of the column's name");
+    let with_unit = |quantity: &str| -> Vec<String> {
+        names()
+            .filter(|known| known.rsplit_once('_').is_some_and(|(q, _)| q == quantity))
+            .map(|known| format!("`{known}`"))
+            .collect()
+    };
+    let without = (with_unit(name), "has no unit");
+    let other = name.rsplit_once('_').map(|(quantity, _)| quantity);
+    let other = (
+        other.map(with_unit).unwrap_or_default(),
+        "has an unknown unit",
+    );
+    for (list, what) in [without, other] {
+        if !list.is_empty() {
+            return Problem::new(format!(
+                "column `{name}` {what}, expected {}",
+                list.join(", ")
+            ))
+            .at(header.cell_place(index))
+            .help("the unit is part of the column's name");
+        }
     }
     let help = nearest(name, names()).map_or_else(
         || "columns: axis, direction, position_mm, ex_um, ey_um, ez_um, u_ex_um …".to_string(),
@@ -330,7 +378,7 @@ fn require_columns(header: &Line<'_>, kinds: &[Column], problems: &mut Problems)
             problems.push(
                 Problem::new(format!("there is no column for {what}, expected {example}"))
                     .at(whole.clone())
-                    .help("first line: axis,position_mm,ex_um,ey_um,ez_um"),
+                    .help(FIRST_LINE),
             );
         }
     };
@@ -374,6 +422,14 @@ fn read_rows(columns: &Columns, rows: &[Line<'_>]) -> (Vec<Record>, Problems) {
 
 fn read_row(columns: &Columns, row: &Line<'_>, problems: &mut Problems) -> Option<Record> {
     let expected = columns.kinds.len();
+    if row.text.matches('"').count() % 2 == 1 {
+        problems.push(
+            Problem::new("a quotation mark is opened but not closed in this row")
+                .at(row.place(0..row.text.len()))
+                .help("remove it; numbers need none"),
+        );
+        return None;
+    }
     if row.cells.len() != expected {
         problems.push(wrong_length(row, expected));
         return None;
@@ -418,7 +474,7 @@ fn read_row(columns: &Columns, row: &Line<'_>, problems: &mut Problems) -> Optio
 fn wrong_length(row: &Line<'_>, expected: usize) -> Problem {
     let found = row.cells.len();
     let help = if found > expected {
-        "numbers need a decimal point, or semicolons between the columns"
+        "remove what is too much; a decimal comma needs semicolons between the columns"
     } else {
         "leave a cell of a column that was not measured empty, but keep its separator"
     };
@@ -483,7 +539,7 @@ fn read_number(
         .all(|c| c.is_ascii_digit() || "+-.eE".contains(c));
     let number = text.parse::<f64>().ok().filter(|_| plain);
     match number {
-        Some(number) if number.is_finite() => {
+        Some(number) if number.abs() <= LARGEST_NUMBER => {
             let uncertainty = matches!(
                 columns.kinds[index],
                 Column::Uncertainty { .. } | Column::AngleUncertainty { .. }
@@ -507,8 +563,10 @@ fn read_number(
         None => {
             let help = if cell.contains(',') {
                 "a decimal comma needs semicolons between the columns; or write a decimal point"
+            } else if matches!(columns.kinds[index], Column::Position { .. }) {
+                "write the machine coordinate as a plain number; its unit stands in the header"
             } else {
-                "leave the whole column empty for this axis if it was not measured"
+                "write a plain number; a column that was not measured stays empty for the whole axis"
             };
             problems.push(refuse(
                 format!("`{name}` is `{cell}`, expected a finite number"),
@@ -518,6 +576,9 @@ fn read_number(
         }
     }
 }
+
+/// No position, deviation or uncertainty of a machine comes near, whatever its unit.
+const LARGEST_NUMBER: f64 = 1e9;
 
 fn series_of(
     axis: Axis,
@@ -565,7 +626,7 @@ fn build_series(
     columns: &Columns,
     problems: &mut Problems,
 ) -> Series {
-    refuse_unordered(axis, rows, problems);
+    refuse_unordered(axis, rows, columns, problems);
     let mut series = Series {
         direction,
         positions: Vec::new(),
@@ -597,7 +658,8 @@ fn build_series(
     series
 }
 
-fn refuse_unordered(axis: Axis, rows: &[&Record], problems: &mut Problems) {
+fn refuse_unordered(axis: Axis, rows: &[&Record], columns: &Columns, problems: &mut Problems) {
+    let unit = columns.position_unit();
     for pair in rows.windows(2) {
         let (before, here) = (pair[0].position_mm, pair[1].position_mm);
         if here > before {
@@ -606,29 +668,41 @@ fn refuse_unordered(axis: Axis, rows: &[&Record], problems: &mut Problems) {
         let same = (here - before).abs() < f64::EPSILON * before.abs().max(1.0);
         let (message, help) = if same {
             (
-                format!("position {here} of axis {axis} stands twice"),
+                format!("position {here} {unit} of axis {axis} stands twice"),
                 "average repeated runs, or give them directions `+` and `-`",
             )
         } else {
             (
                 format!(
-                    "position {here} of axis {axis} comes after {before}, expected ascending positions"
+                    "position {here} {unit} of axis {axis} comes after {before} {unit}, expected ascending positions"
                 ),
                 "sort the rows of each axis and direction by position",
             )
         };
         problems.push(Problem::new(message).at(pair[1].place.clone()).help(help));
     }
-    if let [only] = rows
-        && problems.is_empty()
-    {
-        problems.push(
-            Problem::new(format!(
+}
+
+fn refuse_single_positions(
+    records: &[Record],
+    series: &PerAxis<Vec<Series>>,
+    problems: &mut Problems,
+) {
+    for axis in Axis::ALL {
+        for line in series[axis].iter().filter_map(|s| match s.lines[..] {
+            [only] => Some(only),
+            _ => None,
+        }) {
+            let problem = Problem::new(format!(
                 "axis {axis} has a single position, expected at least two"
             ))
-            .at(only.place.clone())
-            .help("one position makes no curve"),
-        );
+            .help("one position makes no curve: give another one, or leave the axis out");
+            let place = records.iter().find(|record| record.line == line);
+            problems.push(match place {
+                Some(record) => problem.at(record.place.clone()),
+                None => problem,
+            });
+        }
     }
 }
 

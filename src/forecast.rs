@@ -185,10 +185,20 @@ fn largest_residual(
                 );
                 largest = largest.max(high).max(-low);
             }
+            for end in [from, to] {
+                for beside in [-AT_THE_END_MM, AT_THE_END_MM] {
+                    let correction = response.correction(end + Millimetres::new(beside));
+                    largest = largest.max((curve.at(end) + correction).um().abs());
+                }
+            }
         }
     }
     Ok(largest)
 }
+
+/// A correction that jumps at an end of the measured range (a picometre either way) counts with
+/// both its values there.
+const AT_THE_END_MM: f64 = 1e-9;
 
 /// A table may pass the measured range by this much without being named (inch rounding), mm.
 const EDGE_MM: f64 = 0.01;
@@ -415,6 +425,11 @@ impl<'a> Walk<'a> {
             let values = PLACES.map(|s| self.deviation(pair[0] + s * (pair[1] - pair[0])));
             cubic_extremes(values.map(|v| v.0), before);
             cubic_extremes(values.map(|v| v.1), after);
+        }
+        for corner in [0.0, 1.0] {
+            let (measured, left) = self.deviation(corner); // a correction can jump just here
+            before.meet(measured);
+            after.meet(left);
         }
     }
 }

@@ -121,7 +121,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let compiled = compile(task, &plan)?;
     let files = emit::render(task, &emit::context(task, &compiled)?)?;
     let read = read_back(&inputs.profile, &files)?;
-    ensure_same(&compiled, &read)?;
+    ensure_same(inputs, &plan, &compiled, &read)?;
     let control =
         emulator(&inputs.profile, &read.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let forecast =
@@ -158,13 +158,21 @@ fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Prob
 }
 
 /// A template that drops, doubles or changes a number is found here.
-fn ensure_same(compiled: &Compiled, read: &ReadBack) -> Result<(), Problems> {
+fn ensure_same(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    read: &ReadBack,
+) -> Result<(), Problems> {
     let mut problems = Problems::none();
     if compiled.tables != read.tables {
         problems.push(
             Problem::new("the files that the templates made do not read back to the tables that were meant, so nothing is written")
                 .help("a template leaves something out, doubles it or changes a number; `nonius context JOB` prints what it sees"),
         );
+        for words in differences(inputs, plan, compiled, &read.tables).unwrap_or_default() {
+            problems.push(Problem::new(words));
+        }
     }
     for table in &read.not_enabled {
         problems.push(
@@ -173,6 +181,18 @@ fn ensure_same(compiled: &Compiled, read: &ReadBack) -> Result<(), Problems> {
         );
     }
     problems.or_ok(())
+}
+
+/// How tables differ from those that were compiled, in words.
+fn differences(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    tables: &Tables,
+) -> Result<Vec<String>, CannotEmulate> {
+    let wanted = emulator(&inputs.profile, &compiled.tables, &compiled.state)?;
+    let found = emulator(&inputs.profile, tables, &compiled.state)?;
+    Ok(disagreement::compare(plan, wanted.as_ref(), found.as_ref()))
 }
 
 fn cannot_emulate(reason: &CannotEmulate) -> Problems {
@@ -270,6 +290,10 @@ pub fn verify(
     let read = read(&inputs.profile, files)?;
     let wanted = emulator(&inputs.profile, &compiled.tables, &compiled.state)
         .map_err(|e| cannot_emulate(&e))?;
+    disagreements.extend(disagreement::measuring_systems(
+        &compiled.tables,
+        &read.tables,
+    ));
     let mut result = None;
     match emulator(&inputs.profile, &read.tables, &compiled.state) {
         Ok(found) => {

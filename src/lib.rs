@@ -1,5 +1,35 @@
 //! **nonius** turns laser measurements of a machine tool into the compensation files its
 //! control loads, and proves that they help.
+//!
+//! ```text
+//!  errors.csv ─→ error_table ─┐                      controllers/*.toml ─→ controller
+//!  job.toml   ─→ job ─────────┤                                               │
+//!                             ▼                                               │
+//!              model: nine error curves, zero at the reference                │
+//!                             ▼                                               ▼
+//!     target (two directions) ─→ selection ─→ grid, fit ─→ plan ─→ compensation: counts
+//!                                                                       ▼
+//!                                                     templates/ ─→ emit ─→ BYTES
+//!                                                                             ▼
+//!              forecast ←─ emulate: what the control would add ←─ readback: bytes → table
+//!                  ▼
+//!        verdict, manifest.json
+//! ```
+//!
+//! Modules stand in the order in which the data flow; a module imports only from those before
+//! it (`tests/order.rs` checks it). `emit` and `readback` have nothing in common but the table
+//! type, so a mistake of a template is found by reading. Only `cli` touches files and terminal.
+//!
+//! Where to find what:
+//! * **where a sign changes**: the last lines of [`units`]; what a control's table means:
+//!   [`controller::TableSign`]
+//! * **where a limit of a control comes from**: `controllers/<id>.toml`, each fact with its source
+//! * **where something is rounded**: [`compensation`], once, on totals
+//! * **what a control does with a table**: [`emulate`]
+//!
+//! The library serves the program and its tests; its interface may change in every version.
+//! What other programs may rely on stands in docs/interface.md.
+
 pub mod units;
 
 pub mod axis;

@@ -129,10 +129,11 @@ impl ErrorModel {
             add_squareness(job, &mut terms, *term, *slope, &mut problems);
         }
         if terms.iter().all(|(_, term)| term.is_none()) && problems.is_empty() {
-            problems.push(Problem::new(format!(
-                "`{}` holds no deviation, expected at least one of ex, ey, ez",
-                table.source.name
-            )));
+            problems.push(
+                Problem::new("the table holds no deviation, expected ex, ey or ez of an axis")
+                    .at(table.header.clone())
+                    .help("fill in what was measured; angles alone make no table for a control"),
+            );
         }
         problems.or_ok(ErrorModel { terms, ranges })
     }
@@ -190,12 +191,15 @@ fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &mut Problems
         check_inside_travel(table, axis, series, machine, problems);
     }
     if measured_range(series).is_some_and(|(low, high)| low >= high) {
-        problems.push(
-            Problem::new(format!(
-                "the two directions of axis {axis} were measured at places that do not overlap"
-            ))
-            .help("measure both directions over the same range"),
-        );
+        let problem = Problem::new(format!(
+            "the two directions of axis {axis} were measured at places that do not overlap"
+        ))
+        .help("measure both directions over the same range");
+        let second = series.last().and_then(|second| table.place(second, 0));
+        problems.push(match second {
+            Some(place) => problem.at(place),
+            None => problem,
+        });
     }
 }
 
@@ -221,7 +225,8 @@ fn check_inside_travel(
     };
     let position = series.positions[*first].mm();
     let more = if rows.len() > 1 {
-        format!(", and {} more rows", rows.len() - 1)
+        let rows_too = if rows.len() > 2 { "rows" } else { "row" };
+        format!(", and {} more {rows_too}", rows.len() - 1)
     } else {
         String::new()
     };
@@ -309,7 +314,15 @@ fn add_squareness(
         );
         return;
     };
-    let tilt = |curve: &ErrorCurve| curve.plus_slope(slope, machine.reference);
+    // Outside the measured range the tilt is held with the curve, so off that range the line has
+    // its zero at the near end: the reference stays zero.
+    let homing = measured.measured.curve(machine.homing());
+    let Some(curve) = homing.or(measured.curves().next()) else {
+        return;
+    };
+    let (low, high) = curve.measured_range();
+    let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
+    let tilt = |curve: &ErrorCurve| curve.plus_slope(slope, zero);
     measured.measured = match &measured.measured {
         Measured::Undirected(curve) => Measured::Undirected(tilt(curve)),
         Measured::OneWay(direction, curve) => Measured::OneWay(*direction, tilt(curve)),

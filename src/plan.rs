@@ -104,7 +104,14 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
         return Err(problems);
     };
     let mut notes: Vec<String> = targets.iter().filter_map(|t| t.note.clone()).collect();
-    if let Some((costs, budget, resource)) = costs(task, &names, &targets)
+    let costs = costs(task, &names, &targets);
+    if let Some((costs, 0, resource)) = &costs
+        && !costs.is_empty()
+    {
+        problems.push(none_left(task, resource));
+        return Err(problems);
+    }
+    if let Some((costs, budget, resource)) = costs
         && let Some(choice) = selection::choose(task.model, &targets, &costs, budget, resource)
     {
         targets.retain(|t| !choice.omitted.iter().any(|o| o.term == t.term));
@@ -245,6 +252,23 @@ fn costs(
     Some((costs, budget, resource))
 }
 
+/// `first_table` or `first_set` lies behind the last one of the control.
+fn none_left(task: Task<'_>, resource: &str) -> Problem {
+    let key = match &task.profile.dialect {
+        Dialect::Siemens(_) => "first_table",
+        _ => "first_set",
+    };
+    task.job
+        .problem_at(
+            &format!("compensation.{key}"),
+            format!(
+                "`{key}` leaves no {resource} of {}, expected a smaller number",
+                task.profile.name
+            ),
+        )
+        .help("give the number of the first one that is free on the control")
+}
+
 fn grids(
     task: Task<'_>,
     targets: &[Target],
@@ -350,6 +374,10 @@ fn at_key(task: Task<'_>, path: &str, problem: Problem) -> Problems {
     }
 }
 
+/// Every number of points is tried, so the work grows with the square of this; a table with more
+/// points is not what `max_residual_um` is for.
+const MOST_PLANNED_POINTS: u32 = 2000;
+
 /// The grid of the fewest points whose own residual (before rounding) keeps the limit for every
 /// term of the axis.
 fn coarsest(
@@ -359,7 +387,9 @@ fn coarsest(
     targets: &[&Target],
     limit_um: f64,
 ) -> Result<Grid, Problems> {
-    let most = point_limit(task.profile, targets).0;
+    let most = point_limit(task.profile, targets)
+        .0
+        .min(MOST_PLANNED_POINTS);
     let mut least = f64::INFINITY;
     for points in 2..=most {
         let Ok(grid) = grid::with_points(machine, task.length_digit(), points) else {
@@ -498,7 +528,13 @@ fn tabulate(task: Task<'_>, target: &Target, grid: &Grid) -> (Vec<Deviation>, f6
     // The reference node of a table is exactly zero, except for the direction that carries the
     // reversal: its curve is fitted about its own value there.
     let nodes = grid.nodes();
-    let offset = target.curve.at(grid.reference);
+    let homing = task.job.machine.axes[target.term.along].map(|machine| machine.homing());
+    let carries_reversal = target.direction.is_some_and(|own| Some(own) != homing);
+    let offset = if carries_reversal {
+        target.curve.at(grid.reference)
+    } else {
+        Deviation::ZERO
+    };
     let values: Vec<Deviation> = table_values(
         &target.curve.less(offset),
         &nodes,
@@ -537,7 +573,7 @@ fn tables(
                     .problem_at(
                         &path,
                         format!(
-                            "axis {} would have {} points, but {holder} holds {most}",
+                            "axis {} would have {} points, more than the {most} of {holder}",
                             target.term.along,
                             grid.count()
                         ),
@@ -575,6 +611,14 @@ fn check_limits(
     problems: &mut Problems,
 ) {
     let limits = task.job.limits;
+    // A limit that is not stated has no line of its own.
+    let section = format!("compensation.axes.{}", target.term.along.key());
+    let at_limit = |key: &str, message: String| {
+        let path = format!("limits.{key}");
+        let stated = task.job.source.place_of(&path).is_some();
+        let path = if stated { &path } else { &section };
+        task.job.problem_at(path, message)
+    };
     let place = |index: usize| {
         grid.position(grid.first + i64::try_from(index).unwrap_or(0))
             .mm()
@@ -593,18 +637,17 @@ fn check_limits(
             "check the measurement; else raise `max_correction_um` in [limits]"
         };
         problems.push(
-            task.job
-                .problem_at(
-                    "limits.max_correction_um",
-                    format!(
-                        "{} would need a correction of {:.1} µm at {} mm, the limit is {} µm",
-                        target.term,
-                        (-*value).um(),
-                        place(index),
-                        limits.max_correction_um
-                    ),
-                )
-                .help(help),
+            at_limit(
+                "max_correction_um",
+                format!(
+                    "{} would need a correction of {:.1} µm at {} mm, the limit is {} µm",
+                    target.term,
+                    (-*value).um(),
+                    place(index),
+                    limits.max_correction_um
+                ),
+            )
+            .help(help),
         );
     }
     let spacing = grid.spacing().mm();
@@ -617,8 +660,7 @@ fn check_limits(
         && slope > limits.max_slope_um_per_mm
     {
         problems.push(
-            task.job
-                .problem_at("limits.max_slope_um_per_mm", format!("{} would change by {slope:.3} µm/mm between {} and {} mm, the limit is {} µm/mm", target.term, place(index), place(index + 1), limits.max_slope_um_per_mm))
+            at_limit("max_slope_um_per_mm", format!("{} would change by {slope:.3} µm/mm between {} and {} mm, the limit is {} µm/mm", target.term, place(index), place(index + 1), limits.max_slope_um_per_mm))
                 .help("check the unit and the measurement there; else raise `max_slope_um_per_mm` in [limits]"),
         );
     }

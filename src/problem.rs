@@ -115,15 +115,13 @@ fn byte_of_column(text: &str, column: usize) -> usize {
         .map_or(text.len(), |(at, _)| at)
 }
 
-/// Control characters of a user's file must not reach the terminal.
+/// Control characters of a user's text must not reach the terminal, and a sentence is one line.
 fn clean(text: &str) -> String {
     text.chars()
-        .map(|c| {
-            if c.is_control() && c != '\n' {
-                '\u{fffd}'
-            } else {
-                c
-            }
+        .flat_map(|c| match c {
+            '\n' | '\r' | '\t' => c.escape_default().collect(),
+            _ if c.is_control() => vec!['\u{fffd}'],
+            _ => vec![c],
         })
         .collect()
 }

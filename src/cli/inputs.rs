@@ -55,7 +55,7 @@ fn error_table(
     let full = folder.join(path);
     let bytes =
         read_file(&full).map_err(|problem| match job.source.place_of("measurement.errors") {
-            Some(place) => problem.at(place),
+            Some(place) => beside_job(problem.at(place)),
             None => problem,
         })?;
     hashes.push(hashed(path, &bytes));
@@ -73,8 +73,8 @@ pub(super) fn profile(
     if !is_path {
         return builtin::profile(reference);
     }
-    let path = folder.join(reference);
-    let bytes = read_file(&path)?;
+    let path = folder.join(reference.strip_prefix("./").unwrap_or(reference));
+    let bytes = read_file(&path).map_err(beside_job)?;
     hashes.push(hashed(reference, &bytes));
     let source = Source::from_bytes(&path.display().to_string(), &bytes)?;
     let beside = path.parent().unwrap_or(Path::new("")).to_path_buf();
@@ -107,6 +107,21 @@ fn own_template(
     Some(text)
 }
 
+/// The next step for a file that a job names.
+fn beside_job(problem: Problem) -> Problem {
+    or_help(
+        problem,
+        "relative paths in a job are relative to the job file",
+    )
+}
+
+fn or_help(problem: Problem, help: &str) -> Problem {
+    match problem.help {
+        Some(_) => problem,
+        None => problem.help(help),
+    }
+}
+
 fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(
         || "-".to_string(),
@@ -117,7 +132,8 @@ fn file_name(path: &Path) -> String {
 /// A file argument: `-` is standard input.
 fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Problems> {
     if path != Path::new("-") {
-        return Ok((path.display().to_string(), read_file(path)?));
+        let bytes = read_file(path).map_err(|p| or_help(p, "check the path"))?;
+        return Ok((path.display().to_string(), bytes));
     }
     let mut bytes = Vec::new();
     std::io::stdin()
@@ -132,13 +148,13 @@ pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     let name = path.display();
     let refuse = |error: std::io::Error| {
         Problem::new(format!("`{name}` cannot be read: {}", plain_words(&error)))
-            .help("relative paths in a job are relative to the job file")
     };
     let length = std::fs::metadata(path).map_err(refuse)?;
     if length.is_dir() {
-        return Err(Problem::new(format!(
-            "`{name}` is a directory, expected a file"
-        )));
+        return Err(
+            Problem::new(format!("`{name}` is a directory, expected a file"))
+                .help("name a file in it"),
+        );
     }
     if length.len() > LARGEST_INPUT_BYTES {
         return Err(Problem::new(format!(
@@ -152,7 +168,8 @@ pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
 /// What went wrong, the same on every operating system where it is common.
 pub(super) fn plain_words(error: &std::io::Error) -> String {
     match error.kind() {
-        std::io::ErrorKind::NotFound => "there is no such file".to_string(),
+        std::io::ErrorKind::NotFound => "it does not exist".to_string(),
+        std::io::ErrorKind::NotADirectory => "a part of its path is a file".to_string(),
         std::io::ErrorKind::PermissionDenied => "permission denied".to_string(),
         std::io::ErrorKind::StorageFull => "no space left".to_string(),
         _ => error.to_string(),

@@ -48,8 +48,17 @@ fn read_directory(profile: &Profile, directory: &Path) -> Result<Found, Problems
             directory.display(),
             plain_words(&error)
         ))
+        .help("name the directory with the control's files, as `nonius generate` wrote it")
     };
-    let mut names = Vec::new();
+    if directory.is_file() {
+        return Err(Problem::new(format!(
+            "`{}` is a file, expected the directory that holds it",
+            directory.display()
+        ))
+        .help("name the directory with the control's files, as `nonius generate` wrote it")
+        .into());
+    }
+    let mut names: Vec<String> = Vec::new();
     for entry in std::fs::read_dir(directory).map_err(refuse)? {
         let entry = entry.map_err(refuse)?;
         if entry.file_type().map_err(refuse)?.is_file() {
@@ -57,6 +66,14 @@ fn read_directory(profile: &Profile, directory: &Path) -> Result<Found, Problems
         }
     }
     names.sort();
+    if !names.iter().any(|name| name != "manifest.json") {
+        return Err(Problem::new(format!(
+            "`{}` holds no file of a control, expected its tables",
+            directory.display()
+        ))
+        .help("name the directory with the control's files, as `nonius generate` wrote it")
+        .into());
+    }
     let mut files = Vec::new();
     for name in names.iter().filter(|name| *name != "manifest.json") {
         let bytes = read_file(&directory.join(name))?;
@@ -85,7 +102,8 @@ fn changed_files(
     files: &[(String, Role, Vec<u8>)],
 ) -> Result<Vec<String>, Problems> {
     let document: Value = serde_json::from_slice(manifest).map_err(|error| {
-        Problem::new(format!("`manifest.json` is damaged: {error}")).help("make the kit again")
+        Problem::new(format!("`manifest.json` is damaged: {error}"))
+            .help("make the kit again; without `manifest.json` the tables alone are judged")
     })?;
     let listed = document["files"].as_array().cloned().unwrap_or_default();
     let mut remarks = Vec::new();
@@ -95,7 +113,7 @@ fn changed_files(
             entry["sha256"].as_str().unwrap_or_default(),
         );
         match files.iter().find(|(name, _, _)| name == path) {
-            None => remarks.push(format!("`{path}` is listed in manifest.json but not there")),
+            None => remarks.push(format!("`{path}` is listed in manifest.json but missing")),
             Some((_, _, bytes)) if sha256(bytes) != hash => {
                 remarks.push(format!(
                     "`{path}` was changed after it was made: its hash is not that of manifest.json"

@@ -21,12 +21,20 @@ pub(super) type NamedBytes<'a> = (&'a str, &'a [u8]);
 /// Refuses a directory that holds something, before any work is done.
 pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems> {
     let name = directory.display();
+    if directory.is_file() {
+        return Err(Problem::new(format!(
+            "`{name}` is a file, expected a new or an empty directory"
+        ))
+        .help("choose another directory")
+        .into());
+    }
     match fs::read_dir(directory).map(Iterator::count) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(Problem::new(format!(
             "`{name}` cannot be used as the kit's directory: {}",
             plain_words(&error)
         ))
+        .help("choose another directory")
         .into()),
         Ok(entries) if entries == 0 || force => Ok(()),
         Ok(_) => Err(Problem::new(format!(
@@ -45,47 +53,46 @@ pub(super) fn write_kit(
     force: bool,
 ) -> Result<(), Problems> {
     let directory = trimmed(directory);
-    let parent = match directory.parent() {
-        Some(parent) if parent != Path::new("") => parent.to_path_buf(),
-        _ => PathBuf::from("."),
-    };
-    let place = |what: &str, path: &Path, error: &std::io::Error| {
-        Problems::from(
-            Problem::new(format!(
-                "{what} `{}`: {}; nothing was written",
-                path.display(),
-                plain_words(error)
-            ))
-            .help("check the place and its free space, then run the command again"),
-        )
-    };
-    fs::create_dir_all(&parent).map_err(|e| place("cannot make the directory", &parent, &e))?;
-    let name = directory
-        .file_name()
-        .map(|n| n.to_string_lossy().into_owned())
-        .ok_or_else(|| {
-            Problems::from(Problem::new(format!(
-                "`{}` is no name for a new directory",
-                directory.display()
-            )))
-        })?;
-    let partial = tempfile::Builder::new()
-        .prefix(&format!("{name}.partial-"))
-        .tempdir_in(&parent)
-        .map_err(|e| place("cannot make a directory in", &parent, &e))?;
+    if directory.file_name().is_none() {
+        let message = format!("`{}` is no name for a new directory", directory.display());
+        return Err(Problem::new(message)
+            .help("name a directory below it, e.g. `kit`")
+            .into());
+    }
+    let parent = parent_of(&directory);
+    fs::create_dir_all(&parent)
+        .map_err(|e| not_written("cannot make the directory", &parent, &e))?;
+    let partial = partial_directory(&directory)
+        .map_err(|e| not_written("cannot make a directory in", &parent, &e))?;
+    let mut written = Vec::new();
     for (file, bytes) in files.iter().chain([&manifest]) {
         let path = partial.path().join(file);
-        write_synced(&path, bytes).map_err(|e| place("cannot write", &path, &e))?;
+        let handle = write_new(&path, bytes).map_err(|e| not_written("cannot write", &path, &e))?;
+        written.push((path, handle));
     }
+    sync_all(&written)?;
     open_to_others(partial.path());
     sync_directory(partial.path());
-    make_room(&directory, force)?;
-    fs::rename(partial.path(), &directory)
-        .map_err(|e| place("cannot put into place", &directory, &e))?;
+    let previous = make_room(&directory, force)?;
+    if let Err(error) = fs::rename(partial.path(), &directory) {
+        // Put the old kit back; if that fails too, it is complete at DIR.previous.
+        let _ = previous.map(|previous| fs::rename(previous, &directory));
+        return Err(not_written("cannot put into place", &directory, &error));
+    }
     sync_directory(&parent);
     // The directory has its final name now; there is nothing left to remove.
     let _ = partial.keep();
     Ok(())
+}
+
+fn not_written(what: &str, path: &Path, error: &std::io::Error) -> Problems {
+    Problem::new(format!(
+        "{what} `{}`: {}; nothing was written",
+        path.display(),
+        plain_words(error)
+    ))
+    .help("check the place and its free space, then run the command again")
+    .into()
 }
 
 /// `kit/` and `kit` are the same directory.
@@ -93,18 +100,38 @@ fn trimmed(directory: &Path) -> PathBuf {
     directory.components().collect()
 }
 
-fn write_synced(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+/// Writes a new file and reads it back; its bytes may not be on the disk yet.
+fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     let mut file = File::create_new(path)?;
     file.write_all(bytes)?;
-    file.sync_all()?;
-    drop(file);
     if fs::read(path)? == bytes {
-        Ok(())
+        Ok(file)
     } else {
         Err(std::io::Error::other(
-            "the bytes on the disk are not those that were written",
+            "the bytes in the file are not those that were written",
         ))
     }
+}
+
+/// Waits until all files are on the disk: at the same time, because a disk takes them together
+/// in little more time than one.
+fn sync_all(files: &[(PathBuf, File)]) -> Result<(), Problems> {
+    std::thread::scope(|scope| {
+        let waits: Vec<_> = files
+            .iter()
+            .map(|(path, file)| (path, scope.spawn(|| file.sync_all())))
+            .collect();
+        let mut problems = Problems::none();
+        for (path, wait) in waits {
+            let outcome = wait
+                .join()
+                .unwrap_or_else(|_| Err(std::io::Error::other("writing was broken off")));
+            if let Err(error) = outcome {
+                problems.extend(not_written("cannot write", path, &error));
+            }
+        }
+        problems.or_ok(())
+    })
 }
 
 /// A temporary directory is closed to others; a kit has the usual permissions.
@@ -125,13 +152,10 @@ fn sync_directory(directory: &Path) {
     }
 }
 
-/// Removes an empty directory, or renames a full one to `DIR.previous`.
-fn make_room(directory: &Path, force: bool) -> Result<(), Problems> {
-    if fs::symlink_metadata(directory).is_err() {
-        return Ok(());
-    }
-    if fs::remove_dir(directory).is_ok() {
-        return Ok(());
+/// Removes an empty directory, or renames a full one to `DIR.previous`, whose path it gives.
+fn make_room(directory: &Path, force: bool) -> Result<Option<PathBuf>, Problems> {
+    if fs::symlink_metadata(directory).is_err() || fs::remove_dir(directory).is_ok() {
+        return Ok(None);
     }
     ensure_free(directory, force)?;
     let previous = with_suffix(directory, ".previous");
@@ -144,8 +168,8 @@ fn make_room(directory: &Path, force: bool) -> Result<(), Problems> {
             plain_words(&error)
         ))
         .help("close programs that use it, or choose another directory")
-        .into()
-    })
+    })?;
+    Ok(Some(previous))
 }
 
 /// An older `DIR.previous` is removed only if it is a kit.
@@ -161,12 +185,31 @@ fn remove_older(previous: &Path) -> Result<(), Problems> {
         .help("move it away, or choose another directory")
         .into());
     }
-    fs::remove_dir_all(previous).map_err(|error| {
+    // Moved into a `.partial-` directory first: killed while removing, no half kit is left at
+    // DIR.previous.
+    let cannot = |error: std::io::Error| {
         Problem::new(format!(
             "cannot remove `{}`: {}",
             previous.display(),
             plain_words(&error)
         ))
-        .into()
-    })
+    };
+    let aside = partial_directory(previous).map_err(cannot)?;
+    fs::rename(previous, aside.path().join("previous")).map_err(cannot)?;
+    Ok(aside.close().map_err(cannot)?)
+}
+
+/// A new directory `DIR.partial-…` beside a directory.
+fn partial_directory(beside: &Path) -> std::io::Result<tempfile::TempDir> {
+    let name = beside.file_name().unwrap_or_default().to_string_lossy();
+    tempfile::Builder::new()
+        .prefix(&format!("{name}.partial-"))
+        .tempdir_in(parent_of(beside))
+}
+
+fn parent_of(directory: &Path) -> PathBuf {
+    match directory.parent() {
+        Some(parent) if parent != Path::new("") => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    }
 }

@@ -211,7 +211,7 @@ fn too_steep(task: Task<'_>, facts: &FanucFacts, planned: &PlannedTable, unit_um
         .problem_at(
             &format!("compensation.axes.{}", planned.term.along.key()),
             format!(
-                "{} changes by {steepest:.1} µm between two points, more than {} × {} × {unit_um} µm = {most} µm that the control can add",
+                "{} changes by {steepest:.1} µm between two points, more than {} × {} × {unit_um} µm = {most:.3} µm that the control can add",
                 planned.term, facts.increment_max.value, facts.magnification_max.value
             ),
         )

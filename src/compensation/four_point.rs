@@ -14,10 +14,11 @@
 //! the best so far; only one that has an answer is followed to its own least. Nothing is missed:
 //! the answer is the best of all whole amounts, not only of those beside the best fractional ones.
 
-/// x
-pub mod gates;
+mod gates;
+mod sieve;
 
-use gates::{Gates, Sieve};
+use gates::Gates;
+use sieve::Sieve;
 
 /// Halving stops here, detection units; the last bit is found by asking for less and less.
 const FINE: f64 = 1.0 / 64.0;
@@ -69,7 +70,8 @@ impl FourPoint {
 /// source B-63522EN/02 p. 223 (straightness compensation)
 /// limits `wanted[reference]` is 0; amounts stay within ±`amount_max`. `None` for other input,
 ///        for fewer than two nodes and beyond ±1e6 units. Of equally good points those with the
-///        smaller nodes; each side of the reference is as good as its pieces allow
+///        smaller nodes; each side of the reference is as good as its pieces allow. Where more
+///        than about 100 units are left, the least is not searched to the last unit
 ///
 /// ```
 /// use nonius::compensation::four_point::best_fit;
@@ -86,15 +88,17 @@ pub fn best_fit(wanted: &[f64], reference: usize, amount_max: u32) -> Option<Fou
     let left = Side::new(wanted[..=reference].iter().rev(), amount_max, true);
     let right = Side::new(wanted[reference..].iter(), amount_max, false);
     let divided = |pieces: usize| (0..=pieces).rev().map(move |left| (left, pieces - left));
-    let figures = [3, 2, 1].into_iter().flat_map(divided);
-    let figures = figures.filter_map(|(l, r)| Some((left.best(l)?, right.best(r)?)));
-    let residual = |(left, right): &(Chain, Chain)| left.residual.max(right.residual);
-    let best = figures.min_by(|one, two| residual(one).total_cmp(&residual(two)))?;
-    Some(joined(reference, residual(&best), &best))
+    let mut best: Option<FourPoint> = None;
+    for (on_left, on_right) in [3, 2, 1].into_iter().flat_map(divided) {
+        let limit = best.as_ref().map_or(f64::INFINITY, |best| best.residual);
+        let sides = left.best(on_left, limit).zip(right.best(on_right, limit));
+        best = sides.map(|sides| joined(reference, &sides)).or(best);
+    }
+    best
 }
 
 /// Both sides as one set; the last point is repeated until there are four.
-fn joined(reference: usize, residual: f64, (left, right): &(Chain, Chain)) -> FourPoint {
+fn joined(reference: usize, (left, right): &(Chain, Chain)) -> FourPoint {
     let mut knots: Vec<(usize, f64)> = vec![(reference, 0.0)];
     knots.extend(
         right
@@ -111,7 +115,7 @@ fn joined(reference: usize, residual: f64, (left, right): &(Chain, Chain)) -> Fo
     FourPoint {
         nodes: [0, 1, 2, 3].map(|index| knot(index).0),
         amounts: [0, 1, 2, 3].map(|index| whole(knot(index).1)),
-        residual,
+        residual: left.residual.max(right.residual),
     }
 }
 
@@ -164,9 +168,9 @@ impl Side {
         }
     }
 
-    /// The best chain of so many pieces, none of length 0. `None` if they do not fit, or if a
-    /// side that has nodes is to have no pieces.
-    fn best(&self, pieces: usize) -> Option<Chain> {
+    /// The best chain of so many pieces, none of length 0. `None` if they do not fit, if a side
+    /// that has nodes is to have no pieces, or if they do not leave less than the limit.
+    fn best(&self, pieces: usize, limit: f64) -> Option<Chain> {
         let end = self.wanted.len() - 1;
         if pieces > end || (pieces == 0) != (end == 0) {
             return None;
@@ -180,10 +184,13 @@ impl Side {
         }
         let all = self.choices(pieces);
         let choices = || all.chunks_exact(pieces);
+        let largest = |most: f64, amount: &f64| most.max(amount.abs());
+        // No amounts at all leave less than this.
+        let limit = limit.min(self.wanted.iter().fold(0.0, largest) + 1.0);
         let sparse = choices().step_by(choices().len() / SEEDS + 1);
-        let beyond = |most: f64, amount: &f64| most.max(amount.abs() + 1.0);
-        let seed = self.least_of(sparse, self.wanted.iter().fold(1.0, beyond))?;
-        self.least_of(choices(), seed.residual.next_up())
+        let seed = self.least_of(sparse, limit);
+        let limit = seed.as_ref().map_or(limit, |seed| seed.residual.next_up());
+        self.least_of(choices(), limit).or(seed)
     }
 
     /// All ends of so many pieces, choice after choice, the smaller nodes of the table first.
@@ -220,7 +227,7 @@ impl Side {
             let gates = Gates::new(self, chain.residual);
             best = Some(chain);
             match gates {
-                Some(gates) => sieve = Sieve::new(gates),
+                Some(gates) => sieve = sieve.tightened(gates),
                 None => break,
             }
         }

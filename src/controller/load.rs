@@ -47,10 +47,10 @@ fn read_profile(
     let id = root.required_text("id", "a short name such as `fanuc-30i`")?;
     let name = root.required_text("name", "maker and model")?;
     let base = base_profile(root, bases)?;
-    let facts = root.section("facts");
-    if facts.is_none() && base.is_none() {
-        root.missing("facts", "a section [facts]");
-    }
+    let facts = match base {
+        Some(_) => root.section("facts"),
+        None => root.required_section("facts"),
+    };
     let base = base.as_ref();
     let reader = FactReader {
         section: facts.as_ref(),
@@ -346,7 +346,7 @@ impl FactReader<'_> {
             if base.is_none()
                 && let Some(section) = self.section
             {
-                section.missing(name, "a section with value, evidence and source");
+                let _ = section.required_section(name);
             }
             let inherited = self
                 .inherited
@@ -470,13 +470,37 @@ fn read_files(
         if let Some(base) = base {
             return Some(base.files.iter().map(|file| (None, file.clone())).collect());
         }
-        root.missing("files", "a list of [[files]] with role, path and template");
+        root.problem(
+            "files",
+            "there is no section [[files]], expected one for each file",
+            "add `[[files]]` with role, path and template",
+        );
         return None;
     }
-    sections
+    let files: Vec<Option<FormFile>> = sections
         .iter()
         .map(|file| read_file(file, templates))
-        .collect()
+        .collect();
+    refuse_shared_names(&sections, &files);
+    files.into_iter().collect()
+}
+
+/// Two files of one name overwrite each other, unless they are forms of which one is written.
+fn refuse_shared_names(sections: &[Section<'_>], files: &[Option<FormFile>]) {
+    for (index, (section, file)) in sections.iter().zip(files).enumerate() {
+        let Some((form, file)) = file else { continue };
+        let shared = files[..index].iter().flatten().any(|(other_form, other)| {
+            let both = form.is_none() || other_form.is_none() || form == other_form;
+            both && other.path.eq_ignore_ascii_case(&file.path)
+        });
+        if shared {
+            section.problem(
+                "path",
+                format!("two files are called `{}`", file.path),
+                "give each file a name of its own, in capitals or not",
+            );
+        }
+    }
 }
 
 fn read_file(file: &Section<'_>, templates: TemplateFinder<'_>) -> Option<FormFile> {
@@ -505,6 +529,13 @@ fn read_file(file: &Section<'_>, templates: TemplateFinder<'_>) -> Option<FormFi
     );
     file.refuse_unknown_keys();
     let (role, path, name) = (role?, path?, name?);
+    if !is_plain_file_name(&path) {
+        file.problem(
+            "path",
+            format!("`{path}` is no file name that every control and laptop takes"),
+            "use letters, digits, `_`, `-` and `.`; `manifest.json` is taken",
+        );
+    }
     let Some(template) = templates(&name) else {
         file.problem(
             "template",
@@ -526,51 +557,40 @@ fn read_file(file: &Section<'_>, templates: TemplateFinder<'_>) -> Option<FormFi
 fn check(profile: &Profile, source: &Source) -> Problems {
     let mut problems = Problems::none();
     ensure_three_axis_names(profile, source, &mut problems);
-    ensure_plain_file_names(profile, source, &mut problems);
     ensure_a_table_is_written(profile, source, &mut problems);
     ensure_sensible_numbers(profile, source, &mut problems);
     problems
 }
 
 fn ensure_three_axis_names(profile: &Profile, source: &Source, problems: &mut Problems) {
-    if profile.axis_names.value.len() != 3 {
-        problems.push(source.problem_at(
-            "facts.axis_names.value",
-            "expected three axis names, for X, Y and Z",
-        ));
+    let names = &profile.axis_names.value;
+    let path = "facts.axis_names.value";
+    if names.len() != 3 {
+        let message = format!("`axis_names` has {} names, expected three", names.len());
+        problems.push(
+            source
+                .problem_at(path, message)
+                .help("name the axes X, Y and Z of the machine, in this order"),
+        );
+    }
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let other = |name: &&String| name.is_empty() || !name.chars().all(plain);
+    for name in names.iter().filter(other) {
+        let message = format!("`{name}` is no axis name, expected letters, digits and `_`");
+        problems.push(
+            source
+                .problem_at(path, message)
+                .help("write it as the control shows it, e.g. `AX1`"),
+        );
     }
 }
 
-fn ensure_plain_file_names(profile: &Profile, source: &Source, problems: &mut Problems) {
-    for file in &profile.files {
-        let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
-        if file.path.is_empty()
-            || file.path.starts_with('.')
-            || !file.path.chars().all(plain)
-            || file.path == "manifest.json"
-        {
-            problems.push(
-                source
-                    .problem_at(
-                        "files",
-                        format!(
-                            "`{}` is no file name that every control and laptop takes",
-                            file.path
-                        ),
-                    )
-                    .help("use letters, digits, `_`, `-` and `.`; `manifest.json` is taken"),
-            );
-        }
-    }
-    for (index, file) in profile.files.iter().enumerate() {
-        if profile.files[..index]
-            .iter()
-            .any(|other| other.path.eq_ignore_ascii_case(&file.path))
-        {
-            problems
-                .push(source.problem_at("files", format!("two files are called `{}`", file.path)));
-        }
-    }
+fn is_plain_file_name(path: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+    !path.is_empty()
+        && !path.starts_with('.')
+        && path.chars().all(plain)
+        && !path.eq_ignore_ascii_case("manifest.json")
 }
 
 fn ensure_a_table_is_written(profile: &Profile, source: &Source, problems: &mut Problems) {

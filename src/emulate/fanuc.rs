@@ -187,19 +187,14 @@ fn pitch_axes(memory: &FanucMemory) -> BTreeSet<u32> {
         .collect()
 }
 
-/// The backlash parameter moves an axis further after a reversal: in + when it returns in −,
-/// in − when it returns in + (docs/fanuc.md §5.3).
+/// The backlash parameter (1851/1852) moves an axis further after a reversal (docs/fanuc.md §5.3).
 fn add_backlash(axis: &AxisState, links: &mut Links) {
-    let direction = pitch::against_return(axis);
-    let um = match direction {
-        Direction::Plus => axis.backlash_um,
-        Direction::Minus => -axis.backlash_um,
-    };
-    let link = links
-        .entry((axis.name.clone(), axis.name.clone()))
-        .or_default();
-    let way = link.way_mut(direction);
-    way.constant = way.constant + Correction::from_um(um);
+    let own = (axis.name.clone(), axis.name.clone());
+    let link = links.entry(own).or_default();
+    for direction in Direction::BOTH {
+        let way = link.way_mut(direction);
+        way.constant = way.constant + axis.backlash(direction);
+    }
 }
 
 /// A kit may repeat the direction of the reference return, but not change it.

@@ -92,7 +92,7 @@ impl Emulator for GenericControl {
 
 fn known_axis<'a>(state: &'a ControlState, name: &str) -> Result<&'a AxisState, CannotEmulate> {
     let axis = state.axis(name);
-    axis.ok_or_else(|| CannotEmulate(format!("the control has no axis `{name}`")))
+    axis.ok_or_else(|| CannotEmulate(format!("foreign axis: the control has no axis `{name}`")))
 }
 
 fn same_block(a: &GenericRow, b: &GenericRow) -> bool {

@@ -235,7 +235,8 @@ impl SiemensControl {
         }
         Err(CannotEmulate(format!(
             "the CEC tables of axis {output} can add up to {largest:.1} µm, more than \
-             CEC_MAX_SUM of {limit:.1} µm; the control would cut their sum"
+             CEC_MAX_SUM of {limit:.1} µm; the control would cut their sum: check their scale \
+             (µm taken for mm?)"
         )))
     }
 

@@ -20,29 +20,28 @@ type Parts = (Machine, Measurement, Compensation, Limits, Acceptance);
 pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
     match root.whole("schema") {
         Some(1) => {}
-        _ if root.has("schema") => root.problem(
+        Some(other) => root.problem(
             "schema",
-            "this version reads jobs with `schema = 1`",
-            "write `schema = 1`",
+            format!("`schema` is {other}, but this version reads jobs with `schema = 1`"),
+            "use the version of the program that the job was written for",
         ),
-        _ => root.missing("schema", "`schema = 1` in the first line"),
+        None if root.has("schema") => {}
+        None => root.problem(
+            "schema",
+            "`schema` is missing, expected `schema = 1` in the first line",
+            "add `schema = 1` above everything else",
+        ),
     }
-    let machine = required_section(root, "machine").and_then(|section| machine(&section));
-    let measurement =
-        required_section(root, "measurement").and_then(|section| measurement(&section));
-    let compensation =
-        required_section(root, "compensation").and_then(|section| compensation(&section));
+    let machine = root.required_section("machine").and_then(|s| machine(&s));
+    let measurement = root
+        .required_section("measurement")
+        .and_then(|s| measurement(&s));
+    let compensation = root
+        .required_section("compensation")
+        .and_then(|s| compensation(&s));
     let limits = limits(root);
     let acceptance = acceptance(root);
     Some((machine?, measurement?, compensation?, limits, acceptance))
-}
-
-fn required_section<'a>(parent: &Section<'a>, key: &'static str) -> Option<Section<'a>> {
-    let section = parent.section(key);
-    if section.is_none() && !parent.has(key) {
-        parent.missing(key, "a section of this name");
-    }
-    section
 }
 
 fn axes<T>(parent: &Section<'_>, read: impl Fn(&Section<'_>) -> Option<T>) -> PerAxis<Option<T>> {
@@ -57,6 +56,8 @@ fn axes<T>(parent: &Section<'_>, read: impl Fn(&Section<'_>) -> Option<T>) -> Pe
 fn machine(section: &Section<'_>) -> Option<Machine> {
     let name = section.required_text("name", "the machine's name");
     let serial = section.text("serial");
+    refuse_control_characters(section, "name", name.as_deref());
+    refuse_control_characters(section, "serial", serial.as_deref());
     let chain = section.text("chain");
     if let Some(chain) = &chain
         && !is_chain(chain)
@@ -75,6 +76,20 @@ fn machine(section: &Section<'_>) -> Option<Machine> {
         chain,
         axes,
     })
+}
+
+/// Such a text would reach files and the terminal as commands.
+fn refuse_control_characters(section: &Section<'_>, key: &str, text: Option<&str>) {
+    if text.is_some_and(|text| text.contains(char::is_control)) {
+        section.problem(
+            key,
+            format!(
+                "`{}` holds a line break or another control character",
+                section.path_of(key)
+            ),
+            "write it in one line of plain letters and digits",
+        );
+    }
 }
 
 fn is_chain(text: &str) -> bool {
@@ -130,6 +145,7 @@ fn measurement(section: &Section<'_>) -> Option<Measurement> {
         section.missing("errors", "the path of an error table");
     }
     let date = section.text("date");
+    refuse_control_characters(section, "date", date.as_deref());
     let active = active_tables(section);
     let squareness = section
         .section("squareness_um_per_m")
@@ -228,15 +244,15 @@ fn compensation(section: &Section<'_>) -> Option<Compensation> {
     if first_set == Some(0) {
         section.problem(
             "first_set",
-            "straightness sets count from 1",
+            "`first_set` is 0, but straightness sets count from 1",
             "write `first_set = 1`",
         );
     }
     let reserved_points = section.whole_pairs("reserved_points").unwrap_or_default();
-    if reserved_points.iter().any(|[first, last]| first > last) {
+    if let Some([first, last]) = reserved_points.iter().find(|[first, last]| first > last) {
         section.problem(
             "reserved_points",
-            "a block ends before it begins",
+            format!("the block [{first}, {last}] ends before it begins"),
             "write [first, last]",
         );
     }
@@ -260,7 +276,17 @@ fn terms(section: &Section<'_>) -> WantedTerms {
     if section.is_list("terms") {
         return listed_terms(section);
     }
-    section.choice("terms", &[("all", ())]);
+    if let Some(word) = section.text("terms").filter(|word| word != "all") {
+        let help = match ErrorTerm::from_name(&word) {
+            Some(term) => format!("write `terms = [\"{term}\"]`"),
+            None => "write \"all\", or for instance [\"EXX\", \"EYX\"]".to_string(),
+        };
+        section.problem(
+            "terms",
+            format!("`terms` is `{word}`, expected `all` or a list of terms"),
+            help,
+        );
+    }
     WantedTerms::All
 }
 
@@ -302,10 +328,10 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
     let grid = grid_request(section);
     let ids = axis_ids(section);
     let measuring_system = section.whole("measuring_system");
-    if measuring_system.is_some_and(|e| !(1..=2).contains(&e)) {
+    if let Some(system) = measuring_system.filter(|e| !(1..=2).contains(e)) {
         section.problem(
             "measuring_system",
-            "`measuring_system` must be 1 or 2",
+            format!("`measuring_system` is {system}, expected 1 or 2"),
             "1 = motor encoder or first system, 2 = direct scale",
         );
     }
@@ -349,10 +375,10 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
 fn grid_request(section: &Section<'_>) -> Option<GridRequest> {
     let spacing = section.positive("spacing_mm").map(GridRequest::Spacing);
     let points = section.whole("points");
-    if points.is_some_and(|n| n < 2) {
+    if let Some(few) = points.filter(|n| *n < 2) {
         section.problem(
             "points",
-            "a table needs at least 2 points",
+            format!("`points` is {few}, expected at least 2"),
             "write a larger number",
         );
     }
@@ -390,9 +416,14 @@ fn axis_ids(section: &Section<'_>) -> Vec<String> {
             "id"
         };
         if id.is_empty() || !id.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+            let found = if id.is_empty() {
+                "an axis name is empty".to_string()
+            } else {
+                format!("`{id}` is no axis name")
+            };
             section.problem(
                 key,
-                format!("`{id}` is no axis name, expected letters, digits and `_`"),
+                format!("{found}, expected letters, digits and `_`"),
                 "write it as the control shows it, e.g. `AX1`",
             );
         }

@@ -124,7 +124,7 @@ pub(super) fn runs(
             Some(first) => run.first = first,
             None => problems.push(
                 task.job
-                    .problem_at(&format!("compensation.axes.{}.first_point", run.axis.key()), format!("points {first}…{} of axis {} are reserved, in use by another axis, or outside the control's {}", first + run.count - 1, run.axis, blocks_text(&facts.pitch_points.value)))
+                    .problem_at(&format!("compensation.axes.{}.first_point", run.axis.key()), format!("points {first}…{} of axis {} are reserved, in use by another axis, or outside the control's {}", first.saturating_add(run.count - 1), run.axis, blocks_text(&facts.pitch_points.value)))
                     .help("choose another `first_point`, or leave it out"),
             ),
         }

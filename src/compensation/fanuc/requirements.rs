@@ -141,22 +141,20 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
             MEMORY,
         ));
     }
-    if directed || plan.backlash_um[run.axis].is_some() {
-        let bit = if machine.homing() == Direction::Plus {
-            "0"
-        } else {
-            "1"
-        };
-        list.push(Precondition::new(
-            format!("1006#5 of axis {id}"),
-            bit,
-            format!(
-                "reference return in {}; it decides which direction carries the reversal",
-                machine.homing()
-            ),
-            MEMORY,
-        ));
-    }
+    let bit = if machine.homing() == Direction::Plus {
+        "0"
+    } else {
+        "1"
+    };
+    list.push(Precondition::new(
+        format!("1006#5 of axis {id}"),
+        bit,
+        format!(
+            "reference return in {}; it decides which direction carries the reversal",
+            machine.homing()
+        ),
+        MEMORY,
+    ));
     list.extend(backlash(task, plan, run));
     list
 }

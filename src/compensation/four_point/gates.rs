@@ -13,25 +13,26 @@
 //! Gates are a trifle too wide, so that rounding noise never refuses an answer; the check of each
 //! piece decides.
 
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-/// x
-pub static C: [AtomicUsize; 6] = [const { AtomicUsize::new(0) }; 6];
 use super::{Chain, Side, output_between};
 
 /// Added to a gate at both ends, detection units.
-const SLACK: f64 = 1e-6;
+pub(super) const SLACK: f64 = 1e-6;
 /// Newton steps for one end of an interval; finite by theory, about three in practice. An
 /// interval that needs more stays too wide, which costs time only.
 const STEPS: usize = 60;
 
+/// Whole amounts tried at one break, nearest to the wanted first. All of an interval where less
+/// than half as many units are left; beyond, where no table is of use, this bounds the time.
+const TRIES: usize = 256;
+
 /// A node and the amount there, detection units.
-type Knot = (usize, f64);
+pub(super) type Knot = (usize, f64);
 
 /// From the lowest to the highest admissible amount.
 #[derive(Clone, Copy)]
-struct Span {
-    low: f64,
-    high: f64,
+pub(super) struct Span {
+    pub(super) low: f64,
+    pub(super) high: f64,
 }
 
 impl Span {
@@ -39,8 +40,23 @@ impl Span {
         (self.low <= self.high + SLACK).then_some(self)
     }
 
-    fn meets(self, other: Span) -> bool {
+    pub(super) fn meets(self, other: Span) -> bool {
         self.low.max(other.low) <= self.high.min(other.high) + SLACK
+    }
+
+    /// From the first to the last whole number that works; long intervals stay as they are.
+    pub(super) fn between_whole(self, works: impl Fn(f64) -> bool) -> Option<Span> {
+        let first = (self.low - SLACK).ceil();
+        let nth = |offset: usize| first + offset as f64;
+        let count = (0..=TRIES)
+            .take_while(|&offset| nth(offset) <= self.high + SLACK)
+            .count();
+        if count > TRIES {
+            return Some(self);
+        }
+        let low = (0..count).map(nth).find(|&amount| works(amount))?;
+        let high = (0..count).rev().map(nth).find(|&amount| works(amount))?;
+        Some(Span { low, high })
     }
 
     /// The whole numbers, from the one nearest to `wanted` outwards.
@@ -53,20 +69,17 @@ impl Span {
             .take_while(move |offset: &f64| offset.abs() <= last - first)
             .map(move |offset| nearest + sense * offset)
             .filter(move |&amount| first <= amount && amount <= last)
+            .take(TRIES)
     }
 }
 
-/// The steepest or flattest slope that a gate allows, and how it falls as the inner amount rises.
-#[derive(Clone, Copy)]
-struct Bound {
-    slope: f64,
-    inverse: f64,
-}
+/// Gates looked at together, so that the loop over them becomes vector instructions.
+const LANES: usize = 4;
 
 /// The gates of a side for residuals below a limit.
 pub(super) struct Gates<'a> {
-    side: &'a Side,
-    limit: f64,
+    pub(super) side: &'a Side,
+    pub(super) limit: f64,
     low: Vec<f64>,
     high: Vec<f64>,
 }
@@ -74,7 +87,6 @@ pub(super) struct Gates<'a> {
 impl<'a> Gates<'a> {
     /// `None` if somewhere no whole number is near enough.
     pub(super) fn new(side: &'a Side, limit: f64) -> Option<Gates<'a>> {
-        C[5].fetch_add(1, Relaxed);
         let count = side.wanted.len();
         let (mut low, mut high) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for &wanted in &side.wanted {
@@ -92,8 +104,11 @@ impl<'a> Gates<'a> {
 
     /// Whole amounts at the ends of the pieces, if there are any.
     pub(super) fn solve(&self, ends: &[usize]) -> Option<Chain> {
-        C[2].fetch_add(1, Relaxed);
-        let mut spans: Vec<Span> = ends.iter().map(|&end| self.at(end)).collect();
+        self.solve_within(ends, ends.iter().map(|&end| self.at(end)).collect())
+    }
+
+    /// [`Gates::solve`] with amounts in these intervals, one for each end.
+    pub(super) fn solve_within(&self, ends: &[usize], mut spans: Vec<Span>) -> Option<Chain> {
         for inner in (0..ends.len() - 1).rev() {
             let piece = (ends[inner], ends[inner + 1]);
             spans[inner] = self.passable(piece, spans[inner], spans[inner + 1])?;
@@ -108,7 +123,7 @@ impl<'a> Gates<'a> {
     }
 
     /// Appends the ends of the pieces to the knots, if there are whole amounts for all of them.
-    fn place(&self, pieces: &[(usize, Span)], knots: &mut Vec<Knot>) -> bool {
+    pub(super) fn place(&self, pieces: &[(usize, Span)], knots: &mut Vec<Knot>) -> bool {
         let Some((&(end, span), outer)) = pieces.split_first() else {
             return true;
         };
@@ -128,7 +143,7 @@ impl<'a> Gates<'a> {
         false
     }
 
-    fn keeps(&self, inner: Knot, outer: Knot) -> bool {
+    pub(super) fn keeps(&self, inner: Knot, outer: Knot) -> bool {
         (inner.0..=outer.0).all(|node| self.left_at(node, inner, outer) < self.limit)
     }
 
@@ -143,12 +158,11 @@ impl<'a> Gates<'a> {
     }
 
     fn left_at(&self, node: usize, inner: Knot, outer: Knot) -> f64 {
-        C[4].fetch_add(1, Relaxed);
         (output_between(inner, outer, node) - self.side.wanted[node]).abs()
     }
 
     /// Amounts that a point at this node may have.
-    fn at(&self, node: usize) -> Span {
+    pub(super) fn at(&self, node: usize) -> Span {
         let most = self.side.amount_max;
         Span {
             low: (self.low[node] + 0.5).max(-most),
@@ -157,65 +171,94 @@ impl<'a> Gates<'a> {
     }
 
     /// Least and greatest slope of lines from an amount at a node through the gates into `outer`.
-    fn cone(&self, from: Knot, to: usize, outer: Span) -> (Bound, Bound) {
-        C[0].fetch_add(1, Relaxed);
-        C[1].fetch_add(to - from.0, Relaxed);
-        let bound = |at: f64, inverse: f64| Bound {
-            slope: (at - from.1) * inverse,
-            inverse,
+    fn cone(&self, from: Knot, to: usize, outer: Span) -> Span {
+        let (node, amount) = from;
+        let last = self.side.inverse[to - node];
+        let mut least = [(outer.low - amount) * last; LANES];
+        let mut greatest = [(outer.high - amount) * last; LANES];
+        let mut bind = |lane: usize, low: f64, high: f64, inverse: f64| {
+            let (low, high) = ((low - amount) * inverse, (high - amount) * inverse);
+            least[lane] = if low > least[lane] { low } else { least[lane] };
+            greatest[lane] = if high < greatest[lane] {
+                high
+            } else {
+                greatest[lane]
+            };
         };
-        let inverse = self.side.inverse[to - from.0];
-        let (mut least, mut greatest) = (bound(outer.low, inverse), bound(outer.high, inverse));
-        let between = from.0 + 1..to;
-        let gates = self.low[between.clone()].iter().zip(&self.high[between]);
-        for ((&low, &high), &inverse) in gates.zip(&self.side.inverse[1..]) {
-            let (low, high) = (bound(low, inverse), bound(high, inverse));
-            if low.slope > least.slope {
-                least = low;
-            }
-            if high.slope < greatest.slope {
-                greatest = high;
-            }
+        let (lows, lows_left) = self.low[node + 1..to].as_chunks::<LANES>();
+        let (highs, highs_left) = self.high[node + 1..to].as_chunks::<LANES>();
+        let (inverses, _) = self.side.inverse[1..].as_chunks::<LANES>();
+        for ((low, high), inverse) in lows.iter().zip(highs).zip(inverses) {
+            (0..LANES).for_each(|lane| bind(lane, low[lane], high[lane], inverse[lane]));
         }
-        (least, greatest)
+        let left = lows_left.iter().zip(highs_left);
+        for ((&low, &high), &inverse) in left.zip(&self.side.inverse[1 + LANES * lows.len()..]) {
+            bind(0, low, high, inverse);
+        }
+        Span {
+            low: least.into_iter().fold(f64::NEG_INFINITY, f64::max),
+            high: greatest.into_iter().fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// How fast the gates of an empty cone come to agree as its amount rises.
+    fn closing(&self, from: Knot, outer: (usize, Span), cone: Span) -> f64 {
+        let (node, amount) = from;
+        let last = self.side.inverse[outer.0 - node];
+        let binding = |gates: &[f64], binds: &dyn Fn(f64) -> bool| {
+            let slope = |(&gate, &inverse): (&f64, &f64)| {
+                binds((gate - amount) * inverse).then_some(inverse)
+            };
+            gates[node + 1..outer.0]
+                .iter()
+                .zip(&self.side.inverse[1..])
+                .find_map(slope)
+        };
+        let low = binding(&self.low, &|slope| slope >= cone.low);
+        let high = binding(&self.high, &|slope| slope <= cone.high);
+        low.unwrap_or(last) - high.unwrap_or(last)
     }
 
     /// The part of `outer` at node `to` that can be reached from an amount at a node.
-    fn reachable(&self, from: Knot, to: usize, outer: Span) -> Option<Span> {
-        let (least, greatest) = self.cone(from, to, outer);
+    pub(super) fn reachable(&self, from: Knot, to: usize, outer: Span) -> Option<Span> {
+        let slopes = self.cone(from, to, outer);
         let length = (to - from.0) as f64;
-        let low = from.1 + least.slope * length;
-        let high = from.1 + greatest.slope * length;
+        let low = from.1 + slopes.low * length;
+        let high = from.1 + slopes.high * length;
         Span { low, high }.or_none()
     }
 
     /// The part of `inner` at one end of a piece from which `outer` at its other can be reached.
-    fn passable(&self, piece: (usize, usize), inner: Span, outer: Span) -> Option<Span> {
+    pub(super) fn passable(&self, piece: (usize, usize), inner: Span, outer: Span) -> Option<Span> {
         let most = inner.high - inner.low + SLACK;
-        let advance = |start: f64, sense: f64| {
-            let moved = self.advance((piece.0, start), sense, (piece.1, outer))?;
-            (moved <= most).then_some(start + sense * moved)
-        };
-        let low = advance(inner.low, 1.0)?;
-        let high = advance(inner.high, -1.0)?;
+        let outer = (piece.1, outer);
+        let low = inner.low + self.advance((piece.0, inner.low), 1.0, outer, most)?;
+        let high = inner.high - self.advance((piece.0, inner.high), -1.0, outer, most)?;
         Span { low, high }.or_none()
     }
 
-    /// How far an inner amount has to move, upwards or downwards, until the gates agree.
-    fn advance(&self, start: Knot, sense: f64, outer: (usize, Span)) -> Option<f64> {
+    /// How far an inner amount has to move, upwards or downwards, until the gates agree; `None`
+    /// if they never do, or not before `most`.
+    pub(super) fn advance(
+        &self,
+        start: Knot,
+        sense: f64,
+        outer: (usize, Span),
+        most: f64,
+    ) -> Option<f64> {
         let mut moved = 0.0;
         for _ in 0..STEPS {
             let from = (start.0, start.1 + sense * moved);
-            let (least, greatest) = self.cone(from, outer.0, outer.1);
-            let gap = least.slope - greatest.slope;
+            let cone = self.cone(from, outer.0, outer.1);
+            let gap = cone.low - cone.high;
             if gap <= 0.0 {
                 break;
             }
-            let closing = sense * (least.inverse - greatest.inverse);
-            if closing <= 0.0 {
+            let closing = sense * self.closing(from, outer, cone);
+            moved += gap / closing;
+            if closing <= 0.0 || moved > most {
                 return None;
             }
-            moved += gap / closing;
         }
         Some(moved)
     }
@@ -233,41 +276,4 @@ fn near(wanted: f64, limit: f64) -> Option<(f64, f64)> {
         .into_iter()
         .find(|&amount| is_near(amount))?;
     Some((first, last))
-}
-
-/// The gates, and what refuses most choices of breaks at a glance.
-pub(super) struct Sieve<'a> {
-    gates: Gates<'a>,
-    /// Amounts of a node that can be reached from the reference in one piece.
-    from_reference: Vec<Option<Span>>,
-    /// Amounts of a node from which the end can be reached in one piece.
-    to_end: Vec<Option<Span>>,
-}
-
-impl<'a> Sieve<'a> {
-    pub(super) fn new(gates: Gates<'a>) -> Sieve<'a> {
-        C[3].fetch_add(1, Relaxed);
-        let end = gates.side.wanted.len() - 1;
-        let inward = |node| gates.reachable((0, 0.0), node, gates.at(node));
-        let outward = |node| gates.passable((node, end), gates.at(node), gates.at(end));
-        // The reference itself is no break; it only keeps the numbering.
-        Sieve {
-            from_reference: [None].into_iter().chain((1..end).map(inward)).collect(),
-            to_end: [None].into_iter().chain((1..end).map(outward)).collect(),
-            gates,
-        }
-    }
-
-    /// [`Gates::solve`], most refusals at less expense.
-    pub(super) fn solve(&self, ends: &[usize]) -> Option<Chain> {
-        match *ends {
-            [b, c, _] => {
-                let (inner, outer) = (self.from_reference[b]?, self.to_end[c]?);
-                self.gates.passable((b, c), inner, outer)?;
-            }
-            [b, _] if !self.from_reference[b]?.meets(self.to_end[b]?) => return None,
-            _ => {}
-        }
-        self.gates.solve(ends)
-    }
 }

@@ -140,12 +140,14 @@ fn straight_lines_leave_nothing() {
 
 #[test]
 fn a_point_is_repeated_only_where_fewer_pieces_are_better() {
-    let best = fit(&shape([0, 10, 10, 10], [0, 7, 7, 7]), 0);
-    assert_eq!(best.nodes, [0, 10, 10, 10]);
+    let best = fit(&[0.0, 1.0, 0.0, 0.0, -1.0], 0);
+    assert_eq!(best.nodes, [0, 1, 4, 4]);
+    assert_eq!(best.amounts, [0, 1, -1, -1]);
     assert!(best.residual <= 0.0);
     assert_eq!(fit(&[0.0; 9], 0).nodes, [0, 1, 2, 8]);
     assert_eq!(fit(&[0.0; 9], 8).nodes, [0, 1, 2, 8]);
     assert_eq!(fit(&[0.0; 9], 5).nodes, [0, 1, 5, 8]);
+    assert_eq!(fit(&[0.0; 9], 1).nodes, [0, 1, 2, 8]);
 }
 
 #[test]
@@ -247,5 +249,15 @@ proptest! {
     fn large_amounts_are_fitted_too((wanted, reference) in case(20, 9e5)) {
         let best = best_fit(&wanted, reference, u32::MAX).expect("a fit");
         assert_admissible(&best, &wanted, reference);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn no_points_of_more_nodes_are_better((wanted, reference) in case(13, 5.0)) {
+        let best = best_fit(&wanted, reference, 4).expect("a fit");
+        let least = brute_force(&wanted, reference, 4);
+        prop_assert!((best.residual - least).abs() <= 0.0, "{best:?}, but {least}");
     }
 }

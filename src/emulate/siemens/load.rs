@@ -117,7 +117,7 @@ impl Raw<'_> {
             Some(value) if value.is_finite() => Ok(value * um_per_unit),
             Some(_) => Err(self.fault(&format!("point {point} is not a number"))),
             None => Err(self.fault(&format!(
-                "point {point} is not written; the control would keep an older value"
+                "point {point} is missing; the control would keep an older value"
             ))),
         };
         let numbers = self.values.iter().enumerate().map(number);

@@ -1,0 +1,140 @@
+//! Every built-in profile: its facts have a source, what is assumed has a consequence, its files
+//! can be made.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test may stop at what it did not expect"
+)]
+
+mod support;
+
+use nonius::controller::{Evidence, Origin, Profile, builtin};
+use std::collections::BTreeSet;
+
+fn all() -> Vec<Profile> {
+    builtin::ids()
+        .into_iter()
+        .map(|id| builtin::profile(id).unwrap_or_else(|p| panic!("{id}: {}", p.render())))
+        .collect()
+}
+
+#[test]
+fn every_built_in_profile_loads_under_its_own_id() {
+    let ids: Vec<String> = all().into_iter().map(|profile| profile.id).collect();
+    assert_eq!(ids, builtin::ids());
+    assert!(
+        all()
+            .iter()
+            .all(|profile| profile.origin == Origin::BuiltIn)
+    );
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("controllers");
+    let pages = glob::glob(&format!("{}/*.toml", folder.display())).unwrap();
+    assert_eq!(
+        pages.count(),
+        ids.len(),
+        "a page in controllers/ is not built in"
+    );
+}
+
+#[test]
+fn every_fact_has_a_source() {
+    for profile in all() {
+        assert!(!profile.statements.is_empty(), "{}", profile.id);
+        for fact in &profile.statements {
+            let name = format!("{}: {}", profile.id, fact.fact);
+            assert!(!fact.source.trim().is_empty(), "{name} has no source");
+            assert!(!fact.value.trim().is_empty(), "{name} has no value");
+        }
+    }
+}
+
+#[test]
+fn every_assumed_fact_says_what_happens_if_it_is_wrong() {
+    for profile in all() {
+        let assumed = |fact: &&nonius::controller::Statement| fact.evidence == Evidence::Assumed;
+        for fact in profile.statements.iter().filter(assumed) {
+            let consequence = fact.consequence.as_deref().unwrap_or("").trim();
+            assert!(!consequence.is_empty(), "{}: {}", profile.id, fact.fact);
+        }
+    }
+}
+
+#[test]
+fn a_fact_is_stated_once() {
+    for profile in all() {
+        let names: BTreeSet<&str> = profile.statements.iter().map(|s| s.fact.as_str()).collect();
+        assert_eq!(names.len(), profile.statements.len(), "{}", profile.id);
+    }
+}
+
+#[test]
+fn no_fact_claims_to_have_been_executed() {
+    for profile in all() {
+        let executed = profile
+            .statements
+            .iter()
+            .find(|s| s.evidence == Evidence::Executed);
+        assert!(
+            executed.is_none(),
+            "{}: {executed:?} - name the control that ran it in the source and change this test",
+            profile.id
+        );
+    }
+}
+
+/// Both table forms of a Siemens control, everything that a kit can hold.
+#[test]
+fn every_template_renders() {
+    let errors = "axis,direction,position_mm,ex_um,ey_um,ez_um\n\
+        x,+,0,0,0,0\nx,+,100,3,1,2\nx,-,0,-2,0,0\nx,-,100,1,1,2\n\
+        y,,0,0,0,0\ny,,100,1,4,-1\n\
+        z,,0,0,0,0\nz,,100,-2,1,5\n";
+    for profile in all() {
+        let mut rendered = BTreeSet::new();
+        for policy in ["mean", "two-tables"] {
+            let (_, kit) = support::generate(&job(&profile.id, policy), errors);
+            for file in &kit.files {
+                let name = format!("{}: {}", profile.id, file.path);
+                let text = std::str::from_utf8(&file.bytes).unwrap();
+                assert!(text.is_ascii(), "{name} holds more than ASCII");
+                assert!(
+                    !text.contains("{{") && !text.contains("{%"),
+                    "{name}: {text}"
+                );
+                let end = profile.line_end.value.text();
+                assert!(text.ends_with(end), "{name} does not end with a line end");
+                let others = text.replace(end, "");
+                assert!(!others.contains(['\r', '\n']), "{name} mixes line ends");
+                rendered.insert(file.path.clone());
+            }
+        }
+        let missing: Vec<&str> = profile
+            .files
+            .iter()
+            .map(|file| file.path.as_str())
+            .filter(|path| !rendered.contains(*path))
+            .collect();
+        assert!(
+            missing.is_empty(),
+            "{}: {missing:?} were not rendered",
+            profile.id
+        );
+    }
+}
+
+fn job(controller: &str, policy: &str) -> String {
+    let axes: String = ["x", "y", "z"]
+        .iter()
+        .map(|axis| {
+            format!(
+                "[machine.axes.{axis}]\ntravel_mm = [0.0, 100.0]\nreference_mm = 0.0\n\
+                 [compensation.axes.{axis}]\nspacing_mm = 25.0\ndetection_unit_um = 1.0\n"
+            )
+        })
+        .collect();
+    format!(
+        "schema = 1\n[machine]\nname = \"VMC 100\"\n[measurement]\nerrors = \"errors.csv\"\n\
+         active_while_measuring = \"none\"\n[compensation]\ncontroller = \"{controller}\"\n\
+         backlash = \"{policy}\"\n{axes}"
+    )
+}

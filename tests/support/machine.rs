@@ -1,0 +1,644 @@
+//! Generated machines: deviations, job and error table, with the deviations evaluated here.
+//!
+//! Straight lines are evaluated with code of the tests' own, cubics through the public curve; the
+//! zero, the mean of both directions and the reversal are computed here once more.
+
+use super::{Lines, Random};
+use nonius::axis::{Axis, Direction, ErrorTerm};
+use nonius::controller::{Dialect, Profile};
+use nonius::curve::{ErrorCurve, Interpolation};
+use nonius::units::{Deviation, Millimetres};
+use std::fmt::Write;
+
+#[derive(Clone, Debug)]
+enum Shape {
+    Lines(Lines),
+    Cubic(Lines, ErrorCurve),
+}
+
+/// Deviation of one term in one direction as measured, µm over mm, plus a squareness.
+#[derive(Clone, Debug)]
+pub(crate) struct Errors {
+    shape: Shape,
+    pub(crate) slope_um_per_m: f64,
+}
+
+impl Errors {
+    pub(crate) fn new(mm: Vec<f64>, um: Vec<f64>, kind: Interpolation) -> Errors {
+        let lines = Lines { mm, um };
+        let shape = if kind == Interpolation::Linear {
+            Shape::Lines(lines)
+        } else {
+            let positions: Vec<_> = lines.mm.iter().copied().map(Millimetres::new).collect();
+            let values: Vec<_> = lines.um.iter().copied().map(Deviation::from_um).collect();
+            let curve = ErrorCurve::through(&positions, &values, kind);
+            Shape::Cubic(lines, curve)
+        };
+        Errors {
+            shape,
+            slope_um_per_m: 0.0,
+        }
+    }
+
+    pub(crate) fn points(&self) -> &Lines {
+        match &self.shape {
+            Shape::Lines(lines) | Shape::Cubic(lines, _) => lines,
+        }
+    }
+
+    pub(crate) fn range(&self) -> (f64, f64) {
+        let mm = &self.points().mm;
+        (mm[0], mm[mm.len() - 1])
+    }
+
+    pub(crate) fn at(&self, x: f64) -> f64 {
+        let (low, high) = self.range();
+        let base = match &self.shape {
+            Shape::Lines(lines) => lines.at(x),
+            Shape::Cubic(_, curve) => curve.at(Millimetres::new(x)).um(),
+        };
+        base + self.slope_um_per_m / 1000.0 * x.clamp(low, high)
+    }
+}
+
+/// One measured term.
+#[derive(Clone, Debug)]
+pub(crate) struct Term {
+    pub(crate) term: ErrorTerm,
+    pub(crate) directed: bool,
+    pub(crate) plus: Option<Errors>,
+    pub(crate) minus: Option<Errors>,
+    pub(crate) reference: f64,
+    pub(crate) homing: Direction,
+}
+
+impl Term {
+    pub(crate) fn errors(&self, direction: Direction) -> Option<&Errors> {
+        match direction {
+            Direction::Plus => self.plus.as_ref(),
+            Direction::Minus => self.minus.as_ref(),
+        }
+    }
+
+    pub(crate) fn both_ways(&self) -> bool {
+        self.directed && self.plus.is_some() && self.minus.is_some()
+    }
+
+    /// As measured: what is subtracted so that the reference direction is zero at the reference.
+    pub(crate) fn zero(&self) -> f64 {
+        let own = self.errors(self.homing);
+        let curve = own.or(self.plus.as_ref()).or(self.minus.as_ref());
+        curve.unwrap().at(self.reference)
+    }
+
+    /// Deviation relative to the reference.
+    pub(crate) fn deviation(&self, direction: Direction, x: f64) -> f64 {
+        self.errors(direction).unwrap().at(x) - self.zero()
+    }
+
+    pub(crate) fn mean(&self, x: f64) -> f64 {
+        let (plus, minus) = (self.plus.as_ref().unwrap(), self.minus.as_ref().unwrap());
+        let low = plus.range().0.max(minus.range().0);
+        let high = plus.range().1.min(minus.range().1);
+        let x = x.clamp(low, high);
+        (plus.at(x) + minus.at(x)) / 2.0
+    }
+
+    /// Mean of (moving + minus moving −) over the common range: Simpson's rule between all
+    /// points, which is exact for cubics.
+    pub(crate) fn reversal(&self) -> f64 {
+        let (plus, minus) = (self.plus.as_ref().unwrap(), self.minus.as_ref().unwrap());
+        let low = plus.range().0.max(minus.range().0);
+        let high = plus.range().1.min(minus.range().1);
+        let mut places: Vec<f64> = [&plus.points().mm[..], &minus.points().mm[..]].concat();
+        places.retain(|x| *x >= low && *x <= high);
+        places.sort_by(f64::total_cmp);
+        let difference = |x: f64| plus.at(x) - minus.at(x);
+        let area: f64 = places
+            .windows(2)
+            .map(|p| {
+                let middle = (p[0] + p[1]) / 2.0;
+                (p[1] - p[0]) / 6.0
+                    * (difference(p[0]) + 4.0 * difference(middle) + difference(p[1]))
+            })
+            .sum();
+        area / (high - low)
+    }
+
+    /// What the table that acts in `direction` has to cancel.
+    pub(crate) fn target(
+        &self,
+        machine: &Machine,
+        profile: &Profile,
+        direction: Direction,
+        x: f64,
+    ) -> f64 {
+        if !self.both_ways() {
+            let measured = if self.errors(direction).is_some() {
+                direction
+            } else {
+                direction.opposite()
+            };
+            return self.deviation(measured, x);
+        }
+        let from_reference = |direction: Direction| {
+            self.errors(direction).unwrap().at(x)
+                - self.errors(direction).unwrap().at(self.reference)
+        };
+        match machine.policy.unwrap() {
+            "forward-only" => from_reference(Direction::Plus),
+            "curve-and-parameter" => from_reference(self.homing),
+            "two-tables" if self.takes_directions(profile) => self.deviation(direction, x),
+            _ => self.mean(x) - self.mean(self.reference),
+        }
+    }
+
+    pub(crate) fn takes_directions(&self, profile: &Profile) -> bool {
+        !matches!(profile.dialect, Dialect::Fanuc(_)) || self.term.is_positioning()
+    }
+
+    /// Every place where a measured curve bends.
+    pub(crate) fn knots(&self) -> Vec<f64> {
+        let both = [&self.plus, &self.minus];
+        both.into_iter()
+            .flatten()
+            .flat_map(|errors| errors.points().mm.clone())
+            .collect()
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct MachineAxis {
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+    pub(crate) reference: f64,
+    pub(crate) names: Vec<String>,
+    pub(crate) unit_um: Option<f64>,
+    pub(crate) interpolated: bool,
+}
+
+/// A generated machine, its job and its error table.
+pub(crate) struct Machine {
+    pub(crate) axes: Vec<MachineAxis>,
+    pub(crate) terms: Vec<Term>,
+    pub(crate) policy: Option<&'static str>,
+    pub(crate) fit: &'static str,
+    pub(crate) kind: Interpolation,
+    pub(crate) inch: bool,
+    pub(crate) reserved: Vec<[u32; 2]>,
+    pub(crate) job: String,
+    pub(crate) csv: String,
+    pub(crate) features: Vec<&'static str>,
+}
+
+impl Machine {
+    pub(crate) fn axis(&self, axis: Axis) -> &MachineAxis {
+        &self.axes[Axis::ALL.iter().position(|a| *a == axis).unwrap()]
+    }
+
+    pub(crate) fn pairs(&self, term: ErrorTerm) -> Vec<(&str, &str)> {
+        let base = &self.axis(term.along).names[0];
+        let outputs = &self.axis(term.of).names;
+        let pair = |output| (if term.is_positioning() { output } else { base }, output);
+        outputs
+            .iter()
+            .map(pair)
+            .map(|(b, o)| (b.as_str(), o.as_str()))
+            .collect()
+    }
+}
+
+const POLICIES: [&str; 4] = ["mean", "two-tables", "forward-only", "curve-and-parameter"];
+
+/// The machine number `seed` for a profile.
+pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
+    let own: u64 = profile.id.bytes().map(u64::from).sum();
+    let mut random = Random::new(seed as u64 * 10_000 + own);
+    let fanuc = matches!(profile.dialect, Dialect::Fanuc(_));
+    let siemens = matches!(profile.dialect, Dialect::Siemens(_));
+    let mut features = Vec::new();
+    // Cycled, so that every value meets the others; the rest is drawn.
+    let directions = seed % 7; // 0, 1: undirected · 2 … 5: both, one policy each · 6: one way
+    let policy = (2..=5)
+        .contains(&directions)
+        .then(|| POLICIES[directions - 2]);
+    let kind = [
+        Interpolation::Linear,
+        Interpolation::Linear,
+        Interpolation::Pchip,
+        Interpolation::NaturalSpline,
+    ][(seed / 7) % 4];
+    let fit = ["sample", "sample", "least-squares", "minimax"][(seed / 3) % 4];
+    let inch = seed % 5 == 3;
+    let steep = seed % 6 == 1;
+    let nine = !random.once_in(3);
+    features.push(policy.unwrap_or(if directions == 6 {
+        "one way"
+    } else {
+        "undirected"
+    }));
+    features.push(fit);
+    features.push(match kind {
+        Interpolation::Linear => "linear",
+        Interpolation::Pchip => "pchip",
+        Interpolation::NaturalSpline => "natural-spline",
+    });
+    features.extend(inch.then_some("inch"));
+    features.extend(steep.then_some("steep"));
+    features.push(if nine { "nine terms" } else { "fewer terms" });
+
+    let unit_um = random.of(&[1.0, 0.1, 2.5]);
+    let stated_unit = (fanuc || (!siemens && random.once_in(3))).then_some(unit_um);
+    let gantry = random.once_in(4);
+    features.extend(gantry.then_some("gantry"));
+    let measured: Vec<ErrorTerm> = ErrorTerm::ALL
+        .into_iter()
+        .filter(|_| nine || !random.once_in(2))
+        .collect();
+    let measured = if measured.is_empty() {
+        vec![ErrorTerm::ALL[random.below(9)]]
+    } else {
+        measured
+    };
+
+    let mut axes = Vec::new();
+    let mut terms = Vec::new();
+    let mut csv = String::from("axis,direction,position_mm,ex_um,ey_um,ez_um\n");
+    let mut machine_text = String::new();
+    let mut axes_text = String::new();
+    let mut slopes = Vec::new();
+    for (index, axis) in Axis::ALL.into_iter().enumerate() {
+        let length = random.of(&[100.0, 240.0, 500.0, 720.0, 900.0, 1234.567]);
+        let low = random.of(&[0.0, -length, -length / 4.0, 17.5]);
+        let high = low + length;
+        let (from, to) = if random.once_in(3) {
+            (low + 0.11 * length, high - 0.08 * length)
+        } else {
+            (low, high)
+        };
+        let reference = match random.below(6) {
+            0 => low,
+            1 => high,
+            2 => low + 0.05 * length, // off the measured range, where that is shorter
+            3 => low + 0.5 * length,
+            _ => random.between(low, high),
+        };
+        let rounded = |x: f64| (x * 1000.0).round() / 1000.0;
+        let (from, to, reference) = (rounded(from), rounded(to), rounded(reference));
+        features.push(if reference < from || reference > to {
+            "reference not measured"
+        } else if reference <= low || reference >= high {
+            "reference at an end"
+        } else {
+            "reference inside"
+        });
+        let homing = if random.once_in(2) {
+            Direction::Minus
+        } else {
+            Direction::Plus
+        };
+        let homing_stated = homing == Direction::Minus || random.once_in(2);
+        writeln!(
+            machine_text,
+            "[machine.axes.{}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = {reference:?}",
+            axis.key()
+        )
+        .unwrap();
+        if homing_stated {
+            writeln!(machine_text, "reference_direction = \"{homing}\"").unwrap();
+        }
+
+        let default_name = &profile.axis_names.value[index];
+        let names = if gantry && index == 0 {
+            let second = if fanuc {
+                "4"
+            } else if siemens {
+                "AX4"
+            } else {
+                "x2"
+            };
+            vec![default_name.clone(), second.to_string()]
+        } else {
+            vec![default_name.clone()]
+        };
+
+        let along: Vec<ErrorTerm> = measured
+            .iter()
+            .copied()
+            .filter(|t| t.along == axis)
+            .collect();
+        let step_limit = if along.is_empty() {
+            1.0
+        } else {
+            add_terms(
+                &mut random,
+                &along,
+                directions,
+                kind,
+                steep,
+                unit_um,
+                (from, to),
+                reference,
+                homing,
+                length,
+                &mut terms,
+                &mut csv,
+            )
+        };
+        writeln!(axes_text, "[compensation.axes.{}]", axis.key()).unwrap();
+        let interpolated = fanuc && random.once_in(3);
+        features.extend(interpolated.then_some("interpolated"));
+        grid_text(
+            &mut random,
+            &mut axes_text,
+            length,
+            step_limit,
+            fit,
+            &mut features,
+        );
+        if let Some(unit) = stated_unit {
+            writeln!(axes_text, "detection_unit_um = {unit:?}").unwrap();
+        }
+        if names.len() > 1 {
+            writeln!(axes_text, "ids = {names:?}").unwrap();
+        }
+        if fanuc {
+            if interpolated {
+                writeln!(axes_text, "interpolated = true").unwrap();
+            }
+            if random.once_in(4) {
+                features.push("first_point");
+                writeln!(axes_text, "first_point = {}", 150 + 150 * index).unwrap();
+            }
+            if random.once_in(4) {
+                features.push("parameter_3605");
+                writeln!(axes_text, "parameter_3605 = \"10000000\"").unwrap();
+            }
+        }
+        if siemens && random.once_in(4) {
+            writeln!(axes_text, "measuring_system = 2").unwrap();
+        }
+        axes.push(MachineAxis {
+            low,
+            high,
+            reference,
+            names,
+            unit_um: stated_unit,
+            interpolated,
+        });
+    }
+
+    // Squareness of slopes that the measurement does not contain.
+    if random.once_in(4) {
+        for (key, name) in [("xy", "EXY"), ("xz", "EXZ"), ("yz", "EYZ")] {
+            let term = ErrorTerm::from_name(name).unwrap();
+            let own = terms.iter_mut().find(|t: &&mut Term| t.term == term);
+            if let Some(own) = own.filter(|_| !random.once_in(3)) {
+                let slope = random.between(-30.0, 30.0);
+                for errors in [&mut own.plus, &mut own.minus].into_iter().flatten() {
+                    errors.slope_um_per_m = slope;
+                }
+                slopes.push(format!("{key} = {slope:?}"));
+            }
+        }
+    }
+    let squareness = if slopes.is_empty() {
+        String::new()
+    } else {
+        features.push("squareness");
+        format!("[measurement.squareness_um_per_m]\n{}\n", slopes.join("\n"))
+    };
+
+    let reserved: Vec<[u32; 2]> = match random.below(4) {
+        _ if !fanuc => Vec::new(),
+        0 => vec![[0, 20], [600, 640], [6000, 6010], [3000, 3100]],
+        1 => vec![[6120, 6140]],
+        _ => Vec::new(),
+    };
+    features.extend((!reserved.is_empty()).then_some("reserved_points"));
+    let mut control = format!("controller = \"{}\"\nfit = \"{fit}\"\n", profile.id);
+    writeln!(
+        control,
+        "curve = \"{}\"",
+        match kind {
+            Interpolation::Linear => "linear",
+            Interpolation::Pchip => "pchip",
+            Interpolation::NaturalSpline => "natural-spline",
+        }
+    )
+    .unwrap();
+    if inch {
+        control.push_str("control_unit = \"inch\"\n");
+    }
+    if let Some(policy) = policy.filter(|_| terms.iter().any(Term::both_ways)) {
+        writeln!(control, "backlash = \"{policy}\"").unwrap();
+    }
+    if siemens && random.once_in(3) {
+        features.push("first_table");
+        writeln!(control, "first_table = {}", 1 + random.below(3)).unwrap();
+    }
+    if fanuc && random.once_in(3) {
+        features.push("first_set");
+        writeln!(control, "first_set = {}", 1 + random.below(2)).unwrap();
+    }
+    if !reserved.is_empty() {
+        writeln!(control, "reserved_points = {reserved:?}").unwrap();
+    }
+    let listed = random.once_in(4) && terms.len() > 1;
+    if listed {
+        features.push("listed terms");
+        let names: Vec<String> = terms
+            .iter()
+            .enumerate()
+            .filter(|(index, term)| {
+                index % 2 == 0
+                    || (matches!(policy, Some("two-tables" | "curve-and-parameter"))
+                        && term.both_ways())
+            })
+            .map(|(_, term)| term.term.to_string())
+            .collect();
+        writeln!(control, "terms = {names:?}").unwrap();
+    }
+    let job = format!(
+        "schema = 1\n[machine]\nname = \"machine {seed}\"\n{machine_text}\
+         [measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{squareness}\
+         [compensation]\n{control}{axes_text}\
+         [limits]\nmax_correction_um = 5000.0\nmax_slope_um_per_mm = 50.0\n"
+    );
+    Machine {
+        axes,
+        terms,
+        policy,
+        fit,
+        kind,
+        inch,
+        reserved,
+        job,
+        csv,
+        features,
+    }
+}
+
+/// How the points of an axis are chosen.
+fn grid_text(
+    random: &mut Random,
+    text: &mut String,
+    length: f64,
+    residual_um: f64,
+    fit: &str,
+    features: &mut Vec<&'static str>,
+) {
+    let parts = random.of(&[4.0, 9.0, 15.0, 30.0, 60.0]);
+    match random.below(6) {
+        0 => {
+            features.push("points");
+            writeln!(text, "points = {}", 3 + random.below(50)).unwrap();
+        }
+        1 if fit != "minimax" => {
+            features.push("max_residual_um");
+            writeln!(text, "max_residual_um = {residual_um:.3}").unwrap();
+        }
+        2 | 3 => {
+            features.push("dividing spacing");
+            writeln!(text, "spacing_mm = {:?}", length / parts).unwrap();
+        }
+        _ => {
+            features.push("other spacing");
+            let spacing = ((length / parts * 1.0417) * 1000.0).round() / 1000.0;
+            writeln!(text, "spacing_mm = {spacing:?}").unwrap();
+        }
+    }
+}
+
+/// Measured terms of one moving axis with their rows; gives a residual that a grid can keep.
+#[allow(
+    clippy::too_many_arguments,
+    reason = "one step of the generator, split for its length"
+)]
+fn add_terms(
+    random: &mut Random,
+    along: &[ErrorTerm],
+    directions: usize,
+    kind: Interpolation,
+    steep: bool,
+    unit_um: f64,
+    (from, to): (f64, f64),
+    reference: f64,
+    homing: Direction,
+    length: f64,
+    terms: &mut Vec<Term>,
+    csv: &mut String,
+) -> f64 {
+    let count = 4 + random.below(12);
+    let targets = |random: &mut Random, from: f64, to: f64| -> Vec<f64> {
+        let step = (to - from) / (count - 1) as f64;
+        let even = random.once_in(2);
+        (0..count)
+            .map(|i| match i {
+                0 => from,
+                _ if i == count - 1 => to,
+                _ if even => ((from + step * i as f64) * 1000.0).round() / 1000.0,
+                _ => {
+                    let shift = random.between(-0.3, 0.3);
+                    ((from + step * (i as f64 + shift)) * 1000.0).round() / 1000.0
+                }
+            })
+            .collect()
+    };
+    let places: Vec<(Option<Direction>, Vec<f64>)> = match directions {
+        0 | 1 => vec![(None, targets(random, from, to))],
+        6 => {
+            let direction = random.of(&Direction::BOTH);
+            vec![(Some(direction), targets(random, from, to))]
+        }
+        _ => {
+            let plus = targets(random, from, to);
+            let minus = if random.once_in(3) {
+                let shorter = ((to - 0.04 * length) * 1000.0).round() / 1000.0;
+                targets(random, from, shorter)
+            } else {
+                plus.clone()
+            };
+            vec![
+                (Some(Direction::Plus), plus),
+                (Some(Direction::Minus), minus),
+            ]
+        }
+    };
+    let mut largest = 0.0_f64;
+    let mut columns: Vec<Vec<Option<Vec<f64>>>> = vec![vec![None; 3]; places.len()];
+    for term in along {
+        let size = random.of(&[0.0, 2.0, 12.0, 12.0, 45.0]);
+        let offset = random.between(-3.0, 3.0);
+        let tilt = if steep && random.once_in(2) {
+            if unit_um < 0.5 { 0.08 } else { 0.25 }
+        } else {
+            0.0
+        };
+        let waves = 1.0 + random.below(3) as f64;
+        let reversal = if size > 0.0 {
+            random.between(-8.0, 4.0)
+        } else {
+            0.0
+        };
+        let mut curves: Vec<Errors> = Vec::new();
+        let of = Axis::ALL.iter().position(|a| *a == term.of).unwrap();
+        for (index, (direction, mm)) in places.iter().enumerate() {
+            let um: Vec<f64> = mm
+                .iter()
+                .map(|x| {
+                    let part = (x - from) / (to - from);
+                    let wave = (part * waves * std::f64::consts::TAU).sin() * size / 2.0;
+                    let noise = random.between(-0.04, 0.04) * size;
+                    let lost = if *direction == Some(Direction::Minus) {
+                        -reversal
+                    } else {
+                        0.0
+                    };
+                    if size > 0.0 || tilt > 0.0 {
+                        offset + wave + noise + tilt * (x - from) + lost
+                    } else {
+                        0.0
+                    }
+                })
+                .collect();
+            largest = um.iter().fold(largest, |most, um| most.max(um.abs()));
+            columns[index][of] = Some(um.clone());
+            curves.push(Errors::new(mm.clone(), um, kind));
+        }
+        let (plus, minus) = match (&places[0].0, curves.len()) {
+            (None, _) => (Some(curves[0].clone()), Some(curves[0].clone())),
+            (Some(Direction::Plus), 1) => (Some(curves[0].clone()), None),
+            (Some(Direction::Minus), 1) => (None, Some(curves[0].clone())),
+            _ => (Some(curves[0].clone()), Some(curves[1].clone())),
+        };
+        terms.push(Term {
+            term: *term,
+            directed: places[0].0.is_some(),
+            plus,
+            minus,
+            reference,
+            homing,
+        });
+    }
+    for ((direction, mm), columns) in places.iter().zip(&columns) {
+        let sign = direction.map_or("", Direction::symbol);
+        for (row, x) in mm.iter().enumerate() {
+            let cells: Vec<String> = columns
+                .iter()
+                .map(|c| {
+                    c.as_ref()
+                        .map_or(String::new(), |um| format!("{:?}", um[row]))
+                })
+                .collect();
+            writeln!(
+                csv,
+                "{},{sign},{x:?},{}",
+                along[0].along.key(),
+                cells.join(",")
+            )
+            .unwrap();
+        }
+    }
+    (0.12 * largest).max(0.05)
+}

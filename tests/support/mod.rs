@@ -1,0 +1,147 @@
+//! What the integration tests share: kits from texts in memory, the control they would make of
+//! the bytes, a small seeded generator, and a straight-line curve of the tests' own.
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "each test binary uses a part of it; a test may stop at what it did not expect"
+)]
+
+pub(crate) mod machine;
+
+use nonius::axis::Direction;
+use nonius::controller::{Profile, builtin};
+use nonius::document::Source;
+use nonius::emulate::{Emulator, Response};
+use nonius::error_table::ErrorTable;
+use nonius::job::Job;
+use nonius::kit::{self, Inputs, Kit};
+use nonius::readback::kit::{KitFile, read};
+use nonius::table::Tables;
+use nonius::units::Millimetres;
+
+/// Rounding of sums and products of numbers up to a few hundred micrometres.
+pub(crate) const DUST_UM: f64 = 1e-9;
+
+/// The inputs of a kit from their texts.
+pub(crate) fn inputs(job: &str, errors: &str) -> Inputs {
+    let source = |name: &str, text: &str| Source::from_bytes(name, text.as_bytes()).unwrap();
+    let read = |text| Job::read(source("job.toml", text));
+    let read_job = read(job).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
+    let table = ErrorTable::read(source("errors.csv", errors))
+        .unwrap_or_else(|p| panic!("{}\n{errors}", p.render()));
+    let profile = builtin::profile(&read_job.compensation.controller).unwrap();
+    let hashes = vec![
+        kit::hashed("job.toml", job.as_bytes()),
+        kit::hashed("errors.csv", errors.as_bytes()),
+    ];
+    Inputs::new(read_job, profile, &table, hashes)
+        .unwrap_or_else(|p| panic!("{}\n{job}\n{errors}", p.render()))
+}
+
+/// The kit of a job.
+pub(crate) fn generate(job: &str, errors: &str) -> (Inputs, Kit) {
+    let inputs = inputs(job, errors);
+    let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}\n{errors}", p.render()));
+    (inputs, kit)
+}
+
+/// The tables that a control would hold after loading the bytes of the kit.
+pub(crate) fn loaded(profile: &Profile, kit: &Kit) -> Tables {
+    let files: Vec<KitFile<'_>> = kit
+        .files
+        .iter()
+        .map(|file| KitFile {
+            path: &file.path,
+            role: file.role,
+            bytes: &file.bytes,
+        })
+        .collect();
+    read(profile, &files)
+        .unwrap_or_else(|p| panic!("{}", p.render()))
+        .tables
+}
+
+/// The control, loaded with the bytes of the kit, as `profile` describes it.
+pub(crate) fn control(profile: &Profile, kit: &Kit) -> Box<dyn Emulator> {
+    kit::emulator(profile, &loaded(profile, kit), &kit.compiled.state)
+        .unwrap_or_else(|reason| panic!("{}", reason.0))
+}
+
+/// What `output` gets while `base` moves in `direction`.
+pub(crate) fn response(
+    control: &dyn Emulator,
+    base: &str,
+    output: &str,
+    direction: Direction,
+) -> Response {
+    control
+        .response(base, output, direction)
+        .unwrap_or_else(|reason| panic!("{}", reason.0))
+}
+
+/// The correction of a response at a position, µm.
+pub(crate) fn um_at(response: &Response, mm: f64) -> f64 {
+    response.correction(Millimetres::new(mm)).um()
+}
+
+/// A generator of numbers that are the same on every machine (SplitMix64).
+pub(crate) struct Random(u64);
+
+impl Random {
+    pub(crate) fn new(seed: u64) -> Random {
+        Random(seed)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A number of 0 … count − 1.
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        usize::try_from(self.next() % count as u64).unwrap()
+    }
+
+    /// One of a list.
+    pub(crate) fn of<T: Clone>(&mut self, list: &[T]) -> T {
+        list[self.below(list.len())].clone()
+    }
+
+    /// True once in `times`.
+    pub(crate) fn once_in(&mut self, times: usize) -> bool {
+        self.below(times) == 0
+    }
+
+    /// A number between two others, with three decimals.
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+        let part = (self.next() >> 11) as f64 / (1_u64 << 53) as f64;
+        ((low + part * (high - low)) * 1000.0).round() / 1000.0
+    }
+}
+
+/// Straight lines through points, the ends held. Shares nothing with the program.
+#[derive(Clone, Debug)]
+pub(crate) struct Lines {
+    pub(crate) mm: Vec<f64>,
+    pub(crate) um: Vec<f64>,
+}
+
+impl Lines {
+    pub(crate) fn at(&self, x: f64) -> f64 {
+        let last = self.mm.len() - 1;
+        if x <= self.mm[0] {
+            return self.um[0];
+        }
+        if x >= self.mm[last] {
+            return self.um[last];
+        }
+        let right = self.mm.iter().position(|knot| *knot > x).unwrap();
+        let (x0, x1) = (self.mm[right - 1], self.mm[right]);
+        let (y0, y1) = (self.um[right - 1], self.um[right]);
+        y0 + (x - x0) / (x1 - x0) * (y1 - y0)
+    }
+}
