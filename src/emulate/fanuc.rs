@@ -187,8 +187,7 @@ fn pitch_axes(memory: &FanucMemory) -> BTreeSet<u32> {
         .collect()
 }
 
-/// The backlash parameter moves an axis further after a reversal: in + when it returns in −,
-/// in − when it returns in + (docs/fanuc.md §5.3).
+/// The backlash parameter (1851/1852) moves an axis further after a reversal (docs/fanuc.md §5.3).
 fn add_backlash(axis: &AxisState, links: &mut Links) {
     let own = (axis.name.clone(), axis.name.clone());
     let link = links.entry(own).or_default();
