@@ -133,6 +133,19 @@ fn is_compensated(case: &Case<'_>, term: ErrorTerm) -> bool {
     case.kit.plan.tables.iter().any(|table| table.term == term)
 }
 
+/// Whether each direction has a table of its own. Where the policy asks for it and the control
+/// could hold it, anything else has to be said.
+fn two_tables(case: &Case<'_>, term: &Term) -> bool {
+    let mut own = case.kit.plan.tables.iter().filter(|t| t.term == term.term);
+    let directed = own.any(|t| t.direction.is_some());
+    let asked = case.machine.policy == Some("two-tables") && term.both_ways();
+    if asked && !directed && term.takes_directions(case.profile) {
+        let said = format!("{}: the mean of both directions is used", term.term);
+        assert!(case.kit.plan.notes.iter().any(|n| n.starts_with(&said)));
+    }
+    directed
+}
+
 /// Half the last digit of positions in the control's files, mm.
 fn half_position_digit(case: &Case<'_>) -> f64 {
     match case.profile.dialect {
@@ -208,7 +221,7 @@ fn cancels(case: &Case<'_>, term: &Term, base: &str, output: &str) {
             placement.count_um
         );
         let half = placement.fit_residual_um.unwrap_or(count / 2.0);
-        let target = |x: f64| term.target(machine, case.profile, direction, x);
+        let target = |x: f64| term.target(machine, two_tables(case, term), direction, x);
         let (first, last) = (planned.grid.range().0.mm(), planned.grid.range().1.mm());
         let on_grid = |x: f64| x >= first - 1e-3 && x <= last + 1e-3;
 
@@ -488,7 +501,7 @@ fn turned_sign_doubles(
             );
         }
         let reference = case.machine.axis(term.term.along).reference;
-        let zero = term.target(case.machine, case.profile, direction, reference);
+        let zero = term.target(case.machine, two_tables(case, term), direction, reference);
         let planned = case
             .kit
             .plan
@@ -505,7 +518,7 @@ fn turned_sign_doubles(
             if *x < first || *x > last {
                 continue;
             }
-            let own = term.target(case.machine, case.profile, direction, *x) - zero;
+            let own = term.target(case.machine, two_tables(case, term), direction, *x) - zero;
             let at_reference = right.um[right.node_at(reference)];
             deviation = deviation.max(own.abs());
             left = left.max((own - (um - at_reference)).abs());
@@ -760,7 +773,9 @@ fn diagonals_hold(case: &Case<'_>) {
             let name = format!("{}: said {said}, seen {seen}", diagonal.name);
             assert!(*said >= seen - DUST_UM, "{name}");
             let near = if machine.kind == Interpolation::Linear {
-                1e-3
+                // Between two jumps at one place the forecast counts each order of them.
+                let units = machine.axes.iter().filter_map(|axis| axis.unit_um);
+                1e-3 + units.fold(0.0, f64::max)
             } else {
                 0.05 * said + 0.02 // the top of a cubic lies between two steps
             };
