@@ -13,7 +13,7 @@ use crate::grid::{self, Grid, LengthDigit};
 use crate::job::{AxisSettings, BacklashPolicy, GridRequest, Job, MachineAxis, OutsideMeasured};
 use crate::model::ErrorModel;
 use crate::problem::{Problem, Problems};
-use crate::selection::{self, Cost};
+use crate::selection::{self, Budget, Choice, Cost};
 use crate::target::{self, Omission, Target, TermTargets};
 use crate::units::{Deviation, Millimetres};
 
@@ -103,20 +103,21 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
     let (Some(names), Some((mut targets, mut omitted))) = (names, targets) else {
         return Err(problems);
     };
-    let mut notes: Vec<String> = targets.iter().filter_map(|t| t.note.clone()).collect();
-    let costs = costs(task, &names, &targets);
-    if let Some((costs, 0, resource)) = &costs
-        && !costs.is_empty()
-    {
-        problems.push(none_left(task, resource));
+    let mut notes = Vec::new();
+    if let Some((costs, budget)) = costs(task, &names, &targets) {
+        if budget.used > budget.tables && !costs.is_empty() {
+            problems.push(none_left(task, budget));
+            return Err(problems);
+        }
+        if let Some(choice) = selection::choose(task.model, &targets, &costs, budget) {
+            apply(choice, &mut targets, &mut omitted, &mut notes);
+        }
+    }
+    if targets.is_empty() {
+        problems.push(no_table(task, &omitted));
         return Err(problems);
     }
-    if let Some((costs, budget, resource)) = costs
-        && let Some(choice) = selection::choose(task.model, &targets, &costs, budget, resource)
-    {
-        targets.retain(|t| !choice.omitted.iter().any(|o| o.term == t.term));
-        omitted.extend(choice.omitted);
-    }
+    notes.splice(0..0, targets.iter().filter_map(|t| t.note.clone()));
     omitted.sort_by_key(|omission| {
         ErrorTerm::ALL
             .iter()
@@ -138,6 +139,41 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
         omitted,
         notes,
     })
+}
+
+/// What the selection decided, on targets, omissions and notes.
+fn apply(
+    choice: Choice,
+    targets: &mut Vec<TermTargets>,
+    omitted: &mut Vec<Omission>,
+    notes: &mut Vec<String>,
+) {
+    targets.retain(|t| !choice.omitted.iter().any(|o| o.term == t.term));
+    for reduction in choice.reduced {
+        if let Some(own) = targets.iter_mut().find(|t| t.term == reduction.term) {
+            own.take_mean();
+        }
+        notes.push(reduction.reason);
+    }
+    omitted.extend(choice.omitted);
+}
+
+/// Nothing is left to put into files.
+fn no_table(task: Task<'_>, omitted: &[Omission]) -> Problem {
+    let reasons: Vec<String> = omitted
+        .iter()
+        .map(|omission| format!("{}: {}", omission.term, omission.reason))
+        .collect();
+    task.job
+        .problem_at(
+            "compensation.controller",
+            format!(
+                "no measured term gets a table on {}, so there is nothing to write ({})",
+                task.profile.name,
+                reasons.join(" · ")
+            ),
+        )
+        .help("free tables on the control, or compensate terms that need none of them")
 }
 
 fn axis_names(task: Task<'_>) -> Result<PerAxis<Vec<String>>, Problems> {
@@ -218,51 +254,65 @@ fn default_names(task: Task<'_>, names: &PerAxis<Vec<String>>) -> Vec<Axis> {
         .collect()
 }
 
-/// Cost of each term in tables the control has few of, the number it has, and their name.
+/// Cost of each term in tables the control has few of, and how many it has.
 fn costs(
     task: Task<'_>,
     names: &PerAxis<Vec<String>>,
     targets: &[TermTargets],
-) -> Option<(Vec<Cost>, u32, &'static str)> {
-    let compensation = &task.job.compensation;
+) -> Option<(Vec<Cost>, Budget)> {
     let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-    let (budget, resource) = match &task.profile.dialect {
-        Dialect::Siemens(facts) => {
-            let used = compensation.first_table.unwrap_or(0);
-            (facts.cec_tables.value.saturating_sub(used), "CEC tables")
-        }
-        Dialect::Fanuc(facts) => {
-            let used = compensation.first_set.unwrap_or(1).saturating_sub(1);
-            (
-                facts.straightness_sets.value.saturating_sub(used),
-                "straightness sets",
-            )
-        }
-        Dialect::Generic(_) => return None,
-    };
+    let budget = budget(task)?;
     let siemens = matches!(task.profile.dialect, Dialect::Siemens(_));
     let costs = targets
         .iter()
         .filter(|t| t.term.is_cross() || (siemens && t.targets.len() > 1))
-        .map(|t| Cost {
-            term: t.term,
-            tables: count(names[t.term.of].len() * t.targets.len()),
+        .map(|t| {
+            let outputs = names[t.term.of].len();
+            // The mean of a positioning error goes into ENC_COMP, of which each axis has its own.
+            let mean = if t.term.is_positioning() { 0 } else { outputs };
+            Cost {
+                term: t.term,
+                tables: count(outputs * t.targets.len()),
+                mean_tables: t.mean.as_ref().map(|_| count(mean)),
+            }
         })
         .collect();
-    Some((costs, budget, resource))
+    Some((costs, budget))
 }
 
-/// `first_table` or `first_set` lies behind the last one of the control.
-fn none_left(task: Task<'_>, resource: &str) -> Problem {
-    let key = match &task.profile.dialect {
-        Dialect::Siemens(_) => "first_table",
-        _ => "first_set",
-    };
+/// The tables that a control has few of; `None` where it has enough for everything.
+fn budget(task: Task<'_>) -> Option<Budget> {
+    let compensation = &task.job.compensation;
+    match &task.profile.dialect {
+        Dialect::Siemens(facts) => Some(Budget {
+            tables: facts.cec_tables.value,
+            used: compensation.first_table.unwrap_or(0),
+            resource: "CEC tables",
+            key: "first_table",
+        }),
+        Dialect::Fanuc(facts) => Some(Budget {
+            tables: facts.straightness_sets.value,
+            used: compensation.first_set.unwrap_or(1).saturating_sub(1),
+            resource: "straightness sets",
+            key: "first_set",
+        }),
+        Dialect::Generic(_) => None,
+    }
+}
+
+/// `first_table` or `first_set` names one that the control does not have.
+fn none_left(task: Task<'_>, budget: Budget) -> Problem {
+    let Budget {
+        tables,
+        resource,
+        key,
+        ..
+    } = budget;
     task.job
         .problem_at(
             &format!("compensation.{key}"),
             format!(
-                "`{key}` leaves no {resource} of {}, expected a smaller number",
+                "`{key}` lies behind the {tables} {resource} of {}, expected a smaller number",
                 task.profile.name
             ),
         )

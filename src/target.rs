@@ -1,6 +1,6 @@
 //! Which curve each table has to cancel: the backlash policy applied to the measured terms.
 
-use crate::axis::{Direction, ErrorTerm};
+use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::controller::{Dialect, Profile};
 use crate::curve::ErrorCurve;
 use crate::job::{BacklashPolicy, Job, WantedTerms};
@@ -25,6 +25,8 @@ pub struct TermTargets {
     pub term: ErrorTerm,
     /// One for both directions, or one for each.
     pub targets: Vec<Target>,
+    /// The mean of both directions, which can stand in for two tables where the control has few.
+    pub mean: Option<ErrorCurve>,
     /// What the user should know about the choice.
     pub note: Option<String>,
 }
@@ -36,6 +38,17 @@ impl TermTargets {
             .iter()
             .find(|target| target.direction.is_none_or(|d| d == direction))
             .map(|target| &target.curve)
+    }
+
+    /// One table with the mean of both directions instead of two tables.
+    pub fn take_mean(&mut self) {
+        if let Some(curve) = self.mean.take() {
+            self.targets = vec![Target {
+                term: self.term,
+                direction: None,
+                curve,
+            }];
+        }
     }
 }
 
@@ -65,6 +78,7 @@ pub fn targets(
     let mut problems = Problems::none();
     check_wanted(job, model, &mut problems);
     check_policy(job, model, &mut problems);
+    check_one_way(job, model, &mut problems);
     let mut targets = Vec::new();
     let mut omitted = Vec::new();
     for (term, measured) in model.measured() {
@@ -105,20 +119,80 @@ fn check_wanted(job: &Job, model: &ErrorModel, problems: &mut Problems) {
 }
 
 fn check_policy(job: &Job, model: &ErrorModel, problems: &mut Problems) {
-    let both_ways = model
-        .measured()
-        .any(|(term, measured)| wants(job, term) && measured.measured.has_both_ways());
+    let wanted = || model.measured().filter(|(term, _)| wants(job, *term));
+    let both_ways = wanted().any(|(_, measured)| measured.measured.has_both_ways());
+    let one_way = wanted().any(|(_, measured)| matches!(measured.measured, Measured::OneWay(..)));
     match job.compensation.backlash {
         None if both_ways => problems.push(
             job.problem_at("compensation", "the errors were measured in both directions, but `backlash` is not stated; there is no default")
                 .help("write `backlash = \"mean\"`, \"two-tables\", \"forward-only\" or \"curve-and-parameter\""),
         ),
-        Some(policy @ (BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter)) if !both_ways => problems.push(
+        Some(policy @ (BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter)) if !both_ways && !one_way => problems.push(
             job.problem_at("compensation.backlash", format!("`backlash = \"{}\"` needs errors measured in both directions", policy.word()))
                 .help("give the error table a `direction` column with `+` and `-` rows, or leave `backlash` out"),
         ),
         _ => {}
     }
+}
+
+/// A policy for two directions says nothing about an axis that was measured in one.
+fn check_one_way(job: &Job, model: &ErrorModel, problems: &mut Problems) {
+    let Some(policy) = job.compensation.backlash else {
+        return;
+    };
+    for axis in Axis::ALL {
+        for direction in Direction::BOTH {
+            let terms = one_way_terms(job, model, axis, direction);
+            let fits = policy == BacklashPolicy::ForwardOnly && direction == Direction::Plus;
+            if !terms.is_empty() && !fits {
+                problems.push(one_way_problem(job, policy, axis, direction, &terms));
+            }
+        }
+    }
+}
+
+/// The wanted terms along an axis that were measured moving in this direction only.
+fn one_way_terms(
+    job: &Job,
+    model: &ErrorModel,
+    axis: Axis,
+    direction: Direction,
+) -> Vec<ErrorTerm> {
+    let is_one_way =
+        |measured: &Measured| matches!(measured, Measured::OneWay(own, _) if *own == direction);
+    model
+        .measured()
+        .filter(|(term, _)| term.along == axis && wants(job, *term))
+        .filter(|(_, measured)| is_one_way(&measured.measured))
+        .map(|(term, _)| term)
+        .collect()
+}
+
+fn one_way_problem(
+    job: &Job,
+    policy: BacklashPolicy,
+    axis: Axis,
+    direction: Direction,
+    terms: &[ErrorTerm],
+) -> Problem {
+    let names: Vec<String> = terms.iter().map(ErrorTerm::to_string).collect();
+    let needs = match policy {
+        BacklashPolicy::ForwardOnly => "takes the + direction",
+        _ => "needs both directions",
+    };
+    let help = match (policy, direction) {
+        (BacklashPolicy::ForwardOnly, _) => "measure in +, or leave `backlash` out",
+        (_, Direction::Plus) => {
+            "measure both directions, or leave `backlash` out, or write `backlash = \"forward-only\"`"
+        }
+        (_, Direction::Minus) => "measure both directions, or leave `backlash` out",
+    };
+    let message = format!(
+        "`backlash = \"{}\"` {needs}, but axis {axis} was measured in {direction} only ({})",
+        policy.word(),
+        names.join(", ")
+    );
+    job.problem_at("compensation.backlash", message).help(help)
 }
 
 fn term_targets(
@@ -134,13 +208,14 @@ fn term_targets(
             direction: None,
             curve,
         }],
+        mean: None,
         note,
     };
     let (plus, minus) = match &measured.measured {
         Measured::Undirected(curve) => return Ok(one(curve.clone(), None)),
         Measured::OneWay(direction, curve) => {
-            return one_way(job, term, *direction, curve)
-                .map(|note| one(curve.clone(), Some(note)));
+            let note = one_way_note(term, *direction);
+            return Ok(one(curve.clone(), Some(note)));
         }
         Measured::BothWays { plus, minus } => (plus, minus),
     };
@@ -167,6 +242,7 @@ fn term_targets(
                 directed(term, Direction::Plus, plus),
                 directed(term, Direction::Minus, minus),
             ],
+            mean: plus.mean_with(minus).map(|mean| at_reference(&mean)),
             note: None,
         }),
         BacklashPolicy::TwoTables | BacklashPolicy::Mean => {
@@ -191,22 +267,9 @@ fn directed(term: ErrorTerm, direction: Direction, curve: &ErrorCurve) -> Target
     }
 }
 
-fn one_way(
-    job: &Job,
-    term: ErrorTerm,
-    direction: Direction,
-    _: &ErrorCurve,
-) -> Result<String, Problems> {
-    if job.compensation.backlash == Some(BacklashPolicy::ForwardOnly)
-        && direction == Direction::Minus
-    {
-        return Err(job
-            .problem_at("compensation.backlash", format!("`backlash = \"forward-only\"` takes the + direction, but {term} was measured in - only"))
-            .help("measure in +, or leave `backlash` out")
-            .into());
-    }
-    Ok(format!(
+fn one_way_note(term: ErrorTerm, direction: Direction) -> String {
+    format!(
         "{term}: measured moving {direction} only; what it is moving {} is not known",
         direction.opposite()
-    ))
+    )
 }

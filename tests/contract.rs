@@ -133,6 +133,19 @@ fn is_compensated(case: &Case<'_>, term: ErrorTerm) -> bool {
     case.kit.plan.tables.iter().any(|table| table.term == term)
 }
 
+/// Whether each direction has a table of its own. Where the policy asks for it and the control
+/// could hold it, anything else has to be said.
+fn two_tables(case: &Case<'_>, term: &Term) -> bool {
+    let mut own = case.kit.plan.tables.iter().filter(|t| t.term == term.term);
+    let directed = own.any(|t| t.direction.is_some());
+    let asked = case.machine.policy == Some("two-tables") && term.both_ways();
+    if asked && !directed && term.takes_directions(case.profile) {
+        let said = format!("{}: the mean of both directions is used", term.term);
+        assert!(case.kit.plan.notes.iter().any(|n| n.starts_with(&said)));
+    }
+    directed
+}
+
 /// Half the last digit of positions in the control's files, mm.
 fn half_position_digit(case: &Case<'_>) -> f64 {
     match case.profile.dialect {
@@ -208,7 +221,7 @@ fn cancels(case: &Case<'_>, term: &Term, base: &str, output: &str) {
             placement.count_um
         );
         let half = placement.fit_residual_um.unwrap_or(count / 2.0);
-        let target = |x: f64| term.target(machine, case.profile, direction, x);
+        let target = |x: f64| term.target(machine, two_tables(case, term), direction, x);
         let (first, last) = (planned.grid.range().0.mm(), planned.grid.range().1.mm());
         let on_grid = |x: f64| x >= first - 1e-3 && x <= last + 1e-3;
 
@@ -488,7 +501,7 @@ fn turned_sign_doubles(
             );
         }
         let reference = case.machine.axis(term.term.along).reference;
-        let zero = term.target(case.machine, case.profile, direction, reference);
+        let zero = term.target(case.machine, two_tables(case, term), direction, reference);
         let planned = case
             .kit
             .plan
@@ -505,7 +518,7 @@ fn turned_sign_doubles(
             if *x < first || *x > last {
                 continue;
             }
-            let own = term.target(case.machine, case.profile, direction, *x) - zero;
+            let own = term.target(case.machine, two_tables(case, term), direction, *x) - zero;
             let at_reference = right.um[right.node_at(reference)];
             deviation = deviation.max(own.abs());
             left = left.max((own - (um - at_reference)).abs());
@@ -716,6 +729,7 @@ fn diagonals_hold(case: &Case<'_>) {
             .map(|c| if c == 'P' { 1.0 } else { -1.0 })
             .collect();
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        let mut together = 0.0_f64;
         for reverse in [false, true] {
             // Of every term: cosine, its place, and the response in the direction of the walk.
             let walk: Vec<OnWalk<'_>> = machine
@@ -740,6 +754,7 @@ fn diagonals_hold(case: &Case<'_>) {
                     ))
                 })
                 .collect();
+            together = together.max(jumping_together_um(case, &walk, &ends, &signs));
             for t in steps_of_walk(case, &walk, &ends, &signs) {
                 let mut sums = [0.0; 2];
                 for (term, direction, along, cosine, response) in &walk {
@@ -760,7 +775,7 @@ fn diagonals_hold(case: &Case<'_>) {
             let name = format!("{}: said {said}, seen {seen}", diagonal.name);
             assert!(*said >= seen - DUST_UM, "{name}");
             let near = if machine.kind == Interpolation::Linear {
-                1e-3
+                1e-3 + together
             } else {
                 0.05 * said + 0.02 // the top of a cubic lies between two steps
             };
@@ -771,6 +786,39 @@ fn diagonals_hold(case: &Case<'_>) {
 
 /// One term on a walk along a diagonal: its direction, moving axis, cosine, and what it gets.
 type OnWalk<'a> = (&'a Term, Direction, usize, f64, Response);
+
+/// What tables of different axes that jump at one place can add up to: the forecast counts every
+/// order of such jumps, the walk none of them. 0 where no two axes jump together.
+fn jumping_together_um(
+    case: &Case<'_>,
+    walk: &[OnWalk<'_>],
+    ends: &[(f64, f64)],
+    signs: &[f64],
+) -> f64 {
+    let mut jumps: Vec<(f64, usize)> = Vec::new();
+    let mut um = 0.0;
+    for (term, _, along, cosine, response) in walk {
+        let (low, high) = ends[*along];
+        if response.tables().is_empty() {
+            continue;
+        }
+        let held = Held::of(response);
+        let steps = held.um.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        um += cosine.abs() * steps.fold(0.0, f64::max);
+        for x in bends_and_jumps(case, term, &held).1 {
+            let part = (x - low) / (high - low);
+            let travelled = if signs[*along] > 0.0 {
+                part
+            } else {
+                1.0 - part
+            };
+            jumps.push((travelled, *along));
+        }
+    }
+    jumps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let near = |pair: &[(f64, usize)]| pair[1].0 - pair[0].0 < 1e-7 && pair[0].1 != pair[1].1;
+    if jumps.windows(2).any(near) { um } else { 0.0 }
+}
 
 /// Beside every bend and jump and between them; never exactly where axes jump together, for
 /// which of them is first there is rounding.

@@ -120,11 +120,11 @@ impl Term {
         sum / count
     }
 
-    /// What the table that acts in `direction` has to cancel.
+    /// What the table that acts in `direction` has to cancel; `two_tables`: one for each.
     pub(crate) fn target(
         &self,
         machine: &Machine,
-        profile: &Profile,
+        two_tables: bool,
         direction: Direction,
         x: f64,
     ) -> f64 {
@@ -143,7 +143,7 @@ impl Term {
         match machine.policy.unwrap() {
             "forward-only" => from_reference(Direction::Plus),
             "curve-and-parameter" => from_reference(self.homing),
-            "two-tables" if self.takes_directions(profile) => self.deviation(direction, x),
+            "two-tables" if two_tables => self.deviation(direction, x),
             _ => self.mean(x) - self.mean(self.reference),
         }
     }

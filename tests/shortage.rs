@@ -1,0 +1,132 @@
+//! Controls with fewer tables than terms, and tables at the reference.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test may stop at what it did not expect"
+)]
+#![allow(
+    dead_code,
+    reason = "the support of all tests is more than this one needs"
+)]
+
+mod support;
+
+use nonius::axis::ErrorTerm;
+use nonius::controller::builtin;
+use std::fmt::Write;
+
+fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
+    let mut text = format!(
+        "schema = 1\n[machine]\nname = \"VMC\"\n[measurement]\nerrors = \"errors.csv\"\n\
+         active_while_measuring = \"none\"\n[compensation]\ncontroller = \"{controller}\"\n{more}\n"
+    );
+    for axis in ["x", "y", "z"] {
+        writeln!(
+            text,
+            "[machine.axes.{axis}]\ntravel_mm = [0.0, 100.0]\nreference_mm = {reference:?}\n\
+             [compensation.axes.{axis}]\nspacing_mm = {spacing:?}\ndetection_unit_um = 1.0"
+        )
+        .unwrap();
+    }
+    text
+}
+
+#[test]
+fn every_table_is_exactly_zero_at_a_reference_between_measured_points() {
+    let table = "axis,position_mm,ey_um\nx,0,1.812\nx,50,6.457\nx,100,4.722\n";
+    for id in builtin::ids() {
+        for reference in 1..100 {
+            let (_, kit) = support::generate(&job(id, "", f64::from(reference), 10.0), table);
+            for planned in &kit.plan.tables {
+                let node = planned.grid.nodes().reference_node;
+                let um = planned.values[node].um();
+                assert!(um == 0.0, "{id}, reference {reference} mm: {um:e} µm");
+            }
+        }
+    }
+}
+
+#[test]
+fn errors_measured_moving_back_count_in_the_selection() {
+    let mut table = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
+    table += "x,-,0,0,0,0\nx,-,100,3,80,80\n";
+    table += "y,-,0,0,0,0\ny,-,100,3,3,3\nz,-,0,0,0,0\nz,-,100,3,3,3\n";
+    let (_, kit) = support::generate(&job("fanuc-0i-f", "", 0.0, 50.0), &table);
+    let omitted: Vec<String> = kit
+        .plan
+        .omitted
+        .iter()
+        .map(|o| o.term.to_string())
+        .collect();
+    assert_eq!(omitted.len(), 3, "{omitted:?}");
+    assert!(!omitted.contains(&"EYX".to_string()), "{omitted:?}");
+    assert!(!omitted.contains(&"EZX".to_string()), "{omitted:?}");
+}
+
+fn both_ways() -> String {
+    let mut table = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
+    for (index, axis) in ["x", "y", "z"].iter().enumerate() {
+        for (direction, reversal) in [("+", 0.0), ("-", 2.0)] {
+            for row in 0..31 {
+                let x = f64::from(row) / 30.0;
+                let um = |of: usize| {
+                    let size = 4.0 + ((index * 3 + of) * 5 % 9) as f64;
+                    size * (x * (1.5 + of as f64)).sin() + reversal * (1.0 + 0.1 * of as f64)
+                };
+                let position = 100.0 * x;
+                writeln!(
+                    table,
+                    "{axis},{direction},{position},{},{},{}",
+                    um(0),
+                    um(1),
+                    um(2)
+                )
+                .unwrap();
+            }
+        }
+    }
+    table
+}
+
+#[test]
+fn the_828d_takes_the_mean_before_it_leaves_a_term_out() {
+    let two = "backlash = \"two-tables\"";
+    let (_, kit) = support::generate(&job("siemens-828d", two, 0.0, 10.0), &both_ways());
+    let has_table = |term: ErrorTerm| kit.plan.tables.iter().any(|t| t.term == term);
+    assert!(
+        ErrorTerm::ALL.into_iter().all(has_table),
+        "{:?}",
+        kit.plan.omitted
+    );
+    let cec = |t: &&nonius::plan::PlannedTable| t.term.is_cross() || t.direction.is_some();
+    assert_eq!(kit.plan.tables.iter().filter(cec).count(), 8);
+    let means = kit
+        .plan
+        .notes
+        .iter()
+        .filter(|n| n.contains("instead of two tables"));
+    assert_eq!(means.count(), 7, "{:?}", kit.plan.notes);
+}
+
+#[test]
+fn without_a_free_cec_table_positioning_gets_the_mean() {
+    let two = "backlash = \"two-tables\"\nfirst_table = 8";
+    let (_, kit) = support::generate(&job("siemens-828d", two, 0.0, 10.0), &both_ways());
+    let terms: Vec<String> = kit.plan.tables.iter().map(|t| t.term.to_string()).collect();
+    assert_eq!(terms, ["EXX", "EYY", "EZZ"]);
+    assert!(kit.plan.tables.iter().all(|t| t.direction.is_none()));
+    for omission in &kit.plan.omitted {
+        let said = "8 CEC tables, of which 8 are in use (`first_table`), for 18";
+        assert!(omission.reason.contains(said), "{}", omission.reason);
+    }
+    let backlash = kit
+        .compiled
+        .preconditions
+        .iter()
+        .filter(|p| p.what.contains("BACKLASH"));
+    assert!(
+        backlash
+            .into_iter()
+            .all(|p| p.value == "as it was during the measurement")
+    );
+}
