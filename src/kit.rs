@@ -171,7 +171,7 @@ fn ensure_same(
     }
     let headline = if same_tables {
         Problem::new("the files that the templates made set something else than was meant, so nothing is written")
-            .help("a kit sets what its tables need and nothing else (docs/templates.md); `nonius context JOB` prints what a template sees")
+            .help("a kit sets what its tables need and nothing else; `nonius context JOB` prints what a template sees")
     } else {
         Problem::new("the files that the templates made do not read back to the tables that were meant, so nothing is written")
             .help("a template leaves something out, doubles it or changes a number; `nonius context JOB` prints what it sees")
@@ -197,7 +197,8 @@ fn differences(inputs: &Inputs, plan: &Plan, compiled: &Compiled, read: &ReadBac
     let profile = &inputs.profile;
     let found = emulator(profile, &read.tables, &compiled.state);
     let mut words = disagreement::measuring_systems(&compiled.tables, &read.tables);
-    let diagnosis = match (emulator(profile, &compiled.tables, &compiled.state), &found) {
+    let wanted = emulator(profile, &compiled.tables, &compiled.state);
+    let diagnosis = match (&wanted, &found) {
         (Ok(wanted), Ok(found)) => {
             Some(disagreement::compare(plan, wanted.as_ref(), found.as_ref()))
         }

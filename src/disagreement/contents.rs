@@ -1,8 +1,7 @@
 //! What files hold beyond, short of or against what the job writes, in words.
 //!
 //! Emulation sees only what moves an axis of the job. A job owns its tables, their switches and
-//! their memory and nothing else (`docs/interface.md`), so everything else in a file is told here:
-//! foreign points, foreign parameters, foreign machine data.
+//! their memory and nothing else, so everything else in a file is told here: foreign points, foreign parameters, foreign machine data.
 
 mod fanuc;
 mod generic;
