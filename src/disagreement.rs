@@ -4,6 +4,10 @@
 //! happen: turned sign, shifted reference, other spacing, wrong scale, missing points, foreign
 //! axis.
 
+mod contents;
+
+pub use contents::{absent, contents};
+
 use crate::axis::{Direction, ErrorTerm};
 use crate::emulate::{Emulator, NodeTable, Response};
 use crate::forecast::axis_pairs;
@@ -15,8 +19,26 @@ use crate::units::{Correction, Millimetres};
 /// Two corrections closer than this are equal, µm (a picometre).
 const EQUAL_UM: f64 = 1e-6;
 
-/// All disagreements, one sentence each; empty if the tables do what the job asks for.
-pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Vec<String> {
+/// What emulation tells of two sets of tables.
+#[derive(Clone, Debug, Default)]
+pub struct Diagnosis {
+    /// One sentence for each disagreement.
+    pub words: Vec<String>,
+    /// The pairs of moving and corrected axis that the sentences are about.
+    pub pairs: Vec<(String, String)>,
+}
+
+impl Diagnosis {
+    /// Whether a sentence is about these axes.
+    pub fn explains(&self, base: &str, output: &str) -> bool {
+        self.pairs
+            .iter()
+            .any(|(b, o)| b.eq_ignore_ascii_case(base) && o.eq_ignore_ascii_case(output))
+    }
+}
+
+/// All disagreements, one sentence each; none if the tables do what the job asks for.
+pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Diagnosis {
     let mut sentences = Vec::new();
     let mut known = Vec::new();
     let all = responses(plan, expected);
@@ -40,6 +62,10 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Ve
             }
         }
     }
+    let mut pairs: Vec<(String, String)> = sentences
+        .iter()
+        .map(|(label, _)| (label.base.clone(), label.output.clone()))
+        .collect();
     let mut words = join_directions(sentences);
     for (base, output) in found.connected_axes() {
         let is_known = known
@@ -47,9 +73,10 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Ve
             .any(|(b, o)| b.eq_ignore_ascii_case(&base) && o.eq_ignore_ascii_case(&output));
         if !is_known {
             words.push(format!("foreign axis: the tables correct {output} while {base} moves, which the job does not ask for"));
+            pairs.push((base, output));
         }
     }
-    words
+    Diagnosis { words, pairs }
 }
 
 /// ENC_COMP tables of another measuring system than the job states: emulated alike, but without

@@ -157,42 +157,64 @@ fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Prob
     })
 }
 
-/// A template that drops, doubles or changes a number is found here.
+/// A template that drops, doubles, changes or adds something is found here.
 fn ensure_same(
     inputs: &Inputs,
     plan: &Plan,
     compiled: &Compiled,
     read: &ReadBack,
 ) -> Result<(), Problems> {
-    let mut problems = Problems::none();
-    if compiled.tables != read.tables {
-        problems.push(
-            Problem::new("the files that the templates made do not read back to the tables that were meant, so nothing is written")
-                .help("a template leaves something out, doubles it or changes a number; `nonius context JOB` prints what it sees"),
-        );
-        for words in differences(inputs, plan, compiled, &read.tables).unwrap_or_default() {
-            problems.push(Problem::new(words));
-        }
+    let sentences = differences(inputs, plan, compiled, read).words;
+    let same_tables = compiled.tables == read.tables;
+    if same_tables && sentences.is_empty() {
+        return Ok(());
     }
-    for table in &read.not_enabled {
-        problems.push(
-            Problem::new(format!("the enable file does not switch on {table}"))
-                .help("correct the template of the enable file"),
-        );
+    let headline = if same_tables {
+        Problem::new("the files that the templates made set something else than was meant, so nothing is written")
+            .help("a kit sets what its tables need and nothing else; `nonius context JOB` prints what a template sees")
+    } else {
+        Problem::new("the files that the templates made do not read back to the tables that were meant, so nothing is written")
+            .help("a template leaves something out, doubles it or changes a number; `nonius context JOB` prints what it sees")
+    };
+    let mut problems = Problems::from(headline);
+    for words in sentences {
+        problems.push(Problem::new(words));
     }
-    problems.or_ok(())
+    Err(problems)
 }
 
-/// How tables differ from those that were compiled, in words.
-fn differences(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
-    tables: &Tables,
-) -> Result<Vec<String>, CannotEmulate> {
-    let wanted = emulator(&inputs.profile, &compiled.tables, &compiled.state)?;
-    let found = emulator(&inputs.profile, tables, &compiled.state)?;
-    Ok(disagreement::compare(plan, wanted.as_ref(), found.as_ref()))
+/// What was read, against what was compiled.
+struct Differences {
+    /// One sentence for everything surplus, missing or contradictory.
+    words: Vec<String>,
+    /// The control that the files would make, or why there is none.
+    found: Result<Box<dyn Emulator>, CannotEmulate>,
+}
+
+/// How files differ from what was compiled: what the tables do to the axes first, then what else
+/// the files hold.
+fn differences(inputs: &Inputs, plan: &Plan, compiled: &Compiled, read: &ReadBack) -> Differences {
+    let profile = &inputs.profile;
+    let found = emulator(profile, &read.tables, &compiled.state);
+    let mut words = disagreement::measuring_systems(&compiled.tables, &read.tables);
+    let wanted = emulator(profile, &compiled.tables, &compiled.state);
+    let diagnosis = match (&wanted, &found) {
+        (Ok(wanted), Ok(found)) => {
+            Some(disagreement::compare(plan, wanted.as_ref(), found.as_ref()))
+        }
+        (Err(reason), _) | (_, Err(reason)) => {
+            words.push(reason.0.clone());
+            None
+        }
+    };
+    words.extend(diagnosis.iter().flat_map(|d| d.words.clone()));
+    words.extend(disagreement::contents(
+        profile,
+        &compiled.tables,
+        read,
+        diagnosis.as_ref(),
+    ));
+    Differences { words, found }
 }
 
 fn cannot_emulate(reason: &CannotEmulate) -> Problems {
@@ -273,6 +295,8 @@ pub struct Verification {
     pub forecast: Option<Forecast>,
     /// How the tables differ from what the job asks for, one sentence each.
     pub disagreements: Vec<String>,
+    /// What no file of the directory does, and what to see to on the control instead.
+    pub absent: Vec<String>,
     /// Forecast against the acceptance; a disagreement fails.
     pub verdict: Verdict,
 }
@@ -288,38 +312,24 @@ pub fn verify(
     let plan = plan(task)?;
     let compiled = compile(task, &plan)?;
     let read = read(&inputs.profile, files)?;
-    let wanted = emulator(&inputs.profile, &compiled.tables, &compiled.state)
-        .map_err(|e| cannot_emulate(&e))?;
-    disagreements.extend(disagreement::measuring_systems(
-        &compiled.tables,
-        &read.tables,
-    ));
+    emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
+    let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
+    disagreements.extend(words);
     let mut result = None;
-    match emulator(&inputs.profile, &read.tables, &compiled.state) {
-        Ok(found) => {
-            disagreements.extend(disagreement::compare(
-                &plan,
-                wanted.as_ref(),
-                found.as_ref(),
-            ));
-            match forecast(&inputs.model, &plan, found.as_ref()) {
-                Ok(forecast) => result = Some(forecast),
-                Err(reason) => disagreements.push(reason.0),
-            }
+    if let Ok(found) = found {
+        match forecast(&inputs.model, &plan, found.as_ref()) {
+            Ok(forecast) => result = Some(forecast),
+            Err(reason) => disagreements.push(reason.0),
         }
-        Err(reason) => disagreements.push(reason.0),
     }
-    disagreements.extend(
-        read.not_enabled
-            .iter()
-            .map(|table| format!("the enable file does not switch on {table}")),
-    );
     disagreements.dedup();
     let verdict = match &result {
         Some(forecast) if disagreements.is_empty() => forecast.verdict(inputs.job.acceptance),
         _ => Verdict::Fail,
     };
+    let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
     Ok(Verification {
+        absent,
         plan,
         compiled,
         forecast: result,

@@ -23,7 +23,10 @@ pub(super) fn run(job: &Path, directory: &Path, format: Format) -> Result<Answer
             bytes,
         })
         .collect();
-    let verification = verify(&inputs, &files, found.remarks)?;
+    let mut verification = verify(&inputs, &files, found.remarks)?;
+    if found.has_manifest {
+        verification.absent.clear(); // a listed file that is missing was named
+    }
     match format {
         Format::Json => print_json(&document(&verification))?,
         Format::Text => print(&report(&inputs, directory, &verification))?,
@@ -39,6 +42,7 @@ pub(super) fn run(job: &Path, directory: &Path, format: Format) -> Result<Answer
 struct Found {
     files: Vec<(String, Role, Vec<u8>)>,
     remarks: Vec<String>,
+    has_manifest: bool,
 }
 
 fn read_directory(profile: &Profile, directory: &Path) -> Result<Found, Problems> {
@@ -80,12 +84,17 @@ fn read_directory(profile: &Profile, directory: &Path) -> Result<Found, Problems
         files.push((name.clone(), role_of(profile, name), bytes));
     }
     let manifest = directory.join("manifest.json");
-    let remarks = if manifest.is_file() {
+    let has_manifest = manifest.is_file();
+    let remarks = if has_manifest {
         changed_files(&read_file(&manifest)?, &files)?
     } else {
         Vec::new()
     };
-    Ok(Found { files, remarks })
+    Ok(Found {
+        files,
+        remarks,
+        has_manifest,
+    })
 }
 
 /// A file that the profile does not know is taken for tables.
@@ -153,9 +162,15 @@ fn report(inputs: &Inputs, directory: &Path, verification: &Verification) -> Str
         agreement,
         forecast.map(show::forecast).unwrap_or_default(),
         show::verdict(verification.verdict, inputs.job.acceptance, forecast),
+        absent(&verification.absent),
         show::remarks(&verification.plan, &verification.compiled, forecast),
         show::assumptions(&verification.compiled.assumptions),
     ])
+}
+
+fn absent(notes: &[String]) -> String {
+    let lines: Vec<String> = notes.iter().map(|note| format!("note: {note}")).collect();
+    lines.join("\n")
 }
 
 fn document(verification: &Verification) -> Value {
@@ -172,6 +187,11 @@ fn document(verification: &Verification) -> Value {
         );
     }
     let forecast = verification.forecast.as_ref();
+    let notes: Vec<&String> = verification
+        .absent
+        .iter()
+        .chain(&verification.compiled.notes)
+        .collect();
     json!({
         "schema": 1,
         "verdict": verification.verdict.word(),
@@ -180,6 +200,6 @@ fn document(verification: &Verification) -> Value {
         "diagonals": forecast.map(|f| diagonals(&f.diagonals, "forecast_um")),
         "causes": verification.disagreements,
         "assumptions": verification.compiled.assumptions,
-        "notes": verification.compiled.notes,
+        "notes": notes,
     })
 }

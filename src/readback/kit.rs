@@ -23,9 +23,19 @@ pub struct ReadBack {
     pub tables: Tables,
     /// Remarks of the reader.
     pub notes: Vec<String>,
-    /// Tables that no file of the kit switches on, in the control's words (only where the kit
-    /// has files that switch).
-    pub not_enabled: Vec<String>,
+    /// Machine and setting data of every file, also of files that set none (Siemens).
+    pub machine_data: Vec<FileData>,
+}
+
+/// The machine and setting data that one file sets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileData {
+    /// Name of the file.
+    pub path: String,
+    /// What it is for.
+    pub role: Role,
+    /// What it sets.
+    pub data: Vec<siemens::MachineDatum>,
 }
 
 /// Reads all files of a kit through the reader of the profile's dialect. Files for people
@@ -71,7 +81,7 @@ fn plain(tables: Tables) -> ReadBack {
     ReadBack {
         tables,
         notes: Vec::new(),
-        not_enabled: Vec::new(),
+        machine_data: Vec::new(),
     }
 }
 
@@ -90,50 +100,19 @@ fn each<T>(
 
 fn read_siemens(texts: &[(&KitFile<'_>, &str)]) -> Result<ReadBack, Problems> {
     let contents = each(texts, siemens::read)?;
-    let switches: Vec<_> = texts
+    let machine_data = texts
         .iter()
         .zip(&contents)
-        .filter(|((file, _), _)| file.role == Role::Enable)
-        .flat_map(|(_, contents)| contents.machine_data.clone())
+        .map(|((file, _), contents)| FileData {
+            path: file.path.to_string(),
+            role: file.role,
+            data: contents.machine_data.clone(),
+        })
         .collect();
     let merged = siemens::merge(contents)?;
-    let not_enabled = if switches.is_empty() {
-        Vec::new()
-    } else {
-        not_enabled(&merged.tables, &switches)
-    };
     Ok(ReadBack {
         tables: Tables::Siemens(merged.tables),
         notes: merged.notes,
-        not_enabled,
+        machine_data,
     })
-}
-
-fn not_enabled(
-    tables: &crate::table::siemens::SiemensTables,
-    switches: &[siemens::MachineDatum],
-) -> Vec<String> {
-    let is_on = |name: &str, indices: &[&str]| {
-        switches.iter().any(|datum| {
-            datum.name == name
-                && datum.indices == indices
-                && datum.value == siemens::MachineValue::Number(1.0)
-        })
-    };
-    let mut off = Vec::new();
-    for table in &tables.lec {
-        let encoder = table.encoder.to_string();
-        if !is_on("MA_ENC_COMP_ENABLE", &[&encoder, &table.axis]) {
-            off.push(format!("ENC_COMP[{encoder},{}]", table.axis));
-        }
-    }
-    for table in &tables.cec {
-        let number = table.number.to_string();
-        if !is_on("SN_CEC_TABLE_ENABLE", &[&number])
-            || !is_on("MA_CEC_ENABLE", &[&table.output_axis])
-        {
-            off.push(format!("CEC table {number}"));
-        }
-    }
-    off
 }
