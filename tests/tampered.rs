@@ -410,13 +410,16 @@ fn a_whole_file_missing() {
     }
 }
 
+/// A file, what becomes of its text, and what `verify` says.
+type Foreign = (&'static str, fn(&str) -> String, &'static str);
+
 /// Kits without manifest, as they are read out of a control: only the contents can tell.
 #[test]
 fn what_the_job_does_not_own() {
     const ON: &str = "NONIUS_ENABLE.MPF";
     const OFF: &str = "NONIUS_DISABLE.MPF";
     const MEMORY: &str = "NONIUS_MEMORY.TXT";
-    let siemens: [(&str, fn(&str) -> String, &str); 9] = [
+    let siemens: [Foreign; 9] = [
         (
             ON,
             |text| text.replace("NEWCONF", "$MA_BACKLASH[0,AX1]=0.5\nNEWCONF"),
@@ -478,7 +481,7 @@ fn what_the_job_does_not_own() {
     ];
     foreign_contents("siemens-840d-sl", &siemens);
     let (points, parameters) = ("PITCH.TXT", "CNC-PARA.TXT");
-    let fanuc: [(&str, fn(&str) -> String, &str); 4] = [
+    let fanuc: [Foreign; 4] = [
         (
             points,
             |text| behind_first_percent(text, "N11200Q0P5\nN11201Q0P5\n"),
@@ -507,7 +510,7 @@ fn behind_first_percent(text: &str, blocks: &str) -> String {
     text.replacen('%', &format!("%\n{blocks}"), 1)
 }
 
-fn foreign_contents(control: &str, cases: &[(&str, fn(&str) -> String, &str)]) {
+fn foreign_contents(control: &str, cases: &[Foreign]) {
     let (directory, kit) = kit(control);
     fs::remove_file(kit.join("manifest.json")).expect("the file can be removed");
     expect_verdict(directory.path(), "untouched", 0, "job and tables agree");
@@ -544,7 +547,11 @@ fn tables_without_files_that_switch_are_judged_with_a_note() {
     }
     let path = kit.join(EEC);
     let good = fs::read_to_string(&path).expect("the file is there");
-    let bad = good.replace("[0,AX1]", "[1,AX1]").replace("P[0,", "P[1,");
+    let turned = |line: &str| match line.contains(",AX1]") {
+        true => line.replace("[0,", "[1,") + "\n",
+        false => line.to_string() + "\n",
+    };
+    let bad: String = good.lines().map(turned).collect();
     fs::write(&path, bad).expect("the file can be written");
     let says = "foreign measuring system: the ENC_COMP table of AX1 is for system 2";
     expect_verdict(directory.path(), "the other measuring system", 1, says);
