@@ -767,3 +767,20 @@ fn column_values(
         .map(|row| row.numbers[index].map(|number| number * factor))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use super::*;
+
+    #[test]
+    fn quotation_marks_and_empty_rows_do_not_matter() {
+        let text = b"axis;position_mm;\"ex_um\"\n\"x\";\"0\";0,5\n;;\nx; \"1,5\" ;1\n";
+        let source = Source::from_bytes("errors.csv", text).expect("it is text");
+        let table = ErrorTable::read(source).expect("it is a table");
+        let series = &table.series(Axis::X)[0];
+        assert_eq!(series.positions[1], Millimetres::new(1.5));
+        assert_eq!(table.place(series, 1).map(|place| place.line), Some(4));
+    }
+}

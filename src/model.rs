@@ -362,3 +362,15 @@ fn add_squareness(
         },
     };
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_and_column_add_as_squares() {
+        assert_eq!(root_of_squares(Some(3.0), Some(4.0)), Some(5.0));
+        assert_eq!(root_of_squares(None, Some(4.0)), Some(4.0));
+        assert_eq!(root_of_squares(None, None), None);
+    }
+}

@@ -558,3 +558,38 @@ fn acceptance(root: &Section<'_>) -> Acceptance {
     section.refuse_unknown_keys();
     acceptance
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use crate::document::Source;
+    use crate::job::Job;
+
+    const PAGE: &str = r#"
+schema = 1
+[machine]
+name = "VMC"
+[measurement]
+errors = "errors.csv"
+angles = "angles.csv"
+offsets_mm = { x = 1.0, y = 2.0, z = 3.0 }
+[measurement.uncertainty]
+noise_um = 0.5
+laser_ppm = 0.1
+[compensation]
+controller = "generic"
+"#;
+
+    #[test]
+    fn what_is_stated_and_not_used_is_named() {
+        let source = Source::from_bytes("job.toml", PAGE.as_bytes()).expect("it is text");
+        let measurement = Job::read(source).expect("it is a job").measurement;
+        assert_eq!(measurement.noise_um, Some(0.5));
+        let keys = ["`angles`", "offsets_mm", "`laser_ppm`"];
+        assert_eq!(measurement.unused.len(), keys.len());
+        for (sentence, key) in measurement.unused.iter().zip(keys) {
+            assert!(sentence.contains(key), "{sentence}");
+        }
+    }
+}
