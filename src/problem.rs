@@ -31,7 +31,9 @@ const LONGEST_LINE: usize = 200;
 /// Longest sentence; a bound for whatever was put into it.
 const LONGEST_SENTENCE: usize = 1000;
 /// How many problems of one input are kept; the rest is counted.
-const MOST_PROBLEMS: usize = 100;
+const MOST_PROBLEMS: usize = 200;
+/// How many problems are shown; the rest is counted.
+const MOST_SHOWN: usize = 100;
 
 /// A user's text as it is repeated in a sentence: cut where it is long.
 pub fn shown(text: &str) -> String {
@@ -197,7 +199,7 @@ fn clean_line(text: &str) -> String {
 }
 
 /// The problems of an input, in the order they were found, each once. A long list is cut: what
-/// comes after the first hundred is counted only.
+/// comes after the first hundred is only counted when it is shown.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Problems {
     kept: Vec<Problem>,
@@ -267,8 +269,14 @@ impl Problems {
 
     /// All problems as a person reads them, a blank line between.
     pub fn render(&self) -> String {
-        let mut texts: Vec<String> = self.kept.iter().map(Problem::render).collect();
-        match self.more {
+        let mut texts: Vec<String> = self
+            .kept
+            .iter()
+            .take(MOST_SHOWN)
+            .map(Problem::render)
+            .collect();
+        let not_shown = self.kept.len().saturating_sub(MOST_SHOWN);
+        match self.more + not_shown {
             0 => {}
             1 => texts.push("… and 1 more problem".to_string()),
             more => texts.push(format!("… and {more} more problems")),
