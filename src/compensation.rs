@@ -70,6 +70,8 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     assumptions.append(&mut compiled.assumptions);
     compiled.assumptions = assumptions;
     let mut notes = plan.notes.clone();
+    notes.extend(task.job.measurement.unused.iter().cloned());
+    notes.extend(task.model.unused.iter().cloned());
     notes.append(&mut compiled.notes);
     if task.job.measurement.active == ActiveTables::NotStated {
         notes.push(

@@ -4,7 +4,7 @@
 //! unknown key, missing key) with its line and goes on, so that one run shows all of them. The
 //! places of all keys stay available for later checks through [`Source::place_of`].
 
-use crate::problem::{Place, Problem, Problems, nearest};
+use crate::problem::{Place, Problem, Problems, nearest, shown};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -121,7 +121,7 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
         let written = span.clone().and_then(|span| source.text.get(span));
         let problem = match (message, written) {
             ("duplicate key", Some(key)) => {
-                Problem::new(format!("`{key}` stands twice in its section"))
+                Problem::new(format!("`{}` stands twice in its section", shown(key)))
                     .help("keep one of the two")
             }
             _ => Problem::new(format!("not valid TOML: {message}"))
@@ -172,15 +172,15 @@ impl<'a> Section<'a> {
             .table
             .get(key)
             .map_or_else(|| self.span.clone(), Spanned::span);
-        self.note(
+        self.note(|| {
             Problem::new(message)
                 .at(self.source.place(&span))
-                .help(help),
-        );
+                .help(help)
+        });
     }
 
-    fn note(&self, problem: Problem) {
-        self.notes.problems.borrow_mut().push(problem);
+    fn note(&self, make: impl FnOnce() -> Problem) {
+        self.notes.problems.borrow_mut().push_with(make);
     }
 
     fn value(&self, key: &'static str) -> Option<&'a DeValue<'a>> {
@@ -197,7 +197,7 @@ impl<'a> Section<'a> {
         let found = match self.table.get(key).map(Spanned::get_ref) {
             Some(DeValue::Array(_)) => "a list".to_string(),
             Some(DeValue::Table(_)) => "a section".to_string(),
-            _ => format!("`{}`", self.as_written(key).unwrap_or_default()),
+            _ => format!("`{}`", shown(self.as_written(key).unwrap_or_default())),
         };
         self.problem(
             key,
@@ -218,11 +218,11 @@ impl<'a> Section<'a> {
         } else {
             format!("`{key}` is missing in [{}]", self.path)
         };
-        self.note(
+        self.note(|| {
             Problem::new(format!("{place}, expected {expected}"))
                 .at(self.source.place(&self.span))
-                .help(format!("add `{key} = …`")),
-        );
+                .help(format!("add `{key} = …`"))
+        });
     }
 
     /// A sub-section that must be there.
@@ -235,11 +235,11 @@ impl<'a> Section<'a> {
             } else {
                 self.span.clone()
             };
-            self.note(
+            self.note(|| {
                 Problem::new(format!("there is no section [{name}]"))
                     .at(self.source.place(&span))
-                    .help(format!("add `[{name}]`")),
-            );
+                    .help(format!("add `[{name}]`"))
+            });
         }
         self.section(key)
     }
@@ -285,8 +285,63 @@ impl<'a> Section<'a> {
         None
     }
 
+    /// A position or length in mm, no longer than any machine, if the key is present.
+    pub fn millimetres(&self, key: &'static str) -> Option<f64> {
+        let number = self.number(key)?;
+        if number.abs() > LONGEST_MM {
+            self.too_large(key);
+            return None;
+        }
+        Some(number)
+    }
+
+    /// Two positions in mm in square brackets, if the key is present.
+    pub fn pair_of_millimetres(&self, key: &'static str) -> Option<[f64; 2]> {
+        let pair = self.pair(key)?;
+        if pair.iter().any(|number| number.abs() > LONGEST_MM) {
+            self.too_large(key);
+            return None;
+        }
+        Some(pair)
+    }
+
+    /// A number from `low` to `high`, if the key is present.
+    pub fn within(&self, key: &'static str, low: f64, high: f64, unit: &str) -> Option<f64> {
+        let number = self.positive(key)?;
+        if (low..=high).contains(&number) {
+            return Some(number);
+        }
+        let written = shown(self.as_written(key).unwrap_or_default());
+        self.problem(
+            key,
+            format!(
+                "`{}` is `{written}`, expected {low} … {high} {unit}",
+                self.path_of(key)
+            ),
+            "check the number and its unit",
+        );
+        None
+    }
+
+    /// A number of at least zero, if the key is present.
+    pub fn not_negative(&self, key: &'static str) -> Option<f64> {
+        let number = self.number(key)?;
+        if number >= 0.0 {
+            return Some(number);
+        }
+        self.problem(
+            key,
+            format!(
+                "`{}` is {number}, expected a number of at least 0",
+                self.path_of(key)
+            ),
+            format!("write `{key} = …` with a number of at least 0"),
+        );
+        None
+    }
+
     fn too_large(&self, key: &str) {
-        let written = self.as_written(key).unwrap_or_default();
+        let written = shown(self.as_written(key).unwrap_or_default());
         self.problem(
             key,
             format!(
@@ -351,7 +406,11 @@ impl<'a> Section<'a> {
             let path = self.path_of(key);
             self.problem(
                 key,
-                format!("`{path}` is `{word}`, expected one of {}", list.join(", ")),
+                format!(
+                    "`{path}` is `{}`, expected one of {}",
+                    shown(&word),
+                    list.join(", ")
+                ),
                 help,
             );
         }
@@ -469,11 +528,6 @@ impl<'a> Section<'a> {
             .collect()
     }
 
-    /// Declares keys known that this version does not use.
-    pub fn know(&self, keys: &[&'static str]) {
-        self.asked.borrow_mut().extend(keys);
-    }
-
     /// Notes every key that nobody asked for, with the nearest known one. Call it last.
     pub fn refuse_unknown_keys(&self) {
         let known = self.asked.borrow();
@@ -491,17 +545,19 @@ impl<'a> Section<'a> {
             } else {
                 format!(" in [{}]", self.path)
             };
-            self.note(
-                Problem::new(format!("unknown key `{name}`{section}"))
+            self.note(|| {
+                Problem::new(format!("unknown key `{}`{section}", shown(name)))
                     .at(self.source.place(&key.span()))
-                    .help(help),
-            );
+                    .help(help)
+            });
         }
     }
 }
 
 /// No length, deviation or feed of a machine comes near, whatever its unit.
 const LARGEST_NUMBER: f64 = 1e9;
+/// No machine has a kilometre of travel.
+pub const LONGEST_MM: f64 = 1e6;
 
 /// Words in back-quotes, each once.
 fn list_of(words: &[&str]) -> String {

@@ -236,6 +236,7 @@ fn template_problem(file: &EmittedFile, error: &tera::Error) -> Problem {
                 column: span.start_col + 1,
                 width: span.end_col.saturating_sub(span.start_col).max(1),
                 text: text.unwrap_or_default().to_string(),
+                skipped: 0,
             };
             (report.message().to_string(), Some(place))
         }

@@ -6,8 +6,9 @@
 
 use crate::axis::{Axis, Direction, PerAxis};
 use crate::document::Source;
-use crate::problem::{Place, Problem, Problems, nearest};
+use crate::problem::{Place, Problem, Problems, nearest, shown};
 use crate::units::{Deviation, MM_PER_INCH, Millimetres, UM_PER_MM};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// All measured positions of one axis in one direction (or without regard to direction).
@@ -83,25 +84,27 @@ impl ErrorTable {
         let line = *series.lines.get(row)?;
         let text = self.source.text.lines().nth(line - 1)?;
         Some(Place {
-            file: self.source.name.clone(),
             line,
-            column: 1,
-            width: text.chars().count().max(1),
-            text: text.to_string(),
+            ..Place::in_text(&self.source.name, text, 0, text.len())
         })
     }
 }
 
-/// One line of the file, with what is needed to point into it.
+/// One line of the file. Its cells and places are found when they are asked for: a table may have
+/// a million of them.
+#[derive(Clone, Copy)]
 struct Line<'a> {
     file: &'a str,
     number: usize,
     text: &'a str,
-    cells: Vec<String>,
-    starts: Vec<usize>,
+    delimiter: u8,
 }
 
-impl Line<'_> {
+impl<'a> Line<'a> {
+    fn cells(&self) -> Vec<Cow<'a, str>> {
+        cells_of(self.text, self.delimiter)
+    }
+
     fn place(&self, span: Range<usize>) -> Place {
         let inside = Place::in_text(self.file, self.text, span.start, span.end);
         Place {
@@ -110,10 +113,14 @@ impl Line<'_> {
         }
     }
 
+    fn whole(&self) -> Place {
+        self.place(0..self.text.len())
+    }
+
     fn cell_place(&self, index: usize) -> Place {
-        let start = self.starts.get(index).copied().unwrap_or(self.text.len());
-        let end = self
-            .starts
+        let starts = starts_of(self.text, self.delimiter);
+        let start = starts.get(index).copied().unwrap_or(self.text.len());
+        let end = starts
             .get(index + 1)
             .map_or(self.text.len(), |next| next - 1);
         let cell = &self.text[start.min(end)..end];
@@ -134,21 +141,19 @@ impl<'a> Lines<'a> {
             .enumerate()
             .map(|(index, text)| (index + 1, text.trim_end_matches('\r')))
             .filter(|(_, text)| !text.trim().is_empty() && !text.trim_start().starts_with('#'));
-        let content: Vec<(usize, &str)> = content.collect();
-        let delimiter = match content.first() {
+        let mut content = content.peekable();
+        let delimiter = match content.peek() {
             Some((_, header)) if header.contains(';') => b';',
             _ => b',',
         };
         let lines = content
-            .into_iter()
             .map(|(number, text)| Line {
                 file: &source.name,
                 number,
                 text,
-                cells: cells_of(text, delimiter),
-                starts: starts_of(text, delimiter),
+                delimiter,
             })
-            .filter(|line| line.cells.iter().any(|cell| !cell.is_empty()))
+            .filter(|line| !is_empty_row(line.text, delimiter))
             .collect();
         Lines { lines }
     }
@@ -160,23 +165,34 @@ impl<'a> Lines<'a> {
     }
 }
 
-fn cells_of(line: &str, delimiter: u8) -> Vec<String> {
+/// A row of nothing but separators, as spreadsheets write below a table.
+fn is_empty_row(line: &str, delimiter: u8) -> bool {
+    let empty = |c: char| c == char::from(delimiter) || c == '"' || c.is_whitespace();
+    line.chars().all(empty)
+}
+
+fn cells_of(line: &str, delimiter: u8) -> Vec<Cow<'_, str>> {
     if !line.contains('"') {
         let cells = line.split(char::from(delimiter));
-        return cells.map(|cell| cell.trim().to_string()).collect();
+        return cells.map(|cell| Cow::Borrowed(cell.trim())).collect();
     }
-    // Quoted cells are rare; a reader for each such line costs more than the whole file without.
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .delimiter(delimiter)
-        .trim(csv::Trim::All)
-        .from_reader(line.as_bytes());
-    reader
-        .records()
-        .next()
-        .and_then(Result::ok)
-        .map(|record| record.iter().map(str::to_string).collect())
-        .unwrap_or_default()
+    let starts = starts_of(line, delimiter);
+    let ends = starts.iter().skip(1).map(|next| next - 1);
+    starts
+        .iter()
+        .zip(ends.chain(std::iter::once(line.len())))
+        .map(|(start, end)| unquoted(line[*start..end].trim()))
+        .collect()
+}
+
+/// A cell without the quotation marks around it; two of them inside stand for one.
+fn unquoted(cell: &str) -> Cow<'_, str> {
+    let inside = cell.strip_prefix('"').and_then(|c| c.strip_suffix('"'));
+    match inside {
+        Some(inside) if inside.contains('"') => Cow::Owned(inside.replace("\"\"", "\"")),
+        Some(inside) => Cow::Borrowed(inside.trim()),
+        None => Cow::Borrowed(cell),
+    }
 }
 
 fn starts_of(line: &str, delimiter: u8) -> Vec<usize> {
@@ -264,7 +280,8 @@ impl Columns {
         refuse_other_first_line(header)?;
         let mut problems = Problems::none();
         let mut kinds: Vec<Column> = Vec::new();
-        for (index, name) in header.cells.iter().enumerate() {
+        let names: Vec<String> = header.cells().iter().map(ToString::to_string).collect();
+        for (index, name) in names.iter().enumerate() {
             match known.iter().find(|(known, _)| known == name) {
                 Some((_, kind)) => {
                     let twin = kinds.iter().position(|other| same_content(other, kind));
@@ -272,7 +289,7 @@ impl Columns {
                         problems.push(
                             Problem::new(format!(
                                 "column `{name}` gives the same as column `{}` before it",
-                                header.cells[twin]
+                                names[twin]
                             ))
                             .at(header.cell_place(index))
                             .help("keep one of the two"),
@@ -288,7 +305,7 @@ impl Columns {
         }
         problems.or_ok(Columns {
             kinds,
-            names: header.cells.clone(),
+            names,
             decimal_comma: header.text.contains(';'),
         })
     }
@@ -323,7 +340,11 @@ fn same_content(a: &Column, b: &Column) -> bool {
 fn refuse_other_first_line(header: &Line<'_>) -> Result<(), Problem> {
     let message = if header.text.contains('\t') {
         "the columns are separated by tabs, expected commas or semicolons"
-    } else if header.cells.iter().any(|cell| cell.parse::<f64>().is_ok()) {
+    } else if header
+        .cells()
+        .iter()
+        .any(|cell| cell.parse::<f64>().is_ok())
+    {
         "the first line holds numbers, expected the names of the columns"
     } else {
         return Ok(());
@@ -355,7 +376,8 @@ fn unknown_column(
     for (list, what) in [without, other] {
         if !list.is_empty() {
             return Problem::new(format!(
-                "column `{name}` {what}, expected {}",
+                "column `{}` {what}, expected {}",
+                shown(name),
                 list.join(", ")
             ))
             .at(header.cell_place(index))
@@ -366,7 +388,7 @@ fn unknown_column(
         || "columns: axis, direction, position_mm, ex_um, ey_um, ez_um, u_ex_um …".to_string(),
         |near| format!("did you mean `{near}`?"),
     );
-    Problem::new(format!("unknown column `{name}`"))
+    Problem::new(format!("unknown column `{}`", shown(name)))
         .at(header.cell_place(index))
         .help(help)
 }
@@ -400,18 +422,16 @@ fn require_columns(header: &Line<'_>, kinds: &[Column], problems: &mut Problems)
 }
 
 /// A row whose cells could all be read.
-struct Record {
-    line: usize,
-    place: Place,
+struct Record<'a> {
+    line: Line<'a>,
     axis: Axis,
     direction: Option<Direction>,
     position_mm: f64,
     /// One for each column; `None` = empty, and for columns that hold no number.
-    numbers: Vec<Option<f64>>,
-    cell_places: Vec<Place>,
+    numbers: Box<[Option<f64>]>,
 }
 
-fn read_rows(columns: &Columns, rows: &[Line<'_>]) -> (Vec<Record>, Problems) {
+fn read_rows<'a>(columns: &Columns, rows: &[Line<'a>]) -> (Vec<Record<'a>>, Problems) {
     let mut problems = Problems::none();
     let records = rows
         .iter()
@@ -420,7 +440,7 @@ fn read_rows(columns: &Columns, rows: &[Line<'_>]) -> (Vec<Record>, Problems) {
     (records, problems)
 }
 
-fn read_row(columns: &Columns, row: &Line<'_>, problems: &mut Problems) -> Option<Record> {
+fn read_row<'a>(columns: &Columns, row: &Line<'a>, problems: &mut Problems) -> Option<Record<'a>> {
     let expected = columns.kinds.len();
     if row.text.matches('"').count() % 2 == 1 {
         problems.push(
@@ -430,49 +450,50 @@ fn read_row(columns: &Columns, row: &Line<'_>, problems: &mut Problems) -> Optio
         );
         return None;
     }
-    if row.cells.len() != expected {
-        problems.push(wrong_length(row, expected));
+    let cells = row.cells();
+    if cells.len() != expected {
+        problems.push_with(|| wrong_length(row, cells.len(), expected));
         return None;
     }
-    let before = problems.iter().count();
+    let mut complete = true;
     let mut axis = None;
     let mut direction = Some(None);
-    let mut numbers = Vec::new();
+    let mut numbers = Vec::with_capacity(expected);
     for (index, kind) in columns.kinds.iter().enumerate() {
-        let cell = row.cells[index].as_str();
+        let cell = &*cells[index];
         let mut number = None;
         match kind {
             Column::Axis => axis = read_axis(row, index, cell, problems),
             Column::Direction => direction = read_direction(row, index, cell, problems),
             _ if cell.is_empty() => {}
-            _ => number = read_number(columns, row, index, cell, problems),
+            _ => {
+                number = read_number(columns, row, index, cell, problems);
+                complete &= number.is_some();
+            }
         }
         numbers.push(number);
     }
     let at = columns.index_of(|kind| matches!(kind, Column::Position { .. }))?;
-    if row.cells[at].is_empty() {
-        problems.push(
+    if cells[at].is_empty() {
+        problems.push_with(|| {
             Problem::new("the position is empty, expected a number")
                 .at(row.cell_place(at))
-                .help("every row needs its machine coordinate"),
-        );
+                .help("every row needs its machine coordinate")
+        });
     }
-    if problems.iter().count() > before {
+    if !complete {
         return None;
     }
     Some(Record {
-        line: row.number,
-        place: row.place(0..row.text.len()),
+        line: *row,
         axis: axis?,
         direction: direction?,
         position_mm: numbers[at]?,
-        numbers,
-        cell_places: (0..expected).map(|index| row.cell_place(index)).collect(),
+        numbers: numbers.into_boxed_slice(),
     })
 }
 
-fn wrong_length(row: &Line<'_>, expected: usize) -> Problem {
-    let found = row.cells.len();
+fn wrong_length(row: &Line<'_>, found: usize, expected: usize) -> Problem {
     let help = if found > expected {
         "remove what is too much; a decimal comma needs semicolons between the columns"
     } else {
@@ -489,9 +510,12 @@ fn read_axis(row: &Line<'_>, index: usize, cell: &str, problems: &mut Problems) 
     let axis = Axis::from_letter(cell);
     if axis.is_none() {
         problems.push(
-            Problem::new(format!("unknown axis `{cell}`, expected `x`, `y` or `z`"))
-                .at(row.cell_place(index))
-                .help("name the moving axis"),
+            Problem::new(format!(
+                "unknown axis `{}`, expected `x`, `y` or `z`",
+                shown(cell)
+            ))
+            .at(row.cell_place(index))
+            .help("name the moving axis"),
         );
     }
     axis
@@ -510,7 +534,8 @@ fn read_direction(
     if direction.is_none() {
         problems.push(
             Problem::new(format!(
-                "unknown direction `{cell}`, expected `+`, `-` or an empty cell"
+                "unknown direction `{}`, expected `+`, `-` or an empty cell",
+                shown(cell)
             ))
             .at(row.cell_place(index))
             .help("`+` = the axis came from smaller coordinates"),
@@ -527,6 +552,7 @@ fn read_number(
     problems: &mut Problems,
 ) -> Option<f64> {
     let name = &columns.names[index];
+    let quoted = || shown(cell);
     let refuse =
         |message: String, help: &str| Problem::new(message).at(row.cell_place(index)).help(help);
     let text = if columns.decimal_comma {
@@ -545,19 +571,29 @@ fn read_number(
                 Column::Uncertainty { .. } | Column::AngleUncertainty { .. }
             );
             if uncertainty && number < 0.0 {
-                problems.push(refuse(
-                    format!("`{name}` is {cell}, expected an uncertainty of at least 0"),
-                    "write the standard uncertainty, k = 1",
-                ));
+                problems.push_with(|| {
+                    refuse(
+                        format!(
+                            "`{name}` is {}, expected an uncertainty of at least 0",
+                            quoted()
+                        ),
+                        "write the standard uncertainty, k = 1",
+                    )
+                });
                 return None;
             }
             Some(number)
         }
         Some(_) => {
-            problems.push(refuse(
-                format!("`{name}` is `{cell}`, which is too large for any machine"),
-                "check the cell",
-            ));
+            problems.push_with(|| {
+                refuse(
+                    format!(
+                        "`{name}` is `{}`, which is too large for any machine",
+                        quoted()
+                    ),
+                    "check the cell",
+                )
+            });
             None
         }
         None => {
@@ -568,10 +604,12 @@ fn read_number(
             } else {
                 "write a plain number; a column that was not measured stays empty for the whole axis"
             };
-            problems.push(refuse(
-                format!("`{name}` is `{cell}`, expected a finite number"),
-                help,
-            ));
+            problems.push_with(|| {
+                refuse(
+                    format!("`{name}` is `{}`, expected a finite number", quoted()),
+                    help,
+                )
+            });
             None
         }
     }
@@ -582,11 +620,11 @@ const LARGEST_NUMBER: f64 = 1e9;
 
 fn series_of(
     axis: Axis,
-    records: &[Record],
+    records: &[Record<'_>],
     columns: &Columns,
     problems: &mut Problems,
 ) -> Vec<Series> {
-    let of_axis: Vec<&Record> = records
+    let of_axis: Vec<&Record<'_>> = records
         .iter()
         .filter(|record| record.axis == axis)
         .collect();
@@ -595,7 +633,7 @@ fn series_of(
     directions
         .into_iter()
         .filter_map(|direction| {
-            let rows: Vec<&Record> = of_axis
+            let rows: Vec<&Record<'_>> = of_axis
                 .iter()
                 .copied()
                 .filter(|record| record.direction == direction)
@@ -605,7 +643,7 @@ fn series_of(
         .collect()
 }
 
-fn refuse_mixed_directions(axis: Axis, records: &[&Record], problems: &mut Problems) {
+fn refuse_mixed_directions(axis: Axis, records: &[&Record<'_>], problems: &mut Problems) {
     let signed = records.iter().any(|record| record.direction.is_some());
     let unsigned = records.iter().find(|record| record.direction.is_none());
     if let (true, Some(record)) = (signed, unsigned) {
@@ -613,7 +651,7 @@ fn refuse_mixed_directions(axis: Axis, records: &[&Record], problems: &mut Probl
             Problem::new(format!(
                 "axis {axis} has rows with and without a direction, expected one kind"
             ))
-            .at(record.place.clone())
+            .at(record.line.whole())
             .help("give every row of the axis `+` or `-`, or none"),
         );
     }
@@ -622,7 +660,7 @@ fn refuse_mixed_directions(axis: Axis, records: &[&Record], problems: &mut Probl
 fn build_series(
     axis: Axis,
     direction: Option<Direction>,
-    rows: &[&Record],
+    rows: &[&Record<'_>],
     columns: &Columns,
     problems: &mut Problems,
 ) -> Series {
@@ -633,7 +671,7 @@ fn build_series(
         deviations: PerAxis::default(),
         uncertainties_um: PerAxis::default(),
         angles_urad: PerAxis::default(),
-        lines: rows.iter().map(|row| row.line).collect(),
+        lines: rows.iter().map(|row| row.line.number).collect(),
     };
     for (index, kind) in columns.kinds.iter().enumerate() {
         let name = &columns.names[index];
@@ -658,7 +696,7 @@ fn build_series(
     series
 }
 
-fn refuse_unordered(axis: Axis, rows: &[&Record], columns: &Columns, problems: &mut Problems) {
+fn refuse_unordered(axis: Axis, rows: &[&Record<'_>], columns: &Columns, problems: &mut Problems) {
     let unit = columns.position_unit();
     for pair in rows.windows(2) {
         let (before, here) = (pair[0].position_mm, pair[1].position_mm);
@@ -679,12 +717,12 @@ fn refuse_unordered(axis: Axis, rows: &[&Record], columns: &Columns, problems: &
                 "sort the rows of each axis and direction by position",
             )
         };
-        problems.push(Problem::new(message).at(pair[1].place.clone()).help(help));
+        problems.push_with(|| Problem::new(message).at(pair[1].line.whole()).help(help));
     }
 }
 
 fn refuse_single_positions(
-    records: &[Record],
+    records: &[Record<'_>],
     series: &PerAxis<Vec<Series>>,
     problems: &mut Problems,
 ) {
@@ -697,9 +735,9 @@ fn refuse_single_positions(
                 "axis {axis} has a single position, expected at least two"
             ))
             .help("one position makes no curve: give another one, or leave the axis out");
-            let place = records.iter().find(|record| record.line == line);
+            let place = records.iter().find(|record| record.line.number == line);
             problems.push(match place {
-                Some(record) => problem.at(record.place.clone()),
+                Some(record) => problem.at(record.line.whole()),
                 None => problem,
             });
         }
@@ -711,7 +749,7 @@ fn column_values(
     axis: Axis,
     name: &str,
     index: usize,
-    rows: &[&Record],
+    rows: &[&Record<'_>],
     factor: f64,
     problems: &mut Problems,
 ) -> Option<Vec<f64>> {
@@ -721,11 +759,28 @@ fn column_values(
     for row in rows.iter().filter(|row| row.numbers[index].is_none()) {
         problems.push(
             Problem::new(format!("`{name}` is empty in one row of axis {axis}, expected a number as in its other rows"))
-                .at(row.cell_places[index].clone())
+                .at(row.line.cell_place(index))
                 .help("a missing value is never filled in: measure it, or leave the whole column empty for this axis"),
         );
     }
     rows.iter()
         .map(|row| row.numbers[index].map(|number| number * factor))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use super::*;
+
+    #[test]
+    fn quotation_marks_and_empty_rows_do_not_matter() {
+        let text = b"axis;position_mm;\"ex_um\"\n\"x\";\"0\";0,5\n;;\nx; \"1,5\" ;1\n";
+        let source = Source::from_bytes("errors.csv", text).expect("it is text");
+        let table = ErrorTable::read(source).expect("it is a table");
+        let series = &table.series(Axis::X)[0];
+        assert_eq!(series.positions[1], Millimetres::new(1.5));
+        assert_eq!(table.place(series, 1).map(|place| place.line), Some(4));
+    }
 }

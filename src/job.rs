@@ -108,6 +108,10 @@ pub struct Measurement {
     pub squareness: Vec<(ErrorTerm, f64)>,
     /// `[measurement.protocol]`, as it is printed.
     pub protocol: Vec<(String, String)>,
+    /// Standard uncertainty (k = 1) of every single reading by its noise, µm; 0 or more.
+    pub noise_um: Option<f64>,
+    /// What the job states and this version does not use, one sentence each.
+    pub unused: Vec<String>,
 }
 
 /// Which terms to compensate.

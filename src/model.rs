@@ -53,7 +53,8 @@ impl Measured {
 pub struct MeasuredTerm {
     /// Its curves, zero at the reference.
     pub measured: Measured,
-    /// Largest standard uncertainty (k = 1) of its points, µm; `None` = not stated.
+    /// Largest standard uncertainty (k = 1) of its points, µm: the root of the squares of the
+    /// `u_…` column and the job's `noise_um`, or the one that is stated; `None` = neither is.
     pub u_um: Option<f64>,
 }
 
@@ -116,6 +117,8 @@ pub struct ErrorModel {
     pub terms: PerTerm<Option<MeasuredTerm>>,
     /// The measured range of each axis (where all its directions were measured).
     pub ranges: PerAxis<Option<(Millimetres, Millimetres)>>,
+    /// What was measured and this version does not use, one sentence each.
+    pub unused: Vec<String>,
 }
 
 impl ErrorModel {
@@ -142,7 +145,11 @@ impl ErrorModel {
                     .help("fill in what was measured; angles alone make no table for a control"),
             );
         }
-        problems.or_ok(ErrorModel { terms, ranges })
+        problems.or_ok(ErrorModel {
+            terms,
+            ranges,
+            unused: unused_columns(table),
+        })
     }
 
     /// The measured terms in the contract's order.
@@ -164,6 +171,20 @@ impl ErrorModel {
             )
         };
         Some(slope(first, second)? + slope(second, first)?)
+    }
+}
+
+fn unused_columns(table: &ErrorTable) -> Vec<String> {
+    let has_angles = |axis: Axis| {
+        let series = table.series(axis).iter();
+        series
+            .flat_map(|s| Axis::ALL.map(|about| s.angles_urad[about].is_some()))
+            .any(|measured| measured)
+    };
+    if Axis::ALL.into_iter().any(has_angles) {
+        vec!["the angles (`ea_…`, `eb_…`, `ec_…`) of the error table are not used by this version: angular errors are not compensated by these tables".to_string()]
+    } else {
+        Vec::new()
     }
 }
 
@@ -275,13 +296,22 @@ fn measured_term(
         (Some(direction), None) => Measured::OneWay(direction, first),
         (None, None) => Measured::Undirected(first),
     };
-    let u_um = series
+    let column = series
         .iter()
         .filter_map(|s| s.uncertainties_um[term.of].as_ref())
         .flatten()
         .copied()
         .reduce(f64::max);
+    let u_um = root_of_squares(column, job.measurement.noise_um);
     Some(MeasuredTerm { measured, u_um })
+}
+
+/// Two independent standard uncertainties as one; absent if both are.
+fn root_of_squares(first: Option<f64>, second: Option<f64>) -> Option<f64> {
+    match (first, second) {
+        (Some(first), Some(second)) => Some(first.hypot(second)),
+        (one, other) => one.or(other),
+    }
 }
 
 fn value_at_reference(
@@ -338,4 +368,16 @@ fn add_squareness(
             minus: tilt(minus),
         },
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_and_column_add_as_squares() {
+        assert_eq!(root_of_squares(Some(3.0), Some(4.0)), Some(5.0));
+        assert_eq!(root_of_squares(None, Some(4.0)), Some(4.0));
+        assert_eq!(root_of_squares(None, None), None);
+    }
 }

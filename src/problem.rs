@@ -4,7 +4,7 @@
 //! work is a [`Problem`]. All problems of one input are collected and shown together. The text
 //! is drawn by `annotate-snippets`, the way rustc shows its own.
 
-use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use std::fmt;
 
 /// A place in a text file that a user wrote.
@@ -18,8 +18,52 @@ pub struct Place {
     pub column: usize,
     /// How many characters are meant (at least 1).
     pub width: usize,
-    /// The whole line, without its line end.
+    /// The line without its line end; of a long line the part around the column.
     pub text: String,
+    /// How many characters of the line stand before `text`.
+    pub skipped: usize,
+}
+
+/// Longest part of a user's text that is repeated in a sentence, in characters.
+const LONGEST_QUOTE: usize = 60;
+/// Longest part of a line that is shown, in characters.
+const LONGEST_LINE: usize = 200;
+/// Longest sentence; a bound for whatever was put into it.
+const LONGEST_SENTENCE: usize = 1000;
+/// How many problems of one input are kept; the rest is counted.
+const MOST_PROBLEMS: usize = 200;
+/// How many problems are shown; the rest is counted.
+const MOST_SHOWN: usize = 100;
+
+/// A user's text as it is repeated in a sentence: cut where it is long.
+pub fn shown(text: &str) -> String {
+    cut(text, LONGEST_QUOTE)
+}
+
+fn cut(text: &str, longest: usize) -> String {
+    match text.char_indices().nth(longest) {
+        None => text.to_string(),
+        Some((at, _)) => format!("{}…", &text[..at]),
+    }
+}
+
+/// The part of a line that is shown, and how many characters stand before it.
+fn window(line: &str, column: usize) -> (String, usize) {
+    if line.chars().nth(LONGEST_LINE).is_none() {
+        return (line.to_string(), 0);
+    }
+    let skipped = if column <= LONGEST_LINE / 2 {
+        0
+    } else {
+        column - LONGEST_LINE / 4
+    };
+    let start = byte_of_column(line, skipped + 1);
+    let part = cut(&line[start..], LONGEST_LINE);
+    if skipped == 0 {
+        (part, 0)
+    } else {
+        (format!("…{part}"), skipped - 1)
+    }
 }
 
 impl Place {
@@ -33,12 +77,15 @@ impl Place {
             source,
             end.clamp(start, line_start + text.len().max(start - line_start)),
         );
+        let column = source[line_start..start].chars().count() + 1;
+        let (text, skipped) = window(text, column);
         Place {
             file: file.to_string(),
             line: source[..start].matches('\n').count() + 1,
-            column: source[line_start..start].chars().count() + 1,
+            column,
             width: source[start..end].chars().count().max(1),
-            text: text.to_string(),
+            text,
+            skipped,
         }
     }
 }
@@ -66,7 +113,7 @@ impl Problem {
     /// A problem without a place.
     pub fn new(message: impl Into<String>) -> Self {
         Problem {
-            message: message.into(),
+            message: bounded(message.into()),
             place: None,
             help: None,
         }
@@ -82,7 +129,7 @@ impl Problem {
     /// The same, with the next step.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.help = Some(bounded(help.into()));
         self
     }
 
@@ -93,19 +140,30 @@ impl Problem {
         let source;
         if let Some(place) = &self.place {
             source = clean_line(&place.text);
-            let start = byte_of_column(&source, place.column);
-            let end = byte_of_column(&source, place.column + place.width).max(start);
-            group = group.element(
-                Snippet::source(source.as_str())
-                    .path(place.file.as_str())
-                    .line_start(place.line)
-                    .annotation(AnnotationKind::Primary.span(start..end)),
-            );
+            let column = place.column.saturating_sub(place.skipped).max(1);
+            let start = byte_of_column(&source, column);
+            let end = byte_of_column(&source, column + place.width).max(start);
+            let mut snippet = Snippet::source(source.as_str()).line_start(place.line);
+            if place.skipped == 0 {
+                snippet = snippet.path(place.file.as_str());
+            } else {
+                let origin = Origin::path(place.file.as_str());
+                group = group.element(origin.line(place.line).char_column(place.column));
+            }
+            group = group.element(snippet.annotation(AnnotationKind::Primary.span(start..end)));
         }
         if let Some(help) = &self.help {
             group = group.element(Level::HELP.message(clean(help)));
         }
         Renderer::plain().render(&[group])
+    }
+}
+
+fn bounded(sentence: String) -> String {
+    if sentence.len() <= LONGEST_SENTENCE {
+        sentence
+    } else {
+        cut(&sentence, LONGEST_SENTENCE)
     }
 }
 
@@ -127,9 +185,7 @@ fn clean(text: &str) -> String {
 }
 
 fn clean_line(text: &str) -> String {
-    const LONGEST_LINE_SHOWN: usize = 400;
     text.chars()
-        .take(LONGEST_LINE_SHOWN)
         .map(|c| {
             if c == '\t' {
                 ' '
@@ -142,9 +198,13 @@ fn clean_line(text: &str) -> String {
         .collect()
 }
 
-/// All problems of an input, in the order they were found.
+/// The problems of an input, in the order they were found, each once. A long list is cut: what
+/// comes after the first hundred is only counted when it is shown.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Problems(Vec<Problem>);
+pub struct Problems {
+    kept: Vec<Problem>,
+    more: usize,
+}
 
 impl Problems {
     /// No problem so far.
@@ -154,12 +214,27 @@ impl Problems {
 
     /// Adds one.
     pub fn push(&mut self, problem: Problem) {
-        self.0.push(problem);
+        self.push_with(|| problem);
+    }
+
+    /// Adds one that is only made if it is going to be kept.
+    pub fn push_with(&mut self, make: impl FnOnce() -> Problem) {
+        if self.kept.len() >= MOST_PROBLEMS {
+            self.more += 1;
+            return;
+        }
+        let problem = make();
+        if !self.kept.contains(&problem) {
+            self.kept.push(problem);
+        }
     }
 
     /// Adds all of another list.
     pub fn extend(&mut self, others: Problems) {
-        self.0.extend(others.0);
+        for problem in others.kept {
+            self.push(problem);
+        }
+        self.more += others.more;
     }
 
     /// Keeps the value, or notes the problems and gives nothing.
@@ -175,12 +250,12 @@ impl Problems {
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.kept.is_empty()
     }
 
-    /// The problems, one by one.
+    /// The problems that were kept, one by one.
     pub fn iter(&self) -> impl Iterator<Item = &Problem> {
-        self.0.iter()
+        self.kept.iter()
     }
 
     /// `Ok` with the value if there is no problem.
@@ -194,14 +269,28 @@ impl Problems {
 
     /// All problems as a person reads them, a blank line between.
     pub fn render(&self) -> String {
-        let texts: Vec<String> = self.0.iter().map(Problem::render).collect();
+        let mut texts: Vec<String> = self
+            .kept
+            .iter()
+            .take(MOST_SHOWN)
+            .map(Problem::render)
+            .collect();
+        let not_shown = self.kept.len().saturating_sub(MOST_SHOWN);
+        match self.more + not_shown {
+            0 => {}
+            1 => texts.push("… and 1 more problem".to_string()),
+            more => texts.push(format!("… and {more} more problems")),
+        }
         texts.join("\n\n")
     }
 }
 
 impl From<Problem> for Problems {
     fn from(problem: Problem) -> Self {
-        Problems(vec![problem])
+        Problems {
+            kept: vec![problem],
+            more: 0,
+        }
     }
 }
 
@@ -220,4 +309,51 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .filter(|(likeness, _)| *likeness >= LIKENESS)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use super::*;
+
+    #[test]
+    fn a_long_list_is_counted_and_twins_are_dropped() {
+        let mut problems = Problems::none();
+        for row in 0..250 {
+            problems.push(Problem::new(format!("row {row}")));
+            problems.push(Problem::new("row 0"));
+        }
+        assert_eq!(problems.iter().count(), MOST_PROBLEMS);
+        let text = problems.render();
+        assert!(text.ends_with("more problems"), "{text}");
+        assert_eq!(text.matches("row 0\n").count(), 1);
+    }
+
+    #[test]
+    fn a_long_line_is_cut_around_its_column() {
+        let line = format!("{}wrong{}", "ä".repeat(5000), "b".repeat(5000));
+        let start = "ä".len() * 5000;
+        let place = Place::in_text("table.csv", &line, start, start + 5);
+        assert_eq!((place.column, place.width), (5001, 5));
+        assert!(place.text.chars().count() <= LONGEST_LINE + 2);
+        let text = Problem::new("it is wrong").at(place).render();
+        assert!(text.contains("table.csv:1:5001"), "{text}");
+        let lines: Vec<&str> = text.lines().collect();
+        let carets = lines.iter().position(|line| line.contains('^'));
+        let carets = carets.expect("the place is marked");
+        let at = |text: &str, what: &str| text.find(what).map(|at| text[..at].chars().count());
+        assert_eq!(at(lines[carets], "^^^^^"), at(lines[carets - 1], "wrong"));
+    }
+
+    #[test]
+    fn a_long_text_is_cut_in_a_sentence() {
+        assert_eq!(
+            shown(&"x".repeat(3_000_000)).chars().count(),
+            LONGEST_QUOTE + 1
+        );
+        assert_eq!(shown("short"), "short");
+        let message = Problem::new("x".repeat(3_000_000)).message;
+        assert_eq!(message.chars().count(), LONGEST_SENTENCE + 1);
+    }
 }

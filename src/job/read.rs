@@ -3,17 +3,26 @@
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::controller::LengthUnit;
 use crate::curve::Interpolation;
-use crate::document::Section;
+use crate::document::{LONGEST_MM, Section};
 use crate::fit::Fit;
 use crate::job::{
     Acceptance, ActiveTables, AxisSettings, BacklashPolicy, Compensation, GridRequest, Limits,
     Machine, MachineAxis, Measurement, OutsideMeasured, WantedTerms,
 };
-use crate::problem::nearest;
+use crate::problem::{nearest, shown};
 use crate::units::Millimetres;
 
 const DEFAULT_MAX_CORRECTION_UM: f64 = 500.0; // contract §2.3
 const DEFAULT_MAX_SLOPE_UM_PER_MM: f64 = 1.0; // contract §2.3
+
+// Beyond these numbers a job describes no machine; within them no calculation overflows.
+const SMALLEST_DETECTION_UNIT_UM: f64 = 1e-6;
+const LARGEST_DETECTION_UNIT_UM: f64 = 1000.0;
+const SMALLEST_SPACING_MM: f64 = 1e-6;
+const SMALLEST_FEED_MM_PER_MIN: f64 = 1e-3;
+const LARGEST_FEED_MM_PER_MIN: f64 = 1e6;
+const SMALLEST_LIMIT: f64 = 1e-6;
+const LARGEST_LIMIT: f64 = 1e9;
 
 type Parts = (Machine, Measurement, Compensation, Limits, Acceptance);
 
@@ -64,7 +73,7 @@ fn machine(section: &Section<'_>) -> Option<Machine> {
     {
         section.problem(
             "chain",
-            format!("`chain` is `{chain}`, expected each of X, Y, Z once, `w` where the workpiece is and `t` at the end"),
+            format!("`chain` is `{}`, expected each of X, Y, Z once, `w` where the workpiece is and `t` at the end", shown(chain)),
             "for instance `wXYZt`, `XwYZt` or `XYwZt`",
         );
     }
@@ -108,19 +117,29 @@ fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {
             "the machine coordinate of the reference point",
         );
     }
-    let travel = section.pair("travel_mm");
+    let travel = section.pair_of_millimetres("travel_mm");
     if let Some([low, high]) = travel
         && low >= high
     {
+        let message = if low > high {
+            format!("the travel ends at {high} mm, before it begins at {low} mm")
+        } else {
+            format!("the travel begins and ends at {low} mm, expected two different ends")
+        };
         section.problem(
             "travel_mm",
-            format!("the travel ends at {high} mm, before it begins at {low} mm"),
+            message,
             "write [smallest, largest] machine coordinate",
         );
     }
-    let reference = section.number("reference_mm");
+    let reference = section.millimetres("reference_mm");
     let reference_direction = direction(section, "reference_direction");
-    let max_feed = section.positive("max_feed_mm_per_min");
+    let max_feed = section.within(
+        "max_feed_mm_per_min",
+        SMALLEST_FEED_MM_PER_MIN,
+        LARGEST_FEED_MM_PER_MIN,
+        "mm/min",
+    );
     section.refuse_unknown_keys();
     let [low, high] = travel.filter(|[low, high]| low < high)?;
     Some(MachineAxis {
@@ -151,14 +170,15 @@ fn measurement(section: &Section<'_>) -> Option<Measurement> {
         .section("squareness_um_per_m")
         .map(|s| squareness(&s));
     let protocol = section.section("protocol").map(|s| s.entries());
-    // Keys of the contract that concern angles, readings and uncertainty of later steps.
-    section.know(&[
-        "angles",
-        "offsets_mm",
-        "tool_offset_mm",
-        "uncertainty",
-        "step_diagonal",
-    ]);
+    let mut unused = angles(section);
+    let noise_um = uncertainty(section, &mut unused);
+    if !readings && section.has("step_diagonal") {
+        section.problem(
+            "step_diagonal",
+            "`[measurement.step_diagonal]` describes how readings were taken; it is allowed only with readings",
+            "remove it: `errors` are separated already",
+        );
+    }
     section.refuse_unknown_keys();
     if readings {
         return None;
@@ -169,7 +189,45 @@ fn measurement(section: &Section<'_>) -> Option<Measurement> {
         active,
         squareness: squareness.unwrap_or_default(),
         protocol: protocol.unwrap_or_default(),
+        noise_um,
+        unused,
     })
+}
+
+/// Checks what the job states for angles; gives a sentence for each that is not used.
+fn angles(section: &Section<'_>) -> Vec<String> {
+    let mut unused = Vec::new();
+    if section.text("angles").is_some() {
+        unused.push("`angles` is not used by this version, and its file is not read: angular errors are not compensated by these tables".to_string());
+    }
+    for key in ["offsets_mm", "tool_offset_mm"] {
+        let Some(offsets) = section.section(key) else {
+            continue;
+        };
+        for axis in Axis::ALL {
+            offsets.millimetres(axis.key());
+        }
+        offsets.refuse_unknown_keys();
+        unused.push(format!(
+            "`[measurement.{key}]` is not used by this version: it matters with angles only, and angular errors are not compensated by these tables"
+        ));
+    }
+    unused
+}
+
+/// The noise of `[measurement.uncertainty]`; the other parts are checked and named as not used.
+fn uncertainty(section: &Section<'_>, unused: &mut Vec<String>) -> Option<f64> {
+    let section = section.section("uncertainty")?;
+    let noise_um = section.not_negative("noise_um");
+    for key in ["laser_ppm", "temperature_k", "alpha_per_k"] {
+        if section.not_negative(key).is_some() {
+            unused.push(format!(
+                "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column and `noise_um` state"
+            ));
+        }
+    }
+    section.refuse_unknown_keys();
+    noise_um
 }
 
 fn active_tables(section: &Section<'_>) -> ActiveTables {
@@ -283,7 +341,10 @@ fn terms(section: &Section<'_>) -> WantedTerms {
         };
         section.problem(
             "terms",
-            format!("`terms` is `{word}`, expected `all` or a list of terms"),
+            format!(
+                "`terms` is `{}`, expected `all` or a list of terms",
+                shown(&word)
+            ),
             help,
         );
     }
@@ -297,7 +358,7 @@ fn listed_terms(section: &Section<'_>) -> WantedTerms {
             Some(term) if listed.contains(&term) => {
                 section.problem(
                     "terms",
-                    format!("`{name}` stands twice in `terms`"),
+                    format!("`{}` stands twice in `terms`", shown(&name)),
                     "remove one",
                 );
             }
@@ -321,7 +382,7 @@ fn unknown_term(section: &Section<'_>, name: &str) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("terms: {}", names.join(", ")),
     };
-    section.problem("terms", format!("unknown term `{name}`"), help);
+    section.problem("terms", format!("unknown term `{}`", shown(name)), help);
 }
 
 fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
@@ -335,18 +396,28 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
             "1 = motor encoder or first system, 2 = direct scale",
         );
     }
-    let detection_unit_um = section.positive("detection_unit_um");
+    let detection_unit_um = section.within(
+        "detection_unit_um",
+        SMALLEST_DETECTION_UNIT_UM,
+        LARGEST_DETECTION_UNIT_UM,
+        "µm",
+    );
     let first_point = section.whole("first_point");
     let parameter_3605 = bits(section, "parameter_3605");
     let interpolated = section.flag("interpolated");
-    let start_mm = section.number("start_mm");
-    let end_mm = section.number("end_mm");
+    let start_mm = section.millimetres("start_mm");
+    let end_mm = section.millimetres("end_mm");
     if let (Some(start), Some(end)) = (start_mm, end_mm)
         && start >= end
     {
+        let message = if start > end {
+            format!("the table ends at {end} mm, before it begins at {start} mm")
+        } else {
+            format!("the table begins and ends at {start} mm, expected two different ends")
+        };
         section.problem(
             "end_mm",
-            format!("the table ends at {end} mm, before it begins at {start} mm"),
+            message,
             "give the smaller coordinate as `start_mm`",
         );
     }
@@ -373,7 +444,9 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
 }
 
 fn grid_request(section: &Section<'_>) -> Option<GridRequest> {
-    let spacing = section.positive("spacing_mm").map(GridRequest::Spacing);
+    let spacing = section
+        .within("spacing_mm", SMALLEST_SPACING_MM, LONGEST_MM, "mm")
+        .map(GridRequest::Spacing);
     let points = section.whole("points");
     if let Some(few) = points.filter(|n| *n < 2) {
         section.problem(
@@ -384,7 +457,7 @@ fn grid_request(section: &Section<'_>) -> Option<GridRequest> {
     }
     let points = points.map(GridRequest::Points);
     let residual = section
-        .positive("max_residual_um")
+        .within("max_residual_um", SMALLEST_LIMIT, LARGEST_LIMIT, "µm")
         .map(GridRequest::MaxResidual);
     let given: Vec<GridRequest> = [spacing, points, residual].into_iter().flatten().collect();
     if given.len() > 1 {
@@ -419,7 +492,7 @@ fn axis_ids(section: &Section<'_>) -> Vec<String> {
             let found = if id.is_empty() {
                 "an axis name is empty".to_string()
             } else {
-                format!("`{id}` is no axis name")
+                format!("`{}` is no axis name", shown(id))
             };
             section.problem(
                 key,
@@ -430,7 +503,7 @@ fn axis_ids(section: &Section<'_>) -> Vec<String> {
         if all[..index].contains(id) {
             section.problem(
                 key,
-                format!("`{id}` stands twice"),
+                format!("`{}` stands twice", shown(id)),
                 "every physical axis once",
             );
         }
@@ -446,7 +519,10 @@ fn bits(section: &Section<'_>, key: &'static str) -> Option<u8> {
     if bits.is_none() || text.contains('+') {
         section.problem(
             key,
-            format!("`{key}` is `{text}`, expected eight digits 0 or 1, bit 7 first"),
+            format!(
+                "`{key}` is `{}`, expected eight digits 0 or 1, bit 7 first",
+                shown(&text)
+            ),
             "read the parameter out of the control and copy it, e.g. \"00000000\"",
         );
     }
@@ -455,15 +531,15 @@ fn bits(section: &Section<'_>, key: &'static str) -> Option<u8> {
 
 fn limits(root: &Section<'_>) -> Limits {
     let section = root.section("limits");
-    let read = |key, default| {
+    let read = |key, unit, default| {
         section
             .as_ref()
-            .and_then(|s| s.positive(key))
+            .and_then(|s| s.within(key, SMALLEST_LIMIT, LARGEST_LIMIT, unit))
             .unwrap_or(default)
     };
     let limits = Limits {
-        max_correction_um: read("max_correction_um", DEFAULT_MAX_CORRECTION_UM),
-        max_slope_um_per_mm: read("max_slope_um_per_mm", DEFAULT_MAX_SLOPE_UM_PER_MM),
+        max_correction_um: read("max_correction_um", "µm", DEFAULT_MAX_CORRECTION_UM),
+        max_slope_um_per_mm: read("max_slope_um_per_mm", "µm/mm", DEFAULT_MAX_SLOPE_UM_PER_MM),
     };
     if let Some(section) = section {
         section.refuse_unknown_keys();
@@ -476,9 +552,44 @@ fn acceptance(root: &Section<'_>) -> Acceptance {
         return Acceptance::default();
     };
     let acceptance = Acceptance {
-        max_deviation_um: section.positive("max_deviation_um"),
-        max_diagonal_um: section.positive("max_diagonal_um"),
+        max_deviation_um: section.within("max_deviation_um", SMALLEST_LIMIT, LARGEST_LIMIT, "µm"),
+        max_diagonal_um: section.within("max_diagonal_um", SMALLEST_LIMIT, LARGEST_LIMIT, "µm"),
     };
     section.refuse_unknown_keys();
     acceptance
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use crate::document::Source;
+    use crate::job::Job;
+
+    const PAGE: &str = r#"
+schema = 1
+[machine]
+name = "VMC"
+[measurement]
+errors = "errors.csv"
+angles = "angles.csv"
+offsets_mm = { x = 1.0, y = 2.0, z = 3.0 }
+[measurement.uncertainty]
+noise_um = 0.5
+laser_ppm = 0.1
+[compensation]
+controller = "generic"
+"#;
+
+    #[test]
+    fn what_is_stated_and_not_used_is_named() {
+        let source = Source::from_bytes("job.toml", PAGE.as_bytes()).expect("it is text");
+        let measurement = Job::read(source).expect("it is a job").measurement;
+        assert_eq!(measurement.noise_um, Some(0.5));
+        let keys = ["`angles`", "offsets_mm", "`laser_ppm`"];
+        assert_eq!(measurement.unused.len(), keys.len());
+        for (sentence, key) in measurement.unused.iter().zip(keys) {
+            assert!(sentence.contains(key), "{sentence}");
+        }
+    }
 }
