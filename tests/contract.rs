@@ -772,7 +772,10 @@ fn diagonals_hold(case: &Case<'_>) {
         let seen = extent.map(|[low, high]| high - low);
         let said = [diagonal.before_um, diagonal.after_um];
         for (said, seen) in said.iter().zip(seen) {
-            let name = format!("{}: said {said}, seen {seen}", diagonal.name);
+            let name = format!(
+                "{}: said {said}, seen {seen}, together {together}",
+                diagonal.name
+            );
             assert!(*said >= seen - DUST_UM, "{name}");
             let near = if machine.kind == Interpolation::Linear {
                 1e-3 + together
@@ -816,7 +819,7 @@ fn jumping_together_um(
         }
     }
     jumps.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let near = |pair: &[(f64, usize)]| pair[1].0 - pair[0].0 < 1e-7 && pair[0].1 != pair[1].1;
+    let near = |pair: &[(f64, usize)]| pair[1].0 - pair[0].0 < 1e-5 && pair[0].1 != pair[1].1;
     if jumps.windows(2).any(near) { um } else { 0.0 }
 }
 
