@@ -729,7 +729,6 @@ fn diagonals_hold(case: &Case<'_>) {
             .map(|c| if c == 'P' { 1.0 } else { -1.0 })
             .collect();
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        let mut together = 0.0_f64;
         for reverse in [false, true] {
             // Of every term: cosine, its place, and the response in the direction of the walk.
             let walk: Vec<OnWalk<'_>> = machine
@@ -754,7 +753,6 @@ fn diagonals_hold(case: &Case<'_>) {
                     ))
                 })
                 .collect();
-            together = together.max(jumping_together_um(case, &walk, &ends, &signs));
             for t in steps_of_walk(case, &walk, &ends, &signs) {
                 let mut sums = [0.0; 2];
                 for (term, direction, along, cosine, response) in &walk {
@@ -772,13 +770,10 @@ fn diagonals_hold(case: &Case<'_>) {
         let seen = extent.map(|[low, high]| high - low);
         let said = [diagonal.before_um, diagonal.after_um];
         for (said, seen) in said.iter().zip(seen) {
-            let name = format!(
-                "{}: said {said}, seen {seen}, together {together}",
-                diagonal.name
-            );
+            let name = format!("{}: said {said}, seen {seen}", diagonal.name);
             assert!(*said >= seen - DUST_UM, "{name}");
             let near = if machine.kind == Interpolation::Linear {
-                1e-3 + together
+                1e-3
             } else {
                 0.05 * said + 0.02 // the top of a cubic lies between two steps
             };
@@ -789,39 +784,6 @@ fn diagonals_hold(case: &Case<'_>) {
 
 /// One term on a walk along a diagonal: its direction, moving axis, cosine, and what it gets.
 type OnWalk<'a> = (&'a Term, Direction, usize, f64, Response);
-
-/// What tables of different axes that jump at one place can add up to: the forecast counts every
-/// order of such jumps, the walk none of them. 0 where no two axes jump together.
-fn jumping_together_um(
-    case: &Case<'_>,
-    walk: &[OnWalk<'_>],
-    ends: &[(f64, f64)],
-    signs: &[f64],
-) -> f64 {
-    let mut jumps: Vec<(f64, usize)> = Vec::new();
-    let mut um = 0.0;
-    for (term, _, along, cosine, response) in walk {
-        let (low, high) = ends[*along];
-        if response.tables().is_empty() {
-            continue;
-        }
-        let held = Held::of(response);
-        let steps = held.um.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-        um += cosine.abs() * steps.fold(0.0, f64::max);
-        for x in bends_and_jumps(case, term, &held).1 {
-            let part = (x - low) / (high - low);
-            let travelled = if signs[*along] > 0.0 {
-                part
-            } else {
-                1.0 - part
-            };
-            jumps.push((travelled, *along));
-        }
-    }
-    jumps.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let near = |pair: &[(f64, usize)]| pair[1].0 - pair[0].0 < 1e-5 && pair[0].1 != pair[1].1;
-    if jumps.windows(2).any(near) { um } else { 0.0 }
-}
 
 /// Beside every bend and jump and between them; never exactly where axes jump together, for
 /// which of them is first there is rounding.
