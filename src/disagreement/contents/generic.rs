@@ -10,6 +10,9 @@ pub(super) fn rows(
     found: &GenericTable,
     diagnosis: Option<&Diagnosis>,
 ) -> Vec<String> {
+    if wanted == found {
+        return Vec::new();
+    }
     let open =
         |row: &GenericRow| !diagnosis.is_some_and(|d| d.explains(&row.base_axis, &row.output_axis));
     let without = |rows: &GenericTable, others: &GenericTable| -> Vec<GenericRow> {

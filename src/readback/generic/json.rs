@@ -129,6 +129,27 @@ fn key_span(text: &str, key: &str) -> Range<usize> {
     start.map_or(0..1, |start| start..start + quoted.len())
 }
 
+/// Where the keys of an object stand, with their quotes, in one pass; its syntax was checked.
+fn key_spans(object: &str) -> Vec<Range<usize>> {
+    let mut spans = Vec::new();
+    let (mut start, mut escaped) = (None, false);
+    for (at, byte) in object.bytes().enumerate() {
+        match (start, byte) {
+            _ if escaped => escaped = false,
+            (Some(_), b'\\') => escaped = true,
+            (Some(from), b'"') => {
+                if object[at + 1..].trim_start().starts_with(':') {
+                    spans.push(from..at + 1);
+                }
+                start = None;
+            }
+            (None, b'"') => start = Some(at),
+            _ => {}
+        }
+    }
+    spans
+}
+
 /// The bytes of the elements of `rows`. It is the only array or object inside the outermost
 /// object, as the keys were checked before; the syntax was, too.
 fn elements(text: &str) -> Vec<Range<usize>> {
@@ -168,8 +189,10 @@ fn raw_row(text: &str, number: usize, span: Range<usize>) -> Result<RawRow, Vec<
         let message = format!("{label}not an object");
         return Err(vec![Complaint::new(span, message, help)]);
     };
+    let keys = key_spans(source);
     let place = |key: &str| {
-        let inside = key_span(source, key);
+        let is_key = |inside: &&Range<usize>| &source[inside.start + 1..inside.end - 1] == key;
+        let inside = keys.iter().find(is_key).cloned().unwrap_or(0..1);
         span.start + inside.start..span.start + inside.end
     };
     let flaws = entries.key_flaws(&Column::ALL.map(Column::name));
