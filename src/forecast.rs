@@ -64,6 +64,34 @@ impl Forecast {
             .fold(0.0, f64::max)
     }
 
+    /// Figures that do not keep the acceptance for sure, one sentence each.
+    pub fn misses(&self, acceptance: Acceptance) -> Vec<String> {
+        let sentence = |name: String, um: f64, u_um: Option<f64>, limit: Option<f64>| {
+            let verdict = judge(um, u_um, limit);
+            (verdict != Verdict::Pass).then(|| {
+                let expanded = COVERAGE_FACTOR * u_um.unwrap_or(0.0);
+                format!(
+                    "{name} leaves {um:.3} µm (U = {expanded:.3} µm), the limit is {} µm: {}",
+                    limit.unwrap_or(f64::INFINITY),
+                    verdict.word()
+                )
+            })
+        };
+        let terms = self.terms.iter().filter_map(|t| {
+            sentence(
+                t.term.to_string(),
+                t.after_um,
+                t.u_um,
+                acceptance.max_deviation_um,
+            )
+        });
+        let diagonals = self.diagonals.iter().filter_map(|d| {
+            let name = format!("diagonal {}", d.name);
+            sentence(name, d.after_um, d.u_um, acceptance.max_diagonal_um)
+        });
+        terms.chain(diagonals).collect()
+    }
+
     /// Compares with the acceptance of the job.
     pub fn verdict(&self, acceptance: Acceptance) -> Verdict {
         let terms = self

@@ -28,7 +28,7 @@ pub(super) fn run(job: &Path, directory: &Path, format: Format) -> Result<Answer
         verification.absent.clear(); // a listed file that is missing was named
     }
     match format {
-        Format::Json => print_json(&document(&verification))?,
+        Format::Json => print_json(&document(&inputs, &verification))?,
         Format::Text => print(&report(&inputs, directory, &verification))?,
     };
     Ok(if verification.verdict == Verdict::Pass {
@@ -173,7 +173,7 @@ fn absent(notes: &[String]) -> String {
     lines.join("\n")
 }
 
-fn document(verification: &Verification) -> Value {
+fn document(inputs: &Inputs, verification: &Verification) -> Value {
     let mut terms = Map::new();
     for term in verification.forecast.iter().flat_map(|f| &f.terms) {
         terms.insert(
@@ -192,13 +192,20 @@ fn document(verification: &Verification) -> Value {
         .iter()
         .chain(&verification.compiled.notes)
         .collect();
+    let misses = forecast.map(|f| f.misses(inputs.job.acceptance));
+    let causes: Vec<String> = verification
+        .disagreements
+        .iter()
+        .cloned()
+        .chain(misses.unwrap_or_default())
+        .collect();
     json!({
         "schema": 1,
         "verdict": verification.verdict.word(),
         "terms": terms,
         "max_residual_um": forecast.map(|f| picometres(f.max_residual_um())),
         "diagonals": forecast.map(|f| diagonals(&f.diagonals, "forecast_um")),
-        "causes": verification.disagreements,
+        "causes": causes,
         "assumptions": verification.compiled.assumptions,
         "notes": notes,
     })
