@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Turns laser measurements of a machine tool into the compensation files its control loads,
-/// and proves that they help.
+/// and forecasts from the written bytes what they will leave.
 #[derive(Debug, Parser)]
 #[command(name = "nonius", version, about, long_about = None, after_help = EXAMPLES, max_term_width = 100)]
 struct Arguments {
@@ -41,7 +41,7 @@ enum Command {
     Generate {
         /// The job (TOML); `-` = standard input
         job: PathBuf,
-        /// Directory of the kit; must not exist or be empty
+        /// Directory of the kit; must not exist yet, or must be empty
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
         /// Replace an existing directory; the old one is kept as DIR.previous

@@ -72,6 +72,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     let mut notes = plan.notes.clone();
     notes.extend(task.job.measurement.unused.iter().cloned());
     notes.extend(task.model.unused.iter().cloned());
+    notes.extend(unlikely_reversals(task));
     notes.append(&mut compiled.notes);
     if task.job.measurement.active == ActiveTables::NotStated {
         notes.push(
@@ -81,6 +82,20 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     }
     compiled.notes = notes;
     Ok(compiled)
+}
+
+/// Ordinary lost motion gives B < 0 (contract §1); the other sign is more often a slip.
+fn unlikely_reversals(task: Task<'_>) -> Vec<String> {
+    const NOISE_UM: f64 = 0.5; // below it the sign of B says nothing
+    let unlikely = |term: ErrorTerm, um: f64| term.is_positioning() && um > NOISE_UM;
+    task.model
+        .measured()
+        .filter_map(|(term, measured)| Some((term, measured.reversal()?.um())))
+        .filter(|(term, um)| unlikely(*term, *um))
+        .map(|(term, um)| {
+            format!("{term}: B = {um:+.3} µm is above 0, ordinary lost motion gives B < 0: are the directions + and - exchanged?")
+        })
+        .collect()
 }
 
 fn profile_assumptions(task: Task<'_>) -> Vec<Assumption> {

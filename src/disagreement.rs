@@ -269,8 +269,7 @@ fn foreign(
     let places = places(wanted, got);
     let equals = |other: &Response, rest: &dyn Fn(Millimetres) -> f64| {
         let differs = |at: &Millimetres| (rest(*at) - other.correction(*at).um()).abs() > EQUAL_UM;
-        let is_zero = |at: &Millimetres| other.correction(*at).um().abs() <= EQUAL_UM;
-        !places.iter().any(differs) && !places.iter().all(is_zero)
+        !places.iter().any(differs) && has_a_shape(other, &places)
     };
     let whole = |at: Millimetres| got.correction(at).um();
     let surplus = |at: Millimetres| got.correction(at).um() - wanted.correction(at).um();
@@ -289,6 +288,18 @@ fn foreign(
                 None
             }
         })
+}
+
+/// Whether a correction takes enough different values to be told from a single changed point.
+fn has_a_shape(response: &Response, places: &[Millimetres]) -> bool {
+    const ENOUGH_VALUES: usize = 4; // one changed increment makes two values, two make three
+    let mut values: Vec<f64> = places
+        .iter()
+        .map(|at| response.correction(*at).um())
+        .collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup_by(|a, b| (*a - *b).abs() <= EQUAL_UM);
+    values.len() >= ENOUGH_VALUES
 }
 
 /// Distance of the nodes of a table, mm.
@@ -368,7 +379,18 @@ fn largest(places: &[Millimetres], pairs: &[(f64, f64)]) -> Option<String> {
         .zip(pairs)
         .max_by(|a, b| (a.1.1 - a.1.0).abs().total_cmp(&(b.1.1 - b.1.0).abs()))?;
     Some(format!(
-        "other values: {wrong} places differ, most at {:.4} mm, where the tables correct {g:.3} µm and the job asks for {w:.3} µm",
-        at.mm()
+        "other values: {wrong} places differ, most at {:.4} mm, where the tables correct {} and the job asks for {}",
+        at.mm(),
+        micrometres(*g),
+        micrometres(*w)
     ))
+}
+
+/// Three decimals, never `-0.000`.
+fn micrometres(um: f64) -> String {
+    let text = format!("{um:.3} µm");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.starts_with("0.000") => rest.to_string(),
+        _ => text,
+    }
 }

@@ -210,7 +210,7 @@ fn explain(
         let left =
             format!("{shortage}; the chosen tables leave at most {left_um:.1} µm in the volume");
         if *form == Form::Nothing {
-            let reason = format!("{left} ({with:.1} µm with {term} as well)");
+            let reason = format!("{left} ({with:.1} µm if there were a table for {term} too)");
             choice.omitted.push(Omission { term, reason });
         } else {
             let reason = format!(

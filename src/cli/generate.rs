@@ -54,8 +54,8 @@ fn report(inputs: &Inputs, kit: &Kit) -> String {
             .join("\n")
             .trim()
             .to_string(),
-        show::verdict(kit.verdict, job.acceptance, Some(&kit.forecast)),
         show::remarks(&kit.plan, &kit.compiled, Some(&kit.forecast)),
+        show::verdict(kit.verdict, job.acceptance, Some(&kit.forecast), false),
         show::assumptions(&kit.compiled.assumptions),
         show::preconditions(&kit.compiled.preconditions),
     ])

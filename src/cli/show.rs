@@ -170,10 +170,12 @@ pub(super) fn reversals(model: &ErrorModel) -> String {
 }
 
 /// Verdict with the limits it was judged by.
+/// Below it stands what does not keep them.
 pub(super) fn verdict(
     verdict: Verdict,
     acceptance: Acceptance,
     forecast: Option<&Forecast>,
+    differs: bool,
 ) -> String {
     let mut limits = Vec::new();
     if let Some(um) = acceptance.max_deviation_um {
@@ -200,10 +202,16 @@ pub(super) fn verdict(
     } else {
         ""
     };
-    format!(
-        "verdict: {} ({asked}{uncertainty}{missing})",
+    let mut lines = vec![format!(
+        "verdict: {} (asked: {asked}{uncertainty}{missing})",
         verdict.word()
-    )
+    )];
+    if differs {
+        lines.push("  because the files differ from the job".to_string());
+    }
+    let misses = forecast.map(|f| f.misses(acceptance)).unwrap_or_default();
+    lines.extend(misses.iter().map(|miss| format!("  {miss}")));
+    lines.join("\n")
 }
 
 /// Assumed facts with their consequence.

@@ -161,7 +161,12 @@ fn report(inputs: &Inputs, directory: &Path, verification: &Verification) -> Str
         heading,
         agreement,
         forecast.map(show::forecast).unwrap_or_default(),
-        show::verdict(verification.verdict, inputs.job.acceptance, forecast),
+        show::verdict(
+            verification.verdict,
+            inputs.job.acceptance,
+            forecast,
+            !verification.disagreements.is_empty(),
+        ),
         absent(&verification.absent),
         show::remarks(&verification.plan, &verification.compiled, forecast),
         show::assumptions(&verification.compiled.assumptions),

@@ -307,7 +307,7 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
     let (value, why) = match plan.backlash_um[axis] {
         Some(um) => (
             backlash_text(task, um).0,
-            "−B of the measurement; the table holds the curve of the reference direction",
+            "−B of the measurement, which counts the backlash parameter as 0 while measuring (else add it to the value it had); the table holds the curve of the reference direction",
         ),
         None if has_two_tables(plan, axis) => (
             "0".to_string(),

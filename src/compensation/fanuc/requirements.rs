@@ -201,7 +201,7 @@ fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
     let (value, why) = match backlash_counts(task, plan, run.axis) {
         Some((counts, unit_um)) => (
             format!("{counts} (detection units of {unit_um} µm)"),
-            "−B of the measurement; the table holds the curve of the reference direction",
+            "−B of the measurement, which counts the backlash parameter as 0 while measuring (else add it to the value it had); the table holds the curve of the reference direction",
         ),
         None if run.minus_first.is_some() => (
             "0".to_string(),
