@@ -70,9 +70,8 @@ pub(super) fn write_kit(
         let handle = write_new(&path, bytes).map_err(|e| not_written("cannot write", &path, &e))?;
         written.push((path, handle));
     }
-    sync_all(&written)?;
     open_to_others(partial.path());
-    sync_directory(partial.path());
+    sync_all(&written, partial.path())?;
     let previous = make_room(&directory, force)?;
     if let Err(error) = fs::rename(partial.path(), &directory) {
         // Put the old kit back; if that fails too, it is complete at DIR.previous.
@@ -115,8 +114,9 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
 
 /// Waits until all files are on the disk: at the same time, because a disk takes them together
 /// in little more time than one.
-fn sync_all(files: &[(PathBuf, File)]) -> Result<(), Problems> {
+fn sync_all(files: &[(PathBuf, File)], directory: &Path) -> Result<(), Problems> {
     std::thread::scope(|scope| {
+        scope.spawn(|| sync_directory(directory));
         let waits: Vec<_> = files
             .iter()
             .map(|(path, file)| (path, scope.spawn(|| file.sync_all())))
