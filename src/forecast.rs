@@ -11,6 +11,7 @@
 
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::emulate::{CannotEmulate, Emulator, Response};
+use crate::grid::EDGE_MM;
 use crate::job::Acceptance;
 use crate::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::plan::Plan;
@@ -227,9 +228,6 @@ fn largest_residual(
 /// A correction that jumps at an end of the measured range (a picometre either way) counts with
 /// both its values there.
 const AT_THE_END_MM: f64 = 1e-9;
-
-/// A table may pass the measured range by this much without being named (inch rounding), mm.
-const EDGE_MM: f64 = 0.01;
 
 fn unmeasured(model: &ErrorModel, plan: &Plan, axis: Axis) -> Vec<(Millimetres, Millimetres)> {
     let (Some(grid), Some((low, high))) = (plan.grids[axis], model.ranges[axis]) else {

@@ -23,6 +23,10 @@ const SAME_PLACE_MM: f64 = 0.001;
 /// Part of a spacing by which a place may miss a grid point and still be on it (floating point).
 const ON_GRID: f64 = 1e-6;
 
+/// A table may pass the measured range by this much without being refused or named (rounding of
+/// inch positions), mm.
+pub const EDGE_MM: f64 = 0.01;
+
 /// The last digit of a length in the control's files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LengthDigit {

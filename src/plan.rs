@@ -9,7 +9,7 @@ use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::controller::{Dialect, Profile};
 use crate::curve::ErrorCurve;
 use crate::fit::{residual, table_values};
-use crate::grid::{self, Grid, LengthDigit};
+use crate::grid::{self, EDGE_MM, Grid, LengthDigit};
 use crate::job::{AxisSettings, BacklashPolicy, GridRequest, Job, MachineAxis, OutsideMeasured};
 use crate::model::ErrorModel;
 use crate::problem::{Problem, Problems};
@@ -552,9 +552,6 @@ fn refuse_unmeasured(
         );
     }
 }
-
-/// A grid may pass the measured range by this much (rounding of inch positions), mm.
-const EDGE_MM: f64 = 0.01;
 
 fn note_spacing(axis: Axis, settings: &AxisSettings, grid: &Grid, notes: &mut Vec<String>) {
     let spacing = grid.spacing().mm();
