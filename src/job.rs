@@ -3,7 +3,13 @@
 //! A job that exists is valid in itself; whether it fits the measured errors and the control is
 //! checked later, with [`Job::problem_at`] pointing back at the key.
 
+mod diagonals;
 mod read;
+
+pub use self::diagonals::{
+    AxisMaterial, Beam, DiagonalMeasurement, Frame, Levers, Linear, LinearSlope, Material,
+    Reflector, SetUp, StatedUncertainty,
+};
 
 use crate::axis::{Direction, ErrorTerm, PerAxis};
 use crate::controller::LengthUnit;

@@ -34,6 +34,8 @@ pub mod units;
 
 pub mod axis;
 
+pub mod diagonal;
+
 pub mod problem;
 
 pub mod document;

@@ -1,0 +1,136 @@
+//! `[measurement.step_diagonal]`: how the body diagonals were measured (contract §2.3).
+
+use crate::axis::{Axis, Direction, PerAxis};
+use crate::diagonal::{PathKind, Volume};
+use crate::units::Millimetres;
+
+/// A measurement of the four body diagonals.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DiagonalMeasurement {
+    /// Path of the readings, relative to the job.
+    pub readings: String,
+    /// Single-axis steps or straight.
+    pub kind: PathKind,
+    /// The measured box.
+    pub volume: Volume,
+    /// `Minus` where the instrument counts towards the laser head.
+    pub laser_sign: Direction,
+    /// Whether the tilt of the mirror is solved for.
+    pub setup: SetUp,
+    /// Frame of the cross terms.
+    pub frame: Frame,
+    /// What the beam is reflected by.
+    pub target: Reflector,
+    /// Whether the axes ran over the far end before the reverse pass; `None` = judged from the data.
+    pub overrun: Option<bool>,
+    /// Measurements of single axes along their length.
+    pub linear: Vec<Linear>,
+    /// Measurements along other straight lines.
+    pub beams: Vec<Beam>,
+    /// Temperature of the scales and what was corrected already.
+    pub material: Option<Material>,
+    /// Path of an error table that a straight run is compared with (closure test).
+    pub closure_errors: Option<String>,
+}
+
+/// What is assumed of the direction of mirror and beam in the four set-ups.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetUp {
+    /// Unknown in every set-up, solved for.
+    Solve,
+    /// Exactly along the nominal diagonals: labelled in every output.
+    AssumePerfect,
+}
+
+/// Frame in which the slopes of the cross terms are given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frame {
+    /// X primary, XY plane secondary: EYX, EZX and EZY have no slope.
+    XPrimary,
+    /// The slopes as they fell out.
+    AsMeasured,
+}
+
+/// What reflects the beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reflector {
+    /// A flat mirror: needed for single-axis steps; it turns with the tool.
+    FlatMirror,
+    /// A retroreflector: for straight runs.
+    Retroreflector,
+}
+
+/// One `[[measurement.step_diagonal.linear]]`: positioning error of an axis along its length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linear {
+    /// The axis.
+    pub axis: Axis,
+    /// Its slope.
+    pub slope: LinearSlope,
+    /// Standard uncertainty (k = 1) of the slope, µm/m.
+    pub u_um_per_m: Option<f64>,
+}
+
+/// Where the slope of a linear measurement comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LinearSlope {
+    /// Stated, µm/m.
+    Stated(f64),
+    /// The positioning error in an error table: its path, relative to the job.
+    Errors(String),
+}
+
+/// One `[[measurement.step_diagonal.beam]]`: displacement measured along any other straight line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// Where the line begins, machine coordinates.
+    pub from: PerAxis<Millimetres>,
+    /// Where it ends.
+    pub to: PerAxis<Millimetres>,
+    /// Displacement error along the line by its length, µm/m.
+    pub slope_um_per_m: f64,
+    /// Standard uncertainty (k = 1) of the slope, µm/m.
+    pub u_um_per_m: Option<f64>,
+}
+
+/// `[measurement.step_diagonal.material]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// The readings hold a correction of the scales' expansion already.
+    pub material_corrected: bool,
+    /// The readings hold a correction of the air's refraction already.
+    pub air_corrected: bool,
+    /// Of each axis; absent where the job gives none.
+    pub axes: PerAxis<Option<AxisMaterial>>,
+}
+
+/// Expansion of one axis' scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisMaterial {
+    /// Coefficient of linear expansion, 1/K.
+    pub alpha_per_k: f64,
+    /// Mean temperature during the measurement, °C; `None` where each reading carries its own.
+    pub temperature_c: Option<f64>,
+}
+
+/// `[measurement.uncertainty]`: standard uncertainties (k = 1); what is `None` is listed as not included.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct StatedUncertainty {
+    /// Noise of a single reading, µm.
+    pub noise_um: Option<f64>,
+    /// Scale of the laser (wavelength, air), 10⁻⁶.
+    pub laser_ppm: Option<f64>,
+    /// Temperature of the scales, K.
+    pub temperature_k: Option<f64>,
+    /// Coefficient of expansion, 1/K.
+    pub alpha_per_k: Option<f64>,
+}
+
+/// Places that the lever arms of angular errors are counted from (`offsets_mm`, `tool_offset_mm`).
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Levers {
+    /// Places of the resting axes while the angles were measured, machine coordinates.
+    pub offsets: Option<PerAxis<Millimetres>>,
+    /// From the point that the axes carry to the point that is measured.
+    pub tool: Option<PerAxis<Millimetres>>,
+}
