@@ -50,6 +50,8 @@ pub mod fit;
 
 pub mod job;
 
+pub mod separation;
+
 pub mod model;
 
 pub mod grid;

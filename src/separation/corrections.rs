@@ -1,0 +1,248 @@
+//! What is taken off the readings before they are separated: expansion of the scales and the
+//! effects of angular errors. The raw readings stay as they are.
+
+use super::lookup::at;
+use crate::axis::{Axis, Direction, PerAxis};
+use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+use crate::error_table::ErrorTable;
+use crate::job::{Levers, Material, Reflector};
+use crate::problem::{Problem, Problems};
+use crate::units::{Deviation, Millimetres};
+
+/// Reference temperature of ISO 1, °C.
+const REFERENCE_C: f64 = 20.0;
+
+/// Expansion of the scales at a node, µm: Σ_k α_k (T_k − 20 °C) u_dk (P_k(q) − P_k(0)), one
+/// temperature and coefficient for each axis.
+pub fn expansion_um(
+    volume: &Volume,
+    kind: PathKind,
+    material: &Material,
+    run: &Run,
+    node: usize,
+) -> f64 {
+    let laser = volume.laser(run.diagonal);
+    let here = volume.inside_mm(run.diagonal, kind, node);
+    let start = volume.inside_mm(run.diagonal, kind, 0);
+    let of_axis = |axis: Axis| {
+        let material = material.axes[axis]?;
+        let recorded = run.temperatures_c[axis].as_ref();
+        let temperature = recorded.map_or(material.temperature_c, |t| t.get(node).copied())?;
+        let strain = material.alpha_per_k * (temperature - REFERENCE_C);
+        Some(1000.0 * strain * laser[axis] * (here[axis] - start[axis]))
+    };
+    Axis::ALL.into_iter().filter_map(of_axis).sum()
+}
+
+/// The run with the expansion of the scales taken off.
+pub fn without_expansion(
+    volume: &Volume,
+    kind: PathKind,
+    material: &Material,
+    run: &Run,
+) -> Vec<f64> {
+    let correct = |(node, deviation): (usize, &Deviation)| {
+        deviation.um() - expansion_um(volume, kind, material, run, node)
+    };
+    run.deviations.iter().enumerate().map(correct).collect()
+}
+
+/// Measured angular errors and the levers on which they act.
+///
+/// Chain order 1, 2, 3 from workpiece to tool, r the rotations, a the positions less the
+/// offsets (rigid bodies, small angles; the project's reference on volumetric errors, §1.1):
+///
+/// ```text
+///   e = r_1 × (a_2 + a_3) + r_2 × a_3        + Σ r_i × tool offset
+///   flat mirror: + (Σ r_i − Σ r_i at the start) × u · lateral distance from the diagonal
+/// ```
+#[derive(Clone, Debug)]
+pub struct AngleModel<'a> {
+    table: &'a ErrorTable,
+    chain: [Axis; 3],
+    offsets: PerAxis<f64>,
+    tool: PerAxis<f64>,
+    reflector: Reflector,
+}
+
+impl<'a> AngleModel<'a> {
+    /// The model of a job's angles. `chain` is that of contract §1, e.g. `wXYZt`.
+    pub fn new(
+        table: &'a ErrorTable,
+        chain: &str,
+        levers: &Levers,
+        reflector: Reflector,
+    ) -> Option<AngleModel<'a>> {
+        let plain = |places: Option<PerAxis<Millimetres>>| {
+            PerAxis::from_fn(|axis| places.map_or(0.0, |places| places[axis].mm()))
+        };
+        Some(AngleModel {
+            table,
+            chain: chain_order(chain)?,
+            offsets: plain(levers.offsets),
+            tool: plain(levers.tool),
+            reflector,
+        })
+    }
+
+    /// Whether the table holds any angle.
+    pub fn is_empty(&self) -> bool {
+        Axis::ALL.into_iter().all(|axis| {
+            let series = self.table.series(axis);
+            series.iter().all(|s| s.angles_urad.iter().all(|(_, a)| a.is_none()))
+        })
+    }
+
+    /// Rotation of an axis at a machine position, µrad; what was not measured counts as zero and
+    /// is listed by the caller.
+    fn rotation(&self, axis: Axis, position: f64, direction: Direction) -> PerAxis<f64> {
+        let all = self.table.series(axis);
+        let directed = all.iter().find(|s| s.direction == Some(direction));
+        let series = directed.or_else(|| all.first());
+        PerAxis::from_fn(|about| {
+            let series = series.and_then(|s| Some((s, s.angles_urad[about].as_ref()?)));
+            series.map_or(0.0, |(s, angles)| at(&s.positions, angles, position))
+        })
+    }
+
+    /// What the angular errors add to the readings of a pass along a diagonal, µm, by node.
+    pub fn effect_um(
+        &self,
+        volume: &Volume,
+        kind: PathKind,
+        diagonal: Diagonal,
+        pass: Pass,
+    ) -> Vec<f64> {
+        let u = volume.laser(diagonal);
+        let states: Vec<(PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)> = (0..=volume.last_node(kind))
+            .map(|node| {
+                let place = volume.place(diagonal, kind, node);
+                let place = PerAxis::from_fn(|axis| place[axis].mm());
+                let (error, rotation) = self.error(diagonal, pass, &place);
+                (place, error, rotation)
+            })
+            .collect();
+        let Some((first_place, first_error, first_rotation)) = states.first().copied() else {
+            return Vec::new();
+        };
+        let effect = |(place, error, rotation): &(PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
+            let moved = minus(place, &first_place);
+            let lever = dot(&u, &minus(error, &first_error));
+            let along = dot(&u, &moved);
+            let lateral = PerAxis::from_fn(|axis| moved[axis] - along * u[axis]);
+            let turned = cross(&minus(rotation, &first_rotation), &u);
+            match self.reflector {
+                Reflector::FlatMirror => lever + dot(&turned, &lateral) / 1000.0,
+                Reflector::Retroreflector => lever,
+            }
+        };
+        states.iter().map(effect).collect()
+    }
+
+    /// Error of the tool point (µm) and its rotation (µrad) by the angular errors at a place.
+    fn error(
+        &self,
+        diagonal: Diagonal,
+        pass: Pass,
+        place: &PerAxis<f64>,
+    ) -> (PerAxis<f64>, PerAxis<f64>) {
+        let (mut error, mut sum) = (PerAxis::default(), PerAxis::default());
+        for (index, axis) in self.chain.into_iter().enumerate() {
+            let direction = diagonal.travelled(axis, pass);
+            let rotation = self.rotation(axis, place[axis], direction);
+            let carried = &self.chain[index + 1..];
+            let arm = PerAxis::from_fn(|other| {
+                let own = if carried.contains(&other) {
+                    place[other] - self.offsets[other]
+                } else {
+                    0.0
+                };
+                own + self.tool[other]
+            });
+            let lever = cross(&rotation, &arm);
+            error = PerAxis::from_fn(|axis| error[axis] + lever[axis] / 1000.0);
+            sum = PerAxis::from_fn(|axis| sum[axis] + rotation[axis]);
+        }
+        (error, sum)
+    }
+
+    /// Problems: angles that do not cover the measured box.
+    pub fn check(&self, volume: &Volume) -> Result<(), Problems> {
+        let mut problems = Problems::none();
+        for axis in Axis::ALL {
+            let (low, high) = (volume.start[axis].mm(), (volume.start[axis] + volume.size[axis]).mm());
+            for series in self.table.series(axis) {
+                let measured = series.angles_urad.iter().any(|(_, angles)| angles.is_some());
+                let ends = series.positions.first().zip(series.positions.last());
+                if let Some((first, last)) = ends.filter(|_| measured)
+                    && (first.mm() > low + 0.01 || last.mm() < high - 0.01)
+                {
+                    problems.push(
+                        Problem::new(format!(
+                            "the angles of {axis} are measured from {} to {} mm, but the diagonals go from {low} to {high} mm",
+                            first.mm(),
+                            last.mm()
+                        ))
+                        .at(self.table.header.clone())
+                        .help("measure the angles over the whole box; nothing is extrapolated"),
+                    );
+                }
+            }
+        }
+        problems.or_ok(())
+    }
+}
+
+/// Order of the axes from workpiece to tool; axes that carry the workpiece (before `w`) come in
+/// reverse (reference on volumetric errors, §1.1).
+fn chain_order(chain: &str) -> Option<[Axis; 3]> {
+    let (before, after) = chain.split_once('w')?;
+    let letters = before.chars().rev().chain(after.chars());
+    let axes: Vec<Axis> = letters
+        .filter_map(|letter| Axis::from_letter(&letter.to_string()))
+        .collect();
+    axes.try_into().ok()
+}
+
+/// The runs' readings less the effects of the angles, µm.
+pub fn without_angles(readings: &mut [f64], effect: &[f64]) {
+    for (reading, effect) in readings.iter_mut().zip(effect) {
+        *reading -= effect;
+    }
+}
+
+/// A false bow of the straightness and positioning curves for each µrad of pitch or yaw between
+/// the ends of an axis that carries others, µm: V/8 for the lever, as much again for the mirror.
+pub fn bow_um_per_urad(volume: &Volume, reflector: Reflector) -> PerAxis<f64> {
+    let parts = match reflector {
+        Reflector::FlatMirror => 2.0,
+        Reflector::Retroreflector => 1.0,
+    };
+    PerAxis::from_fn(|axis| parts * volume.size[axis].mm() / 8.0 / 1000.0)
+}
+
+fn minus(a: &PerAxis<f64>, b: &PerAxis<f64>) -> PerAxis<f64> {
+    PerAxis::from_fn(|axis| a[axis] - b[axis])
+}
+
+fn dot(a: &PerAxis<f64>, b: &PerAxis<f64>) -> f64 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+fn cross(a: &PerAxis<f64>, b: &PerAxis<f64>) -> PerAxis<f64> {
+    PerAxis {
+        x: a.y * b.z - a.z * b.y,
+        y: a.z * b.x - a.x * b.z,
+        z: a.x * b.y - a.y * b.x,
+    }
+}
+
+/// Effects of both passes along every diagonal.
+pub type AngleEffects = PerDiagonal<[Vec<f64>; 2]>;
+
+/// The effects of a model on all passes.
+pub fn angle_effects(model: &AngleModel<'_>, volume: &Volume, kind: PathKind) -> AngleEffects {
+    PerDiagonal::from_fn(|diagonal| {
+        Pass::BOTH.map(|pass| model.effect_um(volume, kind, diagonal, pass))
+    })
+}

@@ -1,0 +1,257 @@
+//! Monte Carlo on the readings (GUM Supplement 1): what noise does to figures that are not linear.
+//!
+//! Ranges and straightness are largest-minus-smallest figures: noise makes them larger. Every
+//! trial adds noise to the mean readings and separates again. The mean of the trials less the
+//! estimate is the bias; the interval is the estimate mirrored in the trials' quantiles
+//! (2·estimate − q). How often such intervals hold the true value was measured, see
+//! docs/accuracy.md; nothing is promised.
+//!
+//! Trial number t draws from stream t of the generator, so that neither the number of threads
+//! nor their order changes a digit.
+
+use super::campaign::{Campaign, NineErrors, curves_of};
+use super::increments::{Means, PassMeans};
+use super::line::{ReferenceLine, range};
+use super::metric::{PerPlane, Plane};
+use super::uncertainty::Budget;
+use crate::axis::{ErrorTerm, PerTerm};
+use crate::diagonal::{Pass, PerDiagonal, Volume};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Trials that are added up together: the same blocks whatever the number of threads.
+const BLOCK: usize = 64;
+
+/// How to simulate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Number of trials, at least 2.
+    pub trials: usize,
+    /// Seed of the generator.
+    pub seed: u64,
+    /// Threads.
+    pub threads: usize,
+}
+
+/// A figure with what noise does to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Its name, e.g. `range EXX`.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// From the readings as they are.
+    pub estimate: f64,
+    /// Mean of the trials less the estimate.
+    pub bias: f64,
+    /// 95 % interval.
+    pub interval: [f64; 2],
+    /// Standard deviation of the trials.
+    pub u: f64,
+}
+
+/// The result of a simulation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulated {
+    /// The plan.
+    pub plan: Plan,
+    /// Figures.
+    pub figures: Vec<Figure>,
+    /// Standard deviation of every point of every curve, µm.
+    pub u_um: PerTerm<Option<Vec<f64>>>,
+}
+
+/// Sums over a block of trials.
+#[derive(Clone)]
+struct Block {
+    figures: Vec<Vec<f64>>,
+    square: PerTerm<Vec<f64>>,
+}
+
+/// Runs the trials. `budget.noise` must be known, else `None`. `progress` hears of finished trials.
+pub fn simulate(
+    campaign: &Campaign<'_>,
+    budget: &Budget<'_>,
+    means: &Means,
+    plan: Plan,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Option<Simulated> {
+    let sigma_um = budget.noise?.sigma_um;
+    let estimate = curves_of(campaign, budget, means);
+    let names = names(budget.volume, &estimate.0, &estimate.1);
+    let trial = |number: usize| {
+        let noisy = with_noise(means, budget.runs, sigma_um, plan.seed, number);
+        curves_of(campaign, budget, &noisy)
+    };
+    let blocks = plan.trials.div_ceil(BLOCK);
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= blocks {
+                return done;
+            }
+            let numbers = index * BLOCK..((index + 1) * BLOCK).min(plan.trials);
+            let count = numbers.len();
+            done.push((index, block(budget.volume, numbers, &estimate.0, &trial)));
+            progress(count);
+        }
+    };
+    let mut done: Vec<(usize, Block)> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (1..plan.threads.max(1)).map(|_| scope.spawn(work)).collect();
+        let mut done = work();
+        for thread in threads {
+            done.extend(thread.join().unwrap_or_default());
+        }
+        done
+    });
+    done.sort_by_key(|(index, _)| *index);
+    Some(summary(plan, names, &estimate.0, &done))
+}
+
+fn block(
+    volume: &Volume,
+    numbers: std::ops::Range<usize>,
+    estimate: &NineErrors,
+    trial: impl Fn(usize) -> (NineErrors, PerPlane<Option<f64>>),
+) -> Block {
+    let mut block = Block {
+        figures: Vec::with_capacity(numbers.len()),
+        square: PerTerm::from_fn(|_| vec![0.0; volume.steps + 1]),
+    };
+    for number in numbers {
+        let (errors, squareness) = trial(number);
+        for term in ErrorTerm::ALL {
+            let pair = errors.mean[term].as_ref().zip(estimate.mean[term].as_ref());
+            if let Some((found, wanted)) = pair {
+                let values = found.deviation_um.iter().zip(&wanted.deviation_um);
+                for (sum, (found, wanted)) in block.square[term].iter_mut().zip(values) {
+                    *sum += (found - wanted) * (found - wanted);
+                }
+            }
+        }
+        let figures = names(volume, &errors, &squareness);
+        block.figures.push(figures.into_iter().map(|(_, _, value)| value).collect());
+    }
+    block
+}
+
+/// The figures of nine curves: name, unit, value.
+fn names(
+    volume: &Volume,
+    errors: &NineErrors,
+    squareness: &PerPlane<Option<f64>>,
+) -> Vec<(String, &'static str, f64)> {
+    let mut figures = Vec::new();
+    for (term, evidence) in errors.mean.iter() {
+        let Some(evidence) = evidence else { continue };
+        let curve = &evidence.deviation_um;
+        if term.is_positioning() {
+            let value = range(curve.iter().copied());
+            figures.push((format!("range {term}"), "um", value));
+        } else {
+            let positions: Vec<f64> = (0..=volume.steps)
+                .map(|index| volume.along_mm(term.along, index))
+                .collect();
+            let value = ReferenceLine::LeastSquares.straightness_um(&positions, curve);
+            figures.push((format!("straightness {term}"), "um", value));
+        }
+    }
+    for plane in Plane::ALL {
+        if let Some(value) = squareness.of(plane) {
+            figures.push((format!("squareness {}", plane.key()), "um/m", value));
+        }
+    }
+    figures
+}
+
+fn with_noise(
+    means: &Means,
+    runs: &PerDiagonal<[f64; 2]>,
+    sigma_um: f64,
+    seed: u64,
+    number: usize,
+) -> Means {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(number as u64);
+    let mut pass = |pass: Pass, readings: &PassMeans| {
+        PerDiagonal::from_fn(|diagonal| {
+            let runs = runs[diagonal][usize::from(pass == Pass::Reverse)];
+            let sigma = sigma_um / runs.sqrt();
+            let noisy = |reading: &f64| {
+                let draw: f64 = StandardNormal.sample(&mut random);
+                reading + sigma * draw
+            };
+            readings[diagonal].iter().map(noisy).collect()
+        })
+    };
+    let forward = pass(Pass::Forward, &means.forward);
+    let reverse = means.reverse.as_ref().map(|r| pass(Pass::Reverse, r));
+    Means { forward, reverse }
+}
+
+fn summary(
+    plan: Plan,
+    names: Vec<(String, &'static str, f64)>,
+    estimate: &NineErrors,
+    done: &[(usize, Block)],
+) -> Simulated {
+    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 trials")]
+    let count = plan.trials as f64;
+    let figures = names
+        .into_iter()
+        .enumerate()
+        .map(|(index, (name, unit, estimate))| {
+            let all = done.iter().flat_map(|(_, block)| &block.figures);
+            let mut values: Vec<f64> = all.map(|figures| figures[index]).collect();
+            values.sort_by(f64::total_cmp);
+            let mean = values.iter().sum::<f64>() / count;
+            let square: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+            Figure {
+                name,
+                unit,
+                estimate,
+                bias: mean - estimate,
+                interval: [
+                    2.0 * estimate - quantile(&values, 0.975),
+                    2.0 * estimate - quantile(&values, 0.025),
+                ],
+                u: (square / (count - 1.0)).sqrt(),
+            }
+        })
+        .collect();
+    let u_um = PerTerm::from_fn(|term| {
+        estimate.mean[term].as_ref().map(|evidence| {
+            let at = |index: usize| {
+                let sum: f64 = done.iter().map(|(_, block)| block.square[term][index]).sum();
+                (sum / count).sqrt()
+            };
+            (0..evidence.deviation_um.len()).map(at).collect()
+        })
+    });
+    Simulated {
+        plan,
+        figures,
+        u_um,
+    }
+}
+
+/// Quantile of sorted values by straight lines between them.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a place in a list"
+    )]
+    let (place, below) = {
+        let place = share * sorted.len().saturating_sub(1) as f64;
+        (place, place.floor() as usize)
+    };
+    let low = sorted.get(below).copied().unwrap_or(0.0);
+    let high = sorted.get(below + 1).copied().unwrap_or(low);
+    low + (high - low) * place.fract()
+}

@@ -1,0 +1,39 @@
+//! Nine errors → the rows of an error table (contract §2.1).
+
+use super::campaign::{Evidence, Separation};
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::error_table::{Draft, DraftSeries};
+
+/// The table that `separate` writes and `generate` reads. Terms that are not determined are
+/// absent. Directions stand apart only where the reversal between them is determined.
+pub fn draft(separation: &Separation, comments: Vec<String>) -> Draft {
+    let directions: &[Option<Direction>] = if separation.has_directed_table() {
+        &[Some(Direction::Plus), Some(Direction::Minus)]
+    } else {
+        &[None]
+    };
+    let mut series = Vec::new();
+    for axis in Axis::ALL {
+        for direction in directions {
+            series.push(one_series(separation, axis, *direction));
+        }
+    }
+    Draft { comments, series }
+}
+
+fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> DraftSeries {
+    let positions = separation.volume.positions(axis);
+    let positions = positions.into_iter().map(|position| position.mm()).collect();
+    let mut series = DraftSeries::new(axis, direction, positions);
+    let evidence = PerAxis::from_fn(|of| {
+        let errors = match direction {
+            None => &separation.errors.mean,
+            Some(direction) => separation.errors.directed(direction)?,
+        };
+        let term = ErrorTerm { of, along: axis };
+        errors[term].as_ref()
+    });
+    series.deviations_um = PerAxis::from_fn(|of| evidence[of].map(|e: &Evidence| e.deviation_um.clone()));
+    series.uncertainties_um = PerAxis::from_fn(|of| evidence[of].and_then(|e| e.u_um.clone()));
+    series
+}
