@@ -7,6 +7,7 @@
 mod context;
 mod controllers;
 mod generate;
+mod import;
 mod inputs;
 mod show;
 mod verify;
@@ -62,6 +63,8 @@ enum Command {
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
     },
+    /// Turn another maker's measurement into an error table
+    Import(Box<import::Options>),
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
@@ -171,6 +174,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             tables,
             format,
         } => verify::run(&job, &tables, format),
+        Command::Import(options) => import::run(&options),
         Command::Controllers { command } => match command {
             ControllersCommand::List { format } => controllers::list(format),
             ControllersCommand::Show { id, format, toml } => controllers::show(&id, format, toml),

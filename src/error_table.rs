@@ -4,6 +4,10 @@
 //! there. What is not measured is absent (`None`), never zero. A table that exists has passed
 //! every check of the format; its rows still know their lines, so that later checks can point at them.
 
+mod text;
+
+pub use text::{Draft, DraftSeries, write};
+
 use crate::axis::{Axis, Direction, PerAxis};
 use crate::document::Source;
 use crate::problem::{Place, Problem, Problems, nearest, shown};

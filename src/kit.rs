@@ -70,6 +70,7 @@ pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
         path: path.to_string(),
         role: None,
         sha256: sha256(bytes),
+        through: None,
     }
 }
 
@@ -271,6 +272,7 @@ fn build_manifest(
                 path: file.path.clone(),
                 role: Some(file.role.word()),
                 sha256: sha256(&file.bytes),
+                through: None,
             })
             .collect(),
         assumptions: compiled.assumptions.clone(),

@@ -2,6 +2,8 @@
 //! control loads, and proves that they help.
 //!
 //! ```text
+//!  another maker's file ─→ import ─→ errors.csv
+//!
 //!  errors.csv ─→ error_table ─┐                      controllers/*.toml ─→ controller
 //!  job.toml   ─→ job ─────────┤                                               │
 //!                             ▼                                               │
@@ -41,6 +43,8 @@ pub mod problem;
 pub mod document;
 
 pub mod error_table;
+
+pub mod import;
 
 pub mod controller;
 

@@ -23,6 +23,9 @@ pub struct HashedFile {
     pub role: Option<&'static str>,
     /// SHA-256 of its bytes, in hexadecimal digits.
     pub sha256: String,
+    /// The input that was made from it and states its hash, e.g. an imported error table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub through: Option<String>,
 }
 
 /// The manifest of a kit.

@@ -141,3 +141,11 @@ impl Neg for Deviation {
         Correction(-self.0)
     }
 }
+
+/// The way back: another maker's table of corrections, read as the deviations it cancels.
+impl Neg for Correction {
+    type Output = Deviation;
+    fn neg(self) -> Deviation {
+        Deviation(-self.0)
+    }
+}

@@ -3,6 +3,7 @@
 use crate::controller::{Origin, Profile, builtin, load};
 use crate::document::Source;
 use crate::error_table::ErrorTable;
+use crate::import::source_of;
 use crate::job::Job;
 use crate::kit::{Inputs, hashed};
 use crate::manifest::HashedFile;
@@ -59,7 +60,20 @@ fn error_table(
             None => problem,
         })?;
     hashes.push(hashed(path, &bytes));
-    ErrorTable::read(Source::from_bytes(&full.display().to_string(), &bytes)?)
+    let source = Source::from_bytes(&full.display().to_string(), &bytes)?;
+    hashes.extend(imported_from(&source.text, path));
+    ErrorTable::read(source)
+}
+
+/// The measurement that an imported error table came from, as its comment states it.
+fn imported_from(table: &str, path: &str) -> Option<HashedFile> {
+    let (name, sha256) = source_of(table)?;
+    Some(HashedFile {
+        path: name,
+        role: None,
+        sha256,
+        through: Some(path.to_string()),
+    })
 }
 
 /// A built-in profile by id, or a user's own by path (relative to `folder`).
@@ -122,7 +136,7 @@ fn or_help(problem: Problem, help: &str) -> Problem {
     }
 }
 
-fn file_name(path: &Path) -> String {
+pub(super) fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(
         || "-".to_string(),
         |name| name.to_string_lossy().into_owned(),
@@ -130,7 +144,7 @@ fn file_name(path: &Path) -> String {
 }
 
 /// A file argument: `-` is standard input.
-fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Problems> {
+pub(super) fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Problems> {
     if path != Path::new("-") {
         let bytes = read_file(path).map_err(|p| or_help(p, "check the path"))?;
         return Ok((path.display().to_string(), bytes));

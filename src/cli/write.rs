@@ -1,4 +1,4 @@
-//! Writing a kit: whole or not at all.
+//! Writing a kit, or a single file: whole or not at all.
 //!
 //! ```text
 //!   DIR.partial-…/   all files, synced, read back; manifest.json last
@@ -81,6 +81,54 @@ pub(super) fn write_kit(
     sync_directory(&parent);
     // The directory has its final name now; there is nothing left to remove.
     let _ = partial.keep();
+    Ok(())
+}
+
+/// Refuses a file that exists, before any work is done.
+pub(super) fn ensure_new(file: &Path, force: bool) -> Result<(), Problems> {
+    let name = file.display();
+    let (message, help) = match fs::symlink_metadata(file) {
+        Err(_) => return Ok(()),
+        Ok(found) if found.is_dir() => (
+            format!("`{name}` is a directory, expected the name of a file"),
+            "name a file in it",
+        ),
+        Ok(_) if force => return Ok(()),
+        Ok(_) => (
+            format!("`{name}` exists, so it is not overwritten"),
+            "choose another name, or `--force` to replace it",
+        ),
+    };
+    Err(Problem::new(message).help(help).into())
+}
+
+/// Completes a file beside its place, then renames it: whole or not at all.
+pub(super) fn write_file(file: &Path, bytes: &[u8], force: bool) -> Result<(), Problems> {
+    let parent = parent_of(file);
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let failed = |error: std::io::Error| not_written("cannot write", file, &error);
+    let mut partial = tempfile::Builder::new();
+    let prefix = format!("{name}.partial-");
+    partial.prefix(&prefix);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        partial.permissions(fs::Permissions::from_mode(0o666)); // less what the umask takes
+    }
+    let mut partial = partial.tempfile_in(&parent).map_err(failed)?;
+    partial.write_all(bytes).map_err(failed)?;
+    partial.as_file().sync_all().map_err(failed)?;
+    if fs::read(partial.path()).map_err(failed)? != bytes {
+        let other = "the bytes in the file are not those that were written";
+        return Err(failed(std::io::Error::other(other)));
+    }
+    let placed = if force {
+        partial.persist(file)
+    } else {
+        partial.persist_noclobber(file)
+    };
+    placed.map_err(|error| failed(error.error))?;
+    sync_directory(&parent);
     Ok(())
 }
 

@@ -1,0 +1,280 @@
+//! `nonius import FILE -o errors.csv`
+
+use crate::axis::{Axis, Direction};
+use crate::cli::show::{Column, paragraphs, table};
+use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
+use crate::error_table;
+use crate::import::stated::{Encoding, Runs, Sign, Stated, Travel, Unit, Values};
+use crate::import::{self, Component, Imported, Measurement, squareness_lines, terms_of};
+use crate::kit::sha256;
+use crate::problem::{Problem, Problems};
+use clap::Args;
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+/// Options of `import`. What a file does not carry has to be stated; see docs/import.md.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The measurement; `-` = standard input
+    file: PathBuf,
+    /// The error table (CSV); `-` = standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace an existing error table
+    #[arg(long)]
+    force: bool,
+    /// Format of the file: rtl, ren, etalon, isg or columns [default: by what stands in it]
+    #[arg(long, value_name = "FORMAT", value_parser = format_word)]
+    from: Option<import::Format>,
+    /// Encoding of its text, where it is not UTF-8: latin-1 or gbk
+    #[arg(long, value_parser = encoding_word)]
+    encoding: Option<Encoding>,
+    /// The moving axis
+    #[arg(long, value_parser = axis_word)]
+    axis: Option<Axis>,
+    /// What was measured, e.g. EXX (positioning of X) or EYX (deviation in Y while X moves)
+    #[arg(long, value_parser = term_word)]
+    term: Option<Component>,
+    /// Machine coordinate of the first target, mm
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = millimetres)]
+    first_target_at_mm: Option<f64>,
+    /// Way of the axis from the first target to the last, in machine coordinates: + or -
+    #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
+    targets_run: Option<Direction>,
+    /// Direction of travel of rows that do not name one: +, - or both
+    #[arg(long, value_name = "+|-|both", allow_hyphen_values = true, value_parser = travel_word)]
+    direction: Option<Travel>,
+    /// as-error = measured - target, as the file counts; as-correction = what has to be added
+    #[arg(long, value_parser = sign_word)]
+    sign: Option<Sign>,
+    /// Unit of the values: um, mm, in or uin
+    #[arg(long, value_parser = unit_word)]
+    unit: Option<Unit>,
+    /// How the values of a compensation table count: absolute or incremental
+    #[arg(long, value_parser = values_word)]
+    values: Option<Values>,
+    /// unidirectional, or bidirectional (even runs go back)
+    #[arg(long, value_parser = runs_word)]
+    runs: Option<Runs>,
+    /// Which column holds what, e.g. "AXn [mm]=position_mm,Delta [mm]=ex_mm"
+    #[arg(long, value_name = "NAME=COLUMN,…")]
+    columns: Option<String>,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+    let to_stdout = options.output == Path::new("-");
+    if to_stdout && options.format == Format::Json {
+        return Err(Problem::new(
+            "the error table and the summary cannot both go to standard output",
+        )
+        .help("name a file with `-o`, or leave `--format json` out")
+        .into());
+    }
+    if !to_stdout {
+        refuse_itself(options)?;
+        write::ensure_new(&options.output, options.force)?;
+    }
+    let (path, bytes) = inputs::read_argument(&options.file)?;
+    let file = Measurement {
+        path: &path,
+        name: &inputs::file_name(&options.file),
+        sha256: &sha256(&bytes),
+        bytes: &bytes,
+    };
+    let stated = options.stated();
+    let imported = import::import(file, options.from, options.encoding, &stated)?;
+    let text = error_table::write(&imported.draft);
+    if to_stdout {
+        say(&talk(&imported));
+        return print_bytes(text.as_bytes());
+    }
+    write::write_file(&options.output, text.as_bytes(), options.force)?;
+    say(&talk(&imported));
+    say(&format!("wrote {}", options.output.display()));
+    match options.format {
+        Format::Json => print_json(&document(file, &options.output, &stated, &imported)),
+        Format::Text => print(&series_table(&imported)),
+    }
+}
+
+/// `--force` must not replace the measurement.
+fn refuse_itself(options: &Options) -> Result<(), Problems> {
+    let same = match (options.file.canonicalize(), options.output.canonicalize()) {
+        (Ok(file), Ok(output)) => file == output,
+        _ => false,
+    };
+    if same {
+        return Err(
+            Problem::new("the error table would replace the measurement itself")
+                .help("choose another name for `-o`")
+                .into(),
+        );
+    }
+    Ok(())
+}
+
+impl Options {
+    fn stated(&self) -> Stated {
+        Stated {
+            axis: self.axis,
+            term: self.term,
+            first_target_at_mm: self.first_target_at_mm,
+            targets_run: self.targets_run,
+            travel: self.direction,
+            sign: self.sign,
+            unit: self.unit,
+            values: self.values,
+            runs: self.runs,
+            columns: self.columns.clone(),
+        }
+    }
+}
+
+/// What the file says, what was done with it, what belongs into the job.
+fn talk(imported: &Imported) -> String {
+    let mut facts = vec![format!("read as {}", imported.format.word())];
+    facts.extend(imported.facts.iter().cloned());
+    paragraphs(&[
+        facts.join("\n"),
+        squareness_lines(&imported.squareness).join("\n"),
+    ])
+}
+
+fn series_table(imported: &Imported) -> String {
+    let columns = [
+        Column::Left("axis"),
+        Column::Left("travel"),
+        Column::Right("points"),
+        Column::Right("from/mm"),
+        Column::Right("to/mm"),
+        Column::Left("measured"),
+        Column::Left("u"),
+    ];
+    let rows = imported.draft.series.iter().map(|series| {
+        let end = |mm: Option<&f64>| mm.map_or_else(String::new, f64::to_string);
+        let terms: Vec<String> = terms_of(series).iter().map(Component::to_string).collect();
+        let has_u = series.uncertainties_um.iter().any(|(_, u)| u.is_some());
+        vec![
+            series.axis.to_string(),
+            series
+                .direction
+                .map_or("both", Direction::symbol)
+                .to_string(),
+            series.positions_mm.len().to_string(),
+            end(series.positions_mm.first()),
+            end(series.positions_mm.last()),
+            terms.join(" "),
+            if has_u { "yes" } else { "not stated" }.to_string(),
+        ]
+    });
+    table(&columns, rows)
+}
+
+/// The summary for scripts.
+fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Imported) -> Value {
+    let series: Vec<Value> = imported
+        .draft
+        .series
+        .iter()
+        .map(|series| {
+            let terms: Vec<String> = terms_of(series).iter().map(Component::to_string).collect();
+            json!({
+                "axis": series.axis.key(),
+                "direction": series.direction.map(Direction::symbol),
+                "terms": terms,
+                "points": series.positions_mm.len(),
+                "from_mm": series.positions_mm.first(),
+                "to_mm": series.positions_mm.last(),
+            })
+        })
+        .collect();
+    let given = stated.given().into_iter();
+    let given: Map<String, Value> = given
+        .map(|(option, value)| (option.to_string(), json!(value)))
+        .collect();
+    let squareness = imported.squareness.iter();
+    let squareness: Map<String, Value> = squareness
+        .map(|s| (s.pair.to_string(), json!(s.um_per_m)))
+        .collect();
+    json!({
+        "schema": 1,
+        "source": { "path": file.name, "sha256": file.sha256 },
+        "format": imported.format.word(),
+        "output": output.display().to_string(),
+        "stated": given,
+        "facts": imported.facts,
+        "series": series,
+        "squareness_um_per_m": squareness,
+    })
+}
+
+/// The value with this word, or the words that there are.
+fn by_word<T: Copy>(text: &str, all: &[T], word: impl Fn(T) -> &'static str) -> Result<T, String> {
+    let found = all.iter().copied().find(|value| word(*value) == text);
+    let words: Vec<&str> = all.iter().map(|value| word(*value)).collect();
+    found.ok_or_else(|| format!("expected {}", words.join(", ")))
+}
+
+fn format_word(text: &str) -> Result<import::Format, String> {
+    by_word(text, &import::Format::ALL, import::Format::word)
+}
+
+fn encoding_word(text: &str) -> Result<Encoding, String> {
+    by_word(
+        text,
+        &[Encoding::Utf8, Encoding::Latin1, Encoding::Gbk],
+        Encoding::word,
+    )
+}
+
+fn axis_word(text: &str) -> Result<Axis, String> {
+    Axis::from_letter(text).ok_or_else(|| "expected x, y or z".to_string())
+}
+
+fn term_word(text: &str) -> Result<Component, String> {
+    Component::from_name(text).ok_or_else(|| "expected EXX, EYX … EZZ, EAX … ECZ".to_string())
+}
+
+fn millimetres(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|mm| mm.abs() <= LONGEST_MM);
+    number.ok_or_else(|| "expected a number of mm, with a decimal point".to_string())
+}
+
+/// A kilometre: no machine is longer.
+const LONGEST_MM: f64 = 1e6;
+
+fn direction_word(text: &str) -> Result<Direction, String> {
+    by_word(text, &Direction::BOTH, Direction::symbol)
+}
+
+fn travel_word(text: &str) -> Result<Travel, String> {
+    let all = [
+        Travel::One(Direction::Plus),
+        Travel::One(Direction::Minus),
+        Travel::Both,
+    ];
+    by_word(text, &all, Travel::word)
+}
+
+fn sign_word(text: &str) -> Result<Sign, String> {
+    by_word(text, &[Sign::AsError, Sign::AsCorrection], Sign::word)
+}
+
+fn unit_word(text: &str) -> Result<Unit, String> {
+    by_word(text, &[Unit::Um, Unit::Mm, Unit::In, Unit::Uin], Unit::word)
+}
+
+fn values_word(text: &str) -> Result<Values, String> {
+    by_word(text, &[Values::Absolute, Values::Incremental], Values::word)
+}
+
+fn runs_word(text: &str) -> Result<Runs, String> {
+    by_word(
+        text,
+        &[Runs::Unidirectional, Runs::Bidirectional],
+        Runs::word,
+    )
+}

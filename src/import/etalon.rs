@@ -1,0 +1,119 @@
+//! Etalon exchange format, variant "Vendor".
+//!
+//! ```text
+//!   [C0Y]
+//!   VALUE = 0.000012
+//!   [EXX]
+//!   Gridpoints = {
+//!      0.0 0.0000
+//!    100.0 0.0021
+//!   } // end of EXX
+//! ```
+
+use crate::document::Source;
+use crate::import::Reading;
+use crate::import::components::{Parameter, assemble};
+use crate::import::lines::{Line, lines};
+use crate::import::stated::Stated;
+use crate::problem::{Problem, Problems};
+
+const AGAIN: &str = "the file is incomplete or damaged: export it again (variant `Vendor`)";
+
+pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
+    let mut problems = Problems::none();
+    let mut blocks = Blocks::default();
+    for line in lines(source) {
+        let line = line.before("//");
+        if !line.is_blank() {
+            blocks.take(&line, &mut problems);
+        }
+    }
+    blocks.close(&mut problems);
+    let sign = stated.required_sign(&mut problems);
+    if let (Some(sign), true) = (sign, problems.is_empty()) {
+        return assemble(&blocks.done, sign);
+    }
+    Err(problems)
+}
+
+#[derive(Default)]
+struct Blocks {
+    done: Vec<Parameter>,
+    /// Between `Gridpoints = {` and `}`.
+    inside: bool,
+}
+
+impl Blocks {
+    fn take(&mut self, line: &Line<'_>, problems: &mut Problems) {
+        let text = line.text.trim();
+        let compact: String = text.to_lowercase().split_whitespace().collect();
+        if let Some(name) = text.strip_prefix('[').and_then(|t| t.strip_suffix(']')) {
+            self.close(problems);
+            self.done.push(Parameter {
+                name: name.trim().to_uppercase(),
+                place: line.place(),
+                positions_mm: Vec::new(),
+                values: Vec::new(),
+            });
+        } else if compact == "gridpoints={" && !self.inside && !self.done.is_empty() {
+            self.inside = true;
+        } else if text == "}" && self.inside {
+            self.inside = false;
+        } else if self.inside {
+            self.point(line, problems);
+        } else if compact.starts_with("value=") && !self.done.is_empty() {
+            self.value(line, problems);
+        } else {
+            problems.push_with(|| {
+                Problem::new("expected `[NAME]`, `VALUE = …` or `Gridpoints = {`")
+                    .at(line.place())
+                    .help(AGAIN)
+            });
+        }
+    }
+
+    fn point(&mut self, line: &Line<'_>, problems: &mut Problems) {
+        let words = line.words(char::is_whitespace);
+        let [argument, value] = words[..] else {
+            problems.push_with(|| {
+                Problem::new("expected an argument and a value, as in `100.0 0.0021`")
+                    .at(line.place())
+                    .help(AGAIN)
+            });
+            return;
+        };
+        let argument = argument.number("an argument", problems);
+        let value = value.number("a value", problems);
+        if let (Some(block), Some(argument), Some(value)) = (self.done.last_mut(), argument, value)
+        {
+            block.positions_mm.push(argument);
+            block.values.push(value);
+        }
+    }
+
+    fn value(&mut self, line: &Line<'_>, problems: &mut Problems) {
+        let at = line.text.find('=').map_or(0, |at| at + 1);
+        let word = line.part(at, line.text.len());
+        if let (Some(block), Some(value)) = (self.done.last_mut(), word.number("a value", problems))
+        {
+            block.values.push(value);
+        }
+    }
+
+    /// The block before must be complete.
+    fn close(&mut self, problems: &mut Problems) {
+        let Some(block) = self.done.last() else {
+            return;
+        };
+        let name = &block.name;
+        let message = if self.inside {
+            format!("the grid of `{name}` is not closed by `}}`")
+        } else if block.values.is_empty() && problems.is_empty() {
+            format!("`{name}` has no value")
+        } else {
+            return;
+        };
+        problems.push(Problem::new(message).at(block.place.clone()).help(AGAIN));
+        self.inside = false;
+    }
+}

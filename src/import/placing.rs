@@ -1,0 +1,154 @@
+//! Targets as the instrument counts them → machine coordinates; runs → mean and uncertainty.
+
+use crate::axis::Direction;
+use crate::import::Component;
+use crate::import::stated::{Sign, Stated, missing, turned};
+use crate::problem::{Place, Problem, Problems};
+
+/// Nine decimals: far below what can be measured, and free of the dust of binary sums.
+pub(super) fn tidy(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9 + 0.0
+}
+
+/// Where the targets of a file stand on the machine.
+pub(super) struct Placing {
+    /// Machine coordinate of each target, in the order of the targets.
+    positions_mm: Vec<f64>,
+    /// The way of the axis from the first target to the last.
+    pub(super) run: Direction,
+    /// The file counts its targets against the axis.
+    turned: bool,
+}
+
+impl Placing {
+    /// From what was stated; what is missing is noted.
+    pub(super) fn of(
+        targets: &[f64],
+        at: &Place,
+        stated: &Stated,
+        problems: &mut Problems,
+    ) -> Option<Placing> {
+        let ascending = sense(targets, at, problems);
+        if stated.first_target_at_mm.is_none() {
+            problems.push(
+                missing(
+                    "--first-target-at-mm",
+                    "the targets of the file count from the laser's zero, not from the machine's",
+                    "add the machine coordinate of target 1, e.g. `--first-target-at-mm -200`",
+                )
+                .at(at.clone()),
+            );
+        }
+        if stated.targets_run.is_none() {
+            problems.push(
+                missing(
+                    "--targets-run",
+                    "the file does not say whether the targets go towards larger or smaller machine coordinates",
+                    "add `--targets-run +` or `--targets-run -`: the way of the axis from the first target to the last",
+                )
+                .at(at.clone()),
+            );
+        }
+        let (ascending, run) = (ascending?, stated.targets_run?);
+        let first_mm = stated.first_target_at_mm?;
+        let is_turned = ascending != (run == Direction::Plus);
+        let positions_mm = targets.iter().map(|target| {
+            let way = target - targets[0];
+            tidy(first_mm + if is_turned { -way } else { way })
+        });
+        Some(Placing {
+            positions_mm: positions_mm.collect(),
+            run,
+            turned: is_turned,
+        })
+    }
+
+    /// Values of the targets in the order of the machine.
+    fn ascending<T: Clone>(&self, of_targets: &[T]) -> Vec<T> {
+        let mut values = of_targets.to_vec();
+        if self.run == Direction::Minus {
+            values.reverse();
+        }
+        values
+    }
+
+    /// Machine coordinates, ascending.
+    pub(super) fn positions_mm(&self) -> Vec<f64> {
+        self.ascending(&self.positions_mm)
+    }
+
+    /// Values of a file, µm and in the order of its targets → deviations in the order of the machine.
+    pub(super) fn deviations(&self, um: &[f64], component: Component, sign: Sign) -> Vec<f64> {
+        let against = self.turned && component.is_positioning();
+        let deviation = |um: &f64| {
+            let um = sign.deviation(*um);
+            tidy(if against { turned(um) } else { um })
+        };
+        let of_targets: Vec<f64> = um.iter().map(deviation).collect();
+        self.ascending(&of_targets)
+    }
+
+    /// Uncertainties in the order of the machine; they have no sign.
+    pub(super) fn uncertainties(&self, um: &[f64]) -> Vec<f64> {
+        let of_targets: Vec<f64> = um.iter().map(|um| tidy(*um)).collect();
+        self.ascending(&of_targets)
+    }
+
+    /// What was done, in words.
+    pub(super) fn words(&self, component: Option<Component>) -> Vec<String> {
+        let positions = self.positions_mm();
+        let (Some(first), Some(last)) = (positions.first(), positions.last()) else {
+            return Vec::new();
+        };
+        let mut words = vec![format!(
+            "positions: {} targets at machine coordinates {first} … {last} mm",
+            positions.len()
+        )];
+        if self.turned && component.is_none_or(Component::is_positioning) {
+            words.push("sense: the file counts its targets against the axis, so its deviations along the axis are turned as well".to_string());
+        }
+        words
+    }
+}
+
+/// Whether targets ascend; neither is a problem.
+fn sense(targets: &[f64], at: &Place, problems: &mut Problems) -> Option<bool> {
+    if targets.len() >= 2 && targets.windows(2).all(|pair| pair[0] < pair[1]) {
+        return Some(true);
+    }
+    if targets.len() >= 2 && targets.windows(2).all(|pair| pair[0] > pair[1]) {
+        return Some(false);
+    }
+    problems.push(
+        Problem::new("the targets neither ascend nor descend, expected at least two in one sense")
+            .at(at.clone())
+            .help("a measurement on a line is needed; circular or repeated targets make no curve"),
+    );
+    None
+}
+
+/// Mean of the runs, and with two runs or more its standard uncertainty s/√n.
+pub(super) fn mean(values: &[f64]) -> (f64, Option<f64>) {
+    let count = values.iter().map(|_| 1.0).sum::<f64>();
+    let mean = values.iter().sum::<f64>() / count;
+    if values.len() < 2 {
+        return (mean, None);
+    }
+    let squares = values
+        .iter()
+        .map(|value| (value - mean).powi(2))
+        .sum::<f64>();
+    (mean, Some((squares / (count - 1.0) / count).sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_uncertainty_of_a_mean_is_s_over_the_root_of_n() {
+        // Two readings d apart: s = d/√2, s/√2 = d/2.
+        assert_eq!(mean(&[1.0, 3.0]), (2.0, Some(1.0)));
+        assert_eq!(mean(&[4.0]), (4.0, None));
+    }
+}
