@@ -40,6 +40,8 @@ pub mod problem;
 
 pub mod document;
 
+pub mod delimited;
+
 pub mod error_table;
 
 pub mod controller;
