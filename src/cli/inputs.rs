@@ -3,7 +3,7 @@
 use crate::controller::{Origin, Profile, builtin, load};
 use crate::document::Source;
 use crate::error_table::ErrorTable;
-use crate::job::Job;
+use crate::job::{Job, MeasuredData};
 use crate::kit::{Inputs, hashed};
 use crate::manifest::HashedFile;
 use crate::problem::{Problem, Problems};
@@ -51,7 +51,9 @@ fn error_table(
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
 ) -> Result<ErrorTable, Problems> {
-    let path = &job.measurement.errors;
+    let MeasuredData::Errors(path) = &job.measurement.data else {
+        return Err(not_separated(job));
+    };
     let full = folder.join(path);
     let bytes =
         read_file(&full).map_err(|problem| match job.source.place_of("measurement.errors") {
@@ -60,6 +62,13 @@ fn error_table(
         })?;
     hashes.push(hashed(path, &bytes));
     ErrorTable::read(Source::from_bytes(&full.display().to_string(), &bytes)?)
+}
+
+fn not_separated(job: &Job) -> Problems {
+    let message = "`readings` need the separation of the body diagonals, which this version does not have yet";
+    job.problem_at("measurement.readings", message)
+        .help("separate the readings first and give the nine errors as `errors = \"errors.csv\"`")
+        .into()
 }
 
 /// A built-in profile by id, or a user's own by path (relative to `folder`).
