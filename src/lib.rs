@@ -52,6 +52,8 @@ pub mod fit;
 
 pub mod job;
 
+pub mod readings;
+
 pub mod model;
 
 pub mod grid;
