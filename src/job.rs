@@ -5,6 +5,10 @@
 
 mod diagonals;
 mod read;
+mod read_beams;
+mod read_compensation;
+mod read_diagonals;
+mod read_measurement;
 
 pub use self::diagonals::{
     AxisMaterial, Beam, DiagonalMeasurement, Frame, Levers, Linear, LinearSlope, Material,
@@ -101,11 +105,25 @@ pub enum ActiveTables {
     NotStated,
 }
 
+/// Where the nine errors come from.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is one of them in a job")]
+pub enum MeasuredData {
+    /// An error table: its path, relative to the job.
+    Errors(String),
+    /// Readings of the body diagonals, which are separated first.
+    Diagonals(DiagonalMeasurement),
+}
+
 /// What was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// Path of the error table, relative to the job.
-    pub errors: String,
+    /// The error table, or the readings.
+    pub data: MeasuredData,
+    /// Path of a table of angular errors, relative to the job.
+    pub angles: Option<String>,
+    /// What the lever arms of the angular errors are counted from.
+    pub levers: Levers,
     /// Date of the measurement, as it is printed.
     pub date: Option<String>,
     /// Compensation that was active.
@@ -114,9 +132,9 @@ pub struct Measurement {
     pub squareness: Vec<(ErrorTerm, f64)>,
     /// `[measurement.protocol]`, as it is printed.
     pub protocol: Vec<(String, String)>,
-    /// Standard uncertainty (k = 1) of every single reading by its noise, µm; 0 or more.
-    pub noise_um: Option<f64>,
-    /// What the job states and this version does not use, one sentence each.
+    /// `[measurement.uncertainty]`.
+    pub uncertainty: StatedUncertainty,
+    /// What the job states and an error table has no use for, one sentence each.
     pub unused: Vec<String>,
 }
 

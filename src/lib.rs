@@ -42,6 +42,8 @@ pub mod problem;
 
 pub mod document;
 
+pub mod delimited;
+
 pub mod error_table;
 
 pub mod import;
@@ -53,6 +55,8 @@ pub mod curve;
 pub mod fit;
 
 pub mod job;
+
+pub mod readings;
 
 pub mod separation;
 

@@ -302,7 +302,7 @@ fn measured_term(
         .flatten()
         .copied()
         .reduce(f64::max);
-    let u_um = root_of_squares(column, job.measurement.noise_um);
+    let u_um = root_of_squares(column, job.measurement.uncertainty.noise_um);
     Some(MeasuredTerm { measured, u_um })
 }
 

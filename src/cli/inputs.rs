@@ -4,7 +4,7 @@ use crate::controller::{Origin, Profile, builtin, load};
 use crate::document::Source;
 use crate::error_table::ErrorTable;
 use crate::import::source_of;
-use crate::job::Job;
+use crate::job::{Job, MeasuredData};
 use crate::kit::{Inputs, hashed};
 use crate::manifest::HashedFile;
 use crate::problem::{Problem, Problems};
@@ -52,7 +52,9 @@ fn error_table(
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
 ) -> Result<ErrorTable, Problems> {
-    let path = &job.measurement.errors;
+    let MeasuredData::Errors(path) = &job.measurement.data else {
+        return Err(not_separated(job));
+    };
     let full = folder.join(path);
     let bytes =
         read_file(&full).map_err(|problem| match job.source.place_of("measurement.errors") {
@@ -74,6 +76,13 @@ fn imported_from(table: &str, path: &str) -> Option<HashedFile> {
         sha256,
         through: Some(path.to_string()),
     })
+}
+
+fn not_separated(job: &Job) -> Problems {
+    let message = "`readings` need the separation of the body diagonals, which this version does not have yet";
+    job.problem_at("measurement.readings", message)
+        .help("separate the readings first and give the nine errors as `errors = \"errors.csv\"`")
+        .into()
 }
 
 /// A built-in profile by id, or a user's own by path (relative to `folder`).

@@ -1,0 +1,312 @@
+//! `[measurement.step_diagonal]` of a job: how the body diagonals were measured.
+
+use crate::axis::{Axis, Direction, PerAxis};
+use crate::diagonal::{PathKind, Volume};
+use crate::document::{LONGEST_MM, Section};
+use crate::job::read::direction;
+use crate::job::read_beams::{beams, linear};
+use crate::job::{
+    AxisMaterial, DiagonalMeasurement, Frame, MachineAxis, Material, Reflector, SetUp,
+};
+use crate::problem::shown;
+use crate::units::Millimetres;
+
+const MOST_STEPS: u32 = 100_000; // a thousand times the steps of any published measurement
+pub(super) const SMALLEST_SIZE_MM: f64 = 1e-3; // below it a box is no volume of a machine tool
+const LARGEST_ALPHA_PER_K: f64 = 1e-4; // four times aluminium
+const COLDEST_C: f64 = -10.0; // nobody measures outside these temperatures; they refuse °F as well
+const WARMEST_C: f64 = 50.0;
+/// What a place or a box may pass the travel by: the last digit of a coordinate, mm.
+pub(super) const TRAVEL_TOLERANCE_MM: f64 = 1e-6;
+
+pub(super) type Axes = PerAxis<Option<MachineAxis>>;
+
+/// The section; `readings` is the path beside it.
+pub(super) fn diagonals(
+    section: &Section<'_>,
+    axes: &Axes,
+    readings: Option<String>,
+) -> Option<DiagonalMeasurement> {
+    let kind = kind(section);
+    let volume = volume(section, kind, axes);
+    let target = target(section, kind);
+    let laser_sign = direction(section, "laser_sign").unwrap_or(Direction::Plus);
+    let setup = section.choice(
+        "setup",
+        &[
+            ("solve", SetUp::Solve),
+            ("assume-perfect", SetUp::AssumePerfect),
+        ],
+    );
+    let frame = section.choice(
+        "frame",
+        &[
+            ("x-primary", Frame::XPrimary),
+            ("as-measured", Frame::AsMeasured),
+        ],
+    );
+    let overrun = section.flag("overrun");
+    let closure_errors = closure_errors(section, kind);
+    let linear = linear(section);
+    let beams = beams(section, axes);
+    let material = section.section("material").map(|s| material(&s));
+    section.refuse_unknown_keys();
+    Some(DiagonalMeasurement {
+        readings: readings?,
+        kind,
+        volume: volume?,
+        laser_sign,
+        setup: setup.unwrap_or(SetUp::Solve),
+        frame: frame.unwrap_or(Frame::XPrimary),
+        target,
+        overrun,
+        linear,
+        beams,
+        material: match material {
+            Some(material) => Some(material?),
+            None => None,
+        },
+        closure_errors,
+    })
+}
+
+fn kind(section: &Section<'_>) -> PathKind {
+    let words = [("step", PathKind::Step), ("straight", PathKind::Straight)];
+    section.choice("kind", &words).unwrap_or(PathKind::Step)
+}
+
+fn volume(section: &Section<'_>, kind: PathKind, axes: &Axes) -> Option<Volume> {
+    let example = "e.g. { x = 0.0, y = 0.0, z = 0.0 }";
+    if !section.has("start_mm") {
+        let expected = format!("the corner with the smallest machine coordinates, {example}");
+        section.missing("start_mm", &expected);
+    }
+    if !section.has("size_mm") {
+        section.missing(
+            "size_mm",
+            "the edges of the measured box, e.g. { x = 900.0, y = 720.0, z = 720.0 }",
+        );
+    }
+    let start = places(section, "start_mm");
+    let size = size(section);
+    let steps = steps(section);
+    let order = order(section, kind);
+    let (start, size) = (start?, size?);
+    refuse_box_outside_travel(section, &start, &size, axes);
+    Some(Volume {
+        start,
+        size,
+        steps: steps?,
+        order: order?,
+    })
+}
+
+/// A place, by its coordinates in a section; all three must be given.
+pub(super) fn places(parent: &Section<'_>, key: &'static str) -> Option<PerAxis<Millimetres>> {
+    let section = parent.section(key)?;
+    let read = PerAxis::from_fn(|axis| {
+        if !section.has(axis.key()) {
+            section.missing(axis.key(), "a number of each axis, mm");
+        }
+        section.millimetres(axis.key())
+    });
+    section.refuse_unknown_keys();
+    all_of(read)
+}
+
+fn size(parent: &Section<'_>) -> Option<PerAxis<Millimetres>> {
+    let section = parent.section("size_mm")?;
+    let read = PerAxis::from_fn(|axis| {
+        if !section.has(axis.key()) {
+            section.missing(axis.key(), "the edge along this axis, mm");
+        }
+        section.within(axis.key(), SMALLEST_SIZE_MM, LONGEST_MM, "mm")
+    });
+    section.refuse_unknown_keys();
+    all_of(read)
+}
+
+fn all_of(read: PerAxis<Option<f64>>) -> Option<PerAxis<Millimetres>> {
+    let (x, y, z) = (read.x?, read.y?, read.z?);
+    Some(PerAxis { x, y, z }).map(|place| PerAxis::from_fn(|axis| Millimetres::new(place[axis])))
+}
+
+fn steps(section: &Section<'_>) -> Option<usize> {
+    if !section.has("steps") {
+        section.missing("steps", "the number of steps of each axis");
+    }
+    let steps = section.whole("steps")?;
+    if !(1..=MOST_STEPS).contains(&steps) {
+        section.problem(
+            "steps",
+            format!("`steps` is {steps}, expected 1 … {MOST_STEPS}"),
+            "give the number of steps that each axis makes along a diagonal",
+        );
+        return None;
+    }
+    usize::try_from(steps).ok()
+}
+
+fn order(section: &Section<'_>, kind: PathKind) -> Option<[Axis; 3]> {
+    let [x, y, z] = Axis::ALL;
+    if !section.has("order") {
+        if kind == PathKind::Straight {
+            return Some(Axis::ALL);
+        }
+        section.missing(
+            "order",
+            "the order of the single-axis moves inside a cell, e.g. \"XYZ\"",
+        );
+    }
+    section.choice(
+        "order",
+        &[
+            ("XYZ", [x, y, z]),
+            ("XZY", [x, z, y]),
+            ("YXZ", [y, x, z]),
+            ("YZX", [y, z, x]),
+            ("ZXY", [z, x, y]),
+            ("ZYX", [z, y, x]),
+        ],
+    )
+}
+
+fn refuse_box_outside_travel(
+    section: &Section<'_>,
+    start: &PerAxis<Millimetres>,
+    size: &PerAxis<Millimetres>,
+    axes: &Axes,
+) {
+    for axis in Axis::ALL {
+        let Some(travel) = &axes[axis] else { continue };
+        let (from, to) = (start[axis].mm(), digits_of((start[axis] + size[axis]).mm()));
+        let key = if from < travel.low.mm() - TRAVEL_TOLERANCE_MM {
+            "start_mm"
+        } else if to > travel.high.mm() + TRAVEL_TOLERANCE_MM {
+            "size_mm"
+        } else {
+            continue;
+        };
+        section.problem(
+            key,
+            format!(
+                "the measured box reaches from {axis} {from} mm to {to} mm, but the travel is {} mm … {} mm",
+                travel.low.mm(),
+                travel.high.mm()
+            ),
+            "`start_mm` is the corner with the smallest machine coordinates, `size_mm` the edges of the box",
+        );
+    }
+}
+
+/// A sum of coordinates without the digits that binary numbers add.
+fn digits_of(mm: f64) -> f64 {
+    (mm * 1e6).round() / 1e6
+}
+
+fn target(section: &Section<'_>, kind: PathKind) -> Reflector {
+    let words = [
+        ("flat-mirror", Reflector::FlatMirror),
+        ("retroreflector", Reflector::Retroreflector),
+    ];
+    let usual = match kind {
+        PathKind::Step => Reflector::FlatMirror,
+        PathKind::Straight => Reflector::Retroreflector,
+    };
+    let target = section.choice("target", &words).unwrap_or(usual);
+    if kind == PathKind::Step && target == Reflector::Retroreflector {
+        section.problem(
+            "target",
+            "`target` is `retroreflector`, but the target of single-axis steps leaves the diagonal sideways, expected `flat-mirror`",
+            "write `kind = \"straight\"` if all axes moved together",
+        );
+    }
+    target
+}
+
+fn closure_errors(section: &Section<'_>, kind: PathKind) -> Option<String> {
+    let path = section.text("closure_errors")?;
+    if kind == PathKind::Step {
+        section.problem(
+            "closure_errors",
+            "`closure_errors` compares straight runs with an error table, but these runs are of single-axis steps",
+            "remove it, or write `kind = \"straight\"` if all axes moved together",
+        );
+    }
+    Some(path)
+}
+
+fn material(section: &Section<'_>) -> Option<Material> {
+    for key in ["material_corrected", "air_corrected"] {
+        if !section.has(key) {
+            section.missing(
+                key,
+                "`true` or `false`: correcting twice costs 11 µm/m for each K",
+            );
+        }
+    }
+    let material_corrected = section.flag("material_corrected");
+    let air_corrected = section.flag("air_corrected");
+    let mut complete = true;
+    let axes = PerAxis::from_fn(|axis| {
+        let given = section.section(axis.key())?;
+        let read = axis_material(&given);
+        complete &= read.is_some();
+        read
+    });
+    section.refuse_unknown_keys();
+    Some(Material {
+        material_corrected: material_corrected?,
+        air_corrected: air_corrected?,
+        axes: complete.then_some(axes)?,
+    })
+}
+
+fn axis_material(section: &Section<'_>) -> Option<AxisMaterial> {
+    if !section.has("alpha_per_k") {
+        section.missing("alpha_per_k", "the expansion of the scale, e.g. 11.5e-6");
+    }
+    let alpha_per_k = between(
+        section,
+        "alpha_per_k",
+        (-LARGEST_ALPHA_PER_K, LARGEST_ALPHA_PER_K),
+        "1/K",
+        "a steel scale has 11.5e-6",
+    );
+    let temperature_c = between(
+        section,
+        "temperature_c",
+        (COLDEST_C, WARMEST_C),
+        "°C",
+        "give degrees Celsius",
+    );
+    section.refuse_unknown_keys();
+    Some(AxisMaterial {
+        alpha_per_k: alpha_per_k?,
+        temperature_c,
+    })
+}
+
+/// A number of either sign between two bounds, if the key is present.
+pub(super) fn between(
+    section: &Section<'_>,
+    key: &'static str,
+    (low, high): (f64, f64),
+    unit: &str,
+    help: &str,
+) -> Option<f64> {
+    let number = section.number(key)?;
+    if (low..=high).contains(&number) {
+        return Some(number);
+    }
+    let written = shown(section.as_written(key).unwrap_or_default());
+    section.problem(
+        key,
+        format!(
+            "`{}` is `{written}`, expected {low} … {high} {unit}",
+            section.path_of(key)
+        ),
+        help,
+    );
+    None
+}

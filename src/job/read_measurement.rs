@@ -1,0 +1,194 @@
+//! `[measurement]` of a job.
+
+use crate::axis::{Axis, ErrorTerm, PerAxis};
+use crate::document::Section;
+use crate::job::read::refuse_control_characters;
+use crate::job::read_diagonals::{diagonals, places};
+use crate::job::{ActiveTables, Levers, MachineAxis, MeasuredData, Measurement, StatedUncertainty};
+
+pub(super) fn measurement(
+    section: &Section<'_>,
+    axes: &PerAxis<Option<MachineAxis>>,
+) -> Option<Measurement> {
+    let data = data(section, axes);
+    let date = section.text("date");
+    refuse_control_characters(section, "date", date.as_deref());
+    let active = active_tables(section);
+    let squareness = squareness(section);
+    let protocol = section.section("protocol").map(|s| s.entries());
+    let angles = section.text("angles");
+    let levers = Levers {
+        offsets: places(section, "offsets_mm"),
+        tool: places(section, "tool_offset_mm"),
+    };
+    let uncertainty = uncertainty(section);
+    section.refuse_unknown_keys();
+    let data = data?;
+    let unused = match &data {
+        MeasuredData::Errors(_) => unused(section, &uncertainty),
+        MeasuredData::Diagonals(_) => Vec::new(),
+    };
+    Some(Measurement {
+        data,
+        angles,
+        levers,
+        date,
+        active,
+        squareness,
+        protocol: protocol.unwrap_or_default(),
+        uncertainty,
+        unused,
+    })
+}
+
+/// Exactly one of `errors` and `readings`.
+fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<MeasuredData> {
+    let errors = section.text("errors");
+    let readings = section.text("readings");
+    match (section.has("errors"), section.has("readings")) {
+        (true, true) => both_given(section),
+        (false, false) => section.missing(
+            "errors",
+            "the path of an error table (or `readings` of the body diagonals)",
+        ),
+        (true, false) => {
+            if section.has("step_diagonal") {
+                section.problem(
+                    "step_diagonal",
+                    "`[measurement.step_diagonal]` describes how readings were taken; it is allowed only with readings",
+                    "remove it: `errors` are separated already",
+                );
+            }
+            return errors.map(MeasuredData::Errors);
+        }
+        (false, true) => {
+            let how = section.required_section("step_diagonal");
+            let measured = how.and_then(|how| diagonals(&how, axes, readings));
+            return measured.map(MeasuredData::Diagonals);
+        }
+    }
+    None
+}
+
+fn both_given(section: &Section<'_>) {
+    section.has("step_diagonal");
+    section.problem(
+        "readings",
+        "`errors` and `readings` are both given, expected one of the two",
+        "keep `readings` to separate them now, or `errors` if they are separated already",
+    );
+}
+
+/// What the job states and an error table has no use for, one sentence each.
+fn unused(section: &Section<'_>, uncertainty: &StatedUncertainty) -> Vec<String> {
+    let mut unused = Vec::new();
+    if section.has("angles") {
+        unused.push("`angles` is not used by this version, and its file is not read: angular errors are not compensated by these tables".to_string());
+    }
+    for key in ["offsets_mm", "tool_offset_mm"] {
+        if section.has(key) {
+            unused.push(format!(
+                "`[measurement.{key}]` is not used by this version: it matters with angles only, and angular errors are not compensated by these tables"
+            ));
+        }
+    }
+    let stated = [
+        ("laser_ppm", uncertainty.laser_ppm),
+        ("temperature_k", uncertainty.temperature_k),
+        ("alpha_per_k", uncertainty.alpha_per_k),
+    ];
+    for (key, _) in stated.iter().filter(|(_, value)| value.is_some()) {
+        unused.push(format!(
+            "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column and `noise_um` state"
+        ));
+    }
+    unused
+}
+
+fn uncertainty(section: &Section<'_>) -> StatedUncertainty {
+    let Some(section) = section.section("uncertainty") else {
+        return StatedUncertainty::default();
+    };
+    let stated = StatedUncertainty {
+        noise_um: section.not_negative("noise_um"),
+        laser_ppm: section.not_negative("laser_ppm"),
+        temperature_k: section.not_negative("temperature_k"),
+        alpha_per_k: section.not_negative("alpha_per_k"),
+    };
+    section.refuse_unknown_keys();
+    stated
+}
+
+fn active_tables(section: &Section<'_>) -> ActiveTables {
+    match section.text("active_while_measuring").as_deref() {
+        Some("none") => ActiveTables::None,
+        Some(_) => {
+            section.problem(
+                "active_while_measuring",
+                "tables that were active while measuring cannot be added yet",
+                "measure with the compensation switched off and write \"none\"",
+            );
+            ActiveTables::NotStated
+        }
+        None => ActiveTables::NotStated,
+    }
+}
+
+fn squareness(measurement: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
+    let Some(section) = measurement.section("squareness_um_per_m") else {
+        return Vec::new();
+    };
+    if measurement.has("readings") {
+        measurement.problem(
+            "squareness_um_per_m",
+            "`[measurement.squareness_um_per_m]` is given together with readings of the body diagonals, which measure the squareness themselves",
+            "remove it: it would be added twice",
+        );
+    }
+    let pairs = [
+        ("xy", Axis::X, Axis::Y),
+        ("xz", Axis::X, Axis::Z),
+        ("yz", Axis::Y, Axis::Z),
+    ];
+    let given = pairs
+        .into_iter()
+        .filter_map(|(key, of, along)| Some((ErrorTerm { of, along }, section.number(key)?)))
+        .collect();
+    section.refuse_unknown_keys();
+    given
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use crate::document::Source;
+    use crate::job::Job;
+
+    const PAGE: &str = r#"
+schema = 1
+[machine]
+name = "VMC"
+[measurement]
+errors = "errors.csv"
+angles = "angles.csv"
+offsets_mm = { x = 1.0, y = 2.0, z = 3.0 }
+[measurement.uncertainty]
+noise_um = 0.5
+laser_ppm = 0.1
+[compensation]
+controller = "generic"
+"#;
+
+    #[test]
+    fn what_is_stated_and_not_used_is_named() {
+        let source = Source::from_bytes("job.toml", PAGE.as_bytes()).expect("it is text");
+        let measurement = Job::read(source).expect("it is a job").measurement;
+        assert_eq!(measurement.uncertainty.noise_um, Some(0.5));
+        let keys = ["`angles`", "offsets_mm", "`laser_ppm`"];
+        assert_eq!(measurement.unused.len(), keys.len());
+        for (sentence, key) in measurement.unused.iter().zip(keys) {
+            assert!(sentence.contains(key), "{sentence}");
+        }
+    }
+}
