@@ -44,4 +44,6 @@ mod campaign;
 mod banded;
 mod lookup;
 
-pub use self::campaign::{Campaign, curves_of, Evidence, Line, NineErrors, Separation, corrected, separate};
+pub use self::campaign::{
+    Campaign, Evidence, Line, NineErrors, Separation, corrected, curves_of, separate,
+};

@@ -87,8 +87,13 @@ mod tests {
     fn a_small_system_is_solved() {
         // [4 2 0; 2 5 1; 0 1 3] · [1 2 3] = [8 15 11]
         let mut matrix = Banded::zero(3, 1);
-        for (row, column, value) in [(0, 0, 4.0), (1, 0, 2.0), (1, 1, 5.0), (2, 1, 1.0), (2, 2, 3.0)]
-        {
+        for (row, column, value) in [
+            (0, 0, 4.0),
+            (1, 0, 2.0),
+            (1, 1, 5.0),
+            (2, 1, 1.0),
+            (2, 2, 3.0),
+        ] {
             matrix.add(row, column, value);
         }
         let Some(factor) = matrix.factor() else {

@@ -1,9 +1,7 @@
 //! A whole measurement of step diagonals, from its runs to the nine errors.
 
 use super::closure::{Closure, closure};
-use super::corrections::{
-    AngleEffects, bow_um_per_urad, without_angles, without_expansion,
-};
+use super::corrections::{AngleEffects, bow_um_per_urad, without_angles, without_expansion};
 use super::curves::{Curve, curves, end_slope, mean, plus_line, with_slope};
 use super::increments::{Group, Increments, Means, mean_increments};
 use super::line::ReferenceLine;
@@ -136,10 +134,16 @@ pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<CorrectedRun> {
     let measurement = campaign.measurement;
     let kind = measurement.kind;
     let correct = |run: &Run| {
-        let material = measurement.material.filter(|material| !material.material_corrected);
+        let material = measurement
+            .material
+            .filter(|material| !material.material_corrected);
         let mut readings_um = match material {
             Some(material) => without_expansion(&measurement.volume, kind, &material, run),
-            None => run.deviations.iter().map(|deviation| deviation.um()).collect(),
+            None => run
+                .deviations
+                .iter()
+                .map(|deviation| deviation.um())
+                .collect(),
         };
         if let Some(effects) = &campaign.angles {
             let pass = usize::from(run.pass == crate::diagonal::Pass::Reverse);
@@ -192,7 +196,9 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     let labels = labels(campaign, &budget, &means, overrun);
     Separation {
         volume: volume.clone(),
-        shapes: PerTerm::from_fn(|term| with_slope(volume, term.along, &solved.mean_raw[term], 0.0)),
+        shapes: PerTerm::from_fn(|term| {
+            with_slope(volume, term.along, &solved.mean_raw[term], 0.0)
+        }),
         naive_slopes_um_per_m: solved.naive_slopes(volume),
         squareness_um_per_m: solved.squareness(measurement.setup),
         u_squareness_um_per_m: u_end.map(|u| u_squareness(volume, u)),
@@ -296,7 +302,10 @@ impl Solved {
         let means = mean_increments(increments);
         let ratios = displacement_ratios(volume, &means);
         let length_m = volume.diagonal_mm() / 1000.0;
-        let u_end = budget.u_end_um(passes).map(|u| u / length_m).filter(|u| *u > 0.0);
+        let u_end = budget
+            .u_end_um(passes)
+            .map(|u| u / length_m)
+            .filter(|u| *u > 0.0);
         let u_end = u_end.unwrap_or(WEIGHT_UM_PER_M);
         let line = |line: &Line| StraightLine {
             direction: line.direction,
@@ -346,16 +355,26 @@ impl Solved {
             }
             // The rotation is that of the separated slopes, their sum that of the totals.
             (SetUp::Solve, Frame::AsMeasured) => {
-                let twin = ErrorTerm { of: term.along, along: term.of };
+                let twin = ErrorTerm {
+                    of: term.along,
+                    along: term.of,
+                };
                 let turn = (naive(term) - naive(twin)) / 2.0;
                 Some(self.metric.squareness.of(plane_of(term))? / 2.0 + turn)
             }
             (SetUp::AssumePerfect, Frame::AsMeasured) => Some(naive(term)),
             (SetUp::AssumePerfect, Frame::XPrimary) if term.is_positioning() => Some(naive(term)),
             (SetUp::AssumePerfect, Frame::XPrimary) => {
-                let twin = ErrorTerm { of: term.along, along: term.of };
+                let twin = ErrorTerm {
+                    of: term.along,
+                    along: term.of,
+                };
                 let square = naive(term) + naive(twin);
-                Some(if carries_squareness(term) { square } else { 0.0 })
+                Some(if carries_squareness(term) {
+                    square
+                } else {
+                    0.0
+                })
             }
         }
     }
@@ -455,7 +474,11 @@ fn least_squares_squareness(
     errors: &PerTerm<Option<Evidence>>,
 ) -> PerPlane<Option<f64>> {
     let slope = |term: ErrorTerm| {
-        let positions: Vec<f64> = volume.positions(term.along).iter().map(|p| p.mm()).collect();
+        let positions: Vec<f64> = volume
+            .positions(term.along)
+            .iter()
+            .map(|p| p.mm())
+            .collect();
         let curve = &errors[term].as_ref()?.deviation_um;
         Some(ReferenceLine::LeastSquares.slope_um_per_m(&positions, curve))
     };
@@ -506,7 +529,10 @@ fn labels(
     let bow = bow_um_per_urad(&measurement.volume, measurement.target);
     labels.extend(budget.sentences(campaign.angles.is_some(), &bow));
     if campaign.lines.iter().any(|line| line.u_um_per_m.is_none()) {
-        labels.push("a linear axis or beam states no uncertainty: it is weighed like a diagonal".to_string());
+        labels.push(
+            "a linear axis or beam states no uncertainty: it is weighed like a diagonal"
+                .to_string(),
+        );
     }
     labels
 }

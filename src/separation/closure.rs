@@ -322,7 +322,11 @@ fn effects(
     rows: &[Row],
     both_passes: bool,
 ) -> Vec<(ReadingPlace, Vec<(usize, f64)>)> {
-    let passes: &[Pass] = if both_passes { &Pass::BOTH } else { &[Pass::Forward] };
+    let passes: &[Pass] = if both_passes {
+        &Pass::BOTH
+    } else {
+        &[Pass::Forward]
+    };
     let nodes = 3 * volume.steps + 1;
     let mut effects = Vec::with_capacity(passes.len() * 4 * nodes);
     for pass in passes {

@@ -89,7 +89,9 @@ impl<'a> AngleModel<'a> {
     pub fn is_empty(&self) -> bool {
         Axis::ALL.into_iter().all(|axis| {
             let series = self.table.series(axis);
-            series.iter().all(|s| s.angles_urad.iter().all(|(_, a)| a.is_none()))
+            series
+                .iter()
+                .all(|s| s.angles_urad.iter().all(|(_, a)| a.is_none()))
         })
     }
 
@@ -170,9 +172,15 @@ impl<'a> AngleModel<'a> {
     pub fn check(&self, volume: &Volume) -> Result<(), Problems> {
         let mut problems = Problems::none();
         for axis in Axis::ALL {
-            let (low, high) = (volume.start[axis].mm(), (volume.start[axis] + volume.size[axis]).mm());
+            let (low, high) = (
+                volume.start[axis].mm(),
+                (volume.start[axis] + volume.size[axis]).mm(),
+            );
             for series in self.table.series(axis) {
-                let measured = series.angles_urad.iter().any(|(_, angles)| angles.is_some());
+                let measured = series
+                    .angles_urad
+                    .iter()
+                    .any(|(_, angles)| angles.is_some());
                 let ends = series.positions.first().zip(series.positions.last());
                 if let Some((first, last)) = ends.filter(|_| measured)
                     && (first.mm() > low + 0.01 || last.mm() < high - 0.01)

@@ -36,7 +36,10 @@ pub fn closures(volume: &Volume, increments: &Increments) -> PerAxis<Vec<f64>> {
 
 /// s_dk (s_x s_y s_z)_d: the sign with which a diagonal enters the closure of an axis.
 pub fn closure_sign(diagonal: Diagonal, axis: Axis) -> f64 {
-    let all: f64 = Axis::ALL.into_iter().map(|axis| diagonal.sign(axis)).product();
+    let all: f64 = Axis::ALL
+        .into_iter()
+        .map(|axis| diagonal.sign(axis))
+        .product();
     diagonal.sign(axis) * all
 }
 
@@ -54,7 +57,12 @@ fn running_sum(steps: usize, signs: [f64; 4], sets: [&[f64]; 4]) -> Curve {
 /// A curve with the line through its ends turned to `slope_um_per_m`; shape and first value stay.
 pub fn with_slope(volume: &Volume, along: Axis, curve: &[f64], slope_um_per_m: f64) -> Curve {
     let end = curve.last().copied().unwrap_or(0.0);
-    plus_line(volume, along, curve, slope_um_per_m - end / metres(volume, along))
+    plus_line(
+        volume,
+        along,
+        curve,
+        slope_um_per_m - end / metres(volume, along),
+    )
 }
 
 /// A curve plus a straight line through zero at its low end.

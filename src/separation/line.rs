@@ -25,9 +25,10 @@ impl ReferenceLine {
             ReferenceLine::EndPoints => {
                 let ends = positions_mm.first().zip(positions_mm.last());
                 let values = deviations_um.first().zip(deviations_um.last());
-                ends.zip(values).map_or(0.0, |((low, high), (first, last))| {
-                    slope((high - low) / 1000.0, last - first)
-                })
+                ends.zip(values)
+                    .map_or(0.0, |((low, high), (first, last))| {
+                        slope((high - low) / 1000.0, last - first)
+                    })
             }
             ReferenceLine::LeastSquares => {
                 let middle = mean(positions_mm);

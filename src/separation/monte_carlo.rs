@@ -101,7 +101,9 @@ pub fn simulate(
         }
     };
     let mut done: Vec<(usize, Block)> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (1..plan.threads.max(1)).map(|_| scope.spawn(work)).collect();
+        let threads: Vec<_> = (1..plan.threads.max(1))
+            .map(|_| scope.spawn(work))
+            .collect();
         let mut done = work();
         for thread in threads {
             done.extend(thread.join().unwrap_or_default());
@@ -134,7 +136,9 @@ fn block(
             }
         }
         let figures = names(volume, &errors, &squareness);
-        block.figures.push(figures.into_iter().map(|(_, _, value)| value).collect());
+        block
+            .figures
+            .push(figures.into_iter().map(|(_, _, value)| value).collect());
     }
     block
 }
@@ -226,7 +230,10 @@ fn summary(
     let u_um = PerTerm::from_fn(|term| {
         estimate.mean[term].as_ref().map(|evidence| {
             let at = |index: usize| {
-                let sum: f64 = done.iter().map(|(_, block)| block.square[term][index]).sum();
+                let sum: f64 = done
+                    .iter()
+                    .map(|(_, block)| block.square[term][index])
+                    .sum();
                 (sum / count).sqrt()
             };
             (0..evidence.deviation_um.len()).map(at).collect()

@@ -156,7 +156,9 @@ pub fn closure_test(measured: &[f64], predicted: &[f64]) -> ClosureTest {
         .map(|(measured, predicted)| measured - start - predicted)
         .collect();
     ClosureTest {
-        largest_um: left.iter().fold(0.0, |largest: f64, v| largest.max(v.abs())),
+        largest_um: left
+            .iter()
+            .fold(0.0, |largest: f64, v| largest.max(v.abs())),
         end_um: left.last().copied().unwrap_or(0.0),
     }
 }

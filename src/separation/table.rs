@@ -23,7 +23,10 @@ pub fn draft(separation: &Separation, comments: Vec<String>) -> Draft {
 
 fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> DraftSeries {
     let positions = separation.volume.positions(axis);
-    let positions = positions.into_iter().map(|position| position.mm()).collect();
+    let positions = positions
+        .into_iter()
+        .map(|position| position.mm())
+        .collect();
     let mut series = DraftSeries::new(axis, direction, positions);
     let evidence = PerAxis::from_fn(|of| {
         let errors = match direction {
@@ -33,7 +36,8 @@ fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>)
         let term = ErrorTerm { of, along: axis };
         errors[term].as_ref()
     });
-    series.deviations_um = PerAxis::from_fn(|of| evidence[of].map(|e: &Evidence| e.deviation_um.clone()));
+    series.deviations_um =
+        PerAxis::from_fn(|of| evidence[of].map(|e: &Evidence| e.deviation_um.clone()));
     series.uncertainties_um = PerAxis::from_fn(|of| evidence[of].and_then(|e| e.u_um.clone()));
     series
 }

@@ -60,22 +60,40 @@ impl Budget<'_> {
 
     /// Standard uncertainty of a curve that is the mean of `groups`, by interval end, µm; `None`
     /// where the noise of a reading is not known.
-    pub fn mean_curve(&self, term: ErrorTerm, groups: &[Group], slope: SlopeFrom) -> Option<Vec<f64>> {
+    pub fn mean_curve(
+        &self,
+        term: ErrorTerm,
+        groups: &[Group],
+        slope: SlopeFrom,
+    ) -> Option<Vec<f64>> {
         let v = self.mean_variance(term, groups)?;
-        Some(self.curve(term, |i, n| match slope {
-            SlopeFrom::Increments => i * v,
-            SlopeFrom::Elsewhere { .. } => i * (n - i) / n * v,
-        }, slope))
+        Some(self.curve(
+            term,
+            |i, n| match slope {
+                SlopeFrom::Increments => i * v,
+                SlopeFrom::Elsewhere { .. } => i * (n - i) / n * v,
+            },
+            slope,
+        ))
     }
 
     /// The same of the curve of one of two directions: the mean curve and half of the difference,
     /// whose slope is never that of the mirror.
-    pub fn directed_curve(&self, term: ErrorTerm, groups: &[Group], slope: SlopeFrom) -> Option<Vec<f64>> {
+    pub fn directed_curve(
+        &self,
+        term: ErrorTerm,
+        groups: &[Group],
+        slope: SlopeFrom,
+    ) -> Option<Vec<f64>> {
         let v = self.mean_variance(term, groups)?;
-        Some(self.curve(term, |i, n| match slope {
-            SlopeFrom::Increments => 2.0 * i * v,
-            SlopeFrom::Elsewhere { .. } => (i * (n - i) / n + i) * v,
-        }, slope))
+        Some(self.curve(
+            term,
+            |i, n| match slope {
+                SlopeFrom::Increments => 2.0 * i * v,
+                SlopeFrom::Elsewhere { .. } => (i * (n - i) / n + i) * v,
+            },
+            slope,
+        ))
     }
 
     fn mean_variance(&self, term: ErrorTerm, groups: &[Group]) -> Option<f64> {
@@ -123,7 +141,9 @@ impl Budget<'_> {
         let temperature = material.zip(self.stated.temperature_k);
         let temperature = temperature.map_or(0.0, |(m, u)| m.alpha_per_k * u * 1e6);
         let warm = material.and_then(|m| m.temperature_c).map(|t| t - 20.0);
-        let alpha = warm.zip(self.stated.alpha_per_k).map_or(0.0, |(dt, u)| u * dt * 1e6);
+        let alpha = warm
+            .zip(self.stated.alpha_per_k)
+            .map_or(0.0, |(dt, u)| u * dt * 1e6);
         (laser.powi(2) + temperature.powi(2) + alpha.powi(2)).sqrt()
     }
 
