@@ -9,6 +9,7 @@ mod controllers;
 mod generate;
 mod inputs;
 mod show;
+mod standards;
 mod verify;
 mod write;
 
@@ -58,6 +59,20 @@ enum Command {
         /// Directory with the control's files
         #[arg(long, value_name = "DIR")]
         tables: PathBuf,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
+    /// Positioning figures by standard (ISO 230-2, VDI/DGQ 3441) from the runs of one axis
+    Standards {
+        /// The runs (CSV); `-` = standard input
+        file: PathBuf,
+        /// Unit of the columns whose names have none
+        #[arg(long, value_enum)]
+        unit: Option<standards::Unit>,
+        /// What the columns of runs hold [default: positions, if they have the unit of the target]
+        #[arg(long, value_enum)]
+        values: Option<standards::Holding>,
         /// What to print
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
@@ -171,6 +186,12 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             tables,
             format,
         } => verify::run(&job, &tables, format),
+        Command::Standards {
+            file,
+            unit,
+            values,
+            format,
+        } => standards::run(&file, unit, values, format),
         Command::Controllers { command } => match command {
             ControllersCommand::List { format } => controllers::list(format),
             ControllersCommand::Show { id, format, toml } => controllers::show(&id, format, toml),

@@ -16,6 +16,8 @@
 //!        verdict, manifest.json
 //! ```
 //!
+//! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
+//!
 //! Modules stand in the order in which the data flow; a module imports only from those before
 //! it (`tests/order.rs` checks it). `emit` and `readback` have nothing in common but the table
 //! type, so a mistake of a template is found by reading. Only `cli` touches files and terminal.
@@ -39,6 +41,10 @@ pub mod problem;
 pub mod document;
 
 pub mod error_table;
+
+pub mod target_runs;
+
+pub mod standards;
 
 pub mod controller;
 

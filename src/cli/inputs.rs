@@ -130,7 +130,7 @@ fn file_name(path: &Path) -> String {
 }
 
 /// A file argument: `-` is standard input.
-fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Problems> {
+pub(super) fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Problems> {
     if path != Path::new("-") {
         let bytes = read_file(path).map_err(|p| or_help(p, "check the path"))?;
         return Ok((path.display().to_string(), bytes));
