@@ -147,8 +147,8 @@ fn of_axis(targets: &[TargetFigures]) -> AxisFigures {
     let reversals = each(&|of| of.b_um);
     let largest_of = |values: Option<Vec<f64>>| values.and_then(largest);
     let range_of = |values: Option<Vec<f64>>| values.and_then(range);
-    let bands_up = each_band(targets, &|of| (of.mean.up_um, of.s.up_um));
-    let bands_down = each_band(targets, &|of| (of.mean.down_um, of.s.down_um));
+    let bands_up = bands(up.as_ref(), each(&|of| of.s.up_um));
+    let bands_down = bands(down.as_ref(), each(&|of| of.s.down_um));
     AxisFigures {
         a: ByDirection {
             up_um: range_of(bands_up.clone()),
@@ -172,18 +172,13 @@ fn of_axis(targets: &[TargetFigures]) -> AxisFigures {
 }
 
 /// x̄_i − 2 s_i and x̄_i + 2 s_i of every target.
-fn each_band(
-    targets: &[TargetFigures],
-    of: &dyn Fn(&TargetFigures) -> (Option<f64>, Option<f64>),
-) -> Option<Vec<f64>> {
-    let bands: Option<Vec<[f64; 2]>> = targets
-        .iter()
-        .map(|target| {
-            let (mean, s) = of(target);
-            Some([mean? - K * s?, mean? + K * s?])
-        })
-        .collect();
-    bands.map(|bands| bands.concat())
+fn bands(means: Option<&Vec<f64>>, s: Option<Vec<f64>>) -> Option<Vec<f64>> {
+    let pairs = means?.iter().zip(s?);
+    Some(
+        pairs
+            .flat_map(|(mean, s)| [mean - K * s, mean + K * s])
+            .collect(),
+    )
 }
 
 fn joined(up: Option<Vec<f64>>, down: Option<Vec<f64>>) -> Option<Vec<f64>> {
@@ -278,7 +273,7 @@ fn random_spacing(runs: &Runs) -> Condition {
     Condition {
         asked: "targets at random distances, P_i = (i - 1)p + r".to_string(),
         found: if equal {
-            format!("all {} mm apart", plain(mean(&spacings)))
+            format!("targets all {} mm apart", plain(mean(&spacings)))
         } else {
             "distances differ; whether at random cannot be seen".to_string()
         },
@@ -312,7 +307,7 @@ fn one_run(runs: &Runs) -> Condition {
 
 fn runs_words(runs: &Runs) -> String {
     format!(
-        "{} up, {} down",
+        "{} runs up, {} down",
         runs.count(Direction::Plus),
         runs.count(Direction::Minus)
     )
@@ -363,12 +358,15 @@ pub fn label(conditions: &[Condition]) -> String {
     let failed: Vec<String> = conditions
         .iter()
         .filter(|condition| condition.met == Met::No)
-        .map(|condition| format!("{} (asked: {})", condition.found, condition.asked))
+        .map(|condition| condition.found.clone())
         .collect();
     if failed.is_empty() {
         "no tested condition of ISO 230-2 is missed; the others are for a person to see to"
             .to_string()
     } else {
-        format!("NOT according to ISO 230-2: {}", failed.join("; "))
+        format!(
+            "NOT according to ISO 230-2: {} (see the conditions)",
+            failed.join("; ")
+        )
     }
 }

@@ -575,7 +575,10 @@ fn complete(layout: &Layout, header: &Row<'_>, readings: &[Reading<'_>]) -> Resu
     for (_, of_target) in &targets {
         refuse_gaps(layout, of_target, &runs, &mut problems);
     }
-    refuse_far_readings(layout, &targets, &mut problems);
+    // Without its neighbours a reading cannot be told to be far.
+    if problems.is_empty() {
+        refuse_far_readings(layout, &targets, &mut problems);
+    }
     problems.or_ok(())?;
     let of = |direction: Direction| {
         let measured = runs.iter().any(|(of, _)| *of == direction);
