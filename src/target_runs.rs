@@ -9,6 +9,7 @@
 //!
 //! `read` turns a file into [`Runs`]; [`crate::standards`] turns them into figures.
 
+mod header;
 mod read;
 mod rows;
 
