@@ -10,6 +10,7 @@ mod generate;
 mod import;
 mod inputs;
 mod show;
+mod standards;
 mod verify;
 mod write;
 
@@ -65,6 +66,20 @@ enum Command {
     },
     /// Turn another maker's measurement into an error table
     Import(Box<import::Options>),
+    /// Positioning figures by standard (ISO 230-2, VDI/DGQ 3441) from the runs of one axis
+    Standards {
+        /// The runs (CSV); `-` = standard input
+        file: PathBuf,
+        /// Unit of the columns whose names have none
+        #[arg(long, value_enum)]
+        unit: Option<standards::Unit>,
+        /// What the columns of runs hold [default: positions, if they have the unit of the target]
+        #[arg(long, value_enum)]
+        values: Option<standards::Holding>,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
@@ -175,6 +190,12 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             format,
         } => verify::run(&job, &tables, format),
         Command::Import(options) => import::run(&options),
+        Command::Standards {
+            file,
+            unit,
+            values,
+            format,
+        } => standards::run(&file, unit, values, format),
         Command::Controllers { command } => match command {
             ControllersCommand::List { format } => controllers::list(format),
             ControllersCommand::Show { id, format, toml } => controllers::show(&id, format, toml),

@@ -18,6 +18,8 @@
 //!        verdict, manifest.json
 //! ```
 //!
+//! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
+//!
 //! Modules stand in the order in which the data flow; a module imports only from those before
 //! it (`tests/order.rs` checks it). `emit` and `readback` have nothing in common but the table
 //! type, so a mistake of a template is found by reading. Only `cli` touches files and terminal.
@@ -47,6 +49,9 @@ pub mod delimited;
 pub mod error_table;
 
 pub mod import;
+pub mod target_runs;
+
+pub mod standards;
 
 pub mod controller;
 
