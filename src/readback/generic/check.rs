@@ -1,10 +1,10 @@
 //! What the rows of a generic table must be to each other.
 //!
 //! Rows are gathered into blocks while they are read; [`Reading::finish`] walks each block once.
-//! A block that lost a row to a complaint is not walked: its gaps would only repeat the complaint.
+//! A block that lost a row to a flaw is not walked: its gaps would only repeat the flaw.
 
 use super::MOST_COMPLAINTS;
-use super::row::{BlockKey, Column, Complaint, RawRow, Unusable, read_row};
+use super::row::{BlockKey, Column, RawRow, RowFlaw, Unusable, read_row};
 use crate::axis::Axis;
 use crate::table::generic::{GenericRow, GenericTable};
 use std::collections::BTreeMap;
@@ -19,50 +19,46 @@ const OFF_GRID_RELATIVE: f64 = 1e-9;
 
 /// The rows of a file while they are being read.
 #[derive(Default)]
-pub(super) struct Reading {
-    complaints: Vec<Complaint>,
+pub(super) struct Reading<'a> {
+    flaws: Vec<RowFlaw>,
     rows: Vec<GenericRow>,
-    raw: Vec<RawRow>,
-    blocks: BTreeMap<BlockKey, Block>,
+    /// The number of each of them in the file.
+    numbers: Vec<usize>,
+    blocks: BTreeMap<BlockKey<'a>, Block>,
     /// A row was lost, and nobody knows from which block.
     lost: bool,
     axes: BTreeMap<String, Axis>,
 }
 
-/// Numbers of the rows of a block, in file order.
+/// Indices into the rows that were read, in file order.
 #[derive(Default)]
 struct Block {
     rows: Vec<usize>,
     broken: bool,
 }
 
-impl Reading {
+impl<'a> Reading<'a> {
     /// Whether there is enough to complain about.
     pub(super) fn is_full(&self) -> bool {
-        self.complaints.len() >= MOST_COMPLAINTS
+        self.flaws.len() >= MOST_COMPLAINTS
     }
 
-    /// Notes a complaint about something that is no row.
-    pub(super) fn complain(&mut self, complaint: Complaint) {
-        self.complaints.push(complaint);
-    }
-
-    /// Notes a complaint about a row that could not be taken apart.
-    pub(super) fn lose_row(&mut self, complaint: Complaint) {
+    /// Notes a row that could not be taken apart.
+    pub(super) fn lose_row(&mut self, flaws: impl IntoIterator<Item = RowFlaw>) {
         self.lost = true;
-        self.complain(complaint);
+        self.flaws.extend(flaws);
     }
 
     /// Takes the next row of the file.
-    pub(super) fn take(&mut self, raw: RawRow) {
-        match read_row(&raw, &mut self.complaints) {
+    pub(super) fn take(&mut self, raw: &RawRow<'a>) {
+        match read_row(raw, &mut self.flaws) {
             Ok((key, row)) => {
-                self.check_axis(&raw, Column::BaseAxis, &row);
-                self.check_axis(&raw, Column::OutputAxis, &row);
+                self.check_axis(raw.number, Column::BaseAxis, &row);
+                self.check_axis(raw.number, Column::OutputAxis, &row);
                 let block = self.blocks.entry(key).or_default();
                 block.rows.push(self.rows.len());
                 self.rows.push(row);
-                self.raw.push(raw);
+                self.numbers.push(raw.number);
             }
             Err(Unusable(Some(key))) => self.blocks.entry(key).or_default().broken = true,
             Err(Unusable(None)) => self.lost = true,
@@ -71,7 +67,7 @@ impl Reading {
 
     /// The name of an axis stands for one axis of the machine; so a pair of axes has one term,
     /// and a straightness cannot act on its own moving axis.
-    fn check_axis(&mut self, raw: &RawRow, column: Column, row: &GenericRow) {
+    fn check_axis(&mut self, number: usize, column: Column, row: &GenericRow) {
         let (name, axis) = match column {
             Column::BaseAxis => (&row.base_axis, row.term.along),
             _ => (&row.output_axis, row.term.of),
@@ -85,49 +81,49 @@ impl Reading {
             row.term
         );
         let help = "EYX is Y while X moves: `base_axis` X, `output_axis` Y";
-        self.complain(raw.complaint(column, &message, help));
+        self.flaws
+            .push(RowFlaw::of_cell(number, column.name(), message, help));
     }
 
     /// The table, if nothing is wrong with it.
-    pub(super) fn finish(mut self) -> Result<GenericTable, Vec<Complaint>> {
-        let mut complaints = std::mem::take(&mut self.complaints);
+    pub(super) fn finish(mut self) -> Result<GenericTable, Vec<RowFlaw>> {
+        let mut flaws = std::mem::take(&mut self.flaws);
         let whole = self.blocks.values().filter(|block| !block.broken);
         for block in whole.filter(|_| !self.lost) {
-            self.walk(block, &mut complaints);
-            if complaints.len() >= MOST_COMPLAINTS {
+            self.walk(block, &mut flaws);
+            if flaws.len() >= MOST_COMPLAINTS {
                 break;
             }
         }
-        if complaints.is_empty() {
+        if flaws.is_empty() {
             Ok(GenericTable { rows: self.rows })
         } else {
-            Err(complaints)
+            Err(flaws)
         }
     }
 
-    fn walk(&self, block: &Block, complaints: &mut Vec<Complaint>) {
-        let before = complaints.len();
-        self.walk_indices(block, complaints);
-        if complaints.len() > before {
+    fn walk(&self, block: &Block, flaws: &mut Vec<RowFlaw>) {
+        let before = flaws.len();
+        self.walk_indices(block, flaws);
+        if flaws.len() > before {
             return; // positions and increments of a jumbled block say nothing new
         }
         if let [only] = block.rows[..] {
-            let raw = &self.raw[only];
-            let message = format!("{}a block of one point, expected two or more", raw.label);
+            let message = "a block of one point, expected two or more";
             let help = "a line needs two points; the rows after this one may have been lost";
-            complaints.push(Complaint::new(raw.span.clone(), message, help));
+            flaws.push(RowFlaw::of_row(self.numbers[only], message, help));
         }
         for pair in block.rows.windows(2) {
-            complaints.extend(self.position_flaw(pair[0], pair[1]));
-            complaints.extend(self.increment_flaw(pair[0], pair[1]));
+            flaws.extend(self.position_flaw(pair[0], pair[1]));
+            flaws.extend(self.increment_flaw(pair[0], pair[1]));
         }
-        if complaints.len() == before {
-            complaints.extend(self.spacing_flaw(block));
+        if flaws.len() == before {
+            flaws.extend(self.spacing_flaw(block));
         }
     }
 
     /// Complains about the first row that is not the next one.
-    fn walk_indices(&self, block: &Block, complaints: &mut Vec<Complaint>) {
+    fn walk_indices(&self, block: &Block, flaws: &mut Vec<RowFlaw>) {
         let mut counted = block.rows.iter().zip(0_u32..);
         let jump = counted.find(|(row, expected)| self.rows[**row].index != *expected);
         if let Some((row, expected)) = jump {
@@ -137,21 +133,25 @@ impl Reading {
             );
             let help = "each term, pair of axes and direction is one block, counted from 0 \
                         without gaps and written once";
-            complaints.push(self.raw[*row].complaint(Column::Index, &message, help));
+            flaws.push(self.flaw(*row, Column::Index, message, help));
         }
     }
 
-    fn position_flaw(&self, before: usize, row: usize) -> Option<Complaint> {
+    fn flaw(&self, row: usize, column: Column, message: String, help: &str) -> RowFlaw {
+        RowFlaw::of_cell(self.numbers[row], column.name(), message, help)
+    }
+
+    fn position_flaw(&self, before: usize, row: usize) -> Option<RowFlaw> {
         let (from, to) = (self.rows[before].position_mm, self.rows[row].position_mm);
         if to > from {
             return None;
         }
         let message = format!("`position_mm` is {to}, expected more than {from} of the row before");
         let help = "the positions of a block ascend";
-        Some(self.raw[row].complaint(Column::Position, &message, help))
+        Some(self.flaw(row, Column::Position, message, help))
     }
 
-    fn increment_flaw(&self, before: usize, row: usize) -> Option<Complaint> {
+    fn increment_flaw(&self, before: usize, row: usize) -> Option<RowFlaw> {
         let change = self.rows[row].correction_um - self.rows[before].correction_um;
         let increment = self.rows[row].increment_um?;
         if (increment - change).abs() <= SAME_INCREMENT_UM {
@@ -161,11 +161,11 @@ impl Reading {
             "`increment_um` is {increment}, expected {change}, the change of the correction"
         );
         let help = "an increment is the correction minus the correction of the row before";
-        Some(self.raw[row].complaint(Column::Increment, &message, help))
+        Some(self.flaw(row, Column::Increment, message, help))
     }
 
     /// The row with the most unusual step, if the positions are not equally spaced.
-    fn spacing_flaw(&self, block: &Block) -> Option<Complaint> {
+    fn spacing_flaw(&self, block: &Block) -> Option<RowFlaw> {
         let at: Vec<f64> = block
             .rows
             .iter()
@@ -187,7 +187,7 @@ impl Reading {
             steps[worst]
         );
         let help = "the positions of a block are equally spaced; a row may be missing";
-        Some(self.raw[block.rows[worst + 1]].complaint(Column::Position, &message, help))
+        Some(self.flaw(block.rows[worst + 1], Column::Position, message, help))
     }
 }
 

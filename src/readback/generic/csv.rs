@@ -3,13 +3,14 @@
 //! The `csv` crate is not used here: it does not tell where in the line a cell stood.
 
 use super::check::Reading;
-use super::row::{Cell, Column, Complaint, RawRow};
+use super::row::{Cell, Column, Complaint, RawRow, RowFlaw};
 use crate::table::generic::GenericTable;
-use serde_json::Value;
+use serde_json::Number;
+use std::borrow::Cow;
 use std::ops::Range;
 
 pub(super) fn read(text: &str) -> Result<GenericTable, Vec<Complaint>> {
-    let mut lines = lines(text).filter(|line| !text[line.clone()].trim().is_empty());
+    let mut lines = lines(text);
     let Some(header) = lines.next() else {
         let help = "first line: term,base_axis,output_axis,direction,index,position_mm,\
                     deviation_um,correction_um,increment_um";
@@ -17,55 +18,65 @@ pub(super) fn read(text: &str) -> Result<GenericTable, Vec<Complaint>> {
         return Err(vec![Complaint::new(0..0, message, help)]);
     };
     let columns = columns(text, header.clone())?;
-    let mut reading = Reading::default();
-    let mut rows = lines.peekable();
-    if rows.peek().is_none() {
+    let rows: Vec<Range<usize>> = lines.collect();
+    if rows.is_empty() {
         let message = "the table has a header but no rows";
         let help = "each row is one point; the file may have been cut off";
-        reading.complain(Complaint::new(header, message, help));
+        return Err(vec![Complaint::new(header, message, help)]);
     }
-    for line in rows {
+    let mut reading = Reading::default();
+    for (number, line) in rows.iter().enumerate() {
         if reading.is_full() {
             break;
         }
-        match raw_row(text, line, &columns) {
-            Ok(raw) => reading.take(raw),
-            Err(complaint) => reading.lose_row(complaint),
+        match raw_row(text, number, line.clone(), &columns) {
+            Ok(raw) => reading.take(&raw),
+            Err(flaw) => reading.lose_row([flaw]),
         }
     }
-    reading.finish()
+    let located = |flaw: RowFlaw| {
+        let span = place(text, rows[flaw.row].clone(), &columns, flaw.cell.as_deref());
+        Complaint::new(span, flaw.message, flaw.help)
+    };
+    let complaints = |flaws: Vec<RowFlaw>| flaws.into_iter().map(located).collect();
+    reading.finish().map_err(complaints)
 }
 
-/// The lines without their ends and without a byte order mark, which spreadsheets write.
+/// The bytes of a cell of a line, or of the whole line.
+fn place(text: &str, line: Range<usize>, columns: &[Column], cell: Option<&str>) -> Range<usize> {
+    let index = columns.iter().position(|c| Some(c.name()) == cell);
+    let found = index.and_then(|index| cells(text, line.clone()).nth(index));
+    found.unwrap_or(line)
+}
+
+/// The lines that hold something, without their ends and without a byte order mark, which
+/// spreadsheets write.
 fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
     const MARK: char = '\u{feff}';
     let mut at = 0;
-    text.split('\n').map(move |line| {
+    let whole = text.split('\n').map(move |line| {
         let start = at;
         at += line.len() + 1;
         let end = start + line.trim_end_matches('\r').len();
         let mark = start == 0 && line.starts_with(MARK);
         start + if mark { MARK.len_utf8() } else { 0 }..end
-    })
+    });
+    whole.filter(move |line| !text[line.clone()].trim().is_empty())
 }
 
 /// The bytes of the cells of a line, without the blanks around them.
-fn cells(text: &str, line: Range<usize>) -> Vec<Range<usize>> {
-    let mut ranges = Vec::new();
-    let mut start = line.start;
+fn cells(text: &str, line: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let mut quoted = false;
-    for (at, c) in text[line.clone()].char_indices() {
-        match c {
-            '"' => quoted = !quoted,
-            ',' if !quoted => {
-                ranges.push(trimmed(text, start..line.start + at));
-                start = line.start + at + 1;
-            }
-            _ => {}
-        }
-    }
-    ranges.push(trimmed(text, start..line.end));
-    ranges
+    let mut at = line.start;
+    let ends_cell = move |c: char| {
+        quoted ^= c == '"';
+        c == ',' && !quoted
+    };
+    text[line].split(ends_cell).map(move |cell| {
+        let start = at;
+        at += cell.len() + 1;
+        trimmed(text, start..start + cell.len())
+    })
 }
 
 /// The same bytes without the blanks at both ends.
@@ -75,11 +86,14 @@ pub(super) fn trimmed(text: &str, range: Range<usize>) -> Range<usize> {
     start..start + found.trim().len()
 }
 
-fn content(cell: &str) -> String {
+fn content(cell: &str) -> Cow<'_, str> {
     let inside = cell
         .strip_prefix('"')
         .and_then(|rest| rest.strip_suffix('"'));
-    inside.map_or_else(|| cell.to_string(), |inside| inside.replace("\"\"", "\""))
+    match inside {
+        Some(inside) if inside.contains("\"\"") => inside.replace("\"\"", "\"").into(),
+        _ => inside.unwrap_or(cell).into(),
+    }
 }
 
 /// Which column each cell of a row belongs to.
@@ -115,46 +129,53 @@ fn columns(text: &str, header: Range<usize>) -> Result<Vec<Column>, Vec<Complain
     }
 }
 
-fn raw_row(text: &str, line: Range<usize>, columns: &[Column]) -> Result<RawRow, Complaint> {
-    let ranges = cells(text, line.clone());
-    if ranges.len() != columns.len() {
-        let (found, expected) = (ranges.len(), columns.len());
-        let help = if found < expected {
-            "the file may have been cut off, write or transfer it again"
-        } else {
-            "cells are separated by commas, decimals by a point"
-        };
-        let cells = if found == 1 { "cell" } else { "cells" };
-        let message = format!("the row has {found} {cells}, expected {expected}");
-        return Err(Complaint::new(line, message, help));
-    }
-    // One cell of each column, as the header was checked to have nine different ones.
-    let cell_of = |column: Column| {
-        let index = columns.iter().position(|c| *c == column).unwrap_or(0);
-        Cell {
-            value: value(column, &content(&text[ranges[index].clone()])),
-            span: ranges[index].clone(),
-        }
+/// The row of a line; the columns were checked to be nine different ones.
+fn raw_row<'a>(
+    text: &'a str,
+    number: usize,
+    line: Range<usize>,
+    columns: &[Column],
+) -> Result<RawRow<'a>, RowFlaw> {
+    let mut row = RawRow {
+        number,
+        cells: [const { Cell::Empty }; 9],
     };
-    Ok(RawRow {
-        label: String::new(),
-        span: line,
-        cells: Column::ALL.map(cell_of),
-    })
+    let mut found = 0;
+    for cell in cells(text, line) {
+        if let Some(column) = columns.get(found) {
+            row.cells[*column as usize] = value(*column, content(&text[cell]));
+        }
+        found += 1;
+    }
+    if found == columns.len() {
+        Ok(row)
+    } else {
+        Err(wrong_count(number, found, columns.len()))
+    }
 }
 
-/// A number where the column holds numbers and the text is one; null if empty; else the text.
-fn value(column: Column, text: &str) -> Value {
+fn wrong_count(row: usize, found: usize, expected: usize) -> RowFlaw {
+    let help = if found < expected {
+        "the file may have been cut off, write or transfer it again"
+    } else {
+        "cells are separated by commas, decimals by a point"
+    };
+    let cells = if found == 1 { "cell" } else { "cells" };
+    let message = format!("the row has {found} {cells}, expected {expected}");
+    RowFlaw::of_row(row, message, help)
+}
+
+/// A number where the column holds numbers and the text is one; empty if empty; else the text.
+fn value(column: Column, text: Cow<'_, str>) -> Cell<'_> {
     if text.is_empty() {
-        return Value::Null;
+        return Cell::Empty;
     }
-    let as_text = || Value::String(text.to_string());
     if !column.is_number() {
-        return as_text();
+        return Cell::Text(text);
     }
     if let Ok(whole) = text.parse::<u64>() {
-        return Value::from(whole);
+        return Cell::Number(whole.into());
     }
-    let number = text.parse().ok().and_then(serde_json::Number::from_f64); // not finite: none
-    number.map_or_else(as_text, Value::Number)
+    let number = text.parse().ok().and_then(Number::from_f64); // not finite: none
+    number.map_or(Cell::Text(text), Cell::Number)
 }

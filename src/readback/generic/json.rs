@@ -1,14 +1,15 @@
 //! The JSON form: `{"schema":1,"rows":[{…}, …]}`.
 //!
-//! serde_json forgets where a value stood and lets the last of two equal keys win. So the file is
-//! parsed twice: whole, for its syntax, and row by row from the bytes of each row.
+//! serde_json lets the last of two equal keys win, so the text is read into [`Node`]s, which keep
+//! both. It forgets where a value stood, too; the places of complaints are looked up in the text.
 
 use super::check::Reading;
 use super::csv::trimmed;
-use super::row::{Cell, Column, Complaint, RawRow};
+use super::row::{Cell, Column, Complaint, RawRow, RowFlaw};
 use crate::table::generic::GenericTable;
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
-use serde_json::Value;
+use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde_json::{Number, Value};
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
@@ -19,73 +20,148 @@ pub(super) fn read(text: &str) -> Result<GenericTable, Vec<Complaint>> {
         let message = "the file is empty, expected a generic table";
         return Err(vec![Complaint::new(0..0, message, SHAPE)]);
     }
-    let top: Entries = serde_json::from_str(text).map_err(|flaw| vec![syntax(text, &flaw)])?;
-    let complaints = top_flaws(text, &top);
-    if !complaints.is_empty() {
-        return Err(complaints);
-    }
-    let mut reading = Reading::default();
-    let rows = elements(text);
+    let top: Entries<'_> = serde_json::from_str(text).map_err(|flaw| vec![syntax(text, &flaw)])?;
+    let rows = rows(text, top)?;
     if rows.is_empty() {
         let help = "each row is one point";
         let message = "the table has no rows";
-        reading.complain(Complaint::new(key_span(text, "rows"), message, help));
+        return Err(vec![Complaint::new(key_span(text, "rows"), message, help)]);
     }
-    for (number, span) in rows.into_iter().enumerate() {
+    let mut reading = Reading::default();
+    for (number, row) in rows.into_iter().enumerate() {
         if reading.is_full() {
             break;
         }
-        match raw_row(text, number, span) {
-            Ok(raw) => reading.take(raw),
-            Err(complaints) => complaints.into_iter().for_each(|c| reading.lose_row(c)),
+        match raw_row(number, row) {
+            Ok(raw) => reading.take(&raw),
+            Err(flaws) => reading.lose_row(flaws),
         }
     }
-    reading.finish()
+    reading.finish().map_err(|flaws| located(text, flaws))
+}
+
+/// A value whose objects keep equal keys.
+enum Node<'a> {
+    Cell(Cell<'a>),
+    Array(Vec<Node<'a>>),
+    Object(Entries<'a>),
 }
 
 /// Keys and values of an object, in file order, equal keys included.
-struct Entries(Vec<(String, Value)>);
+struct Entries<'a>(Vec<(Cow<'a, str>, Node<'a>)>);
 
-impl Entries {
-    fn get(&self, name: &str) -> Option<&Value> {
-        let found = self.0.iter().find(|(key, _)| key == name);
-        found.map(|(_, value)| value)
-    }
+#[derive(serde::Deserialize)]
+struct Key<'a>(#[serde(borrow)] Cow<'a, str>);
 
-    /// Unknown, repeated and missing keys, in words, each with the key.
-    fn key_flaws(&self, known: &[&'static str]) -> Vec<(&str, String)> {
-        let mut flaws = Vec::new();
-        for (index, (key, _)) in self.0.iter().enumerate() {
-            if !known.contains(&key.as_str()) {
-                flaws.push((key.as_str(), format!("unknown key `{key}`")));
-            } else if self.0[..index].iter().any(|(before, _)| before == key) {
-                flaws.push((key.as_str(), format!("key `{key}` stands there twice")));
-            }
+impl From<Node<'_>> for Value {
+    fn from(node: Node<'_>) -> Value {
+        match node {
+            Node::Cell(Cell::Empty) => Value::Null,
+            Node::Cell(Cell::Text(text)) => Value::String(text.into_owned()),
+            Node::Cell(Cell::Number(number)) => Value::Number(number),
+            Node::Cell(Cell::Other(value)) => value,
+            Node::Array(nodes) => nodes.into_iter().collect(),
+            Node::Object(Entries(entries)) => entries.into_iter().collect(),
         }
-        let missing = known.iter().filter(|key| self.get(key).is_none());
-        flaws.extend(missing.map(|key| (*key, format!("key `{key}` is missing"))));
-        flaws
     }
 }
 
-impl<'de> Deserialize<'de> for Entries {
-    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Entries, D::Error> {
-        struct InOrder;
-        impl<'de> Visitor<'de> for InOrder {
-            type Value = Entries;
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("an object")
-            }
-            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Entries, M::Error> {
-                let mut entries = Vec::new();
-                while let Some(entry) = map.next_entry()? {
-                    entries.push(entry);
-                }
-                Ok(Entries(entries))
-            }
+impl<'a> Deserialize<'a> for Node<'a> {
+    fn deserialize<D: Deserializer<'a>>(input: D) -> Result<Node<'a>, D::Error> {
+        input.deserialize_any(AnyNode)
+    }
+}
+
+struct AnyNode;
+
+impl<'a> Visitor<'a> for AnyNode {
+    type Value = Node<'a>;
+    fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("any valid JSON value")
+    }
+    fn visit_unit<E>(self) -> Result<Node<'a>, E> {
+        Ok(Node::Cell(Cell::Empty))
+    }
+    fn visit_bool<E>(self, value: bool) -> Result<Node<'a>, E> {
+        Ok(Node::Cell(Cell::Other(value.into())))
+    }
+    fn visit_u64<E>(self, value: u64) -> Result<Node<'a>, E> {
+        Ok(Node::Cell(Cell::Number(value.into())))
+    }
+    fn visit_i64<E>(self, value: i64) -> Result<Node<'a>, E> {
+        Ok(Node::Cell(Cell::Number(value.into())))
+    }
+    fn visit_f64<E>(self, value: f64) -> Result<Node<'a>, E> {
+        let number = Number::from_f64(value);
+        Ok(Node::Cell(number.map_or(Cell::Empty, Cell::Number)))
+    }
+    fn visit_borrowed_str<E>(self, text: &'a str) -> Result<Node<'a>, E> {
+        Ok(Node::Cell(Cell::Text(text.into())))
+    }
+    fn visit_str<E>(self, text: &str) -> Result<Node<'a>, E> {
+        Ok(Node::Cell(Cell::Text(text.to_string().into())))
+    }
+    fn visit_seq<S: SeqAccess<'a>>(self, mut seq: S) -> Result<Node<'a>, S::Error> {
+        let mut nodes = Vec::new();
+        while let Some(node) = seq.next_element()? {
+            nodes.push(node);
         }
+        Ok(Node::Array(nodes))
+    }
+    fn visit_map<M: MapAccess<'a>>(self, map: M) -> Result<Node<'a>, M::Error> {
+        InOrder.visit_map(map).map(Node::Object)
+    }
+}
+
+impl<'a> Deserialize<'a> for Entries<'a> {
+    fn deserialize<D: Deserializer<'a>>(input: D) -> Result<Entries<'a>, D::Error> {
         input.deserialize_map(InOrder)
     }
+}
+
+struct InOrder;
+
+impl<'a> Visitor<'a> for InOrder {
+    type Value = Entries<'a>;
+    fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("an object")
+    }
+    fn visit_map<M: MapAccess<'a>>(self, mut map: M) -> Result<Entries<'a>, M::Error> {
+        let mut entries = Vec::with_capacity(Column::ALL.len());
+        while let Some((Key(key), node)) = map.next_entry()? {
+            entries.push((key, node));
+        }
+        Ok(Entries(entries))
+    }
+}
+
+/// The first value of each known key, and what is wrong with the keys: each flaw in words, with
+/// its key.
+fn by_key<'a, const N: usize>(
+    Entries(entries): Entries<'a>,
+    known: [&str; N],
+) -> ([Option<Node<'a>>; N], Vec<(String, String)>) {
+    let mut values = [const { None }; N];
+    let mut flaws = Vec::new();
+    for (key, value) in entries {
+        let what = match known.iter().position(|name| *name == key) {
+            None => format!("unknown key `{key}`"),
+            Some(at) if values[at].is_some() => format!("key `{key}` stands there twice"),
+            Some(at) => {
+                values[at] = Some(value);
+                continue;
+            }
+        };
+        flaws.push((key.into_owned(), what));
+    }
+    for (key, _) in known
+        .iter()
+        .zip(&values)
+        .filter(|(_, value)| value.is_none())
+    {
+        flaws.push((key.to_string(), format!("key `{key}` is missing")));
+    }
+    (values, flaws)
 }
 
 fn syntax(text: &str, flaw: &serde_json::Error) -> Complaint {
@@ -101,25 +177,92 @@ fn syntax(text: &str, flaw: &serde_json::Error) -> Complaint {
     Complaint::new(at..at + 1, format!("the JSON cannot be read: {what}"), help)
 }
 
-fn top_flaws(text: &str, top: &Entries) -> Vec<Complaint> {
-    let keys = top.key_flaws(&["schema", "rows"]).into_iter();
-    let mut complaints: Vec<Complaint> = keys
-        .map(|(key, message)| Complaint::new(key_span(text, key), message, SHAPE))
+/// The elements of `rows`.
+fn rows<'a>(text: &str, top: Entries<'a>) -> Result<Vec<Node<'a>>, Vec<Complaint>> {
+    let ([schema, rows], flaws) = by_key(top, ["schema", "rows"]);
+    let at_key = |key: &str, message| Complaint::new(key_span(text, key), message, SHAPE);
+    let mut complaints: Vec<Complaint> = flaws
+        .into_iter()
+        .map(|(key, message)| at_key(&key, message))
         .collect();
-    let mut expect = |key: &str, fits: fn(&Value) -> bool, expected: &str| {
-        if let Some(value) = top.get(key).filter(|value| !fits(value)) {
-            let found = match value {
-                Value::Array(_) => "an array".to_string(),
-                Value::Object(_) => "an object".to_string(),
-                plain => format!("`{plain}`"),
-            };
-            let message = format!("`{key}` is {found}, expected {expected}");
-            complaints.push(Complaint::new(key_span(text, key), message, SHAPE));
-        }
+    let mut unexpected = |key: &str, found: Node<'_>, expected: &str| {
+        let found = match found {
+            Node::Array(_) => "an array".to_string(),
+            Node::Object(_) => "an object".to_string(),
+            plain => format!("`{}`", Value::from(plain)),
+        };
+        let message = format!("`{key}` is {found}, expected {expected}");
+        complaints.push(at_key(key, message));
     };
-    expect("schema", |value| value.as_u64() == Some(1), "1");
-    expect("rows", Value::is_array, "an array of rows");
-    complaints
+    match schema {
+        Some(Node::Cell(Cell::Number(version))) if version.as_u64() == Some(1) => {}
+        Some(other) => unexpected("schema", other, "1"),
+        None => {}
+    }
+    let rows = match rows {
+        Some(Node::Array(rows)) => rows,
+        Some(other) => {
+            unexpected("rows", other, "an array of rows");
+            Vec::new()
+        }
+        None => Vec::new(),
+    };
+    if complaints.is_empty() {
+        Ok(rows)
+    } else {
+        Err(complaints)
+    }
+}
+
+fn raw_row(number: usize, row: Node<'_>) -> Result<RawRow<'_>, Vec<RowFlaw>> {
+    let Node::Object(entries) = row else {
+        let help = "a row is an object with the nine columns as keys";
+        return Err(vec![RowFlaw::of_row(number, "not an object", help)]);
+    };
+    let (values, flaws) = by_key(entries, Column::ALL.map(Column::name));
+    if !flaws.is_empty() {
+        let flaw = |(key, message): (String, String)| {
+            RowFlaw::of_cell(number, &key, message, help_for(&key))
+        };
+        return Err(flaws.into_iter().map(flaw).collect());
+    }
+    let cells = values.map(|value| match value {
+        Some(Node::Cell(cell)) => cell,
+        Some(other) => Cell::Other(other.into()),
+        None => Cell::Empty,
+    });
+    Ok(RawRow { number, cells })
+}
+
+fn help_for(key: &str) -> String {
+    match Column::from_name(key) {
+        Some(_) => "each key stands once in each row, null where it is empty".to_string(),
+        None => Column::help_for(key),
+    }
+}
+
+/// Flaws of rows with their bytes: those of the key, or of the row. A row has no line of its own,
+/// so each message begins with its number.
+fn located(text: &str, flaws: Vec<RowFlaw>) -> Vec<Complaint> {
+    let rows = elements(text);
+    let complaint = |flaw: RowFlaw| {
+        let row = rows.get(flaw.row).cloned().unwrap_or(0..1);
+        let span = match &flaw.cell {
+            Some(key) => place_of_key(text, row, key),
+            None => row,
+        };
+        let message = format!("rows[{}]: {}", flaw.row, flaw.message);
+        Complaint::new(span, message, flaw.help)
+    };
+    flaws.into_iter().map(complaint).collect()
+}
+
+/// Where a key of a row stands first; the beginning of the row if it does not.
+fn place_of_key(text: &str, row: Range<usize>, key: &str) -> Range<usize> {
+    let source = &text[row.clone()];
+    let is_key = |inside: &Range<usize>| &source[inside.start + 1..inside.end - 1] == key;
+    let inside = key_spans(source).into_iter().find(is_key).unwrap_or(0..1);
+    row.start + inside.start..row.start + inside.end
 }
 
 /// Where a key stands first; the beginning of the text if it does not.
@@ -179,39 +322,4 @@ fn elements(text: &str) -> Vec<Range<usize>> {
     }
     ranges.retain(|range| !range.is_empty());
     ranges
-}
-
-fn raw_row(text: &str, number: usize, span: Range<usize>) -> Result<RawRow, Vec<Complaint>> {
-    let source = &text[span.clone()];
-    let label = format!("rows[{number}]: ");
-    let Ok(entries) = serde_json::from_str::<Entries>(source) else {
-        let help = "a row is an object with the nine columns as keys";
-        let message = format!("{label}not an object");
-        return Err(vec![Complaint::new(span, message, help)]);
-    };
-    let keys = key_spans(source);
-    let place = |key: &str| {
-        let is_key = |inside: &&Range<usize>| &source[inside.start + 1..inside.end - 1] == key;
-        let inside = keys.iter().find(is_key).cloned().unwrap_or(0..1);
-        span.start + inside.start..span.start + inside.end
-    };
-    let flaws = entries.key_flaws(&Column::ALL.map(Column::name));
-    if !flaws.is_empty() {
-        let complaint = |(key, message): (&str, String)| {
-            Complaint::new(place(key), format!("{label}{message}"), help_for(key))
-        };
-        return Err(flaws.into_iter().map(complaint).collect());
-    }
-    let cells = Column::ALL.map(|column| Cell {
-        value: entries.get(column.name()).cloned().unwrap_or(Value::Null),
-        span: place(column.name()),
-    });
-    Ok(RawRow { label, span, cells })
-}
-
-fn help_for(key: &str) -> String {
-    match Column::from_name(key) {
-        Some(_) => "each key stands once in each row, null where it is empty".to_string(),
-        None => Column::help_for(key),
-    }
 }

@@ -1,12 +1,12 @@
 //! One row of the generic table, from raw cells to checked values.
 //!
-//! Both forms of the file bring their cells as JSON values: a number, a text, or null where the
-//! cell is empty. What a cell must be is decided here, once.
+//! Both forms of the file bring their cells as [`Cell`]s. What a cell must be is decided here, once.
 
 use crate::axis::{Direction, ErrorTerm};
 use crate::problem::nearest;
 use crate::table::generic::GenericRow;
-use serde_json::Value;
+use serde_json::{Number, Value};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// A column of the CSV, a key of a row of the JSON.
@@ -97,53 +97,98 @@ impl Complaint {
     }
 }
 
+/// What is wrong with a row. Where its bytes are is looked up by the form of the file, as nobody
+/// needs the places of the cells of a sound file.
+#[derive(Clone, Debug)]
+pub(super) struct RowFlaw {
+    /// Number of the row in the file, from 0.
+    pub(super) row: usize,
+    /// The column or key it is shown at; the whole row if there is none.
+    pub(super) cell: Option<String>,
+    pub(super) message: String,
+    pub(super) help: String,
+}
+
+impl RowFlaw {
+    pub(super) fn of_row(row: usize, message: impl Into<String>, help: impl Into<String>) -> Self {
+        RowFlaw {
+            row,
+            cell: None,
+            message: message.into(),
+            help: help.into(),
+        }
+    }
+
+    pub(super) fn of_cell(
+        row: usize,
+        cell: &str,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        RowFlaw {
+            cell: Some(cell.to_string()),
+            ..RowFlaw::of_row(row, message, help)
+        }
+    }
+}
+
 /// A cell as it was found.
 #[derive(Clone, Debug)]
-pub(super) struct Cell {
-    pub(super) value: Value,
-    pub(super) span: Range<usize>,
+pub(super) enum Cell<'a> {
+    Empty,
+    Text(Cow<'a, str>),
+    Number(Number),
+    /// What no column holds: true, an array, an object.
+    Other(Value),
 }
 
 /// A row as it was found, with its cells in the order of [`Column::ALL`].
 #[derive(Clone, Debug)]
-pub(super) struct RawRow {
-    /// What a message begins with: `rows[3]: ` where the line does not name the row.
-    pub(super) label: String,
-    pub(super) span: Range<usize>,
-    pub(super) cells: [Cell; 9],
+pub(super) struct RawRow<'a> {
+    /// Number of the row in the file, from 0.
+    pub(super) number: usize,
+    pub(super) cells: [Cell<'a>; 9],
 }
 
-impl RawRow {
-    pub(super) fn cell(&self, column: Column) -> &Cell {
+impl<'a> RawRow<'a> {
+    fn cell(&self, column: Column) -> &Cell<'a> {
         &self.cells[column as usize]
     }
 
-    /// A complaint about one of its cells.
-    pub(super) fn complaint(&self, column: Column, message: &str, help: &str) -> Complaint {
-        let span = self.cell(column).span.clone();
-        Complaint::new(span, format!("{}{message}", self.label), help)
+    fn text(&self, column: Column) -> Option<&Cow<'a, str>> {
+        match self.cell(column) {
+            Cell::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    fn number(&self, column: Column) -> Option<&Number> {
+        match self.cell(column) {
+            Cell::Number(number) => Some(number),
+            _ => None,
+        }
     }
 }
 
 /// What the rows of one block have in common.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct BlockKey {
+pub(super) struct BlockKey<'a> {
     pub(super) term: ErrorTerm,
-    pub(super) base: String,
-    pub(super) output: String,
+    pub(super) base: Cow<'a, str>,
+    pub(super) output: Cow<'a, str>,
     pub(super) direction: Option<Direction>,
 }
 
-/// A row that cannot be used; its complaints are noted. Its block, if that much is known.
+/// A row that cannot be used; its flaws are noted. Its block, if that much is known.
 #[derive(Debug)]
-pub(super) struct Unusable(pub(super) Option<BlockKey>);
+pub(super) struct Unusable<'a>(pub(super) Option<BlockKey<'a>>);
 
-/// The values of a row; all flaws inside the row are noted in `complaints`.
-pub(super) fn read_row(
-    raw: &RawRow,
-    complaints: &mut Vec<Complaint>,
-) -> Result<(BlockKey, GenericRow), Unusable> {
-    let mut cells = Cells { raw, complaints };
+/// The values of a row; all flaws inside the row are noted in `flaws`.
+pub(super) fn read_row<'a>(
+    raw: &RawRow<'a>,
+    flaws: &mut Vec<RowFlaw>,
+) -> Result<(BlockKey<'a>, GenericRow), Unusable<'a>> {
+    let mut cells = Cells { raw, flaws };
     let key = cells.key();
     let numbers = cells.numbers();
     match (key, numbers) {
@@ -164,11 +209,11 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn of_block(self, key: &BlockKey) -> GenericRow {
+    fn of_block(self, key: &BlockKey<'_>) -> GenericRow {
         GenericRow {
             term: key.term,
-            base_axis: key.base.clone(),
-            output_axis: key.output.clone(),
+            base_axis: key.base.to_string(),
+            output_axis: key.output.to_string(),
             direction: key.direction,
             index: self.index,
             position_mm: self.position_mm,
@@ -179,14 +224,14 @@ impl Numbers {
     }
 }
 
-/// Reads the cells of a row one by one; `None` means that a complaint was noted.
-struct Cells<'a> {
-    raw: &'a RawRow,
-    complaints: &'a mut Vec<Complaint>,
+/// Reads the cells of a row one by one; `None` means that a flaw was noted.
+struct Cells<'r, 'a> {
+    raw: &'r RawRow<'a>,
+    flaws: &'r mut Vec<RowFlaw>,
 }
 
-impl Cells<'_> {
-    fn key(&mut self) -> Option<BlockKey> {
+impl<'a> Cells<'_, 'a> {
+    fn key(&mut self) -> Option<BlockKey<'a>> {
         let term = self.term();
         let base = self.axis_name(Column::BaseAxis);
         let output = self.axis_name(Column::OutputAxis);
@@ -216,8 +261,8 @@ impl Cells<'_> {
     }
 
     fn term(&mut self) -> Option<ErrorTerm> {
-        let found = self.raw.cell(Column::Term).value.as_str();
-        let term = found.and_then(ErrorTerm::from_name);
+        let found = self.raw.text(Column::Term);
+        let term = found.and_then(|name| ErrorTerm::from_name(name));
         if term.is_none() {
             let names = ErrorTerm::ALL.map(|term| term.to_string()).join(" ");
             let help = format!("known terms: {names}");
@@ -226,12 +271,12 @@ impl Cells<'_> {
         term
     }
 
-    fn axis_name(&mut self, column: Column) -> Option<String> {
-        let found = self.raw.cell(column).value.as_str();
-        let legible = |name: &&str| {
+    fn axis_name(&mut self, column: Column) -> Option<Cow<'a, str>> {
+        let found = self.raw.text(column);
+        let legible = |name: &&Cow<'a, str>| {
             !name.trim().is_empty() && !name.contains(|c: char| c.is_control() || c == '"')
         };
-        let name = found.filter(legible).map(str::to_string);
+        let name = found.filter(legible).cloned();
         if name.is_none() {
             let help = "write the control's name of the axis, as in the job";
             self.unexpected(column, "the name of an axis", help);
@@ -240,9 +285,9 @@ impl Cells<'_> {
     }
 
     fn direction(&mut self) -> Option<Option<Direction>> {
-        let found = match &self.raw.cell(Column::Direction).value {
-            Value::Null => Some(None),
-            Value::String(text) => Direction::from_symbol(text).map(Some),
+        let found = match self.raw.cell(Column::Direction) {
+            Cell::Empty => Some(None),
+            Cell::Text(text) => Direction::from_symbol(text).map(Some),
             _ => None,
         };
         if found.is_none() {
@@ -253,7 +298,7 @@ impl Cells<'_> {
     }
 
     fn index(&mut self) -> Option<u32> {
-        let found = self.raw.cell(Column::Index).value.as_u64();
+        let found = self.raw.number(Column::Index).and_then(Number::as_u64);
         let index = found.and_then(|index| u32::try_from(index).ok());
         if index.is_none() {
             let help = "the points of a block are counted 0, 1, 2, …";
@@ -263,7 +308,7 @@ impl Cells<'_> {
     }
 
     fn number(&mut self, column: Column) -> Option<f64> {
-        let found = self.raw.cell(column).value.as_f64();
+        let found = self.raw.number(column).and_then(Number::as_f64);
         let number = found.filter(|number| number.is_finite());
         if number.is_none() {
             let help = "write digits with a decimal point; a row without a value is left out";
@@ -274,7 +319,7 @@ impl Cells<'_> {
 
     /// The increment is empty at the first point, and only there.
     fn increment(&mut self, index: Option<u32>) -> Option<Option<f64>> {
-        let is_empty = self.raw.cell(Column::Increment).value.is_null();
+        let is_empty = matches!(self.raw.cell(Column::Increment), Cell::Empty);
         match (index, is_empty) {
             (Some(0) | None, true) => Some(None),
             (Some(0), false) => {
@@ -296,19 +341,24 @@ impl Cells<'_> {
                 0.0 - deviation
             );
             let help = "a correction cancels the deviation of its row exactly";
-            let complaint = self.raw.complaint(Column::Correction, &message, help);
-            self.complaints.push(complaint);
+            self.note(Column::Correction, message, help);
         }
     }
 
     fn unexpected(&mut self, column: Column, expected: &str, help: &str) {
-        let found = match &self.raw.cell(column).value {
-            Value::Null => "empty".to_string(),
-            Value::String(text) => format!("`{text}`"),
-            other => format!("`{other}`"),
+        let found = match self.raw.cell(column) {
+            Cell::Empty => "empty".to_string(),
+            Cell::Text(text) => format!("`{text}`"),
+            Cell::Number(number) => format!("`{number}`"),
+            Cell::Other(value) => format!("`{value}`"),
         };
         let message = format!("`{}` is {found}, expected {expected}", column.name());
-        self.complaints
-            .push(self.raw.complaint(column, &message, help));
+        self.note(column, message, help);
+    }
+
+    fn note(&mut self, column: Column, message: String, help: &str) {
+        let row = self.raw.number;
+        self.flaws
+            .push(RowFlaw::of_cell(row, column.name(), message, help));
     }
 }
