@@ -177,18 +177,15 @@ impl Mapping {
     /// What must be mapped or stated.
     fn require(&self, stated: &Stated, problems: &mut Problems) {
         if !self.has(|c| matches!(c, Content::Position { .. } | Content::Target { .. })) {
-            problems.push(missing(
-                "--columns",
-                "no column is mapped to a position",
+            problems.push(Problem::new("`--columns` maps no column to a position").help(
                 "map one to `position_mm` (machine coordinate) or `target_mm` (counted from the laser's zero)",
             ));
         }
         if !self.has(|c| matches!(c, Content::Value { .. })) {
-            problems.push(missing(
-                "--columns",
-                "no column is mapped to a deviation",
-                "map one to `ex_um`, `ex_mm`, `ey_um` … `ec_urad`",
-            ));
+            problems.push(
+                Problem::new("`--columns` maps no column to a deviation")
+                    .help("map one to `ex_um`, `ex_mm`, `ey_um` … `ec_urad`"),
+            );
         }
         if stated.axis.is_none() && !self.has(|c| *c == Content::Axis) {
             problems.push(missing(
@@ -603,7 +600,7 @@ impl<'a, 'b> Group<'a, 'b> {
         for run in &runs {
             for pair in run
                 .windows(2)
-                .filter(|pair| pair[0].position >= pair[1].position)
+                .filter(|pair| pair[0].position.total_cmp(&pair[1].position).is_eq())
             {
                 problems.push_with(|| {
                     Problem::new(format!("position {} stands twice", pair[1].position))
