@@ -323,6 +323,10 @@ fn recognised(source: &Source, stated: &Stated) -> Result<Format, Problems> {
         Ok(Format::Etalon)
     } else if isg::is_header(first) {
         Ok(Format::Isg)
+    } else if source.name.to_ascii_lowercase().ends_with(".rtl") {
+        Ok(Format::Rtl)
+    } else if source.name.to_ascii_lowercase().ends_with(".ren") {
+        Ok(Format::Ren)
     } else {
         Err(Problem::new(format!("the format of `{}` is not recognised", source.name))
             .at(source.place(&(0..first.len().min(source.text.len()))))

@@ -95,6 +95,12 @@ enum Content {
     },
 }
 
+impl Content {
+    fn is_number(&self) -> bool {
+        !matches!(self, Content::Axis | Content::Direction | Content::Run)
+    }
+}
+
 /// Microradians in one second of arc.
 const ARCSEC: f64 = std::f64::consts::PI / (180.0 * 3600.0) * 1e6;
 
@@ -177,18 +183,15 @@ impl Mapping {
     /// What must be mapped or stated.
     fn require(&self, stated: &Stated, problems: &mut Problems) {
         if !self.has(|c| matches!(c, Content::Position { .. } | Content::Target { .. })) {
-            problems.push(missing(
-                "--columns",
-                "no column is mapped to a position",
+            problems.push(Problem::new("`--columns` maps no column to a position").help(
                 "map one to `position_mm` (machine coordinate) or `target_mm` (counted from the laser's zero)",
             ));
         }
         if !self.has(|c| matches!(c, Content::Value { .. })) {
-            problems.push(missing(
-                "--columns",
-                "no column is mapped to a deviation",
-                "map one to `ex_um`, `ex_mm`, `ey_um` … `ec_urad`",
-            ));
+            problems.push(
+                Problem::new("`--columns` maps no column to a deviation")
+                    .help("map one to `ex_um`, `ex_mm`, `ey_um` … `ec_urad`"),
+            );
         }
         if stated.axis.is_none() && !self.has(|c| *c == Content::Axis) {
             problems.push(missing(
@@ -318,6 +321,7 @@ impl<'a> Table<'a> {
 
     fn rows(&self, mapping: &Mapping, stated: &Stated, problems: &mut Problems) -> Vec<Row<'a>> {
         let mut rows = Vec::new();
+        let mut with_comma = None;
         for line in &self.lines {
             let empty = |c: char| c == self.delimiter || c == '"' || c.is_whitespace();
             if line.text.chars().all(empty) {
@@ -333,9 +337,34 @@ impl<'a> Table<'a> {
                 continue;
             }
             let chosen: Vec<Word<'a>> = self.indices.iter().map(|index| cells[*index]).collect();
+            for cell in chosen
+                .iter()
+                .zip(&mapping.columns)
+                .filter(|(_, (_, c))| c.is_number())
+            {
+                refuse_mixed_decimals(&mut with_comma, cell.0, problems);
+            }
             rows.extend(Row::read(line, &chosen, mapping, stated, problems));
         }
         rows
+    }
+}
+
+/// One file writes its decimals in one way; else a comma may stand between thousands.
+fn refuse_mixed_decimals(with_comma: &mut Option<bool>, cell: &Word<'_>, problems: &mut Problems) {
+    let (comma, point) = (cell.text.contains(','), cell.text.contains('.'));
+    if comma == point {
+        return; // none, or a number that is refused anyway
+    }
+    if *with_comma.get_or_insert(comma) != comma {
+        problems.push_with(|| {
+            Problem::new(format!(
+                "`{}` has another decimal separator than the numbers above it",
+                shown(cell.text)
+            ))
+            .at(cell.place())
+            .help("write all numbers with a decimal point or all with a comma, and nothing between thousands")
+        });
     }
 }
 
@@ -603,7 +632,7 @@ impl<'a, 'b> Group<'a, 'b> {
         for run in &runs {
             for pair in run
                 .windows(2)
-                .filter(|pair| pair[0].position >= pair[1].position)
+                .filter(|pair| pair[0].position.total_cmp(&pair[1].position).is_eq())
             {
                 problems.push_with(|| {
                     Problem::new(format!("position {} stands twice", pair[1].position))

@@ -113,7 +113,12 @@ impl<'a> Word<'a> {
     pub(super) fn number(&self, what: &str, problems: &mut Problems) -> Option<f64> {
         let number = plain_number(self.text);
         if number.is_none() {
-            problems.push_with(|| self.no_number(what));
+            let help = if self.text.contains(',') {
+                "a decimal comma cannot be read here: save the file again with a decimal point"
+            } else {
+                "a missing value is never filled in: save the file again"
+            };
+            problems.push_with(|| self.no_number(what, help));
         }
         number
     }
@@ -125,7 +130,12 @@ impl<'a> Word<'a> {
             single.then(|| plain_number(&self.text.replace(',', ".")))?
         });
         if number.is_none() {
-            problems.push_with(|| self.no_number(what));
+            let help = if self.text.is_empty() {
+                "a missing value is never filled in: leave the row out, or measure it"
+            } else {
+                "write one decimal point or comma, and nothing between thousands"
+            };
+            problems.push_with(|| self.no_number(what, help));
         }
         number
     }
@@ -146,18 +156,15 @@ impl<'a> Word<'a> {
         count
     }
 
-    fn no_number(&self, what: &str) -> Problem {
-        let help = if self.text.contains(',') {
-            "a decimal comma cannot be read here: save the file again with a decimal point"
+    fn no_number(&self, what: &str, help: &str) -> Problem {
+        let found = if self.text.is_empty() {
+            "empty".to_string()
         } else {
-            "a missing value is never filled in: save the file again"
+            format!("`{}`", shown(self.text))
         };
-        Problem::new(format!(
-            "{what} is `{}`, expected a finite number",
-            shown(self.text)
-        ))
-        .at(self.place())
-        .help(help)
+        Problem::new(format!("{what} is {found}, expected a finite number"))
+            .at(self.place())
+            .help(help)
     }
 }
 

@@ -93,6 +93,14 @@ impl<'a> Sections<'a> {
                 lines.push(line);
             }
         }
+        if found.is_empty() {
+            return Err(Problem::new(
+                "there is no section such as `HEADER::`, expected a file of the format `rtl`",
+            )
+            .at(source.place(&(0..0)))
+            .help("take the file as it was saved, or leave `--from` out")
+            .into());
+        }
         let sections = Sections { source, found };
         let mut problems = Problems::none();
         for needed in ["TARGET DATA", "RUNS", "DEVIATIONS", "EOF"] {
@@ -246,7 +254,7 @@ impl<'a> File<'a> {
 
     fn odd_count(&self) -> Problem {
         let message = format!(
-            "the file has {} runs and is bidirectional, expected an even number: each direction counts as a run",
+            "`Run-count` is {} in a bidirectional file, expected an even number: each direction counts as a run",
             self.runs
         );
         let problem = Problem::new(message)

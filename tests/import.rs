@@ -1,0 +1,444 @@
+//! Other makers' files become error tables: whole texts, and what must not matter.
+//!
+//! What is refused stands in `fixtures/cases/refuses/import-*`.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test may stop at what it did not expect"
+)]
+
+use nonius::axis::{Axis, Direction};
+use nonius::document::Source;
+use nonius::error_table::{ErrorTable, write};
+use nonius::import::stated::{Encoding, Runs, Sign, Stated, Travel};
+use nonius::import::{Component, Imported, Measurement, import, source_of};
+use nonius::kit::sha256;
+use nonius::problem::Problems;
+use proptest::prelude::*;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn formats() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/formats")
+}
+
+fn bytes(name: &str) -> Vec<u8> {
+    std::fs::read(formats().join(name)).unwrap()
+}
+
+fn run(
+    name: &str,
+    bytes: &[u8],
+    stated: &Stated,
+    encoding: Option<Encoding>,
+) -> Result<Imported, Problems> {
+    let file = Measurement {
+        path: name,
+        name,
+        sha256: &sha256(bytes),
+        bytes,
+    };
+    import(file, None, encoding, stated)
+}
+
+fn table(name: &str, bytes: &[u8], stated: &Stated) -> String {
+    let imported = run(name, bytes, stated, None).unwrap_or_else(|p| panic!("{p}"));
+    let text = write(&imported.draft);
+    let source = Source::from_bytes("errors.csv", text.as_bytes()).unwrap();
+    ErrorTable::read(source).unwrap_or_else(|p| panic!("not a table: {p}\n{text}"));
+    text
+}
+
+/// Rows without comment lines.
+fn rows(table: &str) -> String {
+    let rows = table.lines().filter(|line| !line.starts_with('#'));
+    rows.collect::<Vec<_>>().join("\n")
+}
+
+/// What a laser file needs.
+fn laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
+    Stated {
+        term: Component::from_name("EXX"),
+        first_target_at_mm: Some(first_target_at_mm),
+        targets_run: Some(targets_run),
+        sign: Some(Sign::AsError),
+        ..Stated::default()
+    }
+}
+
+fn signed(sign: Sign) -> Stated {
+    Stated {
+        sign: Some(sign),
+        ..Stated::default()
+    }
+}
+
+const RTL: &str = "rtl_linear_bidirectional_selfmade.rtl";
+const REN: &str = "ren_table_selfmade.ren";
+
+#[test]
+fn renishaw_static_data() {
+    let plus = laser(-200.0, Direction::Plus);
+    insta::assert_snapshot!(table(RTL, &bytes(RTL), &plus));
+}
+
+#[test]
+fn renishaw_static_data_measured_towards_smaller_coordinates() {
+    let name = "sample_synthetic.rtl";
+    let minus = laser(0.0, Direction::Minus);
+    insta::assert_snapshot!(table(name, &bytes(name), &minus));
+}
+
+#[test]
+fn renishaw_compensation_table() {
+    let mut stated = laser(-100.0, Direction::Plus);
+    stated.sign = None; // the file says it
+    insta::assert_snapshot!(table(REN, &bytes(REN), &stated));
+}
+
+#[test]
+fn etalon_exchange() {
+    let name = "etalon_exchange_selfmade.txt";
+    insta::assert_snapshot!(table(name, &bytes(name), &signed(Sign::AsError)));
+}
+
+#[test]
+fn isg_components_given_as_corrections() {
+    let name = "isg_component_errors_selfmade.csv";
+    insta::assert_snapshot!(table(name, &bytes(name), &signed(Sign::AsCorrection)));
+}
+
+const STATUS_PRO: &str = "Example\n\"AXn [mm]\";\"Delta [mm]\";\"Note\"\n\
+    \"100,000\";\"-0,0021\";\"a;b\"\n\"0,000\";\"0,0005\";\"\"\n;;\n";
+
+#[test]
+fn mapped_columns_with_decimal_comma() {
+    let stated = Stated {
+        columns: Some("AXn [mm]=position_mm,Delta [mm]=ex_mm".to_string()),
+        axis: Some(Axis::X),
+        travel: Some(Travel::Both),
+        ..signed(Sign::AsError)
+    };
+    insta::assert_snapshot!(table("status.csv", STATUS_PRO.as_bytes(), &stated));
+}
+
+#[test]
+fn mapped_targets_begin_with_the_first_row_of_the_file() {
+    let mut stated = Stated {
+        columns: Some("AXn [mm]=target_mm,Delta [mm]=ex_mm".to_string()),
+        axis: Some(Axis::X),
+        travel: Some(Travel::Both),
+        ..laser(50.0, Direction::Plus)
+    };
+    stated.term = None;
+    // Target 1 is 100 in the file and 50 on the machine; the axis went to larger coordinates
+    // while the file counted down: deviations are turned.
+    let text = table("status.csv", STATUS_PRO.as_bytes(), &stated);
+    assert_eq!(rows(&text), "axis,position_mm,ex_um\nx,50,2.1\nx,150,-0.5");
+}
+
+#[test]
+fn mapped_runs_are_averaged() {
+    let text = "p,e,r,d\n0,1,1,+\n10,5,1,+\n10,7,2,+\n0,3,2,+\n0,-1,1,-\n10,0.5,1,-\n";
+    let stated = Stated {
+        columns: Some("p=position_mm,e=ey_um,r=run,d=direction".to_string()),
+        axis: Some(Axis::Z),
+        ..signed(Sign::AsError)
+    };
+    let expected = "axis,direction,position_mm,ey_um,u_ey_um\n\
+        z,+,0,2,1\nz,+,10,6,1\nz,-,0,-1,\nz,-,10,0.5,";
+    assert_eq!(rows(&table("runs.csv", text.as_bytes(), &stated)), expected);
+}
+
+#[test]
+fn corrections_are_turned_once() {
+    let mut stated = laser(-200.0, Direction::Plus);
+    let errors = rows(&table(RTL, &bytes(RTL), &stated));
+    stated.sign = Some(Sign::AsCorrection);
+    let corrections = rows(&table(RTL, &bytes(RTL), &stated));
+    assert!(errors.contains("x,+,-200,0.5,0.1"));
+    assert!(corrections.contains("x,+,-200,-0.5,0.1"));
+}
+
+#[test]
+fn a_straightness_keeps_its_sense_when_the_targets_run_the_other_way() {
+    let mut stated = laser(0.0, Direction::Minus);
+    stated.term = Component::from_name("EYX");
+    let text = String::from_utf8(bytes(RTL)).unwrap();
+    let text = rows(&table("x.rtl", text.as_bytes(), &stated));
+    // Target 1 at machine 0 has 0.4 and 0.6 µm on the outward run, which moves -.
+    assert!(text.contains("x,-,0,0.5,0.1"), "{text}");
+    assert!(text.contains("x,+,-400,3.15,0.05"), "{text}");
+}
+
+/// The file with other words in it.
+fn changed(from: &str, to: &str) -> Vec<u8> {
+    let text = String::from_utf8(bytes(RTL)).unwrap();
+    assert!(text.contains(from), "{from}");
+    text.replace(from, to).into_bytes()
+}
+
+#[test]
+fn spelling_of_the_header_does_not_matter() {
+    let stated = laser(-200.0, Direction::Plus);
+    let expected = rows(&table(RTL, &bytes(RTL), &stated));
+    let twins = [
+        changed("\r\n", "\n"),
+        changed("Air press ", "Air Press"),
+        changed("HEADER::", "\u{feff}HEADER::"),
+        changed("Target-count: 9", "Target-Count : 9"),
+        changed("Targets :\r\n", "Targets: "),
+        changed("Serial No: 0001\r\n", "Serial No: 0001  "),
+        changed("Axis:X", "Axis: x-axis"),
+        changed("-200.000000  -150.000000", "-200.000000\r\n -150.000000"),
+        changed("0.000000 \r\n50", "0.000000 \r\n\r\n50"),
+    ];
+    for (index, twin) in twins.iter().enumerate() {
+        assert_eq!(rows(&table(RTL, twin, &stated)), expected, "twin {index}");
+    }
+}
+
+#[test]
+fn fields_of_the_user_text_may_share_a_line() {
+    let shared = changed("0001\r\nDate", "0001 Date");
+    let shared = String::from_utf8(shared).unwrap();
+    let shared = shared.replace("By:example\r\nAxis:X", "By:example Axis:X");
+    let text = table(RTL, shared.as_bytes(), &laser(-200.0, Direction::Plus));
+    assert!(
+        text.contains("# the file says: Serial No: 0001\n"),
+        "{text}"
+    );
+    assert!(text.contains("# the file says: By: example\n"), "{text}");
+    assert!(text.contains("# the file says: Axis: X\n"), "{text}");
+}
+
+#[test]
+fn ten_targets_fill_two_lines_of_five() {
+    let targets: Vec<String> = (0..10).map(|n| format!("{}", n * 10)).collect();
+    let deviations: Vec<String> = (1..=10).map(|n| format!("1 {n} {n}.5")).collect();
+    let text = format!(
+        "HEADER::\nTARGET DATA::\nTarget-count: 10\nTargets :\n{}\n{}\nFlags: 0 1 2 0\nRUNS::\nRun-count: 1\nDEVIATIONS::\nRun Target Data:\n{}\nEOF::\n",
+        targets[..5].join("  "),
+        targets[5..].join("  "),
+        deviations.join("\n")
+    );
+    let text = rows(&table(
+        "ten.rtl",
+        text.as_bytes(),
+        &laser(0.0, Direction::Plus),
+    ));
+    assert_eq!(text.lines().count(), 11);
+    assert!(text.ends_with("x,+,90,10.5"), "{text}");
+}
+
+#[test]
+fn return_runs_that_were_never_made_are_left_out_and_said() {
+    let text = String::from_utf8(changed("Flags: 0 0 2 0", "Flags: 0 1 2 0")).unwrap();
+    let zeros: Vec<String> = text
+        .lines()
+        .map(
+            |line| match line.split_whitespace().collect::<Vec<_>>()[..] {
+                [run @ ("2" | "4"), target, _] => format!("{run} {target} 0.000"),
+                _ => line.to_string(),
+            },
+        )
+        .collect();
+    let text = table(
+        RTL,
+        zeros.join("\n").as_bytes(),
+        &laser(-200.0, Direction::Plus),
+    );
+    assert!(text.contains("runs 2, 4 hold only zeros"), "{text}");
+    assert!(!text.contains("x,-,"), "{text}");
+    assert!(text.contains("x,+,200,4.7,0.1"), "{text}");
+}
+
+#[test]
+fn every_run_goes_out_where_it_is_stated() {
+    let mut stated = laser(-200.0, Direction::Plus);
+    stated.runs = Some(Runs::Unidirectional);
+    let text = table(RTL, &changed("Flags: 0 0 2 0", "Flags: 0 1 2 0"), &stated);
+    assert!(text.contains("runs: 4 moving +;"), "{text}");
+    // Target 1: 0.4, -1.1, 0.6, -1.0 µm.
+    assert!(text.contains("x,+,-200,-0.275,"), "{text}");
+}
+
+#[test]
+fn other_encodings_are_read_where_they_are_stated() {
+    let stated = laser(-200.0, Direction::Plus);
+    let text = String::from_utf8(changed("Example mill", "¤")).unwrap();
+    let (before, behind) = text.split_once('¤').unwrap();
+    let cases = [
+        (Some(Encoding::Latin1), b"Fr\xe4se".as_slice(), "Fräse"),
+        (Some(Encoding::Gbk), b"\xbb\xfa\xb4\xb2".as_slice(), "机床"),
+    ];
+    for (encoding, name, expected) in cases {
+        let bytes = [before.as_bytes(), name, behind.as_bytes()].concat();
+        let imported = run(RTL, &bytes, &stated, encoding).unwrap();
+        let text = write(&imported.draft);
+        assert!(text.contains(&format!("Machine: {expected}\n")), "{text}");
+    }
+    let wide: Vec<u8> = std::iter::once(0xfeff)
+        .chain(text.encode_utf16())
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let imported = run(RTL, &wide, &stated, None).unwrap();
+    assert!(write(&imported.draft).contains("# text: UTF-16"));
+}
+
+#[test]
+fn squareness_has_the_sign_of_the_contract() {
+    // ISO 230-1: EC0Y = −φxy, EB0Z = +φxz, EA0Z = −φyz.
+    let text = "C0Y B0Z A0Z X0Y\n1e-6 2e-6 3e-6 0.5\n#\nY EYY\n0 0\n100 0.001\n";
+    let imported = run("s.csv", text.as_bytes(), &signed(Sign::AsError), None).unwrap();
+    let found: Vec<(&str, f64)> = imported
+        .squareness
+        .iter()
+        .map(|s| (s.pair, s.um_per_m))
+        .collect();
+    assert_eq!(found, [("xy", -1.0), ("xz", 2.0), ("yz", -3.0)]);
+    assert!(
+        imported
+            .facts
+            .iter()
+            .any(|fact| fact.starts_with("left out: X0Y"))
+    );
+}
+
+#[test]
+fn the_source_is_found_in_the_comments_only() {
+    let hash = "a".repeat(64);
+    let text = format!("# source: my file.rtl sha256 {hash}\naxis,position_mm\n");
+    assert_eq!(
+        source_of(&text),
+        Some(("my file.rtl".to_string(), hash.clone()))
+    );
+    assert_eq!(
+        source_of(&format!("axis\n# source: x sha256 {hash}\n")),
+        None
+    );
+    assert_eq!(source_of("# source: x sha256 abc\n"), None);
+}
+
+fn nonius(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (
+        output.status.code(),
+        text(output.stdout),
+        text(output.stderr),
+    )
+}
+
+const IMPORT: [&str; 12] = [
+    "import",
+    "x.rtl",
+    "-o",
+    "errors.csv",
+    "--term",
+    "EXX",
+    "--first-target-at-mm",
+    "-200",
+    "--targets-run",
+    "+",
+    "--sign",
+    "as-error",
+];
+
+const JOB: &str = r#"schema = 1
+[machine]
+name = "Example mill"
+serial = "0001"
+chain = "wXYZt"
+[machine.axes.x]
+travel_mm = [-200.0, 200.0]
+reference_mm = 0.0
+[machine.axes.y]
+travel_mm = [0.0, 100.0]
+reference_mm = 0.0
+[machine.axes.z]
+travel_mm = [0.0, 100.0]
+reference_mm = 0.0
+[measurement]
+errors = "errors.csv"
+active_while_measuring = "none"
+[compensation]
+controller = "generic"
+backlash = "two-tables"
+[compensation.axes.x]
+spacing_mm = 50.0
+"#;
+
+#[test]
+fn an_imported_measurement_becomes_a_kit_that_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("x.rtl"), bytes(RTL)).unwrap();
+    std::fs::write(folder.path().join("job.toml"), JOB).unwrap();
+    let (status, _, said) = nonius(folder.path(), &IMPORT);
+    assert_eq!(status, Some(0), "{said}");
+    let (status, _, said) = nonius(folder.path(), &["generate", "job.toml", "-o", "kit"]);
+    assert_eq!(status, Some(0), "{said}");
+    let manifest = std::fs::read(folder.path().join("kit/manifest.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_slice(&manifest).unwrap();
+    let inputs = manifest["inputs"].as_array().unwrap();
+    assert_eq!(inputs.len(), 3, "{inputs:?}");
+    let measurement = serde_json::json!({
+        "path": "x.rtl", "sha256": sha256(&bytes(RTL)), "through": "errors.csv",
+    });
+    assert_eq!(inputs[2], measurement);
+    assert_eq!(inputs[1].get("through"), None);
+    let generic = glob::glob(&format!("{}/kit/*.csv", folder.path().display())).unwrap();
+    let csv: String = generic
+        .map(|path| std::fs::read_to_string(path.unwrap()).unwrap())
+        .collect();
+    // Moving + at -200 mm: 0.5 µm, at the reference 3.1 µm.
+    assert!(csv.contains("EXX,x,x,+,0,-200,-2.6,2.6,"), "{csv}");
+}
+
+#[test]
+fn an_existing_table_is_replaced_only_when_forced() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("x.rtl"), bytes(RTL)).unwrap();
+    std::fs::write(folder.path().join("errors.csv"), "mine\n").unwrap();
+    let read = || std::fs::read_to_string(folder.path().join("errors.csv")).unwrap();
+    assert_eq!(nonius(folder.path(), &IMPORT).0, Some(2));
+    assert_eq!(read(), "mine\n");
+    let forced = [&IMPORT[..], &["--force", "--format", "json"]].concat();
+    let (status, out, said) = nonius(folder.path(), &forced);
+    assert_eq!(status, Some(0), "{said}");
+    assert!(read().starts_with("# source: x.rtl sha256 "));
+    let document: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(document["schema"], 1);
+    assert_eq!(document["series"][1]["direction"], "-");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    let mut to_stdout = IMPORT;
+    to_stdout[3] = "-";
+    assert_eq!(nonius(folder.path(), &to_stdout).1, read());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// A deviation belongs to the target that its line names.
+    #[test]
+    fn the_order_of_the_lines_does_not_matter(keys in proptest::collection::vec(any::<u32>(), 36)) {
+        let text = String::from_utf8(bytes(RTL)).unwrap();
+        let (head, rest) = text.split_once("Run Target Data:\r\n").unwrap();
+        let (lines, tail) = rest.split_once("\r\n\r\n").unwrap();
+        let mut lines: Vec<&str> = lines.split("\r\n").collect();
+        prop_assert_eq!(lines.len(), keys.len());
+        let mut order: Vec<usize> = (0..lines.len()).collect();
+        order.sort_by_key(|index| keys[*index]);
+        lines = order.into_iter().map(|index| lines[index]).collect();
+        let shuffled = format!("{head}Run Target Data:\r\n{}\r\n\r\n{tail}", lines.join("\r\n"));
+        let stated = laser(-200.0, Direction::Plus);
+        prop_assert_eq!(
+            rows(&table(RTL, shuffled.as_bytes(), &stated)),
+            rows(&table(RTL, &bytes(RTL), &stated))
+        );
+    }
+}
