@@ -237,12 +237,19 @@ fn closure_errors(section: &Section<'_>, kind: PathKind) -> Option<String> {
 }
 
 fn material(section: &Section<'_>) -> Option<Material> {
-    for key in ["material_corrected", "air_corrected"] {
+    let stated = [
+        (
+            "material_corrected",
+            "`true` or `false`: correcting the scales twice costs 11 µm/m for each K",
+        ),
+        (
+            "air_corrected",
+            "`true` or `false`: whether the readings are corrected for the air already",
+        ),
+    ];
+    for (key, expected) in stated {
         if !section.has(key) {
-            section.missing(
-                key,
-                "`true` or `false`: correcting twice costs 11 µm/m for each K",
-            );
+            section.missing(key, expected);
         }
     }
     let material_corrected = section.flag("material_corrected");

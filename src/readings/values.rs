@@ -19,6 +19,8 @@ use crate::units::{Deviation, UM_PER_MM};
 const LARGEST_DEVIATION_UM: f64 = 1e4;
 /// Last digit of a laser's display: what still counts as zero.
 const ZERO_UM: f64 = 1e-3;
+/// Nobody measures outside these temperatures; they refuse degrees Fahrenheit as well.
+const TEMPERATURES_C: std::ops::RangeInclusive<f64> = -10.0..=50.0;
 
 /// Measured − nominal displacement of a row in the direction that its walk counts, µm.
 fn deviation_um(row: &Row<'_>, quantity: Quantity, measurement: &DiagonalMeasurement) -> f64 {
@@ -145,6 +147,9 @@ pub(super) fn check_temperatures(
         if let Some((message, help)) = unusable(axis, measurement) {
             problems.push(Problem::new(message).at(place).help(help));
         }
+        if let Some(problem) = implausible_temperature(axis, index, walks, columns) {
+            problems.push(problem);
+        }
         for (walk, rows) in walks {
             let empty = |row: &&&Row<'_>| row.temperatures_c[axis].is_none();
             let Some(row) = rows.iter().find(empty) else {
@@ -163,6 +168,27 @@ pub(super) fn check_temperatures(
             );
         }
     }
+}
+
+/// The first temperature of a column that nobody measures at.
+fn implausible_temperature(
+    axis: Axis,
+    index: usize,
+    walks: &Walks<'_, '_>,
+    columns: &Columns<'_>,
+) -> Option<Problem> {
+    let beyond = |row: &&&Row<'_>| {
+        let temperature = row.temperatures_c[axis];
+        temperature.is_some_and(|c| !TEMPERATURES_C.contains(&c))
+    };
+    let row = walks.values().flatten().find(beyond)?;
+    let (low, high) = (TEMPERATURES_C.start(), TEMPERATURES_C.end());
+    let message = format!(
+        "`{}` is {} °C, expected {low} … {high} °C",
+        columns.names[index], row.temperatures_c[axis]?
+    );
+    let place = row.line.cell_place(index);
+    Some(Problem::new(message).at(place).help("give degrees Celsius"))
 }
 
 fn require_temperature(
