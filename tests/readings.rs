@@ -568,9 +568,6 @@ fn refused(name: &str, text: &str, measurement: &DiagonalMeasurement, problem: &
         Err(said) => said,
         Ok(_) => panic!("{name} was accepted"),
     };
-    if std::env::var_os("NONIUS_SHOW").is_some() {
-        println!("== {name}\n{said}\n");
-    }
     assert!(said.contains(problem), "{name}:\n{said}");
     assert!(said.contains(help), "{name}:\n{said}");
     assert!(
@@ -699,4 +696,22 @@ fn all_problems_of_a_file_are_shown_at_once() {
         .replacen("NPP,1,forward,4,x", "NPP,1,forward,4,z", 1);
     let said = read(&text, &measurement(PathKind::Step)).expect_err("three mistakes");
     assert_eq!(said.matches("problem: ").count(), 3, "{said}");
+}
+
+#[test]
+fn a_damaged_file_is_read_or_refused_and_stops_nothing() {
+    let mut rows = step_rows();
+    rows.extend(walk("NNN", "forward", ["", "z", "y", "x", "z", "y", "x"]));
+    let text = file(HEADER, &rows);
+    for kind in [PathKind::Step, PathKind::Straight] {
+        let measurement = measurement(kind);
+        for at in 0..text.len() {
+            for with in ["", "9", "99", ";", "\"", "-", "\n"] {
+                let damaged = format!("{}{with}{}", &text[..at], &text[at + 1..]);
+                if let Err(said) = read(&damaged, &measurement) {
+                    assert!(said.starts_with("problem: "), "{said}");
+                }
+            }
+        }
+    }
 }
