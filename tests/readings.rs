@@ -643,6 +643,28 @@ fn displacements_of_another_sign_or_unit_are_refused() {
 }
 
 #[test]
+fn a_way_back_that_counts_along_the_forward_run_keeps_the_forward_name() {
+    let straight = measurement(PathKind::Straight);
+    let (volume, kind) = (&straight.volume, straight.kind);
+    let mut rows = Vec::new();
+    for diagonal in Diagonal::ALL {
+        for node in 0..=2 {
+            let mm = volume.nominal_mm(diagonal, kind, node);
+            rows.push(format!("{diagonal},{node},{mm}"));
+            rows.push(format!("{},{node},{}", diagonal.reverse_name(), -mm));
+        }
+    }
+    let text = file("diagonal,node,displacement_mm", &rows);
+    refused(
+        "negative",
+        &text,
+        &straight,
+        "NNN run 1 forward, node 1: the displacement is -67.949 mm, expected about 67.949 mm",
+        "a run named NNN counts along its own travel",
+    );
+}
+
+#[test]
 fn temperatures_that_the_job_does_not_explain_are_refused() {
     let mut measurement = measurement(PathKind::Step);
     let scale = |temperature_c| {
