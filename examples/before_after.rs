@@ -12,7 +12,7 @@ use nonius::document::Source;
 use nonius::emulate::Emulator;
 use nonius::error_table::ErrorTable;
 use nonius::forecast::axis_pairs;
-use nonius::job::Job;
+use nonius::job::{Job, MeasuredData};
 use nonius::kit::{Inputs, Kit, emulator, generate};
 use nonius::problem::{Problem, Problems};
 use nonius::units::Millimetres;
@@ -53,7 +53,10 @@ fn source(path: &Path) -> Result<Source, Problems> {
 
 fn picture(path: &Path) -> Result<String, Problems> {
     let job = Job::read(source(path)?)?;
-    let table = ErrorTable::read(source(&path.with_file_name(&job.measurement.errors))?)?;
+    let MeasuredData::Errors(errors) = &job.measurement.data else {
+        return Err(Problem::new("the job has readings, expected an error table").into());
+    };
+    let table = ErrorTable::read(source(&path.with_file_name(errors))?)?;
     let profile = builtin::profile(&job.compensation.controller)?;
     let inputs = Inputs::new(job, profile, &table, Vec::new())?;
     let kit = generate(&inputs)?;

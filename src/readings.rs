@@ -69,9 +69,10 @@ fn runs_of(source: &Source, measurement: &DiagonalMeasurement) -> Result<Found, 
     let walks = walks::of(&rows);
     let mut problems = Problems::none();
     walks::check_set(&walks, &columns, &mut problems);
-    walks::check_nodes(&walks, measurement, &mut problems);
-    moves::check(&walks, &columns, measurement, &mut problems);
-    values::check(&walks, &columns, measurement, &mut problems);
+    if walks::check_nodes(&walks, measurement, &mut problems) {
+        moves::check(&walks, &columns, measurement, &mut problems);
+        values::check(&walks, &columns, measurement, &mut problems);
+    }
     values::check_temperatures(&walks, &columns, measurement, &mut problems);
     problems.or_ok(())?;
     let mut runs: Vec<Run> = walks

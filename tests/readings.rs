@@ -8,7 +8,7 @@
 use nonius::axis::{Axis, Direction, PerAxis};
 use nonius::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
 use nonius::document::Source;
-use nonius::job::{DiagonalMeasurement, Job, MeasuredData};
+use nonius::job::{AxisMaterial, DiagonalMeasurement, Job, Material, MeasuredData};
 use nonius::readings::Readings;
 use nonius::units::Millimetres;
 use std::fs;
@@ -78,4 +78,662 @@ fn linear_measurements_of_the_job_are_read() {
     let (measurement, _) = golden("case_b_setup");
     let axes: Vec<Axis> = measurement.linear.iter().map(|l| l.axis).collect();
     assert_eq!(axes, Axis::ALL);
+}
+
+/// A box of 90 × 72 × 72 mm in two steps of each axis.
+fn measurement(kind: PathKind) -> DiagonalMeasurement {
+    let (mut measurement, _) = golden("case_a_ideal");
+    measurement.kind = kind;
+    measurement.volume = Volume {
+        start: PerAxis::from_fn(|_| Millimetres::new(0.0)),
+        size: PerAxis {
+            x: Millimetres::new(90.0),
+            y: Millimetres::new(72.0),
+            z: Millimetres::new(72.0),
+        },
+        steps: 2,
+        order: Axis::ALL,
+    };
+    measurement
+}
+
+const HEADER: &str = "diagonal,run,direction,node,moved,deviation_um";
+/// Axis that moves to nodes 0 … 6 in the order XYZ.
+const MOVED: [&str; 7] = ["", "x", "y", "z", "x", "y", "z"];
+
+/// The rows of a walk: node, axis and ten times the node as deviation.
+fn walk(name: &str, direction: &str, moved: [&str; 7]) -> Vec<String> {
+    (0..7)
+        .map(|node| format!("{name},1,{direction},{node},{},{}", moved[node], 10 * node))
+        .collect()
+}
+
+/// All forward runs of single-axis steps.
+fn step_rows() -> Vec<String> {
+    ["PPP", "NPP", "PNP", "PPN"]
+        .iter()
+        .flat_map(|name| walk(name, "forward", MOVED))
+        .collect()
+}
+
+fn file(header: &str, rows: &[String]) -> String {
+    format!("{header}\n{}\n", rows.join("\n"))
+}
+
+fn read(text: &str, measurement: &DiagonalMeasurement) -> Result<Readings, String> {
+    let source = Source::from_bytes("readings.csv", text.as_bytes()).expect("it is text");
+    Readings::read(source, measurement).map_err(|problems| problems.render())
+}
+
+/// The header and rows with one more column, the same in every row.
+fn with_column(name: &str, value: impl Fn(usize) -> String) -> String {
+    let rows = step_rows();
+    let wider = rows.iter().enumerate();
+    let wider: Vec<String> = wider
+        .map(|(at, row)| format!("{row},{}", value(at)))
+        .collect();
+    file(&format!("{HEADER},{name}"), &wider)
+}
+
+/// The displacement of every node instead of its deviation, by a function of the nominal one, mm.
+fn displacements(measurement: &DiagonalMeasurement, of: impl Fn(f64) -> f64) -> String {
+    let mut rows = Vec::new();
+    for diagonal in Diagonal::ALL {
+        for (node, moved) in MOVED.iter().enumerate() {
+            let nominal = measurement
+                .volume
+                .nominal_mm(diagonal, measurement.kind, node);
+            rows.push(format!("{diagonal},{node},{moved},{:.6}", of(nominal)));
+        }
+    }
+    file("diagonal,node,moved,displacement_mm", &rows)
+}
+
+#[test]
+fn columns_in_any_order_with_semicolons_and_decimal_commas_are_the_same_readings() {
+    let measurement = measurement(PathKind::Step);
+    let plain = read(&file(HEADER, &step_rows()), &measurement).expect("it is complete");
+    let mut text = "\u{feff}deviation_mm;moved;node;diagonal\r\n".to_string();
+    for row in step_rows().iter().rev() {
+        let cells: Vec<&str> = row.split(',').collect();
+        let um: f64 = cells[5].parse().expect("a number");
+        let mm = format!("{}", um / 1000.0).replace('.', ",");
+        text += &format!(
+            "{mm};{};{};{}\r\n",
+            cells[4].to_uppercase(),
+            cells[3],
+            cells[0]
+        );
+    }
+    let other = read(&text, &measurement).expect("it is complete");
+    for (a, b) in plain.runs.iter().zip(&other.runs) {
+        assert_eq!(a.diagonal, b.diagonal);
+        for (a, b) in a.deviations.iter().zip(&b.deviations) {
+            assert!((a.um() - b.um()).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn the_nominal_displacement_is_subtracted_and_the_sign_of_the_laser_turned() {
+    let mut measurement = measurement(PathKind::Step);
+    for (sign, factor) in [(Direction::Plus, 1.0), (Direction::Minus, -1.0)] {
+        measurement.laser_sign = sign;
+        let text = displacements(&measurement, |mm| factor * mm * (1.0 + 50e-6));
+        let readings = read(&text, &measurement).expect("it is complete");
+        for run in &readings.runs {
+            let end = run.deviations[6].um();
+            let expected = measurement.volume.diagonal_mm() * 0.05;
+            assert!(
+                (end - expected).abs() < 1e-3,
+                "{end} µm, expected {expected} µm"
+            );
+        }
+    }
+    measurement.laser_sign = Direction::Minus;
+    let readings = read(&file(HEADER, &step_rows()), &measurement).expect("it is complete");
+    assert_eq!(readings.runs[0].deviations[6].um(), -60.0);
+}
+
+#[test]
+fn a_run_under_its_reverse_name_is_turned_to_the_forward_nodes_and_its_offset_stays_open() {
+    let measurement = measurement(PathKind::Step);
+    let backwards = ["", "z", "y", "x", "z", "y", "x"];
+    let mut rows = step_rows();
+    for name in ["NNN", "PNN", "NPN", "NNP"] {
+        rows.extend(walk(name, "forward", backwards));
+    }
+    let readings = read(&file(HEADER, &rows), &measurement).expect("it is complete");
+    let run = find(&readings, Diagonal::Npp, 1, Pass::Reverse);
+    let um: Vec<f64> = run.deviations.iter().map(|d| d.um()).collect();
+    assert_eq!(um, [-60.0, -50.0, -40.0, -30.0, -20.0, -10.0, 0.0]);
+    assert!(!readings.offset_known(run));
+    assert!(readings.offset_known(find(&readings, Diagonal::Npp, 1, Pass::Forward)));
+}
+
+#[test]
+fn a_displacement_under_the_reverse_name_gives_the_deviation_of_its_own_travel() {
+    let measurement = measurement(PathKind::Straight);
+    let (volume, kind) = (&measurement.volume, measurement.kind);
+    let mut rows = Vec::new();
+    for diagonal in Diagonal::ALL {
+        for node in 0..=2 {
+            let mm = volume.nominal_mm(diagonal, kind, node) * (1.0 + 100e-6);
+            rows.push(format!("{diagonal},{node},{mm}"));
+            rows.push(format!("{},{node},{mm}", diagonal.reverse_name()));
+        }
+    }
+    let text = file("diagonal,node,displacement_mm", &rows);
+    let readings = read(&text, &measurement).expect("it is complete");
+    let whole = volume.diagonal_mm() * 0.1;
+    for run in &readings.runs {
+        let change = run.deviations[2].um() - run.deviations[0].um();
+        assert!(
+            (change - whole).abs() < 1e-6,
+            "{} {}",
+            run.diagonal,
+            run.pass.word()
+        );
+    }
+}
+
+#[test]
+fn temperatures_go_with_their_nodes() {
+    let mut measurement = measurement(PathKind::Step);
+    let scale = AxisMaterial {
+        alpha_per_k: 11.5e-6,
+        temperature_c: None,
+    };
+    measurement.material = Some(Material {
+        material_corrected: false,
+        air_corrected: true,
+        axes: PerAxis {
+            x: None,
+            y: Some(scale),
+            z: None,
+        },
+    });
+    let text = with_column("t_y_c", |row| format!("{}", 20.0 + 0.1 * (row % 7) as f64));
+    let readings = read(&text, &measurement).expect("it is complete");
+    let temperatures = &readings.runs[3].temperatures_c;
+    let y = temperatures.y.as_ref().expect("the column is there");
+    assert_eq!((y.len(), y[0], temperatures.x.is_none()), (7, 20.0, true));
+}
+
+/// A mistake: what is changed, the words of the problem, and the words of the next step.
+type Mistake = (&'static str, String, &'static str, &'static str);
+
+fn changed(from: &str, to: &str) -> String {
+    let text = file(HEADER, &step_rows());
+    assert!(text.contains(from), "{from} is not in the file");
+    text.replacen(from, to, 1)
+}
+
+fn without(rows: impl Fn(&str) -> bool) -> String {
+    let kept: Vec<String> = step_rows().into_iter().filter(|row| !rows(row)).collect();
+    file(HEADER, &kept)
+}
+
+fn with(more: Vec<String>) -> String {
+    let mut rows = step_rows();
+    rows.extend(more);
+    file(HEADER, &rows)
+}
+
+fn mistakes_of_steps() -> Vec<Mistake> {
+    let all_reverse = |moved| {
+        ["PPP", "NPP", "PNP", "PPN"]
+            .iter()
+            .flat_map(|name| walk(name, "reverse", moved))
+            .collect::<Vec<String>>()
+    };
+    let none = String::new;
+    vec![
+        (
+            "empty",
+            none(),
+            "`readings.csv` holds no readings, expected a header and a row for each node",
+            "first line: diagonal",
+        ),
+        (
+            "header only",
+            format!("{HEADER}\n"),
+            "there is no forward run of PPP, NPP, PNP and PPN",
+            "needs all four body diagonals",
+        ),
+        (
+            "numbers first",
+            "PPP,1,2\n".into(),
+            "the first line holds numbers",
+            "first line: diagonal",
+        ),
+        (
+            "no node",
+            "diagonal,moved,deviation_um\nPPP,,0\n".into(),
+            "there is no column for the node, expected `node`",
+            "first line",
+        ),
+        (
+            "no unit",
+            "diagonal,node,moved,deviation\n".into(),
+            "column `deviation` has no unit, expected `deviation_um`, `deviation_mm`",
+            "part of the column's name",
+        ),
+        (
+            "two readings",
+            "diagonal,node,deviation_um,displacement_mm\n".into(),
+            "column `displacement_mm` gives the same as column `deviation_um` before it",
+            "keep one",
+        ),
+        (
+            "misspelt",
+            changed("moved", "mooved"),
+            "unknown column `mooved`",
+            "did you mean `moved`?",
+        ),
+        (
+            "unknown diagonal",
+            changed("PPP,1", "PPX,1"),
+            "readings.csv:2:1\n",
+            "P and N",
+        ),
+        (
+            "run 0",
+            changed("PPP,1", "PPP,0"),
+            "`run` is `0`, expected a whole number from 1",
+            "number the repeated runs",
+        ),
+        (
+            "direction",
+            changed("1,forward", "1,foward"),
+            "`direction` is `foward`, expected `forward` or `reverse`",
+            "did you mean `forward`?",
+        ),
+        (
+            "node",
+            changed("forward,3,z", "forward,3.0,z"),
+            "`node` is `3.0`, expected a whole number from 0",
+            "nodes count from 0",
+        ),
+        (
+            "moved",
+            changed("3,z", "3,w"),
+            "`moved` is `w`, expected `x`, `y`, `z` or, at node 0, an empty cell",
+            "name the axis",
+        ),
+        (
+            "no reading",
+            changed("3,z,30", "3,z,"),
+            "`deviation_um` is empty, expected a number",
+            "never filled in",
+        ),
+        (
+            "NaN",
+            changed("3,z,30", "3,z,NaN"),
+            "`deviation_um` is `NaN`, expected a finite number",
+            "plain number",
+        ),
+        (
+            "comma",
+            changed("3,z,30", "3,z,30,5"),
+            "the row has 7 cells, expected 6",
+            "decimal comma needs semicolons",
+        ),
+        (
+            "one missing",
+            without(|row| row.starts_with("PPP,1,forward,2")),
+            "PPP run 1 forward: node 2 is missing",
+            "never filled in",
+        ),
+        (
+            "several missing",
+            without(|row| {
+                row.starts_with("NPP")
+                    && ["1", "3", "4", "5"]
+                        .iter()
+                        .any(|n| row.contains(&format!("forward,{n},")))
+            }),
+            "NPP run 1 forward: nodes 1 and 3 to 5 are missing",
+            "never filled in",
+        ),
+        (
+            "twice",
+            with(vec!["PPP,1,forward,4,x,40".into()]),
+            "PPP run 1 forward: node 4 stands more than once",
+            "in the column `run`",
+        ),
+        (
+            "beyond",
+            with(vec!["PPP,1,forward,9,z,40".into()]),
+            "PPP run 1 forward reaches node 9, but the last node of this path is 6",
+            "check `steps` and `kind`",
+        ),
+        (
+            "far beyond",
+            with(vec!["PPN,1,forward,4000000000,z,40".into()]),
+            "`node` is `4000000000`, expected a whole number",
+            "nodes count",
+        ),
+        (
+            "diagonal missing",
+            without(|row| row.starts_with("PNP") || row.starts_with("PPN")),
+            "there is no forward run of PNP and PPN",
+            "all four body diagonals",
+        ),
+        (
+            "another order",
+            file(
+                HEADER,
+                &["PPP", "NPP", "PNP", "PPN"]
+                    .iter()
+                    .flat_map(|name| walk(name, "forward", ["", "z", "x", "y", "z", "x", "y"]))
+                    .collect::<Vec<_>>(),
+            ),
+            "PPP run 1 forward, node 1: Z moved, expected X by the order XYZ",
+            "write `order = \"ZXY\"` in the job",
+        ),
+        (
+            "one wrong axis",
+            changed("4,x", "4,y"),
+            "PPP run 1 forward, node 4: Y moved, expected X by the order XYZ",
+            "is empty at node 0",
+        ),
+        (
+            "axis at node 0",
+            changed("0,,0", "0,x,0"),
+            "PPP run 1 forward, node 0: X moved, expected no axis",
+            "is empty at node 0",
+        ),
+        (
+            "step as walked",
+            with(all_reverse(["x", "y", "z", "x", "y", "z", ""])),
+            "PPP run 1 reverse, node 0: X moved, expected no axis",
+            "in reverse rows too",
+        ),
+        (
+            "one way back",
+            with(walk("PPP", "reverse", MOVED)),
+            "there is no reverse run of NPP, PNP and PPN",
+            "leave its rows out",
+        ),
+        (
+            "lonely way back",
+            with(
+                walk("PPP", "reverse", MOVED)
+                    .iter()
+                    .map(|row| row.replace("PPP,1", "PPP,2"))
+                    .collect(),
+            ),
+            "PPP run 2 reverse has no forward rows of the same run",
+            "the same number",
+        ),
+        (
+            "other nodes",
+            with(walk("NNN", "forward", MOVED)),
+            "NNN run 1 forward takes the axes in the order XYZ, as the forward run does, so its nodes are not those of PPP: walked backwards, the order is ZYX",
+            "measure the way back over the same nodes",
+        ),
+        (
+            "doubly reversed",
+            with(walk("NNN", "reverse", MOVED)),
+            "NNN run 1 reverse: `NNN` already names the way back of PPP",
+            "write `PPP` and `reverse`",
+        ),
+        (
+            "two ways back",
+            with(
+                [
+                    all_reverse(MOVED),
+                    walk("NNN", "forward", ["", "z", "y", "x", "z", "y", "x"]),
+                ]
+                .concat(),
+            ),
+            "PPP run 1 reverse stands a second time as NNN run 1 forward",
+            "different runs",
+        ),
+        (
+            "start",
+            changed("0,,0", "0,,12.5"),
+            "PPP run 1 forward begins with 12.5 µm at node 0, expected 0",
+            "subtract this reading",
+        ),
+        (
+            "implausible",
+            changed("3,z,30", "3,z,3e5"),
+            "PPP run 1 forward, node 3: the deviation is 300 mm, which no machine has",
+            "the unit in the column's name",
+        ),
+        (
+            "displacement as deviation",
+            changed("3,z,30", "3,z,68000"),
+            "PPP run 1 forward, node 3: the deviation is 68 mm",
+            "named `displacement_mm`",
+        ),
+        (
+            "temperature without material",
+            with_column("t_x_c", |_| "21".into()),
+            "`t_x_c` gives temperatures, but the job does not say whether",
+            "`material_corrected` and `air_corrected`",
+        ),
+        (
+            "Fahrenheit",
+            with_column("t_x_c", |_| "68".into()),
+            "`t_x_c` is 68 °C, expected -10 … 50 °C",
+            "degrees Celsius",
+        ),
+        (
+            "one temperature missing",
+            with_column(
+                "t_x_c",
+                |row| if row == 4 { String::new() } else { "21".into() },
+            ),
+            "PPP run 1 forward, node 4: `t_x_c` is empty",
+            "for the whole run",
+        ),
+        (
+            "straight",
+            file(
+                "diagonal,node,moved,deviation_um",
+                &(0..=2)
+                    .flat_map(|node| Diagonal::ALL.map(|d| format!("{d},{node},,0")))
+                    .collect::<Vec<_>>(),
+            ),
+            "the runs end at node 2, but single-axis runs with `steps = 2` end at node 6",
+            "write `kind = \"straight\"`",
+        ),
+        (
+            "no moved",
+            file(
+                "diagonal,node,deviation_um",
+                &(0..=6)
+                    .flat_map(|node| Diagonal::ALL.map(|d| format!("{d},{node},0")))
+                    .collect::<Vec<_>>(),
+            ),
+            "there is no column `moved`",
+            "`kind = \"straight\"`",
+        ),
+    ]
+}
+
+#[test]
+fn mistakes_in_runs_of_steps_are_refused_with_place_and_next_step() {
+    let measurement = measurement(PathKind::Step);
+    for (name, text, problem, help) in mistakes_of_steps() {
+        refused(name, &text, &measurement, problem, help);
+    }
+}
+
+fn refused(name: &str, text: &str, measurement: &DiagonalMeasurement, problem: &str, help: &str) {
+    let said = match read(text, measurement) {
+        Err(said) => said,
+        Ok(_) => panic!("{name} was accepted"),
+    };
+    assert!(said.contains(problem), "{name}:\n{said}");
+    assert!(said.contains(help), "{name}:\n{said}");
+    assert!(
+        text.is_empty() || said.contains("--> readings.csv:"),
+        "{name}:\n{said}"
+    );
+}
+
+#[test]
+fn mistakes_in_straight_runs_are_refused() {
+    let straight = measurement(PathKind::Straight);
+    let moved = (0..=2).flat_map(|node| Diagonal::ALL.map(|d| format!("{d},{node},,0")));
+    let moved = file(
+        "diagonal,node,moved,deviation_um",
+        &moved.collect::<Vec<_>>(),
+    );
+    let step = file(HEADER, &step_rows());
+    refused(
+        "moved",
+        &moved,
+        &straight,
+        "straight runs have no column `moved`",
+        "`kind = \"step\"`",
+    );
+    refused(
+        "steps",
+        &step,
+        &straight,
+        "the runs end at node 6, but straight runs with `steps = 2` end at node 2",
+        "write `kind = \"step\"`",
+    );
+    let rows: Vec<String> = (0..=5)
+        .flat_map(|node| Diagonal::ALL.map(|d| format!("{d},{node},0")))
+        .collect();
+    let text = file("diagonal,node,deviation_um", &rows);
+    refused(
+        "five steps",
+        &text,
+        &straight,
+        "end at node 5",
+        "the readings look like `steps = 5`",
+    );
+}
+
+#[test]
+fn displacements_of_another_sign_or_unit_are_refused() {
+    let mut measurement = measurement(PathKind::Step);
+    let turned = displacements(&measurement, |mm| -mm);
+    refused(
+        "turned",
+        &turned,
+        &measurement,
+        "the displacement is -29.802 mm, expected about 29.802 mm",
+        "write `laser_sign = \"-\"`",
+    );
+    let inches = displacements(&measurement, |mm| mm / 25.4);
+    refused(
+        "inches",
+        &inches,
+        &measurement,
+        "expected about",
+        "check the unit in the column's name",
+    );
+    measurement.laser_sign = Direction::Minus;
+    let plain = displacements(&measurement, |mm| mm);
+    refused(
+        "plain",
+        &plain,
+        &measurement,
+        "expected about -",
+        "write `laser_sign = \"+\"`",
+    );
+}
+
+#[test]
+fn a_way_back_that_counts_along_the_forward_run_keeps_the_forward_name() {
+    let straight = measurement(PathKind::Straight);
+    let (volume, kind) = (&straight.volume, straight.kind);
+    let mut rows = Vec::new();
+    for diagonal in Diagonal::ALL {
+        for node in 0..=2 {
+            let mm = volume.nominal_mm(diagonal, kind, node);
+            rows.push(format!("{diagonal},{node},{mm}"));
+            rows.push(format!("{},{node},{}", diagonal.reverse_name(), -mm));
+        }
+    }
+    let text = file("diagonal,node,displacement_mm", &rows);
+    refused(
+        "negative",
+        &text,
+        &straight,
+        "NNN run 1 forward, node 1: the displacement is -67.949 mm, expected about 67.949 mm",
+        "a run named NNN counts along its own travel",
+    );
+}
+
+#[test]
+fn temperatures_that_the_job_does_not_explain_are_refused() {
+    let mut measurement = measurement(PathKind::Step);
+    let scale = |temperature_c| {
+        Some(AxisMaterial {
+            alpha_per_k: 11.5e-6,
+            temperature_c,
+        })
+    };
+    let material = |x| {
+        Some(Material {
+            material_corrected: false,
+            air_corrected: false,
+            axes: PerAxis {
+                x,
+                y: None,
+                z: None,
+            },
+        })
+    };
+    let text = with_column("t_x_c", |_| "21".into());
+    measurement.material = material(None);
+    refused(
+        "no expansion",
+        &text,
+        &measurement,
+        "does not give the expansion of axis X",
+        "add `x = { alpha_per_k",
+    );
+    measurement.material = material(scale(Some(21.0)));
+    refused(
+        "two temperatures",
+        &text,
+        &measurement,
+        "the temperature of axis X is given twice",
+        "keep one",
+    );
+    measurement.material = material(scale(None));
+    let plain = file(HEADER, &step_rows());
+    refused(
+        "no temperature",
+        &plain,
+        &measurement,
+        "there is no temperature of axis X",
+        "mean temperature",
+    );
+}
+
+#[test]
+fn all_problems_of_a_file_are_shown_at_once() {
+    let text = without(|row| row.starts_with("PPN") || row.starts_with("PPP,1,forward,2"))
+        .replacen("NPP,1,forward,4,x", "NPP,1,forward,4,z", 1);
+    let said = read(&text, &measurement(PathKind::Step)).expect_err("three mistakes");
+    assert_eq!(said.matches("problem: ").count(), 3, "{said}");
+}
+
+#[test]
+fn a_damaged_file_is_read_or_refused_and_stops_nothing() {
+    let mut rows = step_rows();
+    rows.extend(walk("NNN", "forward", ["", "z", "y", "x", "z", "y", "x"]));
+    let text = file(HEADER, &rows);
+    for kind in [PathKind::Step, PathKind::Straight] {
+        let measurement = measurement(kind);
+        for at in 0..text.len() {
+            for with in ["", "9", "99", ";", "\"", "-", "\n"] {
+                let damaged = format!("{}{with}{}", &text[..at], &text[at + 1..]);
+                if let Err(said) = read(&damaged, &measurement) {
+                    assert!(said.starts_with("problem: "), "{said}");
+                }
+            }
+        }
+    }
 }

@@ -119,7 +119,7 @@ fn end_of_beam(
             section.problem(
                 key,
                 format!(
-                    "the beam ends at {axis} {here} mm, but the travel is {low} mm … {high} mm"
+                    "an end of the beam is at {axis} {here} mm, but the travel is {low} mm … {high} mm"
                 ),
                 "give machine coordinates",
             );

@@ -237,12 +237,19 @@ fn closure_errors(section: &Section<'_>, kind: PathKind) -> Option<String> {
 }
 
 fn material(section: &Section<'_>) -> Option<Material> {
-    for key in ["material_corrected", "air_corrected"] {
+    let stated = [
+        (
+            "material_corrected",
+            "`true` or `false`: correcting the scales twice costs 11 µm/m for each K",
+        ),
+        (
+            "air_corrected",
+            "`true` or `false`: whether the readings are corrected for the air already",
+        ),
+    ];
+    for (key, expected) in stated {
         if !section.has(key) {
-            section.missing(
-                key,
-                "`true` or `false`: correcting twice costs 11 µm/m for each K",
-            );
+            section.missing(key, expected);
         }
     }
     let material_corrected = section.flag("material_corrected");
@@ -309,4 +316,112 @@ pub(super) fn between(
         help,
     );
     None
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::expect_used,
+        clippy::panic,
+        reason = "a test that cannot go on has to stop"
+    )]
+
+    use super::*;
+    use crate::document::Source;
+    use crate::job::{Job, LinearSlope, MeasuredData, Measurement};
+
+    fn measurement(more: &str) -> Measurement {
+        let page = format!(
+            r#"
+schema = 1
+[machine]
+name = "VMC"
+[compensation]
+controller = "generic"
+[measurement]
+readings = "readings.csv"
+angles = "angles.csv"
+tool_offset_mm = {{ x = 0.0, y = 0.0, z = -120.0 }}
+[measurement.uncertainty]
+laser_ppm = 0.1
+[measurement.step_diagonal]
+start_mm = {{ x = 0.0, y = -80.0, z = 0.0 }}
+size_mm = {{ x = 100.0, y = 80.0, z = 80.0 }}
+steps = 4
+{more}
+"#
+        );
+        let source = Source::from_bytes("job.toml", page.as_bytes()).expect("it is text");
+        Job::read(source).expect("it is a job").measurement
+    }
+
+    fn diagonals(measurement: Measurement) -> DiagonalMeasurement {
+        match measurement.data {
+            MeasuredData::Diagonals(diagonals) => diagonals,
+            MeasuredData::Errors(path) => panic!("{path} is no file of readings"),
+        }
+    }
+
+    #[test]
+    fn what_is_not_stated_has_the_value_of_the_contract() {
+        let measurement = measurement("order = \"ZXY\"");
+        assert_eq!(measurement.angles.as_deref(), Some("angles.csv"));
+        assert_eq!(measurement.uncertainty.laser_ppm, Some(0.1));
+        assert_eq!(measurement.levers.offsets, None);
+        let tool = measurement.levers.tool.expect("it is stated");
+        assert_eq!(tool.z, Millimetres::new(-120.0));
+        assert!(measurement.unused.is_empty());
+        let read = diagonals(measurement);
+        assert_eq!(read.volume.order, [Axis::Z, Axis::X, Axis::Y]);
+        assert_eq!(
+            (read.kind, read.target),
+            (PathKind::Step, Reflector::FlatMirror)
+        );
+        assert_eq!((read.setup, read.frame), (SetUp::Solve, Frame::XPrimary));
+        assert_eq!((read.laser_sign, read.overrun), (Direction::Plus, None));
+    }
+
+    #[test]
+    fn everything_that_may_be_stated_is_read() {
+        let read = diagonals(measurement(
+            r#"
+kind = "straight"
+laser_sign = "-"
+setup = "assume-perfect"
+frame = "as-measured"
+overrun = true
+closure_errors = "errors.csv"
+[[measurement.step_diagonal.linear]]
+axis = "y"
+errors = "y-linear.csv"
+u_um_per_m = 0.5
+[[measurement.step_diagonal.beam]]
+from_mm = { x = 0.0, y = 0.0, z = 0.0 }
+to_mm = { x = 100.0, y = -80.0, z = 0.0 }
+slope_um_per_m = -3.5
+[measurement.step_diagonal.material]
+material_corrected = false
+air_corrected = true
+y = { alpha_per_k = 8e-6 }
+"#,
+        ));
+        assert_eq!(
+            (read.kind, read.target),
+            (PathKind::Straight, Reflector::Retroreflector)
+        );
+        assert_eq!(
+            (read.laser_sign, read.overrun),
+            (Direction::Minus, Some(true))
+        );
+        assert_eq!(read.closure_errors.as_deref(), Some("errors.csv"));
+        assert_eq!(
+            read.linear[0].slope,
+            LinearSlope::Errors("y-linear.csv".to_string())
+        );
+        assert_eq!(read.beams[0].to.y, Millimetres::new(-80.0));
+        let material = read.material.expect("it is stated");
+        assert!(material.air_corrected && !material.material_corrected);
+        let y = material.axes.y.expect("it is stated");
+        assert_eq!((y.alpha_per_k, y.temperature_c), (8e-6, None));
+    }
 }

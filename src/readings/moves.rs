@@ -4,7 +4,7 @@
 //! from the far corner, meets the nodes of `PPP` only if it takes the axes in the opposite order.
 
 use crate::axis::Axis;
-use crate::diagonal::{PathKind, Volume};
+use crate::diagonal::{Pass, PathKind, Volume};
 use crate::job::DiagonalMeasurement;
 use crate::problem::{Problem, Problems};
 use crate::readings::columns::{Column, Columns};
@@ -30,7 +30,8 @@ pub(super) fn check(
                 .help("name the axis of the forward step that ends at each node, or write `kind = \"straight\"` in the job"),
         ),
         (PathKind::Step, Some(index)) => {
-            for (walk, rows) in walks {
+            let once_named = |walk: &Walk| !(walk.is_own() && walk.direction == Pass::Reverse);
+            for (walk, rows) in walks.iter().filter(|(walk, _)| once_named(walk)) {
                 check_walk(*walk, rows, index, &measurement.volume, problems);
             }
         }
@@ -64,11 +65,13 @@ fn check_walk(
         other_nodes(walk, volume)
     } else {
         let found = in_words(row.moved);
-        let wanted = in_words(expected(volume, walk, row.node));
+        let wanted = match expected(volume, walk, row.node) {
+            Some(axis) => format!("{axis} by the order {}", letters(volume.order)),
+            None => "no axis".to_string(),
+        };
         Problem::new(format!(
-            "{walk}, node {}: {found} moved, expected {wanted} by the order {}",
-            row.node,
-            letters(volume.order)
+            "{walk}, node {}: {found} moved, expected {wanted}",
+            row.node
         ))
         .help(next_step(walk, rows, volume))
     };
@@ -109,6 +112,7 @@ fn next_step(walk: Walk, rows: &[&Row<'_>], volume: &Volume) -> String {
         && second != third
         && first != third
         && !walk.is_own()
+        && [first, second, third] != volume.order
         && follows(rows, |node| [third, first, second].get(node % 3).copied())
     {
         let order = letters([first, second, third]);

@@ -7,7 +7,7 @@
 //! its increments mean anything, and [`crate::readings::Readings::offset_known`] says so.
 
 use crate::axis::{Axis, Direction, PerAxis};
-use crate::diagonal::Run;
+use crate::diagonal::{PerDiagonal, Run};
 use crate::job::DiagonalMeasurement;
 use crate::problem::{Problem, Problems};
 use crate::readings::columns::{Columns, Quantity};
@@ -19,6 +19,8 @@ use crate::units::{Deviation, UM_PER_MM};
 const LARGEST_DEVIATION_UM: f64 = 1e4;
 /// Last digit of a laser's display: what still counts as zero.
 const ZERO_UM: f64 = 1e-3;
+/// Nobody measures outside these temperatures; they refuse degrees Fahrenheit as well.
+const TEMPERATURES_C: std::ops::RangeInclusive<f64> = -10.0..=50.0;
 
 /// Measured − nominal displacement of a row in the direction that its walk counts, µm.
 fn deviation_um(row: &Row<'_>, quantity: Quantity, measurement: &DiagonalMeasurement) -> f64 {
@@ -50,19 +52,20 @@ pub(super) fn check(
     measurement: &DiagonalMeasurement,
     problems: &mut Problems,
 ) {
+    let first_forward = PerDiagonal::from_fn(|diagonal| {
+        let forward = |walk: &&Walk| walk.diagonal == diagonal && !walk.is_own();
+        walks.keys().find(forward).copied()
+    });
     for (walk, rows) in walks {
         let deviation = |row: &Row<'_>| deviation_um(row, columns.quantity, measurement);
         let last = measurement.volume.last_node(measurement.kind);
         let implausible =
             |row: &&&Row<'_>| row.node <= last && deviation(row).abs() > LARGEST_DEVIATION_UM;
-        let first_forward = walks
-            .keys()
-            .find(|other| other.diagonal == walk.diagonal && !other.is_own());
         let start = rows.first().filter(|row| row.node == 0);
         if let Some(row) = rows.iter().find(implausible) {
             problems.push(implausible_reading(row, columns.quantity, measurement));
         } else if let Some(row) = start
-            && first_forward == Some(walk)
+            && first_forward[walk.diagonal] == Some(*walk)
             && deviation(row).abs() > ZERO_UM
         {
             problems.push(
@@ -83,44 +86,67 @@ fn implausible_reading(
     measurement: &DiagonalMeasurement,
 ) -> Problem {
     let (walk, node) = (row.walk, row.node);
-    let nominal = nominal_mm(row, measurement);
     let read = row.um / UM_PER_MM;
-    let near = |other: f64| (other - nominal).abs() * UM_PER_MM <= LARGEST_DEVIATION_UM;
     let (message, help) = match quantity {
         Quantity::Deviation => (
             format!(
                 "{walk}, node {node}: the deviation is {} mm, which no machine has",
                 rounded(read)
             ),
-            if near(read) {
-                "a column of the displacement itself is named `displacement_mm`"
+            if is_near(read, nominal_mm(row, measurement)) {
+                "a column of the displacement itself is named `displacement_mm`".to_string()
             } else {
-                "check the reading, and the unit in the column's name"
+                "check the reading, and the unit in the column's name".to_string()
             },
         ),
-        Quantity::Displacement => (
-            format!(
+        Quantity::Displacement => {
+            let expected = match measurement.laser_sign {
+                Direction::Plus => nominal_mm(row, measurement),
+                Direction::Minus => -nominal_mm(row, measurement),
+            };
+            let message = format!(
                 "{walk}, node {node}: the displacement is {} mm, expected about {} mm",
                 rounded(read),
-                rounded(match measurement.laser_sign {
-                    Direction::Plus => nominal,
-                    Direction::Minus => -nominal,
-                })
-            ),
-            match measurement.laser_sign {
-                Direction::Plus if near(-read) => {
-                    "the instrument counts the other way: write `laser_sign = \"-\"` in the job"
-                }
-                Direction::Minus if near(read) => {
-                    "the instrument counts along the diagonal: write `laser_sign = \"+\"` in the job"
-                }
-                _ => {
-                    "displacements are counted from the start of the forward run; check the unit in the column's name, and the box in the job"
-                }
-            },
-        ),
+                rounded(expected)
+            );
+            (
+                message,
+                displacement_help(walk, read, expected, measurement),
+            )
+        }
     };
     Problem::new(message).at(row.line.whole()).help(help)
+}
+
+fn displacement_help(
+    walk: Walk,
+    read: f64,
+    expected: f64,
+    measurement: &DiagonalMeasurement,
+) -> String {
+    if !is_near(-read, expected) {
+        return "displacements are counted from the start of the forward run; check the unit in the column's name, and the box in the job".to_string();
+    }
+    if walk.is_own() {
+        return format!(
+            "a run named {} counts along its own travel; give rows that count along {} under that name, with `reverse` and the nodes of the forward run",
+            walk.name(),
+            walk.diagonal
+        );
+    }
+    match measurement.laser_sign {
+        Direction::Plus => {
+            "the instrument counts the other way: write `laser_sign = \"-\"` in the job"
+        }
+        Direction::Minus => {
+            "the instrument counts along the diagonal: write `laser_sign = \"+\"` in the job"
+        }
+    }
+    .to_string()
+}
+
+fn is_near(mm: f64, other: f64) -> bool {
+    (mm - other).abs() * UM_PER_MM <= LARGEST_DEVIATION_UM
 }
 
 /// A number as a sentence shows it.
@@ -145,6 +171,9 @@ pub(super) fn check_temperatures(
         if let Some((message, help)) = unusable(axis, measurement) {
             problems.push(Problem::new(message).at(place).help(help));
         }
+        if let Some(problem) = implausible_temperature(axis, index, walks, columns) {
+            problems.push(problem);
+        }
         for (walk, rows) in walks {
             let empty = |row: &&&Row<'_>| row.temperatures_c[axis].is_none();
             let Some(row) = rows.iter().find(empty) else {
@@ -163,6 +192,27 @@ pub(super) fn check_temperatures(
             );
         }
     }
+}
+
+/// The first temperature of a column that nobody measures at.
+fn implausible_temperature(
+    axis: Axis,
+    index: usize,
+    walks: &Walks<'_, '_>,
+    columns: &Columns<'_>,
+) -> Option<Problem> {
+    let beyond = |row: &&&Row<'_>| {
+        let temperature = row.temperatures_c[axis];
+        temperature.is_some_and(|c| !TEMPERATURES_C.contains(&c))
+    };
+    let row = walks.values().flatten().find(beyond)?;
+    let (low, high) = (TEMPERATURES_C.start(), TEMPERATURES_C.end());
+    let message = format!(
+        "`{}` is {} °C, expected {low} … {high} °C",
+        columns.names[index], row.temperatures_c[axis]?
+    );
+    let place = row.line.cell_place(index);
+    Some(Problem::new(message).at(place).help("give degrees Celsius"))
 }
 
 fn require_temperature(

@@ -21,24 +21,26 @@ pub(super) fn of<'r, 'a>(rows: &'r [Row<'a>]) -> Walks<'r, 'a> {
     walks
 }
 
-/// Notes nodes that are missing, stand twice or do not exist.
+/// Notes nodes that are missing, stand twice or do not exist; `false` if all runs are of another
+/// number of nodes, so that nothing else can be said of them.
 pub(super) fn check_nodes(
     walks: &Walks<'_, '_>,
     measurement: &DiagonalMeasurement,
     problems: &mut Problems,
-) {
+) -> bool {
     let last = measurement.volume.last_node(measurement.kind);
     for (walk, rows) in walks {
         refuse_repeated(*walk, rows, problems);
     }
     if let Some(problem) = other_number_of_nodes(walks, measurement) {
         problems.push(problem);
-        return;
+        return false;
     }
     for (walk, rows) in walks {
         refuse_beyond(*walk, rows, last, problems);
         refuse_missing(*walk, rows, last, problems);
     }
+    true
 }
 
 fn refuse_repeated(walk: Walk, rows: &[&Row<'_>], problems: &mut Problems) {
