@@ -9,6 +9,7 @@ mod controllers;
 mod generate;
 mod import;
 mod inputs;
+mod separate;
 mod show;
 mod standards;
 mod verify;
@@ -64,6 +65,8 @@ enum Command {
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
     },
+    /// Separate the readings of four body diagonals into the nine errors
+    Separate(separate::Options),
     /// Turn another maker's measurement into an error table
     Import(Box<import::Options>),
     /// Positioning figures by standard (ISO 230-2, VDI/DGQ 3441) from the runs of one axis
@@ -189,6 +192,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             tables,
             format,
         } => verify::run(&job, &tables, format),
+        Command::Separate(options) => separate::run(&options),
         Command::Import(options) => import::run(&options),
         Command::Standards {
             file,

@@ -28,11 +28,13 @@
 pub mod closure;
 pub mod corrections;
 pub mod curves;
+pub mod diagonal_runs;
 pub mod increments;
 pub mod line;
 pub mod metric;
 pub mod monte_carlo;
 pub mod noise;
+pub mod prepare;
 pub mod reversal;
 pub mod straight;
 pub mod table;

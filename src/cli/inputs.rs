@@ -1,13 +1,19 @@
 //! Files of a user → checked inputs.
 
 use crate::controller::{Origin, Profile, builtin, load};
+use crate::diagonal::PathKind;
 use crate::document::Source;
-use crate::error_table::ErrorTable;
+use crate::emit::TOOL;
+use crate::error_table::{self, ErrorTable};
 use crate::import::source_of;
-use crate::job::{Job, MeasuredData};
+use crate::job::{BacklashPolicy, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use crate::kit::{Inputs, hashed};
 use crate::manifest::HashedFile;
 use crate::problem::{Problem, Problems};
+use crate::readings::Readings;
+use crate::separation::prepare::{self, NamedTables};
+use crate::separation::straight::{StraightResult, straight};
+use crate::separation::{self, Campaign, Separation, corrected, table};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -52,8 +58,11 @@ fn error_table(
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
 ) -> Result<ErrorTable, Problems> {
-    let MeasuredData::Errors(path) = &job.measurement.data else {
-        return Err(not_separated(job));
+    let path = match &job.measurement.data {
+        MeasuredData::Errors(path) => path,
+        MeasuredData::Diagonals(measurement) => {
+            return separated_table(job, measurement, folder, hashes);
+        }
     };
     let full = folder.join(path);
     let bytes =
@@ -78,11 +87,151 @@ fn imported_from(table: &str, path: &str) -> Option<HashedFile> {
     })
 }
 
-fn not_separated(job: &Job) -> Problems {
-    let message = "`readings` need the separation of the body diagonals, which this version does not have yet";
-    job.problem_at("measurement.readings", message)
-        .help("separate the readings first and give the nine errors as `errors = \"errors.csv\"`")
-        .into()
+/// The nine errors of a job with readings, as the very table that `separate -o` writes.
+fn separated_table(
+    job: &Job,
+    measurement: &DiagonalMeasurement,
+    folder: &Path,
+    hashes: &mut Vec<HashedFile>,
+) -> Result<ErrorTable, Problems> {
+    if measurement.kind == PathKind::Straight {
+        return Err(job
+            .problem_at(
+                "measurement.step_diagonal.kind",
+                "straight runs of the diagonals hold no nine errors, so there is nothing to compensate",
+            )
+            .help("measure in single-axis steps (`kind = \"step\"`); `nonius separate` prints what straight runs hold")
+            .into());
+    }
+    let files = campaign_files(job, measurement, folder, hashes)?;
+    let separation = files.separate()?;
+    let two_tables = matches!(
+        job.compensation.backlash,
+        Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter)
+    );
+    if two_tables && !separation.has_directed_table() {
+        return Err(job
+            .problem_at(
+                "compensation.backlash",
+                "this needs the reversal of each axis, which these readings do not determine",
+            )
+            .help("turn once without overrun at the far end of the diagonals, or use `backlash = \"mean\"`")
+            .into());
+    }
+    let text = error_table::write(&table::draft(&separation, files.comments(&separation)));
+    let name = format!("nine errors separated from {}", measurement.readings);
+    ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)
+}
+
+/// A measurement of diagonals with everything that its job names.
+pub(super) struct CampaignFiles {
+    job: Job,
+    /// How it was measured.
+    pub(super) measurement: DiagonalMeasurement,
+    readings: Readings,
+    tables: NamedTables,
+    closure_errors: Option<ErrorTable>,
+    readings_sha256: String,
+}
+
+impl CampaignFiles {
+    /// What goes into a separation beside the readings.
+    pub(super) fn campaign(&self) -> Result<Campaign<'_>, Problems> {
+        prepare::campaign(&self.job, &self.measurement, &self.tables)
+    }
+
+    /// The nine errors.
+    pub(super) fn separate(&self) -> Result<Separation, Problems> {
+        Ok(separation::separate(&self.campaign()?, &self.readings.runs))
+    }
+
+    /// What straight runs say.
+    pub(super) fn straight(&self) -> Result<StraightResult, Problems> {
+        let runs = corrected(&self.campaign()?, &self.readings.runs);
+        straight(&self.measurement.volume, runs, self.closure_errors.as_ref())
+    }
+
+    /// Lines above the error table: where it comes from and what it rests on.
+    pub(super) fn comments(&self, separation: &Separation) -> Vec<String> {
+        let mut lines = vec![
+            format!("nine errors separated from step diagonals by {TOOL}"),
+            format!(
+                "source: {} sha256 {}",
+                self.measurement.readings, self.readings_sha256
+            ),
+        ];
+        let determined = separation.undetermined.iter();
+        lines.extend(determined.map(|words| format!("not determined: {words}")));
+        lines.extend(separation.labels.iter().cloned());
+        lines
+    }
+}
+
+/// Reads a job with readings and everything it names.
+pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> {
+    let (name, bytes) = read_argument(job_path)?;
+    let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
+    let folder = job_path.parent().unwrap_or(Path::new(""));
+    let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
+        return Err(job
+            .problem_at(
+                "measurement.errors",
+                "this job gives `errors`, which are separated already",
+            )
+            .help("`separate` needs a job with `readings`")
+            .into());
+    };
+    campaign_files(&job, measurement, folder, &mut Vec::new())
+}
+
+fn campaign_files(
+    job: &Job,
+    measurement: &DiagonalMeasurement,
+    folder: &Path,
+    hashes: &mut Vec<HashedFile>,
+) -> Result<CampaignFiles, Problems> {
+    let mut read = |path: &str, key: &str| -> Result<(Source, String), Problems> {
+        let full = folder.join(path);
+        let bytes = read_file(&full).map_err(|problem| match job.source.place_of(key) {
+            Some(place) => beside_job(problem.at(place)),
+            None => beside_job(problem),
+        })?;
+        let hash = hashed(path, &bytes);
+        let sha256 = hash.sha256.clone();
+        hashes.push(hash);
+        let source = Source::from_bytes(&full.display().to_string(), &bytes)?;
+        Ok((source, sha256))
+    };
+    let (source, readings_sha256) = read(&measurement.readings, "measurement.readings")?;
+    let readings = Readings::read(source, measurement)?;
+    let mut tables = NamedTables::default();
+    for linear in &measurement.linear {
+        tables.linear.push(match &linear.slope {
+            LinearSlope::Stated(_) => None,
+            LinearSlope::Errors(path) => {
+                let key = "measurement.step_diagonal.linear.errors";
+                Some(ErrorTable::read(read(path, key)?.0)?)
+            }
+        });
+    }
+    if let Some(path) = &job.measurement.angles {
+        tables.angles = Some(ErrorTable::read(read(path, "measurement.angles")?.0)?);
+    }
+    let closure_errors = match &measurement.closure_errors {
+        None => None,
+        Some(path) => {
+            let key = "measurement.step_diagonal.closure_errors";
+            Some(ErrorTable::read(read(path, key)?.0)?)
+        }
+    };
+    Ok(CampaignFiles {
+        job: job.clone(),
+        measurement: measurement.clone(),
+        readings,
+        tables,
+        closure_errors,
+        readings_sha256,
+    })
 }
 
 /// A built-in profile by id, or a user's own by path (relative to `folder`).

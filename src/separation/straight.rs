@@ -9,11 +9,12 @@
 
 use super::line::range;
 use super::metric::{PerPlane, Plane};
-use crate::axis::{Axis, PerAxis, PerTerm};
+use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
 use crate::error_table::ErrorTable;
+use crate::problem::{Problem, Problems};
 use crate::separation::lookup::at;
-use crate::separation::noise::CorrectedRun;
+use crate::separation::noise::{CorrectedRun, means};
 
 /// What the totals of the four diagonals determine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,19 +164,72 @@ pub fn closure_test(measured: &[f64], predicted: &[f64]) -> ClosureTest {
     }
 }
 
-/// Slopes of the positioning errors and squareness of nine curves, for tests and reports: the
-/// totals of a machine with these slopes, µm, in the order of the diagonals.
-pub fn totals_of_slopes(volume: &Volume, slopes_um_per_m: &PerTerm<f64>) -> PerDiagonal<f64> {
-    PerDiagonal::from_fn(|d| {
-        let u = volume.laser(d);
-        let term = |(term, slope): (crate::axis::ErrorTerm, &f64)| {
-            slope / 1000.0 * u[term.of] * u[term.along]
-        };
-        volume.diagonal_mm() * slopes_um_per_m.iter().map(term).sum::<f64>()
-    })
-}
-
 /// Direction cosines squared: the share of each scale in S, for the words of a report.
 pub fn scale_shares(volume: &Volume) -> PerAxis<f64> {
     PerAxis::from_fn(|axis| volume.cosine(axis).powi(2))
+}
+
+/// What a straight run of the four diagonals says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StraightResult {
+    /// The corrected runs.
+    pub runs: Vec<CorrectedRun>,
+    /// Figures of the diagonals.
+    pub diagonals: PerDiagonal<DiagonalFigures>,
+    /// Max − min over all diagonals, µm.
+    pub range_over_all_um: f64,
+    /// Squareness and the combination of scales.
+    pub totals: Totals,
+    /// The closure test against nine errors, forward runs.
+    pub closure: Option<PerDiagonal<ClosureTest>>,
+}
+
+/// Evaluates straight runs; `errors` = nine errors to be tested by them.
+pub fn straight(
+    volume: &Volume,
+    runs: Vec<CorrectedRun>,
+    errors: Option<&ErrorTable>,
+) -> Result<StraightResult, Problems> {
+    let (diagonals, range_over_all_um) = figures(&runs, PathKind::Straight);
+    let ends = PerDiagonal::from_fn(|d| diagonals[d].end_um);
+    let means = means(&runs);
+    let closure = match errors {
+        None => None,
+        Some(table) => Some(tested(volume, table, &means.forward)?),
+    };
+    Ok(StraightResult {
+        diagonals,
+        range_over_all_um,
+        totals: totals(volume, &ends),
+        closure,
+        runs,
+    })
+}
+
+fn tested(
+    volume: &Volume,
+    table: &ErrorTable,
+    forward: &PerDiagonal<Vec<f64>>,
+) -> Result<PerDiagonal<ClosureTest>, Problems> {
+    let mut missing = Problems::none();
+    let tests = PerDiagonal::from_fn(|d| {
+        let predicted = predicted_um(volume, PathKind::Straight, table, d, Pass::Forward);
+        predicted.map(|predicted| closure_test(&forward[d], &predicted))
+    });
+    let all = PerDiagonal::from_fn(|d| {
+        tests[d].unwrap_or(ClosureTest {
+            largest_um: 0.0,
+            end_um: 0.0,
+        })
+    });
+    if tests.iter().any(|(_, test)| test.is_none()) {
+        missing.push(
+            Problem::new(
+                "the closure test needs all nine errors; at least one is missing from the table",
+            )
+            .at(table.header.clone())
+            .help("measure it, or leave `closure_errors` out"),
+        );
+    }
+    missing.or_ok(all)
 }

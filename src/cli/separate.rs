@@ -1,0 +1,168 @@
+//! `nonius separate JOB [-o errors.csv]`
+
+mod document;
+mod text;
+
+use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
+use crate::diagonal::PathKind;
+use crate::error_table;
+use crate::problem::{Problem, Problems};
+use crate::separation::monte_carlo::{Plan, Simulated, simulate};
+use crate::separation::noise::run_counts;
+use crate::separation::uncertainty::Budget;
+use crate::separation::{Separation, table};
+use clap::Args;
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// Options of `separate`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The job (TOML) with readings of the body diagonals; `-` = standard input
+    job: PathBuf,
+    /// The error table (CSV) of the nine errors; `-` = standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Replace an existing error table
+    #[arg(long)]
+    force: bool,
+    /// Trials of the Monte Carlo simulation of ranges and straightness; 0 = none
+    #[arg(long, default_value_t = 2000, value_parser = trials)]
+    trials: usize,
+    /// Seed of the simulation
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+const MOST_TRIALS: usize = 10_000_000;
+/// A simulation that is not done by then shows how far it is.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+fn trials(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(1) | Err(_) => Err(format!(
+            "expected 0 or a whole number from 2 to {MOST_TRIALS}"
+        )),
+        Ok(many) if many > MOST_TRIALS => Err(format!("at most {MOST_TRIALS}")),
+        Ok(trials) => Ok(trials),
+    }
+}
+
+pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+    let to_stdout = options.output.as_deref() == Some(Path::new("-"));
+    if to_stdout && options.format == Format::Json {
+        return Err(Problem::new(
+            "the error table and the document cannot both go to standard output",
+        )
+        .help("name a file with `-o`, or leave `--format json` out")
+        .into());
+    }
+    if let Some(output) = options.output.as_deref().filter(|_| !to_stdout) {
+        write::ensure_new(output, options.force)?;
+    }
+    let campaign = inputs::read_campaign(&options.job)?;
+    if campaign.measurement.kind == PathKind::Straight {
+        return straight(options, &campaign);
+    }
+    let separation = campaign.separate()?;
+    let simulated = simulated(options, &campaign, &separation)?;
+    if let Some(output) = &options.output {
+        let draft = table::draft(&separation, campaign.comments(&separation));
+        let csv = error_table::write(&draft);
+        if to_stdout {
+            say(&text::summary(&separation, simulated.as_ref())?);
+            return print_bytes(csv.as_bytes());
+        }
+        write::write_file(output, csv.as_bytes(), options.force)?;
+        say(&format!("wrote {}", output.display()));
+    }
+    match options.format {
+        Format::Text => print(&text::summary(&separation, simulated.as_ref())?),
+        Format::Json => print_json(&document::separation(&separation, simulated.as_ref())?),
+    }
+}
+
+fn straight(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answer, Problems> {
+    if options.output.is_some() {
+        return Err(Problem::new(
+            "straight runs hold no nine errors: four totals are three squareness errors and one combination of the scales",
+        )
+        .help("leave `-o` out, or measure in single-axis steps (`kind = \"step\"`)")
+        .into());
+    }
+    let result = campaign.straight()?;
+    match options.format {
+        Format::Text => print(&text::straight(&campaign.measurement, &result)?),
+        Format::Json => print_json(&document::straight(&campaign.measurement, &result)?),
+    }
+}
+
+fn simulated(
+    options: &Options,
+    files: &inputs::CampaignFiles,
+    separation: &Separation,
+) -> Result<Option<Simulated>, Problems> {
+    if options.trials == 0 {
+        return Ok(None);
+    }
+    let campaign = files.campaign()?;
+    let runs = run_counts(&separation.runs);
+    let budget = Budget {
+        volume: &separation.volume,
+        noise: separation.noise,
+        runs: &runs,
+        stated: campaign.stated,
+        material: files.measurement.material,
+    };
+    let plan = Plan {
+        trials: options.trials,
+        seed: options.seed,
+        threads: std::thread::available_parallelism().map_or(1, usize::from),
+    };
+    let progress = Progress::new(options.trials);
+    let hear = |done: usize| progress.add(done);
+    let simulated = simulate(&campaign, &budget, &separation.means, plan, &hear);
+    progress.close();
+    Ok(simulated)
+}
+
+/// A bar on standard error, if that is a terminal and the simulation takes long.
+struct Progress {
+    done: AtomicUsize,
+    all: usize,
+    begun: Instant,
+    shown: bool,
+}
+
+impl Progress {
+    fn new(all: usize) -> Progress {
+        Progress {
+            done: AtomicUsize::new(0),
+            all,
+            begun: Instant::now(),
+            shown: std::io::stderr().is_terminal(),
+        }
+    }
+
+    fn add(&self, trials: usize) {
+        let before = self.done.fetch_add(trials, Ordering::Relaxed);
+        let percent = |done: usize| 100 * done / self.all.max(1);
+        let (before, now) = (percent(before), percent(before + trials));
+        if self.shown && now > before && self.begun.elapsed() > PATIENCE {
+            let bar = "#".repeat(now / 4);
+            // A bar that cannot be drawn is no failure.
+            let _ = write!(std::io::stderr(), "\rsimulating [{bar:<25}] {now} %");
+        }
+    }
+
+    fn close(&self) {
+        if self.shown && self.begun.elapsed() > PATIENCE {
+            let _ = write!(std::io::stderr(), "\r{:40}\r", "");
+        }
+    }
+}

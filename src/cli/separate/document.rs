@@ -1,0 +1,271 @@
+//! The documents of `separate --format json` (contract §5).
+
+use super::text::standard_figures;
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::diagonal::{Diagonal, PathKind};
+use crate::job::DiagonalMeasurement;
+use crate::manifest::picometres;
+use crate::problem::Problems;
+use crate::separation::closure::Outlier;
+use crate::separation::metric::{PerPlane, Plane};
+use crate::separation::monte_carlo::Simulated;
+use crate::separation::straight::{StraightResult, Totals};
+use crate::separation::{Evidence, Separation};
+use serde_json::{Map, Value, json};
+
+fn rounded(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| picometres(*value)).collect()
+}
+
+fn evidence(positions_mm: &[f64], evidence: &Evidence) -> Value {
+    let mut entry = Map::new();
+    entry.insert("position_mm".into(), json!(positions_mm));
+    entry.insert(
+        "deviation_um".into(),
+        json!(rounded(&evidence.deviation_um)),
+    );
+    if let Some(u_um) = &evidence.u_um {
+        entry.insert("u_um".into(), json!(rounded(u_um)));
+    }
+    Value::Object(entry)
+}
+
+fn errors(separation: &Separation) -> Value {
+    let mut all = Map::new();
+    let mut add = |suffix: &str, errors: &PerTerm<Option<Evidence>>| {
+        for (term, found) in errors.iter() {
+            if let Some(found) = found {
+                let positions = positions(separation, term);
+                all.insert(format!("{term}{suffix}"), evidence(&positions, found));
+            }
+        }
+    };
+    add("", &separation.errors.mean);
+    for direction in Direction::BOTH {
+        if let Some(errors) = separation.errors.directed(direction) {
+            add(direction.symbol(), errors);
+        }
+    }
+    Value::Object(all)
+}
+
+fn positions(separation: &Separation, term: ErrorTerm) -> Vec<f64> {
+    let positions = separation.volume.positions(term.along);
+    positions.iter().map(|position| position.mm()).collect()
+}
+
+fn planes(values: &PerPlane<Option<f64>>) -> Value {
+    let mut all = Map::new();
+    for plane in Plane::ALL {
+        if let Some(value) = values.of(plane) {
+            all.insert(plane.key().into(), json!(picometres(value)));
+        }
+    }
+    Value::Object(all)
+}
+
+fn known(values: &PerPlane<f64>) -> Value {
+    planes(&PerPlane {
+        xy: Some(values.xy),
+        xz: Some(values.xz),
+        yz: Some(values.yz),
+    })
+}
+
+fn axes<T>(of: impl Fn(Axis) -> T) -> Value
+where
+    Value: From<T>,
+{
+    let entries = Axis::ALL.map(|axis| (axis.key().to_string(), Value::from(of(axis))));
+    Value::Object(entries.into_iter().collect())
+}
+
+fn vector(v: &PerAxis<f64>) -> Value {
+    json!([v.x, v.y, v.z])
+}
+
+pub(super) fn separation(
+    separation: &Separation,
+    simulated: Option<&Simulated>,
+) -> Result<Value, Problems> {
+    let mut page = Map::new();
+    page.insert("schema".into(), json!(1));
+    page.insert("errors".into(), errors(separation));
+    page.insert(
+        "squareness_um_per_m".into(),
+        planes(&separation.squareness_um_per_m),
+    );
+    if let Some(u) = &separation.u_squareness_um_per_m {
+        page.insert("u_squareness_um_per_m".into(), known(u));
+    }
+    page.insert(
+        "squareness_least_squares_um_per_m".into(),
+        planes(&separation.squareness_least_squares_um_per_m),
+    );
+    if let Some(tilts) = &separation.tilts {
+        let of = |value: &dyn Fn(Diagonal) -> Value| -> Value {
+            let entries = Diagonal::ALL.map(|d| (d.name().to_string(), value(d)));
+            Value::Object(entries.into_iter().collect())
+        };
+        page.insert(
+            "setup_arcsec".into(),
+            of(&|d| json!(picometres(tilts[d].arcsec))),
+        );
+        page.insert(
+            "setup_direction".into(),
+            of(&|d| vector(&tilts[d].direction)),
+        );
+    }
+    let closure = &separation.closure;
+    page.insert(
+        "closure_um".into(),
+        axes(|axis| rounded(&closure.by_interval[axis])),
+    );
+    page.insert(
+        "mean_closure_um".into(),
+        axes(|axis| picometres(closure.mean[axis])),
+    );
+    page.insert(
+        "rank".into(),
+        json!({
+            "rank": separation.metric.rank,
+            "unknowns": 6,
+            "undetermined": separation.undetermined,
+        }),
+    );
+    page.insert(
+        "outliers".into(),
+        closure.outliers.iter().map(outlier).collect(),
+    );
+    page.insert("diagonals".into(), diagonals(separation)?);
+    if let Some(noise) = separation.noise {
+        page.insert(
+            "noise".into(),
+            json!({
+                "sigma_um": picometres(noise.sigma_um),
+                "degrees_of_freedom": noise.freedom,
+                "source": noise.source.words(),
+                "closure_probability": closure.probability(noise.sigma_um)
+                    .filter(|_| noise.source != crate::separation::noise::NoiseSource::Closure),
+            }),
+        );
+    }
+    if let Some(turn) = &separation.turn {
+        let terms = turn.reversal_um.iter();
+        let all = terms.map(|(term, um)| (term.to_string(), json!(picometres(*um))));
+        page.insert("reversal_um".into(), Value::Object(all.collect()));
+    }
+    let shapes = separation.shapes.iter();
+    let shapes = shapes.map(|(term, shape)| (term.to_string(), json!(rounded(shape))));
+    page.insert("shape_um".into(), Value::Object(shapes.collect()));
+    if let Some(simulated) = simulated {
+        page.insert("monte_carlo".into(), monte_carlo(simulated));
+    }
+    page.insert("labels".into(), json!(separation.labels));
+    Ok(Value::Object(page))
+}
+
+fn outlier(outlier: &Outlier) -> Value {
+    let readings: Vec<Value> = outlier
+        .readings
+        .iter()
+        .map(|r| json!({"diagonal": r.diagonal.name(), "direction": r.pass.word(), "node": r.node}))
+        .collect();
+    json!({
+        "readings": readings,
+        "size_um": picometres(outlier.size_um),
+        "standard_deviations": picometres(outlier.ratio),
+    })
+}
+
+fn diagonals(separation: &Separation) -> Result<Value, Problems> {
+    let mut all = Map::new();
+    for (diagonal, figures) in separation.diagonals.iter() {
+        all.insert(
+            diagonal.name().into(),
+            json!({
+                "end_reading_um": picometres(figures.end_um),
+                "range_um": picometres(figures.range_um),
+            }),
+        );
+    }
+    all.insert(
+        "range_over_all_um".into(),
+        json!(picometres(separation.range_over_all_um)),
+    );
+    all.insert(
+        "scale_sum_um_mm".into(),
+        json!(picometres(separation.scale_sum_um_mm)),
+    );
+    let figures = standard_figures(&separation.volume, PathKind::Step, &separation.runs)?;
+    all.insert("e_d_um".into(), json!(figures.e_d_um.map(picometres)));
+    all.insert("b_d_um".into(), json!(figures.b_d_um.map(picometres)));
+    all.insert("label".into(), json!(figures.label));
+    Ok(Value::Object(all))
+}
+
+fn monte_carlo(simulated: &Simulated) -> Value {
+    let figures: Vec<Value> = simulated
+        .figures
+        .iter()
+        .map(|f| {
+            json!({
+                "name": f.name,
+                "unit": f.unit,
+                "estimate": picometres(f.estimate),
+                "bias": picometres(f.bias),
+                "interval_95": rounded(&f.interval),
+                "u": picometres(f.u),
+            })
+        })
+        .collect();
+    json!({
+        "trials": simulated.plan.trials,
+        "seed": simulated.plan.seed,
+        "figures": figures,
+    })
+}
+
+fn totals(totals: &Totals) -> Value {
+    known(&totals.squareness_um_per_m)
+}
+
+pub(super) fn straight(
+    measurement: &DiagonalMeasurement,
+    result: &StraightResult,
+) -> Result<Value, Problems> {
+    let figures = standard_figures(&measurement.volume, PathKind::Straight, &result.runs)?;
+    let mut diagonals = Map::new();
+    for (diagonal, f) in result.diagonals.iter() {
+        let mut entry = json!({
+            "end_reading_um": picometres(f.end_um),
+            "range_um": picometres(f.range_um),
+        });
+        if let (Some(closure), Some(entry)) = (&result.closure, entry.as_object_mut()) {
+            let test = closure[diagonal];
+            entry.insert(
+                "closure_largest_um".into(),
+                json!(picometres(test.largest_um)),
+            );
+            entry.insert("closure_end_um".into(), json!(picometres(test.end_um)));
+        }
+        diagonals.insert(diagonal.name().into(), entry);
+    }
+    diagonals.insert(
+        "range_over_all_um".into(),
+        json!(picometres(result.range_over_all_um)),
+    );
+    diagonals.insert(
+        "scale_sum_um_mm".into(),
+        json!(picometres(result.totals.scale_sum_um_mm)),
+    );
+    diagonals.insert("e_d_um".into(), json!(figures.e_d_um.map(picometres)));
+    diagonals.insert("b_d_um".into(), json!(figures.b_d_um.map(picometres)));
+    diagonals.insert("label".into(), json!(figures.label));
+    Ok(json!({
+        "schema": 1,
+        "squareness_um_per_m": totals(&result.totals),
+        "rank": {"rank": 4, "unknowns": 6, "undetermined": [super::text::STRAIGHT_UNDETERMINED]},
+        "diagonals": diagonals,
+    }))
+}

@@ -1,0 +1,144 @@
+//! A job and the tables it names → what a separation needs beside the readings.
+
+use super::campaign::{Campaign, Line};
+use super::corrections::{AngleModel, angle_effects};
+use super::lookup::at;
+use crate::axis::{Axis, PerAxis};
+use crate::diagonal::Volume;
+use crate::error_table::ErrorTable;
+use crate::job::{Beam, DiagonalMeasurement, Job, Linear, LinearSlope};
+use crate::problem::{Problem, Problems};
+
+/// How far a table may fall short of the measured box, mm.
+const END_TOLERANCE_MM: f64 = 0.01;
+
+/// Error tables that a job with readings names.
+#[derive(Clone, Debug, Default)]
+pub struct NamedTables {
+    /// For each `[[measurement.step_diagonal.linear]]`, in the order of the job; `None` where the
+    /// slope is stated.
+    pub linear: Vec<Option<ErrorTable>>,
+    /// `measurement.angles`.
+    pub angles: Option<ErrorTable>,
+}
+
+/// The campaign of a job.
+pub fn campaign<'a>(
+    job: &Job,
+    measurement: &'a DiagonalMeasurement,
+    tables: &NamedTables,
+) -> Result<Campaign<'a>, Problems> {
+    let mut problems = Problems::none();
+    let mut lines = Vec::new();
+    for (linear, table) in measurement.linear.iter().zip(&tables.linear) {
+        lines.extend(problems.take(linear_line(&measurement.volume, linear, table.as_ref())));
+    }
+    lines.extend(measurement.beams.iter().map(beam_line));
+    let angles = match &tables.angles {
+        None => None,
+        Some(table) => problems.take(angles(job, measurement, table)),
+    };
+    problems.or_ok(Campaign {
+        measurement,
+        stated: job.measurement.uncertainty,
+        lines,
+        angles,
+    })
+}
+
+fn linear_line(
+    volume: &Volume,
+    linear: &Linear,
+    table: Option<&ErrorTable>,
+) -> Result<Line, Problems> {
+    let slope_um_per_m = match (&linear.slope, table) {
+        (LinearSlope::Stated(slope), _) => *slope,
+        (LinearSlope::Errors(path), None) => {
+            return Err(Problem::new(format!("`{path}` was not read")).into());
+        }
+        (LinearSlope::Errors(_), Some(table)) => slope_over_box(volume, linear.axis, table)?,
+    };
+    Ok(Line {
+        direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
+        slope_um_per_m,
+        u_um_per_m: linear.u_um_per_m,
+    })
+}
+
+/// Positioning error at the high end of the box less that at its low end, by the length between;
+/// mean of the directions. The totals of the diagonals see the same two ends.
+fn slope_over_box(volume: &Volume, axis: Axis, table: &ErrorTable) -> Result<f64, Problems> {
+    let low = volume.start[axis].mm();
+    let high = low + volume.size[axis].mm();
+    let refuse = |message: String, help: &str| {
+        Problems::from(Problem::new(message).at(table.header.clone()).help(help))
+    };
+    let mut slopes = Vec::new();
+    for series in table.series(axis) {
+        let Some(values) = &series.deviations[axis] else {
+            continue;
+        };
+        let ends = series.positions.first().zip(series.positions.last());
+        if let Some((first, last)) = ends
+            && (first.mm() > low + END_TOLERANCE_MM || last.mm() < high - END_TOLERANCE_MM)
+        {
+            return Err(refuse(
+                format!(
+                    "E{axis}{axis} is measured from {} to {} mm, but the diagonals go from {low} to {high} mm",
+                    first.mm(),
+                    last.mm()
+                ),
+                "measure the axis over the whole box; nothing is extrapolated",
+            ));
+        }
+        let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
+        let rise = at(&series.positions, &values, high) - at(&series.positions, &values, low);
+        slopes.push(1000.0 * rise / (high - low));
+    }
+    if slopes.is_empty() {
+        return Err(refuse(
+            format!(
+                "the table holds no positioning error of {axis} (E{axis}{axis}), expected its linear measurement"
+            ),
+            "name a table with rows of that axis and its own direction",
+        ));
+    }
+    #[allow(clippy::cast_precision_loss, reason = "two directions at most")]
+    let count = slopes.len() as f64;
+    Ok(slopes.iter().sum::<f64>() / count)
+}
+
+fn beam_line(beam: &Beam) -> Line {
+    let way = PerAxis::from_fn(|axis| (beam.to[axis] - beam.from[axis]).mm());
+    let length = (way.x * way.x + way.y * way.y + way.z * way.z).sqrt();
+    Line {
+        direction: PerAxis::from_fn(|axis| way[axis] / length),
+        slope_um_per_m: beam.slope_um_per_m,
+        u_um_per_m: beam.u_um_per_m,
+    }
+}
+
+fn angles(
+    job: &Job,
+    measurement: &DiagonalMeasurement,
+    table: &ErrorTable,
+) -> Result<super::corrections::AngleEffects, Problems> {
+    let Some(chain) = &job.machine.chain else {
+        return Err(job
+            .problem_at("measurement.angles", "angles act through levers, which need the order of the axes: `machine.chain` is missing")
+            .help("state it, e.g. `chain = \"wXYZt\"`")
+            .into());
+    };
+    let model = AngleModel::new(table, chain, &job.measurement.levers, measurement.target);
+    let Some(model) = model.filter(|model| !model.is_empty()) else {
+        return Err(Problem::new(format!(
+            "`{}` holds no angles, expected columns such as `ea_urad`",
+            table.source.name
+        ))
+        .at(table.header.clone())
+        .help("name a table with ea, eb or ec, or remove `angles`")
+        .into());
+    };
+    model.check(&measurement.volume)?;
+    Ok(angle_effects(&model, &measurement.volume, measurement.kind))
+}
