@@ -70,7 +70,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     assumptions.append(&mut compiled.assumptions);
     compiled.assumptions = assumptions;
     let mut notes = plan.notes.clone();
-    notes.extend(task.job.measurement.unused.iter().cloned());
+    notes.extend(task.job.measurement.notes.iter().cloned());
     notes.extend(task.model.unused.iter().cloned());
     notes.extend(unlikely_reversals(task));
     notes.append(&mut compiled.notes);

@@ -134,8 +134,9 @@ pub struct Measurement {
     pub protocol: Vec<(String, String)>,
     /// `[measurement.uncertainty]`.
     pub uncertainty: StatedUncertainty,
-    /// What the job states and an error table has no use for, one sentence each.
-    pub unused: Vec<String>,
+    /// What every output has to say of the measurement, one sentence each: what is stated and not
+    /// used, and what a separation rests on.
+    pub notes: Vec<String>,
 }
 
 /// Which terms to compensate.

@@ -60,6 +60,7 @@ fn separated(case: &str) -> Separation {
         stated: job.measurement.uncertainty,
         lines: lines.collect(),
         angles: None,
+        reverse_zero_known: true,
     };
     separate(&campaign, &readings.unwrap().runs)
 }

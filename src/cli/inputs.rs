@@ -24,7 +24,7 @@ const LARGEST_INPUT_BYTES: u64 = 64 * 1024 * 1024;
 pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     let (name, bytes) = read_argument(job_path)?;
     let mut hashes = vec![hashed(&file_name(job_path), &bytes)];
-    let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
+    let mut job = Job::read(Source::from_bytes(&name, &bytes)?)?;
     let folder = job_path.parent().unwrap_or(Path::new(""));
     let mut problems = Problems::none();
     let profile = problems.take(
@@ -33,7 +33,8 @@ pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     );
     let table = problems.take(error_table(&job, folder, &mut hashes));
     match (profile, table) {
-        (Some(profile), Some(table)) if problems.is_empty() => {
+        (Some(profile), Some((table, notes))) if problems.is_empty() => {
+            job.measurement.notes.extend(notes);
             Inputs::new(job, profile, &table, hashes)
         }
         _ => Err(problems),
@@ -57,7 +58,7 @@ fn error_table(
     job: &Job,
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
-) -> Result<ErrorTable, Problems> {
+) -> Result<(ErrorTable, Vec<String>), Problems> {
     let path = match &job.measurement.data {
         MeasuredData::Errors(path) => path,
         MeasuredData::Diagonals(measurement) => {
@@ -73,7 +74,7 @@ fn error_table(
     hashes.push(hashed(path, &bytes));
     let source = Source::from_bytes(&full.display().to_string(), &bytes)?;
     hashes.extend(imported_from(&source.text, path));
-    ErrorTable::read(source)
+    Ok((ErrorTable::read(source)?, Vec::new()))
 }
 
 /// The measurement that an imported error table came from, as its comment states it.
@@ -87,13 +88,14 @@ fn imported_from(table: &str, path: &str) -> Option<HashedFile> {
     })
 }
 
-/// The nine errors of a job with readings, as the very table that `separate -o` writes.
+/// The nine errors of a job with readings, as the very table that `separate -o` writes, and what
+/// they rest on.
 fn separated_table(
     job: &Job,
     measurement: &DiagonalMeasurement,
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
-) -> Result<ErrorTable, Problems> {
+) -> Result<(ErrorTable, Vec<String>), Problems> {
     if measurement.kind == PathKind::Straight {
         return Err(job
             .problem_at(
@@ -120,7 +122,11 @@ fn separated_table(
     }
     let text = error_table::write(&table::draft(&separation, files.comments(&separation)));
     let name = format!("nine errors separated from {}", measurement.readings);
-    ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)
+    let table = ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)?;
+    let missing = separation.undetermined.iter();
+    let missing = missing.map(|words| format!("not determined by the readings: {words}"));
+    let notes = missing.chain(separation.labels.iter().cloned()).collect();
+    Ok((table, notes))
 }
 
 /// A measurement of diagonals with everything that its job names.
@@ -137,7 +143,14 @@ pub(super) struct CampaignFiles {
 impl CampaignFiles {
     /// What goes into a separation beside the readings.
     pub(super) fn campaign(&self) -> Result<Campaign<'_>, Problems> {
-        prepare::campaign(&self.job, &self.measurement, &self.tables)
+        let known = |run| self.readings.offset_known(run);
+        let reverse_zero_known = self.readings.runs.iter().all(known);
+        prepare::campaign(
+            &self.job,
+            &self.measurement,
+            &self.tables,
+            reverse_zero_known,
+        )
     }
 
     /// The nine errors.

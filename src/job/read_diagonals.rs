@@ -370,7 +370,7 @@ steps = 4
         assert_eq!(measurement.levers.offsets, None);
         let tool = measurement.levers.tool.expect("it is stated");
         assert_eq!(tool.z, Millimetres::new(-120.0));
-        assert!(measurement.unused.is_empty());
+        assert!(measurement.notes.is_empty());
         let read = diagonals(measurement);
         assert_eq!(read.volume.order, [Axis::Z, Axis::X, Axis::Y]);
         assert_eq!(

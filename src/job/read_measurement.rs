@@ -24,7 +24,7 @@ pub(super) fn measurement(
     let uncertainty = uncertainty(section);
     section.refuse_unknown_keys();
     let data = data?;
-    let unused = match &data {
+    let notes = match &data {
         MeasuredData::Errors(_) => unused(section, &uncertainty),
         MeasuredData::Diagonals(_) => Vec::new(),
     };
@@ -37,7 +37,7 @@ pub(super) fn measurement(
         squareness,
         protocol: protocol.unwrap_or_default(),
         uncertainty,
-        unused,
+        notes,
     })
 }
 
@@ -186,8 +186,8 @@ controller = "generic"
         let measurement = Job::read(source).expect("it is a job").measurement;
         assert_eq!(measurement.uncertainty.noise_um, Some(0.5));
         let keys = ["`angles`", "offsets_mm", "`laser_ppm`"];
-        assert_eq!(measurement.unused.len(), keys.len());
-        for (sentence, key) in measurement.unused.iter().zip(keys) {
+        assert_eq!(measurement.notes.len(), keys.len());
+        for (sentence, key) in measurement.notes.iter().zip(keys) {
             assert!(sentence.contains(key), "{sentence}");
         }
     }

@@ -12,7 +12,7 @@ use super::straight::{DiagonalFigures, figures, totals, u_squareness};
 use super::tilt::{Tilt, tilts};
 use super::uncertainty::{Budget, SlopeFrom};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::diagonal::{Diagonal, PathKind, PerDiagonal, Run, Volume};
+use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
 
 /// Uncertainty that weighs totals and lines where neither noise nor a statement gives one, µm/m.
@@ -53,6 +53,8 @@ impl NineErrors {
 pub struct Separation {
     /// The measured box.
     pub volume: Volume,
+    /// What was assumed of the set-up.
+    pub setup: SetUp,
     /// The nine errors.
     pub errors: NineErrors,
     /// Their shapes beside the line through the ends, µm: determined whatever the set-up.
@@ -89,6 +91,8 @@ pub struct Separation {
     pub labels: Vec<String>,
     /// The corrected runs.
     pub runs: Vec<CorrectedRun>,
+    /// The runs whose zero is that of the forward run: all, or the forward passes only.
+    pub zeroed_runs: Vec<CorrectedRun>,
     /// The mean readings that were separated.
     pub means: Means,
 }
@@ -97,6 +101,14 @@ impl Separation {
     /// Whether the two directions stand apart in the error table: the reversal is determined.
     pub fn has_directed_table(&self) -> bool {
         self.turn.is_some() && self.errors.minus.is_some()
+    }
+
+    /// Rank and number of unknowns: of formula (7), or of the slopes where the set-up is assumed.
+    pub const fn rank(&self) -> (usize, usize) {
+        match self.setup {
+            SetUp::Solve => (self.metric.rank, 6),
+            SetUp::AssumePerfect => (9, 9),
+        }
     }
 
     /// Groups of readings that were separated.
@@ -116,6 +128,8 @@ pub struct Campaign<'a> {
     pub lines: Vec<Line>,
     /// Effects of angular errors on the readings.
     pub angles: Option<AngleEffects>,
+    /// Whether reverse readings count from the forward start; else only their increments hold.
+    pub reverse_zero_known: bool,
 }
 
 /// A straight line beside the diagonals; the uncertainty where it is known.
@@ -146,7 +160,7 @@ pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<CorrectedRun> {
                 .collect(),
         };
         if let Some(effects) = &campaign.angles {
-            let pass = usize::from(run.pass == crate::diagonal::Pass::Reverse);
+            let pass = usize::from(run.pass == Pass::Reverse);
             without_angles(&mut readings_um, &effects[run.diagonal][pass]);
         }
         CorrectedRun {
@@ -173,8 +187,12 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         first.sigma_um().unwrap_or(0.0)
     });
     let overrun = measurement.overrun.filter(|_| measured.reverse.is_some());
-    let overrun = overrun.or_else(|| ran_over(&measured, volume, guess));
-    let turn = turn(&measured, volume).filter(|_| overrun == Some(false));
+    let overrun = overrun.or_else(|| {
+        let judged = ran_over(&measured, volume, guess);
+        judged.filter(|_| campaign.reverse_zero_known)
+    });
+    let turn_seen = overrun == Some(false) && campaign.reverse_zero_known;
+    let turn = turn(&measured, volume).filter(|_| turn_seen);
     let means = match turn {
         Some(_) => without_jumps(&measured, volume),
         None => measured,
@@ -191,11 +209,14 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     let groups = means.groups();
     let (solved, raw) = solve_readings(campaign, &budget, &means);
     let errors = solved.errors(&budget, groups, &raw, turn.as_ref());
-    let (diagonals, range_over_all_um) = figures(&runs, PathKind::Step);
+    let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
+    let zeroed_runs: Vec<CorrectedRun> = runs.iter().filter(zeroed).cloned().collect();
+    let (diagonals, range_over_all_um) = figures(&zeroed_runs, PathKind::Step);
     let u_end = budget.u_end_um(groups.len());
     let labels = labels(campaign, &budget, &means, overrun);
     Separation {
         volume: volume.clone(),
+        setup: measurement.setup,
         shapes: PerTerm::from_fn(|term| {
             with_slope(volume, term.along, &solved.mean_raw[term], 0.0)
         }),
@@ -205,7 +226,7 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         squareness_least_squares_um_per_m: least_squares_squareness(volume, &errors.mean),
         tilts: tilts(volume, &solved.ratios, &solved.metric)
             .filter(|_| measurement.setup == SetUp::Solve),
-        undetermined: solved.undetermined(measurement.setup, overrun, turn.is_some()),
+        undetermined: solved.undetermined(means.reverse.is_some(), turn.is_some()),
         scale_sum_um_mm: solved.totals.scale_sum_um_mm,
         metric: solved.metric,
         errors,
@@ -217,6 +238,7 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         turn,
         labels,
         runs,
+        zeroed_runs,
         means,
     }
 }
@@ -442,14 +464,14 @@ impl Solved {
         }
     }
 
-    fn undetermined(&self, setup: SetUp, overrun: Option<bool>, from_turn: bool) -> Vec<String> {
-        let mut words = match setup {
+    fn undetermined(&self, both_ways: bool, from_turn: bool) -> Vec<String> {
+        let mut words = match self.setup {
             SetUp::Solve => self.metric.undetermined(),
             SetUp::AssumePerfect => Vec::new(),
         };
-        if overrun.is_some() && !from_turn {
+        if both_ways && !from_turn {
             words.push(
-                "reversal of each axis: the axes ran over the far end, so the readings hold only its sum along the diagonals; turn once without overrun, or measure each axis in both directions".to_string(),
+                "reversal of each axis: a turn with overrun (or with a zero of its own) holds at most its sum along the diagonals; turn once without overrun, or measure each axis in both directions".to_string(),
             );
         }
         words
@@ -509,8 +531,8 @@ fn labels(
         Frame::AsMeasured => "frame as measured: slopes of cross terms hold an arbitrary rotation; only their sums are the machine's".to_string(),
     });
     match overrun {
-        None if means.reverse.is_none() => labels.push("forward passes only: NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the curves".to_string()),
-        None => {}
+        None if means.reverse.is_some() => labels.push("reverse runs count from their own start, so only their increments are used".to_string()),
+        None => labels.push("forward passes only: NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the curves".to_string()),
         Some(over) => {
             let from = if measurement.overrun.is_some() { "as stated" } else { "judged from the readings" };
             let what = if over { "the axes ran over the far end before the reverse passes" } else { "the axes turned at the far end without overrun: reversal of each axis from the turn, taken as constant in the end intervals" };

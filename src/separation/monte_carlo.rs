@@ -96,7 +96,7 @@ pub fn simulate(
             }
             let numbers = index * BLOCK..((index + 1) * BLOCK).min(plan.trials);
             let count = numbers.len();
-            done.push((index, block(budget.volume, numbers, &estimate.0, &trial)));
+            done.push((index, block(budget.volume, numbers, &estimate.0, trial)));
             progress(count);
         }
     };

@@ -27,6 +27,7 @@ pub fn campaign<'a>(
     job: &Job,
     measurement: &'a DiagonalMeasurement,
     tables: &NamedTables,
+    reverse_zero_known: bool,
 ) -> Result<Campaign<'a>, Problems> {
     let mut problems = Problems::none();
     let mut lines = Vec::new();
@@ -43,6 +44,7 @@ pub fn campaign<'a>(
         stated: job.measurement.uncertainty,
         lines,
         angles,
+        reverse_zero_known,
     })
 }
 

@@ -37,7 +37,14 @@ fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>)
         errors[term].as_ref()
     });
     series.deviations_um =
-        PerAxis::from_fn(|of| evidence[of].map(|e: &Evidence| e.deviation_um.clone()));
-    series.uncertainties_um = PerAxis::from_fn(|of| evidence[of].and_then(|e| e.u_um.clone()));
+        PerAxis::from_fn(|of| evidence[of].map(|found: &Evidence| written(&found.deviation_um)));
+    series.uncertainties_um =
+        PerAxis::from_fn(|of| evidence[of].and_then(|found| found.u_um.as_deref().map(written)));
     series
+}
+
+/// Nine decimals, 10⁻⁹ µm: as many as readings carry, without the dust of binary sums.
+fn written(values_um: &[f64]) -> Vec<f64> {
+    let written = |value: &f64| (value * 1e9).round() / 1e9 + 0.0;
+    values_um.iter().map(written).collect()
 }

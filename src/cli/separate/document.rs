@@ -128,8 +128,8 @@ pub(super) fn separation(
     page.insert(
         "rank".into(),
         json!({
-            "rank": separation.metric.rank,
-            "unknowns": 6,
+            "rank": separation.rank().0,
+            "unknowns": separation.rank().1,
             "undetermined": separation.undetermined,
         }),
     );
@@ -197,7 +197,7 @@ fn diagonals(separation: &Separation) -> Result<Value, Problems> {
         "scale_sum_um_mm".into(),
         json!(picometres(separation.scale_sum_um_mm)),
     );
-    let figures = standard_figures(&separation.volume, PathKind::Step, &separation.runs)?;
+    let figures = standard_figures(&separation.volume, PathKind::Step, &separation.zeroed_runs)?;
     all.insert("e_d_um".into(), json!(figures.e_d_um.map(picometres)));
     all.insert("b_d_um".into(), json!(figures.b_d_um.map(picometres)));
     all.insert("label".into(), json!(figures.label));

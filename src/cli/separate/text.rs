@@ -67,6 +67,16 @@ pub(super) fn summary(
     ]))
 }
 
+/// Three decimals, never −0.
+fn three(value: f64) -> String {
+    format!("{:.3}", (value * 1000.0).round() / 1000.0 + 0.0)
+}
+
+/// The same with its sign.
+fn signed(value: f64) -> String {
+    format!("{:+.3}", (value * 1000.0).round() / 1000.0 + 0.0)
+}
+
 fn list(heading: &str, lines: &[String]) -> String {
     if lines.is_empty() {
         return String::new();
@@ -92,7 +102,7 @@ fn terms(separation: &Separation) -> String {
             .map(|position| position.mm())
             .collect();
         let shape = &separation.shapes[term];
-        let beside = format!("{:.3}", range(shape.iter().copied()));
+        let beside = three(range(shape.iter().copied()));
         match &separation.errors.mean[term] {
             None => vec![
                 term.to_string(),
@@ -108,9 +118,9 @@ fn terms(separation: &Separation) -> String {
                     "{:.3}",
                     ReferenceLine::EndPoints.slope_um_per_m(&positions, &found.deviation_um)
                 ),
-                format!("{:.3}", range(found.deviation_um.iter().copied())),
+                three(range(found.deviation_um.iter().copied())),
                 beside,
-                format!("{:.3}", found.deviation_um.last().copied().unwrap_or(0.0)),
+                three(found.deviation_um.last().copied().unwrap_or(0.0)),
                 expanded(found),
             ],
         }
@@ -123,7 +133,7 @@ fn terms(separation: &Separation) -> String {
 
 fn expanded(found: &Evidence) -> String {
     let last = found.u_um.as_ref().and_then(|u| u.last());
-    last.map_or_else(|| "not known".into(), |u| format!("{:.3}", 2.0 * u))
+    last.map_or_else(|| "not known".into(), |u| three(2.0 * u))
 }
 
 fn squareness(found: &PerPlane<Option<f64>>, u: Option<&PerPlane<f64>>) -> String {
@@ -138,10 +148,7 @@ fn squareness(found: &PerPlane<Option<f64>>, u: Option<&PerPlane<f64>>) -> Strin
             found
                 .of(plane)
                 .map_or_else(|| "not determined".into(), |value| format!("{value:.3}")),
-            u.map_or_else(
-                || "not known".into(),
-                |u| format!("{:.3}", 2.0 * u.of(plane)),
-            ),
+            u.map_or_else(|| "not known".into(), |u| three(2.0 * u.of(plane))),
         ]
     });
     format!(
@@ -169,9 +176,9 @@ fn setup(separation: &Separation) -> String {
         vec![
             diagonal.to_string(),
             format!("{:.1}", tilt.arcsec),
-            format!("{:+.3}", tilt.direction.x),
-            format!("{:+.3}", tilt.direction.y),
-            format!("{:+.3}", tilt.direction.z),
+            signed(tilt.direction.x),
+            signed(tilt.direction.y),
+            signed(tilt.direction.z),
         ]
     });
     format!(
@@ -254,12 +261,8 @@ fn reversal(separation: &Separation) -> String {
             of: axis,
             along: axis,
         };
-        let mut row = vec![axis.to_string(), format!("{:.3}", turn.reversal_um[term])];
-        row.extend(
-            turn.by_diagonal_um
-                .iter()
-                .map(|(_, b)| format!("{:.3}", b[axis])),
-        );
+        let mut row = vec![axis.to_string(), three(turn.reversal_um[term])];
+        row.extend(turn.by_diagonal_um.iter().map(|(_, b)| three(b[axis])));
         row
     });
     format!(
@@ -269,7 +272,7 @@ fn reversal(separation: &Separation) -> String {
 }
 
 fn diagonals(separation: &Separation) -> Result<String, Problems> {
-    let figures = standard_figures(&separation.volume, PathKind::Step, &separation.runs)?;
+    let figures = standard_figures(&separation.volume, PathKind::Step, &separation.zeroed_runs)?;
     Ok(diagonal_table(&figures, |diagonal| {
         separation.diagonals[diagonal].end_um
     }))
@@ -290,7 +293,7 @@ fn diagonal_table(figures: &Diagonals, end_um: impl Fn(Diagonal) -> f64) -> Stri
         .map(|(diagonal, of)| {
             vec![
                 diagonal.to_string(),
-                format!("{:.3}", end_um(diagonal)),
+                three(end_um(diagonal)),
                 shown(of.figures.e.both_um),
                 shown(of.figures.b_um),
                 shown(of.range_um),
@@ -322,10 +325,10 @@ fn monte_carlo(simulated: &Simulated) -> String {
     let rows = simulated.figures.iter().map(|f| {
         vec![
             f.name.clone(),
-            format!("{:.3}", f.estimate),
-            format!("{:+.3}", f.bias),
-            format!("{:.3}", f.interval[0]),
-            format!("{:.3}", f.interval[1]),
+            three(f.estimate),
+            signed(f.bias),
+            three(f.interval[0]),
+            three(f.interval[1]),
             f.unit.to_string(),
         ]
     });
