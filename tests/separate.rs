@@ -100,7 +100,8 @@ fn without_linear_axes_the_scales_are_named_and_left_out() {
     assert!(page["errors"].get("EYX").is_some(), "determined whatever the set-up");
     assert!(page.get("setup_arcsec").is_none());
     let xy = page["squareness_um_per_m"]["xy"].as_f64().unwrap();
-    assert!((xy - 19.1667).abs() < 0.01, "{xy}");
+    // What is not known of the scales (some 20 um/m) times the tilts (0.5 mrad) stays in it.
+    assert!((xy - 19.1667).abs() < 0.05, "{xy}");
     let text = stdout(&nonius(directory.path(), "separate job.toml"));
     assert!(text.contains("NOT DETERMINED by these readings"), "{text}");
 }

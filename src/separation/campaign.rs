@@ -8,7 +8,7 @@ use super::line::ReferenceLine;
 use super::metric::{Metric, PerPlane, Plane, StraightLine, displacement_ratios, solve};
 use super::noise::{CorrectedRun, Noise, NoiseSource, from_repeats, means, run_counts};
 use super::reversal::{Turn, ran_over, turn, without_jumps};
-use super::straight::{DiagonalFigures, figures, totals, u_squareness};
+use super::straight::{DiagonalFigures, Totals, figures, totals, u_squareness};
 use super::tilt::{Tilt, tilts};
 use super::uncertainty::{Budget, SlopeFrom};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
@@ -191,13 +191,13 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         let judged = ran_over(&measured, volume, guess);
         judged.filter(|_| campaign.reverse_zero_known)
     });
-    let turn_seen = overrun == Some(false) && campaign.reverse_zero_known;
-    let turn = turn(&measured, volume).filter(|_| turn_seen);
-    let means = match turn {
-        Some(_) => without_jumps(&measured, volume),
-        None => measured,
+    let turned = overrun == Some(false) && campaign.reverse_zero_known;
+    let means = if turned {
+        without_jumps(&measured, volume)
+    } else {
+        measured.clone()
     };
-    let closure = closure(volume, &means, &counts, known, turn.is_some());
+    let closure = closure(volume, &means, &counts, known, turned);
     let noise = noise(&campaign.stated, repeats, &closure);
     let budget = Budget {
         volume,
@@ -208,10 +208,15 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     };
     let groups = means.groups();
     let (solved, raw) = solve_readings(campaign, &budget, &means);
+    let change = PerTerm::from_fn(|term| change_um(&raw, term));
+    let turn = turn(&measured, volume, &change).filter(|_| turned);
     let errors = solved.errors(&budget, groups, &raw, turn.as_ref());
     let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
     let zeroed_runs: Vec<CorrectedRun> = runs.iter().filter(zeroed).cloned().collect();
-    let (diagonals, range_over_all_um) = figures(&zeroed_runs, PathKind::Step);
+    let (mut diagonals, range_over_all_um) = figures(&zeroed_runs, PathKind::Step);
+    for diagonal in Diagonal::ALL {
+        diagonals[diagonal].end_um = solved.ends_um[diagonal];
+    }
     let u_end = budget.u_end_um(groups.len());
     let labels = labels(campaign, &budget, &means, overrun);
     Separation {
@@ -281,6 +286,14 @@ pub fn curves_of(
     (errors, solved.squareness(campaign.measurement.setup))
 }
 
+/// Δ of the reversal of a term from the low end of its axis to the high end, µm.
+fn change_um(raw: &[PerTerm<Curve>], term: ErrorTerm) -> f64 {
+    match raw {
+        [plus, minus] => plus[term].last().zip(minus[term].last()).map_or(0.0, |(p, m)| p - m),
+        _ => 0.0,
+    }
+}
+
 fn known_sigma(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<f64> {
     repeats.map(|noise| noise.sigma_um).or(stated.noise_um)
 }
@@ -308,7 +321,8 @@ struct Solved {
     mean_raw: PerTerm<Curve>,
     ratios: PerDiagonal<PerAxis<f64>>,
     metric: Metric,
-    totals: super::straight::Totals,
+    ends_um: PerDiagonal<f64>,
+    totals: Totals,
 }
 
 impl Solved {
@@ -339,6 +353,7 @@ impl Solved {
             let of_axis = |axis: Axis| volume.steps_f64() * means[d][axis];
             Axis::ALL.into_iter().map(of_axis).sum::<f64>()
         };
+        let ends_um = PerDiagonal::from_fn(end);
         Solved {
             volume: volume.clone(),
             setup: measurement.setup,
@@ -348,7 +363,8 @@ impl Solved {
             }),
             metric: solve(volume, &ratios, u_end, &lines),
             ratios,
-            totals: totals(volume, &PerDiagonal::from_fn(end)),
+            totals: totals(volume, &ends_um),
+            ends_um,
         }
     }
 
@@ -386,18 +402,10 @@ impl Solved {
             }
             (SetUp::AssumePerfect, Frame::AsMeasured) => Some(naive(term)),
             (SetUp::AssumePerfect, Frame::XPrimary) if term.is_positioning() => Some(naive(term)),
-            (SetUp::AssumePerfect, Frame::XPrimary) => {
-                let twin = ErrorTerm {
-                    of: term.along,
-                    along: term.of,
-                };
-                let square = naive(term) + naive(twin);
-                Some(if carries_squareness(term) {
-                    square
-                } else {
-                    0.0
-                })
+            (SetUp::AssumePerfect, Frame::XPrimary) if carries_squareness(term) => {
+                Some(self.totals.squareness_um_per_m.of(plane_of(term)))
             }
+            (SetUp::AssumePerfect, Frame::XPrimary) => Some(0.0),
         }
     }
 
@@ -444,23 +452,23 @@ impl Solved {
                 u_um: budget.mean_curve(term, groups, self.slope_from(term)),
             })
         });
-        let directed = |group: usize, offset: &dyn Fn(ErrorTerm) -> f64| {
+        let directed = |group: usize, reversal: Option<&Turn>| {
             PerTerm::from_fn(|term| {
                 let curve = self.turned(term, &raw[group][term])?;
-                let offset = offset(term);
+                // The − curve lies B below the + curve.
+                let offset = reversal.map_or(0.0, |turn| -turn.reversal_um[term]);
+                let from_turn = reversal.is_some();
                 Some(Evidence {
                     deviation_um: curve.iter().map(|value| value + offset).collect(),
-                    u_um: budget.directed_curve(term, groups, self.slope_from(term)),
+                    u_um: budget.directed_curve(term, groups, self.slope_from(term), from_turn),
                 })
             })
         };
         let both = raw.len() == 2;
-        // The − curve lies B below the + curve.
-        let reversal = |term: ErrorTerm| turn.map_or(0.0, |turn| -turn.reversal_um[term]);
         NineErrors {
             mean,
-            plus: both.then(|| directed(0, &|_| 0.0)),
-            minus: both.then(|| directed(1, &reversal)),
+            plus: both.then(|| directed(0, None)),
+            minus: both.then(|| directed(1, turn)),
         }
     }
 
@@ -541,6 +549,9 @@ fn labels(
     }
     if means.reverse.is_some() {
         labels.push("directions are those in which each axis really moved: + curves from forward passes of the diagonals that travel it in +, reverse passes of the others".to_string());
+    }
+    if measurement.material.is_some_and(|material| !material.air_corrected) {
+        labels.push("the readings are not corrected for air, and nothing corrects them here: about 1 um/m of scale for each K of air temperature or 3.7 hPa".to_string());
     }
     for axis in Axis::ALL {
         let gain = super::curves::noise_gain(&measurement.volume, axis);

@@ -12,7 +12,7 @@
 //! No rotation occurs in (7): h is the metric of the axis triad. Four diagonals give the three
 //! squareness errors and one combination of the scales; two linear axes or other beams close it.
 //! Source: derived and confirmed by simulation in the project's reference on the step-diagonal
-//! method, §3.4; same idea as Ibaraki and Hata (2010). Neglected: P², about 10⁻⁹.
+//! method (docs/method.md §5); same idea as Ibaraki and Hata (2010). Neglected: P², about 10⁻⁹.
 
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{Diagonal, PerDiagonal, Volume};

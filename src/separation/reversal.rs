@@ -13,13 +13,13 @@
 //! determined.
 
 use super::increments::Means;
-use crate::axis::{Axis, PerAxis, PerTerm};
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::diagonal::{Diagonal, PerDiagonal, Volume};
 
 /// Reversal at the turn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
-    /// B of each term, µm: moving + minus moving −.
+    /// B of each term at the low end of its axis, µm: moving + minus moving −.
     pub reversal_um: PerTerm<f64>,
     /// B of each axis from each diagonal alone, µm: they should agree.
     pub by_diagonal_um: PerDiagonal<PerAxis<f64>>,
@@ -36,7 +36,7 @@ fn step_at_turn(means: &Means, volume: &Volume) -> Option<PerDiagonal<f64>> {
 
 /// Whether the axes ran over the far end, judged from the readings: without overrun forward and
 /// reverse readings of the last node are one place read twice. `sigma_um`: standard deviation of
-/// a mean reading. `None` where there is no reverse pass.
+/// a single reading, so that means are judged tolerantly. `None` where there is no reverse pass.
 pub fn ran_over(means: &Means, volume: &Volume, sigma_um: f64) -> Option<bool> {
     let at_turn = step_at_turn(means, volume)?;
     let reverse = means.reverse.as_ref()?;
@@ -50,15 +50,20 @@ pub fn ran_over(means: &Means, volume: &Volume, sigma_um: f64) -> Option<bool> {
     Some(!(same_place && differs))
 }
 
-/// The reversals of a turn without overrun.
-pub fn turn(means: &Means, volume: &Volume) -> Option<Turn> {
+/// The reversals of a turn without overrun. `change_um`: Δ of each term, the + curve less the −
+/// curve at the high end when both are zero at the low end.
+pub fn turn(means: &Means, volume: &Volume, change_um: &PerTerm<f64>) -> Option<Turn> {
     let reverse = means.reverse.as_ref()?;
-    let jump = |diagonal: Diagonal, axis: Axis| {
-        let node = volume.node_after(axis, volume.steps - 1);
+    let jump = |diagonal: Diagonal, along: Axis| {
+        let node = volume.node_after(along, volume.steps - 1);
         let beside = |node: usize| means.forward[diagonal][node] - reverse[diagonal][node];
-        beside(node - 1) - beside(node)
+        let at_high_end = diagonal.forward(along) == Direction::Plus;
+        let part = |of: Axis| {
+            diagonal.sign(of) * volume.cosine(of) * change_um[ErrorTerm { of, along }]
+        };
+        let change: f64 = Axis::ALL.into_iter().map(part).sum();
+        beside(node - 1) - beside(node) - if at_high_end { change } else { 0.0 }
     };
-    // The axis that moved travels s_dk on the forward pass: + − readings are s_dk (B of the pass).
     let reversal_um = PerTerm::from_fn(|term| {
         let part = |d: Diagonal| d.sign(term.along) * d.sign(term.of) * jump(d, term.along);
         let sum: f64 = Diagonal::ALL.into_iter().map(part).sum();

@@ -78,19 +78,24 @@ impl Budget<'_> {
     }
 
     /// The same of the curve of one of two directions: the mean curve and half of the difference,
-    /// whose slope is never that of the mirror.
+    /// whose slope is never that of the mirror. `from_turn`: the curve holds the reversal of a turn,
+    /// the difference of two measured increments, u² = 4 v.
     pub fn directed_curve(
         &self,
         term: ErrorTerm,
         groups: &[Group],
         slope: SlopeFrom,
+        from_turn: bool,
     ) -> Option<Vec<f64>> {
         let v = self.mean_variance(term, groups)?;
         Some(self.curve(
             term,
-            |i, n| match slope {
-                SlopeFrom::Increments => 2.0 * i * v,
-                SlopeFrom::Elsewhere { .. } => (i * (n - i) / n + i) * v,
+            |i, n| {
+                let shape = match slope {
+                    SlopeFrom::Increments => 2.0 * i,
+                    SlopeFrom::Elsewhere { .. } => i * (n - i) / n + i,
+                };
+                (shape + if from_turn { 4.0 } else { 0.0 }) * v
             },
             slope,
         ))
