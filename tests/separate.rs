@@ -78,15 +78,24 @@ fn the_separated_table_and_the_job_with_readings_make_the_same_control_files() {
     }
     let manifest = fs::read_to_string(directory.path().join("two/manifest.json")).unwrap();
     let sources = |manifest: &str| manifest.matches("readings.csv").count();
-    assert_eq!(sources(&manifest), 1, "the source of the table is traced: {manifest}");
+    assert_eq!(
+        sources(&manifest),
+        1,
+        "the source of the table is traced: {manifest}"
+    );
     stdout(&nonius(directory.path(), "verify job.toml --tables one"));
 }
 
 #[test]
 fn without_linear_axes_the_scales_are_named_and_left_out() {
     let directory = copy("case_b_setup", |job| {
-        let (before, after) = job.split_once("[[measurement.step_diagonal.linear]]").unwrap();
-        format!("{before}[compensation]{}", after.split_once("[compensation]").unwrap().1)
+        let (before, after) = job
+            .split_once("[[measurement.step_diagonal.linear]]")
+            .unwrap();
+        format!(
+            "{before}[compensation]{}",
+            after.split_once("[compensation]").unwrap().1
+        )
     });
     let page = json(directory.path(), "separate job.toml --format json");
     assert_eq!(page["rank"]["rank"], 4);
@@ -96,8 +105,14 @@ fn without_linear_axes_the_scales_are_named_and_left_out() {
         words,
         "scale of X, Y and Z can be traded against each other; measure two axes along their length"
     );
-    assert!(page["errors"].get("EXX").is_none(), "not determined, so absent");
-    assert!(page["errors"].get("EYX").is_some(), "determined whatever the set-up");
+    assert!(
+        page["errors"].get("EXX").is_none(),
+        "not determined, so absent"
+    );
+    assert!(
+        page["errors"].get("EYX").is_some(),
+        "determined whatever the set-up"
+    );
     assert!(page.get("setup_arcsec").is_none());
     let xy = page["squareness_um_per_m"]["xy"].as_f64().unwrap();
     // What is not known of the scales (some 20 um/m) times the tilts (0.5 mrad) stays in it.
@@ -153,16 +168,28 @@ fn a_measured_linear_axis_serves_as_well_as_its_stated_slope() {
 #[test]
 fn the_same_seed_gives_the_same_bytes() {
     let directory = fixture("case_d_bidirectional");
-    let one = stdout(&nonius(&directory, "separate job.toml --format json --trials 300"));
-    let two = stdout(&nonius(&directory, "separate job.toml --format json --trials 300"));
+    let one = stdout(&nonius(
+        &directory,
+        "separate job.toml --format json --trials 300",
+    ));
+    let two = stdout(&nonius(
+        &directory,
+        "separate job.toml --format json --trials 300",
+    ));
     assert_eq!(one, two);
-    let other = stdout(&nonius(&directory, "separate job.toml --format json --trials 300 --seed 2"));
+    let other = stdout(&nonius(
+        &directory,
+        "separate job.toml --format json --trials 300 --seed 2",
+    ));
     assert_ne!(one, other);
 }
 
 #[test]
 fn diagonals_of_case_d_have_the_figures_of_the_reference() {
-    let page = json(&fixture("case_d_bidirectional"), "separate job.toml --format json");
+    let page = json(
+        &fixture("case_d_bidirectional"),
+        "separate job.toml --format json",
+    );
     assert!((page["diagonals"]["e_d_um"].as_f64().unwrap() - 28.9797).abs() < 1e-6);
     assert!((page["diagonals"]["b_d_um"].as_f64().unwrap() - 9.146_333).abs() < 1e-6);
     assert_eq!(
@@ -175,7 +202,10 @@ fn diagonals_of_case_d_have_the_figures_of_the_reference() {
 #[test]
 fn two_tables_are_refused_where_the_reversal_is_not_determined() {
     let directory = copy("case_d_bidirectional", |job| {
-        job.replace("[compensation]\n", "[compensation]\nbacklash = \"two-tables\"\n")
+        job.replace(
+            "[compensation]\n",
+            "[compensation]\nbacklash = \"two-tables\"\n",
+        )
     });
     let output = nonius(directory.path(), "generate job.toml -o kit");
     refused(&output, "which these readings do not determine");
@@ -185,7 +215,10 @@ fn two_tables_are_refused_where_the_reversal_is_not_determined() {
 /// The straight diagonals of case A's machine, from its cell ends.
 fn straight() -> tempfile::TempDir {
     let directory = copy("case_a_ideal", |job| {
-        job.replace("steps = 30\norder = \"XYZ\"\nsetup = \"assume-perfect\"", "steps = 30\nkind = \"straight\"\nclosure_errors = \"truth.csv\"")
+        job.replace(
+            "steps = 30\norder = \"XYZ\"\nsetup = \"assume-perfect\"",
+            "steps = 30\nkind = \"straight\"\nclosure_errors = \"truth.csv\"",
+        )
     });
     let readings = fs::read_to_string(fixture("case_a_ideal").join("readings.csv")).unwrap();
     let mut text = "diagonal,run,direction,node,deviation_um\n".to_string();
@@ -225,7 +258,10 @@ fn straight_runs_make_no_table() {
     let output = nonius(directory.path(), "separate job.toml -o errors.csv");
     refused(&output, "straight runs hold no nine errors");
     let output = nonius(directory.path(), "generate job.toml -o kit");
-    refused(&output, "straight runs of the diagonals hold no nine errors");
+    refused(
+        &output,
+        "straight runs of the diagonals hold no nine errors",
+    );
 }
 
 #[test]
@@ -234,7 +270,10 @@ fn an_existing_table_is_kept_and_a_job_of_errors_is_not_separated() {
     fs::write(directory.path().join("errors.csv"), "mine").unwrap();
     let output = nonius(directory.path(), "separate job.toml -o errors.csv");
     refused(&output, "exists, so it is not overwritten");
-    assert_eq!(fs::read_to_string(directory.path().join("errors.csv")).unwrap(), "mine");
+    assert_eq!(
+        fs::read_to_string(directory.path().join("errors.csv")).unwrap(),
+        "mine"
+    );
     let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
     let output = nonius(&fixture, "separate generic.toml");
     refused(&output, "separated already");

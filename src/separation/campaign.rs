@@ -289,7 +289,10 @@ pub fn curves_of(
 /// Δ of the reversal of a term from the low end of its axis to the high end, µm.
 fn change_um(raw: &[PerTerm<Curve>], term: ErrorTerm) -> f64 {
     match raw {
-        [plus, minus] => plus[term].last().zip(minus[term].last()).map_or(0.0, |(p, m)| p - m),
+        [plus, minus] => plus[term]
+            .last()
+            .zip(minus[term].last())
+            .map_or(0.0, |(p, m)| p - m),
         _ => 0.0,
     }
 }
@@ -550,7 +553,10 @@ fn labels(
     if means.reverse.is_some() {
         labels.push("directions are those in which each axis really moved: + curves from forward passes of the diagonals that travel it in +, reverse passes of the others".to_string());
     }
-    if measurement.material.is_some_and(|material| !material.air_corrected) {
+    if measurement
+        .material
+        .is_some_and(|material| !material.air_corrected)
+    {
         labels.push("the readings are not corrected for air, and nothing corrects them here: about 1 um/m of scale for each K of air temperature or 3.7 hPa".to_string());
     }
     for axis in Axis::ALL {

@@ -58,9 +58,8 @@ pub fn turn(means: &Means, volume: &Volume, change_um: &PerTerm<f64>) -> Option<
         let node = volume.node_after(along, volume.steps - 1);
         let beside = |node: usize| means.forward[diagonal][node] - reverse[diagonal][node];
         let at_high_end = diagonal.forward(along) == Direction::Plus;
-        let part = |of: Axis| {
-            diagonal.sign(of) * volume.cosine(of) * change_um[ErrorTerm { of, along }]
-        };
+        let part =
+            |of: Axis| diagonal.sign(of) * volume.cosine(of) * change_um[ErrorTerm { of, along }];
         let change: f64 = Axis::ALL.into_iter().map(part).sum();
         beside(node - 1) - beside(node) - if at_high_end { change } else { 0.0 }
     };
