@@ -21,6 +21,9 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 /// Number of unknowns: three scales, three squareness errors.
 const UNKNOWNS: usize = 6;
 const UM_PER_M: f64 = 1e-6;
+/// What (7) neglects, µm/m. No equation is weighed as if it were more certain: readings without
+/// any noise would make the system singular beside a line with a stated uncertainty.
+const NEGLECTED_UM_PER_M: f64 = 1e-3;
 /// Of the largest singular value: below this a direction of the unknowns is not measured.
 const RANK_TOLERANCE: f64 = 1e-9;
 /// A share of an unknown in what is not measured, below which it counts as determined.
@@ -220,12 +223,12 @@ pub fn solve(
         let square = q.x * q.x + q.y * q.y + q.z * q.z;
         rows.push(row(q));
         values.push((square - 1.0) / 2.0 / UM_PER_M);
-        uncertainties.push(u_diagonal_um_per_m);
+        uncertainties.push(u_diagonal_um_per_m.max(NEGLECTED_UM_PER_M));
     }
     for line in lines {
         rows.push(row(&line.direction));
         values.push(line.slope_um_per_m);
-        uncertainties.push(line.u_um_per_m);
+        uncertainties.push(line.u_um_per_m.max(NEGLECTED_UM_PER_M));
     }
     known.fit(&rows, &values, &uncertainties)
 }
@@ -272,14 +275,14 @@ impl KnownSpace {
         let wanted = DVector::from_fn(rows.len(), |i, _| values[i] / uncertainties[i]);
         let normal = design.tr_mul(&design);
         let right = design.tr_mul(&wanted);
-        let inverse = normal
-            .cholesky()
-            .map_or_else(|| DMatrix::zeros(rank, rank), |factor| factor.inverse());
+        let factor = normal.cholesky();
+        let solvable = factor.is_some();
+        let inverse = factor.map_or_else(|| DMatrix::zeros(rank, rank), |f| f.inverse());
         let found = &inverse * right;
         let residual = &wanted - &design * &found;
         let unknowns = &self.basis * found;
         let spread = &self.basis * inverse * self.basis.transpose();
-        let value = |index: usize| self.determines(index).then(|| unknowns[index]);
+        let value = |index: usize| (solvable && self.determines(index)).then(|| unknowns[index]);
         Metric {
             scale: PerAxis::from_fn(|axis| value(scale_index(axis))),
             squareness: PerPlane {

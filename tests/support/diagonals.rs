@@ -1,0 +1,280 @@
+//! Readings of step diagonals, simulated with arithmetic of the tests' own: a machine of nine
+//! curves, a mirror with a normal of its own in each set-up, lost motion, noise.
+#![allow(dead_code, reason = "each test binary uses a part of it")]
+
+use nonius::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use nonius::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+use nonius::job::{DiagonalMeasurement, Frame, Reflector, SetUp, StatedUncertainty};
+use nonius::separation::{Campaign, Line, Separation, separate};
+use nonius::units::{Deviation, Millimetres};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Readings of a pass along each diagonal, µm.
+pub(crate) type Readings = PerDiagonal<Vec<f64>>;
+
+/// A machine and the way it was measured.
+#[derive(Clone, Debug)]
+pub(crate) struct Machine {
+    pub volume: Volume,
+    /// At the interval ends, µm; the first is 0.
+    pub curves: PerTerm<Vec<f64>>,
+    /// Lost motion of each axis, µm: the curve moving in − lies this much below.
+    pub lost_um: PerAxis<f64>,
+    /// η: lean of the mirror's normal beside the diagonal, rad.
+    pub lean: PerDiagonal<PerAxis<f64>>,
+}
+
+pub(crate) fn mm(x: f64, y: f64, z: f64) -> PerAxis<Millimetres> {
+    PerAxis {
+        x: Millimetres::new(x),
+        y: Millimetres::new(y),
+        z: Millimetres::new(z),
+    }
+}
+
+pub(crate) fn volume(size: [f64; 3], steps: usize) -> Volume {
+    Volume {
+        start: mm(0.0, 0.0, 0.0),
+        size: mm(size[0], size[1], size[2]),
+        steps,
+        order: Axis::ALL,
+    }
+}
+
+pub(crate) fn normal(random: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(random)
+}
+
+#[allow(clippy::cast_precision_loss, reason = "small counts")]
+pub(crate) fn float(count: usize) -> f64 {
+    count as f64
+}
+
+impl Machine {
+    /// Without any error.
+    pub(crate) fn perfect(volume: &Volume) -> Machine {
+        Machine {
+            volume: volume.clone(),
+            curves: PerTerm::from_fn(|_| vec![0.0; volume.steps + 1]),
+            lost_um: PerAxis::default(),
+            lean: PerDiagonal::default(),
+        }
+    }
+
+    /// Straight lines and a bow of some micrometres with a waviness on it.
+    pub(crate) fn random(volume: &Volume, random: &mut ChaCha8Rng) -> Machine {
+        let mut machine = Machine::perfect(volume);
+        for term in ErrorTerm::ALL {
+            let (slope, bow, wave) = (normal(random), normal(random), normal(random));
+            let at =
+                |t: f64| 10.0 * slope * t + 12.0 * bow * t * (1.0 - t) + wave * (19.0 * t).sin();
+            machine.set(term, at);
+        }
+        machine
+    }
+
+    /// A curve by its share of the travel, 0 … 1.
+    pub(crate) fn set(&mut self, term: ErrorTerm, at: impl Fn(f64) -> f64) {
+        let n = self.volume.steps;
+        self.curves[term] = (0..=n).map(|i| at(float(i) / float(n)) - at(0.0)).collect();
+    }
+
+    pub(crate) fn set_slope(&mut self, term: &str, um_per_m: f64) {
+        let term = ErrorTerm::from_name(term).unwrap();
+        let metres = self.volume.size[term.along].mm() / 1000.0;
+        self.set(term, |t| um_per_m * metres * t);
+    }
+
+    /// Slope of the line through the ends, µm/m.
+    pub(crate) fn slope(&self, term: ErrorTerm) -> f64 {
+        self.curves[term].last().unwrap() * 1000.0 / self.volume.size[term.along].mm()
+    }
+
+    /// The same machine in the X-primary frame: EYX, EZX, EZY without slope.
+    pub(crate) fn x_primary(&self) -> Machine {
+        let mut turned = self.clone();
+        for term in ErrorTerm::ALL {
+            let twin = ErrorTerm {
+                of: term.along,
+                along: term.of,
+            };
+            let slope = match term.of.cmp(&term.along) {
+                std::cmp::Ordering::Equal => continue,
+                std::cmp::Ordering::Less => self.slope(twin),
+                std::cmp::Ordering::Greater => -self.slope(term),
+            };
+            let end = slope * self.volume.size[term.along].mm() / 1000.0;
+            let n = self.volume.steps;
+            for i in 0..=n {
+                turned.curves[term][i] += end * float(i) / float(n);
+            }
+        }
+        turned
+    }
+
+    /// A random lean of `size` rad in every set-up.
+    pub(crate) fn lean_randomly(&mut self, size: f64, random: &mut ChaCha8Rng) {
+        for d in Diagonal::ALL {
+            let u = self.laser(d);
+            let any = PerAxis::from_fn(|_| normal(random));
+            let along = dot(&any, &u);
+            let beside = PerAxis::from_fn(|axis| any[axis] - along * u[axis]);
+            let length = dot(&beside, &beside).sqrt();
+            self.lean[d] = PerAxis::from_fn(|axis| size * beside[axis] / length);
+        }
+    }
+
+    fn laser(&self, diagonal: Diagonal) -> PerAxis<f64> {
+        let size = PerAxis::from_fn(|axis| self.volume.size[axis].mm());
+        let length = dot(&size, &size).sqrt();
+        PerAxis::from_fn(|axis| signs(diagonal)[index(axis)] * size[axis] / length)
+    }
+
+    /// Commanded travel of every axis from the start corner (mm), and its error there (µm).
+    fn state(
+        &self,
+        diagonal: Diagonal,
+        node: usize,
+        back: Option<bool>,
+    ) -> (PerAxis<f64>, PerAxis<f64>) {
+        let n = self.volume.steps;
+        let made = PerAxis::from_fn(|axis| {
+            let turn = self.volume.order.iter().position(|a| *a == axis).unwrap();
+            node / 3 + usize::from(node % 3 > turn)
+        });
+        let sign = |axis: Axis| signs(diagonal)[index(axis)];
+        let mut error = PerAxis::default();
+        for along in Axis::ALL {
+            let from_low = if sign(along) > 0.0 {
+                made[along]
+            } else {
+                n - made[along]
+            };
+            // Without overrun an axis has not reversed before its first move back.
+            let reversed = back.is_some_and(|overrun| overrun || made[along] < n);
+            let minus = (sign(along) < 0.0) != reversed;
+            for of in Axis::ALL {
+                error[of] += self.curves[ErrorTerm { of, along }][from_low];
+            }
+            error[along] -= if minus { self.lost_um[along] } else { 0.0 };
+        }
+        let travel =
+            |axis: Axis| sign(axis) * self.volume.size[axis].mm() * float(made[axis]) / float(n);
+        (PerAxis::from_fn(travel), error)
+    }
+
+    /// Readings of a pass; `back`: whether the axes ran over the far end before the way back.
+    pub(crate) fn readings(&self, back: Option<bool>) -> Readings {
+        PerDiagonal::from_fn(|d| {
+            let u = self.laser(d);
+            let leant = PerAxis::from_fn(|axis| u[axis] + self.lean[d][axis]);
+            let length = dot(&leant, &leant).sqrt();
+            let g = PerAxis::from_fn(|axis| leant[axis] / length);
+            let beside = PerAxis::from_fn(|axis| g[axis] - u[axis]);
+            let (_, first) = self.state(d, 0, None);
+            (0..=3 * self.volume.steps)
+                .map(|node| {
+                    let (travel, error) = self.state(d, node, back);
+                    let moved = PerAxis::from_fn(|axis| error[axis] - first[axis]);
+                    1000.0 * dot(&beside, &travel) + dot(&g, &moved)
+                })
+                .collect()
+        })
+    }
+
+    /// Positioning slopes of some axes as a linear measurement gives them.
+    pub(crate) fn lines(&self, axes: &[Axis], u_um_per_m: Option<f64>) -> Vec<Line> {
+        let line = |axis: &Axis| Line {
+            direction: PerAxis::from_fn(|other| f64::from(other == *axis)),
+            slope_um_per_m: self.slope(ErrorTerm {
+                of: *axis,
+                along: *axis,
+            }),
+            u_um_per_m,
+        };
+        axes.iter().map(line).collect()
+    }
+}
+
+fn signs(diagonal: Diagonal) -> [f64; 3] {
+    match diagonal {
+        Diagonal::Ppp => [1.0, 1.0, 1.0],
+        Diagonal::Npp => [-1.0, 1.0, 1.0],
+        Diagonal::Pnp => [1.0, -1.0, 1.0],
+        Diagonal::Ppn => [1.0, 1.0, -1.0],
+    }
+}
+
+pub(crate) fn index(axis: Axis) -> usize {
+    Axis::ALL.iter().position(|known| *known == axis).unwrap()
+}
+
+pub(crate) fn dot(a: &PerAxis<f64>, b: &PerAxis<f64>) -> f64 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+pub(crate) fn run(diagonal: Diagonal, number: u32, pass: Pass, readings: &[f64]) -> Run {
+    Run {
+        diagonal,
+        number,
+        pass,
+        deviations: readings.iter().map(|um| Deviation::from_um(*um)).collect(),
+        temperatures_c: PerAxis::default(),
+    }
+}
+
+/// One run of every diagonal.
+pub(crate) fn runs(number: u32, pass: Pass, readings: &Readings) -> Vec<Run> {
+    let one = |d: Diagonal| run(d, number, pass, &readings[d]);
+    Diagonal::ALL.map(one).into()
+}
+
+pub(crate) fn with_noise(readings: &Readings, sigma: f64, random: &mut ChaCha8Rng) -> Readings {
+    PerDiagonal::from_fn(|d| {
+        let noisy = |um: &f64| um + sigma * normal(random);
+        readings[d].iter().map(noisy).collect()
+    })
+}
+
+pub(crate) fn measurement(volume: &Volume, setup: SetUp, frame: Frame) -> DiagonalMeasurement {
+    DiagonalMeasurement {
+        readings: String::new(),
+        kind: PathKind::Step,
+        volume: volume.clone(),
+        laser_sign: Direction::Plus,
+        setup,
+        frame,
+        target: Reflector::FlatMirror,
+        overrun: None,
+        linear: Vec::new(),
+        beams: Vec::new(),
+        material: None,
+        closure_errors: None,
+    }
+}
+
+pub(crate) fn campaign(measurement: &DiagonalMeasurement, lines: Vec<Line>) -> Campaign<'_> {
+    Campaign {
+        measurement,
+        stated: StatedUncertainty::default(),
+        lines,
+        angles: None,
+    }
+}
+
+/// Naive: mirror assumed perfect, slopes as they fall out.
+pub(crate) fn naive(volume: &Volume, runs: &[Run]) -> Separation {
+    let measurement = measurement(volume, SetUp::AssumePerfect, Frame::AsMeasured);
+    separate(&campaign(&measurement, Vec::new()), runs)
+}
+
+/// The set-up solved for, X primary.
+pub(crate) fn solved(volume: &Volume, lines: Vec<Line>, runs: &[Run]) -> Separation {
+    let measurement = measurement(volume, SetUp::Solve, Frame::XPrimary);
+    separate(&campaign(&measurement, lines), runs)
+}
+
+pub(crate) fn curve(separation: &Separation, term: ErrorTerm) -> &[f64] {
+    &separation.errors.mean[term].as_ref().unwrap().deviation_um
+}
