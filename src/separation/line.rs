@@ -82,7 +82,7 @@ mod tests {
         assert!((ReferenceLine::EndPoints.straightness_um(&x, &d) - 6.0).abs() < 1e-12);
         let d = [0.0, 0.0, 9.0, 12.0];
         let x = [0.0, 250.0, 500.0, 1000.0];
-        let by_hand = 13.1428571428571; // Σ(x−x̄)D / Σ(x−x̄)² = 7.1875 / 0.546875
+        let by_hand = 13.371_428_571_428_6; // Σ(x−x̄)D / Σ(x−x̄)² = 7.3125 / 0.546875
         let slope = ReferenceLine::LeastSquares.slope_um_per_m(&x, &d);
         assert!((slope - by_hand).abs() < 1e-9, "{slope}");
     }

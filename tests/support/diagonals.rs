@@ -260,6 +260,7 @@ pub(crate) fn campaign(measurement: &DiagonalMeasurement, lines: Vec<Line>) -> C
         stated: StatedUncertainty::default(),
         lines,
         angles: None,
+        reverse_zero_known: true,
     }
 }
 
