@@ -432,7 +432,6 @@ fn clean_noise_names_no_reading() {
         let found = naive(&volume, &runs(1, Pass::Forward, &readings));
         false_names += usize::from(!found.closure.outliers.is_empty());
     }
-    println!("{false_names} of 200 clean series name a reading");
     assert!(false_names <= 8, "{false_names} of 200");
 }
 
@@ -481,7 +480,6 @@ fn measured_angles_give_the_true_errors_back() {
                 largest = largest.max((found - wanted.um()).abs());
             }
         }
-        println!("{case}: largest difference from the true errors {largest:.6} um");
         assert!(largest <= tolerance, "{case}: {largest}");
     }
 }

@@ -1,7 +1,8 @@
 //! Monte Carlo on the readings (GUM Supplement 1): what noise does to figures that are not linear.
 //!
 //! Ranges and straightness are largest-minus-smallest figures: noise makes them larger. Every
-//! trial adds noise to the mean readings and separates again. The mean of the trials less the
+//! trial adds noise to the mean readings, and to linear axes and beams what their uncertainty
+//! states, and separates again. The mean of the trials less the
 //! estimate is the bias; the interval is the estimate mirrored in the trials' quantiles
 //! (2·estimate − q). How often such intervals hold the true value was measured, see
 //! docs/accuracy.md; nothing is promised.
@@ -82,8 +83,10 @@ pub fn simulate(
     let estimate = curves_of(campaign, budget, means);
     let names = names(budget.volume, &estimate.0, &estimate.1);
     let trial = |number: usize| {
-        let noisy = with_noise(means, budget.runs, sigma_um, plan.seed, number);
-        curves_of(campaign, budget, &noisy)
+        let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
+        random.set_stream(number as u64);
+        let noisy = with_noise(means, budget.runs, sigma_um, &mut random);
+        curves_of(&with_other_lines(campaign, &mut random), budget, &noisy)
     };
     let blocks = plan.trials.div_ceil(BLOCK);
     let next = AtomicUsize::new(0);
@@ -176,17 +179,14 @@ fn with_noise(
     means: &Means,
     runs: &PerDiagonal<[f64; 2]>,
     sigma_um: f64,
-    seed: u64,
-    number: usize,
+    random: &mut ChaCha8Rng,
 ) -> Means {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(number as u64);
     let mut pass = |pass: Pass, readings: &PassMeans| {
         PerDiagonal::from_fn(|diagonal| {
             let runs = runs[diagonal][usize::from(pass == Pass::Reverse)];
             let sigma = sigma_um / runs.sqrt();
             let noisy = |reading: &f64| {
-                let draw: f64 = StandardNormal.sample(&mut random);
+                let draw: f64 = StandardNormal.sample(random);
                 reading + sigma * draw
             };
             readings[diagonal].iter().map(noisy).collect()
@@ -195,6 +195,22 @@ fn with_noise(
     let forward = pass(Pass::Forward, &means.forward);
     let reverse = means.reverse.as_ref().map(|r| pass(Pass::Reverse, r));
     Means { forward, reverse }
+}
+
+/// Linear axes and beams within their stated uncertainties. The readings are corrected already.
+fn with_other_lines<'a>(campaign: &Campaign<'a>, random: &mut ChaCha8Rng) -> Campaign<'a> {
+    let mut lines = campaign.lines.clone();
+    for line in &mut lines {
+        let draw: f64 = StandardNormal.sample(random);
+        line.slope_um_per_m += line.u_um_per_m.unwrap_or(0.0) * draw;
+    }
+    Campaign {
+        measurement: campaign.measurement,
+        stated: campaign.stated,
+        lines,
+        angles: None,
+        reverse_zero_known: campaign.reverse_zero_known,
+    }
 }
 
 fn summary(

@@ -1,0 +1,91 @@
+//! Separation of step diagonals, n = 30; docs/performance.md has the figures and how to rerun them.
+#![allow(
+    missing_docs,
+    clippy::expect_used,
+    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong"
+)]
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use nonius::axis::PerAxis;
+use nonius::document::Source;
+use nonius::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use nonius::readings::Readings;
+use nonius::separation::monte_carlo::{Plan, simulate};
+use nonius::separation::noise::{Noise, NoiseSource, run_counts};
+use nonius::separation::uncertainty::Budget;
+use nonius::separation::{Campaign, Line, curves_of, separate};
+use std::hint::black_box;
+
+const JOB: &[u8] = include_bytes!("../fixtures/diagonals/case_b_setup/job.toml");
+const READINGS: &[u8] = include_bytes!("../fixtures/diagonals/case_b_setup/readings.csv");
+
+/// Threads of the simulation.
+const THREADS: usize = 2;
+
+fn measurement() -> DiagonalMeasurement {
+    let source = Source::from_bytes("job.toml", JOB).expect("a text");
+    let job = Job::read(source).expect("a job");
+    match job.measurement.data {
+        MeasuredData::Diagonals(measurement) => measurement,
+        _ => panic!("the job has readings"),
+    }
+}
+
+fn lines(measurement: &DiagonalMeasurement) -> Vec<Line> {
+    let stated = |linear: &nonius::job::Linear| match linear.slope {
+        LinearSlope::Stated(slope_um_per_m) => Some(Line {
+            direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
+            slope_um_per_m,
+            u_um_per_m: linear.u_um_per_m,
+        }),
+        LinearSlope::Errors(_) => None,
+    };
+    measurement.linear.iter().filter_map(stated).collect()
+}
+
+fn separation(criterion: &mut Criterion) {
+    let measurement = measurement();
+    let source = Source::from_bytes("readings.csv", READINGS).expect("a text");
+    let runs = Readings::read(source, &measurement).expect("readings").runs;
+    let campaign = Campaign {
+        measurement: &measurement,
+        stated: nonius::job::StatedUncertainty::default(),
+        lines: lines(&measurement),
+        angles: None,
+        reverse_zero_known: true,
+    };
+    let whole = separate(&campaign, &runs);
+    let counts = run_counts(&whole.runs);
+    let budget = Budget {
+        volume: &measurement.volume,
+        noise: Some(Noise {
+            sigma_um: 0.3,
+            freedom: None,
+            source: NoiseSource::Stated,
+        }),
+        runs: &counts,
+        stated: campaign.stated,
+        material: None,
+    };
+    let mut group = criterion.benchmark_group("separation");
+    group.bench_function("separate, one forward run", |bencher| {
+        bencher.iter(|| separate(black_box(&campaign), black_box(&runs)))
+    });
+    group.bench_function("curves_of", |bencher| {
+        bencher.iter(|| curves_of(black_box(&campaign), &budget, black_box(&whole.means)))
+    });
+    let plan = Plan {
+        trials: 4000,
+        seed: 1502,
+        threads: THREADS,
+    };
+    group.sample_size(10);
+    group.throughput(Throughput::Elements(4000));
+    group.bench_function("Monte Carlo, 4000 trials, 2 threads", |bencher| {
+        bencher.iter(|| simulate(&campaign, &budget, black_box(&whole.means), plan, &|_| {}))
+    });
+    group.finish();
+}
+
+criterion_group!(benches, separation);
+criterion_main!(benches);
