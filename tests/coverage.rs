@@ -1,5 +1,7 @@
 //! Whether ± 2u holds the true value as often as it says, on simulated machines.
 #![allow(
+    clippy::print_stdout,
+    clippy::needless_range_loop,
     clippy::unwrap_used,
     clippy::expect_used,
     reason = "a test may stop at what it did not expect"

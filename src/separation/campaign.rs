@@ -182,14 +182,14 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     let measured = means(&runs);
     let repeats = from_repeats(&runs);
     let known = known_sigma(&campaign.stated, repeats);
-    let guess = known.unwrap_or_else(|| {
-        let first = closure(volume, &measured, &counts, None, true);
-        first.sigma_um().unwrap_or(0.0)
-    });
+    let guess = || {
+        let sigma = || closure(volume, &measured, &counts, None, true).sigma_um();
+        known.or_else(sigma).unwrap_or(0.0)
+    };
     let overrun = measurement.overrun.filter(|_| measured.reverse.is_some());
     let overrun = overrun.or_else(|| {
-        let judged = ran_over(&measured, volume, guess);
-        judged.filter(|_| campaign.reverse_zero_known)
+        let judgeable = measured.reverse.is_some() && campaign.reverse_zero_known;
+        judgeable.then(|| ran_over(&measured, volume, guess()))?
     });
     let turned = overrun == Some(false) && campaign.reverse_zero_known;
     let means = if turned {

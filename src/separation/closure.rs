@@ -253,10 +253,9 @@ impl Test {
         };
         let ratio = (drop / variance).sqrt();
         let limit = self.limit(known_sigma_um.map_or(freedom.saturating_sub(1), |_| usize::MAX))?;
-        let twins = self.twins(index);
         (weight > 0.0 && ratio > limit && size_um.abs() > SMALLEST_DISTURBANCE_UM).then(|| {
             let outlier = Outlier {
-                readings: twins,
+                readings: self.twins(index),
                 size_um,
                 ratio,
             };
