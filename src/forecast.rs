@@ -295,9 +295,11 @@ fn diagonals(
         .map(|(name, signs)| {
             let mut before = Extent::default();
             let mut after = Extent::default();
-            for reverse in [false, true] {
-                let walk = Walk::new(model, plan, control, &measured_box, *signs, reverse)?;
-                walk.extremes(&mut before, &mut after);
+            let walk = |reverse| Walk::new(model, plan, control, &measured_box, *signs, reverse);
+            let (forward, reverse) = (walk(false)?, walk(true)?);
+            forward.extremes(&mut before, &mut after);
+            if reverse.parts != forward.parts {
+                reverse.extremes(&mut before, &mut after);
             }
             Ok(DiagonalForecast {
                 name,
@@ -353,6 +355,7 @@ struct Walk<'a> {
 }
 
 /// One term on the way: its curve, its correction, and the cosine of the beam to its direction.
+#[derive(PartialEq)]
 struct Part<'a> {
     curve: &'a crate::curve::ErrorCurve,
     response: Response,

@@ -27,7 +27,8 @@ pub(super) struct Reading<'a> {
     blocks: BTreeMap<BlockKey<'a>, Block>,
     /// A row was lost, and nobody knows from which block.
     lost: bool,
-    axes: BTreeMap<String, Axis>,
+    /// What each name of an axis stands for, in the order in which they were met.
+    axes: Vec<(String, Axis)>,
 }
 
 /// Indices into the rows that were read, in file order.
@@ -72,8 +73,15 @@ impl<'a> Reading<'a> {
             Column::BaseAxis => (&row.base_axis, row.term.along),
             _ => (&row.output_axis, row.term.of),
         };
-        let known = *self.axes.entry(name.to_ascii_uppercase()).or_insert(axis);
-        if known == axis {
+        let met = self
+            .axes
+            .iter()
+            .find(|(met, _)| met.eq_ignore_ascii_case(name));
+        let Some((_, known)) = met else {
+            self.axes.push((name.clone(), axis));
+            return;
+        };
+        if *known == axis {
             return;
         }
         let message = format!(
