@@ -29,6 +29,7 @@ pub mod closure;
 pub mod corrections;
 pub mod curves;
 pub mod diagonal_runs;
+pub mod doubt;
 pub mod increments;
 pub mod line;
 pub mod metric;

@@ -3,6 +3,7 @@
 use super::closure::{Closure, closure};
 use super::corrections::{AngleEffects, bow_um_per_urad, without_angles, without_expansion};
 use super::curves::{Curve, curves, end_slope, mean, plus_line, with_slope};
+use super::doubt;
 use super::increments::{Group, Increments, Means, mean_increments};
 use super::line::ReferenceLine;
 use super::metric::{Metric, PerPlane, Plane, StraightLine, displacement_ratios, solve};
@@ -83,10 +84,15 @@ pub struct Separation {
     pub overrun: Option<bool>,
     /// Reversals from a turn without overrun.
     pub turn: Option<Turn>,
+    /// Reversal along the diagonals that cannot be told apart by axis, µm: no curve holds it.
+    pub hidden_reversal_um: Option<f64>,
     /// S, µm·mm.
     pub scale_sum_um_mm: f64,
     /// What is not determined, in words.
     pub undetermined: Vec<String>,
+    /// Why the result is doubtful, one sentence each; empty = nothing speaks against it.
+    /// `separate` then answers no, and a verdict on a kit made from it is undecided at most.
+    pub doubts: Vec<String>,
     /// What was assumed and what the uncertainty holds, in words.
     pub labels: Vec<String>,
     /// The corrected runs.
@@ -101,6 +107,19 @@ impl Separation {
     /// Whether the two directions stand apart in the error table: the reversal is determined.
     pub fn has_directed_table(&self) -> bool {
         self.turn.is_some() && self.errors.minus.is_some()
+    }
+
+    /// The terms that the readings do not determine.
+    pub fn missing(&self) -> Vec<ErrorTerm> {
+        let terms = self.errors.mean.iter();
+        let missing = terms.filter(|(_, found)| found.is_none());
+        missing.map(|(term, _)| term).collect()
+    }
+
+    /// Whether all nine errors are determined and nothing speaks against them: the answer of
+    /// `separate`.
+    pub fn stands(&self) -> bool {
+        self.doubts.is_empty() && self.missing().is_empty()
     }
 
     /// Rank and number of unknowns: of formula (7), or of the slopes where the set-up is assumed.
@@ -219,6 +238,10 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     }
     let u_end = budget.u_end_um(groups.len());
     let labels = labels(campaign, &budget, &means, overrun);
+    let doubts = doubt::of_closure(&closure, noise);
+    let hidden = (overrun == Some(true) && campaign.reverse_zero_known)
+        .then(|| doubt::hidden_reversal_um(&measured, noise))
+        .flatten();
     Separation {
         volume: volume.clone(),
         setup: measurement.setup,
@@ -241,6 +264,8 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         range_over_all_um,
         overrun,
         turn,
+        hidden_reversal_um: hidden,
+        doubts,
         labels,
         runs,
         zeroed_runs,

@@ -51,6 +51,22 @@ pub struct Outlier {
     pub ratio: f64,
 }
 
+impl Outlier {
+    /// Which reading, by how much, in words.
+    pub fn words(&self) -> String {
+        let readings = self.readings.iter();
+        let places: Vec<String> = readings
+            .map(|r| format!("{} {} node {}", r.diagonal, r.pass.word(), r.node))
+            .collect();
+        format!(
+            "{}: {:+.3} um, {:.1} standard deviations",
+            places.join(" or "),
+            self.size_um,
+            self.ratio
+        )
+    }
+}
+
 /// The closure of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Closure {

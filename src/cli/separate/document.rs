@@ -161,6 +161,7 @@ pub(super) fn separation(
     if let Some(simulated) = simulated {
         page.insert("monte_carlo".into(), monte_carlo(simulated));
     }
+    page.insert("doubts".into(), json!(separation.doubts));
     page.insert("labels".into(), json!(separation.labels));
     Ok(Value::Object(page))
 }

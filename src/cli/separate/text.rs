@@ -48,6 +48,7 @@ pub(super) fn summary(
     simulated: Option<&Simulated>,
 ) -> Result<String, Problems> {
     Ok(paragraphs(&[
+        list("DOUBTFUL, so the answer is no:", &separation.doubts),
         terms(separation),
         squareness(
             &separation.squareness_um_per_m,
@@ -126,9 +127,17 @@ fn terms(separation: &Separation) -> String {
         }
     });
     format!(
-        "Nine errors, zero at the low end of each axis (slope of the line through the end points)\n{}",
+        "{}, zero at the low end of each axis (slope of the line through the end points)\n{}",
+        heading(separation.missing().len()),
         table(&columns, rows)
     )
+}
+
+fn heading(missing: usize) -> String {
+    match missing {
+        0 => "Nine errors".to_string(),
+        missing => format!("{} of the nine errors", ErrorTerm::ALL.len() - missing),
+    }
 }
 
 fn expanded(found: &Evidence) -> String {
@@ -222,22 +231,7 @@ fn closure(separation: &Separation) -> String {
 }
 
 fn outliers(outliers: &[Outlier]) -> String {
-    let lines: Vec<String> = outliers
-        .iter()
-        .map(|outlier| {
-            let places: Vec<String> = outlier
-                .readings
-                .iter()
-                .map(|r| format!("{} {} node {}", r.diagonal, r.pass.word(), r.node))
-                .collect();
-            format!(
-                "{}: {:+.3} um, {:.1} standard deviations",
-                places.join(" or "),
-                outlier.size_um,
-                outlier.ratio
-            )
-        })
-        .collect();
+    let lines: Vec<String> = outliers.iter().map(Outlier::words).collect();
     list(
         "Disturbed readings (they stay in the result: repeat the run):",
         &lines,
