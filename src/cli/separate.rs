@@ -1,5 +1,6 @@
 //! `nonius separate JOB [-o errors.csv]`
 
+mod closure;
 mod document;
 mod text;
 
