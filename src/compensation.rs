@@ -71,6 +71,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     compiled.assumptions = assumptions;
     let mut notes = plan.notes.clone();
     notes.extend(task.job.measurement.notes.iter().cloned());
+    notes.extend(task.model.remarks.notes.iter().cloned());
     notes.extend(task.model.unused.iter().cloned());
     notes.extend(unlikely_reversals(task));
     notes.append(&mut compiled.notes);

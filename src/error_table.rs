@@ -5,10 +5,12 @@
 //! every check of the format; its rows still know their lines, so that later checks can point at them.
 
 mod columns;
+mod remarks;
 mod rows;
 mod series;
 mod text;
 
+pub use self::remarks::Remarks;
 pub use self::text::{Draft, DraftSeries, write};
 
 use self::columns::{Columns, FIRST_LINE};
@@ -41,6 +43,8 @@ pub struct ErrorTable {
     pub source: Source,
     /// The line that names the columns.
     pub header: Place,
+    /// What its comments say of it.
+    pub remarks: Remarks,
     series: PerAxis<Vec<Series>>,
 }
 
@@ -73,9 +77,11 @@ impl ErrorTable {
             );
         }
         let header = header.whole();
+        let remarks = Remarks::read(&source.text);
         problems.or_ok(()).map(|()| ErrorTable {
             source,
             header,
+            remarks,
             series,
         })
     }

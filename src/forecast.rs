@@ -54,6 +54,11 @@ pub struct Forecast {
     pub diagonals: Vec<DiagonalForecast>,
     /// Stretches of each axis where the table passes the measured range.
     pub unmeasured: PerAxis<Vec<(Millimetres, Millimetres)>>,
+    /// Terms that the measurement was to give and did not.
+    pub not_determined: Vec<ErrorTerm>,
+    /// Reversal along the diagonals that no curve holds, µm: positioning and diagonals are
+    /// forecast without it.
+    pub without_reversal_um: Option<f64>,
 }
 
 impl Forecast {
@@ -63,6 +68,21 @@ impl Forecast {
             .iter()
             .map(|term| term.after_um)
             .fold(0.0, f64::max)
+    }
+
+    /// Figures that the tables make larger than they were measured, one sentence each.
+    pub fn worsened(&self) -> Vec<String> {
+        let sentence = |name: String, before_um: f64, after_um: f64| {
+            (after_um > before_um + SHOWN_UM).then(|| {
+                format!("{name} becomes larger with the tables: {before_um:.3} → {after_um:.3} µm")
+            })
+        };
+        let terms = self.terms.iter();
+        let terms = terms.filter_map(|t| sentence(t.term.to_string(), t.before_um, t.after_um));
+        let diagonals = self.diagonals.iter();
+        let diagonals = diagonals
+            .filter_map(|d| sentence(format!("diagonal {}", d.name), d.before_um, d.after_um));
+        terms.chain(diagonals).collect()
     }
 
     /// Figures that do not keep the acceptance for sure, one sentence each.
@@ -111,6 +131,9 @@ impl Forecast {
             .unwrap_or(Verdict::Pass)
     }
 }
+
+/// Differences below the last digit that is shown are none, µm.
+const SHOWN_UM: f64 = 0.001;
 
 /// Answer to the question whether a limit is kept; the worse one is the larger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -172,6 +195,13 @@ pub fn forecast(
         diagonals: diagonals(model, plan, control)?,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),
+        not_determined: {
+            let missing = model.remarks.not_determined.iter().map(|(term, _)| *term);
+            missing
+                .filter(|term| model.terms[*term].is_none())
+                .collect()
+        },
+        without_reversal_um: model.remarks.hidden_reversal_um,
     })
 }
 

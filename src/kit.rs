@@ -22,6 +22,7 @@ use crate::plan::{Plan, Task, plan};
 use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::table::Tables;
+use crate::target::wants;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
@@ -93,7 +94,9 @@ pub struct Kit {
     pub files: Vec<RenderedFile>,
     /// What they will leave.
     pub forecast: Forecast,
-    /// Forecast against the acceptance of the job.
+    /// Why the measured errors are doubtful, one sentence each.
+    pub doubts: Vec<String>,
+    /// Forecast against the acceptance of the job; undecided at most where there are doubts.
     pub verdict: Verdict,
     /// The manifest.
     pub manifest: Manifest,
@@ -127,16 +130,30 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         emulator(&inputs.profile, &read.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let forecast =
         forecast(&inputs.model, &plan, control.as_ref()).map_err(|e| cannot_emulate(&e))?;
-    let verdict = forecast.verdict(inputs.job.acceptance);
+    let doubts = doubts(inputs);
+    let verdict = judged(&forecast, inputs, &doubts);
     let manifest = build_manifest(inputs, &plan, &compiled, &files, &forecast);
     Ok(Kit {
         plan,
         compiled,
         files,
         forecast,
+        doubts,
         verdict,
         manifest,
     })
+}
+
+/// Why the measured errors that the job asks for are doubtful.
+fn doubts(inputs: &Inputs) -> Vec<String> {
+    inputs.model.doubts(|term| wants(&inputs.job, term))
+}
+
+/// Forecast against the acceptance; doubtful errors decide nothing in favour.
+fn judged(forecast: &Forecast, inputs: &Inputs, doubts: &[String]) -> Verdict {
+    let doubtful = (!doubts.is_empty()).then_some(Verdict::Undecided);
+    let verdict = forecast.verdict(inputs.job.acceptance);
+    doubtful.map_or(verdict, |doubtful| verdict.max(doubtful))
 }
 
 fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
@@ -287,7 +304,8 @@ fn build_manifest(
             "measured": job.measurement.date,
             "protocol": job.measurement.protocol.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         }),
-        notes: compiled.notes.clone(),
+        doubts: doubts(inputs),
+        notes: [compiled.notes.clone(), forecast.worsened()].concat(),
     }
 }
 
@@ -304,7 +322,9 @@ pub struct Verification {
     pub disagreements: Vec<String>,
     /// What no file of the directory does, and what to see to on the control instead.
     pub absent: Vec<String>,
-    /// Forecast against the acceptance; a disagreement fails.
+    /// Why the measured errors are doubtful, one sentence each.
+    pub doubts: Vec<String>,
+    /// Forecast against the acceptance; a disagreement fails, a doubt leaves it undecided.
     pub verdict: Verdict,
 }
 
@@ -330,8 +350,9 @@ pub fn verify(
         }
     }
     disagreements.dedup();
+    let doubts = doubts(inputs);
     let verdict = match &result {
-        Some(forecast) if disagreements.is_empty() => forecast.verdict(inputs.job.acceptance),
+        Some(forecast) if disagreements.is_empty() => judged(forecast, inputs, &doubts),
         _ => Verdict::Fail,
     };
     let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
@@ -341,6 +362,7 @@ pub fn verify(
         compiled,
         forecast: result,
         disagreements,
+        doubts,
         verdict,
     })
 }

@@ -45,7 +45,7 @@ pub struct Manifest {
     pub assumptions: Vec<Assumption>,
     /// What a person has to see to.
     pub preconditions: Vec<Precondition>,
-    /// Measured terms without a table.
+    /// Terms without a table.
     pub omitted: Vec<Value>,
     /// What the tables will leave, computed from the bytes of the files.
     pub forecast: Value,
@@ -53,6 +53,9 @@ pub struct Manifest {
     pub tables: Vec<Value>,
     /// Machine and protocol, as stated in the job.
     pub machine: Value,
+    /// Why the verdict is undecided at most; absent where nothing is doubtful.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<String>,
     /// What the user should know.
     pub notes: Vec<String>,
 }
@@ -96,6 +99,9 @@ pub fn forecast(forecast: &Forecast) -> Value {
     });
     if !forecast.diagonals.is_empty() {
         document["diagonals"] = diagonals(&forecast.diagonals, "after_um");
+    }
+    if let Some(um) = forecast.without_reversal_um {
+        document["without_reversal_um"] = json!(picometres(um));
     }
     document
 }

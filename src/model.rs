@@ -10,7 +10,7 @@
 
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::curve::ErrorCurve;
-use crate::error_table::{ErrorTable, Series};
+use crate::error_table::{ErrorTable, Remarks, Series};
 use crate::job::{Job, MachineAxis};
 use crate::problem::{Problem, Problems};
 use crate::units::{Deviation, Millimetres};
@@ -119,6 +119,8 @@ pub struct ErrorModel {
     pub ranges: PerAxis<Option<(Millimetres, Millimetres)>>,
     /// What was measured and this version does not use, one sentence each.
     pub unused: Vec<String>,
+    /// What the table says of itself: doubts, terms that are not determined, notes.
+    pub remarks: Remarks,
 }
 
 impl ErrorModel {
@@ -149,7 +151,29 @@ impl ErrorModel {
             terms,
             ranges,
             unused: unused_columns(table),
+            remarks: table.remarks.clone(),
         })
+    }
+
+    /// Why figures that rest on these curves are doubtful, one sentence each; `asked` = the terms
+    /// that the job wants. A verdict is then at most undecided.
+    pub fn doubts(&self, asked: impl Fn(ErrorTerm) -> bool) -> Vec<String> {
+        let mut doubts = self.remarks.doubts.clone();
+        let missing = self.remarks.not_determined.iter();
+        let missing: Vec<String> = missing
+            .filter(|(term, _)| asked(*term) && self.terms[*term].is_none())
+            .map(|(term, _)| term.to_string())
+            .collect();
+        if !missing.is_empty() {
+            doubts.push(format!(
+                "not determined by the measurement, so without table and forecast: {}",
+                missing.join(", ")
+            ));
+        }
+        if let Some(um) = self.remarks.hidden_reversal_um {
+            doubts.push(format!("the readings show a reversal of about {um:.3} µm along the diagonals, which these curves do not hold: every figure here is without it"));
+        }
+        doubts
     }
 
     /// The measured terms in the contract's order.

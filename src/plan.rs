@@ -47,7 +47,7 @@ pub struct Plan {
     pub default_names: Vec<Axis>,
     /// Value of the backlash parameter (−B) of each axis, µm, where the policy names one.
     pub backlash_um: PerAxis<Option<f64>>,
-    /// Measured terms that get no table.
+    /// Terms that get no table: not wanted, not determined, or beyond what the control holds.
     pub omitted: Vec<Omission>,
     /// What the user should know.
     pub notes: Vec<String>,

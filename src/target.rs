@@ -52,7 +52,7 @@ impl TermTargets {
     }
 }
 
-/// A measured term that gets no table.
+/// A term that gets no table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Omission {
     /// Which error.
@@ -69,7 +69,7 @@ pub fn takes_directions(profile: &Profile, term: ErrorTerm) -> bool {
     }
 }
 
-/// The targets of all wanted terms, and the measured terms that are not wanted.
+/// The targets of all wanted terms, and the terms that are not wanted or not determined.
 pub fn targets(
     job: &Job,
     profile: &Profile,
@@ -93,10 +93,17 @@ pub fn targets(
             });
         }
     }
+    let missing = model.remarks.not_determined.iter();
+    let missing = missing.filter(|(term, _)| model.terms[*term].is_none());
+    omitted.extend(missing.map(|(term, why)| Omission {
+        term: *term,
+        reason: format!("not determined by the measurement: {why}"),
+    }));
     problems.or_ok((targets, omitted))
 }
 
-fn wants(job: &Job, term: ErrorTerm) -> bool {
+/// Whether the job asks for a table of a term.
+pub fn wants(job: &Job, term: ErrorTerm) -> bool {
     match &job.compensation.terms {
         WantedTerms::All => true,
         WantedTerms::Listed(terms) => terms.contains(&term),

@@ -136,7 +136,12 @@ fn twice_the_uncertainty_holds_the_true_value_95_times_in_100() {
                 assert_eq!(found.noise.unwrap().source, source);
                 count(&mut tally, &truth, &found);
                 let sigma = SIGMA_UM;
-                chances.extend(found.closure.probability(sigma));
+                let known = nonius::separation::noise::Noise {
+                    sigma_um: sigma,
+                    freedom: None,
+                    source: NoiseSource::Stated,
+                };
+                chances.extend(found.closure.test(&known).map(|test| test.probability));
             }
             let distance = distance_from_uniform(chances);
             println!(

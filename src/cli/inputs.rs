@@ -4,7 +4,7 @@ use crate::controller::{Origin, Profile, builtin, load};
 use crate::diagonal::PathKind;
 use crate::document::Source;
 use crate::emit::TOOL;
-use crate::error_table::{self, ErrorTable};
+use crate::error_table::{self, Draft, ErrorTable};
 use crate::import::source_of;
 use crate::job::{BacklashPolicy, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use crate::kit::{Inputs, hashed};
@@ -24,7 +24,7 @@ const LARGEST_INPUT_BYTES: u64 = 64 * 1024 * 1024;
 pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     let (name, bytes) = read_argument(job_path)?;
     let mut hashes = vec![hashed(&file_name(job_path), &bytes)];
-    let mut job = Job::read(Source::from_bytes(&name, &bytes)?)?;
+    let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
     let folder = job_path.parent().unwrap_or(Path::new(""));
     let mut problems = Problems::none();
     let profile = problems.take(
@@ -33,8 +33,7 @@ pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     );
     let table = problems.take(error_table(&job, folder, &mut hashes));
     match (profile, table) {
-        (Some(profile), Some((table, notes))) if problems.is_empty() => {
-            job.measurement.notes.extend(notes);
+        (Some(profile), Some(table)) if problems.is_empty() => {
             Inputs::new(job, profile, &table, hashes)
         }
         _ => Err(problems),
@@ -58,7 +57,7 @@ fn error_table(
     job: &Job,
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
-) -> Result<(ErrorTable, Vec<String>), Problems> {
+) -> Result<ErrorTable, Problems> {
     let path = match &job.measurement.data {
         MeasuredData::Errors(path) => path,
         MeasuredData::Diagonals(measurement) => {
@@ -74,7 +73,7 @@ fn error_table(
     hashes.push(hashed(path, &bytes));
     let source = Source::from_bytes(&full.display().to_string(), &bytes)?;
     hashes.extend(imported_from(&source.text, path));
-    Ok((ErrorTable::read(source)?, Vec::new()))
+    ErrorTable::read(source)
 }
 
 /// The measurement that an imported error table came from, as its comment states it.
@@ -88,14 +87,13 @@ fn imported_from(table: &str, path: &str) -> Option<HashedFile> {
     })
 }
 
-/// The nine errors of a job with readings, as the very table that `separate -o` writes, and what
-/// they rest on.
+/// The nine errors of a job with readings, as the very table that `separate -o` writes.
 fn separated_table(
     job: &Job,
     measurement: &DiagonalMeasurement,
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
-) -> Result<(ErrorTable, Vec<String>), Problems> {
+) -> Result<ErrorTable, Problems> {
     if measurement.kind == PathKind::Straight {
         return Err(job
             .problem_at(
@@ -107,26 +105,29 @@ fn separated_table(
     }
     let files = campaign_files(job, measurement, folder, hashes)?;
     let separation = files.separate()?;
-    let two_tables = matches!(
-        job.compensation.backlash,
-        Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter)
-    );
-    if two_tables && !separation.has_directed_table() {
-        return Err(job
+    check_policy(job, &separation)?;
+    let text = error_table::write(&files.draft(&separation));
+    let name = format!("nine errors separated from {}", measurement.readings);
+    ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)
+}
+
+/// Readings in both directions need a word on the reversal, even where they do not determine it.
+fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
+    if separation.errors.minus.is_none() || separation.has_directed_table() {
+        return Ok(());
+    }
+    match job.compensation.backlash {
+        None => Err(job
+            .problem_at("compensation", "the readings were taken in both directions, but `backlash` is not stated; there is no default")
+            .help("write `backlash = \"mean\"` or \"forward-only\"; the reversal of each axis is not determined by these readings")),
+        Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter) => Err(job
             .problem_at(
                 "compensation.backlash",
                 "this needs the reversal of each axis, which these readings do not determine",
             )
-            .help("turn once without overrun at the far end of the diagonals, or use `backlash = \"mean\"`")
-            .into());
+            .help("turn once without overrun at the far end of the diagonals, or use `backlash = \"mean\"`")),
+        Some(BacklashPolicy::Mean | BacklashPolicy::ForwardOnly) => Ok(()),
     }
-    let text = error_table::write(&table::draft(&separation, files.comments(&separation)));
-    let name = format!("nine errors separated from {}", measurement.readings);
-    let table = ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)?;
-    let missing = separation.undetermined.iter();
-    let missing = missing.map(|words| format!("not determined by the readings: {words}"));
-    let notes = missing.chain(separation.labels.iter().cloned()).collect();
-    Ok((table, notes))
 }
 
 /// A measurement of diagonals with everything that its job names.
@@ -164,19 +165,16 @@ impl CampaignFiles {
         straight(&self.measurement.volume, runs, self.closure_errors.as_ref())
     }
 
-    /// Lines above the error table: where it comes from and what it rests on.
-    pub(super) fn comments(&self, separation: &Separation) -> Vec<String> {
-        let mut lines = vec![
+    /// The error table, with where it comes from and what it rests on.
+    pub(super) fn draft(&self, separation: &Separation) -> Draft {
+        let comments = vec![
             format!("nine errors separated from step diagonals by {TOOL}"),
             format!(
                 "source: {} sha256 {}",
                 self.measurement.readings, self.readings_sha256
             ),
         ];
-        let determined = separation.undetermined.iter();
-        lines.extend(determined.map(|words| format!("not determined: {words}")));
-        lines.extend(separation.labels.iter().cloned());
-        lines
+        table::draft(separation, self.job.compensation.backlash, comments)
     }
 }
 

@@ -1,5 +1,6 @@
 //! `nonius separate JOB [-o errors.csv]`
 
+mod closure;
 mod document;
 mod text;
 
@@ -7,10 +8,10 @@ use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, wr
 use crate::diagonal::PathKind;
 use crate::error_table;
 use crate::problem::{Problem, Problems};
+use crate::separation::Separation;
 use crate::separation::monte_carlo::{Plan, Simulated, simulate};
 use crate::separation::noise::run_counts;
 use crate::separation::uncertainty::Budget;
-use crate::separation::{Separation, table};
 use clap::Args;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -72,11 +73,11 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     let separation = campaign.separate()?;
     let simulated = simulated(options, &campaign, &separation)?;
     if let Some(output) = &options.output {
-        let draft = table::draft(&separation, campaign.comments(&separation));
-        let csv = error_table::write(&draft);
+        let csv = error_table::write(&campaign.draft(&separation));
         if to_stdout {
             say(&text::summary(&separation, simulated.as_ref())?);
-            return print_bytes(csv.as_bytes());
+            print_bytes(csv.as_bytes())?;
+            return Ok(answer(&separation));
         }
         write::write_file(output, csv.as_bytes(), options.force)?;
         say(&format!("wrote {}", output.display()));
@@ -84,6 +85,16 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     match options.format {
         Format::Text => print(&text::summary(&separation, simulated.as_ref())?),
         Format::Json => print_json(&document::separation(&separation, simulated.as_ref())?),
+    }?;
+    Ok(answer(&separation))
+}
+
+/// No, where an error is not determined or something speaks against the result.
+fn answer(separation: &Separation) -> Answer {
+    if separation.stands() {
+        Answer::Yes
+    } else {
+        Answer::No
     }
 }
 

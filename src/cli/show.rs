@@ -88,13 +88,34 @@ pub(super) fn forecast(forecast: &Forecast) -> String {
         Column::Right("U(k=2)/µm"),
         Column::Left("table"),
     ];
+    let reversal = forecast.without_reversal_um.map_or_else(String::new, |um| {
+        format!(", without reversal (about {um:.3} µm on the diagonals)")
+    });
     let terms = forecast.terms.iter().map(|t| {
         vec![
             t.term.to_string(),
             format!("{:.3}", t.before_um),
             format!("{:.3}", t.after_um),
             expanded(t.u_um),
-            if t.compensated { "yes" } else { "none" }.to_string(),
+            format!(
+                "{}{}",
+                if t.compensated { "yes" } else { "none" },
+                if t.term.is_positioning() {
+                    reversal.as_str()
+                } else {
+                    ""
+                }
+            ),
+        ]
+    });
+    let missing = forecast.not_determined.iter().map(|term| {
+        let dash = || "-".to_string();
+        vec![
+            term.to_string(),
+            "not determined".to_string(),
+            dash(),
+            dash(),
+            "none".to_string(),
         ]
     });
     let diagonals = forecast.diagonals.iter().map(|d| {
@@ -103,10 +124,10 @@ pub(super) fn forecast(forecast: &Forecast) -> String {
             format!("{:.3}", d.before_um),
             format!("{:.3}", d.after_um),
             expanded(d.u_um),
-            "max - min".to_string(),
+            format!("max - min{reversal}"),
         ]
     });
-    table(&columns, terms.chain(diagonals))
+    table(&columns, terms.chain(missing).chain(diagonals))
 }
 
 fn expanded(u_um: Option<f64>) -> String {
@@ -176,6 +197,7 @@ pub(super) fn verdict(
     acceptance: Acceptance,
     forecast: Option<&Forecast>,
     differs: bool,
+    doubts: &[String],
 ) -> String {
     let mut limits = Vec::new();
     if let Some(um) = acceptance.max_deviation_um {
@@ -202,15 +224,21 @@ pub(super) fn verdict(
     } else {
         ""
     };
-    let mut lines = vec![format!(
-        "verdict: {} (asked: {asked}{uncertainty}{missing})",
-        verdict.word()
-    )];
+    let nothing_asked = limits.is_empty() && verdict == Verdict::Pass;
+    let mut lines = vec![if nothing_asked {
+        "verdict: no acceptance is stated in the job, so there is nothing to judge".to_string()
+    } else {
+        format!(
+            "verdict: {} (asked: {asked}{uncertainty}{missing})",
+            verdict.word()
+        )
+    }];
     if differs {
         lines.push("  because the files differ from the job".to_string());
     }
     let misses = forecast.map(|f| f.misses(acceptance)).unwrap_or_default();
     lines.extend(misses.iter().map(|miss| format!("  {miss}")));
+    lines.extend(doubts.iter().map(|doubt| format!("  DOUBTFUL: {doubt}")));
     lines.join("\n")
 }
 
@@ -261,6 +289,8 @@ pub(super) fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Foreca
             ));
         }
     }
+    let worsened = forecast.map(Forecast::worsened).unwrap_or_default();
+    lines.extend(worsened.iter().map(|words| format!("WARNING: {words}")));
     lines.extend(compiled.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n")
 }

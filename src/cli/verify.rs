@@ -3,7 +3,7 @@
 use crate::cli::inputs::{self, plain_words, read_file};
 use crate::cli::{Answer, Format, print, print_json, show};
 use crate::controller::{Profile, Role};
-use crate::forecast::Verdict;
+use crate::forecast::{Forecast, Verdict};
 use crate::kit::{Inputs, Verification, sha256, verify};
 use crate::manifest::{diagonals, picometres};
 use crate::problem::{Problem, Problems};
@@ -166,6 +166,7 @@ fn report(inputs: &Inputs, directory: &Path, verification: &Verification) -> Str
             inputs.job.acceptance,
             forecast,
             !verification.disagreements.is_empty(),
+            &verification.doubts,
         ),
         absent(&verification.absent),
         show::remarks(&verification.plan, &verification.compiled, forecast),
@@ -192,10 +193,12 @@ fn document(inputs: &Inputs, verification: &Verification) -> Value {
         );
     }
     let forecast = verification.forecast.as_ref();
-    let notes: Vec<&String> = verification
+    let notes: Vec<String> = verification
         .absent
         .iter()
         .chain(&verification.compiled.notes)
+        .cloned()
+        .chain(forecast.map(Forecast::worsened).unwrap_or_default())
         .collect();
     let misses = forecast.map(|f| f.misses(inputs.job.acceptance));
     let causes: Vec<String> = verification
@@ -203,6 +206,7 @@ fn document(inputs: &Inputs, verification: &Verification) -> Value {
         .iter()
         .cloned()
         .chain(misses.unwrap_or_default())
+        .chain(verification.doubts.iter().cloned())
         .collect();
     json!({
         "schema": 1,

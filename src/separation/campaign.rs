@@ -1,12 +1,14 @@
 //! A whole measurement of step diagonals, from its runs to the nine errors.
 
-use super::closure::{Closure, closure};
+use super::closure::{Closure, Known, closure};
 use super::corrections::{AngleEffects, bow_um_per_urad, without_angles, without_expansion};
 use super::curves::{Curve, curves, end_slope, mean, plus_line, with_slope};
+use super::doubt;
 use super::increments::{Group, Increments, Means, mean_increments};
 use super::line::ReferenceLine;
 use super::metric::{Metric, PerPlane, Plane, StraightLine, displacement_ratios, solve};
-use super::noise::{CorrectedRun, Noise, NoiseSource, from_repeats, means, run_counts};
+use super::noise::{CorrectedRun, Noise, NoiseSource, means, run_counts};
+use super::repeats::repeats;
 use super::reversal::{Turn, ran_over, turn, without_jumps};
 use super::straight::{DiagonalFigures, Totals, figures, totals, u_squareness};
 use super::tilt::{Tilt, tilts};
@@ -83,10 +85,15 @@ pub struct Separation {
     pub overrun: Option<bool>,
     /// Reversals from a turn without overrun.
     pub turn: Option<Turn>,
+    /// Reversal along the diagonals that cannot be told apart by axis, µm: no curve holds it.
+    pub hidden_reversal_um: Option<f64>,
     /// S, µm·mm.
     pub scale_sum_um_mm: f64,
     /// What is not determined, in words.
     pub undetermined: Vec<String>,
+    /// Why the result is doubtful, one sentence each; empty = nothing speaks against it.
+    /// `separate` then answers no, and a verdict on a kit made from it is undecided at most.
+    pub doubts: Vec<String>,
     /// What was assumed and what the uncertainty holds, in words.
     pub labels: Vec<String>,
     /// The corrected runs.
@@ -101,6 +108,19 @@ impl Separation {
     /// Whether the two directions stand apart in the error table: the reversal is determined.
     pub fn has_directed_table(&self) -> bool {
         self.turn.is_some() && self.errors.minus.is_some()
+    }
+
+    /// The terms that the readings do not determine.
+    pub fn missing(&self) -> Vec<ErrorTerm> {
+        let terms = self.errors.mean.iter();
+        let missing = terms.filter(|(_, found)| found.is_none());
+        missing.map(|(term, _)| term).collect()
+    }
+
+    /// Whether all nine errors are determined and nothing speaks against them: the answer of
+    /// `separate`.
+    pub fn stands(&self) -> bool {
+        self.doubts.is_empty() && self.missing().is_empty()
     }
 
     /// Rank and number of unknowns: of formula (7), or of the slopes where the set-up is assumed.
@@ -180,10 +200,15 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     let runs = corrected(campaign, runs);
     let counts = run_counts(&runs);
     let measured = means(&runs);
-    let repeats = from_repeats(&runs);
-    let known = known_sigma(&campaign.stated, repeats);
+    let repeats = repeats(&runs);
+    let known = known_noise(&campaign.stated, repeats.noise);
     let guess = || {
-        let sigma = || closure(volume, &measured, &counts, None, true).sigma_um();
+        let rough = Known {
+            skip_ends: true,
+            ..Known::default()
+        };
+        let sigma = || closure(volume, &measured, &counts, rough).sigma_um();
+        let known = known.map(|noise| noise.sigma_um);
         known.or_else(sigma).unwrap_or(0.0)
     };
     let overrun = measurement.overrun.filter(|_| measured.reverse.is_some());
@@ -197,8 +222,13 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     } else {
         measured.clone()
     };
-    let closure = closure(volume, &means, &counts, known, turned);
-    let noise = noise(&campaign.stated, repeats, &closure);
+    let judged = Known {
+        noise: known,
+        outliers: &repeats.outliers,
+        skip_ends: turned,
+    };
+    let closure = closure(volume, &means, &counts, judged);
+    let noise = known.or_else(|| noise_of(&closure));
     let budget = Budget {
         volume,
         noise,
@@ -219,6 +249,10 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     }
     let u_end = budget.u_end_um(groups.len());
     let labels = labels(campaign, &budget, &means, overrun);
+    let doubts = doubt::of_closure(&closure, noise, volume, measurement.setup);
+    let hidden = (overrun == Some(true) && campaign.reverse_zero_known)
+        .then(|| doubt::hidden_reversal_um(&measured, noise))
+        .flatten();
     Separation {
         volume: volume.clone(),
         setup: measurement.setup,
@@ -241,6 +275,8 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         range_over_all_um,
         overrun,
         turn,
+        hidden_reversal_um: hidden,
+        doubts,
         labels,
         runs,
         zeroed_runs,
@@ -297,23 +333,24 @@ fn change_um(raw: &[PerTerm<Curve>], term: ErrorTerm) -> f64 {
     }
 }
 
-fn known_sigma(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<f64> {
-    repeats.map(|noise| noise.sigma_um).or(stated.noise_um)
-}
-
-/// Repeats say most; a stated noise comes next; a single run is left with its closure.
-fn noise(stated: &StatedUncertainty, repeats: Option<Noise>, closure: &Closure) -> Option<Noise> {
+/// Repeats say most; a stated noise comes next.
+fn known_noise(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<Noise> {
     let stated = stated.noise_um.map(|sigma_um| Noise {
         sigma_um,
         freedom: None,
         source: NoiseSource::Stated,
     });
-    let scatter = closure.sigma_um().map(|sigma_um| Noise {
+    repeats.or(stated)
+}
+
+/// A single run without any statement is left with its closure.
+fn noise_of(closure: &Closure) -> Option<Noise> {
+    let sigma_um = closure.sigma_um()?;
+    Some(Noise {
         sigma_um,
         freedom: Some(closure.freedom),
         source: NoiseSource::Closure,
-    });
-    repeats.or(stated).or(scatter)
+    })
 }
 
 /// Slopes and what they come from.

@@ -1,142 +1,248 @@
 //! What is left over: the closure w, its test, and the readings that spoil it (formula 2).
 //!
 //! Four diagonals give four equations for three unknowns in every interval of every axis, so that
-//! one combination w must be zero. Its mean over an axis is set-up error; the rest is noise of the
-//! readings, a disturbed reading, or the roll of an axis that carries others. w is blind to pitch
-//! and yaw and to five of the eight patterns of set-up error: a clean closure proves nothing.
+//! one combination w must be zero. A constant on an axis is set-up error or, with a flat mirror,
+//! roll; a straight ramp is the roll of an axis that carries others; the rest is noise of the
+//! readings or a disturbed reading. w is blind to pitch and yaw and to five of the eight patterns
+//! of set-up error: a clean closure proves nothing.
 //!
 //! A reading takes part in two neighbouring increments, so the w are correlated. With C the
-//! covariance of all w for readings of variance 1, and K the constant of each axis,
+//! covariance of all w for readings of variance 1, and K the patterns that are no noise (the
+//! constant of each axis; one for each disturbed reading; the ramps, where they are significant),
 //!
 //! ```text
-//!   Q = min over c of (w − K c)ᵀ C⁻¹ (w − K c)        ~ σ² χ²(ν),  ν = number of w − 3
+//!   Q = min over c of (w − K c)ᵀ C⁻¹ (w − K c)        ~ σ² χ²(ν),  ν = number of w − patterns
 //! ```
-//! With forward passes only ν = 3n − 3.
+//! With forward passes only and nothing disturbed ν = 3n − 3. Order of the judgement: disturbed
+//! readings are named with the ramps left free, so that a ramp accuses no reading; then the ramps
+//! are judged with those readings left out, so that no reading makes a ramp.
 
-use super::banded::{Banded, Factor};
-use super::curves::{closure_sign, closures};
+mod patterns;
+
+use self::patterns::{Patterns, Row};
+use super::curves::closures;
 use super::increments::{Group, Means};
+use super::noise::{Noise, NoiseSource};
+use super::outlier::{FALSE_DOUBT, Outlier, float};
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
-use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
-/// Chance that a test names a reading of a series without any disturbed one.
-const FALSE_ALARM: f64 = 0.01;
-/// More disturbed readings than these are no outliers but another kind of trouble.
-const MOST_OUTLIERS: usize = 12;
-
-/// What an instrument does not resolve is no disturbance, however small the noise.
-const SMALLEST_DISTURBANCE_UM: f64 = 0.02;
-
-/// One reading of a mean run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct ReadingPlace {
-    /// The diagonal.
-    pub diagonal: Diagonal,
-    /// Forward or reverse.
-    pub pass: Pass,
-    /// Node of the forward path.
-    pub node: usize,
-}
-
-/// A disturbed reading, or several of which one is.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outlier {
-    /// The closure cannot tell these apart; one of them is disturbed.
-    pub readings: Vec<ReadingPlace>,
-    /// By how much, µm (sign of the first one).
-    pub size_um: f64,
-    /// The same in standard deviations.
-    pub ratio: f64,
-}
+/// A ramp of w that no instrument resolves is no roll, however small the noise, µm.
+const SMALLEST_RAMP_UM: f64 = 0.02;
 
 /// The closure of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Closure {
     /// w by axis and machine interval, µm (mean of both directions where there are two).
     pub by_interval: PerAxis<Vec<f64>>,
-    /// Its mean over each axis, µm: set-up error.
+    /// Its mean over each axis, µm: set-up error or, with a flat mirror, roll.
     pub mean: PerAxis<f64>,
-    /// Q for readings of 1 µm standard deviation, disturbed readings left out.
+    /// Expected standard deviation of one w of `by_interval` for readings of 1 µm; 2√2 with one run.
+    pub scatter: PerAxis<f64>,
+    /// Straight ramps of w.
+    pub ramps: Option<Ramps>,
+    /// Q for readings of 1 µm standard deviation, disturbed readings (and significant ramps) left out.
     pub weighted_square: f64,
     /// ν, degrees of freedom of Q.
     pub freedom: usize,
-    /// Disturbed readings.
+    /// Disturbed readings: those of single runs first, then those that only the closure shows.
     pub outliers: Vec<Outlier>,
+}
+
+/// Straight ramps of w over each axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ramps {
+    /// From the first interval to the last, µm.
+    pub change_um: PerAxis<f64>,
+    /// Their standard deviations for readings of 1 µm.
+    pub u: PerAxis<f64>,
+    /// Probability of ramps at least as large by noise alone.
+    pub probability: f64,
+}
+
+impl Ramps {
+    /// Whether they speak of the roll of an axis that carries others.
+    pub fn is_roll(&self) -> bool {
+        let largest = self
+            .change_um
+            .iter()
+            .map(|(_, um)| um.abs())
+            .fold(0.0, f64::max);
+        self.probability < FALSE_DOUBT && largest > SMALLEST_RAMP_UM
+    }
+}
+
+/// The scatter of the closure against a noise that is known otherwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScatterTest {
+    /// Probability of a scatter at least as far off, to either side.
+    pub probability: f64,
+    /// Whether the scatter is larger than the noise says, not smaller.
+    pub larger: bool,
 }
 
 impl Closure {
     /// Standard deviation of a single reading that the scatter of the closure speaks for, µm;
     /// `None` without degrees of freedom.
     pub fn sigma_um(&self) -> Option<f64> {
-        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 intervals")]
-        let freedom = self.freedom as f64;
+        let freedom = float(self.freedom);
         (self.freedom > 0).then(|| (self.weighted_square / freedom).sqrt())
     }
 
-    /// χ² test against a standard deviation that is known otherwise: the probability of a
-    /// scatter at least as large.
-    pub fn probability(&self, sigma_um: f64) -> Option<f64> {
-        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 intervals")]
-        let spread = ChiSquared::new(self.freedom as f64).ok()?;
-        (sigma_um > 0.0).then(|| spread.sf(self.weighted_square / (sigma_um * sigma_um)))
+    /// Two-sided test against a noise that is known otherwise: χ² where it is stated, F where it
+    /// comes from repeated runs. `None` where it comes from this closure, so that nothing is tested.
+    pub fn test(&self, noise: &Noise) -> Option<ScatterTest> {
+        if noise.source == NoiseSource::Closure || self.freedom == 0 || noise.sigma_um <= 0.0 {
+            return None;
+        }
+        let freedom = float(self.freedom);
+        let ratio = self.weighted_square / (noise.sigma_um * noise.sigma_um);
+        let (below, above) = match noise.freedom {
+            Some(of_noise) => {
+                let spread = FisherSnedecor::new(freedom, float(of_noise)).ok()?;
+                (spread.cdf(ratio / freedom), spread.sf(ratio / freedom))
+            }
+            None => {
+                let spread = ChiSquared::new(freedom).ok()?;
+                (spread.cdf(ratio), spread.sf(ratio))
+            }
+        };
+        Some(ScatterTest {
+            probability: (2.0 * below.min(above)).min(1.0),
+            larger: above < below,
+        })
+    }
+
+    /// Expected standard deviation of the mean over an axis for a noise, µm.
+    pub fn u_mean_um(&self, axis: Axis, sigma_um: f64) -> f64 {
+        sigma_um * self.scatter[axis] / float(self.by_interval[axis].len()).sqrt()
     }
 }
 
 /// How many runs stand behind the mean readings.
 pub type RunCounts = PerDiagonal<[f64; 2]>;
 
-/// The closure of mean readings. `known_sigma_um`: standard deviation of a single reading, where
-/// repeats give it. `skip_ends`: the first and last interval are left out (missing overrun).
-pub fn closure(
-    volume: &Volume,
-    means: &Means,
-    runs: &RunCounts,
-    known_sigma_um: Option<f64>,
-    skip_ends: bool,
-) -> Closure {
+/// What is known of the readings before the closure is judged.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Known<'a> {
+    /// Standard deviation of a single reading, where repeats or the job give it.
+    pub noise: Option<Noise>,
+    /// Disturbed readings of single runs: their share in the means is left out of the test.
+    pub outliers: &'a [Outlier],
+    /// The first and last interval are left out (missing overrun).
+    pub skip_ends: bool,
+}
+
+/// The closure of mean readings.
+pub fn closure(volume: &Volume, means: &Means, runs: &RunCounts, known: Known<'_>) -> Closure {
     let groups = means.groups();
     let all: Vec<PerAxis<Vec<f64>>> = groups
         .iter()
         .map(|group| closures(volume, &means.increments(volume, *group)))
         .collect();
     let by_interval = PerAxis::from_fn(|axis| {
-        let at = |i: usize| all.iter().map(|w| w[axis][i]).sum::<f64>() / count(all.len());
+        let at = |i: usize| all.iter().map(|w| w[axis][i]).sum::<f64>() / float(all.len());
         (0..volume.steps).map(at).collect::<Vec<f64>>()
     });
     let mean = PerAxis::from_fn(|axis| by_interval[axis].iter().sum::<f64>() / volume.steps_f64());
-    let rows = rows(volume, groups, skip_ends);
+    let rows = rows(volume, groups, known.skip_ends);
     let values: Vec<f64> = rows
         .iter()
         .map(|row| all[row.group][row.axis][row.interval])
         .collect();
-    let test = Test::new(volume, groups, rows, values, runs, means.reverse.is_some());
-    let (weighted_square, freedom, outliers) = test.map_or((0.0, 0, Vec::new()), |mut test| {
-        let outliers = test.outliers(known_sigma_um);
-        let (square, freedom) = test.scatter();
-        (square, freedom, outliers)
-    });
+    let both = means.reverse.is_some();
+    let judged = Patterns::new(volume, groups, rows, values, runs, both)
+        .map(|patterns| judge(patterns, known));
+    let judged = judged.unwrap_or_default();
     Closure {
         by_interval,
         mean,
-        weighted_square,
+        scatter: PerAxis::from_fn(|axis| scatter(groups, runs, axis)),
+        ramps: judged.ramps,
+        weighted_square: judged.square,
+        freedom: judged.freedom,
+        outliers: [known.outliers, &judged.outliers].concat(),
+    }
+}
+
+#[derive(Default)]
+struct Judged {
+    ramps: Option<Ramps>,
+    square: f64,
+    freedom: usize,
+    outliers: Vec<Outlier>,
+}
+
+/// Disturbed readings with the ramps left free; then the ramps without those readings.
+fn judge(mut patterns: Patterns, known: Known<'_>) -> Judged {
+    let sigma_um = known.noise.map(|noise| noise.sigma_um);
+    let named = known.outliers.iter().flat_map(|outlier| &outlier.readings);
+    named.for_each(|place| patterns.leave_out(place));
+    let before = patterns.mark();
+    patterns.leave_out_ramps();
+    let outliers = patterns.name_outliers(sigma_um);
+    patterns.back_to(&before);
+    let found = outliers
+        .iter()
+        .filter_map(|outlier| outlier.readings.first());
+    found.for_each(|place| patterns.leave_out(place));
+    let ramps = patterns.ramps().and_then(|fit| {
+        let (square, freedom) = patterns.scatter();
+        let rest = freedom.checked_sub(fit.count).filter(|rest| *rest > 0)?;
+        let probability = match known.noise {
+            Some(noise) => match noise.freedom {
+                Some(of_noise) => above(fit.drop / noise.sigma_um.powi(2), fit.count, of_noise)?,
+                None => ChiSquared::new(float(fit.count))
+                    .ok()?
+                    .sf(fit.drop / noise.sigma_um.powi(2)),
+            },
+            None => above(
+                fit.drop * float(rest) / (square - fit.drop),
+                fit.count,
+                rest,
+            )?,
+        };
+        Some(Ramps {
+            change_um: fit.change_um,
+            u: fit.u,
+            probability,
+        })
+    });
+    if ramps.as_ref().is_some_and(Ramps::is_roll) {
+        patterns.leave_out_ramps();
+    }
+    let (square, freedom) = patterns.scatter();
+    Judged {
+        ramps,
+        square,
         freedom,
         outliers,
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "two directions at most")]
-fn count(groups: usize) -> f64 {
-    groups as f64
+/// Probability that `count` parameters lower the sum of squares by `ratio` variances or more,
+/// the variance known with `freedom` degrees of freedom.
+fn above(ratio: f64, count: usize, freedom: usize) -> Option<f64> {
+    let spread = FisherSnedecor::new(float(count), float(freedom)).ok()?;
+    let f = ratio / float(count);
+    if f.is_finite() {
+        Some(spread.sf(f.max(0.0)))
+    } else {
+        Some(0.0)
+    }
 }
 
-/// One w.
-#[derive(Clone, Copy)]
-struct Row {
-    group: usize,
-    axis: Axis,
-    interval: usize,
+/// Standard deviation of one w, mean of the groups, for readings of 1 µm.
+fn scatter(groups: &[Group], runs: &RunCounts, axis: Axis) -> f64 {
+    let variance = |group: &Group| {
+        let of = |d: Diagonal| {
+            let pass = group.pass(d, axis);
+            2.0 / runs[d][usize::from(pass == Pass::Reverse)]
+        };
+        Diagonal::ALL.into_iter().map(of).sum::<f64>()
+    };
+    groups.iter().map(variance).sum::<f64>().sqrt() / float(groups.len())
 }
 
 /// All w, those that share readings close to each other: diagonals that travel an axis in −
@@ -159,225 +265,4 @@ fn rows(volume: &Volume, groups: &[Group], skip_ends: bool) -> Vec<Row> {
     }
     rows.sort_by_key(|row| (row.interval.min(last - row.interval), row.interval));
     rows
-}
-
-/// The generalised least-squares test of all w.
-struct Test {
-    values: Vec<f64>,
-    factor: Factor,
-    /// Patterns of w that are not noise: the constant of each axis, then one for each outlier.
-    patterns: Vec<Vec<f64>>,
-    /// For each reading, the w that it takes part in and how.
-    effects: Vec<(ReadingPlace, Vec<(usize, f64)>)>,
-}
-
-impl Test {
-    fn new(
-        volume: &Volume,
-        groups: &[Group],
-        rows: Vec<Row>,
-        values: Vec<f64>,
-        runs: &RunCounts,
-        both_passes: bool,
-    ) -> Option<Test> {
-        let effects = effects(volume, groups, &rows, both_passes);
-        let factor = covariance(rows.len(), &effects, runs).factor()?;
-        let of_axis = |axis: Axis| rows.iter().map(|row| f64::from(row.axis == axis)).collect();
-        Some(Test {
-            values,
-            factor,
-            patterns: Axis::ALL.map(of_axis).into(),
-            effects,
-        })
-    }
-
-    /// P w with P = C⁻¹ − C⁻¹K (KᵀC⁻¹K)⁻¹ KᵀC⁻¹.
-    fn projected(&self, w: &[f64]) -> Vec<f64> {
-        let solved = self.factor.solve(w);
-        let weighed: Vec<Vec<f64>> = self.patterns.iter().map(|k| self.factor.solve(k)).collect();
-        let size = self.patterns.len();
-        let normal = DMatrix::from_fn(size, size, |i, j| dot(&self.patterns[i], &weighed[j]));
-        let right = DVector::from_fn(size, |i, _| dot(&self.patterns[i], &solved));
-        let Some(shares) = normal.cholesky().map(|factor| factor.solve(&right)) else {
-            return solved;
-        };
-        let mut left = solved;
-        for (share, weighed) in shares.iter().zip(&weighed) {
-            for (value, part) in left.iter_mut().zip(weighed) {
-                *value -= share * part;
-            }
-        }
-        left
-    }
-
-    /// Q and ν.
-    fn scatter(&self) -> (f64, usize) {
-        let square = dot(&self.values, &self.projected(&self.values));
-        let freedom = self.values.len().saturating_sub(self.patterns.len());
-        (square.max(0.0), freedom)
-    }
-
-    /// Names disturbed readings one by one, the largest first, until none stands out.
-    fn outliers(&mut self, known_sigma_um: Option<f64>) -> Vec<Outlier> {
-        let mut found: Vec<Outlier> = Vec::new();
-        while found.len() < MOST_OUTLIERS {
-            let Some((outlier, pattern)) = self.largest(known_sigma_um) else {
-                break;
-            };
-            self.patterns.push(pattern);
-            found.push(outlier);
-        }
-        found
-    }
-
-    fn largest(&self, known_sigma_um: Option<f64>) -> Option<(Outlier, Vec<f64>)> {
-        let left = self.projected(&self.values);
-        let (square, freedom) = self.scatter();
-        let mut best: Option<(f64, usize)> = None;
-        for (index, (_, effect)) in self.effects.iter().enumerate() {
-            let share: f64 = effect.iter().map(|(row, part)| part * left[*row]).sum();
-            if best.is_none_or(|(largest, _)| share.abs() > largest) {
-                best = Some((share.abs(), index));
-            }
-        }
-        let (_, index) = best?;
-        let pattern = self.pattern(index);
-        let weighed = self.projected(&pattern);
-        let weight = dot(&pattern, &weighed);
-        let size_um = dot(&pattern, &left) / weight;
-        let drop = size_um * size_um * weight;
-        let variance = match known_sigma_um {
-            Some(sigma) => sigma * sigma,
-            None if freedom > 1 => (square - drop).max(0.0) / freedom_of(freedom - 1),
-            None => return None,
-        };
-        let ratio = (drop / variance).sqrt();
-        let limit = self.limit(known_sigma_um.map_or(freedom.saturating_sub(1), |_| usize::MAX))?;
-        (weight > 0.0 && ratio > limit && size_um.abs() > SMALLEST_DISTURBANCE_UM).then(|| {
-            let outlier = Outlier {
-                readings: self.twins(index),
-                size_um,
-                ratio,
-            };
-            (outlier, pattern)
-        })
-    }
-
-    /// Two-sided limit with the chance of a false alarm shared among all readings.
-    fn limit(&self, freedom: usize) -> Option<f64> {
-        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
-        let readings = self.effects.len() as f64;
-        let spread = StudentsT::new(0.0, 1.0, freedom_of(freedom.min(100_000))).ok()?;
-        Some(spread.inverse_cdf(1.0 - FALSE_ALARM / 2.0 / readings))
-    }
-
-    fn pattern(&self, index: usize) -> Vec<f64> {
-        let mut pattern = vec![0.0; self.values.len()];
-        for (row, part) in &self.effects[index].1 {
-            pattern[*row] += part;
-        }
-        pattern
-    }
-
-    /// All readings whose effect on w is the same but for its sign.
-    fn twins(&self, index: usize) -> Vec<ReadingPlace> {
-        let rows = |index: usize| {
-            let mut rows = self.effects[index].1.clone();
-            rows.sort_by_key(|(row, _)| *row);
-            rows
-        };
-        let wanted = rows(index);
-        let same = |other: &[(usize, f64)], sign: f64| {
-            other.len() == wanted.len()
-                && other
-                    .iter()
-                    .zip(&wanted)
-                    .all(|((a, x), (b, y))| a == b && (x - sign * y).abs() < 1e-12)
-        };
-        let mut twins = vec![self.effects[index].0];
-        for (other, (place, _)) in self.effects.iter().enumerate() {
-            let theirs = rows(other);
-            if other != index && (same(&theirs, 1.0) || same(&theirs, -1.0)) {
-                twins.push(*place);
-            }
-        }
-        twins
-    }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
-fn freedom_of(freedom: usize) -> f64 {
-    freedom as f64
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn effects(
-    volume: &Volume,
-    groups: &[Group],
-    rows: &[Row],
-    both_passes: bool,
-) -> Vec<(ReadingPlace, Vec<(usize, f64)>)> {
-    let passes: &[Pass] = if both_passes {
-        &Pass::BOTH
-    } else {
-        &[Pass::Forward]
-    };
-    let nodes = 3 * volume.steps + 1;
-    let mut effects = Vec::with_capacity(passes.len() * 4 * nodes);
-    for pass in passes {
-        for diagonal in Diagonal::ALL {
-            for node in 0..nodes {
-                let place = ReadingPlace {
-                    diagonal,
-                    pass: *pass,
-                    node,
-                };
-                effects.push((place, Vec::with_capacity(2)));
-            }
-        }
-    }
-    let of = |pass: Pass, diagonal: Diagonal, node: usize| {
-        let pass = passes.iter().position(|known| *known == pass).unwrap_or(0);
-        let line = Diagonal::ALL.iter().position(|known| *known == diagonal);
-        (pass * 4 + line.unwrap_or(0)) * nodes + node
-    };
-    for (index, row) in rows.iter().enumerate() {
-        for diagonal in Diagonal::ALL {
-            let pass = groups[row.group].pass(diagonal, row.axis);
-            let step = volume.interval(diagonal, row.axis, row.interval);
-            let node = volume.node_after(row.axis, step);
-            let sign = closure_sign(diagonal, row.axis);
-            effects[of(pass, diagonal, node)].1.push((index, sign));
-            effects[of(pass, diagonal, node - 1)].1.push((index, -sign));
-        }
-    }
-    effects.retain(|(_, effect)| !effect.is_empty());
-    effects
-}
-
-fn covariance(
-    size: usize,
-    effects: &[(ReadingPlace, Vec<(usize, f64)>)],
-    runs: &RunCounts,
-) -> Banded {
-    let span = |effect: &[(usize, f64)]| {
-        let rows = effect.iter().map(|(row, _)| *row);
-        rows.clone().max().unwrap_or(0) - rows.min().unwrap_or(0)
-    };
-    let reach = effects.iter().map(|(_, effect)| span(effect)).max();
-    let mut matrix = Banded::zero(size, reach.unwrap_or(0));
-    for (place, effect) in effects {
-        let variance = 1.0 / runs[place.diagonal][usize::from(place.pass == Pass::Reverse)];
-        for (row, a) in effect {
-            for (column, b) in effect {
-                if column <= row {
-                    matrix.add(*row, *column, a * b * variance);
-                }
-            }
-        }
-    }
-    matrix
 }

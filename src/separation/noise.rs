@@ -1,4 +1,4 @@
-//! Means over runs, their scatter, and the standard deviation of a single reading.
+//! Means over runs, their repeatability, and what a noise of the readings is.
 
 use super::increments::{Means, PassMeans};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal};
@@ -88,44 +88,6 @@ fn pass_means(runs: &[CorrectedRun], pass: Pass) -> PassMeans {
         }
         sum.iter().map(|sum| sum / count).collect()
     })
-}
-
-/// σ of a single reading from repeated runs. Each run has a zero of its own: a drift of the start
-/// between runs moves all its readings and is taken off before. Pooled over all passes.
-pub fn from_repeats(runs: &[CorrectedRun]) -> Option<Noise> {
-    let (mut square, mut freedom) = (0.0, 0);
-    for diagonal in Diagonal::ALL {
-        for pass in Pass::BOTH {
-            let residuals = residuals(&of(runs, diagonal, pass).collect::<Vec<_>>());
-            let Some(nodes) = residuals.first().map(Vec::len) else {
-                continue;
-            };
-            square += residuals.iter().flatten().map(|r| r * r).sum::<f64>();
-            freedom += (residuals.len() - 1) * nodes.saturating_sub(1);
-        }
-    }
-    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
-    let count = freedom as f64;
-    (freedom > 0).then(|| Noise {
-        sigma_um: (square / count).sqrt(),
-        freedom: Some(freedom),
-        source: NoiseSource::Repeats,
-    })
-}
-
-/// Readings less the mean of their node and the mean of their run.
-fn residuals(runs: &[&CorrectedRun]) -> Vec<Vec<f64>> {
-    let nodes = runs.first().map_or(0, |run| run.readings_um.len());
-    let at = |node: usize| mean(runs.iter().map(|run| run.readings_um[node]));
-    let middle: Vec<f64> = (0..nodes).map(at).collect();
-    let residual = |run: &&CorrectedRun| {
-        let beside = |(reading, middle): (&f64, &f64)| reading - middle;
-        let mut left: Vec<f64> = run.readings_um.iter().zip(&middle).map(beside).collect();
-        let offset = mean(left.iter().copied());
-        left.iter_mut().for_each(|value| *value -= offset);
-        left
-    };
-    runs.iter().map(residual).collect()
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {

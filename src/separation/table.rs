@@ -2,16 +2,26 @@
 
 use super::campaign::{Evidence, Separation};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::error_table::{Draft, DraftSeries};
+use crate::error_table::{Draft, DraftSeries, Remarks};
+use crate::job::{BacklashPolicy, SetUp};
 
 /// The table that `separate` writes and `generate` reads. Terms that are not determined are
-/// absent. Directions stand apart only where the reversal between them is determined.
-pub fn draft(separation: &Separation, comments: Vec<String>) -> Draft {
+/// absent. Directions stand apart only where the reversal between them is determined; without it
+/// a job that asks for the curves moving + gets these alone, any other one the mean of both.
+pub fn draft(
+    separation: &Separation,
+    policy: Option<BacklashPolicy>,
+    mut comments: Vec<String>,
+) -> Draft {
+    let plus_only = policy == Some(BacklashPolicy::ForwardOnly) && separation.errors.plus.is_some();
     let directions: &[Option<Direction>] = if separation.has_directed_table() {
         &[Some(Direction::Plus), Some(Direction::Minus)]
+    } else if plus_only {
+        &[Some(Direction::Plus)]
     } else {
         &[None]
     };
+    comments.extend(remarks(separation).lines());
     let mut series = Vec::new();
     for axis in Axis::ALL {
         for direction in directions {
@@ -19,6 +29,33 @@ pub fn draft(separation: &Separation, comments: Vec<String>) -> Draft {
         }
     }
     Draft { comments, series }
+}
+
+/// What the table has to say of itself, so that it reaches whoever uses the table.
+pub fn remarks(separation: &Separation) -> Remarks {
+    let undetermined = &separation.undetermined;
+    let missing = separation.missing();
+    let open = match separation.setup {
+        SetUp::Solve => separation.metric.undetermined(),
+        SetUp::AssumePerfect => Vec::new(),
+    };
+    let why = open.join("; ");
+    let other = undetermined
+        .iter()
+        .filter(|words| missing.is_empty() || !open.contains(words));
+    let mut notes: Vec<String> = other
+        .map(|words| format!("not determined: {words}"))
+        .collect();
+    notes.extend(separation.labels.iter().cloned());
+    Remarks {
+        doubts: separation.doubts.clone(),
+        not_determined: missing
+            .into_iter()
+            .map(|term| (term, why.clone()))
+            .collect(),
+        hidden_reversal_um: separation.hidden_reversal_um,
+        notes,
+    }
 }
 
 fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> DraftSeries {

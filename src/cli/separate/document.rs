@@ -6,9 +6,9 @@ use crate::diagonal::{Diagonal, PathKind};
 use crate::job::DiagonalMeasurement;
 use crate::manifest::picometres;
 use crate::problem::Problems;
-use crate::separation::closure::Outlier;
 use crate::separation::metric::{PerPlane, Plane};
 use crate::separation::monte_carlo::Simulated;
+use crate::separation::outlier::Outlier;
 use crate::separation::straight::{StraightResult, Totals};
 use crate::separation::{Evidence, Separation};
 use serde_json::{Map, Value, json};
@@ -125,6 +125,26 @@ pub(super) fn separation(
         "mean_closure_um".into(),
         axes(|axis| picometres(closure.mean[axis])),
     );
+    if let Some(noise) = separation.noise {
+        page.insert(
+            "closure_expected_um".into(),
+            axes(|axis| picometres(closure.scatter[axis] * noise.sigma_um)),
+        );
+        page.insert(
+            "mean_closure_expected_um".into(),
+            axes(|axis| picometres(closure.u_mean_um(axis, noise.sigma_um))),
+        );
+    }
+    if let Some(ramps) = &closure.ramps {
+        page.insert(
+            "closure_ramp".into(),
+            json!({
+                "change_um": axes(|axis| picometres(ramps.change_um[axis])),
+                "probability": ramps.probability,
+                "roll": ramps.is_roll(),
+            }),
+        );
+    }
     page.insert(
         "rank".into(),
         json!({
@@ -145,8 +165,7 @@ pub(super) fn separation(
                 "sigma_um": picometres(noise.sigma_um),
                 "degrees_of_freedom": noise.freedom,
                 "source": noise.source.words(),
-                "closure_probability": closure.probability(noise.sigma_um)
-                    .filter(|_| noise.source != crate::separation::noise::NoiseSource::Closure),
+                "closure_probability": closure.test(&noise).map(|test| test.probability),
             }),
         );
     }
@@ -161,6 +180,7 @@ pub(super) fn separation(
     if let Some(simulated) = simulated {
         page.insert("monte_carlo".into(), monte_carlo(simulated));
     }
+    page.insert("doubts".into(), json!(separation.doubts));
     page.insert("labels".into(), json!(separation.labels));
     Ok(Value::Object(page))
 }
@@ -169,7 +189,14 @@ fn outlier(outlier: &Outlier) -> Value {
     let readings: Vec<Value> = outlier
         .readings
         .iter()
-        .map(|r| json!({"diagonal": r.diagonal.name(), "direction": r.pass.word(), "node": r.node}))
+        .map(|r| {
+            json!({
+                "diagonal": r.diagonal.name(),
+                "run": r.run,
+                "direction": r.pass.word(),
+                "node": r.node,
+            })
+        })
         .collect();
     json!({
         "readings": readings,

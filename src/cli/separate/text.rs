@@ -1,16 +1,16 @@
 //! What `separate` prints for people.
 
+use super::closure::{closure, outliers};
 use crate::axis::{Axis, ErrorTerm};
 use crate::cli::show::{Column, paragraphs, table};
 use crate::diagonal::{Diagonal, PathKind, Volume};
 use crate::job::DiagonalMeasurement;
 use crate::problem::Problems;
-use crate::separation::closure::Outlier;
 use crate::separation::diagonal_runs::diagonal_runs;
 use crate::separation::line::{ReferenceLine, range};
 use crate::separation::metric::{PerPlane, Plane};
 use crate::separation::monte_carlo::Simulated;
-use crate::separation::noise::{CorrectedRun, NoiseSource};
+use crate::separation::noise::CorrectedRun;
 use crate::separation::straight::{StraightResult, scale_shares};
 use crate::separation::{Evidence, Separation};
 use crate::standards::{self, DiagonalMotion, Diagonals};
@@ -20,7 +20,6 @@ pub(super) const STRAIGHT_UNDETERMINED: &str = "scale of X, Y and Z can be trade
 
 /// The sentence of contract §1 that stands wherever φ stands.
 const SQUARENESS_SIGN: &str = "squareness in um/m: positive = the angle between the two positive axis directions is less than 90 degrees (ISO 230-1: EC0Y = -xy, EB0Z = +xz, EA0Z = -yz)";
-const SMALL_PROBABILITY: f64 = 0.01;
 
 /// Figures of the diagonals by standard, with the label of the motion.
 pub(super) fn standard_figures(
@@ -48,6 +47,7 @@ pub(super) fn summary(
     simulated: Option<&Simulated>,
 ) -> Result<String, Problems> {
     Ok(paragraphs(&[
+        list("DOUBTFUL, so the answer is no:", &separation.doubts),
         terms(separation),
         squareness(
             &separation.squareness_um_per_m,
@@ -77,7 +77,7 @@ fn signed(value: f64) -> String {
     format!("{:+.3}", (value * 1000.0).round() / 1000.0 + 0.0)
 }
 
-fn list(heading: &str, lines: &[String]) -> String {
+pub(super) fn list(heading: &str, lines: &[String]) -> String {
     if lines.is_empty() {
         return String::new();
     }
@@ -126,9 +126,23 @@ fn terms(separation: &Separation) -> String {
         }
     });
     format!(
-        "Nine errors, zero at the low end of each axis (slope of the line through the end points)\n{}",
+        "{}, zero at the low end of each axis (slope of the line through the end points)\n{}",
+        heading(separation.missing().len()),
         table(&columns, rows)
     )
+}
+
+fn heading(missing: usize) -> String {
+    match missing {
+        0 => "Nine errors".to_string(),
+        missing => {
+            let words = [
+                "None", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight",
+            ];
+            let found = words.get(ErrorTerm::ALL.len() - missing);
+            format!("{} of the nine errors", found.unwrap_or(&"None"))
+        }
+    }
 }
 
 fn expanded(found: &Evidence) -> String {
@@ -184,63 +198,6 @@ fn setup(separation: &Separation) -> String {
     format!(
         "Mirror: its normal leans from the nominal diagonal (solved for; no error of the machine)\n{}",
         table(&columns, rows)
-    )
-}
-
-fn closure(separation: &Separation) -> String {
-    let closure = &separation.closure;
-    let means = Axis::ALL.map(|axis| format!("{axis} {:+.3}", closure.mean[axis]));
-    let mut lines = vec![format!(
-        "Closure: mean over each axis (um) {} - what is constant is set-up error",
-        means.join(", ")
-    )];
-    if let Some(sigma) = closure.sigma_um() {
-        lines.push(format!(
-            "its scatter speaks for a noise of {sigma:.3} um of a single reading ({} degrees of freedom)",
-            closure.freedom
-        ));
-    }
-    let test = separation
-        .noise
-        .filter(|noise| noise.source != NoiseSource::Closure);
-    if let Some(noise) = test
-        && let Some(probability) = closure.probability(noise.sigma_um)
-    {
-        let verdict = if probability < SMALL_PROBABILITY {
-            "the scatter is NOT explained by that noise: roll of an axis that carries others, drift, or disturbed readings"
-        } else {
-            "in keeping with that noise"
-        };
-        lines.push(format!(
-            "chi-squared test against {:.3} um {}: probability {probability:.3}, {verdict}",
-            noise.sigma_um,
-            noise.source.words()
-        ));
-    }
-    lines.push("a clean closure proves nothing about pitch, yaw and five of eight patterns of set-up error".into());
-    lines.join("\n")
-}
-
-fn outliers(outliers: &[Outlier]) -> String {
-    let lines: Vec<String> = outliers
-        .iter()
-        .map(|outlier| {
-            let places: Vec<String> = outlier
-                .readings
-                .iter()
-                .map(|r| format!("{} {} node {}", r.diagonal, r.pass.word(), r.node))
-                .collect();
-            format!(
-                "{}: {:+.3} um, {:.1} standard deviations",
-                places.join(" or "),
-                outlier.size_um,
-                outlier.ratio
-            )
-        })
-        .collect();
-    list(
-        "Disturbed readings (they stay in the result: repeat the run):",
-        &lines,
     )
 }
 

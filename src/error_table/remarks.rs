@@ -1,0 +1,108 @@
+//! What a table says of itself: comment lines of a fixed form, so that a table which was
+//! separated once does not lose its warnings on the way into a kit.
+//!
+//! ```text
+//!   # doubt: why the values should not be trusted as they stand
+//!   # not determined: EXX: why this term has no values
+//!   # reversal not held: 9.146 um along the diagonals
+//!   # note: what whoever uses the values has to know
+//! ```
+//! Any other comment is free text and means nothing to the program.
+
+use crate::axis::ErrorTerm;
+
+const DOUBT: &str = "doubt:";
+const NOT_DETERMINED: &str = "not determined:";
+const REVERSAL: &str = "reversal not held:";
+const NOTE: &str = "note:";
+
+/// The remarks of a table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Remarks {
+    /// Why the values are doubtful: a verdict that rests on them is at most undecided.
+    pub doubts: Vec<String>,
+    /// Terms that the measurement was to give and did not, with the reason.
+    pub not_determined: Vec<(ErrorTerm, String)>,
+    /// Reversal along the body diagonals that the readings show and the curves do not hold, µm:
+    /// it could not be told apart by axis.
+    pub hidden_reversal_um: Option<f64>,
+    /// What whoever uses the values has to know.
+    pub notes: Vec<String>,
+}
+
+impl Remarks {
+    /// The remarks in the comments of a table; text that is none of them stays a comment.
+    pub fn read(table: &str) -> Remarks {
+        let mut remarks = Remarks::default();
+        for line in table.lines() {
+            if let Some(comment) = line.trim_start().strip_prefix('#') {
+                remarks.hear(comment.trim());
+            }
+        }
+        remarks
+    }
+
+    fn hear(&mut self, comment: &str) {
+        let after = |key: &str| Some(comment.strip_prefix(key)?.trim().to_string());
+        if let Some(words) = after(DOUBT) {
+            self.doubts.push(words);
+        } else if let Some(words) = after(NOTE) {
+            self.notes.push(words);
+        } else if let Some(words) = after(REVERSAL) {
+            let um = words.split_whitespace().next().unwrap_or_default();
+            let um: Option<f64> = um.parse().ok();
+            self.hidden_reversal_um = um.filter(|um| um.is_finite()).or(self.hidden_reversal_um);
+        } else if let Some(words) = after(NOT_DETERMINED) {
+            let (term, reason) = words.split_once(':').unwrap_or((&words, ""));
+            match ErrorTerm::from_name(term.trim()) {
+                Some(term) => self.not_determined.push((term, reason.trim().to_string())),
+                None => self.notes.push(format!("{NOT_DETERMINED} {words}")),
+            }
+        }
+    }
+
+    /// The comment lines that read back to these remarks, without their `#`.
+    pub fn lines(&self) -> Vec<String> {
+        let doubts = self.doubts.iter().map(|words| format!("{DOUBT} {words}"));
+        let missing = self.not_determined.iter();
+        let missing = missing.map(|(term, why)| format!("{NOT_DETERMINED} {term}: {why}"));
+        let reversal = self.hidden_reversal_um.iter();
+        let reversal = reversal.map(|um| format!("{REVERSAL} {um:.3} um along the diagonals"));
+        let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
+        doubts.chain(missing).chain(reversal).chain(notes).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn remarks_read_back_and_other_comments_mean_nothing() {
+        let remarks = Remarks {
+            doubts: vec!["a reading is disturbed: PPP node 58".to_string()],
+            not_determined: ErrorTerm::from_name("EXX")
+                .map(|term| (term, "two scales can be traded".to_string()))
+                .into_iter()
+                .collect(),
+            hidden_reversal_um: Some(9.125),
+            notes: vec!["frame: X primary".to_string()],
+        };
+        let mut table = "# made by hand\n#doubtful\n".to_string();
+        for line in remarks.lines() {
+            table += &format!("# {line}\n");
+        }
+        table += "axis,position_mm,ex_um\nx,0,0\nx,1,note: none\n";
+        assert_eq!(Remarks::read(&table), remarks);
+        assert_eq!(Remarks::read("# made by hand\n"), Remarks::default());
+    }
+
+    #[test]
+    fn what_names_no_term_is_kept_as_a_note() {
+        let remarks = Remarks::read("# not determined: reversal of each axis\n");
+        assert_eq!(
+            remarks.notes,
+            ["not determined: reversal of each axis".to_string()]
+        );
+    }
+}

@@ -1,0 +1,118 @@
+//! Why a result is doubtful, in words: what the readings themselves say against it.
+
+use super::closure::Closure;
+use super::curves::noise_gain;
+use super::increments::Means;
+use super::noise::Noise;
+use super::outlier::{FALSE_DOUBT, Outlier, float};
+use crate::axis::Axis;
+use crate::diagonal::{Diagonal, Volume};
+use crate::job::SetUp;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// More disturbed readings are counted here; the result lists them.
+const NAMED: usize = 3;
+/// A mean closure that no instrument resolves contradicts nothing, µm.
+const SMALLEST_MEAN_UM: f64 = 0.02;
+/// A reversal that no instrument resolves is none, µm.
+const SMALLEST_REVERSAL_UM: f64 = 0.02;
+
+/// What the closure says against the nine errors.
+pub fn of_closure(
+    closure: &Closure,
+    noise: Option<Noise>,
+    volume: &Volume,
+    setup: SetUp,
+) -> Vec<String> {
+    let mut doubts: Vec<String> = closure
+        .outliers
+        .iter()
+        .take(NAMED)
+        .map(|o| disturbed(o, volume))
+        .collect();
+    if closure.outliers.len() > NAMED {
+        let more = closure.outliers.len() - NAMED;
+        doubts.push(format!("{more} more disturbed readings stay in the result"));
+    }
+    doubts.extend(roll(closure));
+    let test = noise.and_then(|noise| closure.test(&noise));
+    if let Some(test) = test.filter(|test| test.larger && test.probability < FALSE_DOUBT) {
+        doubts.push(format!(
+            "the closure scatters more than the noise explains (probability {:.4}): the nine errors do not describe these readings",
+            test.probability
+        ));
+    }
+    if setup == SetUp::AssumePerfect {
+        doubts.extend(noise.and_then(|noise| set_up(closure, noise)));
+    }
+    doubts
+}
+
+/// A disturbed reading, and how far it moves the curves: one increment too long, the next too short.
+fn disturbed(outlier: &Outlier, volume: &Volume) -> String {
+    let gain = |of: Axis| noise_gain(volume, of) / 2.0;
+    let gain = Axis::ALL.map(gain).into_iter().fold(0.0, f64::max);
+    format!(
+        "disturbed reading, which stays in the curves and moves them by up to {:.3} um that U does not hold: {}; repeat that run",
+        gain * outlier.of_mean_um.abs(),
+        outlier.words()
+    )
+}
+
+fn roll(closure: &Closure) -> Option<String> {
+    let ramps = closure.ramps.as_ref().filter(|ramps| ramps.is_roll())?;
+    let changes = Axis::ALL.map(|axis| format!("{axis} {:+.3}", ramps.change_um[axis]));
+    Some(format!(
+        "the closure runs in straight ramps over the axes ({} um from end to end): roll of an axis that carries others, which the nine errors do not hold; measure the roll and give it as `angles`",
+        changes.join(", ")
+    ))
+}
+
+/// A closure whose mean is not zero contradicts a perfect set-up.
+fn set_up(closure: &Closure, noise: Noise) -> Option<String> {
+    let freedom = noise.freedom.map_or(1e5, float);
+    let spread = StudentsT::new(0.0, 1.0, freedom).ok()?;
+    let limit = spread.inverse_cdf(1.0 - FALSE_DOUBT / 2.0 / 3.0);
+    let off = |axis: &Axis| {
+        let mean = closure.mean[*axis].abs();
+        mean > SMALLEST_MEAN_UM && mean > limit * closure.u_mean_um(*axis, noise.sigma_um)
+    };
+    let off: Vec<String> = Axis::ALL
+        .into_iter()
+        .filter(off)
+        .map(|axis| format!("{axis} {:+.3}", closure.mean[axis]))
+        .collect();
+    (!off.is_empty()).then(|| {
+        format!(
+            "the set-up is assumed perfect, but the mean of the closure is not zero ({} um): tilt of the mirror, or roll; solve for the set-up",
+            off.join(", ")
+        )
+    })
+}
+
+/// Reversal along the diagonals that passes with overrun show: the largest B at a cell end, µm;
+/// `None` where the mean of forward minus reverse readings is within their noise. The reversal of
+/// a single axis is hidden in it, so that no curve holds it.
+pub fn hidden_reversal_um(means: &Means, noise: Option<Noise>) -> Option<f64> {
+    let reverse = means.reverse.as_ref()?;
+    let beside = |d: Diagonal| {
+        let pairs = means.forward[d].iter().zip(&reverse[d]);
+        pairs
+            .map(|(forward, back)| forward - back)
+            .collect::<Vec<f64>>()
+    };
+    let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
+    let shown = |b: &Vec<f64>| {
+        let count = float(b.len());
+        // Six standard deviations of a mean difference.
+        let limit = 6.0 * std::f64::consts::SQRT_2 * sigma / count.sqrt();
+        (b.iter().sum::<f64>() / count).abs() > limit.max(SMALLEST_REVERSAL_UM)
+    };
+    let shown = Diagonal::ALL.map(beside).into_iter().filter(shown);
+    let largest = shown.map(|b| {
+        b.iter()
+            .step_by(3)
+            .fold(0.0, |most: f64, um| most.max(um.abs()))
+    });
+    largest.reduce(f64::max)
+}
