@@ -116,6 +116,7 @@ fn simulated(
         volume: &separation.volume,
         noise: separation.noise,
         runs: &runs,
+        turned: separation.turn.is_some(),
         stated: campaign.stated,
         material: files.measurement.material,
     };

@@ -16,6 +16,7 @@
 use super::banded::{Banded, Factor};
 use super::curves::{closure_sign, closures};
 use super::increments::{Group, Means};
+use super::noise::{Noise, NoiseSource};
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use nalgebra::{DMatrix, DVector};
@@ -73,6 +74,15 @@ impl Closure {
         #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 intervals")]
         let freedom = self.freedom as f64;
         (self.freedom > 0).then(|| (self.weighted_square / freedom).sqrt())
+    }
+
+    /// The same as noise of the readings.
+    pub fn noise(&self) -> Option<Noise> {
+        self.sigma_um().map(|sigma_um| Noise {
+            sigma_um,
+            freedom: Some(self.freedom),
+            source: NoiseSource::Closure,
+        })
     }
 
     /// χ² test against a standard deviation that is known otherwise: the probability of a
