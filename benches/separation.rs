@@ -77,6 +77,7 @@ fn separation(criterion: &mut Criterion) {
             source: NoiseSource::Stated,
         }),
         runs: &counts,
+        turned: false,
         stated: campaign.stated,
         material: None,
     };

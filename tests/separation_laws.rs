@@ -205,18 +205,21 @@ proptest! {
         machine.lost_um = PerAxis { x: 8.0, y: 5.0, z: -3.0 };
         let mut all = forward(&machine);
         all.extend(runs(1, Pass::Reverse, &machine.readings(Some(false))));
-        let found = naive(&machine.volume, &all);
+        let mut given = measurement(&machine.volume, SetUp::AssumePerfect, Frame::AsMeasured);
+        // Two steps leave no interval from which the noise could be known, so nothing is judged.
+        given.overrun = (machine.volume.steps < 3).then_some(false);
+        let found = separate(&simulated::campaign(&given, Vec::new()), &all);
         prop_assert_eq!(found.overrun, Some(false));
         let turn = found.turn.as_ref().unwrap();
         for axis in Axis::ALL {
             let lost = machine.lost_um[axis];
             for d in Diagonal::ALL {
-                close(turn.by_diagonal_um[d][axis], lost, DUST_UM, format!("{d} {axis}"));
+                close(turn.by_diagonal[d][axis].um, lost, DUST_UM, format!("{d} {axis}"));
             }
             for of in Axis::ALL {
                 let wanted = if of == axis { lost } else { 0.0 };
                 let term = ErrorTerm { of, along: axis };
-                close(turn.reversal_um[term], wanted, DUST_UM, term);
+                close(turn.reversal[term].um, wanted, DUST_UM, term);
                 let minus = &found.errors.minus.as_ref().unwrap()[term].as_ref().unwrap().deviation_um;
                 let plus = &found.errors.plus.as_ref().unwrap()[term].as_ref().unwrap().deviation_um;
                 for (index, truth) in machine.curves[term].iter().enumerate() {
@@ -277,7 +280,6 @@ fn rank_and_words_follow_the_linear_axes() {
     for (axes, rank, words) in cases {
         let found = solved(&machine.volume, machine.lines(axes, Some(0.5)), &runs);
         assert_eq!(found.metric.rank, rank);
-        assert_eq!(found.metric.is_complete(), rank == 6);
         match words {
             "" => assert!(found.undetermined.is_empty(), "{:?}", found.undetermined),
             _ => assert!(

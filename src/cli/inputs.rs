@@ -1,7 +1,7 @@
 //! Files of a user → checked inputs.
 
 use crate::controller::{Origin, Profile, builtin, load};
-use crate::diagonal::PathKind;
+use crate::diagonal::{Pass, PathKind, Run};
 use crate::document::Source;
 use crate::emit::TOOL;
 use crate::error_table::{self, Draft, ErrorTable};
@@ -156,7 +156,28 @@ impl CampaignFiles {
 
     /// The nine errors.
     pub(super) fn separate(&self) -> Result<Separation, Problems> {
+        self.check_turn()?;
         Ok(separation::separate(&self.campaign()?, &self.readings.runs))
+    }
+
+    /// Reverse runs with a zero of their own hide where the axes reversed.
+    fn check_turn(&self) -> Result<(), Problems> {
+        let back = |run: &&Run| run.pass == Pass::Reverse && !self.readings.offset_known(run);
+        let hidden = self.readings.runs.iter().find(back);
+        match hidden.filter(|_| self.measurement.overrun.is_none()) {
+            None => Ok(()),
+            Some(run) => Err(self
+                .job
+                .problem_at(
+                    "measurement.step_diagonal",
+                    format!(
+                        "the runs under the name {} count from their own start, so the readings do not tell whether the axes ran over the far end: `overrun` is missing",
+                        run.diagonal.reverse_name()
+                    ),
+                )
+                .help("state `overrun = true` or `overrun = false` as it was measured; without overrun the first moves back hold the lost motion of the axes")
+                .into()),
+        }
     }
 
     /// What straight runs say.

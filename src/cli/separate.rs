@@ -127,6 +127,7 @@ fn simulated(
         volume: &separation.volume,
         noise: separation.noise,
         runs: &runs,
+        turned: separation.turn.is_some(),
         stated: campaign.stated,
         material: files.measurement.material,
     };

@@ -7,18 +7,23 @@ use super::doubt;
 use super::increments::{Group, Increments, Means, mean_increments};
 use super::line::ReferenceLine;
 use super::metric::{Metric, PerPlane, Plane, StraightLine, displacement_ratios, solve};
-use super::noise::{CorrectedRun, Noise, NoiseSource, means, run_counts};
+use super::noise::{
+    CorrectedRun, Noise, NoiseSource, coverage_factor, effective_freedom, means, run_counts,
+};
 use super::repeats::repeats;
 use super::reversal::{Turn, ran_over, turn, without_jumps};
 use super::straight::{DiagonalFigures, Totals, figures, totals, u_squareness};
 use super::tilt::{Tilt, tilts};
-use super::uncertainty::{Budget, SlopeFrom};
+use super::uncertainty::{AlongCurve, Budget, Side, SlopeFrom};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
+use std::borrow::Cow;
 
 /// Uncertainty that weighs totals and lines where neither noise nor a statement gives one, µm/m.
 const WEIGHT_UM_PER_M: f64 = 1.0;
+/// By how much totals are changed to see what hangs on them, µm.
+const DIFFERENCE_UM: f64 = 1.0;
 
 /// One separated curve.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +32,31 @@ pub struct Evidence {
     pub deviation_um: Curve,
     /// Standard uncertainties (k = 1) against the first position, µm; `None` = not known.
     pub u_um: Option<Vec<f64>>,
+    /// The part of them that comes from the noise of the readings, µm.
+    pub u_noise_um: Option<Vec<f64>>,
+}
+
+impl Evidence {
+    fn new(deviation_um: Curve, along: Option<AlongCurve>) -> Evidence {
+        let (u_um, u_noise_um) = along.map(|along| (along.u_um, along.noise_um)).unzip();
+        Evidence {
+            deviation_um,
+            u_um,
+            u_noise_um,
+        }
+    }
+
+    /// Effective degrees of freedom of a point's uncertainty; `None` = unlimited.
+    pub fn freedom(&self, index: usize, noise: Option<Noise>) -> Option<f64> {
+        let u = *self.u_um.as_ref()?.get(index)?;
+        effective_freedom(u, *self.u_noise_um.as_ref()?.get(index)?, noise?)
+    }
+
+    /// U of a point, µm: its uncertainty with the coverage factor of its degrees of freedom.
+    pub fn expanded_um(&self, index: usize, noise: Option<Noise>) -> Option<f64> {
+        let u = *self.u_um.as_ref()?.get(index)?;
+        Some(u * coverage_factor(self.freedom(index, noise)))
+    }
 }
 
 /// The nine errors; `None` = not determined.
@@ -81,7 +111,8 @@ pub struct Separation {
     pub diagonals: PerDiagonal<DiagonalFigures>,
     /// Max − min over all diagonals, µm.
     pub range_over_all_um: f64,
-    /// Whether the axes ran over the far end; `None` without reverse passes.
+    /// Whether the axes ran over the far end; `None` without reverse passes, and where neither the
+    /// job nor the readings tell.
     pub overrun: Option<bool>,
     /// Reversals from a turn without overrun.
     pub turn: Option<Turn>,
@@ -100,7 +131,7 @@ pub struct Separation {
     pub runs: Vec<CorrectedRun>,
     /// The runs whose zero is that of the forward run: all, or the forward passes only.
     pub zeroed_runs: Vec<CorrectedRun>,
-    /// The mean readings that were separated.
+    /// The mean readings as measured; jumps of a turn are still in them.
     pub means: Means,
 }
 
@@ -207,52 +238,46 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
             skip_ends: true,
             ..Known::default()
         };
-        let sigma = || closure(volume, &measured, &counts, rough).sigma_um();
-        let known = known.map(|noise| noise.sigma_um);
-        known.or_else(sigma).unwrap_or(0.0)
+        known.or_else(|| closure(volume, &measured, &counts, rough).noise())
     };
     let overrun = measurement.overrun.filter(|_| measured.reverse.is_some());
     let overrun = overrun.or_else(|| {
         let judgeable = measured.reverse.is_some() && campaign.reverse_zero_known;
-        judgeable.then(|| ran_over(&measured, volume, guess()))?
+        judgeable.then(|| ran_over(&measured, volume, &counts, guess()?))?
     });
-    let turned = overrun == Some(false) && campaign.reverse_zero_known;
-    let means = if turned {
-        without_jumps(&measured, volume)
-    } else {
-        measured.clone()
-    };
+    let turned = overrun == Some(false);
+    let means = separable(&measured, volume, turned);
     let judged = Known {
         noise: known,
         outliers: &repeats.outliers,
-        skip_ends: turned,
+        skip_ends: means.reverse.is_some() && overrun != Some(true),
     };
     let closure = closure(volume, &means, &counts, judged);
-    let noise = known.or_else(|| noise_of(&closure));
+    let noise = known.or_else(|| closure.noise());
     let budget = Budget {
         volume,
         noise,
         runs: &counts,
+        turned,
         stated: campaign.stated,
         material: measurement.material,
     };
-    let groups = means.groups();
     let (solved, raw) = solve_readings(campaign, &budget, &means);
-    let change = PerTerm::from_fn(|term| change_um(&raw, term));
-    let turn = turn(&measured, volume, &change).filter(|_| turned);
-    let errors = solved.errors(&budget, groups, &raw, turn.as_ref());
+    let turn = turn(&measured, volume, &counts, noise).filter(|_| turned);
+    let errors = solved.errors(&budget, &raw, turn.as_ref());
     let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
     let zeroed_runs: Vec<CorrectedRun> = runs.iter().filter(zeroed).cloned().collect();
     let (mut diagonals, range_over_all_um) = figures(&zeroed_runs, PathKind::Step);
     for diagonal in Diagonal::ALL {
         diagonals[diagonal].end_um = solved.ends_um[diagonal];
     }
-    let u_end = budget.u_end_um(groups.len());
-    let labels = labels(campaign, &budget, &means, overrun);
+    let u_end = budget.u_end_um(means.reverse.is_some());
+    let labels = labels(campaign, &budget, &means, overrun, turn.as_ref());
     let doubts = doubt::of_closure(&closure, noise, volume, measurement.setup);
     let hidden = (overrun == Some(true) && campaign.reverse_zero_known)
         .then(|| doubt::hidden_reversal_um(&measured, noise))
         .flatten();
+    let both_ways = means.reverse.is_some();
     Separation {
         volume: volume.clone(),
         setup: measurement.setup,
@@ -265,7 +290,7 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         squareness_least_squares_um_per_m: least_squares_squareness(volume, &errors.mean),
         tilts: tilts(volume, &solved.ratios, &solved.metric)
             .filter(|_| measurement.setup == SetUp::Solve),
-        undetermined: solved.undetermined(means.reverse.is_some(), turn.is_some()),
+        undetermined: solved.undetermined(both_ways, turn.is_some()),
         scale_sum_um_mm: solved.totals.scale_sum_um_mm,
         metric: solved.metric,
         errors,
@@ -280,7 +305,16 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         labels,
         runs,
         zeroed_runs,
-        means,
+        means: measured,
+    }
+}
+
+/// The readings that are separated: without the jumps of a turn.
+fn separable<'a>(measured: &'a Means, volume: &Volume, turned: bool) -> Cow<'a, Means> {
+    if turned {
+        Cow::Owned(without_jumps(measured, volume))
+    } else {
+        Cow::Borrowed(measured)
     }
 }
 
@@ -296,23 +330,22 @@ fn solve_readings(
         .map(|group| means.increments(volume, *group))
         .collect();
     let raw: Vec<PerTerm<Curve>> = increments.iter().map(|m| curves(volume, m)).collect();
-    let solved = Solved::new(campaign, budget, &increments, &raw, groups.len());
+    let solved = Solved::new(campaign, budget, &increments, &raw);
     (solved, raw)
 }
 
 /// Nine curves (without regard to direction, without uncertainties) and squareness of mean
-/// readings: what a trial of a simulation repeats.
+/// readings as measured: what a trial of a simulation repeats.
 pub fn curves_of(
     campaign: &Campaign<'_>,
     budget: &Budget<'_>,
     means: &Means,
 ) -> (NineErrors, PerPlane<Option<f64>>) {
-    let (solved, _) = solve_readings(campaign, budget, means);
+    let means = separable(means, budget.volume, budget.turned);
+    let (solved, _) = solve_readings(campaign, budget, &means);
     let mean = PerTerm::from_fn(|term| {
-        Some(Evidence {
-            deviation_um: solved.turned(term, &solved.mean_raw[term])?,
-            u_um: None,
-        })
+        let curve = solved.turned(term, &solved.mean_raw[term])?;
+        Some(Evidence::new(curve, None))
     });
     let errors = NineErrors {
         mean,
@@ -322,18 +355,7 @@ pub fn curves_of(
     (errors, solved.squareness(campaign.measurement.setup))
 }
 
-/// Δ of the reversal of a term from the low end of its axis to the high end, µm.
-fn change_um(raw: &[PerTerm<Curve>], term: ErrorTerm) -> f64 {
-    match raw {
-        [plus, minus] => plus[term]
-            .last()
-            .zip(minus[term].last())
-            .map_or(0.0, |(p, m)| p - m),
-        _ => 0.0,
-    }
-}
-
-/// Repeats say most; a stated noise comes next.
+/// Repeats say most; a stated noise comes next; a single run is left with its closure.
 fn known_noise(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<Noise> {
     let stated = stated.noise_um.map(|sigma_um| Noise {
         sigma_um,
@@ -341,16 +363,6 @@ fn known_noise(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<Noi
         source: NoiseSource::Stated,
     });
     repeats.or(stated)
-}
-
-/// A single run without any statement is left with its closure.
-fn noise_of(closure: &Closure) -> Option<Noise> {
-    let sigma_um = closure.sigma_um()?;
-    Some(Noise {
-        sigma_um,
-        freedom: Some(closure.freedom),
-        source: NoiseSource::Closure,
-    })
 }
 
 /// Slopes and what they come from.
@@ -363,6 +375,8 @@ struct Solved {
     metric: Metric,
     ends_um: PerDiagonal<f64>,
     totals: Totals,
+    u_end_um_per_m: f64,
+    lines: Vec<StraightLine>,
 }
 
 impl Solved {
@@ -371,7 +385,6 @@ impl Solved {
         budget: &Budget<'_>,
         increments: &[Increments],
         raw: &[PerTerm<Curve>],
-        passes: usize,
     ) -> Solved {
         let measurement = campaign.measurement;
         let volume = &measurement.volume;
@@ -379,7 +392,7 @@ impl Solved {
         let ratios = displacement_ratios(volume, &means);
         let length_m = volume.diagonal_mm() / 1000.0;
         let u_end = budget
-            .u_end_um(passes)
+            .u_end_um(increments.len() == 2)
             .map(|u| u / length_m)
             .filter(|u| *u > 0.0);
         let u_end = u_end.unwrap_or(WEIGHT_UM_PER_M);
@@ -405,6 +418,8 @@ impl Solved {
             ratios,
             totals: totals(volume, &ends_um),
             ends_um,
+            u_end_um_per_m: u_end,
+            lines,
         }
     }
 
@@ -459,17 +474,41 @@ impl Solved {
         }
     }
 
-    fn slope_from(&self, term: ErrorTerm) -> SlopeFrom {
+    /// How scales and squareness change with the total of each diagonal, µm/m for each µm: a
+    /// total grows by a part of the length when all measured steps along it do.
+    fn gains(&self) -> PerDiagonal<Metric> {
+        let part = DIFFERENCE_UM / (1000.0 * self.volume.diagonal_mm());
+        PerDiagonal::from_fn(|d| {
+            let mut ratios = self.ratios;
+            ratios[d] = PerAxis::from_fn(|axis| (1.0 + part) * ratios[d][axis]);
+            solve(&self.volume, &ratios, self.u_end_um_per_m, &self.lines)
+        })
+    }
+
+    fn slope_from(&self, term: ErrorTerm, gains: &PerDiagonal<Metric>) -> SlopeFrom {
+        let difference = |of: &dyn Fn(&Metric) -> Option<f64>| {
+            let here = of(&self.metric).unwrap_or(0.0);
+            let by =
+                |d: Diagonal| of(&gains[d]).map_or(0.0, |there| (there - here) / DIFFERENCE_UM);
+            PerDiagonal::from_fn(by)
+        };
+        let mut by_end = PerDiagonal::default();
         let u_um_per_m = match (self.setup, self.frame) {
             (SetUp::AssumePerfect, Frame::AsMeasured) => return SlopeFrom::Increments,
             (SetUp::AssumePerfect, Frame::XPrimary) if term.is_positioning() => {
                 return SlopeFrom::Increments;
             }
-            (SetUp::Solve, _) if term.is_positioning() => self.metric.u_scale(term.along),
+            (SetUp::Solve, _) if term.is_positioning() => {
+                by_end = difference(&|metric| metric.scale[term.along]);
+                self.metric.u_scale(term.along)
+            }
             (_, Frame::XPrimary) if !carries_squareness(term) => 0.0,
-            _ => self.metric.u_squareness(plane_of(term)),
+            _ => {
+                by_end = difference(&|metric| metric.squareness.of(plane_of(term)));
+                self.metric.u_squareness(plane_of(term))
+            }
         };
-        SlopeFrom::Elsewhere { u_um_per_m }
+        SlopeFrom::Elsewhere { u_um_per_m, by_end }
     }
 
     /// A separated curve with the slope of the mean curve put right.
@@ -482,33 +521,35 @@ impl Solved {
     fn errors(
         &self,
         budget: &Budget<'_>,
-        groups: &[Group],
         raw: &[PerTerm<Curve>],
         turn: Option<&Turn>,
     ) -> NineErrors {
-        let mean = PerTerm::from_fn(|term| {
-            Some(Evidence {
-                deviation_um: self.turned(term, &self.mean_raw[term])?,
-                u_um: budget.mean_curve(term, groups, self.slope_from(term)),
-            })
-        });
-        let directed = |group: usize, reversal: Option<&Turn>| {
-            PerTerm::from_fn(|term| {
-                let curve = self.turned(term, &raw[group][term])?;
-                // The − curve lies B below the + curve.
-                let offset = reversal.map_or(0.0, |turn| -turn.reversal_um[term]);
-                let from_turn = reversal.is_some();
-                Some(Evidence {
-                    deviation_um: curve.iter().map(|value| value + offset).collect(),
-                    u_um: budget.directed_curve(term, groups, self.slope_from(term), from_turn),
-                })
-            })
+        let gains = self.gains();
+        let both_ways = raw.len() == 2;
+        let along = |term: ErrorTerm, side: Side<'_>| {
+            budget.curve(term, side, self.slope_from(term, &gains), both_ways)
         };
-        let both = raw.len() == 2;
+        let mean = PerTerm::from_fn(|term| {
+            let curve = self.turned(term, &self.mean_raw[term])?;
+            Some(Evidence::new(curve, along(term, Side::Mean)))
+        });
+        let directed = |direction: Direction| {
+            let [plus, minus] = raw else { return None };
+            let evidence = |term: ErrorTerm| {
+                let mean = &mean[term].as_ref()?.deviation_um;
+                let reversal = reversal(term, &plus[term], &minus[term], turn);
+                let curve = directed_curve(mean, &reversal, direction);
+                Some(Evidence::new(
+                    curve,
+                    along(term, Side::Moving(direction, turn)),
+                ))
+            };
+            Some(PerTerm::from_fn(evidence))
+        };
         NineErrors {
+            plus: directed(Direction::Plus),
+            minus: directed(Direction::Minus),
             mean,
-            plus: both.then(|| directed(0, None)),
-            minus: both.then(|| directed(1, turn)),
         }
     }
 
@@ -524,6 +565,26 @@ impl Solved {
         }
         words
     }
+}
+
+/// B of a term along its axis, µm: from the turn, else against its unknown value at the low end.
+fn reversal(term: ErrorTerm, plus: &[f64], minus: &[f64], turn: Option<&Turn>) -> Vec<f64> {
+    let walk: Vec<f64> = plus.iter().zip(minus).map(|(p, m)| p - m).collect();
+    match turn {
+        Some(turn) => turn.along(term, &walk),
+        None => walk,
+    }
+}
+
+/// The curve of a direction: the mean of both is that of curves which start at 0, and the − curve
+/// lies B below the + curve.
+fn directed_curve(mean: &[f64], reversal: &[f64], direction: Direction) -> Curve {
+    let start = reversal.first().copied().unwrap_or(0.0);
+    let value = |(mean, b): (&f64, &f64)| match direction {
+        Direction::Plus => mean + (b - start) / 2.0,
+        Direction::Minus => mean - (b + start) / 2.0,
+    };
+    mean.iter().zip(reversal).map(value).collect()
 }
 
 /// In the X-primary frame EXY, EXZ and EYZ carry the squareness of their plane.
@@ -563,11 +624,55 @@ fn least_squares_squareness(
     }
 }
 
+/// What is known of the reverse passes.
+fn way_back(campaign: &Campaign<'_>, means: &Means, overrun: Option<bool>) -> Vec<String> {
+    if means.reverse.is_none() {
+        return vec!["forward passes only: NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the curves".into()];
+    }
+    let from = if campaign.measurement.overrun.is_some() {
+        "as stated"
+    } else {
+        "judged from the readings"
+    };
+    let mut said = vec![match overrun {
+        Some(true) => format!("the axes ran over the far end before the reverse passes ({from})"),
+        Some(false) => format!("the axes turned at the far end without overrun ({from}): the lost motion is taken off the last cell of the reverse passes"),
+        None => "whether the axes ran over the far end cannot be judged from the readings: no reversal stands out of their noise, or offset and jumps contradict each other. State `overrun`; until then a lost motion that is hidden in the noise may stand in the last interval".into(),
+    }];
+    if !campaign.reverse_zero_known {
+        said.push(
+            "reverse runs count from their own start, so only their increments are used".into(),
+        );
+    }
+    said
+}
+
+/// What the turn's reversals rest on.
+fn of_the_turn(turn: &Turn) -> String {
+    let terms = ErrorTerm::ALL.into_iter();
+    let kept: Vec<String> = terms
+        .filter(|term| !term.is_positioning() && turn.in_curves[*term])
+        .map(|term| term.to_string())
+        .collect();
+    let cross = if kept.is_empty() {
+        "no reversal of a cross term stands out of its noise, so their - curves start at 0 like the + curves".to_string()
+    } else {
+        format!(
+            "reversal of cross terms stands out of its noise in {}, taken as constant along the axis; the other - curves start at 0",
+            kept.join(", ")
+        )
+    };
+    format!(
+        "reversal of each axis from the turn, at both ends of the axis (three diagonals turn at its high end, one at its low end); {cross}"
+    )
+}
+
 fn labels(
     campaign: &Campaign<'_>,
     budget: &Budget<'_>,
     means: &Means,
     overrun: Option<bool>,
+    turn: Option<&Turn>,
 ) -> Vec<String> {
     let measurement = campaign.measurement;
     let mut labels = Vec::new();
@@ -578,15 +683,8 @@ fn labels(
         Frame::XPrimary => "frame: X primary, XY plane secondary (EYX, EZX, EZY without slope; EXY, EXZ, EYZ carry the squareness)".to_string(),
         Frame::AsMeasured => "frame as measured: slopes of cross terms hold an arbitrary rotation; only their sums are the machine's".to_string(),
     });
-    match overrun {
-        None if means.reverse.is_some() => labels.push("reverse runs count from their own start, so only their increments are used".to_string()),
-        None => labels.push("forward passes only: NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the curves".to_string()),
-        Some(over) => {
-            let from = if measurement.overrun.is_some() { "as stated" } else { "judged from the readings" };
-            let what = if over { "the axes ran over the far end before the reverse passes" } else { "the axes turned at the far end without overrun: reversal of each axis from the turn, taken as constant in the end intervals" };
-            labels.push(format!("{what} ({from})"));
-        }
-    }
+    labels.extend(way_back(campaign, means, overrun));
+    labels.extend(turn.map(of_the_turn));
     if means.reverse.is_some() {
         labels.push("directions are those in which each axis really moved: + curves from forward passes of the diagonals that travel it in +, reverse passes of the others".to_string());
     }

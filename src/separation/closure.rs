@@ -90,6 +90,15 @@ impl Closure {
         (self.freedom > 0).then(|| (self.weighted_square / freedom).sqrt())
     }
 
+    /// The same as noise of the readings.
+    pub fn noise(&self) -> Option<Noise> {
+        self.sigma_um().map(|sigma_um| Noise {
+            sigma_um,
+            freedom: Some(self.freedom),
+            source: NoiseSource::Closure,
+        })
+    }
+
     /// Two-sided test against a noise that is known otherwise: χ² where it is stated, F where it
     /// comes from repeated runs. `None` where it comes from this closure, so that nothing is tested.
     pub fn test(&self, noise: &Noise) -> Option<ScatterTest> {

@@ -118,11 +118,6 @@ pub struct Metric {
 }
 
 impl Metric {
-    /// Whether everything is determined.
-    pub const fn is_complete(&self) -> bool {
-        self.rank == UNKNOWNS
-    }
-
     /// Standard uncertainty of a scale, µm/m.
     pub fn u_scale(&self, axis: Axis) -> f64 {
         let index = scale_index(axis);

@@ -15,7 +15,6 @@ use super::increments::{Means, PassMeans};
 use super::line::{ReferenceLine, range};
 use super::metric::{PerPlane, Plane};
 use super::uncertainty::Budget;
-use crate::axis::{ErrorTerm, PerTerm};
 use crate::diagonal::{Pass, PerDiagonal, Volume};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -60,18 +59,12 @@ pub struct Simulated {
     pub plan: Plan,
     /// Figures.
     pub figures: Vec<Figure>,
-    /// Standard deviation of every point of every curve, µm.
-    pub u_um: PerTerm<Option<Vec<f64>>>,
 }
 
-/// Sums over a block of trials.
-#[derive(Clone)]
-struct Block {
-    figures: Vec<Vec<f64>>,
-    square: PerTerm<Vec<f64>>,
-}
+/// Figures of a block of trials, one list for each.
+type Block = Vec<Vec<f64>>;
 
-/// Runs the trials. `budget.noise` must be known, else `None`. `progress` hears of finished trials.
+/// Runs the trials on mean readings as measured. `budget.noise` must be known, else `None`. `progress` hears of finished trials.
 pub fn simulate(
     campaign: &Campaign<'_>,
     budget: &Budget<'_>,
@@ -99,7 +92,7 @@ pub fn simulate(
             }
             let numbers = index * BLOCK..((index + 1) * BLOCK).min(plan.trials);
             let count = numbers.len();
-            done.push((index, block(budget.volume, numbers, &estimate.0, trial)));
+            done.push((index, block(budget.volume, numbers, trial)));
             progress(count);
         }
     };
@@ -114,36 +107,20 @@ pub fn simulate(
         done
     });
     done.sort_by_key(|(index, _)| *index);
-    Some(summary(plan, names, &estimate.0, &done))
+    Some(summary(plan, names, &done))
 }
 
 fn block(
     volume: &Volume,
     numbers: std::ops::Range<usize>,
-    estimate: &NineErrors,
     trial: impl Fn(usize) -> (NineErrors, PerPlane<Option<f64>>),
 ) -> Block {
-    let mut block = Block {
-        figures: Vec::with_capacity(numbers.len()),
-        square: PerTerm::from_fn(|_| vec![0.0; volume.steps + 1]),
-    };
-    for number in numbers {
+    let figures = |number: usize| {
         let (errors, squareness) = trial(number);
-        for term in ErrorTerm::ALL {
-            let pair = errors.mean[term].as_ref().zip(estimate.mean[term].as_ref());
-            if let Some((found, wanted)) = pair {
-                let values = found.deviation_um.iter().zip(&wanted.deviation_um);
-                for (sum, (found, wanted)) in block.square[term].iter_mut().zip(values) {
-                    *sum += (found - wanted) * (found - wanted);
-                }
-            }
-        }
         let figures = names(volume, &errors, &squareness);
-        block
-            .figures
-            .push(figures.into_iter().map(|(_, _, value)| value).collect());
-    }
-    block
+        figures.into_iter().map(|(_, _, value)| value).collect()
+    };
+    numbers.map(figures).collect()
 }
 
 /// The figures of nine curves: name, unit, value.
@@ -216,7 +193,6 @@ fn with_other_lines<'a>(campaign: &Campaign<'a>, random: &mut ChaCha8Rng) -> Cam
 fn summary(
     plan: Plan,
     names: Vec<(String, &'static str, f64)>,
-    estimate: &NineErrors,
     done: &[(usize, Block)],
 ) -> Simulated {
     #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 trials")]
@@ -225,7 +201,7 @@ fn summary(
         .into_iter()
         .enumerate()
         .map(|(index, (name, unit, estimate))| {
-            let all = done.iter().flat_map(|(_, block)| &block.figures);
+            let all = done.iter().flat_map(|(_, block)| block);
             let mut values: Vec<f64> = all.map(|figures| figures[index]).collect();
             values.sort_by(f64::total_cmp);
             let mean = values.iter().sum::<f64>() / count;
@@ -243,23 +219,7 @@ fn summary(
             }
         })
         .collect();
-    let u_um = PerTerm::from_fn(|term| {
-        estimate.mean[term].as_ref().map(|evidence| {
-            let at = |index: usize| {
-                let sum: f64 = done
-                    .iter()
-                    .map(|(_, block)| block.square[term][index])
-                    .sum();
-                (sum / count).sqrt()
-            };
-            (0..evidence.deviation_um.len()).map(at).collect()
-        })
-    });
-    Simulated {
-        plan,
-        figures,
-        u_um,
-    }
+    Simulated { plan, figures }
 }
 
 /// Quantile of sorted values by straight lines between them.

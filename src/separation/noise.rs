@@ -2,6 +2,12 @@
 
 use super::increments::{Means, PassMeans};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
+
+/// Share of a normal distribution within two standard deviations: what U stands for.
+const COVERAGE: f64 = 0.954_499_736_103_642;
+/// From here on Student's distribution is the normal one in every digit that is printed.
+const MANY: f64 = 1e6;
 
 /// One corrected run, µm, by node.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +53,50 @@ pub struct Noise {
     pub freedom: Option<usize>,
     /// Where it comes from.
     pub source: NoiseSource,
+}
+
+impl Noise {
+    /// Degrees of freedom as a number; `None` = as good as known.
+    pub fn freedom_f64(&self) -> Option<f64> {
+        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
+        self.freedom.map(|freedom| freedom as f64)
+    }
+}
+
+/// k with which U = k·u holds the true value in 95.45 % of all cases: 2 for a known standard
+/// deviation, more by Student where it was estimated from few (GUM, annex G).
+pub fn coverage_factor(freedom: Option<f64>) -> f64 {
+    match freedom {
+        Some(freedom) if freedom < MANY => coverage_factor_for(0.5 + COVERAGE / 2.0, Some(freedom)),
+        _ => 2.0,
+    }
+}
+
+/// Quantile of Student's distribution; of the normal one where the freedom is not limited.
+pub(super) fn coverage_factor_for(share: f64, freedom: Option<f64>) -> f64 {
+    let freedom = freedom.unwrap_or(MANY).clamp(1.0, MANY);
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |spread| spread.inverse_cdf(share))
+}
+
+/// Effective degrees of freedom of u, of which `u_noise` comes from the noise of the readings and
+/// the rest is known (Welch and Satterthwaite, GUM G.4.1); `None` = unlimited.
+pub fn effective_freedom(u: f64, u_noise: f64, noise: Noise) -> Option<f64> {
+    let share = if u > 0.0 { u_noise / u } else { 0.0 };
+    noise
+        .freedom_f64()
+        .map(|freedom| freedom / share.powi(4))
+        .filter(|freedom| *freedom < MANY)
+}
+
+/// Probability of a sum of `count` squares of normal deviates by their variance at least as large
+/// as `square`; F where the variance is an estimate. `None` where `count` is 0.
+pub(super) fn chance_of(square: f64, count: usize, freedom: Option<usize>) -> Option<f64> {
+    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
+    let (many, freedom) = (count as f64, freedom.map(|freedom| freedom as f64));
+    match freedom {
+        Some(freedom) => Some(FisherSnedecor::new(many, freedom).ok()?.sf(square / many)),
+        None => Some(ChiSquared::new(many).ok()?.sf(square)),
+    }
 }
 
 /// Mean of the runs of each pass. The reverse pass counts only if every diagonal has it.
@@ -96,7 +146,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Repeatability of a pass along a diagonal as in ISO 230-2: R = 4 s, the largest over its nodes,
-/// µm; `None` with fewer than two runs.
+/// µm; `None` with fewer than two runs. Each run counts from its own zero, as it was read.
 pub fn repeatability_um(runs: &[CorrectedRun], diagonal: Diagonal, pass: Pass) -> Option<f64> {
     let runs: Vec<&CorrectedRun> = of(runs, diagonal, pass).collect();
     let nodes = runs.first().map_or(0, |run| run.readings_um.len());

@@ -2,13 +2,15 @@
 
 use super::text::standard_figures;
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::diagonal::{Diagonal, PathKind};
+use crate::diagonal::{Diagonal, Pass, PathKind};
 use crate::job::DiagonalMeasurement;
 use crate::manifest::picometres;
 use crate::problem::Problems;
 use crate::separation::metric::{PerPlane, Plane};
 use crate::separation::monte_carlo::Simulated;
+use crate::separation::noise::{coverage_factor, repeatability_um};
 use crate::separation::outlier::Outlier;
+use crate::separation::reversal::{Estimate, Turn};
 use crate::separation::straight::{StraightResult, Totals};
 use crate::separation::{Evidence, Separation};
 use serde_json::{Map, Value, json};
@@ -164,15 +166,14 @@ pub(super) fn separation(
             json!({
                 "sigma_um": picometres(noise.sigma_um),
                 "degrees_of_freedom": noise.freedom,
+                "coverage_factor": picometres(coverage_factor(noise.freedom_f64())),
                 "source": noise.source.words(),
                 "closure_probability": closure.test(&noise).map(|test| test.probability),
             }),
         );
     }
     if let Some(turn) = &separation.turn {
-        let terms = turn.reversal_um.iter();
-        let all = terms.map(|(term, um)| (term.to_string(), json!(picometres(*um))));
-        page.insert("reversal_um".into(), Value::Object(all.collect()));
+        reversal(&mut page, turn);
     }
     let shapes = separation.shapes.iter();
     let shapes = shapes.map(|(term, shape)| (term.to_string(), json!(rounded(shape))));
@@ -183,6 +184,41 @@ pub(super) fn separation(
     page.insert("doubts".into(), json!(separation.doubts));
     page.insert("labels".into(), json!(separation.labels));
     Ok(Value::Object(page))
+}
+
+/// Reversals of a turn: by term, at both ends of each axis, and from each diagonal alone.
+fn reversal(page: &mut Map<String, Value>, turn: &Turn) {
+    let known = |u: Option<f64>| u.map(picometres);
+    let both = |b: Estimate| json!({"um": picometres(b.um), "u_um": known(b.u_um)});
+    let by_term = |value: &dyn Fn(ErrorTerm) -> Value| {
+        let all = ErrorTerm::ALL.map(|term| (term.to_string(), value(term)));
+        Value::Object(all.into_iter().collect())
+    };
+    let um = by_term(&|term| json!(picometres(turn.reversal[term].um)));
+    page.insert("reversal_um".into(), um);
+    let u_um = by_term(&|term| json!(known(turn.reversal[term].u_um)));
+    page.insert("u_reversal_um".into(), u_um);
+    let held = by_term(&|term| json!(turn.in_curves[term]));
+    page.insert("reversal_in_curves".into(), held);
+    let ends = axes(|axis| {
+        let [low, high] = turn.ends[axis];
+        json!({"low": both(low), "high": both(high), "constancy_probability": turn.constancy[axis].map(picometres)})
+    });
+    page.insert("reversal_at_ends".into(), ends);
+    let alone = turn.by_diagonal.iter();
+    let alone = alone.map(|(d, all)| (d.name().to_string(), axes(|axis| both(all[axis]))));
+    page.insert(
+        "reversal_by_diagonal".into(),
+        Value::Object(alone.collect()),
+    );
+}
+
+fn repeatability(separation: &Separation, diagonal: Diagonal) -> Value {
+    let of = |pass: Pass| {
+        let found = repeatability_um(&separation.runs, diagonal, pass);
+        (pass.word().to_string(), json!(found.map(picometres)))
+    };
+    Value::Object(Pass::BOTH.map(of).into_iter().collect())
 }
 
 fn outlier(outlier: &Outlier) -> Value {
@@ -213,6 +249,7 @@ fn diagonals(separation: &Separation) -> Result<Value, Problems> {
             json!({
                 "end_reading_um": picometres(figures.end_um),
                 "range_um": picometres(figures.range_um),
+                "repeatability_um": repeatability(separation, diagonal),
             }),
         );
     }

@@ -3,14 +3,15 @@
 use super::closure::{closure, outliers};
 use crate::axis::{Axis, ErrorTerm};
 use crate::cli::show::{Column, paragraphs, table};
-use crate::diagonal::{Diagonal, PathKind, Volume};
+use crate::diagonal::{Diagonal, Pass, PathKind, Volume};
 use crate::job::DiagonalMeasurement;
 use crate::problem::Problems;
 use crate::separation::diagonal_runs::diagonal_runs;
 use crate::separation::line::{ReferenceLine, range};
 use crate::separation::metric::{PerPlane, Plane};
 use crate::separation::monte_carlo::Simulated;
-use crate::separation::noise::CorrectedRun;
+use crate::separation::noise::{CorrectedRun, coverage_factor, repeatability_um};
+use crate::separation::reversal::{Estimate, Turn};
 use crate::separation::straight::{StraightResult, scale_shares};
 use crate::separation::{Evidence, Separation};
 use crate::standards::{self, DiagonalMotion, Diagonals};
@@ -52,6 +53,7 @@ pub(super) fn summary(
         squareness(
             &separation.squareness_um_per_m,
             separation.u_squareness_um_per_m.as_ref(),
+            separation.noise.and_then(|noise| noise.freedom_f64()),
         ),
         undetermined(&separation.undetermined),
         setup(separation),
@@ -59,6 +61,7 @@ pub(super) fn summary(
         outliers(&separation.closure.outliers),
         reversal(separation),
         diagonals(separation)?,
+        repeatability(separation),
         simulated.map_or_else(String::new, monte_carlo),
         list(
             "Assumed, and what the uncertainty holds:",
@@ -92,7 +95,8 @@ fn terms(separation: &Separation) -> String {
         Column::Right("range um"),
         Column::Right("beside end points um"),
         Column::Right("at far end um"),
-        Column::Right("U(k=2) there um"),
+        Column::Right("U(95 %) there um"),
+        Column::Right("freedom"),
     ];
     let rows = ErrorTerm::ALL.into_iter().map(|term| {
         let positions: Vec<f64> = separation
@@ -111,18 +115,23 @@ fn terms(separation: &Separation) -> String {
                 beside,
                 "-".into(),
                 "-".into(),
+                "-".into(),
             ],
-            Some(found) => vec![
-                term.to_string(),
-                format!(
-                    "{:.3}",
-                    ReferenceLine::EndPoints.slope_um_per_m(&positions, &found.deviation_um)
-                ),
-                three(range(found.deviation_um.iter().copied())),
-                beside,
-                three(found.deviation_um.last().copied().unwrap_or(0.0)),
-                expanded(found),
-            ],
+            Some(found) => {
+                let [expanded, freedom] = expanded(found, separation);
+                vec![
+                    term.to_string(),
+                    format!(
+                        "{:.3}",
+                        ReferenceLine::EndPoints.slope_um_per_m(&positions, &found.deviation_um)
+                    ),
+                    three(range(found.deviation_um.iter().copied())),
+                    beside,
+                    three(found.deviation_um.last().copied().unwrap_or(0.0)),
+                    expanded,
+                    freedom,
+                ]
+            }
         }
     });
     format!(
@@ -145,16 +154,29 @@ fn heading(missing: usize) -> String {
     }
 }
 
-fn expanded(found: &Evidence) -> String {
-    let last = found.u_um.as_ref().and_then(|u| u.last());
-    last.map_or_else(|| "not known".into(), |u| three(2.0 * u))
+/// U at the far end with the coverage factor of its effective degrees of freedom, and these.
+fn expanded(found: &Evidence, separation: &Separation) -> [String; 2] {
+    let last = found.deviation_um.len().saturating_sub(1);
+    match found.expanded_um(last, separation.noise) {
+        None => ["not known".into(), "-".into()],
+        Some(um) => [three(um), freedom(found.freedom(last, separation.noise))],
+    }
 }
 
-fn squareness(found: &PerPlane<Option<f64>>, u: Option<&PerPlane<f64>>) -> String {
+fn freedom(effective: Option<f64>) -> String {
+    effective.map_or_else(|| "unlimited".into(), |freedom| format!("{freedom:.0}"))
+}
+
+fn squareness(
+    found: &PerPlane<Option<f64>>,
+    u: Option<&PerPlane<f64>>,
+    of_noise: Option<f64>,
+) -> String {
     let columns = [
         Column::Left("plane"),
         Column::Right("squareness um/m"),
-        Column::Right("U(k=2) um/m"),
+        Column::Right("U(95 %) um/m"),
+        Column::Right("freedom"),
     ];
     let rows = Plane::ALL.into_iter().map(|plane| {
         vec![
@@ -162,7 +184,11 @@ fn squareness(found: &PerPlane<Option<f64>>, u: Option<&PerPlane<f64>>) -> Strin
             found
                 .of(plane)
                 .map_or_else(|| "not determined".into(), |value| format!("{value:.3}")),
-            u.map_or_else(|| "not known".into(), |u| three(2.0 * u.of(plane))),
+            u.map_or_else(
+                || "not known".into(),
+                |u| three(coverage_factor(of_noise) * u.of(plane)),
+            ),
+            u.map_or_else(|| "-".into(), |_| freedom(of_noise)),
         ]
     });
     format!(
@@ -205,26 +231,93 @@ fn reversal(separation: &Separation) -> String {
     let Some(turn) = &separation.turn else {
         return String::new();
     };
+    let k = coverage_factor(separation.noise.and_then(|noise| noise.freedom_f64()));
+    let shown = |b: Estimate| {
+        let u = b.u_um.map_or_else(|| "not known".into(), |u| three(k * u));
+        format!("{} +- {u}", three(b.um))
+    };
+    paragraphs(&[
+        reversal_of_axes(turn, shown),
+        reversal_by_diagonal(turn, shown),
+        reversal_of_cross_terms(turn, shown),
+    ])
+}
+
+fn reversal_of_axes(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
     let columns = [
         Column::Left("axis"),
-        Column::Right("reversal B um"),
-        Column::Right("PPP"),
-        Column::Right("NPP"),
-        Column::Right("PNP"),
-        Column::Right("PPN"),
+        Column::Right("B um"),
+        Column::Right("at low end um"),
+        Column::Right("at high end um"),
+        Column::Right("constant?"),
     ];
     let rows = Axis::ALL.into_iter().map(|axis| {
-        let term = ErrorTerm {
+        let own = ErrorTerm {
             of: axis,
             along: axis,
         };
-        let mut row = vec![axis.to_string(), three(turn.reversal_um[term])];
-        row.extend(turn.by_diagonal_um.iter().map(|(_, b)| three(b[axis])));
+        let [low, high] = turn.ends[axis];
+        let constancy = turn.constancy[axis];
+        let constancy = constancy.map_or_else(|| "-".into(), |p| format!("probability {p:.3}"));
+        vec![
+            axis.to_string(),
+            shown(turn.reversal[own]),
+            shown(low),
+            shown(high),
+            constancy,
+        ]
+    });
+    format!(
+        "Reversal from the turn (B = moving + minus moving -; +- U(95 %)): one for the whole axis, and at each end as the curves hold it\n{}\na small probability in the last column: the reversal differs along the axis, and the first figure is no figure of the machine",
+        table(&columns, rows)
+    )
+}
+
+fn reversal_by_diagonal(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
+    let mut columns = vec![Column::Left("B um")];
+    columns.extend(Diagonal::ALL.map(|d| Column::Right(d.name())));
+    let rows = Axis::ALL.into_iter().map(|axis| {
+        let mut row = vec![axis.to_string()];
+        row.extend(turn.by_diagonal.iter().map(|(_, b)| shown(b[axis])));
         row
     });
     format!(
-        "Reversal from the turn (B = moving + minus moving -), together and from each diagonal alone\n{}",
+        "From each diagonal alone, where the axis turned (X of NPP, Y of PNP, Z of PPN at the low end, all others at the high end)\n{}",
         table(&columns, rows)
+    )
+}
+
+fn reversal_of_cross_terms(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
+    let cross = ErrorTerm::ALL.into_iter().filter(|t| !t.is_positioning());
+    let said: Vec<String> = cross
+        .map(|term| {
+            let held = if turn.in_curves[term] {
+                " (in the - curve)"
+            } else {
+                ""
+            };
+            format!("{term} {}{held}", shown(turn.reversal[term]))
+        })
+        .collect();
+    format!("Reversal of cross terms, um: {}", said.join(", "))
+}
+
+/// R of both passes along every diagonal.
+fn repeatability(separation: &Separation) -> String {
+    let of = |diagonal: Diagonal| {
+        let pass = |pass: Pass| {
+            let found = repeatability_um(&separation.runs, diagonal, pass)?;
+            Some(format!("{diagonal} {} {}", pass.word(), three(found)))
+        };
+        Pass::BOTH.into_iter().filter_map(pass).collect::<Vec<_>>()
+    };
+    let all: Vec<String> = Diagonal::ALL.into_iter().flat_map(of).collect();
+    if all.is_empty() {
+        return String::new();
+    }
+    format!(
+        "Repeatability R = 4 s, the largest over all nodes (ISO 230-2), um: {}",
+        all.join(", ")
     )
 }
 
@@ -333,7 +426,7 @@ pub(super) fn straight(
     });
     Ok(paragraphs(&[
         diagonal_table(&figures, |diagonal| result.diagonals[diagonal].end_um),
-        squareness(&phi, None),
+        squareness(&phi, None, None),
         scales,
         undetermined(&[STRAIGHT_UNDETERMINED.to_string()]),
         closure,
