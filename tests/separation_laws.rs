@@ -201,14 +201,23 @@ proptest! {
     }
 
     #[test]
-    fn the_turn_gives_the_lost_motion_from_each_diagonal((mut machine, _) in any_machine()) {
+    fn the_turn_gives_the_lost_motion_from_each_diagonal((mut machine, seed) in any_machine(), own_zero: bool) {
         machine.lost_um = PerAxis { x: 8.0, y: 5.0, z: -3.0 };
         let mut all = forward(&machine);
-        all.extend(runs(1, Pass::Reverse, &machine.readings(Some(false))));
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 9);
+        let mut shifted = machine.readings(Some(false));
+        for d in Diagonal::ALL {
+            let offset = if own_zero { 20.0 * simulated::normal(&mut random) } else { 0.0 };
+            shifted[d].iter_mut().for_each(|um| *um += offset);
+        }
+        all.extend(runs(1, Pass::Reverse, &shifted));
         let mut given = measurement(&machine.volume, SetUp::AssumePerfect, Frame::AsMeasured);
-        // Two steps leave no interval from which the noise could be known, so nothing is judged.
-        given.overrun = (machine.volume.steps < 3).then_some(false);
-        let found = separate(&simulated::campaign(&given, Vec::new()), &all);
+        // A zero of its own tells nothing; two steps leave no interval to know the noise from.
+        given.overrun = (own_zero || machine.volume.steps < 3).then_some(false);
+        let mut campaign = simulated::campaign(&given, Vec::new());
+        campaign.reverse_zero_known = !own_zero;
+        let found = separate(&campaign, &all);
+        prop_assert!(found.closure.outliers.is_empty());
         prop_assert_eq!(found.overrun, Some(false));
         let turn = found.turn.as_ref().unwrap();
         for axis in Axis::ALL {
