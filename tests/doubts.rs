@@ -328,11 +328,13 @@ fn two_step(directory: &Path) {
 fn disturbed_case_b() -> tempfile::TempDir {
     let spoil = |text: String| {
         let mut random = ChaCha8Rng::seed_from_u64(20);
-        let mut lines = text.lines();
-        let mut out = format!("{}\n", lines.next().unwrap());
-        for line in lines {
+        let mut out = String::new();
+        for line in text.lines().filter(|line| !line.starts_with('#')) {
             let (before, um) = line.rsplit_once(',').unwrap();
-            let um: f64 = um.parse().unwrap();
+            let Ok(um) = um.parse::<f64>() else {
+                out += &format!("{line}\n");
+                continue;
+            };
             let off = if before == "PPP,1,forward,58,x" {
                 20.0
             } else {
@@ -428,7 +430,7 @@ fn a_kit_without_scales_is_undecided_and_says_what_is_missing() {
         )
     };
     let directory = copy("case_b_setup", asked, |readings| readings);
-    let text = said(&nonius(directory.path(), "generate job.toml -o kit"), 1);
+    let text = said(&nonius(directory.path(), "generate job.toml -o kit"), 0);
     assert!(!text.contains("DOUBTFUL"), "{text}");
 }
 
@@ -547,9 +549,9 @@ fn where_nothing_is_asked_nothing_is_judged_and_worse_is_said() {
     );
     assert!(!text.contains("verdict: pass"), "{text}");
     assert!(
-        text.contains("WARNING: EYX becomes larger with the tables: 2.501 →"),
+        text.contains("WARNING: diagonal PPP becomes larger with the tables: 18.543 →"),
         "{text}"
     );
     let notes = manifest(directory.path(), "kit")["notes"].to_string();
-    assert!(notes.contains("EYX becomes larger"), "{notes}");
+    assert!(notes.contains("diagonal PPP becomes larger"), "{notes}");
 }
