@@ -277,7 +277,7 @@ fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec
         ),
         Precondition::new(
             format!("other CEC tables of {}", outputs.join(", ")),
-            "none, or meant to act",
+            "absent, or meant to act",
             "MD32710 in the enable and disable files switches every CEC table of an axis",
             format!("{K3} p. 245"),
         ),
@@ -289,7 +289,7 @@ fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec
         ),
         Precondition::new(
             format!("CEC tables {}", numbers.join(", ")),
-            "not in use",
+            "free (not in use)",
             "existing tables of these numbers are overwritten",
             "`first_table` of the job",
         ),

@@ -77,6 +77,19 @@ pub fn read(profile: &Profile, files: &[KitFile<'_>]) -> Result<ReadBack, Proble
     }
 }
 
+/// Whether a file by itself can be read as one of the profile's dialect and holds something.
+pub fn is_readable(profile: &Profile, file: &KitFile<'_>) -> bool {
+    let Ok(text) = std::str::from_utf8(file.bytes) else {
+        return false;
+    };
+    !text.trim().is_empty()
+        && match &profile.dialect {
+            Dialect::Siemens(_) => siemens::read(file.path, text).is_ok(),
+            Dialect::Fanuc(facts) => fanuc::read(file.path, text, facts).is_ok(),
+            Dialect::Generic(_) => generic::read(file.path, text).is_ok(),
+        }
+}
+
 fn plain(tables: Tables) -> ReadBack {
     ReadBack {
         tables,
