@@ -7,7 +7,7 @@ use crate::forecast::Verdict;
 use crate::kit::{Inputs, Verification, sha256, verify};
 use crate::manifest::{HashedFile, diagonals, picometres};
 use crate::problem::{Problem, Problems, shown};
-use crate::readback::kit::{KitFile, is_readable};
+use crate::readback::kit::{KitFile, may_be_meant_for};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
@@ -155,9 +155,9 @@ fn pass_over_unlisted(found: &mut Found, document: &Value, profile: &Profile) {
         let name = shown(&file.0);
         if listed.iter().any(|entry| entry["path"] == json!(file.0)) {
             found.files.push(file);
-        } else if is_readable(profile, &kit_file(&file)) {
+        } else if may_be_meant_for(profile, &kit_file(&file)) {
             let words =
-                format!("`{name}` is not listed in manifest.json, and the control would read it");
+                format!("`{name}` is not listed in manifest.json, and the control could read it");
             found.remarks.push(words);
             found.files.push(file);
         } else {
