@@ -97,10 +97,10 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
     let off = match (disable, &inputs.profile.dialect) {
         (Some(file), _) => format!("{} switches off what the files replace", file.path),
         (None, Dialect::Fanuc(_)) => {
-            "no file switches off what they replace: parameter 3623 = 0 of each axis does (assumed)"
+            "no file of this kit switches off what is there: 3623 = 0 stops the pitch points of an axis (assumed)"
                 .to_string()
         }
-        (None, _) => "no file switches off what they replace, see to it by hand".to_string(),
+        (None, _) => "no file of this kit switches off what is there, see to it by hand".to_string(),
     };
     let order = match &inputs.profile.dialect {
         Dialect::Siemens(_) => "; order of loading: docs/siemens.md §4.2",
