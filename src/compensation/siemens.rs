@@ -314,7 +314,7 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
             "the reversal is in the two tables; counted twice it would turn round",
         ),
         _ => (
-            "as it was during the measurement".to_string(),
+            "as during the measurement".to_string(),
             "backlash acts beside the table and adds to it",
         ),
     };

@@ -208,7 +208,7 @@ fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
             "the reversal is in the two tables; counted twice it would turn round",
         ),
         None => (
-            "as it was during the measurement".to_string(),
+            "as during the measurement".to_string(),
             "backlash acts beside the table and adds to it",
         ),
     };
