@@ -13,6 +13,9 @@ pub struct Assumption {
     pub evidence: &'static str,
     /// What happens on the machine if it is wrong.
     pub consequence: String,
+    /// Why it cannot matter for this kit, where it cannot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub without_effect: Option<&'static str>,
 }
 
 impl Assumption {
@@ -27,11 +30,13 @@ impl Assumption {
             value: value.into(),
             evidence: crate::controller::Evidence::Assumed.word(),
             consequence: consequence.into(),
+            without_effect: None,
         }
     }
 }
 
 /// What a person has to see to on the control; no file of the kit writes it (contract §4).
+/// `what` and `value` read as a sentence: "`what` must be `value`".
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Precondition {
     /// Parameter, machine datum or option.

@@ -15,7 +15,7 @@ pub mod siemens;
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
 use crate::control_state::{AxisState, ControlState};
-use crate::controller::{Dialect, Evidence};
+use crate::controller::{Dialect, Evidence, LengthUnit, Mechanism, StraightnessForm};
 use crate::job::{ActiveTables, AxisSettings, BacklashPolicy};
 use crate::plan::{Plan, Task};
 use crate::problem::Problems;
@@ -65,9 +65,10 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         Dialect::Fanuc(facts) => fanuc::compile(task, plan, facts)?,
         Dialect::Generic(_) => generic::compile(task, plan),
     };
-    let mut assumptions = profile_assumptions(task);
+    let mut assumptions = profile_assumptions(task, plan, &compiled.tables);
     assumptions.extend(job_assumptions(task, plan));
     assumptions.append(&mut compiled.assumptions);
+    assumptions.sort_by_key(|assumption| assumption.without_effect.is_some()); // those that matter first
     compiled.assumptions = assumptions;
     let mut notes = plan.notes.clone();
     notes.extend(task.job.measurement.notes.iter().cloned());
@@ -99,7 +100,31 @@ fn unlikely_reversals(task: Task<'_>) -> Vec<String> {
         .collect()
 }
 
-fn profile_assumptions(task: Task<'_>) -> Vec<Assumption> {
+/// Whether a kit uses what a fact belongs to; what cannot be judged counts as used.
+fn uses(task: Task<'_>, plan: &Plan, tables: &Tables, mechanism: Mechanism) -> bool {
+    let cross = plan.tables.iter().any(|t| t.term.is_cross());
+    let has_form = |form| matches!(&task.profile.dialect, Dialect::Fanuc(facts) if facts.straightness_form.value == form);
+    match (mechanism, tables) {
+        (Mechanism::Nothing, _) => false,
+        (Mechanism::Metric, _) => task.job.compensation.control_unit == LengthUnit::Millimetre,
+        (Mechanism::Inch, _) => task.job.compensation.control_unit == LengthUnit::Inch,
+        (Mechanism::EncComp, Tables::Siemens(tables)) => !tables.lec.is_empty(),
+        (Mechanism::Cec, Tables::Siemens(tables)) => !tables.cec.is_empty(),
+        (Mechanism::CecProducts, Tables::Siemens(tables)) => {
+            tables.cec.iter().any(|table| table.multiply_by != 0)
+        }
+        (Mechanism::Pitch, Tables::Fanuc(_)) => plan.tables.iter().any(|t| t.term.is_positioning()),
+        (Mechanism::Bidirectional, Tables::Fanuc(_)) => {
+            plan.tables.iter().any(|t| t.direction.is_some())
+        }
+        (Mechanism::Straightness, Tables::Fanuc(_)) => cross,
+        (Mechanism::FourPoint, Tables::Fanuc(_)) => cross && has_form(StraightnessForm::FourPoint),
+        (Mechanism::PerPoint, Tables::Fanuc(_)) => cross && has_form(StraightnessForm::PerPoint),
+        _ => true,
+    }
+}
+
+fn profile_assumptions(task: Task<'_>, plan: &Plan, tables: &Tables) -> Vec<Assumption> {
     let stated = |fact: &str| fact == "axis_names"; // listed axis by axis below
     task.profile
         .statements
@@ -110,6 +135,10 @@ fn profile_assumptions(task: Task<'_>) -> Vec<Assumption> {
             value: s.value.clone(),
             evidence: s.evidence.word(),
             consequence: s.consequence.clone().unwrap_or_default(),
+            without_effect: s
+                .mechanism
+                .filter(|mechanism| !uses(task, plan, tables, *mechanism))
+                .map(Mechanism::not_used),
         })
         .collect()
 }

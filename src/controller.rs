@@ -32,6 +32,67 @@ impl Evidence {
     }
 }
 
+/// What of a control a fact belongs to: it matters for a kit only where the kit uses that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mechanism {
+    /// Siemens: measuring-system error compensation.
+    EncComp,
+    /// Siemens: cross-error compensation.
+    Cec,
+    /// Siemens: CEC tables that multiply each other.
+    CecProducts,
+    /// Fanuc: stored pitch error compensation.
+    Pitch,
+    /// Fanuc: pitch tables of their own for travel in −.
+    Bidirectional,
+    /// Fanuc: straightness compensation of either form.
+    Straightness,
+    /// Fanuc: straightness through four points.
+    FourPoint,
+    /// Fanuc: straightness with one increment for each point.
+    PerPoint,
+    /// Basic system mm.
+    Metric,
+    /// Basic system inch.
+    Inch,
+    /// Nothing: a wrong value has no consequence.
+    Nothing,
+}
+
+impl Mechanism {
+    /// The words of profiles (`mechanism = "…"`).
+    pub const WORDS: [(&'static str, Mechanism); 11] = [
+        ("enc-comp", Mechanism::EncComp),
+        ("cec", Mechanism::Cec),
+        ("cec-products", Mechanism::CecProducts),
+        ("pitch", Mechanism::Pitch),
+        ("bidirectional", Mechanism::Bidirectional),
+        ("straightness", Mechanism::Straightness),
+        ("four-point", Mechanism::FourPoint),
+        ("per-point", Mechanism::PerPoint),
+        ("metric", Mechanism::Metric),
+        ("inch", Mechanism::Inch),
+        ("none", Mechanism::Nothing),
+    ];
+
+    /// Why a fact has no effect on a kit that does not use what it belongs to.
+    pub const fn not_used(self) -> &'static str {
+        match self {
+            Mechanism::EncComp => "this kit holds no ENC_COMP table",
+            Mechanism::Cec => "this kit holds no CEC table",
+            Mechanism::CecProducts => "this kit holds no product of CEC tables",
+            Mechanism::Pitch => "this kit holds no pitch points",
+            Mechanism::Bidirectional => "this kit holds one table for both directions",
+            Mechanism::Straightness => "this kit holds no straightness table",
+            Mechanism::FourPoint => "this kit holds no four-point straightness",
+            Mechanism::PerPoint => "this kit holds no 128-point straightness",
+            Mechanism::Metric => "this kit is in inch",
+            Mechanism::Inch => "this kit is in mm",
+            Mechanism::Nothing => "a wrong value has no consequence",
+        }
+    }
+}
+
 /// A statement about a control, with its origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact<T> {
@@ -355,6 +416,8 @@ pub struct Statement {
     pub source: String,
     /// What happens if it is wrong.
     pub consequence: Option<String>,
+    /// What it belongs to; `None` = it matters for every kit.
+    pub mechanism: Option<Mechanism>,
 }
 
 /// A control, as the program knows it.

@@ -94,6 +94,7 @@ pub fn read_page<T>(
         table: root.get_ref(),
         span: 0..0,
         path: String::new(),
+        spot: String::new(),
         asked: RefCell::default(),
         notes: &notes,
     };
@@ -147,6 +148,8 @@ pub struct Section<'a> {
     table: &'a DeTable<'a>,
     span: Range<usize>,
     path: String,
+    /// The path with the number of each entry of a list (`linear[1]`), by which places are kept.
+    spot: String,
     asked: RefCell<Vec<&'static str>>,
     notes: &'a Notes,
 }
@@ -159,11 +162,7 @@ impl<'a> Section<'a> {
 
     /// Dotted path of a key of this section.
     pub fn path_of(&self, key: &str) -> String {
-        if self.path.is_empty() {
-            key.to_string()
-        } else {
-            format!("{}.{key}", self.path)
-        }
+        joined(&self.path, key)
     }
 
     /// Notes a problem at a key (or at the section, if the key is absent).
@@ -189,7 +188,7 @@ impl<'a> Section<'a> {
         self.notes
             .spans
             .borrow_mut()
-            .insert(self.path_of(key), value.span());
+            .insert(joined(&self.spot, key), value.span());
         Some(value.get_ref())
     }
 
@@ -394,8 +393,26 @@ impl<'a> Section<'a> {
 
     /// One of a list of words, if the key is present.
     pub fn choice<T: Copy>(&self, key: &'static str, words: &[(&'static str, T)]) -> Option<T> {
+        self.choice_by(key, words, |known, word| known == word)
+    }
+
+    /// The same, in capitals or not.
+    pub fn choice_in_any_case<T: Copy>(
+        &self,
+        key: &'static str,
+        words: &[(&'static str, T)],
+    ) -> Option<T> {
+        self.choice_by(key, words, str::eq_ignore_ascii_case)
+    }
+
+    fn choice_by<T: Copy>(
+        &self,
+        key: &'static str,
+        words: &[(&'static str, T)],
+        same: impl Fn(&str, &str) -> bool,
+    ) -> Option<T> {
         let word = self.text(key)?;
-        let found = words.iter().find(|(known, _)| *known == word);
+        let found = words.iter().find(|(known, _)| same(known, &word));
         if found.is_none() {
             let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
             let list: Vec<String> = known.iter().map(|word| format!("`{word}`")).collect();
@@ -471,7 +488,10 @@ impl<'a> Section<'a> {
         self.value(key)?;
         let entry = self.table.get(key)?;
         match entry.get_ref() {
-            DeValue::Table(table) => Some(self.child(table, entry.span(), key)),
+            DeValue::Table(table) => {
+                let spot = joined(&self.spot, key);
+                Some(self.child(table, entry.span(), key, spot))
+            }
             _ => {
                 self.wrong_type(key, "a section");
                 None
@@ -479,17 +499,19 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A list of sub-sections (`[[key]]`); empty if absent.
+    /// A list of sub-sections (`[[key]]`); empty if absent. The places of their keys are kept
+    /// under `key[0]`, `key[1]` …
     pub fn sections(&self, key: &'static str) -> Vec<Section<'a>> {
         match self.value(key) {
             None => Vec::new(),
             Some(DeValue::Array(items)) if items.iter().all(|item| item.get_ref().is_table()) => {
                 items
                     .iter()
-                    .filter_map(|item| {
-                        item.get_ref()
-                            .as_table()
-                            .map(|t| self.child(t, item.span(), key))
+                    .enumerate()
+                    .filter_map(|(index, item)| {
+                        let table = item.get_ref().as_table()?;
+                        let spot = format!("{}[{index}]", joined(&self.spot, key));
+                        Some(self.child(table, item.span(), key, spot))
                     })
                     .collect()
             }
@@ -500,12 +522,19 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn child(&self, table: &'a DeTable<'a>, span: Range<usize>, key: &str) -> Section<'a> {
+    fn child(
+        &self,
+        table: &'a DeTable<'a>,
+        span: Range<usize>,
+        key: &str,
+        spot: String,
+    ) -> Section<'a> {
         Section {
             source: self.source,
             table,
             span,
             path: self.path_of(key),
+            spot,
             asked: RefCell::default(),
             notes: self.notes,
         }
@@ -558,6 +587,14 @@ impl<'a> Section<'a> {
 const LARGEST_NUMBER: f64 = 1e9;
 /// No machine has a kilometre of travel.
 pub const LONGEST_MM: f64 = 1e6;
+
+fn joined(path: &str, key: &str) -> String {
+    if path.is_empty() {
+        key.to_string()
+    } else {
+        format!("{path}.{key}")
+    }
+}
 
 /// Words in back-quotes, each once.
 fn list_of(words: &[&str]) -> String {

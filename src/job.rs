@@ -3,6 +3,7 @@
 //! A job that exists is valid in itself; whether it fits the measured errors and the control is
 //! checked later, with [`Job::problem_at`] pointing back at the key.
 
+pub mod ahead;
 mod diagonals;
 mod read;
 mod read_beams;
@@ -43,6 +44,7 @@ pub struct Job {
 impl Job {
     /// Reads and checks a job; all problems of the page are given at once.
     pub fn read(source: Source) -> Result<Job, Problems> {
+        refuse_table(&source)?;
         let (parts, source) = read_page(source, read::job)?;
         let (machine, measurement, compensation, limits, acceptance) = parts;
         Ok(Job {
@@ -59,6 +61,39 @@ impl Job {
     pub fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
         self.source.problem_at(path, message)
     }
+}
+
+/// A table in place of the job would be refused line by line.
+fn refuse_table(source: &Source) -> Result<(), Problem> {
+    let is_content = |line: &&str| !line.is_empty() && !line.starts_with('#');
+    let mut lines = source.text.lines().map(str::trim).filter(is_content);
+    let head = lines.next().unwrap_or_default().to_ascii_lowercase();
+    if head.contains(['=', '[']) || !head.contains([',', ';', '\t']) {
+        return Ok(());
+    }
+    let has = |name: &str| {
+        head.split([',', ';', '\t'])
+            .any(|cell| cell.trim().trim_matches('"') == name)
+    };
+    let what = if has("diagonal") {
+        "a table of readings"
+    } else if has("axis") {
+        "an error table"
+    } else {
+        "a table"
+    };
+    let key = if has("diagonal") {
+        "readings"
+    } else {
+        "errors"
+    };
+    Err(Problem::new(format!(
+        "`{}` is {what}, expected the job (TOML) that names it",
+        source.name
+    ))
+    .help(format!(
+        "give the job with `{key} = …` in [measurement]; fixtures/start holds jobs to begin with"
+    )))
 }
 
 /// The machine.

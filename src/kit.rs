@@ -122,10 +122,12 @@ pub fn template_context(inputs: &Inputs) -> Result<emit::Context, Problems> {
 pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
-    let compiled = compile(task, &plan)?;
+    let mut compiled = compile(task, &plan)?;
     let files = emit::render(task, &emit::context(task, &compiled)?)?;
     let read = read_back(&inputs.profile, &files)?;
     ensure_same(inputs, &plan, &compiled, &read)?;
+    let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
+    compiled.notes.extend(absent);
     let control =
         emulator(&inputs.profile, &read.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let forecast =

@@ -1,5 +1,5 @@
 //! **nonius** turns laser measurements of a machine tool into the compensation files its
-//! control loads, and proves that they help.
+//! control loads, and forecasts from the written bytes what they will leave.
 //!
 //! ```text
 //!  another maker's file ─→ import ─→ errors.csv

@@ -10,6 +10,7 @@ use crate::controller::{Dialect, Profile};
 use crate::curve::ErrorCurve;
 use crate::fit::{residual, table_values};
 use crate::grid::{self, EDGE_MM, Grid, LengthDigit};
+use crate::job::ahead::{GRID_HELP, UNIT_HELP, without_grid, without_unit};
 use crate::job::{AxisSettings, BacklashPolicy, GridRequest, Job, MachineAxis, OutsideMeasured};
 use crate::model::ErrorModel;
 use crate::problem::{Problem, Problems};
@@ -353,16 +354,16 @@ fn check_settings(task: Task<'_>, targets: &[Target], problems: &mut Problems) {
         if moves && settings.is_none_or(|s| s.grid.is_none()) {
             problems.push(
                 task.job
-                    .problem_at(&path, format!("axis {axis} is compensated, but [{path}] does not say how its points are chosen"))
-                    .help("add `spacing_mm = …`, `points = …` or `max_residual_um = …`"),
+                    .problem_at(&path, without_grid(axis, &path))
+                    .help(GRID_HELP),
             );
         }
         let unit_missing = settings.is_none_or(|s| s.detection_unit_um.is_none());
         if (moves || corrected) && task.profile.detection_unit_required.value && unit_missing {
             problems.push(
                 task.job
-                    .problem_at(&path, format!("[{path}] has no `detection_unit_um`, and {} counts in it", task.profile.name))
-                    .help("read it from the control (CMR, DMR, feed gear); it is often 1.0 (IS-B) or 0.1 (IS-C)"),
+                    .problem_at(&path, without_unit(&path, &task.profile.name))
+                    .help(UNIT_HELP),
             );
         }
         if corrected && task.job.machine.axes[axis].is_none() {

@@ -73,3 +73,37 @@ fn the_table_of_evidence_is_that_of_the_profiles() {
         );
     }
 }
+
+/// The jobs to begin with work as they stand, for every control, and the README names them.
+#[test]
+fn the_jobs_to_start_from_work_for_every_control() {
+    let readme = readme();
+    for start in ["fixtures/start/errors", "fixtures/start/readings"] {
+        assert!(readme.contains(start), "README does not name {start}");
+        let from = Path::new(env!("CARGO_MANIFEST_DIR")).join(start);
+        let job = std::fs::read_to_string(from.join("job.toml")).expect("the job is there");
+        for id in builtin::ids() {
+            let folder = tempfile::tempdir().expect("a place to write to");
+            for entry in std::fs::read_dir(&from).expect("the folder is there") {
+                let entry = entry.expect("the folder can be read");
+                std::fs::copy(entry.path(), folder.path().join(entry.file_name()))
+                    .expect("a file can be copied");
+            }
+            let mut own = job.replace("siemens-840d-sl", id);
+            if id.starts_with("fanuc") {
+                own = own.replace("# detection_unit_um", "detection_unit_um");
+            }
+            std::fs::write(folder.path().join("job.toml"), own).expect("the job can be written");
+            let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
+                .current_dir(folder.path())
+                .args(["generate", "job.toml", "-o", "kit"])
+                .output()
+                .expect("the program runs");
+            assert!(
+                output.status.success(),
+                "{start}, {id}: {}",
+                String::from_utf8_lossy(&output.stderr)
+            );
+        }
+    }
+}

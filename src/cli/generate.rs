@@ -1,7 +1,7 @@
 //! `nonius generate JOB -o DIR`
 
 use crate::cli::{Answer, Format, inputs, print, print_json, say, show, write};
-use crate::controller::Role;
+use crate::controller::{Dialect, Role};
 use crate::forecast::Verdict;
 use crate::kit::{Inputs, Kit, generate};
 use crate::problem::Problems;
@@ -27,7 +27,7 @@ pub(super) fn run(
         Format::Json => print_json(&kit.manifest)?,
         Format::Text => print(&report(&inputs, &kit))?,
     };
-    say(&next_steps(job, directory, &kit));
+    say(&next_steps(job, directory, &inputs, &kit));
     Ok(if kit.verdict == Verdict::Pass {
         Answer::Yes
     } else {
@@ -38,7 +38,7 @@ pub(super) fn run(
 fn report(inputs: &Inputs, kit: &Kit) -> String {
     let job = &inputs.job;
     let heading = format!(
-        "{} - {}, measured {}",
+        "machine {} - {}, measured {}",
         job.machine.name,
         inputs.profile.name,
         job.measurement
@@ -67,7 +67,8 @@ fn report(inputs: &Inputs, kit: &Kit) -> String {
     ])
 }
 
-fn next_steps(job: &Path, directory: &Path, kit: &Kit) -> String {
+/// What was written, what to do with it, and the verdict once more: the page above is long.
+fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> String {
     let mut lines = Vec::new();
     for file in &kit.files {
         lines.push(format!(
@@ -80,15 +81,39 @@ fn next_steps(job: &Path, directory: &Path, kit: &Kit) -> String {
         "wrote {}",
         directory.join("manifest.json").display()
     ));
-    lines.push(
-        "before loading: archive the control, and switch off what the files replace".to_string(),
-    );
+    lines.push(before_loading(inputs, kit));
     lines.push(format!(
         "check what lies on the stick with: nonius verify {} --tables {}",
         job.display(),
         directory.display()
     ));
+    let acceptance = inputs.job.acceptance;
+    lines.push(show::verdict(
+        kit.verdict,
+        acceptance,
+        Some(&kit.forecast),
+        false,
+    ));
     lines.join("\n")
+}
+
+/// Archive, what switches off, and where the order of loading stands.
+fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
+    let disable = kit.files.iter().find(|file| file.role == Role::Disable);
+    let off = match (disable, &inputs.profile.dialect) {
+        (Some(file), _) => format!("{} switches off what the files replace", file.path),
+        (None, Dialect::Fanuc(_)) => {
+            "no file of this kit switches off what is there: 3623 = 0 stops the pitch points of an axis (assumed)"
+                .to_string()
+        }
+        (None, _) => "no file of this kit switches off what is there, see to it by hand".to_string(),
+    };
+    let order = match &inputs.profile.dialect {
+        Dialect::Siemens(_) => "; order of loading: docs/siemens.md §4.2",
+        Dialect::Fanuc(_) => "; order of loading and way back: docs/fanuc.md §4.2",
+        Dialect::Generic(_) => "",
+    };
+    format!("before loading: archive the control; {off}{order}")
 }
 
 fn purpose(role: Role) -> &'static str {

@@ -6,6 +6,7 @@ use crate::document::Source;
 use crate::emit::TOOL;
 use crate::error_table::{self, Draft, ErrorTable};
 use crate::import::source_of;
+use crate::job::ahead::ahead;
 use crate::job::{BacklashPolicy, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use crate::kit::{Inputs, hashed};
 use crate::manifest::HashedFile;
@@ -24,8 +25,13 @@ const LARGEST_INPUT_BYTES: u64 = 64 * 1024 * 1024;
 pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     let (name, bytes) = read_argument(job_path)?;
     let mut hashes = vec![hashed(&file_name(job_path), &bytes)];
-    let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
     let folder = job_path.parent().unwrap_or(Path::new(""));
+    let source = Source::from_bytes(&name, &bytes)?;
+    let job = Job::read(source.clone()).map_err(|mut problems| {
+        let find = |word: &str| profile(word, folder, &mut Vec::new());
+        problems.extend(ahead(source, find));
+        problems
+    })?;
     let mut problems = Problems::none();
     let profile = problems.take(
         profile(&job.compensation.controller, folder, &mut hashes)
@@ -237,12 +243,12 @@ fn campaign_files(
     let (source, readings_sha256) = read(&measurement.readings, "measurement.readings")?;
     let readings = Readings::read(source, measurement)?;
     let mut tables = NamedTables::default();
-    for linear in &measurement.linear {
+    for (index, linear) in measurement.linear.iter().enumerate() {
         tables.linear.push(match &linear.slope {
             LinearSlope::Stated(_) => None,
             LinearSlope::Errors(path) => {
-                let key = "measurement.step_diagonal.linear.errors";
-                Some(ErrorTable::read(read(path, key)?.0)?)
+                let key = format!("measurement.step_diagonal.linear[{index}].errors");
+                Some(ErrorTable::read(read(path, &key)?.0)?)
             }
         });
     }

@@ -44,21 +44,29 @@ pub(super) fn table(columns: &[Column], rows: impl IntoIterator<Item = Vec<Strin
     lines.join("\n")
 }
 
-/// Where each term went: points, count, what grid and form leave.
+/// Where each term went: points, count, what the grid leaves, and the form where it leaves something.
 pub(super) fn placements(placements: &[Placement]) -> String {
-    let columns = [
+    let formed = placements.iter().any(|p| p.fit_residual_um.is_some());
+    let mut columns = vec![
         Column::Left("term"),
-        Column::Left("travel"),
-        Column::Left("where"),
+        Column::Left("moving"),
+        Column::Left("place in the control"),
         Column::Right("points"),
         Column::Right("count/µm"),
         Column::Right("grid leaves/µm"),
-        Column::Right("form leaves/µm"),
     ];
+    let mut legend = vec![
+        "count: smallest step of a table value; grid leaves: largest difference of curve and table"
+            .to_string(),
+    ];
+    if formed {
+        columns.push(Column::Right("form leaves/µm"));
+        legend.push("form leaves: what three straight pieces cannot follow".to_string());
+    }
     let rows = placements.iter().map(|p| {
-        vec![
+        let mut row = vec![
             p.term.to_string(),
-            p.direction.map_or("both", Direction::symbol).to_string(),
+            p.direction.map_or("+ and -", Direction::symbol).to_string(),
             p.place.clone(),
             p.points.to_string(),
             if p.count_um > 0.0 {
@@ -67,11 +75,14 @@ pub(super) fn placements(placements: &[Placement]) -> String {
                 "unrounded".to_string()
             },
             format!("{:.3}", p.grid_residual_um),
-            p.fit_residual_um
-                .map_or_else(|| "-".to_string(), |um| format!("{um:.3}")),
-        ]
+        ];
+        if formed {
+            let fit = p.fit_residual_um;
+            row.push(fit.map_or_else(|| "-".to_string(), |um| format!("{um:.3}")));
+        }
+        row
     });
-    table(&columns, rows)
+    format!("{}\n  {}", table(&columns, rows), legend.join("; "))
 }
 
 fn short(number: f64) -> String {
@@ -242,30 +253,61 @@ pub(super) fn verdict(
     lines.join("\n")
 }
 
-/// Assumed facts with their consequence.
+/// Assumed facts with their consequence; behind them those that cannot matter for this kit.
 pub(super) fn assumptions(assumptions: &[Assumption]) -> String {
-    if assumptions.is_empty() {
-        return String::new();
-    }
-    let mut lines = vec!["assumed, not shown by any control yet:".to_string()];
-    for a in assumptions {
+    let mut lines = Vec::new();
+    for a in assumptions.iter().filter(|a| a.without_effect.is_none()) {
         lines.push(format!("  {} = {}", a.fact, a.value));
         lines.push(format!("      if wrong: {}", a.consequence));
+    }
+    if !lines.is_empty() {
+        lines.insert(0, "assumed, not shown by any control yet:".to_string());
+    }
+    let idle: Vec<String> = assumptions
+        .iter()
+        .filter_map(|a| Some(format!("  {} = {}: {}", a.fact, a.value, a.without_effect?)))
+        .collect();
+    if !idle.is_empty() {
+        lines.push("assumed too, without effect on this kit:".to_string());
+        lines.extend(idle);
     }
     lines.join("\n")
 }
 
-/// What a person has to see to.
+/// What a person has to see to, one sentence each; axes of which the same is asked share one.
 pub(super) fn preconditions(preconditions: &[Precondition]) -> String {
     if preconditions.is_empty() {
         return String::new();
     }
     let mut lines = vec!["preconditions on the control, for a person to see to:".to_string()];
-    for p in preconditions {
-        lines.push(format!("  {} = {}", p.what, p.value));
+    for (what, p) in shared(preconditions) {
+        lines.push(format!("  {what} must be {}:", p.value));
         lines.push(format!("      {} [{}]", p.why, p.source));
     }
     lines.join("\n")
+}
+
+/// Preconditions that differ only in the last word of what they concern (`… of axis 1`) as one:
+/// all these words, and the first of them.
+fn shared(preconditions: &[Precondition]) -> Vec<(String, &Precondition)> {
+    let mut shared: Vec<(String, &Precondition)> = Vec::new();
+    for p in preconditions {
+        let (head, last) = head_and_last(&p.what);
+        let same = |other: &&mut (String, &Precondition)| {
+            let o = other.1;
+            let asked = (&o.value, &o.why, &o.source) == (&p.value, &p.why, &p.source);
+            asked && !head.is_empty() && head_and_last(&o.what).0 == head
+        };
+        match shared.iter_mut().find(same) {
+            Some((words, _)) => *words = format!("{words}, {last}"),
+            None => shared.push((p.what.clone(), p)),
+        }
+    }
+    shared
+}
+
+fn head_and_last(what: &str) -> (&str, &str) {
+    what.rsplit_once(' ').unwrap_or(("", what))
 }
 
 /// Terms without a table, stretches that were not measured, notes.

@@ -5,28 +5,22 @@ use crate::cli::{Answer, Format, print, print_json, show};
 use crate::controller::{Profile, Role};
 use crate::forecast::{Forecast, Verdict};
 use crate::kit::{Inputs, Verification, sha256, verify};
-use crate::manifest::{diagonals, picometres};
-use crate::problem::{Problem, Problems};
-use crate::readback::kit::KitFile;
+use crate::manifest::{HashedFile, diagonals, picometres};
+use crate::problem::{Problem, Problems, shown};
+use crate::readback::kit::{KitFile, may_be_meant_for};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
 pub(super) fn run(job: &Path, directory: &Path, format: Format) -> Result<Answer, Problems> {
     let inputs = inputs::read(job)?;
-    let found = read_directory(&inputs.profile, directory)?;
-    let files: Vec<KitFile<'_>> = found
-        .files
-        .iter()
-        .map(|(path, role, bytes)| KitFile {
-            path,
-            role: *role,
-            bytes,
-        })
-        .collect();
-    let mut verification = verify(&inputs, &files, found.remarks)?;
-    if found.has_manifest {
+    let found = read_directory(&inputs, directory)?;
+    let files: Vec<KitFile<'_>> = found.files.iter().map(kit_file).collect();
+    let mut verification = verify(&inputs, &files, found.remarks)
+        .map_err(|problems| behind(found.other_control, problems))?;
+    if found.names_missing {
         verification.absent.clear(); // a listed file that is missing was named
     }
+    verification.absent.extend(found.notes);
     match format {
         Format::Json => print_json(&document(&inputs, &verification))?,
         Format::Text => print(&report(&inputs, directory, &verification))?,
@@ -38,14 +32,45 @@ pub(super) fn run(job: &Path, directory: &Path, format: Format) -> Result<Answer
     })
 }
 
-/// The files of a directory, and what its manifest says against them.
-struct Found {
-    files: Vec<(String, Role, Vec<u8>)>,
-    remarks: Vec<String>,
-    has_manifest: bool,
+type NamedFile = (String, Role, Vec<u8>);
+
+fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
+    KitFile {
+        path,
+        role: *role,
+        bytes,
+    }
 }
 
-fn read_directory(profile: &Profile, directory: &Path) -> Result<Found, Problems> {
+/// The files of a directory, and what its manifest says against them.
+#[derive(Default)]
+struct Found {
+    files: Vec<NamedFile>,
+    /// Sentences that make the verdict `fail`.
+    remarks: Vec<String>,
+    /// What was passed over, and what may explain a disagreement.
+    notes: Vec<String>,
+    /// A listed file that is missing is among the remarks.
+    names_missing: bool,
+    /// The kit was made for another control.
+    other_control: Option<Problem>,
+}
+
+/// Files that cannot be read, behind the reason for it where it is known.
+fn behind(reason: Option<Problem>, problems: Problems) -> Problems {
+    let mut all = Problems::none();
+    reason.into_iter().for_each(|reason| all.push(reason));
+    all.extend(problems);
+    all
+}
+
+/// What operating systems leave on a stick; no file of a control is called so.
+fn is_left_by_a_computer(name: &str) -> bool {
+    let names = ["thumbs.db", "desktop.ini"];
+    name.starts_with('.') || names.contains(&name.to_ascii_lowercase().as_str())
+}
+
+fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found, Problems> {
     let refuse = |error: std::io::Error| {
         Problem::new(format!(
             "`{}` cannot be read: {}",
@@ -70,6 +95,8 @@ fn read_directory(profile: &Profile, directory: &Path) -> Result<Found, Problems
         }
     }
     names.sort();
+    let (left, names): (Vec<String>, Vec<String>) =
+        names.into_iter().partition(|n| is_left_by_a_computer(n));
     if !names.iter().any(|name| name != "manifest.json") {
         return Err(Problem::new(format!(
             "`{}` holds no file of a control, expected its tables",
@@ -78,23 +105,26 @@ fn read_directory(profile: &Profile, directory: &Path) -> Result<Found, Problems
         .help("name the directory with the control's files, as `nonius generate` wrote it")
         .into());
     }
-    let mut files = Vec::new();
+    let mut found = Found::default();
     for name in names.iter().filter(|name| *name != "manifest.json") {
         let bytes = read_file(&directory.join(name))?;
-        files.push((name.clone(), role_of(profile, name), bytes));
+        let role = role_of(&inputs.profile, name);
+        found.files.push((name.clone(), role, bytes));
     }
+    found.notes.extend(left.iter().map(|name| {
+        format!(
+            "`{}` was passed over: an operating system left it",
+            shown(name)
+        )
+    }));
     let manifest = directory.join("manifest.json");
-    let has_manifest = manifest.is_file();
-    let remarks = if has_manifest {
-        changed_files(&read_file(&manifest)?, &files)?
-    } else {
-        Vec::new()
-    };
-    Ok(Found {
-        files,
-        remarks,
-        has_manifest,
-    })
+    if manifest.is_file() {
+        let document = parsed(&read_file(&manifest)?)?;
+        pass_over_unlisted(&mut found, &document, &inputs.profile);
+        compare_hashes(&mut found, &document);
+        compare_origin(&mut found, &document, inputs);
+    }
+    Ok(found)
 }
 
 /// A file that the profile does not know is taken for tables.
@@ -106,37 +136,84 @@ fn role_of(profile: &Profile, name: &str) -> Role {
     known.map_or(Role::Table, |file| file.role)
 }
 
-fn changed_files(
-    manifest: &[u8],
-    files: &[(String, Role, Vec<u8>)],
-) -> Result<Vec<String>, Problems> {
-    let document: Value = serde_json::from_slice(manifest).map_err(|error| {
+fn parsed(manifest: &[u8]) -> Result<Value, Problem> {
+    serde_json::from_slice(manifest).map_err(|error| {
         Problem::new(format!("`manifest.json` is damaged: {error}"))
             .help("make the kit again; without `manifest.json` the tables alone are judged")
-    })?;
-    let listed = document["files"].as_array().cloned().unwrap_or_default();
-    let mut remarks = Vec::new();
-    for entry in &listed {
+    })
+}
+
+fn listed(document: &Value) -> Vec<Value> {
+    document["files"].as_array().cloned().unwrap_or_default()
+}
+
+/// A file that the manifest does not list is judged if the control could read it, else passed over.
+fn pass_over_unlisted(found: &mut Found, document: &Value, profile: &Profile) {
+    let listed = listed(document);
+    let files = std::mem::take(&mut found.files);
+    for file in files {
+        let name = shown(&file.0);
+        if listed.iter().any(|entry| entry["path"] == json!(file.0)) {
+            found.files.push(file);
+        } else if may_be_meant_for(profile, &kit_file(&file)) {
+            let words =
+                format!("`{name}` is not listed in manifest.json, and the control could read it");
+            found.remarks.push(words);
+            found.files.push(file);
+        } else {
+            found.notes.push(format!("`{name}` was passed over: manifest.json does not list it, and it is no file of this control"));
+        }
+    }
+}
+
+fn compare_hashes(found: &mut Found, document: &Value) {
+    for entry in &listed(document) {
         let (path, hash) = (
             entry["path"].as_str().unwrap_or_default(),
             entry["sha256"].as_str().unwrap_or_default(),
         );
-        match files.iter().find(|(name, _, _)| name == path) {
-            None => remarks.push(format!("`{path}` is listed in manifest.json but missing")),
-            Some((_, _, bytes)) if sha256(bytes) != hash => {
-                remarks.push(format!(
-                    "`{path}` was changed after it was made: its hash is not that of manifest.json"
-                ));
+        match found.files.iter().find(|(name, _, _)| name == path) {
+            None => {
+                found.names_missing = true;
+                let words = format!("`{}` is listed in manifest.json but missing", shown(path));
+                found.remarks.push(words);
             }
+            Some((_, _, bytes)) if sha256(bytes) != hash => found.remarks.push(format!(
+                "`{path}` was changed after it was made: its hash is not that of manifest.json"
+            )),
             Some(_) => {}
         }
     }
-    for (name, _, _) in files {
-        if !listed.iter().any(|entry| entry["path"] == json!(name)) {
-            remarks.push(format!("`{name}` is not listed in manifest.json"));
-        }
+}
+
+/// The control and the inputs that a kit was made for, against those of the job.
+fn compare_origin(found: &mut Found, document: &Value, inputs: &Inputs) {
+    let id = &inputs.profile.id;
+    if let Some(other) = document["controller"].as_str().filter(|other| other != id) {
+        let words = format!(
+            "the kit was made for another control: manifest.json names `{}`, the job `{id}`",
+            shown(other)
+        );
+        let help = "name the job that this kit was made from, or the kit of this job";
+        found.other_control = Some(Problem::new(words.clone()).help(help));
+        found.remarks.push(words);
     }
-    Ok(remarks)
+    let Some(known) = document["inputs"].as_array() else {
+        return;
+    };
+    let other = |input: &&HashedFile| !known.iter().any(|k| k["sha256"] == json!(input.sha256));
+    let names: Vec<String> = inputs
+        .hashes
+        .iter()
+        .filter(other)
+        .map(|i| format!("`{}`", shown(&i.path)))
+        .collect();
+    if !names.is_empty() {
+        found.notes.push(format!(
+            "the kit was made from other inputs: {} differ from those in manifest.json",
+            names.join(", ")
+        ));
+    }
 }
 
 fn report(inputs: &Inputs, directory: &Path, verification: &Verification) -> String {

@@ -277,7 +277,7 @@ fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec
         ),
         Precondition::new(
             format!("other CEC tables of {}", outputs.join(", ")),
-            "none, or meant to act",
+            "absent, or meant to act",
             "MD32710 in the enable and disable files switches every CEC table of an axis",
             format!("{K3} p. 245"),
         ),
@@ -289,7 +289,7 @@ fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec
         ),
         Precondition::new(
             format!("CEC tables {}", numbers.join(", ")),
-            "not in use",
+            "free (not in use)",
             "existing tables of these numbers are overwritten",
             "`first_table` of the job",
         ),
@@ -314,7 +314,7 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
             "the reversal is in the two tables; counted twice it would turn round",
         ),
         _ => (
-            "as it was during the measurement".to_string(),
+            "as during the measurement".to_string(),
             "backlash acts beside the table and adds to it",
         ),
     };

@@ -2,7 +2,7 @@
 
 use crate::controller::{Origin, Profile, load};
 use crate::document::Source;
-use crate::problem::{Problem, Problems, nearest};
+use crate::problem::{Problem, Problems, nearest, shown};
 
 macro_rules! embed {
     ($folder:literal, $($name:literal),+ $(,)?) => {
@@ -63,17 +63,71 @@ pub fn template(name: &str) -> Option<String> {
 /// A built-in profile by its id.
 pub fn profile(id: &str) -> Result<Profile, Problems> {
     let Some(text) = page(id) else {
-        let problem = Problem::new(format!("unknown controller `{id}`"));
-        let list = ids().join(", ");
-        return Err(problem
-            .help(match nearest(id, ids()) {
-                Some(near) => format!("did you mean `{near}`? built in: {list}; or give the path of a profile of your own (ending in .toml)"),
-                None => format!("built in: {list}; or give the path of a profile of your own (ending in .toml)"),
-            })
-            .into());
+        return Err(unknown(id).into());
     };
     let source = Source::from_bytes(&format!("controllers/{id}.toml"), text.as_bytes())?;
     load::profile(source, Origin::BuiltIn, &template, &|base| {
         profile(base).ok()
     })
+}
+
+fn unknown(word: &str) -> Problem {
+    let list = ids().join(", ");
+    let built_in =
+        format!("built in: {list}; or give the path of a profile of your own (ending in .toml)");
+    let help = match meant(word) {
+        Some((id, name)) => format!("did you mean `{id}` ({name})? {built_in}"),
+        None => built_in,
+    };
+    Problem::new(format!("unknown controller `{}`", shown(word))).help(help)
+}
+
+/// The control that a word names: most of its parts stand in the id and the full name, one of them
+/// with a digit (`31i` in `FANUC Series 30i/31i/32i-B`); else the id that is written most alike.
+fn meant(word: &str) -> Option<(&'static str, String)> {
+    let full_name = |id: &str| profile(id).map(|known| known.name).unwrap_or_default();
+    let parts = parts(word);
+    let mut best: Option<(usize, &'static str)> = None;
+    for id in ids() {
+        let known = self::parts(&format!("{id} {}", full_name(id)));
+        let shared = parts.iter().filter(|part| known.contains(part));
+        let shared: Vec<&String> = shared.collect();
+        let with_digit = |part: &&String| part.contains(|c: char| c.is_ascii_digit());
+        let better = best.is_none_or(|(most, _)| shared.len() > most);
+        if shared.iter().any(with_digit) && better {
+            best = Some((shared.len(), id));
+        }
+    }
+    let id = best.map(|(_, id)| id).or_else(|| nearest(word, ids()))?;
+    Some((id, full_name(id)))
+}
+
+/// The parts of a name in small letters: `fanuc-30i` has `fanuc` and `30i`.
+fn parts(name: &str) -> Vec<String> {
+    name.split(|c: char| !c.is_ascii_alphanumeric())
+        .filter(|part| !part.is_empty())
+        .map(str::to_ascii_lowercase)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::meant;
+
+    #[test]
+    fn a_model_is_found_by_its_name() {
+        let words = [
+            ("fanuc-31i", "fanuc-30i"),
+            ("FANUC 32i-B", "fanuc-30i"),
+            ("fanuc-18i", "fanuc-16i"),
+            ("fanuc-0i-c", "fanuc-16i"),
+            ("fanuc-0i", "fanuc-0i-f"),
+            ("siemens-840d", "siemens-840d-sl"),
+            ("simens-828d", "siemens-828d"),
+        ];
+        for (word, id) in words {
+            assert_eq!(meant(word).map(|(id, _)| id), Some(id), "{word}");
+        }
+        assert_eq!(meant("tnc-640"), None);
+    }
 }

@@ -5,11 +5,11 @@
 
 use crate::controller::{
     Dialect, EmittedFile, Evidence, Fact, FanucFacts, GenericFacts, IntervalForm, LineEnd,
-    MultiplyMode, NumberRange, Origin, Profile, Role, SiemensFacts, Statement, StraightnessForm,
-    TableForm, TableSign,
+    Mechanism, MultiplyMode, NumberRange, Origin, Profile, Role, SiemensFacts, Statement,
+    StraightnessForm, TableForm, TableSign,
 };
 use crate::document::{Section, Source, read_page};
-use crate::problem::{Problem, Problems};
+use crate::problem::{Problem, Problems, shown};
 use std::cell::RefCell;
 
 /// Finds the text of a template by its name; `None` if there is none.
@@ -131,7 +131,10 @@ fn base_profile(root: &Section<'_>, bases: BaseFinder<'_>) -> Option<Option<Prof
     if base.is_none() {
         root.problem(
             "based_on",
-            format!("`based_on` names `{id}`, expected the id of a built-in profile"),
+            format!(
+                "`based_on` names `{}`, expected the id of a built-in profile",
+                shown(&id)
+            ),
             "`nonius controllers list` shows them",
         );
         return None;
@@ -328,7 +331,7 @@ fn generic_facts(reader: &FactReader<'_>, base: Option<&Profile>) -> Option<Gene
     })
 }
 
-/// Reads `[facts.NAME]` sections: value, evidence, source, consequence.
+/// Reads `[facts.NAME]` sections: value, evidence, source, consequence, mechanism.
 struct FactReader<'a> {
     section: Option<&'a Section<'a>>,
     inherited: &'a [Statement],
@@ -342,16 +345,16 @@ impl FactReader<'_> {
         base: Option<&Fact<T>>,
         value: impl FnOnce(&Section<'_>) -> Option<T>,
     ) -> Option<Fact<T>> {
+        let inherited = self
+            .inherited
+            .iter()
+            .find(|statement| statement.fact == name);
         let Some(fact) = self.section.and_then(|section| section.section(name)) else {
             if base.is_none()
                 && let Some(section) = self.section
             {
                 let _ = section.required_section(name);
             }
-            let inherited = self
-                .inherited
-                .iter()
-                .find(|statement| statement.fact == name);
             self.statements.borrow_mut().extend(inherited.cloned());
             return base.cloned();
         };
@@ -371,6 +374,7 @@ impl FactReader<'_> {
                 "what happens on the machine if the assumption is wrong",
             );
         }
+        let mechanism = fact.choice("mechanism", &Mechanism::WORDS);
         fact.refuse_unknown_keys();
         let known = Fact {
             value: stated?,
@@ -388,6 +392,7 @@ impl FactReader<'_> {
             evidence: known.evidence,
             source: known.source.clone(),
             consequence: known.consequence.clone(),
+            mechanism: mechanism.or(inherited.and_then(|statement| statement.mechanism)),
         });
         Some(known)
     }
@@ -496,7 +501,7 @@ fn refuse_shared_names(sections: &[Section<'_>], files: &[Option<FormFile>]) {
         if shared {
             section.problem(
                 "path",
-                format!("two files are called `{}`", file.path),
+                format!("two files are called `{}`", shown(&file.path)),
                 "give each file a name of its own, in capitals or not",
             );
         }
@@ -532,14 +537,17 @@ fn read_file(file: &Section<'_>, templates: TemplateFinder<'_>) -> Option<FormFi
     if !is_plain_file_name(&path) {
         file.problem(
             "path",
-            format!("`{path}` is no file name that every control and laptop takes"),
+            format!(
+                "`{}` is no file name that every control and laptop takes",
+                shown(&path)
+            ),
             "use letters, digits, `_`, `-` and `.`; `manifest.json` is taken",
         );
     }
     let Some(template) = templates(&name) else {
         file.problem(
             "template",
-            format!("there is no template `{name}`"),
+            format!("there is no template `{}`", shown(&name)),
             "put it beside the profile, or name a built-in one (docs/templates.md)",
         );
         return None;
@@ -576,7 +584,10 @@ fn ensure_three_axis_names(profile: &Profile, source: &Source, problems: &mut Pr
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let other = |name: &&String| name.is_empty() || !name.chars().all(plain);
     for name in names.iter().filter(other) {
-        let message = format!("`{name}` is no axis name, expected letters, digits and `_`");
+        let message = format!(
+            "`{}` is no axis name, expected letters, digits and `_`",
+            shown(name)
+        );
         problems.push(
             source
                 .problem_at(path, message)

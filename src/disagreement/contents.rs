@@ -52,7 +52,7 @@ pub fn contents(
 pub fn absent(profile: &Profile, wanted: &Tables, read: &ReadBack) -> Vec<String> {
     match (&profile.dialect, wanted) {
         (Dialect::Siemens(facts), Tables::Siemens(wanted)) => {
-            siemens::machine_data::absent(profile, wanted, &read.machine_data, facts)
+            siemens::machine_data::absent(wanted, &read.machine_data, facts)
         }
         _ => Vec::new(),
     }

@@ -33,7 +33,7 @@ fn one_linear(section: &Section<'_>) -> Option<Linear> {
     if !section.has("axis") {
         section.missing("axis", "`x`, `y` or `z`");
     }
-    let axis = section.choice("axis", &Axis::ALL.map(|axis| (axis.key(), axis)));
+    let axis = section.choice_in_any_case("axis", &Axis::ALL.map(|axis| (axis.key(), axis)));
     let stated = slope(section);
     let errors = section.text("errors");
     let u_um_per_m = section.not_negative("u_um_per_m");

@@ -158,7 +158,7 @@ fn order(section: &Section<'_>, kind: PathKind) -> Option<[Axis; 3]> {
             "the order of the single-axis moves inside a cell, e.g. \"XYZ\"",
         );
     }
-    section.choice(
+    section.choice_in_any_case(
         "order",
         &[
             ("XYZ", [x, y, z]),
@@ -364,7 +364,7 @@ steps = 4
 
     #[test]
     fn what_is_not_stated_has_the_value_of_the_contract() {
-        let measurement = measurement("order = \"ZXY\"");
+        let measurement = measurement("order = \"zXy\"");
         assert_eq!(measurement.angles.as_deref(), Some("angles.csv"));
         assert_eq!(measurement.uncertainty.laser_ppm, Some(0.1));
         assert_eq!(measurement.levers.offsets, None);

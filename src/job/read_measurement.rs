@@ -47,10 +47,7 @@ fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<Me
     let readings = section.text("readings");
     match (section.has("errors"), section.has("readings")) {
         (true, true) => both_given(section),
-        (false, false) => section.missing(
-            "errors",
-            "the path of an error table (or `readings` of the body diagonals)",
-        ),
+        (false, false) => neither_given(section, axes),
         (true, false) => {
             if section.has("step_diagonal") {
                 section.problem(
@@ -62,12 +59,33 @@ fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<Me
             return errors.map(MeasuredData::Errors);
         }
         (false, true) => {
-            let how = section.required_section("step_diagonal");
+            if !section.has("step_diagonal") {
+                section.problem("step_diagonal", "there is no section [measurement.step_diagonal], which says how the readings were taken", STEP_DIAGONAL);
+            }
+            let how = section.section("step_diagonal");
             let measured = how.and_then(|how| diagonals(&how, axes, readings));
             return measured.map(MeasuredData::Diagonals);
         }
     }
     None
+}
+
+const STEP_DIAGONAL: &str = "add `[measurement.step_diagonal]` with `start_mm`, `size_mm`, `steps` and `order`; fixtures/start/readings/job.toml shows one";
+
+/// How readings were taken is described, or nothing at all is named.
+fn neither_given(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) {
+    let Some(how) = section.section("step_diagonal") else {
+        section.missing(
+            "errors",
+            "the path of an error table (or `readings` of the body diagonals)",
+        );
+        return;
+    };
+    section.missing(
+        "readings",
+        "the path of the readings that [measurement.step_diagonal] describes",
+    );
+    diagonals(&how, axes, None); // for its problems
 }
 
 fn both_given(section: &Section<'_>) {

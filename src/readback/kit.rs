@@ -77,6 +77,23 @@ pub fn read(profile: &Profile, files: &[KitFile<'_>]) -> Result<ReadBack, Proble
     }
 }
 
+/// Whether a file may mean something to the control, whole or damaged: `$` variables (Siemens),
+/// numbered blocks (Fanuc), the column of positions (generic).
+///
+/// **limits** it errs on the careful side; a text for people that quotes such a word counts too.
+pub fn may_be_meant_for(profile: &Profile, file: &KitFile<'_>) -> bool {
+    let text = String::from_utf8_lossy(file.bytes);
+    let numbered = |line: &str| {
+        let number = line.trim_start().strip_prefix(['N', 'n']);
+        number.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+    };
+    match &profile.dialect {
+        Dialect::Siemens(_) => text.contains('$'),
+        Dialect::Fanuc(_) => text.split(['\n', '\r']).any(numbered),
+        Dialect::Generic(_) => text.contains("position_mm"),
+    }
+}
+
 fn plain(tables: Tables) -> ReadBack {
     ReadBack {
         tables,

@@ -84,8 +84,8 @@ pub(super) fn preconditions(
     runs: &[Run],
 ) -> Vec<Precondition> {
     let mut list = vec![Precondition::new(
-        "option stored pitch error compensation; 8135#0 where the control has it",
-        "available; 0",
+        "option stored pitch error compensation",
+        "available (8135#0 = 0 where the control has it)",
         "without it the tables stay without effect",
         "B-64303CM-1/01 section 1.3.1",
     )];
@@ -111,15 +111,15 @@ pub(super) fn preconditions(
         ));
     }
     list.push(Precondition::new(
-        "power",
-        "off and on after loading 3620 to 3627",
+        "the power of the control",
+        "switched off and on after loading 3620 to 3627",
         "the parameters act only then (alarm PW0000 or P/S 000)",
         "cnc.wiki, FANUC pitch error compensation; alarm numbers from memory",
     ));
     list.push(Precondition::new(
-        "reference return",
-        "of every axis concerned",
-        "the compensation acts only after it",
+        "every axis concerned",
+        "returned to its reference point after power-on",
+        "the compensation acts only after the reference return",
         "cnc.wiki, FANUC pitch error compensation",
     ));
     list.push(Precondition::new(
@@ -208,7 +208,7 @@ fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
             "the reversal is in the two tables; counted twice it would turn round",
         ),
         None => (
-            "as it was during the measurement".to_string(),
+            "as during the measurement".to_string(),
             "backlash acts beside the table and adds to it",
         ),
     };

@@ -2,7 +2,7 @@
 
 use super::super::{it, listed};
 use super::lec_name;
-use crate::controller::{Profile, Role, SiemensFacts};
+use crate::controller::{Role, SiemensFacts};
 use crate::readback::kit::FileData;
 use crate::readback::siemens::{MachineDatum, MachineValue};
 use crate::table::siemens::SiemensTables;
@@ -198,9 +198,9 @@ fn text(value: &MachineValue) -> String {
     }
 }
 
-/// Files of the profile that are not there, and the data to see to by hand.
+/// Files that are not there (or that a profile of one's own leaves out), and the data to see to
+/// by hand.
 pub(in super::super) fn absent(
-    profile: &Profile,
     wanted: &SiemensTables,
     files: &[FileData],
     facts: &SiemensFacts,
@@ -211,8 +211,7 @@ pub(in super::super) fn absent(
         (Role::Parameters, "reserves their memory", ""),
     ];
     let sentence = |(role, does, value): (Role, &str, &str)| {
-        let expected = profile.files.iter().any(|file| file.role == role);
-        if !expected || files.iter().any(|file| file.role == role) {
+        if files.iter().any(|file| file.role == role) {
             return None;
         }
         let mut data: Vec<String> = owned(role, wanted, facts)

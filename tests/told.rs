@@ -1,0 +1,125 @@
+//! What `generate` says beside its figures: assumptions that matter apart from those that cannot,
+//! preconditions as sentences, the verdict where a person looks last.
+
+#![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn nonius(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_nonius"))
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .expect("the program starts")
+}
+
+/// The job to start from with a control of one's choice, and what `generate` says of it.
+fn told(controller: &str, profile: Option<&str>) -> (TempDir, String, String) {
+    let directory = tempfile::tempdir().expect("a temporary directory can be made");
+    let start = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/start/errors");
+    let job = fs::read_to_string(start.join("job.toml")).expect("the job is there");
+    let job = job
+        .replace("siemens-840d-sl", controller)
+        .replace("# detection_unit_um", "detection_unit_um");
+    fs::write(directory.path().join("job.toml"), job).expect("the job can be written");
+    fs::copy(
+        start.join("errors.csv"),
+        directory.path().join("errors.csv"),
+    )
+    .expect("the table can be copied");
+    if let Some(page) = profile {
+        fs::write(directory.path().join(controller), page).expect("the profile can be written");
+    }
+    let output = nonius(directory.path(), &["generate", "job.toml", "-o", "kit"]);
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("it is text");
+    let (data, talk) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "{talk}");
+    (directory, data, talk)
+}
+
+#[test]
+fn the_verdict_stands_in_the_last_line() {
+    let (_directory, data, talk) = told("siemens-840d-sl", None);
+    let last = talk.lines().last().expect("something is said");
+    assert!(last.starts_with("verdict: pass (asked: "), "{talk}");
+    assert!(data.contains(last), "the report holds it too\n{data}");
+}
+
+#[test]
+fn assumptions_without_effect_stand_apart_with_the_reason() {
+    let (_directory, data, _talk) = told("fanuc-30i", None);
+    let (used, idle) = data
+        .split_once("assumed too, without effect on this kit:")
+        .expect("both groups are there");
+    assert!(used.contains("pitch_sign = as_correction\n      if wrong: "));
+    assert!(
+        used.contains("straightness_magnification_parameter"),
+        "a 30i kit uses it"
+    );
+    let line = "  straightness_amount_max = 32767: this kit holds no four-point straightness\n";
+    assert!(idle.contains(line), "{idle}");
+    assert!(
+        idle.contains("interval_decimals_inch = 4: this kit is in mm"),
+        "{idle}"
+    );
+    let (_directory, data, _talk) = told("fanuc-0i-f", None);
+    let (used, idle) = data
+        .split_once("assumed too, without effect on this kit:")
+        .expect("both groups are there");
+    assert!(
+        used.contains("straightness_amount_max"),
+        "a 0i-F kit uses it"
+    );
+    assert!(
+        idle.contains("straightness_magnification_parameter"),
+        "{idle}"
+    );
+}
+
+#[test]
+fn preconditions_are_sentences_and_axes_share_one() {
+    let (_directory, data, talk) = told("fanuc-30i", None);
+    assert!(
+        data.contains("\n  1240 of axis 1, 2, 3 must be 0 mm:\n"),
+        "{data}"
+    );
+    let power = "the power of the control must be switched off and on after loading 3620 to 3627:";
+    assert!(data.contains(power), "{data}");
+    assert!(talk.contains("docs/fanuc.md §4.2"), "{talk}");
+}
+
+#[test]
+fn what_no_file_of_an_own_profile_sets_is_noted() {
+    let page = r#"
+schema = 1
+id = "own"
+name = "own"
+based_on = "siemens-840d-sl"
+
+[[files]]
+role = "table"
+path = "EEC.MPF"
+template = "siemens-eec.mpf.tera"
+
+[[files]]
+role = "table"
+path = "CEC.MPF"
+template = "siemens-cec.mpf.tera"
+"#;
+    let (directory, data, _talk) = told("own.toml", Some(page));
+    for note in [
+        "note: no file switches the tables on; see to MD32700",
+        "note: no file reserves their memory; see to MD38000",
+    ] {
+        assert!(data.contains(note), "{note}\n{data}");
+    }
+    let output = nonius(directory.path(), &["verify", "job.toml", "--tables", "kit"]);
+    let verified = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        verified.contains("note: no file switches the tables on"),
+        "{verified}"
+    );
+}
