@@ -10,7 +10,8 @@
 use nonius::axis::{Axis, Direction};
 use nonius::document::Source;
 use nonius::error_table::{ErrorTable, write};
-use nonius::import::stated::{Encoding, Runs, Sign, Stated, Travel};
+use nonius::import::choices::{Encoding, MaterialCorrected, Runs, Sign, Travel};
+use nonius::import::stated::Stated;
 use nonius::import::{Component, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
 use nonius::problem::Problems;
@@ -66,6 +67,14 @@ fn laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
     }
 }
 
+/// What the `.rtl` of this folder needs beside that: it notes a temperature of the material.
+fn rtl_laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
+    Stated {
+        material_corrected: Some(MaterialCorrected::Yes),
+        ..laser(first_target_at_mm, targets_run)
+    }
+}
+
 fn signed(sign: Sign) -> Stated {
     Stated {
         sign: Some(sign),
@@ -78,14 +87,14 @@ const REN: &str = "ren_table_selfmade.ren";
 
 #[test]
 fn renishaw_static_data() {
-    let plus = laser(-200.0, Direction::Plus);
+    let plus = rtl_laser(-200.0, Direction::Plus);
     insta::assert_snapshot!(table(RTL, &bytes(RTL), &plus));
 }
 
 #[test]
 fn renishaw_static_data_measured_towards_smaller_coordinates() {
     let name = "sample_synthetic.rtl";
-    let minus = laser(0.0, Direction::Minus);
+    let minus = rtl_laser(0.0, Direction::Minus);
     insta::assert_snapshot!(table(name, &bytes(name), &minus));
 }
 
@@ -152,7 +161,7 @@ fn mapped_runs_are_averaged() {
 
 #[test]
 fn corrections_are_turned_once() {
-    let mut stated = laser(-200.0, Direction::Plus);
+    let mut stated = rtl_laser(-200.0, Direction::Plus);
     let errors = rows(&table(RTL, &bytes(RTL), &stated));
     stated.sign = Some(Sign::AsCorrection);
     let corrections = rows(&table(RTL, &bytes(RTL), &stated));
@@ -162,13 +171,24 @@ fn corrections_are_turned_once() {
 
 #[test]
 fn a_straightness_keeps_its_sense_when_the_targets_run_the_other_way() {
-    let mut stated = laser(0.0, Direction::Minus);
-    stated.term = Component::from_name("EYX");
-    let text = String::from_utf8(bytes(RTL)).unwrap();
-    let text = rows(&table("x.rtl", text.as_bytes(), &stated));
-    // Target 1 at machine 0 has 0.4 and 0.6 µm on the outward run, which moves -.
-    assert!(text.contains("x,-,0,0.5,0.1"), "{text}");
-    assert!(text.contains("x,+,-400,3.15,0.05"), "{text}");
+    let stated = Stated {
+        columns: Some("t=target_mm,e=ex_um,s=ey_um".to_string()),
+        axis: Some(Axis::X),
+        travel: Some(Travel::Both),
+        term: None,
+        ..laser(0.0, Direction::Minus)
+    };
+    let text = table("s.csv", b"t;e;s\n0;1;2\n100;3;4\n", &stated);
+    assert_eq!(
+        rows(&text),
+        "axis,position_mm,ex_um,ey_um\nx,-100,-3,4\nx,0,-1,2"
+    );
+    // What was turned is said of that column only.
+    let sense: Vec<&str> = text.lines().filter(|l| l.contains("sense:")).collect();
+    assert_eq!(
+        sense,
+        ["# sense: the file counts its targets against the axis, so EXX is turned as well"]
+    );
 }
 
 /// The file with other words in it.
@@ -180,7 +200,7 @@ fn changed(from: &str, to: &str) -> Vec<u8> {
 
 #[test]
 fn spelling_of_the_header_does_not_matter() {
-    let stated = laser(-200.0, Direction::Plus);
+    let stated = rtl_laser(-200.0, Direction::Plus);
     let expected = rows(&table(RTL, &bytes(RTL), &stated));
     let twins = [
         changed("\r\n", "\n"),
@@ -203,7 +223,7 @@ fn fields_of_the_user_text_may_share_a_line() {
     let shared = changed("0001\r\nDate", "0001 Date");
     let shared = String::from_utf8(shared).unwrap();
     let shared = shared.replace("By:example\r\nAxis:X", "By:example Axis:X");
-    let text = table(RTL, shared.as_bytes(), &laser(-200.0, Direction::Plus));
+    let text = table(RTL, shared.as_bytes(), &rtl_laser(-200.0, Direction::Plus));
     assert!(
         text.contains("# the file says: Serial No: 0001\n"),
         "{text}"
@@ -246,7 +266,7 @@ fn return_runs_that_were_never_made_are_left_out_and_said() {
     let text = table(
         RTL,
         zeros.join("\n").as_bytes(),
-        &laser(-200.0, Direction::Plus),
+        &rtl_laser(-200.0, Direction::Plus),
     );
     assert!(text.contains("runs 2, 4 hold only zeros"), "{text}");
     assert!(!text.contains("x,-,"), "{text}");
@@ -255,7 +275,7 @@ fn return_runs_that_were_never_made_are_left_out_and_said() {
 
 #[test]
 fn every_run_goes_out_where_it_is_stated() {
-    let mut stated = laser(-200.0, Direction::Plus);
+    let mut stated = rtl_laser(-200.0, Direction::Plus);
     stated.runs = Some(Runs::Unidirectional);
     let text = table(RTL, &changed("Flags: 0 0 2 0", "Flags: 0 1 2 0"), &stated);
     assert!(text.contains("runs: 4 moving +;"), "{text}");
@@ -265,11 +285,11 @@ fn every_run_goes_out_where_it_is_stated() {
 
 #[test]
 fn other_encodings_are_read_where_they_are_stated() {
-    let stated = laser(-200.0, Direction::Plus);
+    let stated = rtl_laser(-200.0, Direction::Plus);
     let text = String::from_utf8(changed("Example mill", "¤")).unwrap();
     let (before, behind) = text.split_once('¤').unwrap();
     let cases = [
-        (Some(Encoding::Latin1), b"Fr\xe4se".as_slice(), "Fräse"),
+        (Some(Encoding::Windows1252), b"Fr\xe4se".as_slice(), "Fräse"),
         (Some(Encoding::Gbk), b"\xbb\xfa\xb4\xb2".as_slice(), "机床"),
     ];
     for (encoding, name, expected) in cases {
@@ -334,7 +354,7 @@ fn nonius(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     )
 }
 
-const IMPORT: [&str; 12] = [
+const IMPORT: [&str; 14] = [
     "import",
     "x.rtl",
     "-o",
@@ -347,6 +367,8 @@ const IMPORT: [&str; 12] = [
     "+",
     "--sign",
     "as-error",
+    "--material-corrected",
+    "yes",
 ];
 
 const JOB: &str = r#"schema = 1
@@ -435,7 +457,7 @@ proptest! {
         order.sort_by_key(|index| keys[*index]);
         lines = order.into_iter().map(|index| lines[index]).collect();
         let shuffled = format!("{head}Run Target Data:\r\n{}\r\n\r\n{tail}", lines.join("\r\n"));
-        let stated = laser(-200.0, Direction::Plus);
+        let stated = rtl_laser(-200.0, Direction::Plus);
         prop_assert_eq!(
             rows(&table(RTL, shuffled.as_bytes(), &stated)),
             rows(&table(RTL, &bytes(RTL), &stated))
