@@ -84,7 +84,7 @@ fn refuse_points(cells: &[NumberCell<'_>], stated: Option<Decimal>, problems: &m
                     "`{}` holds a point, but `--decimal comma` was stated",
                     shown(&cell.text)
                 ),
-                "write nothing between thousands",
+                "write nothing between thousands, or leave `--decimal` out",
             )
         });
     }

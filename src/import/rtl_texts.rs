@@ -77,7 +77,7 @@ pub(super) fn stated_axis(
                 missing(
                     "--axis",
                     &format!(
-                        "the axis of the file is `{}`, which is none of X, Y, Z or several",
+                        "the axis of the file is `{}`, which names none of X, Y, Z, or several",
                         shown(word.text)
                     ),
                     "add `--axis` with the axis that moved, the last letter of `--term`",
@@ -86,7 +86,7 @@ pub(super) fn stated_axis(
             );
         }
         return Some(format!(
-            "{said} (none of X, Y, Z or several; that of `--axis` is used)"
+            "{said} (names none of X, Y, Z, or several; that of `--axis` is used)"
         ));
     };
     let Some(other) = expected.filter(|axis| axis.letter() != letter) else {
