@@ -103,7 +103,11 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     }
     write::write_file(&options.output, imported.text.as_bytes(), options.force)?;
     say(&talk(&imported));
-    say(&format!("wrote {}", options.output.display()));
+    say(&format!(
+        "wrote {}\nnext: name it in [measurement] of a job, `errors = \"{}\"`; a list joins the tables of several axes, `errors = [\"x.csv\", \"y.csv\"]`",
+        options.output.display(),
+        inputs::file_name(&options.output)
+    ));
     match options.format {
         Format::Json => print_json(&document(file, &options.output, &stated, &imported)),
         Format::Text => print(&series_table(&imported)),
