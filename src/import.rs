@@ -26,6 +26,7 @@ mod placing;
 mod refused;
 mod ren;
 mod ren_header;
+mod reversal;
 mod rtl;
 mod rtl_runs;
 mod rtl_sections;
@@ -107,7 +108,8 @@ pub fn import(
         Some(format) => format,
         None => format::recognised(&source, stated)?,
     };
-    let reading = read(format, &source, stated)?;
+    let mut reading = read(format, &source, stated)?;
+    reading.warnings.extend(reversal::warnings(&reading.series));
     let mut facts = vec![format!("text: {encoding}")];
     facts.extend(reading.facts.iter().cloned());
     let draft = Draft {
