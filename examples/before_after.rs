@@ -53,8 +53,11 @@ fn source(path: &Path) -> Result<Source, Problems> {
 
 fn picture(path: &Path) -> Result<String, Problems> {
     let job = Job::read(source(path)?)?;
-    let MeasuredData::Errors(errors) = &job.measurement.data else {
+    let MeasuredData::Errors(paths) = &job.measurement.data else {
         return Err(Problem::new("the job has readings, expected an error table").into());
+    };
+    let [errors] = &paths[..] else {
+        return Err(Problem::new("the job has several error tables, expected one").into());
     };
     let table = ErrorTable::read(source(&path.with_file_name(errors))?)?;
     let profile = builtin::profile(&job.compensation.controller)?;

@@ -4,21 +4,72 @@
 //! where semicolons separate the columns. What the columns mean is the reader's who asks:
 //! [`crate::error_table`], `crate::readings`.
 
-use crate::document::Source;
+use crate::document::{LARGEST_NUMBER, Source};
 use crate::problem::{Place, Problem, Problems, nearest, shown};
 use crate::units::{MM_PER_INCH, UM_PER_MM};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// No number of a measurement comes near, whatever its unit.
-const LARGEST_NUMBER: f64 = 1e9;
+/// A unit of length that a measurement is given in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// Micrometres.
+    Um,
+    /// Millimetres.
+    Mm,
+    /// Inches.
+    In,
+    /// Microinches.
+    Uin,
+}
+
+impl LengthUnit {
+    /// All of them.
+    pub const ALL: [LengthUnit; 4] = [
+        LengthUnit::Um,
+        LengthUnit::Mm,
+        LengthUnit::In,
+        LengthUnit::Uin,
+    ];
+
+    /// Its word in the names of columns and on the command line.
+    pub const fn word(self) -> &'static str {
+        match self {
+            LengthUnit::Um => "um",
+            LengthUnit::Mm => "mm",
+            LengthUnit::In => "in",
+            LengthUnit::Uin => "uin",
+        }
+    }
+
+    /// How many micrometres it has.
+    pub const fn um(self) -> f64 {
+        match self {
+            LengthUnit::Um => 1.0,
+            LengthUnit::Mm => UM_PER_MM,
+            LengthUnit::In => MM_PER_INCH * UM_PER_MM,
+            LengthUnit::Uin => MM_PER_INCH * UM_PER_MM / 1e6,
+        }
+    }
+
+    /// The unit of a text as people write it, such as `mm`, `µm` or `inch`.
+    pub fn from_text(text: &str) -> Option<LengthUnit> {
+        match text.trim().to_lowercase().as_str() {
+            "um" | "µm" | "μm" | "micron" | "microns" => Some(LengthUnit::Um),
+            "mm" => Some(LengthUnit::Mm),
+            "in" | "inch" | "inches" => Some(LengthUnit::In),
+            "uin" | "µin" | "μin" | "microinch" => Some(LengthUnit::Uin),
+            _ => None,
+        }
+    }
+}
 
 /// Units of lengths in the names of columns, and how many µm they have.
 pub const LENGTHS_UM: [(&str, f64); 4] = [
-    ("um", 1.0),
-    ("mm", UM_PER_MM),
-    ("in", MM_PER_INCH * UM_PER_MM),
-    ("uin", MM_PER_INCH * UM_PER_MM / 1e6),
+    (LengthUnit::Um.word(), LengthUnit::Um.um()),
+    (LengthUnit::Mm.word(), LengthUnit::Mm.um()),
+    (LengthUnit::In.word(), LengthUnit::In.um()),
+    (LengthUnit::Uin.word(), LengthUnit::Uin.um()),
 ];
 
 /// One line of the file. Its cells and places are found when they are asked for: a table may have
@@ -29,9 +80,36 @@ pub struct Line<'a> {
     number: usize,
     text: &'a str,
     delimiter: u8,
+    decimal_comma: bool,
 }
 
 impl<'a> Line<'a> {
+    /// The line with other separators between its columns; a comma is read as a decimal comma where
+    /// `decimal_comma` says so.
+    pub const fn separated_by(&self, delimiter: u8, decimal_comma: bool) -> Line<'a> {
+        Line {
+            delimiter,
+            decimal_comma,
+            ..*self
+        }
+    }
+
+    /// What separates its columns.
+    pub const fn delimiter(&self) -> u8 {
+        self.delimiter
+    }
+
+    /// What stands in the line.
+    pub const fn text(&self) -> &'a str {
+        self.text
+    }
+
+    /// Whether it holds nothing but separators, as spreadsheets write below a table.
+    pub fn is_empty_row(&self) -> bool {
+        let empty = |c: char| c == char::from(self.delimiter) || c == '"' || c.is_whitespace();
+        self.text.chars().all(empty)
+    }
+
     /// Number of the line in the file, from 1.
     pub const fn number(&self) -> usize {
         self.number
@@ -98,7 +176,7 @@ impl<'a> Line<'a> {
         expected: &str,
         problems: &mut Problems,
     ) -> Option<f64> {
-        let number = number_of(cell, self.delimiter);
+        let number = number_of(cell, self.decimal_comma);
         if let Some(number) = number.filter(|number| number.abs() <= LARGEST_NUMBER) {
             return Some(number);
         }
@@ -126,12 +204,16 @@ impl<'a> Line<'a> {
 const DECIMAL_COMMA: &str =
     "a decimal comma needs semicolons between the columns; or write a decimal point";
 
-fn number_of(cell: &str, delimiter: u8) -> Option<f64> {
-    let text = if delimiter == b';' {
-        Cow::Owned(cell.replace(',', "."))
+fn number_of(cell: &str, decimal_comma: bool) -> Option<f64> {
+    if decimal_comma {
+        plain_number(&cell.replace(',', "."))
     } else {
-        Cow::Borrowed(cell)
-    };
+        plain_number(cell)
+    }
+}
+
+/// A number of digits, signs, a decimal point and an exponent; no words such as `inf` and `NaN`.
+pub fn plain_number(text: &str) -> Option<f64> {
     let plain = text
         .chars()
         .all(|c| c.is_ascii_digit() || "+-.eE".contains(c));
@@ -151,35 +233,40 @@ fn wrong_length(row: &Line<'_>, found: usize, expected: usize) -> Problem {
     .help(help)
 }
 
+/// Every line of a text; what separates its columns is taken from the line itself: the first of
+/// semicolon, tab and comma that it holds.
+pub fn lines(source: &Source) -> impl Iterator<Item = Line<'_>> {
+    let numbered = source.text.split('\n').zip(1..);
+    numbered.map(|(text, number)| {
+        let separators = [b';', b'\t', b','];
+        let found = separators
+            .into_iter()
+            .find(|d| text.contains(char::from(*d)));
+        let delimiter = found.unwrap_or(b',');
+        Line {
+            file: &source.name,
+            number,
+            text: text.trim_end_matches('\r'),
+            delimiter,
+            decimal_comma: delimiter == b';',
+        }
+    })
+}
+
 /// The header and the rows below it, without comments and empty rows; `None` = neither.
 pub fn header_and_rows(source: &Source) -> Option<(Line<'_>, Vec<Line<'_>>)> {
-    let content = source
-        .text
-        .split('\n')
-        .enumerate()
-        .map(|(index, text)| (index + 1, text.trim_end_matches('\r')))
-        .filter(|(_, text)| !text.trim().is_empty() && !text.trim_start().starts_with('#'));
+    let content = lines(source)
+        .filter(|line| !line.text.trim().is_empty() && !line.text.trim_start().starts_with('#'));
     let mut content = content.peekable();
     let delimiter = match content.peek() {
-        Some((_, header)) if header.contains(';') => b';',
+        Some(header) if header.text.contains(';') => b';',
         _ => b',',
     };
     let mut lines = content
-        .map(|(number, text)| Line {
-            file: &source.name,
-            number,
-            text,
-            delimiter,
-        })
-        .filter(|line| !is_empty_row(line.text, delimiter));
+        .map(|line| line.separated_by(delimiter, delimiter == b';'))
+        .filter(|line| !line.is_empty_row());
     let header = lines.next()?;
     Some((header, lines.collect()))
-}
-
-/// A row of nothing but separators, as spreadsheets write below a table.
-fn is_empty_row(line: &str, delimiter: u8) -> bool {
-    let empty = |c: char| c == char::from(delimiter) || c == '"' || c.is_whitespace();
-    line.chars().all(empty)
 }
 
 fn cells_of(line: &str, delimiter: u8) -> Vec<Cow<'_, str>> {

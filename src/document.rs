@@ -584,7 +584,7 @@ impl<'a> Section<'a> {
 }
 
 /// No length, deviation or feed of a machine comes near, whatever its unit.
-const LARGEST_NUMBER: f64 = 1e9;
+pub const LARGEST_NUMBER: f64 = 1e9;
 /// No machine has a kilometre of travel.
 pub const LONGEST_MM: f64 = 1e6;
 

@@ -5,6 +5,7 @@
 //! every check of the format; its rows still know their lines, so that later checks can point at them.
 
 mod columns;
+mod merged;
 mod remarks;
 mod rows;
 mod series;
@@ -34,18 +35,22 @@ pub struct Series {
     /// Rotations about X, Y, Z (`ea`, `eb`, `ec`), µrad, right-handed.
     pub angles_urad: PerAxis<Option<Vec<f64>>>,
     lines: Vec<usize>,
+    /// Which table it stands in: 0 = the first, n = the n-th of `ErrorTable::more`.
+    table: usize,
 }
 
 /// A checked error table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorTable {
-    /// The file.
+    /// The file; of several the first.
     pub source: Source,
     /// The line that names the columns.
     pub header: Place,
     /// What its comments say of it.
     pub remarks: Remarks,
     series: PerAxis<Vec<Series>>,
+    /// Files of the tables that were merged into this one.
+    more: Vec<Source>,
 }
 
 impl ErrorTable {
@@ -83,10 +88,11 @@ impl ErrorTable {
             header,
             remarks,
             series,
+            more: Vec::new(),
         })
     }
 
-    /// The series of an axis: one without direction, or one or two with.
+    /// The series of an axis: of each table one without direction, or one or two with.
     pub fn series(&self, axis: Axis) -> &[Series] {
         &self.series[axis]
     }
@@ -94,11 +100,20 @@ impl ErrorTable {
     /// The place of a row of a series.
     pub fn place(&self, series: &Series, row: usize) -> Option<Place> {
         let line = *series.lines.get(row)?;
-        let text = self.source.text.lines().nth(line - 1)?;
+        let source = self.source_of(series)?;
+        let text = source.text.lines().nth(line - 1)?;
         Some(Place {
             line,
-            ..Place::in_text(&self.source.name, text, 0, text.len())
+            ..Place::in_text(&source.name, text, 0, text.len())
         })
+    }
+
+    /// The file in which a series stands.
+    fn source_of(&self, series: &Series) -> Option<&Source> {
+        match series.table.checked_sub(1) {
+            None => Some(&self.source),
+            Some(index) => self.more.get(index),
+        }
     }
 }
 

@@ -144,8 +144,8 @@ pub enum ActiveTables {
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is one of them in a job")]
 pub enum MeasuredData {
-    /// An error table: its path, relative to the job.
-    Errors(String),
+    /// Error tables, which are merged into one: their paths, relative to the job.
+    Errors(Vec<String>),
     /// Readings of the body diagonals, which are separated first.
     Diagonals(DiagonalMeasurement),
 }

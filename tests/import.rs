@@ -10,7 +10,8 @@
 use nonius::axis::{Axis, Direction};
 use nonius::document::Source;
 use nonius::error_table::{ErrorTable, write};
-use nonius::import::stated::{Encoding, Runs, Sign, Stated, Travel};
+use nonius::import::choices::{Decimal, Encoding, MaterialCorrected, Runs, Sign, Travel};
+use nonius::import::stated::Stated;
 use nonius::import::{Component, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
 use nonius::problem::Problems;
@@ -66,6 +67,14 @@ fn laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
     }
 }
 
+/// What the `.rtl` of this folder needs beside that: it notes a temperature of the material.
+fn rtl_laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
+    Stated {
+        material_corrected: Some(MaterialCorrected::Yes),
+        ..laser(first_target_at_mm, targets_run)
+    }
+}
+
 fn signed(sign: Sign) -> Stated {
     Stated {
         sign: Some(sign),
@@ -78,14 +87,14 @@ const REN: &str = "ren_table_selfmade.ren";
 
 #[test]
 fn renishaw_static_data() {
-    let plus = laser(-200.0, Direction::Plus);
+    let plus = rtl_laser(-200.0, Direction::Plus);
     insta::assert_snapshot!(table(RTL, &bytes(RTL), &plus));
 }
 
 #[test]
 fn renishaw_static_data_measured_towards_smaller_coordinates() {
     let name = "sample_synthetic.rtl";
-    let minus = laser(0.0, Direction::Minus);
+    let minus = rtl_laser(0.0, Direction::Minus);
     insta::assert_snapshot!(table(name, &bytes(name), &minus));
 }
 
@@ -152,7 +161,7 @@ fn mapped_runs_are_averaged() {
 
 #[test]
 fn corrections_are_turned_once() {
-    let mut stated = laser(-200.0, Direction::Plus);
+    let mut stated = rtl_laser(-200.0, Direction::Plus);
     let errors = rows(&table(RTL, &bytes(RTL), &stated));
     stated.sign = Some(Sign::AsCorrection);
     let corrections = rows(&table(RTL, &bytes(RTL), &stated));
@@ -162,13 +171,24 @@ fn corrections_are_turned_once() {
 
 #[test]
 fn a_straightness_keeps_its_sense_when_the_targets_run_the_other_way() {
-    let mut stated = laser(0.0, Direction::Minus);
-    stated.term = Component::from_name("EYX");
-    let text = String::from_utf8(bytes(RTL)).unwrap();
-    let text = rows(&table("x.rtl", text.as_bytes(), &stated));
-    // Target 1 at machine 0 has 0.4 and 0.6 µm on the outward run, which moves -.
-    assert!(text.contains("x,-,0,0.5,0.1"), "{text}");
-    assert!(text.contains("x,+,-400,3.15,0.05"), "{text}");
+    let stated = Stated {
+        columns: Some("t=target_mm,e=ex_um,s=ey_um".to_string()),
+        axis: Some(Axis::X),
+        travel: Some(Travel::Both),
+        term: None,
+        ..laser(0.0, Direction::Minus)
+    };
+    let text = table("s.csv", b"t;e;s\n0;1;2\n100;3;4\n", &stated);
+    assert_eq!(
+        rows(&text),
+        "axis,position_mm,ex_um,ey_um\nx,-100,-3,4\nx,0,-1,2"
+    );
+    // What was turned is said of that column only.
+    let sense: Vec<&str> = text.lines().filter(|l| l.contains("sense:")).collect();
+    assert_eq!(
+        sense,
+        ["# sense: the file counts its targets against the axis, so EXX is turned as well"]
+    );
 }
 
 /// The file with other words in it.
@@ -180,7 +200,7 @@ fn changed(from: &str, to: &str) -> Vec<u8> {
 
 #[test]
 fn spelling_of_the_header_does_not_matter() {
-    let stated = laser(-200.0, Direction::Plus);
+    let stated = rtl_laser(-200.0, Direction::Plus);
     let expected = rows(&table(RTL, &bytes(RTL), &stated));
     let twins = [
         changed("\r\n", "\n"),
@@ -203,7 +223,7 @@ fn fields_of_the_user_text_may_share_a_line() {
     let shared = changed("0001\r\nDate", "0001 Date");
     let shared = String::from_utf8(shared).unwrap();
     let shared = shared.replace("By:example\r\nAxis:X", "By:example Axis:X");
-    let text = table(RTL, shared.as_bytes(), &laser(-200.0, Direction::Plus));
+    let text = table(RTL, shared.as_bytes(), &rtl_laser(-200.0, Direction::Plus));
     assert!(
         text.contains("# the file says: Serial No: 0001\n"),
         "{text}"
@@ -246,7 +266,7 @@ fn return_runs_that_were_never_made_are_left_out_and_said() {
     let text = table(
         RTL,
         zeros.join("\n").as_bytes(),
-        &laser(-200.0, Direction::Plus),
+        &rtl_laser(-200.0, Direction::Plus),
     );
     assert!(text.contains("runs 2, 4 hold only zeros"), "{text}");
     assert!(!text.contains("x,-,"), "{text}");
@@ -255,7 +275,7 @@ fn return_runs_that_were_never_made_are_left_out_and_said() {
 
 #[test]
 fn every_run_goes_out_where_it_is_stated() {
-    let mut stated = laser(-200.0, Direction::Plus);
+    let mut stated = rtl_laser(-200.0, Direction::Plus);
     stated.runs = Some(Runs::Unidirectional);
     let text = table(RTL, &changed("Flags: 0 0 2 0", "Flags: 0 1 2 0"), &stated);
     assert!(text.contains("runs: 4 moving +;"), "{text}");
@@ -265,11 +285,12 @@ fn every_run_goes_out_where_it_is_stated() {
 
 #[test]
 fn other_encodings_are_read_where_they_are_stated() {
-    let stated = laser(-200.0, Direction::Plus);
+    let stated = rtl_laser(-200.0, Direction::Plus);
     let text = String::from_utf8(changed("Example mill", "¤")).unwrap();
     let (before, behind) = text.split_once('¤').unwrap();
     let cases = [
-        (Some(Encoding::Latin1), b"Fr\xe4se".as_slice(), "Fräse"),
+        (Some(Encoding::Windows1252), b"Fr\xe4se".as_slice(), "Fräse"),
+        (Some(Encoding::Windows1250), b"Fr\xe9zka \xf8", "Frézka ř"),
         (Some(Encoding::Gbk), b"\xbb\xfa\xb4\xb2".as_slice(), "机床"),
     ];
     for (encoding, name, expected) in cases {
@@ -282,6 +303,8 @@ fn other_encodings_are_read_where_they_are_stated() {
         .chain(text.encode_utf16())
         .flat_map(u16::to_le_bytes)
         .collect();
+    let unmarked = run(RTL, &wide[2..], &stated, Some(Encoding::Utf16Le)).unwrap();
+    assert!(write(&unmarked.draft).contains("# text: UTF-16LE, as stated"));
     let imported = run(RTL, &wide, &stated, None).unwrap();
     assert!(write(&imported.draft).contains("# text: UTF-16"));
 }
@@ -320,6 +343,174 @@ fn the_source_is_found_in_the_comments_only() {
     assert_eq!(source_of("# source: x sha256 abc\n"), None);
 }
 
+/// Reversal B = mean of + less mean of −, µm.
+fn reversal_um(table: &str) -> f64 {
+    let mean = |direction: &str| {
+        let rows = rows(table);
+        let values: Vec<f64> = rows
+            .lines()
+            .filter(|row| row.starts_with(&format!("x,{direction},")))
+            .map(|row| row.split(',').nth(3).unwrap().parse().unwrap())
+            .collect();
+        values.iter().sum::<f64>() / f64::from(u32::try_from(values.len()).unwrap())
+    };
+    mean("+") - mean("-")
+}
+
+#[test]
+fn turned_targets_keep_the_reversal_of_the_machine() {
+    // The axis goes from 500 to 400 mm while the laser counts 0 to 100; ordinary lost motion of
+    // 4 µm: short of the target by 2 µm both ways.
+    let way = Direction::Minus;
+    let rtl = "HEADER::\nFile type : rtl\nTARGET DATA::\nTarget-count: 2\nTargets :\n0 100\n\
+        Flags: 0 0 2 0\nRUNS::\nRun-count: 2\nDEVIATIONS::\n1 1 -2\n1 2 -2\n2 2 2\n2 1 2\nEOF::\n";
+    let text = table("x.rtl", rtl.as_bytes(), &laser(500.0, way));
+    assert!((reversal_um(&text) + 4.0).abs() < 1e-9, "{text}");
+    // In the columns `+` is the outward run, which moves the axis −.
+    let stated = Stated {
+        columns: Some("t=target_mm,d=ex_um,dir=direction".to_string()),
+        axis: Some(Axis::X),
+        term: None,
+        plus_moves: Some(way),
+        ..laser(500.0, way)
+    };
+    let csv = "t;d;dir\n0;-2;+\n100;-2;+\n0;2;-\n100;2;-\n";
+    let mapped = table("x.csv", csv.as_bytes(), &stated);
+    assert_eq!(rows(&mapped), rows(&text).replace(",u_ex_um", ""));
+    assert!(
+        mapped.contains("# direction: rows with `+` = the axis moving -, as stated\n"),
+        "{mapped}"
+    );
+}
+
+/// Two columns, both directions together.
+fn two_columns(decimal: Option<Decimal>) -> Stated {
+    Stated {
+        columns: Some("Pos=position_mm,Dev=ex_um".to_string()),
+        axis: Some(Axis::X),
+        travel: Some(Travel::Both),
+        decimal,
+        ..signed(Sign::AsError)
+    }
+}
+
+#[test]
+fn a_comma_is_read_as_decimal_where_it_shows_or_is_stated() {
+    let comma = Some(Decimal::Comma);
+    let expected = "axis,position_mm,ex_um\nx,1,2\nx,1.5,3.25";
+    let cases = [
+        ("Pos;Dev\n1,000;2\n1,500;3,25\n", None),
+        ("Pos\tDev\n1,000\t2\n1,500\t3,25\n", None),
+        ("Pos;Dev\n1;2,000\n1,500;3,250\n", comma),
+        ("Pos,Dev\n1,2\n\"1,5\",\"3,25\"\n", comma),
+        ("Pos,Dev\n1.000,2\n1.500,3.25\n", None),
+        ("Pos;Dev\n1.000;2\n1.500;3.25\n", Some(Decimal::Point)),
+    ];
+    for (text, decimal) in cases {
+        let found = table("x.csv", text.as_bytes(), &two_columns(decimal));
+        assert_eq!(rows(&found), expected, "{text}");
+    }
+    // A leading zero stands before decimals, never before thousands.
+    let text = table("x.csv", b"Pos;Dev\n0;0,125\n5;1,000\n", &two_columns(None));
+    assert_eq!(rows(&text), "axis,position_mm,ex_um\nx,0,0.125\nx,5,1");
+}
+
+#[test]
+fn a_column_may_be_named_by_its_number() {
+    let mut stated = two_columns(None);
+    stated.columns = Some("Pos=position_mm,#3=ex_um".to_string());
+    let text = table("x.csv", b"Pos;Dev;Dev\n0;1;11\n5;2;12\n", &stated);
+    assert_eq!(rows(&text), "axis,position_mm,ex_um\nx,0,11\nx,5,12");
+}
+
+#[test]
+fn a_mapped_text_may_have_any_ending() {
+    let text = table("x.pos", b"Pos;Dev\n0;1\n5;2\n", &two_columns(None));
+    assert_eq!(rows(&text), "axis,position_mm,ex_um\nx,0,1\nx,5,2");
+}
+
+#[test]
+fn angles_over_several_runs_state_no_uncertainty() {
+    let stated = Stated {
+        columns: Some("t=position_mm,a=ea_urad,run=run".to_string()),
+        axis: Some(Axis::X),
+        travel: Some(Travel::Both),
+        ..signed(Sign::AsError)
+    };
+    let text = table(
+        "a.csv",
+        b"t;a;run\n0;1;1\n9;2;1\n0;1.5;2\n9;2.5;2\n",
+        &stated,
+    );
+    assert_eq!(rows(&text), "axis,position_mm,ea_urad\nx,0,1.25\nx,9,2.25");
+    assert!(
+        text.contains("their mean, no u is written for angles"),
+        "{text}"
+    );
+}
+
+#[test]
+fn zeros_of_every_return_run_mean_what_is_stated() {
+    let text = String::from_utf8(bytes(RTL)).unwrap();
+    let zeros: Vec<String> = text
+        .lines()
+        .map(
+            |line| match line.split_whitespace().collect::<Vec<_>>()[..] {
+                [run @ ("2" | "4"), target, _] => format!("{run} {target} 0.000"),
+                _ => line.to_string(),
+            },
+        )
+        .collect();
+    let zeros = zeros.join("\n");
+    let mut stated = rtl_laser(-200.0, Direction::Plus);
+    assert!(run("x.rtl", zeros.as_bytes(), &stated, None).is_err());
+    stated.runs = Some(Runs::Unidirectional);
+    let never = table("x.rtl", zeros.as_bytes(), &stated);
+    assert!(!never.contains("x,-,"), "{never}");
+    stated.runs = Some(Runs::Bidirectional);
+    let measured = table("x.rtl", zeros.as_bytes(), &stated);
+    assert!(measured.contains("x,-,200,0,0"), "{measured}");
+}
+
+#[test]
+fn an_axis_that_is_not_clear_is_stated() {
+    let mut stated = rtl_laser(-200.0, Direction::Plus);
+    for clear in ["X", "Linear X", "x-axis", "X1 linear"] {
+        table(RTL, &changed("Axis:X", &format!("Axis:{clear}")), &stated);
+    }
+    for unclear in ["Linear", "XY", "X and Y", "Table"] {
+        let file = changed("Axis:X", &format!("Axis:{unclear}"));
+        stated.axis = None;
+        assert!(run(RTL, &file, &stated, None).is_err(), "{unclear}");
+        stated.axis = Some(Axis::X);
+        table(RTL, &file, &stated);
+    }
+}
+
+#[test]
+fn the_expansion_of_the_material_is_said_where_it_counts() {
+    let warm = changed("20.30 20.40 20.35", "35.00 35.00 35.00");
+    let mut stated = rtl_laser(-200.0, Direction::Plus);
+    let warnings = |stated: &Stated, file: &[u8]| run(RTL, file, stated, None).unwrap().warnings;
+    let reversal = warnings(&stated, &warm);
+    assert!(reversal.len() == 1 && reversal[0].contains("B = +1.550 µm is above 0"));
+    let warnings = |stated: &Stated, file: &[u8]| {
+        let mut warnings = warnings(stated, file);
+        warnings.retain(|warning| !warning.contains("B ="));
+        warnings
+    };
+    for corrected in [MaterialCorrected::No, MaterialCorrected::NotStated] {
+        stated.material_corrected = Some(corrected);
+        let said = warnings(&stated, &warm);
+        // 11.7 µm/m per K × 15 K × 0.4 m.
+        assert!(said.len() == 1 && said[0].contains("= 70.2 µm"), "{said:?}");
+    }
+    // 0.4 K are worth 1.9 µm; 0.1 K are not worth a word.
+    assert!(warnings(&stated, &bytes(RTL))[0].contains("= 1.9 µm"));
+    let mild = changed("20.30 20.40 20.35", "20.00 20.10 19.90");
+    assert!(warnings(&stated, &mild).is_empty());
+}
+
 fn nonius(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
         .args(arguments)
@@ -334,7 +525,7 @@ fn nonius(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     )
 }
 
-const IMPORT: [&str; 12] = [
+const IMPORT: [&str; 14] = [
     "import",
     "x.rtl",
     "-o",
@@ -347,6 +538,8 @@ const IMPORT: [&str; 12] = [
     "+",
     "--sign",
     "as-error",
+    "--material-corrected",
+    "yes",
 ];
 
 const JOB: &str = r#"schema = 1
@@ -400,6 +593,79 @@ fn an_imported_measurement_becomes_a_kit_that_names_it() {
 }
 
 #[test]
+fn three_files_of_a_laser_become_one_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let inside = |name: &str| folder.path().join(name);
+    std::fs::write(inside("x.rtl"), bytes(RTL)).unwrap();
+    for (name, axis) in [("y.csv", "Y"), ("z.csv", "Z")] {
+        let text = format!(
+            "# source: {name}.dat sha256 {}\naxis,position_mm,e{a}_um\n{a},0,0\n{a},100,1\n",
+            "a".repeat(64),
+            a = axis.to_lowercase()
+        );
+        std::fs::write(inside(name), text).unwrap();
+    }
+    let job = JOB.replace(
+        "errors = \"errors.csv\"",
+        "errors = [\"errors.csv\", \"y.csv\", \"z.csv\"]",
+    );
+    let spaced =
+        "[compensation.axes.y]\nspacing_mm = 50.0\n[compensation.axes.z]\nspacing_mm = 50.0\n";
+    std::fs::write(inside("job.toml"), format!("{job}{spaced}")).unwrap();
+    let (status, _, said) = nonius(folder.path(), &IMPORT);
+    assert_eq!(status, Some(0), "{said}");
+    assert!(said.contains("errors = [\"x.csv\", \"y.csv\"]"), "{said}");
+    let (status, _, said) = nonius(folder.path(), &["generate", "job.toml", "-o", "kit"]);
+    assert_eq!(status, Some(0), "{said}");
+    let manifest = std::fs::read(inside("kit/manifest.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_slice(&manifest).unwrap();
+    let names: Vec<&str> = manifest["inputs"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|input| input["path"].as_str().unwrap())
+        .collect();
+    let tables = [
+        "errors.csv",
+        "x.rtl",
+        "y.csv",
+        "y.csv.dat",
+        "z.csv",
+        "z.csv.dat",
+    ];
+    assert_eq!(names, [&["job.toml"], &tables[..]].concat());
+    let terms = manifest["forecast"]["terms"].as_object().unwrap();
+    assert_eq!(terms.keys().collect::<Vec<_>>(), ["EXX", "EYY", "EZZ"]);
+}
+
+#[test]
+fn an_imported_linear_measurement_beside_readings_is_named_in_the_manifest() {
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/diagonals/case_b_setup");
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(case).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+    }
+    let linear = format!(
+        "# source: linear.rtl sha256 {}\naxis,position_mm,ex_um\nx,0,0\nx,900,18\n",
+        "b".repeat(64)
+    );
+    std::fs::write(folder.path().join("x-linear.csv"), linear).unwrap();
+    let job = std::fs::read_to_string(folder.path().join("job.toml")).unwrap();
+    let at = job.find("slope_um_per_m").unwrap();
+    let end = at + job[at..].find('\n').unwrap();
+    let job = format!("{}errors = \"x-linear.csv\"{}", &job[..at], &job[end..]);
+    std::fs::write(folder.path().join("job.toml"), job).unwrap();
+    let (status, _, said) = nonius(folder.path(), &["generate", "job.toml", "-o", "kit"]);
+    assert_ne!(status, Some(2), "{said}");
+    let manifest = std::fs::read_to_string(folder.path().join("kit/manifest.json")).unwrap();
+    assert!(
+        manifest.contains("\"through\": \"x-linear.csv\""),
+        "{manifest}"
+    );
+}
+
+#[test]
 fn an_existing_table_is_replaced_only_when_forced() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("x.rtl"), bytes(RTL)).unwrap();
@@ -435,7 +701,7 @@ proptest! {
         order.sort_by_key(|index| keys[*index]);
         lines = order.into_iter().map(|index| lines[index]).collect();
         let shuffled = format!("{head}Run Target Data:\r\n{}\r\n\r\n{tail}", lines.join("\r\n"));
-        let stated = laser(-200.0, Direction::Plus);
+        let stated = rtl_laser(-200.0, Direction::Plus);
         prop_assert_eq!(
             rows(&table(RTL, shuffled.as_bytes(), &stated)),
             rows(&table(RTL, &bytes(RTL), &stated))

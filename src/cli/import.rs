@@ -3,8 +3,9 @@
 use crate::axis::{Axis, Direction};
 use crate::cli::show::{Column, paragraphs, table};
 use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
-use crate::error_table;
-use crate::import::stated::{Encoding, Runs, Sign, Stated, Travel, Unit, Values};
+use crate::delimited::LengthUnit;
+use crate::import::choices::{Decimal, Encoding, MaterialCorrected, Runs, Sign, Travel, Values};
+use crate::import::stated::Stated;
 use crate::import::{self, Component, Imported, Measurement, squareness_lines, terms_of};
 use crate::kit::sha256;
 use crate::problem::{Problem, Problems};
@@ -26,8 +27,9 @@ pub(super) struct Options {
     /// Format of the file: rtl, ren, etalon, isg or columns [default: by what stands in it]
     #[arg(long, value_name = "FORMAT", value_parser = format_word)]
     from: Option<import::Format>,
-    /// Encoding of its text, where it is not UTF-8: latin-1 or gbk
-    #[arg(long, value_parser = encoding_word)]
+    /// Encoding of its text, where it does not show: windows-1252 (= latin-1), windows-1250, gbk,
+    /// utf-16le, utf-16be or utf-8
+    #[arg(long, value_name = "ENCODING", value_parser = encoding_word)]
     encoding: Option<Encoding>,
     /// The moving axis
     #[arg(long, value_parser = axis_word)]
@@ -44,19 +46,28 @@ pub(super) struct Options {
     /// Direction of travel of rows that do not name one: +, - or both
     #[arg(long, value_name = "+|-|both", allow_hyphen_values = true, value_parser = travel_word)]
     direction: Option<Travel>,
+    /// Way of the axis, in machine coordinates, in rows whose direction is +: + or -
+    #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
+    plus_moves: Option<Direction>,
     /// as-error = measured - target, as the file counts; as-correction = what has to be added
     #[arg(long, value_parser = sign_word)]
     sign: Option<Sign>,
     /// Unit of the values: um, mm, in or uin
     #[arg(long, value_parser = unit_word)]
-    unit: Option<Unit>,
-    /// How the values of a compensation table count: absolute or incremental
+    unit: Option<LengthUnit>,
+    /// How the values of a compensation table count: absolute (others cannot be read)
     #[arg(long, value_parser = values_word)]
     values: Option<Values>,
     /// unidirectional, or bidirectional (even runs go back)
     #[arg(long, value_parser = runs_word)]
     runs: Option<Runs>,
-    /// Which column holds what, e.g. "AXn [mm]=position_mm,Delta [mm]=ex_mm"
+    /// Whether the instrument brought the readings to 20 °C of the material: yes, no or not-stated
+    #[arg(long, value_parser = material_word)]
+    material_corrected: Option<MaterialCorrected>,
+    /// Sign before the decimals of a delimited text, where it does not show: point or comma
+    #[arg(long, value_parser = decimal_word)]
+    decimal: Option<Decimal>,
+    /// Which column holds what (#3 = the third one), e.g. "AXn [mm]=position_mm,Delta [mm]=ex_mm"
     #[arg(long, value_name = "NAME=COLUMN,…")]
     columns: Option<String>,
     /// What to print
@@ -86,14 +97,17 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     };
     let stated = options.stated();
     let imported = import::import(file, options.from, options.encoding, &stated)?;
-    let text = error_table::write(&imported.draft);
     if to_stdout {
         say(&talk(&imported));
-        return print_bytes(text.as_bytes());
+        return print_bytes(imported.text.as_bytes());
     }
-    write::write_file(&options.output, text.as_bytes(), options.force)?;
+    write::write_file(&options.output, imported.text.as_bytes(), options.force)?;
     say(&talk(&imported));
-    say(&format!("wrote {}", options.output.display()));
+    say(&format!(
+        "wrote {}\nnext: name it in [measurement] of a job, `errors = \"{}\"`; a list joins the tables of several axes, `errors = [\"x.csv\", \"y.csv\"]`",
+        options.output.display(),
+        inputs::file_name(&options.output)
+    ));
     match options.format {
         Format::Json => print_json(&document(file, &options.output, &stated, &imported)),
         Format::Text => print(&series_table(&imported)),
@@ -124,10 +138,13 @@ impl Options {
             first_target_at_mm: self.first_target_at_mm,
             targets_run: self.targets_run,
             travel: self.direction,
+            plus_moves: self.plus_moves,
             sign: self.sign,
             unit: self.unit,
             values: self.values,
             runs: self.runs,
+            material_corrected: self.material_corrected,
+            decimal: self.decimal,
             columns: self.columns.clone(),
         }
     }
@@ -137,8 +154,10 @@ impl Options {
 fn talk(imported: &Imported) -> String {
     let mut facts = vec![format!("read as {}", imported.format.word())];
     facts.extend(imported.facts.iter().cloned());
+    let warnings = imported.warnings.iter().map(|w| format!("warning: {w}"));
     paragraphs(&[
         facts.join("\n"),
+        warnings.collect::<Vec<String>>().join("\n"),
         squareness_lines(&imported.squareness).join("\n"),
     ])
 }
@@ -206,6 +225,7 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
         "output": output.display().to_string(),
         "stated": given,
         "facts": imported.facts,
+        "warnings": imported.warnings,
         "series": series,
         "squareness_um_per_m": squareness,
     })
@@ -223,11 +243,10 @@ fn format_word(text: &str) -> Result<import::Format, String> {
 }
 
 fn encoding_word(text: &str) -> Result<Encoding, String> {
-    by_word(
-        text,
-        &[Encoding::Utf8, Encoding::Latin1, Encoding::Gbk],
-        Encoding::word,
-    )
+    match text {
+        "latin-1" => Ok(Encoding::Windows1252),
+        _ => by_word(text, &Encoding::ALL, Encoding::word),
+    }
 }
 
 fn axis_word(text: &str) -> Result<Axis, String> {
@@ -263,12 +282,25 @@ fn sign_word(text: &str) -> Result<Sign, String> {
     by_word(text, &[Sign::AsError, Sign::AsCorrection], Sign::word)
 }
 
-fn unit_word(text: &str) -> Result<Unit, String> {
-    by_word(text, &[Unit::Um, Unit::Mm, Unit::In, Unit::Uin], Unit::word)
+fn unit_word(text: &str) -> Result<LengthUnit, String> {
+    by_word(text, &LengthUnit::ALL, LengthUnit::word)
 }
 
 fn values_word(text: &str) -> Result<Values, String> {
-    by_word(text, &[Values::Absolute, Values::Incremental], Values::word)
+    by_word(text, &[Values::Absolute], Values::word)
+}
+
+fn material_word(text: &str) -> Result<MaterialCorrected, String> {
+    let all = [
+        MaterialCorrected::Yes,
+        MaterialCorrected::No,
+        MaterialCorrected::NotStated,
+    ];
+    by_word(text, &all, MaterialCorrected::word)
+}
+
+fn decimal_word(text: &str) -> Result<Decimal, String> {
+    by_word(text, &[Decimal::Point, Decimal::Comma], Decimal::word)
 }
 
 fn runs_word(text: &str) -> Result<Runs, String> {

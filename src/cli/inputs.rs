@@ -64,22 +64,47 @@ fn error_table(
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
 ) -> Result<ErrorTable, Problems> {
-    let path = match &job.measurement.data {
-        MeasuredData::Errors(path) => path,
+    let paths = match &job.measurement.data {
+        MeasuredData::Errors(paths) => paths,
         MeasuredData::Diagonals(measurement) => {
             return separated_table(job, measurement, folder, hashes);
         }
     };
+    let mut problems = Problems::none();
+    let mut tables = Vec::new();
+    for path in paths {
+        let source = read_named(job, folder, path, "measurement.errors", hashes);
+        let table = source.and_then(|(source, _)| ErrorTable::read(source));
+        tables.extend(problems.take(table));
+    }
+    let tables = problems.or_ok(tables)?;
+    match ErrorTable::merged(tables)? {
+        Some(table) => Ok(table),
+        None => Err(job
+            .problem_at("measurement.errors", "no error table is named")
+            .into()),
+    }
+}
+
+/// A file that a job names at `key`, and its hash; the measurement that it came from is hashed too.
+fn read_named(
+    job: &Job,
+    folder: &Path,
+    path: &str,
+    key: &str,
+    hashes: &mut Vec<HashedFile>,
+) -> Result<(Source, String), Problems> {
     let full = folder.join(path);
-    let bytes =
-        read_file(&full).map_err(|problem| match job.source.place_of("measurement.errors") {
-            Some(place) => beside_job(problem.at(place)),
-            None => problem,
-        })?;
-    hashes.push(hashed(path, &bytes));
+    let bytes = read_file(&full).map_err(|problem| match job.source.place_of(key) {
+        Some(place) => beside_job(problem.at(place)),
+        None => beside_job(problem),
+    })?;
+    let hash = hashed(path, &bytes);
+    let sha256 = hash.sha256.clone();
+    hashes.push(hash);
     let source = Source::from_bytes(&full.display().to_string(), &bytes)?;
     hashes.extend(imported_from(&source.text, path));
-    ErrorTable::read(source)
+    Ok((source, sha256))
 }
 
 /// The measurement that an imported error table came from, as its comment states it.
@@ -228,18 +253,7 @@ fn campaign_files(
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
 ) -> Result<CampaignFiles, Problems> {
-    let mut read = |path: &str, key: &str| -> Result<(Source, String), Problems> {
-        let full = folder.join(path);
-        let bytes = read_file(&full).map_err(|problem| match job.source.place_of(key) {
-            Some(place) => beside_job(problem.at(place)),
-            None => beside_job(problem),
-        })?;
-        let hash = hashed(path, &bytes);
-        let sha256 = hash.sha256.clone();
-        hashes.push(hash);
-        let source = Source::from_bytes(&full.display().to_string(), &bytes)?;
-        Ok((source, sha256))
-    };
+    let mut read = |path: &str, key: &str| read_named(job, folder, path, key, hashes);
     let (source, readings_sha256) = read(&measurement.readings, "measurement.readings")?;
     let readings = Readings::read(source, measurement)?;
     let mut tables = NamedTables::default();

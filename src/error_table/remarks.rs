@@ -42,6 +42,15 @@ impl Remarks {
         remarks
     }
 
+    /// Adds the remarks of another table of the same machine; of two hidden reversals the larger.
+    pub(super) fn extend(&mut self, other: Remarks) {
+        self.doubts.extend(other.doubts);
+        self.not_determined.extend(other.not_determined);
+        self.notes.extend(other.notes);
+        let both = [self.hidden_reversal_um, other.hidden_reversal_um];
+        self.hidden_reversal_um = both.into_iter().flatten().reduce(f64::max);
+    }
+
     fn hear(&mut self, comment: &str) {
         let after = |key: &str| Some(comment.strip_prefix(key)?.trim().to_string());
         if let Some(words) = after(DOUBT) {

@@ -61,6 +61,7 @@ fn build_series(
         uncertainties_um: PerAxis::default(),
         angles_urad: PerAxis::default(),
         lines: rows.iter().map(|row| row.line.number()).collect(),
+        table: 0,
     };
     for (index, kind) in columns.kinds.iter().enumerate() {
         let name = &columns.names[index];

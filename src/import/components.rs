@@ -4,8 +4,8 @@
 
 use crate::axis::{Axis, PerAxis};
 use crate::error_table::DraftSeries;
+use crate::import::choices::Sign;
 use crate::import::placing::tidy;
-use crate::import::stated::Sign;
 use crate::import::{Component, Kind, Reading, Squareness};
 use crate::problem::{Place, Problem, Problems, shown};
 use crate::units::UM_PER_MM;
@@ -14,6 +14,7 @@ use crate::units::UM_PER_MM;
 const MICRO: f64 = 1e6;
 
 /// What a parameter name stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Name {
     /// EXX … ECZ.
     Component(Component),
@@ -89,12 +90,12 @@ pub(super) fn assemble(parameters: &[Parameter], sign: Sign) -> Result<Reading, 
                 add(&mut series, component, parameter, sign, &mut problems);
             }
             Some(Name::Squareness(pair, name, of_phi)) => {
-                let value = parameter.values.first().copied().unwrap_or_default();
-                reading.squareness.push(Squareness {
+                let angle = single_value(parameter, &mut problems);
+                reading.squareness.extend(angle.map(|rad| Squareness {
                     pair,
-                    um_per_m: tidy(of_phi * sign.deviation(value) * MICRO),
+                    um_per_m: tidy(of_phi * sign.deviation(rad) * MICRO),
                     name,
-                });
+                }));
             }
             Some(Name::Other(what)) => leave_out(parameter, what, &mut reading, &mut problems),
             None => problems.push_with(|| unknown(parameter)),
@@ -114,14 +115,45 @@ pub(super) fn assemble(parameters: &[Parameter], sign: Sign) -> Result<Reading, 
     problems.or_ok(reading)
 }
 
+/// One quantity may have two names: `C0Y` and `EC0Y`.
 fn refuse_twice(before: &[Parameter], parameter: &Parameter, problems: &mut Problems) {
-    if before.iter().any(|other| other.name == parameter.name) {
+    let is_same = |other: &&Parameter| match (Name::of(&other.name), Name::of(&parameter.name)) {
+        (Some(Name::Other(_)), _) | (None, _) => other.name == parameter.name,
+        (other, this) => other == this,
+    };
+    if let Some(twin) = before.iter().find(is_same) {
         problems.push_with(|| {
-            Problem::new(format!("`{}` stands twice", shown(&parameter.name)))
+            let name = shown(&parameter.name);
+            let message = if twin.name == parameter.name {
+                format!("`{name}` stands twice")
+            } else {
+                format!(
+                    "`{name}` gives the same as `{}` before it",
+                    shown(&twin.name)
+                )
+            };
+            Problem::new(message)
                 .at(parameter.place.clone())
                 .help("keep one of the two")
         });
     }
+}
+
+/// A squareness is one number, not a curve.
+fn single_value(parameter: &Parameter, problems: &mut Problems) -> Option<f64> {
+    if let ([value], []) = (&parameter.values[..], &parameter.positions_mm[..]) {
+        return Some(*value);
+    }
+    problems.push_with(|| {
+        Problem::new(format!(
+            "`{}` is given at {} positions, expected one value without argument",
+            shown(&parameter.name),
+            parameter.positions_mm.len()
+        ))
+        .at(parameter.place.clone())
+        .help("a squareness is one angle between two axes: export it as such")
+    });
+    None
 }
 
 fn unknown(parameter: &Parameter) -> Problem {
@@ -194,12 +226,17 @@ fn add(
     component.put(of_axis, values.collect());
 }
 
-/// At least two points, ascending.
+/// At least two points, ascending also after rounding, with a value each.
 fn is_curve(parameter: &Parameter, problems: &mut Problems) -> bool {
     let positions = &parameter.positions_mm;
     let what = if positions.len() < 2 {
         "has fewer than two points"
-    } else if positions.windows(2).any(|pair| pair[1] <= pair[0]) {
+    } else if positions.len() != parameter.values.len() {
+        "has positions without a value"
+    } else if positions
+        .windows(2)
+        .any(|pair| tidy(pair[1]) <= tidy(pair[0]))
+    {
         "has positions that do not ascend"
     } else {
         return true;

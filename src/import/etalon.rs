@@ -15,7 +15,7 @@ use crate::import::Reading;
 use crate::import::components::{Parameter, assemble};
 use crate::import::lines::{Line, lines};
 use crate::import::stated::Stated;
-use crate::problem::{Problem, Problems};
+use crate::problem::{Problem, Problems, shown};
 
 const AGAIN: &str = "the file is incomplete or damaged: export it again (variant `Vendor`)";
 
@@ -36,11 +36,20 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     Err(problems)
 }
 
+/// Which of the two forms the values of a block have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Value,
+    Grid,
+}
+
 #[derive(Default)]
 struct Blocks {
     done: Vec<Parameter>,
     /// Between `Gridpoints = {` and `}`.
     inside: bool,
+    /// How the values of the last block are given.
+    form: Option<Form>,
 }
 
 impl Blocks {
@@ -49,6 +58,7 @@ impl Blocks {
         let compact: String = text.to_lowercase().split_whitespace().collect();
         if let Some(name) = text.strip_prefix('[').and_then(|t| t.strip_suffix(']')) {
             self.close(problems);
+            self.form = None;
             self.done.push(Parameter {
                 name: name.trim().to_uppercase(),
                 place: line.place(),
@@ -57,17 +67,34 @@ impl Blocks {
             });
         } else if compact == "gridpoints={" && !self.inside && !self.done.is_empty() {
             self.inside = true;
+            self.begin(Form::Grid, line, problems);
         } else if text == "}" && self.inside {
             self.inside = false;
         } else if self.inside {
             self.point(line, problems);
         } else if compact.starts_with("value=") && !self.done.is_empty() {
+            self.begin(Form::Value, line, problems);
             self.value(line, problems);
         } else {
             problems.push_with(|| {
                 Problem::new("expected `[NAME]`, `VALUE = …` or `Gridpoints = {`")
                     .at(line.place())
                     .help(AGAIN)
+            });
+        }
+    }
+
+    /// A block has one value or one grid.
+    fn begin(&mut self, form: Form, line: &Line<'_>, problems: &mut Problems) {
+        if self.form.replace(form).is_some() {
+            let name = self.done.last().map_or("", |block| block.name.as_str());
+            problems.push_with(|| {
+                Problem::new(format!(
+                    "`{}` has values already, expected one `VALUE` or one `Gridpoints` a block",
+                    shown(name)
+                ))
+                .at(line.place())
+                .help("which of the two is meant is not known: keep one of them")
             });
         }
     }

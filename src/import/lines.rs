@@ -1,10 +1,8 @@
 //! Lines, words and numbers of a foreign text, each with its place.
 
-use crate::document::Source;
+use crate::delimited::plain_number;
+use crate::document::{LARGEST_NUMBER, Source};
 use crate::problem::{Place, Problem, Problems, shown};
-
-/// No position or deviation of a machine comes near, whatever its unit.
-const LARGEST_NUMBER: f64 = 1e9;
 
 /// A line without its line end.
 #[derive(Clone, Copy)]
@@ -111,29 +109,12 @@ impl<'a> Word<'a> {
 
     /// A finite number with a decimal point; otherwise the problem is noted.
     pub(super) fn number(&self, what: &str, problems: &mut Problems) -> Option<f64> {
-        let number = plain_number(self.text);
+        let number = plain_number(self.text).filter(|number| number.abs() <= LARGEST_NUMBER);
         if number.is_none() {
             let help = if self.text.contains(',') {
                 "a decimal comma cannot be read here: save the file again with a decimal point"
             } else {
                 "a missing value is never filled in: save the file again"
-            };
-            problems.push_with(|| self.no_number(what, help));
-        }
-        number
-    }
-
-    /// The same, also with a decimal comma.
-    pub(super) fn number_or_comma(&self, what: &str, problems: &mut Problems) -> Option<f64> {
-        let number = plain_number(self.text).or_else(|| {
-            let single = self.text.matches(',').count() == 1 && !self.text.contains('.');
-            single.then(|| plain_number(&self.text.replace(',', ".")))?
-        });
-        if number.is_none() {
-            let help = if self.text.is_empty() {
-                "a missing value is never filled in: leave the row out, or measure it"
-            } else {
-                "write one decimal point or comma, and nothing between thousands"
             };
             problems.push_with(|| self.no_number(what, help));
         }
@@ -166,14 +147,6 @@ impl<'a> Word<'a> {
             .at(self.place())
             .help(help)
     }
-}
-
-fn plain_number(text: &str) -> Option<f64> {
-    let plain = text
-        .chars()
-        .all(|c| c.is_ascii_digit() || "+-.eE".contains(c));
-    let number: f64 = text.parse().ok().filter(|_| plain)?;
-    (number.abs() <= LARGEST_NUMBER).then_some(number)
 }
 
 /// Whether a text begins like a number.

@@ -2,7 +2,8 @@
 
 use crate::axis::Direction;
 use crate::import::Component;
-use crate::import::stated::{Sign, Stated, missing, turned};
+use crate::import::choices::{Sign, turned};
+use crate::import::stated::{Stated, missing};
 use crate::problem::{Place, Problem, Problems};
 
 /// Nine decimals: far below what can be measured, and free of the dust of binary sums.
@@ -94,20 +95,21 @@ impl Placing {
         self.ascending(&of_targets)
     }
 
-    /// What was done, in words.
-    pub(super) fn words(&self, component: Option<Component>) -> Vec<String> {
+    /// Where the targets stand, in words.
+    pub(super) fn words(&self) -> Option<String> {
         let positions = self.positions_mm();
-        let (Some(first), Some(last)) = (positions.first(), positions.last()) else {
-            return Vec::new();
-        };
-        let mut words = vec![format!(
+        let (first, last) = (positions.first()?, positions.last()?);
+        Some(format!(
             "positions: {} targets at machine coordinates {first} … {last} mm",
             positions.len()
-        )];
-        if self.turned && component.is_none_or(Component::is_positioning) {
-            words.push("sense: the file counts its targets against the axis, so its deviations along the axis are turned as well".to_string());
-        }
-        words
+        ))
+    }
+
+    /// What was done with the sense of the deviations, where something was done.
+    pub(super) fn sense_words(&self, component: Component) -> Option<String> {
+        (self.turned && component.is_positioning()).then(|| {
+            format!("sense: the file counts its targets against the axis, so {component} is turned as well")
+        })
     }
 }
 
@@ -129,7 +131,8 @@ fn sense(targets: &[f64], at: &Place, problems: &mut Problems) -> Option<bool> {
 
 /// Mean of the runs, and with two runs or more its standard uncertainty s/√n.
 pub(super) fn mean(values: &[f64]) -> (f64, Option<f64>) {
-    let count = values.iter().map(|_| 1.0).sum::<f64>();
+    #[allow(clippy::cast_precision_loss, reason = "a measurement has few runs")]
+    let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     if values.len() < 2 {
         return (mean, None);

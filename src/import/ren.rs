@@ -11,15 +11,14 @@
 use crate::axis::Direction;
 use crate::document::Source;
 use crate::error_table::DraftSeries;
+use crate::import::choices::Sign;
 use crate::import::lines::{Line, Word, lines};
 use crate::import::placing::Placing;
-use crate::import::stated::{Sign, Stated, Unit, Values, missing};
-use crate::import::{Component, Kind, Reading};
+use crate::import::stated::Stated;
+use crate::import::{Component, Reading};
 use crate::problem::{Place, Problem, Problems, shown};
 
-const AGAIN: &str = "the file is incomplete or damaged: save it again";
-/// Positions are compared to a tenth of a micrometre.
-const SAME_MM: f64 = 1e-4;
+pub(super) const AGAIN: &str = "the file is incomplete or damaged: save it again";
 
 pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
     let file = File::of(source);
@@ -27,15 +26,16 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     file.refuse_other_layout(&mut problems);
     let table = file.table(&mut problems);
     let header = Header {
-        term: stated.required_term(&mut problems),
+        term: stated.required_deviation(&mut problems),
         sign: file.sign(stated, &mut problems),
         unit_um: file.unit_um(stated, &mut problems),
     };
     file.require_absolute(stated, &mut problems);
-    file.refuse_backlash(&mut problems);
     let Some(table) = table else {
         return Err(problems);
     };
+    file.refuse_other_curves(&table, &mut problems);
+    file.refuse_backlash(&table, &mut problems);
     file.compare_range(&table, &mut problems);
     let placing = Placing::of(&table.targets, &table.place, stated, &mut problems);
     let (Some(term), Some(sign), Some(unit_um), Some(placing)) =
@@ -43,20 +43,14 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     else {
         return Err(problems);
     };
-    if let Kind::Angle(_) = term.kind {
-        problems.push(
-            Problem::new(format!(
-                "`--term {term}` is an angle, but the file holds lengths"
-            ))
-            .help("state one of EXX, EYX, EZX, EXY, EYY, EZY, EXZ, EYZ, EZZ"),
-        );
-    }
     let mut facts = file.facts();
-    facts.extend(placing.words(Some(term)));
+    facts.extend(placing.words());
+    facts.extend(placing.sense_words(term));
+    facts.extend(table.curve_words(&placing));
     problems.or_ok(Reading {
         series: table.series(term, sign, unit_um, &placing),
         facts,
-        squareness: Vec::new(),
+        ..Reading::default()
     })
 }
 
@@ -74,13 +68,29 @@ enum Curve {
     Reverse,
 }
 
-struct Table {
-    place: Place,
-    targets: Vec<f64>,
+/// The table as it stands in the file.
+pub(super) struct Table {
+    pub(super) place: Place,
+    pub(super) targets: Vec<f64>,
     curves: Vec<(Curve, Vec<f64>)>,
 }
 
 impl Table {
+    /// Whether one curve holds for both directions.
+    pub(super) fn is_combined(&self) -> bool {
+        self.curves
+            .iter()
+            .any(|(curve, _)| *curve == Curve::Combined)
+    }
+
+    /// How the directions of the curves are understood; the file does not say it.
+    fn curve_words(&self, placing: &Placing) -> Option<String> {
+        let way = placing.run;
+        (!self.is_combined()).then(|| {
+            format!("direction: `Forward` is taken as the way from the first position to the last = the axis moving {way}")
+        })
+    }
+
     fn series(
         &self,
         term: Component,
@@ -108,7 +118,8 @@ impl Table {
     }
 }
 
-struct File<'a> {
+/// Lines and heading of a file.
+pub(super) struct File<'a> {
     source: &'a Source,
     lines: Vec<Line<'a>>,
     /// Index of the line `No.  Axis position …`.
@@ -129,7 +140,8 @@ impl<'a> File<'a> {
         }
     }
 
-    fn value(&self, key: &str) -> Option<Word<'a>> {
+    /// The value behind a key above the table.
+    pub(super) fn value(&self, key: &str) -> Option<Word<'a>> {
         let end = self.heading.unwrap_or(self.lines.len());
         let mut pairs = self.lines[..end].iter().filter_map(Line::key_value);
         pairs.find_map(|(found, value)| (found == key && !value.text.is_empty()).then_some(value))
@@ -149,9 +161,10 @@ impl<'a> File<'a> {
         let at = self.heading?;
         let heading = &self.lines[at];
         let curves = curves_of(heading, problems)?;
-        let mut targets = Vec::new();
+        let (mut targets, mut complete) = (Vec::new(), true);
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); curves.len()];
-        for line in self.lines[at + 1..].iter().filter(|line| !line.is_blank()) {
+        let rows = self.lines[at + 1..].iter().filter(|line| !line.is_blank());
+        for (row, line) in rows.enumerate() {
             let words = line.words(char::is_whitespace);
             if words.len() != curves.len() + 2 {
                 let (found, expected) = (words.len(), curves.len() + 2);
@@ -162,11 +175,12 @@ impl<'a> File<'a> {
                     .at(line.place())
                     .help(AGAIN)
                 });
+                complete = false;
                 continue;
             }
             let number = words[0].count("the number of a point", problems);
-            if number.is_some_and(|number| number != targets.len() + 1) {
-                let expected = targets.len() + 1;
+            let expected = row + 1;
+            if number.is_some_and(|number| number != expected) {
                 problems.push_with(|| {
                     Problem::new(format!(
                         "point {} stands where point {expected} is expected",
@@ -176,204 +190,18 @@ impl<'a> File<'a> {
                     .help(AGAIN)
                 });
             }
-            targets.push(words[1].number("an axis position", problems)?);
+            targets.extend(words[1].number("an axis position", problems));
             for (column, word) in columns.iter_mut().zip(&words[2..]) {
                 column.extend(word.number("a value", problems));
             }
+            let filled = columns.iter().all(|column| column.len() == row + 1);
+            complete &= filled && targets.len() == row + 1;
         }
-        Some(Table {
+        complete.then_some(Table {
             place: heading.place(),
             targets,
             curves: curves.into_iter().zip(columns).collect(),
         })
-    }
-
-    fn sign(&self, stated: &Stated, problems: &mut Problems) -> Option<Sign> {
-        let Some(line) = self.value("signconvention") else {
-            return stated.required_sign(problems);
-        };
-        let text = line.text.to_lowercase();
-        let found = if text.starts_with("as error") {
-            Sign::AsError
-        } else if text.starts_with("as comp") || text.starts_with("as correction") {
-            Sign::AsCorrection
-        } else {
-            problems.push(unknown(
-                &line,
-                "sign convention",
-                "`As errors` or `As compensation`",
-            ));
-            return None;
-        };
-        agreed(found, stated.sign, &line, ("--sign", Sign::word), problems)
-    }
-
-    fn require_absolute(&self, stated: &Stated, problems: &mut Problems) {
-        let values = match self.value("compensationtype") {
-            None => stated.values,
-            Some(line) => {
-                let found = match line.text.to_lowercase().as_str() {
-                    "absolute" => Values::Absolute,
-                    "incremental" => Values::Incremental,
-                    _ => {
-                        problems.push(unknown(&line, "compensation type", "`Absolute`"));
-                        return;
-                    }
-                };
-                agreed(
-                    found,
-                    stated.values,
-                    &line,
-                    ("--values", Values::word),
-                    problems,
-                );
-                Some(found)
-            }
-        };
-        match values {
-            Some(Values::Absolute) => {}
-            Some(Values::Incremental) => problems.push(
-                Problem::new("the table is incremental, and from which neighbour its values count is not known")
-                    .help("save it as an absolute table, or save the measurement itself (`.rtl`)"),
-            ),
-            None => problems.push(missing(
-                "--values",
-                "the file has no line `Compensation type`",
-                "add `--values absolute` if each value is the whole deviation at its position",
-            )),
-        }
-    }
-
-    /// Micrometres of one unit of the values.
-    fn unit_um(&self, stated: &Stated, problems: &mut Problems) -> Option<f64> {
-        let Some(line) = self.value("compensationresolution") else {
-            if stated.unit.is_none() {
-                problems.push(missing(
-                    "--unit",
-                    "the file has no line `Compensation resolution`",
-                    "add the unit of the values: `--unit um`, `mm`, `in` or `uin`",
-                ));
-            }
-            return stated.unit.map(Unit::um);
-        };
-        let split = line
-            .text
-            .find(|c: char| c.is_alphabetic())
-            .unwrap_or(line.text.len());
-        let (number, unit) = line.text.split_at(split);
-        let number = number
-            .trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|n| *n > 0.0 && n.is_finite());
-        let (Some(number), Some(unit)) = (number, Unit::from_text(unit)) else {
-            problems.push(unknown(
-                &line,
-                "compensation resolution",
-                "e.g. `1 mm` or `0.001 mm`",
-            ));
-            return None;
-        };
-        let um = number * unit.um();
-        if let Some(stated) = stated.unit.filter(|s| (s.um() - um).abs() > 1e-9 * um) {
-            problems.push(contradiction("--unit", stated.word(), &line));
-        }
-        Some(um)
-    }
-
-    fn refuse_backlash(&self, problems: &mut Problems) {
-        let Some(line) = self.value("backlasherror") else {
-            return;
-        };
-        let first = line.text.split_whitespace().next().unwrap_or_default();
-        let none = first.eq_ignore_ascii_case("n/a") || first.parse().is_ok_and(|b: f64| b == 0.0);
-        if !none {
-            problems.push(
-                Problem::new(format!(
-                    "the table leaves out a backlash of `{}`, whose sense is not known",
-                    shown(line.text)
-                ))
-                .at(line.place())
-                .help(
-                    "save separate forward and reverse tables, or the measurement itself (`.rtl`)",
-                ),
-            );
-        }
-    }
-
-    /// First and last position must be those of the header: else rows are missing.
-    fn compare_range(&self, table: &Table, problems: &mut Problems) {
-        let ends = [
-            (
-                "Compensation start",
-                "compensationstart",
-                table.targets.first(),
-            ),
-            ("Compensation end", "compensationend", table.targets.last()),
-        ];
-        for (label, key, found) in ends {
-            let Some(line) = self.value(key) else {
-                problems.push(
-                    Problem::new(format!(
-                        "there is no line `{label}`, so it cannot be seen whether rows are missing"
-                    ))
-                    .at(table.place.clone())
-                    .help(AGAIN),
-                );
-                continue;
-            };
-            let Some(mm) = millimetres(&line, problems) else {
-                continue;
-            };
-            if found.is_none_or(|found| (found - mm).abs() > SAME_MM) {
-                let found = found.map_or("nothing".to_string(), |found| format!("{found} mm"));
-                problems.push(
-                    Problem::new(format!(
-                        "the table has {found} at this end, expected {mm} mm as in `{label}`"
-                    ))
-                    .at(line.place())
-                    .help(AGAIN),
-                );
-            }
-        }
-        self.compare_spacing(table, problems);
-    }
-
-    fn compare_spacing(&self, table: &Table, problems: &mut Problems) {
-        let Some(line) = self.value("compensationspacing") else {
-            return;
-        };
-        let Some(mm) = millimetres(&line, problems) else {
-            return;
-        };
-        for pair in table.targets.windows(2) {
-            if ((pair[1] - pair[0]).abs() - mm.abs()).abs() > SAME_MM {
-                problems.push_with(|| {
-                    Problem::new(format!(
-                        "the table goes from {} to {} mm, expected a spacing of {mm} mm",
-                        pair[0], pair[1]
-                    ))
-                    .at(line.place())
-                    .help(AGAIN)
-                });
-            }
-        }
-    }
-
-    fn facts(&self) -> Vec<String> {
-        let keys = [
-            ("Test name", "testname"),
-            ("Table type", "tabletype"),
-            ("Compensation type", "compensationtype"),
-            ("Compensation resolution", "compensationresolution"),
-            ("Sign convention", "signconvention"),
-            ("Reference position", "referenceposition"),
-        ];
-        let said = keys.into_iter().filter_map(|(label, key)| {
-            let value = self.value(key)?;
-            Some(format!("the file says: {label}: {}", shown(value.text)))
-        });
-        said.collect()
     }
 }
 
@@ -395,54 +223,6 @@ fn curves_of(heading: &Line<'_>, problems: &mut Problems) -> Option<Vec<Curve>> 
                 .at(heading.place())
                 .help("save the table again with these columns"),
             );
-            None
-        }
-    }
-}
-
-/// A length such as `-100 mm`.
-fn millimetres(line: &Word<'_>, problems: &mut Problems) -> Option<f64> {
-    let mm = line
-        .text
-        .strip_suffix("mm")
-        .and_then(|n| n.trim().parse::<f64>().ok());
-    let mm = mm.filter(|mm| mm.is_finite());
-    if mm.is_none() {
-        problems.push(unknown(line, "length", "a number and `mm`"));
-    }
-    mm
-}
-
-fn unknown(line: &Word<'_>, what: &str, expected: &str) -> Problem {
-    Problem::new(format!(
-        "the {what} is `{}`, expected {expected}",
-        shown(line.text)
-    ))
-    .at(line.place())
-    .help("save the table again with one of these")
-}
-
-fn contradiction(option: &str, word: &str, line: &Word<'_>) -> Problem {
-    Problem::new(format!(
-        "`{option} {word}` contradicts the file, which says `{}`",
-        shown(line.text)
-    ))
-    .at(line.place())
-    .help(format!("leave `{option}` out"))
-}
-
-/// What the file says, unless something else was stated.
-fn agreed<T: Copy + PartialEq>(
-    found: T,
-    stated: Option<T>,
-    line: &Word<'_>,
-    (option, word): (&str, fn(T) -> &'static str),
-    problems: &mut Problems,
-) -> Option<T> {
-    match stated.filter(|stated| *stated != found) {
-        None => Some(found),
-        Some(other) => {
-            problems.push(contradiction(option, word(other), line));
             None
         }
     }

@@ -1,166 +1,10 @@
 //! What the user states because the file does not carry it.
 
 use crate::axis::{Axis, Direction};
-use crate::import::Component;
+use crate::delimited::LengthUnit;
+use crate::import::choices::{Decimal, MaterialCorrected, Runs, Sign, Travel, Values};
+use crate::import::{Component, Kind};
 use crate::problem::{Problem, Problems};
-use crate::units::{Correction, Deviation, MM_PER_INCH, UM_PER_MM};
-
-/// What a value means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sign {
-    /// Measured − target, in the sense in which the file counts its positions.
-    AsError,
-    /// What has to be added: target − measured.
-    AsCorrection,
-}
-
-impl Sign {
-    /// The word of `--sign`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Sign::AsError => "as-error",
-            Sign::AsCorrection => "as-correction",
-        }
-    }
-
-    /// A value of a file as a deviation.
-    pub(super) fn deviation(self, value: f64) -> f64 {
-        match self {
-            Sign::AsError => value,
-            Sign::AsCorrection => (-Correction::from_um(value)).um(),
-        }
-    }
-}
-
-/// A deviation whose axis the file counts the other way round.
-pub(super) fn turned(um: f64) -> f64 {
-    (Deviation::ZERO - Deviation::from_um(um)).um()
-}
-
-/// A unit of length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// Micrometres.
-    Um,
-    /// Millimetres.
-    Mm,
-    /// Inches.
-    In,
-    /// Microinches.
-    Uin,
-}
-
-impl Unit {
-    /// The word of `--unit`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Unit::Um => "um",
-            Unit::Mm => "mm",
-            Unit::In => "in",
-            Unit::Uin => "uin",
-        }
-    }
-
-    /// How many micrometres it has.
-    pub const fn um(self) -> f64 {
-        match self {
-            Unit::Um => 1.0,
-            Unit::Mm => UM_PER_MM,
-            Unit::In => MM_PER_INCH * UM_PER_MM,
-            Unit::Uin => MM_PER_INCH * UM_PER_MM / 1e6,
-        }
-    }
-
-    /// The unit of a text such as `mm`, `µm` or `inch`.
-    pub(super) fn from_text(text: &str) -> Option<Unit> {
-        match text.trim().to_lowercase().as_str() {
-            "um" | "µm" | "μm" | "micron" | "microns" => Some(Unit::Um),
-            "mm" => Some(Unit::Mm),
-            "in" | "inch" | "inches" => Some(Unit::In),
-            "uin" | "µin" | "μin" | "microinch" => Some(Unit::Uin),
-            _ => None,
-        }
-    }
-}
-
-/// How the values of a compensation table count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Values {
-    /// Each value is the whole deviation or correction at its position.
-    Absolute,
-    /// Each value is a change from a neighbour.
-    Incremental,
-}
-
-impl Values {
-    /// The word of `--values`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Values::Absolute => "absolute",
-            Values::Incremental => "incremental",
-        }
-    }
-}
-
-/// How the runs of a measurement were travelled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Runs {
-    /// All runs from the first target to the last.
-    Unidirectional,
-    /// Odd runs from the first target to the last, even runs back.
-    Bidirectional,
-}
-
-impl Runs {
-    /// The word of `--runs`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Runs::Unidirectional => "unidirectional",
-            Runs::Bidirectional => "bidirectional",
-        }
-    }
-}
-
-/// Direction of travel of rows that do not name one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Travel {
-    /// In one direction.
-    One(Direction),
-    /// Not distinguished.
-    Both,
-}
-
-impl Travel {
-    /// The word of `--direction`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Travel::One(direction) => direction.symbol(),
-            Travel::Both => "both",
-        }
-    }
-}
-
-/// An encoding of text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
-    /// UTF-8.
-    Utf8,
-    /// Latin-1 as Windows writes it (windows-1252).
-    Latin1,
-    /// Simplified Chinese.
-    Gbk,
-}
-
-impl Encoding {
-    /// The word of `--encoding`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Encoding::Utf8 => "utf-8",
-            Encoding::Latin1 => "latin-1",
-            Encoding::Gbk => "gbk",
-        }
-    }
-}
 
 /// What was stated on the command line; `None` = nothing.
 #[derive(Clone, Debug, Default)]
@@ -177,12 +21,18 @@ pub struct Stated {
     pub travel: Option<Travel>,
     /// `--sign`: what the values mean.
     pub sign: Option<Sign>,
+    /// `--plus-moves`: the way of the axis in rows whose direction is `+`.
+    pub plus_moves: Option<Direction>,
     /// `--unit`: of the values.
-    pub unit: Option<Unit>,
+    pub unit: Option<LengthUnit>,
     /// `--values`: absolute or incremental.
     pub values: Option<Values>,
     /// `--runs`: how they were travelled.
     pub runs: Option<Runs>,
+    /// `--material-corrected`: whether the instrument took the expansion of the material out.
+    pub material_corrected: Option<MaterialCorrected>,
+    /// `--decimal`: the sign before the decimals.
+    pub decimal: Option<Decimal>,
     /// `--columns`: `NAME=COLUMN,…`.
     pub columns: Option<String>,
 }
@@ -204,10 +54,16 @@ impl Stated {
             ),
             ("--targets-run", self.targets_run.map(|d| text(d.symbol()))),
             ("--direction", self.travel.map(|t| text(t.word()))),
+            ("--plus-moves", self.plus_moves.map(|d| text(d.symbol()))),
             ("--sign", self.sign.map(|s| text(s.word()))),
             ("--unit", self.unit.map(|u| text(u.word()))),
             ("--values", self.values.map(|v| text(v.word()))),
             ("--runs", self.runs.map(|r| text(r.word()))),
+            (
+                "--material-corrected",
+                self.material_corrected.map(|m| text(m.word())),
+            ),
+            ("--decimal", self.decimal.map(|d| text(d.word()))),
         ];
         let given = all.into_iter();
         given
@@ -260,6 +116,20 @@ impl Stated {
                     term.along
                 ))
                 .help("the last letter of a term is the moving axis"),
+            );
+        }
+        Some(term)
+    }
+
+    /// The component, which must be a deviation: a file of lengths holds no angles.
+    pub(super) fn required_deviation(&self, problems: &mut Problems) -> Option<Component> {
+        let term = self.required_term(problems)?;
+        if let Kind::Angle(_) = term.kind {
+            problems.push(
+                Problem::new(format!(
+                    "`--term {term}` is an angle, but the file holds lengths"
+                ))
+                .help("state one of EXX, EYX, EZX, EXY, EYY, EZY, EXZ, EYZ, EZZ"),
             );
         }
         Some(term)

@@ -358,7 +358,7 @@ steps = 4
     fn diagonals(measurement: Measurement) -> DiagonalMeasurement {
         match measurement.data {
             MeasuredData::Diagonals(diagonals) => diagonals,
-            MeasuredData::Errors(path) => panic!("{path} is no file of readings"),
+            MeasuredData::Errors(paths) => panic!("{paths:?} is no file of readings"),
         }
     }
 

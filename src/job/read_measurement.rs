@@ -43,7 +43,7 @@ pub(super) fn measurement(
 
 /// Exactly one of `errors` and `readings`.
 fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<MeasuredData> {
-    let errors = section.text("errors");
+    let errors = error_tables(section);
     let readings = section.text("readings");
     match (section.has("errors"), section.has("readings")) {
         (true, true) => both_given(section),
@@ -86,6 +86,23 @@ fn neither_given(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) {
         "the path of the readings that [measurement.step_diagonal] describes",
     );
     diagonals(&how, axes, None); // for its problems
+}
+
+/// The path of an error table, or a list of them.
+fn error_tables(section: &Section<'_>) -> Option<Vec<String>> {
+    if !section.is_list("errors") {
+        return section.text("errors").map(|path| vec![path]);
+    }
+    let paths = section.texts("errors")?;
+    if paths.is_empty() {
+        section.problem(
+            "errors",
+            "the list of error tables is empty, expected at least one path",
+            "write e.g. `errors = [\"x.csv\", \"y.csv\", \"z.csv\"]`",
+        );
+        return None;
+    }
+    Some(paths)
 }
 
 fn both_given(section: &Section<'_>) {
