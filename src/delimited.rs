@@ -13,12 +13,66 @@ use std::ops::Range;
 /// No number of a measurement comes near, whatever its unit.
 const LARGEST_NUMBER: f64 = 1e9;
 
+/// A unit of length that a measurement is given in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// Micrometres.
+    Um,
+    /// Millimetres.
+    Mm,
+    /// Inches.
+    In,
+    /// Microinches.
+    Uin,
+}
+
+impl LengthUnit {
+    /// All of them.
+    pub const ALL: [LengthUnit; 4] = [
+        LengthUnit::Um,
+        LengthUnit::Mm,
+        LengthUnit::In,
+        LengthUnit::Uin,
+    ];
+
+    /// Its word in the names of columns and on the command line.
+    pub const fn word(self) -> &'static str {
+        match self {
+            LengthUnit::Um => "um",
+            LengthUnit::Mm => "mm",
+            LengthUnit::In => "in",
+            LengthUnit::Uin => "uin",
+        }
+    }
+
+    /// How many micrometres it has.
+    pub const fn um(self) -> f64 {
+        match self {
+            LengthUnit::Um => 1.0,
+            LengthUnit::Mm => UM_PER_MM,
+            LengthUnit::In => MM_PER_INCH * UM_PER_MM,
+            LengthUnit::Uin => MM_PER_INCH * UM_PER_MM / 1e6,
+        }
+    }
+
+    /// The unit of a text as people write it, such as `mm`, `µm` or `inch`.
+    pub fn from_text(text: &str) -> Option<LengthUnit> {
+        match text.trim().to_lowercase().as_str() {
+            "um" | "µm" | "μm" | "micron" | "microns" => Some(LengthUnit::Um),
+            "mm" => Some(LengthUnit::Mm),
+            "in" | "inch" | "inches" => Some(LengthUnit::In),
+            "uin" | "µin" | "μin" | "microinch" => Some(LengthUnit::Uin),
+            _ => None,
+        }
+    }
+}
+
 /// Units of lengths in the names of columns, and how many µm they have.
 pub const LENGTHS_UM: [(&str, f64); 4] = [
-    ("um", 1.0),
-    ("mm", UM_PER_MM),
-    ("in", MM_PER_INCH * UM_PER_MM),
-    ("uin", MM_PER_INCH * UM_PER_MM / 1e6),
+    (LengthUnit::Um.word(), LengthUnit::Um.um()),
+    (LengthUnit::Mm.word(), LengthUnit::Mm.um()),
+    (LengthUnit::In.word(), LengthUnit::In.um()),
+    (LengthUnit::Uin.word(), LengthUnit::Uin.um()),
 ];
 
 /// One line of the file. Its cells and places are found when they are asked for: a table may have

@@ -20,6 +20,8 @@ mod ren;
 mod rtl;
 pub mod stated;
 
+pub use self::rtl::{MeasuredRuns, measured_runs};
+
 use crate::axis::Axis;
 use crate::document::Source;
 use crate::error_table::{Draft, DraftSeries};

@@ -8,6 +8,10 @@
 //! A deviation belongs to the target whose number stands in its line; the order of the lines means
 //! nothing. docs/import.md §2 names the sources.
 
+mod runs;
+
+pub use self::runs::{MeasuredRuns, measured_runs};
+
 use crate::axis::{Axis, Direction};
 use crate::document::Source;
 use crate::error_table::DraftSeries;
