@@ -1,6 +1,6 @@
 //! `nonius standards FILE`
 
-mod diagonals;
+pub(super) mod diagonals;
 mod document;
 mod text;
 

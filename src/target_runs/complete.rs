@@ -138,9 +138,9 @@ fn refuse_gaps(
 /// Deviations are small beside the distance of the targets: at most this part of it.
 const SMALL: f64 = 0.1;
 
-/// Positions or deviations, as named or stated. Else the values are tried as both: positions only
-/// if their deviations are small beside the smallest distance of two targets, and the values
-/// themselves are not.
+/// Positions or deviations, as named or stated. Else the values are tried as both: they are
+/// positions if their deviations are small beside the smallest distance of two targets; anything
+/// else has to be stated.
 fn values_of(
     layout: &Layout,
     header: &Line<'_>,
@@ -155,11 +155,14 @@ fn values_of(
         let mut readings = targets.iter().flat_map(|(_, of)| of.values());
         readings.all(|reading| reading.deviation_um(values).abs() <= small_um)
     };
-    let found = match (fits(Values::Positions), fits(Values::Deviations)) {
-        (true, false) => return Ok(Values::Positions),
-        (false, true) => "they look like deviations",
-        (true, true) => "they can be both",
-        (false, false) => "they lie far from the targets as either",
+    // Both cannot fit: no two targets are that near to zero.
+    if fits(Values::Positions) {
+        return Ok(Values::Positions);
+    }
+    let found = if fits(Values::Deviations) {
+        "they look like deviations"
+    } else {
+        "they are far from the targets as either"
     };
     let is_run = |content: Content| matches!(content, Content::RunOf(..));
     let first = layout.columns.iter().position(|c| is_run(c.content));

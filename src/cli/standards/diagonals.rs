@@ -15,7 +15,7 @@ use crate::separation::diagonal_runs::diagonal_runs;
 use crate::separation::noise::CorrectedRun;
 use crate::standards::iso_230_2::AxisFigures;
 use crate::standards::{
-    DIAGONALS, DiagonalMotion, Diagonals, diagonal, diagonal_of_unknown_length,
+    DIAGONALS, DiagonalFigures, DiagonalMotion, Diagonals, diagonal, diagonal_of_unknown_length,
 };
 use crate::target_runs::Runs;
 use crate::units::Millimetres;
@@ -205,7 +205,10 @@ impl Measured {
         let notes: Vec<String> = notes.iter().map(|note| format!("note: {note}")).collect();
         paragraphs(&[
             format!("{name} - body diagonals, runs: {}", runs.join("; ")),
-            format!("ISO 230-6:2002, ASME B5.54\n{}", figures.label),
+            format!(
+                "figures in the style of ISO 230-6:2002 and ASME B5.54\n{}",
+                figures.label
+            ),
             figures_table(figures),
             machine_table(figures),
             notes.join("\n"),
@@ -220,18 +223,8 @@ impl Measured {
     fn document(&self, figures: &Diagonals, notes: &[String]) -> Value {
         let mut diagonals = Map::new();
         for ((name, runs), of) in self.0.iter().zip(&figures.diagonals) {
-            let mut entry = Map::new();
-            let count = |way| runs.count(way);
-            entry.insert("targets".into(), json!(runs.targets_mm().len()));
-            entry.insert(
-                "runs".into(),
-                json!({ "up": count(Direction::Plus), "down": count(Direction::Minus) }),
-            );
-            for (letter, um) in of.figures.named_um() {
-                insert(&mut entry, letter, um);
-            }
-            insert(&mut entry, "range", of.range_um);
-            diagonals.insert((*name).to_string(), Value::Object(entry));
+            let entry = diagonal_json(runs, of);
+            diagonals.insert((*name).to_string(), entry);
         }
         let mut part = Map::new();
         part.insert("confidence".into(), json!(DIAGONALS.word()));
@@ -244,6 +237,22 @@ impl Measured {
         part.insert("notes".into(), json!(notes));
         json!({ "schema": 1, "iso_230_6": part })
     }
+}
+
+/// Every figure of a diagonal.
+pub(in crate::cli) fn diagonal_json(runs: &Runs, of: &DiagonalFigures) -> Value {
+    let count = |way| runs.count(way);
+    let mut entry = Map::new();
+    entry.insert("targets".into(), json!(runs.targets_mm().len()));
+    entry.insert(
+        "runs".into(),
+        json!({ "up": count(Direction::Plus), "down": count(Direction::Minus) }),
+    );
+    for (letter, um) in of.figures.named_um() {
+        insert(&mut entry, letter, um);
+    }
+    insert(&mut entry, "range", of.range_um);
+    Value::Object(entry)
 }
 
 /// Figures of a diagonal in the order of the table.
@@ -262,7 +271,8 @@ const FIGURES: [(&str, &str); 12] = [
     ("A_down", "A down"),
 ];
 
-fn figures_table(figures: &Diagonals) -> String {
+/// Every figure of every diagonal.
+pub(in crate::cli) fn figures_table(figures: &Diagonals) -> String {
     let mut columns = vec![Column::Left("diagonal, µm")];
     columns.extend(FIGURES.map(|(_, heading)| Column::Right(heading)));
     columns.push(Column::Right("max - min"));

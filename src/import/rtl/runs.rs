@@ -4,7 +4,7 @@
 use super::{File, Sections, stated_axis, user_facts};
 use crate::axis::{Axis, Direction};
 use crate::import::placing::Placing;
-use crate::import::stated::{Encoding, Stated, turned};
+use crate::import::stated::{Encoding, Stated};
 use crate::import::{Component, Format, Kind, Measurement, encoding, refuse_known};
 use crate::problem::Problems;
 
@@ -89,12 +89,12 @@ pub fn measured_runs(
     })
 }
 
-/// The coordinate of the first target: that of the file, with the other sign where the file counts
+/// The coordinate of the first target: that of the file, mirrored at its zero where the file counts
 /// against the axis.
 fn first_target_mm(targets: &[f64], stated: &Stated) -> Option<f64> {
     let (first, last) = (targets.first()?, targets.last()?);
     let ascending = first < last;
     let run = stated.targets_run.unwrap_or(Direction::Plus);
     let along = ascending == (run == Direction::Plus);
-    Some(if along { *first } else { turned(*first) + 0.0 })
+    Some(if along { *first } else { 0.0 - first })
 }

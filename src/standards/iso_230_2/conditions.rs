@@ -23,8 +23,8 @@ const ABOUT_MM: f64 = 5.0;
 /// r up to half a distance to either side makes no larger one.
 const LARGEST_GAP: f64 = 2.0;
 /// Spacings that differ by less than this part of the mean one are equal: positions are written
-/// with few digits.
-const EQUAL_SPACING: f64 = 0.01;
+/// with a micrometre or so, spacings are tens of millimetres.
+const EQUAL_SPACING: f64 = 1e-4;
 /// Edition that asks for the uncertainty of measurement.
 const WITH_UNCERTAINTY: [u16; 1] = [2014];
 
