@@ -119,8 +119,8 @@ fn with_own_reverse_runs(readings: &str) -> String {
         let walk: Vec<&Vec<&str>> = rows.iter().filter(|row| row[0] == name).collect();
         let um = |node: usize| walk[node][5].parse::<f64>().unwrap();
         let last = walk.len() - 1;
-        for node in 0..=last {
-            add(name, node, walk[node][4], um(node));
+        for (node, row) in walk.iter().enumerate() {
+            add(name, node, row[4], um(node));
         }
         for node in 0..=last {
             let moved = if node == 0 {

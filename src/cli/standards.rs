@@ -111,9 +111,10 @@ impl Input {
         let ends_with = |ending: &str| name.to_ascii_lowercase().ends_with(ending);
         let text = String::from_utf8_lossy(bytes);
         let is_content = |line: &&str| !line.is_empty() && !line.starts_with('#');
+        let text = text.trim_start_matches('\u{feff}');
         let first = text.lines().map(str::trim).find(is_content).unwrap_or("");
         let key = first.split('=').next().unwrap_or("").trim();
-        if ends_with(".rtl") || first.trim_start_matches('\u{feff}') == "HEADER::" {
+        if ends_with(".rtl") || first == "HEADER::" {
             Input::Rtl
         } else if ends_with(".toml") || key == "schema" || first.starts_with('[') {
             Input::Job
