@@ -69,20 +69,8 @@ enum Command {
     Separate(separate::Options),
     /// Turn another maker's measurement into an error table
     Import(Box<import::Options>),
-    /// Positioning figures by standard (ISO 230-2, VDI/DGQ 3441) from the runs of one axis
-    Standards {
-        /// The runs (CSV); `-` = standard input
-        file: PathBuf,
-        /// Unit of the columns whose names have none
-        #[arg(long, value_enum)]
-        unit: Option<standards::Unit>,
-        /// What the columns of runs hold [default: positions, if they have the unit of the target]
-        #[arg(long, value_enum)]
-        values: Option<standards::Holding>,
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
-    },
+    /// Figures by standard: ISO 230-2 and VDI/DGQ 3441 of one axis, ISO 230-6 of the body diagonals
+    Standards(Box<standards::Options>),
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
@@ -194,12 +182,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
         } => verify::run(&job, &tables, format),
         Command::Separate(options) => separate::run(&options),
         Command::Import(options) => import::run(&options),
-        Command::Standards {
-            file,
-            unit,
-            values,
-            format,
-        } => standards::run(&file, unit, values, format),
+        Command::Standards(options) => standards::run(&options),
         Command::Controllers { command } => match command {
             ControllersCommand::List { format } => controllers::list(format),
             ControllersCommand::Show { id, format, toml } => controllers::show(&id, format, toml),

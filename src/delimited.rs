@@ -224,10 +224,11 @@ fn wrong_length(row: &Line<'_>, found: usize, expected: usize) -> Problem {
     let help = if found > expected {
         "remove what is too much; a decimal comma needs semicolons between the columns"
     } else {
-        "leave a cell of a column that was not measured empty, but keep its separator"
+        "every row has as many cells as the header: a cell that may be empty keeps its separator"
     };
+    let plural = if found == 1 { "" } else { "s" };
     Problem::new(format!(
-        "the row has {found} cells, expected {expected} as in the header"
+        "the row has {found} cell{plural}, expected {expected} as in the header"
     ))
     .at(row.whole())
     .help(help)

@@ -30,11 +30,13 @@ mod reversal;
 mod rtl;
 mod rtl_runs;
 mod rtl_sections;
+mod rtl_tested;
 mod rtl_texts;
 pub mod stated;
 
 pub use self::component::{Component, Kind, terms_of};
 pub use self::format::Format;
+pub use self::rtl_tested::{MeasuredRuns, measured_runs};
 
 use self::choices::Encoding;
 use self::stated::Stated;

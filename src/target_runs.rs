@@ -9,51 +9,14 @@
 //!
 //! `read` turns a file into [`Runs`]; [`crate::standards`] turns them into figures.
 
+mod complete;
 mod header;
 mod read;
-mod rows;
 
 use crate::axis::Direction;
+use crate::delimited::LengthUnit;
 use crate::document::Source;
 use crate::problem::{Problem, Problems};
-use crate::units::{MM_PER_INCH, UM_PER_MM};
-
-/// The unit of a length in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LengthUnit {
-    /// Millimetre.
-    Millimetre,
-    /// Inch, 25.4 mm.
-    Inch,
-    /// Micrometre.
-    Micrometre,
-}
-
-impl LengthUnit {
-    /// Every unit that a column can have.
-    pub const ALL: [LengthUnit; 3] = [
-        LengthUnit::Millimetre,
-        LengthUnit::Inch,
-        LengthUnit::Micrometre,
-    ];
-
-    /// The unit as it ends a column's name: `mm`, `in`, `um`.
-    pub const fn ending(self) -> &'static str {
-        match self {
-            LengthUnit::Millimetre => "mm",
-            LengthUnit::Inch => "in",
-            LengthUnit::Micrometre => "um",
-        }
-    }
-
-    const fn um(self) -> f64 {
-        match self {
-            LengthUnit::Millimetre => UM_PER_MM,
-            LengthUnit::Inch => MM_PER_INCH * UM_PER_MM,
-            LengthUnit::Micrometre => 1.0,
-        }
-    }
-}
 
 /// What the values of the runs are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +28,9 @@ pub enum Values {
 }
 
 impl Values {
+    /// Both.
+    pub const ALL: [Values; 2] = [Values::Positions, Values::Deviations];
+
     /// `positions` or `deviations`.
     pub const fn word(self) -> &'static str {
         match self {

@@ -7,10 +7,11 @@
 )]
 
 use nonius::axis::Direction;
+use nonius::delimited::LengthUnit;
 use nonius::document::Source;
-use nonius::standards::iso_230_2::{self, AxisFigures};
-use nonius::standards::{DiagonalMotion, Diagonals, Met, diagonal, vdi_3441};
-use nonius::target_runs::{LengthUnit, Runs, Stated, Values};
+use nonius::standards::iso_230_2::{self, AxisFigures, Travel};
+use nonius::standards::{Condition, DiagonalMotion, Diagonals, Met, diagonal, vdi_3441};
+use nonius::target_runs::{Runs, Stated, Values};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::path::Path;
@@ -71,7 +72,7 @@ fn measured_stages_give_the_figures_of_an_independent_computation() {
         let cells: Vec<&str> = line.split(',').collect();
         let text = reference(&format!("iso230-2/iso230_2_{}.csv", cells[0])).unwrap();
         let stated = Stated {
-            unit: Some(LengthUnit::Millimetre),
+            unit: Some(LengthUnit::Mm),
             values: None,
         };
         let source = Source::from_bytes(cells[0], text.as_bytes()).unwrap();
@@ -276,7 +277,7 @@ fn one_direction_has_its_own_figures_only() {
     ];
     assert_eq!(absent, [None; 7]);
     assert_eq!(vdi_3441::figures(&runs), None);
-    assert!(iso_230_2::remarks(&runs)[0].contains("not measured moving up"));
+    assert!(iso_230_2::remarks(&runs, span(&runs))[0].contains("not measured moving up"));
 }
 
 #[test]
@@ -291,7 +292,7 @@ fn one_run_has_no_scatter_and_says_so() {
     assert_eq!(axis.a, Default::default());
     let vdi = vdi_3441::figures(&runs).unwrap();
     assert_eq!((vdi.p_um, vdi.p_s_um), (None, None));
-    assert!(iso_230_2::remarks(&runs)[0].contains("R and A are absent"));
+    assert!(iso_230_2::remarks(&runs, span(&runs))[0].contains("R and A are absent"));
 }
 
 fn flat(targets_mm: Vec<f64>, count: usize) -> Runs {
@@ -299,9 +300,17 @@ fn flat(targets_mm: Vec<f64>, count: usize) -> Runs {
     Runs::new(targets_mm, Some(um.clone()), Some(um)).unwrap()
 }
 
+/// From the first to the last target: nothing was stated.
+fn span(runs: &Runs) -> Travel {
+    Travel::of(runs, None).unwrap()
+}
+
+fn conditions(runs: &Runs) -> Vec<Condition> {
+    iso_230_2::conditions(runs, span(runs))
+}
+
 fn missed(runs: &Runs) -> usize {
-    let conditions = iso_230_2::conditions(runs);
-    conditions.iter().filter(|of| of.met == Met::No).count()
+    Condition::missed(&conditions(runs)).len()
 }
 
 #[test]
@@ -325,11 +334,121 @@ fn conditions_are_judged_by_length() {
         1,
         "every 500 mm"
     );
-    let label = iso_230_2::label(&iso_230_2::conditions(&flat(uneven, 3)));
+    let label = iso_230_2::label(&conditions(&flat(uneven, 3)));
     assert!(
         label.starts_with("NOT according to ISO 230-2: 3 runs up, 3 down"),
         "{label}"
     );
+}
+
+/// 24.4 to 1024.4 mm is 1000.0000000000001 mm in binary, and 48.3 to 2048.3 mm is more than 2 m.
+#[test]
+fn lengths_are_judged_without_the_dust_of_binary_fractions() {
+    let metre = flat(vec![24.4, 270.1, 530.3, 790.2, 1024.4], 5);
+    assert!(metre.length_mm() > 1000.0);
+    assert_eq!(missed(&metre), 0);
+    assert!(conditions(&metre)[0].asked.ends_with("here 5 or more"));
+    let mut targets = vec![48.3, 270.1, 530.3, 790.2, 1024.4];
+    targets.extend([1200.0, 1400.0, 1600.0, 1800.0, 2048.3]);
+    let two_metres = flat(targets, 5);
+    assert!(two_metres.length_mm() > 2000.0);
+    assert!(!span(&two_metres).is_long());
+    assert_eq!(missed(&two_metres), 0);
+}
+
+#[test]
+fn one_direction_is_labelled_as_such() {
+    let um = vec![vec![0.0; 5]; 5];
+    let targets = vec![0.0, 101.0, 199.0, 305.0, 400.0];
+    for (up, down, word) in [
+        (Some(um.clone()), None, "down"),
+        (None, Some(um.clone()), "up"),
+    ] {
+        let runs = Runs::new(targets.clone(), up, down).unwrap();
+        let expected = format!(
+            "NOT according to ISO 230-2: unidirectional figures only: moving {word} was not \
+             measured (see the conditions)"
+        );
+        assert_eq!(iso_230_2::label(&conditions(&runs)), expected);
+    }
+}
+
+#[test]
+fn targets_in_a_heap_are_found() {
+    let heap = flat(vec![0.0, 1.0, 2.2, 3.0, 990.0], 5);
+    let words = Condition::missed(&conditions(&heap));
+    assert_eq!(words, ["largest gap 987.0 mm, mean distance 247.5 mm"]);
+    let long: Vec<f64> = (0..11).map(f64::from).chain([2400.0]).collect();
+    assert_eq!(
+        missed(&flat(long, 1)),
+        1,
+        "above 2 m, every 218 mm on average"
+    );
+    // r of half a distance to either side: the widest that P_i = (i - 1)p + r can give.
+    let widest = flat(vec![0.0, 50.0, 250.0, 300.0, 400.0], 5);
+    assert_eq!(missed(&widest), 0);
+}
+
+/// Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
+#[test]
+fn above_two_metres_one_run_is_asked_for() {
+    let targets: Vec<f64> = (0..10).map(|i| 250.0 * f64::from(i)).collect();
+    assert_eq!(missed(&flat(targets.clone(), 1)), 0);
+    let runs = flat(targets, 5);
+    let label = iso_230_2::label(&conditions(&runs));
+    assert!(label.contains("5 runs up, 5 down"), "{label}");
+    let remarks = iso_230_2::remarks(&runs, span(&runs));
+    assert!(remarks[0].contains("R and A are not according to it"));
+}
+
+/// The conditions are about the travel: where it is stated, it is judged.
+#[test]
+fn a_stated_travel_is_judged_in_place_of_the_targets() {
+    let runs = flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 5);
+    let missed = |mm| {
+        let travel = Travel::of(&runs, Some(mm)).unwrap();
+        Condition::missed(&iso_230_2::conditions(&runs, travel))
+    };
+    assert!(missed(450.0).is_empty());
+    assert_eq!(missed(1000.0).len(), 1, "600 mm without a target");
+    assert_eq!(missed(1200.0)[0], "5 targets on 1200 mm of travel");
+    assert!(missed(2500.0).contains(&"5 runs up, 5 down".to_string()));
+    let short = Travel::of(&runs, Some(300.0)).unwrap_err();
+    assert!(short.message.contains("the targets are 400 mm apart"));
+    let noted = |travel| iso_230_2::remarks(&runs, travel).len();
+    assert_eq!(noted(span(&runs)), 1, "judged on the targets, and said so");
+    assert_eq!(noted(Travel::of(&runs, Some(450.0)).unwrap()), 0);
+}
+
+/// Each condition names the editions that ask for it, and how surely that is known.
+#[test]
+fn conditions_are_stated_by_edition() {
+    let all = conditions(&flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 5));
+    let by: Vec<&[u16]> = all.iter().map(|of| of.editions).collect();
+    assert_eq!(by[..7], [&[1997, 2006, 2014][..]; 7]);
+    assert_eq!(by[7], [2014], "uncertainty");
+    assert!(all.iter().all(|of| of.confidence.word() == "likely"));
+}
+
+/// Straight runs carry the name of ISO 230-6 only if they meet what is known of its conditions.
+#[test]
+fn conditions_of_the_diagonals_are_tested() {
+    let runs = flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 3);
+    let four = ["PPP", "NPP", "PNP", "PPN"].map(|name| (name, &runs));
+    let straight = |of: &[(&str, &Runs)]| diagonal(of, DiagonalMotion::StraightRuns).label;
+    assert_eq!(straight(&four), "after ISO 230-6 (likely)");
+    assert_eq!(straight(&four[..3]), "NOT after ISO 230-6: PPP, NPP, PNP");
+    let few = flat(vec![0.0, 100.0], 3);
+    let mut with_few = four;
+    with_few[1].1 = &few;
+    let label = straight(&with_few);
+    assert_eq!(label, "NOT after ISO 230-6: NPP: 2 targets on 100 mm");
+    let um = vec![vec![0.0; 3]; 5];
+    let one_way = Runs::new(runs.targets_mm().to_vec(), Some(um), None).unwrap();
+    with_few[1].1 = &one_way;
+    assert!(straight(&with_few).ends_with("moving down was not measured"));
+    let found = diagonal(&four, DiagonalMotion::StepDiagonalCellEnds);
+    assert_eq!(found.conditions[0].met, Met::No, "single-axis steps");
 }
 
 #[test]
@@ -343,7 +462,6 @@ fn machine_figures_need_four_diagonals() {
     near(found.e_d_um, 4.0);
     near(found.b_d_um, 3.0);
     near(found.range_over_all_um, 4.0);
-    assert_eq!(found.label, "after ISO 230-6 (likely)");
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -372,13 +490,21 @@ fn layouts_units_and_values_agree() {
         ),
         (
             "i,target,up1,dn1\n1,25.4,25.402,25.401\n2,50.8,50.804,50.8\n",
-            unit(LengthUnit::Millimetre),
+            unit(LengthUnit::Mm),
         ),
         (
             "target,up1,down1\n25400,25402,25401\n50800,50804,50800\n",
-            unit(LengthUnit::Micrometre),
+            unit(LengthUnit::Um),
         ),
         ("target_in;up1_um;dn1_um\n2;4;0\n1;2;1\n", deviations),
+        (
+            "target_uin,up1_mm,dn1_mm\n1000000,0.002,0.001\n2000000,0.004,0\n",
+            deviations,
+        ),
+        (
+            "target_mm,\"up1_mm\",dn1_mm\n25.4,\"25.402\",25.401\n\"50.8\",50.804,50.8\n",
+            Stated::default(),
+        ),
         (
             "target_mm;up1_mm;dn1_mm\r\n25,4;25,402;25,401\r\n50,8;50,804;50,8\r\n",
             Stated::default(),
@@ -411,6 +537,58 @@ fn layouts_units_and_values_agree() {
             }
         }
     }
+}
+
+/// A quoted cell may hold the separator, as in every other table.
+#[test]
+fn a_separator_in_quotation_marks_separates_nothing() {
+    let text = "target_mm;up1_mm;dn1_mm\n0;\"0,001\";\"0;002\"\n";
+    let words = read(text, Stated::default()).unwrap_err();
+    assert!(
+        words.contains("`dn1_mm` is `0;002`, expected a finite number"),
+        "{words}"
+    );
+    assert!(!words.contains("cells"), "{words}");
+}
+
+/// Positions are taken without a word only where the values leave no doubt.
+#[test]
+fn values_that_can_be_both_are_asked_for() {
+    let open = |text: &str| read(text, Stated::default()).unwrap_err();
+    let around_zero = "target_mm,up1_mm,dn1_mm\n-50,-0.003,-0.001\n50,0.003,0.002\n";
+    assert!(open(around_zero).contains("they look like deviations"));
+    let near = "target_mm,up1_mm\n-0.001,-0.0013\n0.001,0.0004\n";
+    assert!(open(near).contains("they are far from the targets as either"));
+    let positions = "target_mm,up1_mm,dn1_mm\n-50,-50.003,-50.001\n50,50.003,50.002\n";
+    assert!(read(positions, Stated::default()).is_ok());
+    for (values, expected) in [(Values::Deviations, -3.0), (Values::Positions, 49997.0)] {
+        let stated = Stated {
+            unit: None,
+            values: Some(values),
+        };
+        match read(around_zero, stated) {
+            Ok(runs) => near_um(&runs, expected),
+            Err(words) => assert!(words.contains("49.9970 mm from its target"), "{words}"),
+        }
+    }
+}
+
+fn near_um(runs: &Runs, expected: f64) {
+    let um = runs.deviations_um(Direction::Plus).unwrap()[0][0];
+    near(Some(um), expected);
+}
+
+/// Steps of 20 µm with a deviation of 11 µm: half the way to the next target is nothing unusual.
+#[test]
+fn targets_may_be_closer_than_the_deviations() {
+    let deviations = Stated {
+        unit: None,
+        values: Some(Values::Deviations),
+    };
+    let runs = read("target_mm,up1_um\n0,1\n0.02,2\n0.04,11\n", deviations).unwrap();
+    near_um(&runs, 1.0);
+    let named = "target_mm,run,direction,deviation_um\n0,1,+,1\n0.02,1,+,2\n0.04,1,+,11\n";
+    near_um(&read(named, Stated::default()).unwrap(), 1.0);
 }
 
 /// All problems of a file come at once, each with line and column.

@@ -93,6 +93,7 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
         acceptance,
         Some(&kit.forecast),
         false,
+        &kit.doubts,
     ));
     lines.join("\n")
 }

@@ -232,7 +232,11 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
 }
 
 /// The value with this word, or the words that there are.
-fn by_word<T: Copy>(text: &str, all: &[T], word: impl Fn(T) -> &'static str) -> Result<T, String> {
+pub(super) fn by_word<T: Copy>(
+    text: &str,
+    all: &[T],
+    word: impl Fn(T) -> &'static str,
+) -> Result<T, String> {
     let found = all.iter().copied().find(|value| word(*value) == text);
     let words: Vec<&str> = all.iter().map(|value| word(*value)).collect();
     found.ok_or_else(|| format!("expected {}", words.join(", ")))
@@ -242,7 +246,7 @@ fn format_word(text: &str) -> Result<import::Format, String> {
     by_word(text, &import::Format::ALL, import::Format::word)
 }
 
-fn encoding_word(text: &str) -> Result<Encoding, String> {
+pub(super) fn encoding_word(text: &str) -> Result<Encoding, String> {
     match text {
         "latin-1" => Ok(Encoding::Windows1252),
         _ => by_word(text, &Encoding::ALL, Encoding::word),
@@ -257,7 +261,7 @@ fn term_word(text: &str) -> Result<Component, String> {
     Component::from_name(text).ok_or_else(|| "expected EXX, EYX … EZZ, EAX … ECZ".to_string())
 }
 
-fn millimetres(text: &str) -> Result<f64, String> {
+pub(super) fn millimetres(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|mm| mm.abs() <= LONGEST_MM);
     number.ok_or_else(|| "expected a number of mm, with a decimal point".to_string())
 }
@@ -265,7 +269,7 @@ fn millimetres(text: &str) -> Result<f64, String> {
 /// A kilometre: no machine is longer.
 const LONGEST_MM: f64 = 1e6;
 
-fn direction_word(text: &str) -> Result<Direction, String> {
+pub(super) fn direction_word(text: &str) -> Result<Direction, String> {
     by_word(text, &Direction::BOTH, Direction::symbol)
 }
 
@@ -278,7 +282,7 @@ fn travel_word(text: &str) -> Result<Travel, String> {
     by_word(text, &all, Travel::word)
 }
 
-fn sign_word(text: &str) -> Result<Sign, String> {
+pub(super) fn sign_word(text: &str) -> Result<Sign, String> {
     by_word(text, &[Sign::AsError, Sign::AsCorrection], Sign::word)
 }
 
@@ -303,7 +307,7 @@ fn decimal_word(text: &str) -> Result<Decimal, String> {
     by_word(text, &[Decimal::Point, Decimal::Comma], Decimal::word)
 }
 
-fn runs_word(text: &str) -> Result<Runs, String> {
+pub(super) fn runs_word(text: &str) -> Result<Runs, String> {
     by_word(
         text,
         &[Runs::Unidirectional, Runs::Bidirectional],

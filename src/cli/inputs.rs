@@ -241,7 +241,7 @@ pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> 
                 "measurement.errors",
                 "this job gives `errors`, which are separated already",
             )
-            .help("`separate` needs a job with `readings`")
+            .help("a job with `readings` is needed here")
             .into());
     };
     campaign_files(&job, measurement, folder, &mut Vec::new())

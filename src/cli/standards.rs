@@ -1,380 +1,229 @@
 //! `nonius standards FILE`
 
+pub(super) mod diagonals;
+mod document;
+mod text;
+
 use crate::axis::Direction;
-use crate::cli::inputs::read_argument;
-use crate::cli::show::{Column, paragraphs, table};
-use crate::cli::{Answer, Format, print, print_json};
-use crate::document::Source;
-use crate::manifest::picometres;
-use crate::problem::Problems;
-use crate::standards::{
-    self, ByDirection, Condition, Confidence, Met,
-    iso_230_2::{self, AxisFigures},
-    vdi_3441,
+use crate::cli::import::{
+    by_word, direction_word, encoding_word, millimetres, runs_word, sign_word,
 };
-use crate::target_runs::{LengthUnit, Runs, Stated, Values};
-use clap::ValueEnum;
-use serde_json::{Map, Value, json};
-use std::path::Path;
+use crate::cli::inputs::{file_name, read_argument};
+use crate::cli::{Answer, Format, print, print_json};
+use crate::delimited::{LengthUnit, header_and_rows};
+use crate::document::Source;
+use crate::import::choices::{Encoding, Runs as Ways, Sign};
+use crate::import::{self, Measurement, measured_runs};
+use crate::kit::sha256;
+use crate::problem::{Problem, Problems};
+use crate::standards::iso_230_2::{self, Travel};
+use crate::standards::{Condition, vdi_3441};
+use crate::target_runs::{Runs, Stated, Values};
+use clap::Args;
+use std::path::PathBuf;
 
-/// Unit of columns without one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Unit {
-    /// Millimetres
-    Mm,
-    /// Inches
-    In,
-    /// Micrometres
-    Um,
-}
-
-/// What columns of runs hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Holding {
-    /// Where the axis stood
-    Positions,
-    /// How far from the target it stood
-    Deviations,
-}
-
-pub(super) fn run(
-    file: &Path,
-    unit: Option<Unit>,
-    values: Option<Holding>,
+/// Options of `standards`. Which of them have a meaning depends on the file.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// Runs of one axis (CSV or Renishaw .rtl), or a job or file of readings of the body diagonals;
+    /// `-` = standard input
+    file: PathBuf,
+    /// Unit of the columns whose names have none: mm, in, um or uin
+    #[arg(long, value_parser = unit_word)]
+    unit: Option<LengthUnit>,
+    /// What the columns of runs hold, where it is open: positions or deviations
+    #[arg(long, value_parser = values_word)]
+    values: Option<Values>,
+    /// Travel of the axis, mm [default: from the first to the last target]
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
+    travel_mm: Option<f64>,
+    /// .rtl: as-error = measured - target; as-correction = what has to be added
+    #[arg(long, value_parser = sign_word)]
+    sign: Option<Sign>,
+    /// .rtl: way of the axis from the first target to the last, in machine coordinates: + or -
+    #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
+    targets_run: Option<Direction>,
+    /// .rtl: unidirectional, or bidirectional (even runs go back)
+    #[arg(long, value_parser = runs_word)]
+    runs: Option<Ways>,
+    /// .rtl: encoding of its text, where it is not UTF-8: latin-1 or gbk
+    #[arg(long, value_parser = encoding_word)]
+    encoding: Option<Encoding>,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-) -> Result<Answer, Problems> {
-    let stated = Stated {
-        unit: unit.map(|unit| match unit {
-            Unit::Mm => LengthUnit::Millimetre,
-            Unit::In => LengthUnit::Inch,
-            Unit::Um => LengthUnit::Micrometre,
-        }),
-        values: values.map(|values| match values {
-            Holding::Positions => Values::Positions,
-            Holding::Deviations => Values::Deviations,
-        }),
-    };
-    let (name, bytes) = read_argument(file)?;
-    let runs = Runs::read(&Source::from_bytes(&name, &bytes)?, stated)?;
-    let result = Tested::of(&runs);
-    match format {
-        Format::Json => print_json(&document(&runs, &result)),
-        Format::Text => print(&report(&name, &runs, &result)),
-    }
 }
 
-/// What the standards say about the runs.
-struct Tested {
-    iso: iso_230_2::Figures,
-    conditions: Vec<Condition>,
-    vdi: Option<vdi_3441::Figures>,
+fn unit_word(text: &str) -> Result<LengthUnit, String> {
+    by_word(text, &LengthUnit::ALL, LengthUnit::word)
 }
 
-impl Tested {
-    fn of(runs: &Runs) -> Tested {
-        Tested {
-            iso: iso_230_2::figures(runs),
-            conditions: iso_230_2::conditions(runs),
-            vdi: vdi_3441::figures(runs),
+fn values_word(text: &str) -> Result<Values, String> {
+    by_word(text, &Values::ALL, Values::word)
+}
+
+pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+    let (name, bytes) = read_argument(&options.file)?;
+    let input = Input::of(&name, &bytes);
+    options.refuse_foreign(input)?;
+    match input {
+        Input::Job => diagonals::of_job(&options.file, options.format),
+        Input::Readings => {
+            diagonals::of_readings(Source::from_bytes(&name, &bytes)?, options.format)
+        }
+        Input::RunsTable => {
+            let stated = Stated {
+                unit: options.unit,
+                values: options.values,
+            };
+            let runs = Runs::read(&Source::from_bytes(&name, &bytes)?, stated)?;
+            options.axis(&name, &runs, Vec::new())
+        }
+        Input::Rtl => {
+            let file = Measurement {
+                path: &name,
+                name: &file_name(&options.file),
+                sha256: &sha256(&bytes),
+                bytes: &bytes,
+            };
+            let measured = measured_runs(file, options.encoding, &options.stated())?;
+            let runs = Runs::new(measured.targets_mm, measured.up_um, measured.down_um)?;
+            options.axis(&name, &runs, measured.facts)
         }
     }
 }
 
-// ---------------------------------------------------------------------------------------------
-// Text
-
-fn report(name: &str, runs: &Runs, result: &Tested) -> String {
-    let targets = runs.targets_mm();
-    let heading = format!(
-        "{name} - {} targets from {} to {} mm, runs: {} up (+), {} down (-)",
-        targets.len(),
-        millimetres(targets.first().copied().unwrap_or_default()),
-        millimetres(targets.last().copied().unwrap_or_default()),
-        runs.count(Direction::Plus),
-        runs.count(Direction::Minus),
-    );
-    paragraphs(&[
-        heading,
-        format!(
-            "ISO 230-2, formulas of 1997 to 2014, k = 2\n{}",
-            iso_230_2::label(&result.conditions)
-        ),
-        axis_table(&result.iso.axis),
-        notes(&iso_230_2::remarks(runs)),
-        targets_table(&result.iso),
-        format!(
-            "conditions of ISO 230-2 ({})\n{}",
-            likely_words(standards::ISO_230_2_CONDITIONS),
-            conditions_table(&result.conditions)
-        ),
-        vdi_text(result.vdi.as_ref()),
-    ])
+/// What a file is, by what stands in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Input {
+    /// Runs of one axis in rows and columns.
+    RunsTable,
+    /// Runs of one axis as Renishaw writes them.
+    Rtl,
+    /// Readings of the body diagonals.
+    Readings,
+    /// A job that names readings.
+    Job,
 }
 
-fn likely_words(confidence: Confidence) -> &'static str {
-    match confidence {
-        Confidence::Sure => "sure",
-        Confidence::Likely => "likely: from secondary sources, not compared with the text",
+impl Input {
+    fn of(name: &str, bytes: &[u8]) -> Input {
+        let ends_with = |ending: &str| name.to_ascii_lowercase().ends_with(ending);
+        let text = String::from_utf8_lossy(bytes);
+        let is_content = |line: &&str| !line.is_empty() && !line.starts_with('#');
+        let text = text.trim_start_matches('\u{feff}');
+        let first = text.lines().map(str::trim).find(is_content).unwrap_or("");
+        let key = first.split('=').next().unwrap_or("").trim();
+        if ends_with(".rtl") || first == "HEADER::" {
+            Input::Rtl
+        } else if ends_with(".toml") || key == "schema" || first.starts_with('[') {
+            Input::Job
+        } else if is_readings(name, bytes) {
+            Input::Readings
+        } else {
+            Input::RunsTable
+        }
+    }
+
+    const fn word(self) -> &'static str {
+        match self {
+            Input::RunsTable => "a table of runs",
+            Input::Rtl => "an `.rtl` file",
+            Input::Readings => "readings of the body diagonals",
+            Input::Job => "a job",
+        }
+    }
+
+    const fn takes(self) -> &'static [&'static str] {
+        match self {
+            Input::RunsTable => &["--unit", "--values", "--travel-mm"],
+            Input::Rtl => &[
+                "--travel-mm",
+                "--sign",
+                "--targets-run",
+                "--runs",
+                "--encoding",
+            ],
+            Input::Readings | Input::Job => &[],
+        }
     }
 }
 
-fn axis_table(axis: &AxisFigures) -> String {
-    let columns = [
-        Column::Left("figure"),
-        Column::Left(""),
-        Column::Right("up/µm"),
-        Column::Right("down/µm"),
-        Column::Right("both/µm"),
-    ];
-    let both = |both_um| ByDirection {
-        both_um,
-        ..ByDirection::default()
-    };
-    let rows = [
-        ("A", "positioning error (accuracy)", axis.a),
-        ("E", "systematic positioning error", axis.e),
-        ("R", "repeatability", axis.r),
-        (
-            "M",
-            "range of the mean bidirectional error",
-            both(axis.m_um),
-        ),
-        ("B", "reversal error, largest |B_i|", both(axis.b_um)),
-        ("B mean", "mean reversal error", both(axis.b_mean_um)),
-    ];
-    table(
-        &columns,
-        rows.into_iter().map(|(letter, what, figure)| {
-            vec![
-                letter.to_string(),
-                what.to_string(),
-                micrometres(figure.up_um),
-                micrometres(figure.down_um),
-                micrometres(figure.both_um),
-            ]
-        }),
-    )
-}
-
-fn targets_table(figures: &iso_230_2::Figures) -> String {
-    let columns = [
-        Column::Right("target/mm"),
-        Column::Right("mean up/µm"),
-        Column::Right("mean down/µm"),
-        Column::Right("mean/µm"),
-        Column::Right("s up/µm"),
-        Column::Right("s down/µm"),
-        Column::Right("B/µm"),
-        Column::Right("R up/µm"),
-        Column::Right("R down/µm"),
-        Column::Right("R/µm"),
-    ];
-    let rows = figures.targets.iter().map(|of| {
-        let figures = [
-            of.mean.up_um,
-            of.mean.down_um,
-            of.mean.both_um,
-            of.s.up_um,
-            of.s.down_um,
-            of.b_um,
-            of.r.up_um,
-            of.r.down_um,
-            of.r.both_um,
-        ];
-        std::iter::once(millimetres(of.target_mm))
-            .chain(figures.map(micrometres))
-            .collect()
-    });
-    table(&columns, rows)
-}
-
-fn conditions_table(conditions: &[Condition]) -> String {
-    let columns = [
-        Column::Left("outcome"),
-        Column::Left("asked"),
-        Column::Left("found"),
-    ];
-    let rows = conditions.iter().map(|condition| {
-        vec![
-            condition.met.word().to_string(),
-            condition.asked.clone(),
-            condition.found.clone(),
-        ]
-    });
-    table(&columns, rows)
-}
-
-fn vdi_text(figures: Option<&vdi_3441::Figures>) -> String {
-    let heading = format!("VDI/DGQ 3441 ({})", likely_words(standards::VDI_3441));
-    let Some(figures) = figures else {
-        return format!("{heading}\nnote: every figure needs both directions");
-    };
-    let columns = [
-        Column::Left("figure"),
-        Column::Left(""),
-        Column::Right("value/µm"),
-    ];
-    let rows = [
-        ("P", "positioning uncertainty", figures.p_um),
-        (
-            "P_a",
-            "positioning deviation, range of the means",
-            Some(figures.p_a_um),
-        ),
-        (
-            "P_s",
-            "positioning scatter, largest 6 s mean",
-            figures.p_s_um,
-        ),
-        ("U", "largest reversal", Some(figures.u_um)),
-        ("U mean", "mean reversal", Some(figures.u_mean_um)),
-    ];
-    let axis = table(
-        &columns,
-        rows.into_iter()
-            .map(|(letter, what, um)| vec![letter.to_string(), what.to_string(), micrometres(um)]),
-    );
-    paragraphs(&[format!("{heading}\n{axis}"), vdi_targets(figures)])
-}
-
-fn vdi_targets(figures: &vdi_3441::Figures) -> String {
-    let columns = [
-        Column::Right("target/mm"),
-        Column::Right("mean/µm"),
-        Column::Right("U/µm"),
-        Column::Right("s mean/µm"),
-    ];
-    let rows = figures.targets.iter().map(|of| {
-        vec![
-            millimetres(of.target_mm),
-            micrometres(Some(of.mean_um)),
-            micrometres(Some(of.u_um)),
-            micrometres(of.s_um),
-        ]
-    });
-    table(&columns, rows)
-}
-
-fn notes(remarks: &[String]) -> String {
-    let lines: Vec<String> = remarks.iter().map(|note| format!("note: {note}")).collect();
-    lines.join("\n")
-}
-
-/// Three decimals; adding zero takes the sign off what rounds to nothing.
-fn micrometres(um: Option<f64>) -> String {
-    um.map_or_else(
-        || "-".to_string(),
-        |um| format!("{:.3}", (um * 1000.0).round() / 1000.0 + 0.0),
-    )
-}
-
-fn millimetres(mm: f64) -> String {
-    let text = format!("{mm:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
-}
-
-// ---------------------------------------------------------------------------------------------
-// JSON
-
-fn document(runs: &Runs, result: &Tested) -> Value {
-    json!({
-        "schema": 1,
-        "targets": runs.targets_mm().len(),
-        "length_mm": picometres(runs.length_mm()),
-        "runs": { "up": runs.count(Direction::Plus), "down": runs.count(Direction::Minus) },
-        "iso_230_2": iso_json(runs, result),
-        "vdi_dgq_3441": result.vdi.as_ref().map(vdi_json),
+fn is_readings(name: &str, bytes: &[u8]) -> bool {
+    let source = Source::from_bytes(name, bytes).ok();
+    let header = source.as_ref().and_then(header_and_rows);
+    header.is_some_and(|(header, _)| {
+        let cells = header.cells();
+        ["diagonal", "node"]
+            .iter()
+            .all(|name| cells.iter().any(|cell| cell == name))
     })
 }
 
-fn iso_json(runs: &Runs, result: &Tested) -> Value {
-    let axis = &result.iso.axis;
-    let mut document = Map::new();
-    document.insert("editions".to_string(), json!("1997 to 2014"));
-    document.insert("confidence".to_string(), json!(standards::ISO_230_2.word()));
-    let missed = result.conditions.iter().any(|of| of.met == Met::No);
-    document.insert("condition_missed".to_string(), json!(missed));
-    document.insert(
-        "label".to_string(),
-        json!(iso_230_2::label(&result.conditions)),
-    );
-    for (letter, figure) in [("A", axis.a), ("E", axis.e), ("R", axis.r)] {
-        insert(&mut document, letter, figure.both_um);
-        insert(&mut document, &format!("{letter}_up"), figure.up_um);
-        insert(&mut document, &format!("{letter}_down"), figure.down_um);
+impl Options {
+    fn stated(&self) -> import::stated::Stated {
+        import::stated::Stated {
+            sign: self.sign,
+            targets_run: self.targets_run,
+            runs: self.runs,
+            ..import::stated::Stated::default()
+        }
     }
-    insert(&mut document, "M", axis.m_um);
-    insert(&mut document, "B", axis.b_um);
-    insert(&mut document, "B_mean", axis.b_mean_um);
-    let targets: Vec<Value> = result.iso.targets.iter().map(iso_target_json).collect();
-    document.insert("targets".to_string(), json!(targets));
-    document.insert(
-        "conditions".to_string(),
-        conditions_json(&result.conditions),
-    );
-    document.insert("notes".to_string(), json!(iso_230_2::remarks(runs)));
-    Value::Object(document)
+
+    /// An option without meaning for the file is a mistake of the user.
+    fn refuse_foreign(&self, input: Input) -> Result<(), Problems> {
+        let given = [
+            ("--unit", self.unit.is_some()),
+            ("--values", self.values.is_some()),
+            ("--travel-mm", self.travel_mm.is_some()),
+            ("--sign", self.sign.is_some()),
+            ("--targets-run", self.targets_run.is_some()),
+            ("--runs", self.runs.is_some()),
+            ("--encoding", self.encoding.is_some()),
+        ];
+        let mut problems = Problems::none();
+        for (option, _) in given
+            .iter()
+            .filter(|(option, is)| *is && !input.takes().contains(option))
+        {
+            problems.push(
+                Problem::new(format!("`{option}` has no meaning for {}", input.word()))
+                    .help("leave it out"),
+            );
+        }
+        problems.or_ok(())
+    }
+
+    /// Figures of one axis; `facts` are what its file states.
+    fn axis(&self, name: &str, runs: &Runs, facts: Vec<String>) -> Result<Answer, Problems> {
+        let results = Results::of(runs, self.travel_mm, facts)?;
+        match self.format {
+            Format::Json => print_json(&document::document(runs, &results)),
+            Format::Text => print(&text::report(name, runs, &results)),
+        }
+    }
 }
 
-fn iso_target_json(of: &iso_230_2::TargetFigures) -> Value {
-    let mut target = Map::new();
-    target.insert("target_mm".to_string(), json!(picometres(of.target_mm)));
-    for (name, um) in [
-        ("mean", of.mean.both_um),
-        ("mean_up", of.mean.up_um),
-        ("mean_down", of.mean.down_um),
-        ("s_up", of.s.up_um),
-        ("s_down", of.s.down_um),
-        ("B", of.b_um),
-        ("R", of.r.both_um),
-        ("R_up", of.r.up_um),
-        ("R_down", of.r.down_um),
-    ] {
-        insert(&mut target, name, um);
-    }
-    Value::Object(target)
+/// What the standards say about the runs of an axis.
+struct Results {
+    travel: Travel,
+    iso: iso_230_2::Figures,
+    conditions: Vec<Condition>,
+    vdi: Option<vdi_3441::Figures>,
+    notes: Vec<String>,
 }
 
-fn conditions_json(conditions: &[Condition]) -> Value {
-    let list: Vec<Value> = conditions
-        .iter()
-        .map(|of| {
-            let found = (!of.found.is_empty()).then_some(&of.found);
-            json!({ "asked": of.asked, "found": found, "outcome": of.met.word() })
+impl Results {
+    fn of(runs: &Runs, travel_mm: Option<f64>, facts: Vec<String>) -> Result<Results, Problem> {
+        let travel = Travel::of(runs, travel_mm)?;
+        let mut notes = facts;
+        notes.extend(iso_230_2::remarks(runs, travel));
+        Ok(Results {
+            travel,
+            iso: iso_230_2::figures(runs),
+            conditions: iso_230_2::conditions(runs, travel),
+            vdi: vdi_3441::figures(runs),
+            notes,
         })
-        .collect();
-    json!({ "confidence": standards::ISO_230_2_CONDITIONS.word(), "list": list })
-}
-
-fn vdi_json(figures: &vdi_3441::Figures) -> Value {
-    let mut document = Map::new();
-    document.insert("confidence".to_string(), json!(standards::VDI_3441.word()));
-    for (name, um) in [
-        ("P", figures.p_um),
-        ("P_a", Some(figures.p_a_um)),
-        ("P_s", figures.p_s_um),
-        ("U", Some(figures.u_um)),
-        ("U_mean", Some(figures.u_mean_um)),
-    ] {
-        insert(&mut document, name, um);
     }
-    let targets: Vec<Value> = figures
-        .targets
-        .iter()
-        .map(|of| {
-            let mut target = Map::new();
-            target.insert("target_mm".to_string(), json!(picometres(of.target_mm)));
-            insert(&mut target, "mean", Some(of.mean_um));
-            insert(&mut target, "U", Some(of.u_um));
-            insert(&mut target, "s_mean", of.s_um);
-            Value::Object(target)
-        })
-        .collect();
-    document.insert("targets".to_string(), json!(targets));
-    Value::Object(document)
-}
-
-/// A figure under its letter and unit; `null` where it is absent.
-fn insert(document: &mut Map<String, Value>, name: &str, um: Option<f64>) {
-    document.insert(format!("{name}_um"), json!(um.map(picometres)));
 }

@@ -56,7 +56,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
 }
 
 /// Other types of the family hold angles or straightness; a stated unit must be that of the format.
-fn linear_kind(sections: &Sections<'_>, problems: &mut Problems) -> Option<String> {
+pub(super) fn linear_kind(sections: &Sections<'_>, problems: &mut Problems) -> Option<String> {
     for line in sections.lines("TARGET DATA").unwrap_or_default() {
         let pair = line.key_value().filter(|(key, _)| key.starts_with("unit"));
         if let Some((_, value)) = pair.filter(|(_, v)| !v.text.eq_ignore_ascii_case("mm")) {
@@ -104,8 +104,8 @@ fn required_positioning(stated: &Stated, problems: &mut Problems) -> Option<Comp
 
 /// What the sections hold.
 pub(super) struct File<'a> {
-    targets: Vec<f64>,
-    targets_place: Place,
+    pub(super) targets: Vec<f64>,
+    pub(super) targets_place: Place,
     pub(super) runs: usize,
     pub(super) flags: Option<Word<'a>>,
     /// Deviation of run and target (both from 1).
@@ -113,7 +113,7 @@ pub(super) struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    fn read(sections: &Sections<'a>) -> Result<Self, Problems> {
+    pub(super) fn read(sections: &Sections<'a>) -> Result<Self, Problems> {
         let mut problems = Problems::none();
         let count = sections.count("TARGET DATA", "targetcount", "Target-count", &mut problems);
         let runs = sections.count("RUNS", "runcount", "Run-count", &mut problems);

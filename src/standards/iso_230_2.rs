@@ -3,14 +3,19 @@
 //! Letters and names are those of the 2014 edition; the formulas are the same from the edition of
 //! 1997 to that of 2014. The edition of 1988 used other multiples and is not meant here.
 
+mod conditions;
+
+pub use self::conditions::{LONG_AXIS_MM, Travel, conditions, label, remarks};
+pub(super) use self::conditions::{directions, number_of_targets, runs_words};
+
 use crate::axis::Direction;
-use crate::standards::{ByDirection, Condition, Met, largest, range};
+use crate::standards::{ByDirection, largest, range};
 use crate::target_runs::Runs;
 
+/// Editions whose formulas these are.
+pub const EDITIONS: [u16; 3] = [1997, 2006, 2014];
 /// Coverage factor: a band is k·s to either side of the mean.
 pub const K: f64 = 2.0;
-/// Above this length of travel other conditions hold, mm.
-pub const LONG_AXIS_MM: f64 = 2000.0;
 
 /// Figures of one target.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +47,26 @@ pub struct AxisFigures {
     pub b_um: Option<f64>,
     /// B̄: mean reversal error, with its sign, µm.
     pub b_mean_um: Option<f64>,
+}
+
+impl AxisFigures {
+    /// Every figure under its name in documents, µm.
+    pub fn named_um(&self) -> [(&'static str, Option<f64>); 12] {
+        [
+            ("A", self.a.both_um),
+            ("A_up", self.a.up_um),
+            ("A_down", self.a.down_um),
+            ("E", self.e.both_um),
+            ("E_up", self.e.up_um),
+            ("E_down", self.e.down_um),
+            ("R", self.r.both_um),
+            ("R_up", self.r.up_um),
+            ("R_down", self.r.down_um),
+            ("M", self.m_um),
+            ("B", self.b_um),
+            ("B_mean", self.b_mean_um),
+        ]
+    }
 }
 
 /// All figures of the standard.
@@ -183,190 +208,4 @@ fn bands(means: Option<&Vec<f64>>, s: Option<Vec<f64>>) -> Option<Vec<f64>> {
 
 fn joined(up: Option<Vec<f64>>, down: Option<Vec<f64>>) -> Option<Vec<f64>> {
     Some([up?, down?].concat())
-}
-
-// ---------------------------------------------------------------------------------------------
-// Conditions
-
-/// Runs in each direction that the standard asks for up to 2 m.
-const RUNS: usize = 5;
-/// Fewest targets up to 2 m.
-const FEWEST_TARGETS: f64 = 5.0;
-/// Targets per metre up to 2 m.
-const TARGETS_PER_METRE: f64 = 5.0;
-/// Distance of the targets above 2 m, mm.
-const LONG_SPACING_MM: f64 = 250.0;
-/// Spacings that differ by less than this part of the mean one are equal: positions are written
-/// with a micrometre or so, spacings are tens of millimetres.
-const EQUAL_SPACING: f64 = 1e-4;
-
-/// The conditions of the standard, with what the runs show of them.
-///
-/// Up to 2 m: five targets per metre and at least five, at random distances (P_i = (i − 1)p + r);
-/// five runs in each direction. Above 2 m: targets about every 250 mm, one run in each direction,
-/// and only E, B and M are reported.
-///
-/// source ISO 230-2:2014, clause on tests (likely: from secondary sources)
-/// limits the length is that from the first to the last target; the travel of the axis is not in
-///        the runs
-pub fn conditions(runs: &Runs) -> Vec<Condition> {
-    let long = runs.length_mm() > LONG_AXIS_MM;
-    let mut conditions = if long {
-        vec![long_spacing(runs), one_run(runs)]
-    } else {
-        vec![
-            number_of_targets(runs),
-            five_runs(runs),
-            random_spacing(runs),
-        ]
-    };
-    for asked in [
-        "warm-up, temperature of machine and instrument near 20 °C or corrected to it",
-        "feed, dwell, line of measurement and position of the other axes stated",
-        "uncertainty of measurement stated with every figure (2014)",
-    ] {
-        conditions.push(Condition {
-            asked: asked.to_string(),
-            found: String::new(),
-            met: Met::NotTested,
-        });
-    }
-    conditions
-}
-
-fn met(yes: bool) -> Met {
-    if yes { Met::Yes } else { Met::No }
-}
-
-fn number_of_targets(runs: &Runs) -> Condition {
-    let asked = (TARGETS_PER_METRE * runs.length_mm() / 1000.0)
-        .ceil()
-        .max(FEWEST_TARGETS);
-    let found = runs.targets_mm().len();
-    Condition {
-        asked: format!("up to 2 m: five targets per metre, at least five; here {asked} or more"),
-        found: format!("{found} targets on {} mm", plain(runs.length_mm())),
-        met: met(found as f64 >= asked),
-    }
-}
-
-fn five_runs(runs: &Runs) -> Condition {
-    let measured = Direction::BOTH
-        .into_iter()
-        .map(|direction| runs.count(direction))
-        .filter(|count| *count > 0);
-    Condition {
-        asked: "up to 2 m: five runs in each direction that is reported".to_string(),
-        found: runs_words(runs),
-        met: met(measured.into_iter().all(|count| count == RUNS)),
-    }
-}
-
-fn random_spacing(runs: &Runs) -> Condition {
-    let spacings: Vec<f64> = runs
-        .targets_mm()
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .collect();
-    let equal = range(spacings.iter().copied())
-        .is_some_and(|range| range <= EQUAL_SPACING * mean(&spacings));
-    Condition {
-        asked: "targets at random distances, P_i = (i - 1)p + r".to_string(),
-        found: if equal {
-            format!("targets all {} mm apart", plain(mean(&spacings)))
-        } else {
-            "distances differ; whether at random cannot be seen".to_string()
-        },
-        met: if equal { Met::No } else { Met::NotTested },
-    }
-}
-
-fn long_spacing(runs: &Runs) -> Condition {
-    let spacing = runs.length_mm() / (runs.targets_mm().len() - 1) as f64;
-    Condition {
-        asked: "above 2 m: a target about every 250 mm".to_string(),
-        found: format!(
-            "{} targets on {} mm, every {spacing:.1} mm",
-            runs.targets_mm().len(),
-            plain(runs.length_mm())
-        ),
-        // "About": a spacing that rounds to 250 mm on a scale of 10 mm is near enough.
-        met: met(spacing < LONG_SPACING_MM + 5.0),
-    }
-}
-
-fn one_run(runs: &Runs) -> Condition {
-    Condition {
-        asked: "above 2 m: one run in each direction".to_string(),
-        found: runs_words(runs),
-        met: met(Direction::BOTH
-            .into_iter()
-            .all(|direction| runs.count(direction) > 0)),
-    }
-}
-
-fn runs_words(runs: &Runs) -> String {
-    format!(
-        "{} runs up, {} down",
-        runs.count(Direction::Plus),
-        runs.count(Direction::Minus)
-    )
-}
-
-/// A length in mm without zeros at its end.
-fn plain(mm: f64) -> String {
-    let text = format!("{mm:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
-}
-
-/// What has to be said beside the figures: why some are absent, and which the standard does not
-/// know for such an axis.
-pub fn remarks(runs: &Runs) -> Vec<String> {
-    let count = |direction| runs.count(direction);
-    let mut remarks = Vec::new();
-    for direction in Direction::BOTH {
-        let way = way(direction);
-        match count(direction) {
-            0 => remarks.push(format!(
-                "not measured moving {way}: B, M and every figure of both directions are absent"
-            )),
-            1 => remarks.push(format!(
-                "one run moving {way}: s, R and A are absent, they need two runs or more"
-            )),
-            _ => {}
-        }
-    }
-    let several = Direction::BOTH.into_iter().any(|d| count(d) > 1);
-    if runs.length_mm() > LONG_AXIS_MM && several {
-        remarks.push(
-            "above 2 m the standard reports E, B and M only; R and A are not according to it"
-                .to_string(),
-        );
-    }
-    remarks
-}
-
-fn way(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Plus => "up",
-        Direction::Minus => "down",
-    }
-}
-
-/// How the figures are labelled: not according to the standard where a condition is not met.
-pub fn label(conditions: &[Condition]) -> String {
-    let failed: Vec<String> = conditions
-        .iter()
-        .filter(|condition| condition.met == Met::No)
-        .map(|condition| condition.found.clone())
-        .collect();
-    if failed.is_empty() {
-        "no tested condition of ISO 230-2 is missed; the others are for a person to see to"
-            .to_string()
-    } else {
-        format!(
-            "NOT according to ISO 230-2: {} (see the conditions)",
-            failed.join("; ")
-        )
-    }
 }

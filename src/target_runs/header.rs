@@ -1,9 +1,10 @@
 //! The header of a file of runs: which columns, in which layout, unit and sense.
 
 use crate::axis::Direction;
-use crate::problem::{Problem, Problems, nearest, shown};
-use crate::target_runs::rows::Row;
-use crate::target_runs::{LengthUnit, Stated, Values};
+use crate::delimited::{Expected, LengthUnit, Line, columns_of};
+use crate::problem::{Problem, Problems, shown};
+use crate::target_runs::{Stated, Values};
+use std::collections::BTreeSet;
 
 pub(super) const FIRST_LINE: &str = "first line: target_mm,up1_mm,up2_mm,dn1_mm,dn2_mm \
                           or target_mm,run,direction,deviation_um";
@@ -22,9 +23,8 @@ pub(super) enum Content {
     Reading(Values),
 }
 
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Column {
-    pub(super) name: String,
     pub(super) content: Content,
     /// `None` only where the content is no length.
     pub(super) unit: Option<LengthUnit>,
@@ -32,10 +32,11 @@ pub(super) struct Column {
 
 pub(super) struct Layout {
     pub(super) columns: Vec<Column>,
+    pub(super) names: Vec<String>,
     pub(super) target: usize,
     pub(super) form: Form,
-    pub(super) values: Values,
-    pub(super) decimal_comma: bool,
+    /// What the runs hold; `None` where neither a name nor a statement says it.
+    pub(super) values: Option<Values>,
 }
 
 #[derive(Clone, Copy)]
@@ -50,26 +51,16 @@ pub(super) enum Form {
 
 impl Layout {
     /// The layout of a header, with what was stated beside it.
-    pub(super) fn read(header: &Row<'_>, stated: Stated) -> Result<Layout, Problems> {
-        refuse_other_first_line(header)?;
-        let mut problems = Problems::none();
-        let mut columns: Vec<Column> = Vec::new();
-        for (index, name) in header.cells().into_iter().enumerate() {
-            let Some((content, unit)) = content_of(name) else {
-                problems.push(unknown_column(header, index, name));
-                continue;
-            };
-            if let Some(twin) = columns.iter().find(|c| same_content(c.content, content)) {
-                problems.push(twin_column(header, index, name, &twin.name));
-            }
-            columns.push(Column {
-                name: name.to_string(),
-                content,
-                unit,
-            });
-        }
-        let mut layout = problems.or_ok(()).and_then(|()| form(header, columns))?;
-        layout.decimal_comma = header.decimal_comma();
+    pub(super) fn read(header: &Line<'_>, stated: Stated) -> Result<Layout, Problems> {
+        refuse_other_tables(header)?;
+        let expected = Expected {
+            known: known_columns(header),
+            same: |a: &Column, b: &Column| same_content(a.content, b.content),
+            first_line: FIRST_LINE,
+            columns: FIRST_LINE,
+        };
+        let (columns, names) = columns_of(header, &expected)?;
+        let mut layout = form(header, columns, names)?;
         layout.take_unit(header, stated.unit)?;
         layout.take_values(header, stated.values)?;
         Ok(layout)
@@ -81,7 +72,7 @@ impl Layout {
     }
 
     /// The unit that was stated goes to the columns whose names have none.
-    fn take_unit(&mut self, header: &Row<'_>, stated: Option<LengthUnit>) -> Result<(), Problem> {
+    fn take_unit(&mut self, header: &Line<'_>, stated: Option<LengthUnit>) -> Result<(), Problem> {
         let without: Vec<usize> = self
             .lengths()
             .filter(|(_, column)| column.unit.is_none())
@@ -91,17 +82,18 @@ impl Layout {
             (None, None) => Ok(()),
             (None, Some(unit)) => Err(Problem::new(format!(
                 "the unit {} was stated, but every column names its own",
-                unit.ending()
+                unit.word()
             ))
             .at(header.whole())
             .help("leave out `--unit`")),
             (Some(first), None) => Err(Problem::new(format!(
-                "column `{}` has no unit, expected `{0}_mm`, `{0}_in` or `{0}_um`{}",
-                self.columns[*first].name,
+                "column `{}` has no unit, expected {}{}",
+                self.names[*first],
+                units_of(&self.names[*first]),
                 and_more(without.len() - 1, " column has none", " columns have none"),
             ))
-            .at(header.cell(*first))
-            .help("name the unit in the header, or state it for all of them: `--unit mm`, `--unit in` or `--unit um`")),
+            .at(header.cell_place(*first))
+            .help("name the unit in the header, or state it for all of them: `--unit mm`, `in`, `um` or `uin`")),
             (Some(_), Some(unit)) => {
                 for index in without {
                     self.columns[index].unit = Some(unit);
@@ -111,40 +103,40 @@ impl Layout {
         }
     }
 
-    /// Positions or deviations: a name decides, else what was stated, else positions where the
-    /// values have the unit of the target.
-    fn take_values(&mut self, header: &Row<'_>, stated: Option<Values>) -> Result<(), Problem> {
-        if let Form::RowForReading { reading, .. } = self.form {
+    /// Positions or deviations: a name decides, else what was stated. Columns of runs that have
+    /// the unit of the target are left open: the values themselves may show it.
+    fn take_values(&mut self, header: &Line<'_>, stated: Option<Values>) -> Result<(), Problem> {
+        if let (Form::RowForReading { reading, .. }, Some(named)) = (self.form, self.values) {
             return match stated {
-                Some(other) if other != self.values => Err(Problem::new(format!(
+                Some(other) if other != named => Err(Problem::new(format!(
                     "{} were stated, but column `{}` holds {}",
                     other.word(),
-                    self.columns[reading].name,
-                    self.values.word()
+                    self.names[reading],
+                    named.word()
                 ))
-                .at(header.cell(reading))
+                .at(header.cell_place(reading))
                 .help("leave out `--values`")),
                 _ => Ok(()),
             };
         }
+        self.values = stated;
         let unit = self.columns[self.target].unit;
         let other = self.lengths().find(|(_, column)| column.unit != unit);
-        match (stated, other) {
-            (Some(values), _) => self.values = values,
-            (None, None) => self.values = Values::Positions,
-            (None, Some((index, column))) => {
-                return Err(Problem::new(format!(
-                    "column `{}` has another unit than `{}`, expected to be told whether it holds \
-                     positions or deviations",
-                    column.name, self.columns[self.target].name
-                ))
-                .at(header.cell(index))
-                .help("add `--values deviations` or `--values positions`"));
-            }
+        match other {
+            Some((index, _)) if stated.is_none() => Err(Problem::new(format!(
+                "column `{}` has another unit than `{}`, expected to be told whether it holds \
+                 positions or deviations",
+                self.names[index], self.names[self.target]
+            ))
+            .at(header.cell_place(index))
+            .help(STATE_VALUES)),
+            _ => Ok(()),
         }
-        Ok(())
     }
 }
+
+/// The next step where it is open what the runs hold.
+pub(super) const STATE_VALUES: &str = "add `--values deviations` or `--values positions`";
 
 /// What is counted beside the one that is shown.
 pub(super) fn and_more(more: usize, one: &str, many: &str) -> String {
@@ -166,98 +158,108 @@ fn same_content(a: Content, b: Content) -> bool {
     a == b || matches!((a, b), (Content::Reading(_), Content::Reading(_)))
 }
 
-/// The content and unit of a column's name.
-fn content_of(name: &str) -> Option<(Content, Option<LengthUnit>)> {
-    let named = LengthUnit::ALL.into_iter().find_map(|unit| {
-        let quantity = name.strip_suffix(unit.ending())?.strip_suffix('_')?;
-        Some((quantity, unit))
-    });
-    let (quantity, unit) = match named {
-        Some((quantity, unit)) => (quantity, Some(unit)),
-        None => (name, None),
-    };
-    let content = quantity_of(quantity)?;
-    (unit.is_none() || is_length(content)).then_some((content, unit))
+/// `` `up1_mm`, `up1_in` … ``: the names that a quantity can have with its unit.
+fn units_of(quantity: &str) -> String {
+    let names = LengthUnit::ALL.map(|unit| format!("`{quantity}_{}`", unit.word()));
+    names.join(", ")
 }
 
-fn quantity_of(quantity: &str) -> Option<Content> {
-    match quantity {
-        "i" => return Some(Content::Index),
-        "target" => return Some(Content::Target),
-        "run" => return Some(Content::Run),
-        "direction" => return Some(Content::Direction),
-        "position" => return Some(Content::Reading(Values::Positions)),
-        "deviation" => return Some(Content::Reading(Values::Deviations)),
-        _ => {}
-    }
-    let word = quantity.trim_end_matches(|c: char| c.is_ascii_digit());
-    let run = quantity[word.len()..].parse().ok()?;
-    match word {
-        "up" => Some(Content::RunOf(Direction::Plus, run)),
-        "dn" | "down" => Some(Content::RunOf(Direction::Minus, run)),
-        _ => None,
-    }
-}
-
-fn refuse_other_first_line(header: &Row<'_>) -> Result<(), Problem> {
-    let numbers = header
-        .cells()
-        .iter()
-        .any(|cell| cell.parse::<f64>().is_ok());
-    let message = if header.has_tabs() {
-        "the columns are separated by tabs, expected commas or semicolons"
-    } else if numbers {
-        "the first line holds numbers, expected the names of the columns"
-    } else {
-        return Ok(());
-    };
-    Err(Problem::new(message).at(header.whole()).help(FIRST_LINE))
-}
-
-fn unknown_column(header: &Row<'_>, index: usize, name: &str) -> Problem {
-    let stem = name.rsplit_once('_').map(|(stem, _)| stem);
-    let known_stem = stem.and_then(quantity_of);
-    let place = header.cell(index);
-    match (known_stem, stem) {
-        (Some(content), Some(stem)) if is_length(content) => Problem::new(format!(
-            "column `{}` has an unknown unit, expected `{stem}_mm`, `{stem}_in` or `{stem}_um`",
-            shown(name)
-        ))
-        .at(place)
-        .help("the unit is part of the column's name"),
-        _ => {
-            let known = [
-                "target_mm",
-                "up1_mm",
-                "dn1_mm",
-                "run",
-                "direction",
-                "position_mm",
-                "deviation_um",
-            ];
-            let help = nearest(name, known).map_or_else(
-                || FIRST_LINE.to_string(),
-                |near| format!("did you mean `{near}`?"),
-            );
-            Problem::new(format!("unknown column `{}`", shown(name)))
-                .at(place)
-                .help(help)
+/// The columns that may stand in a header: those of runs for every number that it holds.
+fn known_columns(header: &Line<'_>) -> Vec<(String, Column)> {
+    let mut quantities = vec![
+        ("target".to_string(), Content::Target),
+        (
+            "deviation".to_string(),
+            Content::Reading(Values::Deviations),
+        ),
+        ("position".to_string(), Content::Reading(Values::Positions)),
+    ];
+    for run in run_numbers(header) {
+        for (word, direction) in [
+            ("up", Direction::Plus),
+            ("dn", Direction::Minus),
+            ("down", Direction::Minus),
+        ] {
+            quantities.push((format!("{word}{run}"), Content::RunOf(direction, run)));
         }
     }
+    let mut known = Vec::new();
+    for unit in LengthUnit::ALL.map(Some).into_iter().chain([None]) {
+        let ending = unit.map_or_else(String::new, |unit| format!("_{}", unit.word()));
+        let with_unit = |(name, content): &(String, Content)| {
+            let content = *content;
+            (format!("{name}{ending}"), Column { content, unit })
+        };
+        known.extend(quantities.iter().map(with_unit));
+    }
+    let others = [
+        ("i", Content::Index),
+        ("run", Content::Run),
+        ("direction", Content::Direction),
+    ];
+    let unitless = |(name, content): (&str, Content)| {
+        (
+            name.to_string(),
+            Column {
+                content,
+                unit: None,
+            },
+        )
+    };
+    known.extend(others.map(unitless));
+    known
 }
 
-fn twin_column(header: &Row<'_>, index: usize, name: &str, twin: &str) -> Problem {
-    Problem::new(format!(
-        "column `{}` gives the same as column `{}` before it",
-        shown(name),
-        shown(twin)
-    ))
-    .at(header.cell(index))
-    .help("keep one of the two")
+/// Numbers that stand behind the words of a header, as in `up3_mm`; 1 always.
+fn run_numbers(header: &Line<'_>) -> BTreeSet<u32> {
+    let mut numbers = BTreeSet::from([1]);
+    for name in header.cells() {
+        let digits = |c: char| c.is_ascii_digit();
+        let number = name.trim_start_matches(|c| !digits(c));
+        let number: String = number.chars().take_while(|c| digits(*c)).collect();
+        // `up01` is no name: the number has to read the same when it is written again.
+        let run = number.parse().ok();
+        numbers.extend(run.filter(|run: &u32| *run > 0 && run.to_string() == number));
+    }
+    numbers
+}
+
+/// Tables that are something else, or that name their targets as an error table does.
+fn refuse_other_tables(header: &Line<'_>) -> Result<(), Problem> {
+    let cells = header.cells();
+    let has = |is: &dyn Fn(&str) -> bool| cells.iter().position(|name| is(name));
+    let is_deviation = |name: &str| ["ex_", "ey_", "ez_"].iter().any(|e| name.starts_with(e));
+    if let (Some(_), Some(_)) = (has(&|name| name == "axis"), has(&is_deviation)) {
+        return Err(Problem::new(
+            "this is an error table, expected the raw runs of a positioning test: repeatability cannot be taken from means",
+        )
+        .at(header.whole())
+        .help(FIRST_LINE));
+    }
+    let is_target = |name: &str| name == "target" || name.starts_with("target_");
+    let is_run = |name: &str| {
+        let digits = name.trim_start_matches(|c: char| c.is_ascii_alphabetic());
+        let word = &name[..name.len() - digits.len()];
+        ["up", "dn", "down"].contains(&word) && digits.starts_with(|c: char| c.is_ascii_digit())
+    };
+    let is_position = |name: &str| {
+        let name = name.to_ascii_lowercase();
+        ["position", "pos", "nominal"].contains(&name.split(['_', ' ']).next().unwrap_or_default())
+    };
+    match (has(&is_target), has(&is_run), has(&is_position)) {
+        (None, Some(_), Some(index)) => Err(Problem::new(format!(
+            "unknown column `{}`, expected the targets in {}",
+            shown(&cells[index]),
+            units_of("target")
+        ))
+        .at(header.cell_place(index))
+        .help("name it `target_mm` if it holds the target positions in mm")),
+        _ => Ok(()),
+    }
 }
 
 /// Which of the two layouts the columns make.
-fn form(header: &Row<'_>, columns: Vec<Column>) -> Result<Layout, Problems> {
+fn form(header: &Line<'_>, columns: Vec<Column>, names: Vec<String>) -> Result<Layout, Problems> {
     let at = |wanted: &dyn Fn(Content) -> bool| columns.iter().position(|c| wanted(c.content));
     let mut problems = Problems::none();
     let mut require = |found: Option<usize>, what: &str, example: &str| {
@@ -284,9 +286,9 @@ fn form(header: &Row<'_>, columns: Vec<Column>) -> Result<Layout, Problems> {
         (Some(_), Some(other)) => {
             return Err(Problem::new(format!(
                 "column `{}` belongs to another layout than `up1`, `dn1` …",
-                columns[other].name
+                names[other]
             ))
-            .at(header.cell(other))
+            .at(header.cell_place(other))
             .help(FIRST_LINE)
             .into());
         }
@@ -295,8 +297,8 @@ fn form(header: &Row<'_>, columns: Vec<Column>) -> Result<Layout, Problems> {
             let direction = require(direction, "the direction of approach", "`direction`");
             let reading = require(reading, "the reading", "`deviation_um` or `position_mm`");
             let values = match columns.get(reading).map(|c| c.content) {
-                Some(Content::Reading(values)) => values,
-                _ => Values::Positions,
+                Some(Content::Reading(values)) => Some(values),
+                _ => None,
             };
             let form = Form::RowForReading {
                 run,
@@ -307,14 +309,14 @@ fn form(header: &Row<'_>, columns: Vec<Column>) -> Result<Layout, Problems> {
         }
         (found, None) => {
             require(found, "any run", "`up1_mm`, `dn1_mm` …");
-            (Form::RowForTarget, Values::Positions)
+            (Form::RowForTarget, None)
         }
     };
     problems.or_ok(()).map(|()| Layout {
         columns,
+        names,
         target,
         form,
         values,
-        decimal_comma: false,
     })
 }
