@@ -4,16 +4,20 @@
 //! checked later, with [`Job::problem_at`] pointing back at the key.
 
 mod diagonals;
+mod program;
 mod read;
 mod read_beams;
 mod read_compensation;
 mod read_diagonals;
 mod read_measurement;
+mod read_program;
 
 pub use self::diagonals::{
     AxisMaterial, Beam, DiagonalMeasurement, Frame, Levers, Linear, LinearSlope, Material,
     Reflector, SetUp, StatedUncertainty,
 };
+
+pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
 use crate::axis::{Direction, ErrorTerm, PerAxis};
 use crate::controller::LengthUnit;
@@ -38,13 +42,15 @@ pub struct Job {
     pub limits: Limits,
     /// `[acceptance]`.
     pub acceptance: Acceptance,
+    /// `[program]`.
+    pub program: Option<ProgramRequest>,
 }
 
 impl Job {
     /// Reads and checks a job; all problems of the page are given at once.
     pub fn read(source: Source) -> Result<Job, Problems> {
         let (parts, source) = read_page(source, read::job)?;
-        let (machine, measurement, compensation, limits, acceptance) = parts;
+        let (machine, measurement, compensation, limits, acceptance, program) = parts;
         Ok(Job {
             source,
             machine,
@@ -52,6 +58,7 @@ impl Job {
             compensation,
             limits,
             acceptance,
+            program,
         })
     }
 
