@@ -113,21 +113,20 @@ pub fn plan(
     let mut problems = Problems::none();
     fit::refuse_too_many_readings(job, request, &mut problems);
     fit::refuse_feed(job, request, &mut problems);
+    fit::refuse_shift(job, request, &mut problems);
+    fit::refuse_rest_outside(job, request, &mut problems);
     fit::refuse_outside_travel(job, request, resolution, &mut problems);
     let scale = problems.take(places::Scale::of(job, request, resolution));
     let Some(scale) = scale else {
         return Err(problems);
     };
     let programs = route::programs(request, &scale);
-    for program in &programs {
-        fit::refuse_places_outside(job, request, resolution, program, &mut problems);
-    }
     let mirror = mirror::needed(request);
     problems.or_ok(MeasuringRun {
         resolution,
         programs,
         mirror,
-        notes: fit::unchecked(job, request),
+        notes: fit::notes(job, request),
     })
 }
 

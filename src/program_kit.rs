@@ -7,7 +7,7 @@
 use crate::axis::{Axis, PerAxis};
 use crate::claims::{Assumption, Precondition};
 use crate::controller::program::{Language, ProgramFacts};
-use crate::controller::{Evidence, Profile, builtin};
+use crate::controller::{Evidence, LengthUnit, Profile, builtin};
 use crate::emit::TOOL;
 use crate::emit::program::{POSITIONS, ProgramFile, positions, programs};
 use crate::job::{Job, ProgramRequest};
@@ -53,7 +53,7 @@ pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<Progr
     let mut files = programs(job, request, profile, facts, &run)?;
     files.push(positions(&run));
     let walked = judge(job, request, facts, resolution, &files)?;
-    let assumptions = assumptions(facts, request);
+    let assumptions = assumptions(facts, request, unit);
     let preconditions = preconditions(facts, &walked);
     let manifest = manifest(
         profile,
@@ -147,10 +147,13 @@ fn by_set_up(rows: &[Position]) -> Vec<&[Position]> {
     rows.chunk_by(|a, b| a.of == b.of).collect()
 }
 
-fn assumptions(facts: &ProgramFacts, request: &ProgramRequest) -> Vec<Assumption> {
+fn assumptions(
+    facts: &ProgramFacts,
+    request: &ProgramRequest,
+    unit: LengthUnit,
+) -> Vec<Assumption> {
     let assumed = facts
-        .statements
-        .iter()
+        .statements_of(unit)
         .filter(|s| s.evidence == Evidence::Assumed);
     let mut list: Vec<Assumption> = assumed
         .map(|s| {
@@ -190,8 +193,8 @@ fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
         list.push(Precondition::new(
             "basic frames and DRF offset",
             "no rotation, scaling or mirroring; DRF off",
-            "SUPA is written in every block with a move, but no page read says that it covers increments",
-            "Programming Manual, G91: SD42440 and SD42442",
+            "increments follow a rotated, scaled or mirrored frame",
+            "docs/program.md §3",
         ));
     }
     let wanted = [

@@ -57,6 +57,7 @@ fn stated(
         reader.fact("machine_position", base.map(|b| &b.machine_position), |f| {
             f.text("value")
         });
+    let increment = reader.fact("increment", base.map(|b| &b.increment), |f| f.text("value"));
     let dwell = reader.fact("dwell", base.map(|b| &b.dwell), |f| f.text("value"));
     let cancel = reader.fact("cancel", base.map(|b| &b.cancel), |f| f.texts("value"));
     let decimals = |f: &Section<'_>| {
@@ -86,6 +87,7 @@ fn stated(
         template,
         axis_letters: axis_letters?,
         machine_position: machine_position?,
+        increment: increment?,
         dwell: dwell?,
         cancel: cancel?,
         decimals_mm: decimals_mm?,

@@ -36,6 +36,8 @@ pub struct ProgramFacts {
     pub axis_letters: Fact<Vec<String>>,
     /// Word that makes the positions of a block machine coordinates.
     pub machine_position: Fact<String>,
+    /// Words of a move by an increment at a feed.
+    pub increment: Fact<String>,
     /// Address of a dwell in seconds, with the word before it.
     pub dwell: Fact<String>,
     /// Blocks that cancel offsets, rotation, scaling and mirroring; none of them writes a datum.
@@ -49,6 +51,15 @@ pub struct ProgramFacts {
 }
 
 impl ProgramFacts {
+    /// The facts that matter for a control with this basic system.
+    pub fn statements_of(&self, unit: LengthUnit) -> impl Iterator<Item = &Statement> {
+        let other = match unit {
+            LengthUnit::Millimetre => "decimals_inch",
+            LengthUnit::Inch => "decimals_mm",
+        };
+        self.statements.iter().filter(move |s| s.fact != other)
+    }
+
     /// Decimals of a position in the control's unit.
     pub const fn decimals(&self, unit: LengthUnit) -> u32 {
         match unit {

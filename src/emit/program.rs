@@ -31,6 +31,7 @@ struct ProgramContext<'a> {
     opening: String,
     cancel: &'a [String],
     machine_position: &'a str,
+    increment: &'a str,
     dwell: &'a str,
     dwell_s: String,
     unit_word: &'static str,
@@ -87,11 +88,11 @@ fn refuse_unsafe_text(job: &Job, profile: &Profile, facts: &ProgramFacts) -> Res
             );
         }
     }
-    let blocks = facts
-        .cancel
-        .value
-        .iter()
-        .chain([&facts.machine_position.value, &facts.dwell.value]);
+    let blocks = facts.cancel.value.iter().chain([
+        &facts.machine_position.value,
+        &facts.increment.value,
+        &facts.dwell.value,
+    ]);
     for text in blocks.chain([&profile.name]) {
         if !is_comment_text(text) || text.len() > LONGEST_TEXT {
             problems.push(
@@ -135,10 +136,11 @@ fn context<'a>(
         opening: format!("{name} GOES TO{approach}: PATH FREE, NO TOOL OFFSET ACTIVE, CYCLE START"),
         cancel: &facts.cancel.value,
         machine_position: &facts.machine_position.value,
+        increment: &facts.increment.value,
         dwell: &facts.dwell.value,
-        dwell_s: fixed(request.dwell_s, TIME_DECIMALS),
+        dwell_s: decimal(request.dwell_s),
         unit_word: unit_word(facts.language, unit),
-        feed: fixed(request.feed_mm_per_min / unit.in_mm(), TIME_DECIMALS),
+        feed: decimal(request.feed_mm_per_min / unit.in_mm()),
         blocks: blocks(program, letters, run.resolution),
     }
 }
@@ -289,6 +291,17 @@ pub fn positions(run: &MeasuringRun) -> ProgramFile {
     ProgramFile {
         path: POSITIONS.to_string(),
         bytes: text.into_bytes(),
+    }
+}
+
+/// A time or a feed: at least one decimal, so that no control takes it for its smallest units.
+fn decimal(number: f64) -> String {
+    let text = fixed(number, TIME_DECIMALS);
+    let short = text.trim_end_matches('0');
+    if short.ends_with('.') {
+        format!("{short}0")
+    } else {
+        short.to_string()
     }
 }
 

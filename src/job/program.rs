@@ -97,11 +97,21 @@ pub struct ProgramRequest {
     pub way_back: WayBack,
     /// Targets of single axes.
     pub targets: TargetGrid,
+    /// Whether the target first goes to the far end and back, so that the beam can be aligned.
+    pub alignment_pass: bool,
     /// Fanuc: number of the first program; the others follow.
     pub number: u32,
 }
 
 impl ProgramRequest {
+    /// Where an axis rests while another one is measured.
+    pub fn rest_of(&self, axis: Axis) -> Millimetres {
+        let volume = &self.volume;
+        let middle = volume.start[axis].mm() + volume.size[axis].mm() / 2.0;
+        self.rest
+            .map_or(Millimetres::new(middle), |rest| rest[axis])
+    }
+
     /// What has to be free beside the box on every side, mm.
     pub fn margin(&self) -> Millimetres {
         if self.bidirectional && self.overrun > self.preload {

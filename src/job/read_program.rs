@@ -35,6 +35,7 @@ pub(super) fn program(
     let feed = section.within("feed_mm_per_min", 1e-3, 1e6, "mm/min");
     let dwell = section.within("dwell_s", SHORTEST_DWELL_S, LONGEST_DWELL_S, "s");
     let runs = count(section, "runs", MOST_RUNS);
+    let alignment_pass = section.flag("alignment_pass").unwrap_or(true);
     let number = count(section, "number", MOST_NUMBER);
     section.refuse_unknown_keys();
     let what = what?;
@@ -57,6 +58,7 @@ pub(super) fn program(
         bidirectional,
         way_back,
         targets,
+        alignment_pass,
         number: number.unwrap_or(DEFAULT_NUMBER),
     })
 }

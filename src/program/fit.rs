@@ -4,7 +4,7 @@ use crate::axis::{Axis, PerAxis};
 use crate::job::{Job, ProgramRequest, RunType, TargetGrid};
 use crate::problem::Problems;
 use crate::program::route::readings_of;
-use crate::program::{MOST_READINGS, Resolution, SetUpProgram, problem};
+use crate::program::{MOST_READINGS, Resolution, problem};
 
 pub(super) fn refuse_too_many_readings(
     job: &Job,
@@ -38,6 +38,10 @@ pub(super) fn refuse_feed(job: &Job, request: &ProgramRequest, problems: &mut Pr
             ));
         }
     }
+}
+
+/// Neighbouring targets must not change places.
+pub(super) fn refuse_shift(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
     if let TargetGrid::Offset { shift } = request.targets {
         for axis in moving(request) {
             let step = request.volume.step_mm(axis);
@@ -62,8 +66,14 @@ pub(super) fn moving(request: &ProgramRequest) -> Vec<Axis> {
     }
 }
 
-/// What could not be checked, one sentence each.
-pub(super) fn unchecked(job: &Job, request: &ProgramRequest) -> Vec<String> {
+/// What a person should know of the run, one sentence each.
+pub(super) fn notes(job: &Job, request: &ProgramRequest) -> Vec<String> {
+    let mut notes = unchecked(job, request);
+    notes.extend(near_the_end(job, request));
+    notes
+}
+
+fn unchecked(job: &Job, request: &ProgramRequest) -> Vec<String> {
     let unknown: Vec<String> = moving(request)
         .into_iter()
         .filter(|axis| job.machine.axes[*axis].is_none_or(|axis| axis.max_feed.is_none()))
@@ -176,43 +186,56 @@ fn largest_box(job: &Job, request: &ProgramRequest, resolution: Resolution) -> S
     )
 }
 
-/// The planned places themselves, rest positions included.
-pub(super) fn refuse_places_outside(
-    job: &Job,
-    request: &ProgramRequest,
-    resolution: Resolution,
-    program: &SetUpProgram,
-    problems: &mut Problems,
-) {
+/// Where the other axes rest while one is measured.
+pub(super) fn refuse_rest_outside(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
+    if request.what != RunType::SingleAxis {
+        return;
+    }
     for axis in Axis::ALL {
         let Some(travel) = job.machine.axes[axis] else {
             continue;
         };
-        let slack = resolution.digit_mm() / 100.0;
-        let is_outside = |mm: &f64| *mm < travel.low.mm() - slack || *mm > travel.high.mm() + slack;
-        let places = program.places();
-        let found = places
-            .iter()
-            .map(|place| resolution.mm(place[axis]))
-            .find(is_outside);
-        let Some(mm) = found else { continue };
-        let path = if moving(request).contains(&axis) {
-            request.size_path
-        } else {
-            "program.rest_mm"
-        };
-        problems.push(problem(
-            job,
-            path,
-            format!(
-                "{} would go to {axis} {mm} mm, but the travel is {} … {} mm",
-                program.subject.name(),
-                travel.low.mm(),
-                travel.high.mm()
-            ),
-            "choose places inside the travel",
-        ));
+        let rests = request.axes.iter().any(|moving| *moving != axis);
+        let place = request.rest_of(axis);
+        if rests && (place < travel.low || place > travel.high) {
+            problems.push(problem(
+                job,
+                "program.rest_mm",
+                format!(
+                    "{axis} would rest at {} mm, but the travel is {} … {} mm",
+                    plain(place.mm()),
+                    travel.low.mm(),
+                    travel.high.mm()
+                ),
+                "write `rest_mm = { x = …, y = …, z = … }` with places inside the travel",
+            ));
+        }
     }
+}
+
+/// Less than this between a run and the end of the travel is worth a word, mm.
+const NEAR_THE_END_MM: f64 = 1.0;
+
+/// Axes that go to the very end of their travel: software limits may lie before it.
+fn near_the_end(job: &Job, request: &ProgramRequest) -> Vec<String> {
+    let near = |axis: &Axis| {
+        let (low, high) = reach(request, *axis);
+        job.machine.axes[*axis].is_some_and(|travel| {
+            low - travel.low.mm() < NEAR_THE_END_MM || travel.high.mm() - high < NEAR_THE_END_MM
+        })
+    };
+    let axes: Vec<String> = moving(request)
+        .into_iter()
+        .filter(near)
+        .map(|axis| axis.to_string())
+        .collect();
+    if axes.is_empty() {
+        return Vec::new();
+    }
+    vec![format!(
+        "{} goes to the end of its travel: the software limits have to lie there or behind",
+        axes.join(", ")
+    )]
 }
 
 /// A coordinate without the digits that binary numbers add.

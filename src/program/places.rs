@@ -56,7 +56,7 @@ impl Scale {
                 "program.rest_mm",
                 &format!("the place of {axis}"),
             ),
-            None => resolution.nearest(volume.start[axis].mm() + volume.size[axis].mm() / 2.0),
+            None => resolution.nearest(request.rest_of(axis).mm()),
         });
         let step =
             PerAxis::from_fn(|axis| whole_step(job, request, resolution, axis, &mut problems));

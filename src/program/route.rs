@@ -122,8 +122,11 @@ impl<'a> Walk<'a> {
         self.moves.push(Move::Approach(before));
         self.here = before;
         self.to(self.route.nodes[0]);
+        if self.request.alignment_pass {
+            self.align(before);
+        }
         let name = self.route.subject.name();
-        let zero = format!("{name} NODE 0: ALIGN, ZERO THE LASER, CYCLE START");
+        let zero = format!("{name} NODE 0: ZERO THE LASER, CYCLE START");
         self.moves.push(Move::Stop(zero));
         for run in 1..=self.request.runs {
             self.run(run);
@@ -133,6 +136,17 @@ impl<'a> Walk<'a> {
             moves: self.moves,
             readings: self.readings,
         }
+    }
+
+    /// To the far end and back, straight, with a halt at both ends; again through the preload.
+    fn align(&mut self, before: PerAxis<Digits>) {
+        let name = self.route.subject.name();
+        let halt = |end: &str| Move::Stop(format!("{name} {end} END: ALIGN, CYCLE START"));
+        self.moves.push(halt("NEAR"));
+        self.to(self.route.nodes[self.route.nodes.len() - 1]);
+        self.moves.push(halt("FAR"));
+        self.to(before);
+        self.to(self.route.nodes[0]);
     }
 
     /// One run, from node 0 in its forward direction to the place where the next one begins.
