@@ -126,7 +126,7 @@ pub fn plan(
         resolution,
         programs,
         mirror,
-        notes: fit::notes(job, request),
+        notes: fit::notes(job, request, resolution),
     })
 }
 

@@ -97,8 +97,8 @@ fn no_language(job: &Job, profile: &Profile) -> Problem {
     ))
 }
 
-/// Reads the bytes back and walks them.
-fn judge(
+/// Reads bytes back and walks them, whoever made them: a program's own walk, and what is wrong.
+pub fn judge(
     job: &Job,
     request: &ProgramRequest,
     facts: &ProgramFacts,

@@ -111,13 +111,4 @@ impl ProgramRequest {
         self.rest
             .map_or(Millimetres::new(middle), |rest| rest[axis])
     }
-
-    /// What has to be free beside the box on every side, mm.
-    pub fn margin(&self) -> Millimetres {
-        if self.bidirectional && self.overrun > self.preload {
-            self.overrun
-        } else {
-            self.preload
-        }
-    }
 }

@@ -67,9 +67,9 @@ pub(super) fn moving(request: &ProgramRequest) -> Vec<Axis> {
 }
 
 /// What a person should know of the run, one sentence each.
-pub(super) fn notes(job: &Job, request: &ProgramRequest) -> Vec<String> {
+pub(super) fn notes(job: &Job, request: &ProgramRequest, resolution: Resolution) -> Vec<String> {
     let mut notes = unchecked(job, request);
-    notes.extend(near_the_end(job, request));
+    notes.extend(near_the_end(job, request, resolution));
     notes
 }
 
@@ -108,7 +108,7 @@ pub(super) fn refuse_outside_travel(
         if !moving(request).contains(&axis) {
             continue;
         }
-        let (low, high) = reach(request, axis);
+        let (low, high) = reach(request, resolution, axis);
         let slack = resolution.digit_mm() / 100.0;
         if low < travel.low.mm() - slack || high > travel.high.mm() + slack {
             outside.push(format!(
@@ -140,19 +140,22 @@ pub(super) fn refuse_outside_travel(
     ));
 }
 
-/// From where to where an axis moves: both ends of a diagonal's box are start corners.
-fn reach(request: &ProgramRequest, axis: Axis) -> (f64, f64) {
+/// From where to where an axis moves: both ends of a diagonal's box are start corners. What lies
+/// beside the box is rounded up to whole digits, as it is in the program.
+fn reach(request: &ProgramRequest, resolution: Resolution, axis: Axis) -> (f64, f64) {
     let low = request.volume.start[axis].mm();
     let high = low + request.volume.size[axis].mm();
+    let whole = |mm: f64| resolution.mm(resolution.at_least(mm));
+    let preload = whole(request.preload.mm());
     let overrun = if request.bidirectional {
-        request.overrun.mm()
+        whole(request.overrun.mm())
     } else {
         0.0
     };
     match request.what {
-        RunType::SingleAxis => (low - request.preload.mm(), high + overrun),
+        RunType::SingleAxis => (low - preload, high + overrun),
         RunType::StepDiagonal | RunType::StraightDiagonal => {
-            let margin = request.margin().mm();
+            let margin = preload.max(overrun);
             (low - margin, high + margin)
         }
     }
@@ -166,7 +169,7 @@ fn largest_box(job: &Job, request: &ProgramRequest, resolution: Resolution) -> S
     );
     let fitted: PerAxis<Option<(f64, f64)>> = PerAxis::from_fn(|axis| {
         let travel = job.machine.axes[axis]?;
-        let (low, high) = reach(request, axis);
+        let (low, high) = reach(request, resolution, axis);
         let before = volume.start[axis].mm() - low;
         let after = high - volume.start[axis].mm() - volume.size[axis].mm();
         let first = resolution.at_least(travel.low.mm() + before);
@@ -217,9 +220,9 @@ pub(super) fn refuse_rest_outside(job: &Job, request: &ProgramRequest, problems:
 const NEAR_THE_END_MM: f64 = 1.0;
 
 /// Axes that go to the very end of their travel: software limits may lie before it.
-fn near_the_end(job: &Job, request: &ProgramRequest) -> Vec<String> {
+fn near_the_end(job: &Job, request: &ProgramRequest, resolution: Resolution) -> Vec<String> {
     let near = |axis: &Axis| {
-        let (low, high) = reach(request, *axis);
+        let (low, high) = reach(request, resolution, *axis);
         job.machine.axes[*axis].is_some_and(|travel| {
             low - travel.low.mm() < NEAR_THE_END_MM || travel.high.mm() - high < NEAR_THE_END_MM
         })

@@ -3,6 +3,7 @@
 use crate::axis::{Axis, PerAxis};
 use crate::job::{Job, ProgramRequest, RunType, TargetGrid};
 use crate::problem::Problems;
+use crate::program::fit::moving;
 use crate::program::{Digits, Resolution, problem};
 
 /// A run's lengths in digits.
@@ -26,38 +27,27 @@ impl Scale {
     ) -> Result<Scale, Problems> {
         let mut problems = Problems::none();
         let volume = &request.volume;
-        let mut place = |mm: f64, path: &str, what: &str| {
-            resolution.digits(mm).unwrap_or_else(|| {
-                let digit = resolution.digit_mm();
-                let near = resolution.mm(resolution.nearest(mm));
-                problems.push(problem(
-                    job,
-                    path,
-                    format!("{what} is {mm} mm, expected a multiple of {digit} mm, the last digit of a position"),
-                    format!("the nearest is {near} mm"),
-                ));
-                0
-            })
-        };
         let start_path = request.size_path.replace("size_mm", "start_mm");
         let start = PerAxis::from_fn(|axis| {
-            let path = format!("{start_path}.{}", axis.key());
-            place(
-                volume.start[axis].mm(),
-                &path,
-                &format!("the start of {axis}"),
-            )
+            let mm = volume.start[axis].mm();
+            let near = resolution.nearest(mm);
+            if resolution.digits(mm).is_none() && moving(request).contains(&axis) {
+                problems.push(problem(
+                    job,
+                    &format!("{start_path}.{}", axis.key()),
+                    format!(
+                        "the start of {axis} is {mm} mm, expected a multiple of {}, the last digit of a position",
+                        resolution.digit_words()
+                    ),
+                    format!("the nearest is {} mm", resolution.mm(near)),
+                ));
+            }
+            near
         });
-        let preload = place(request.preload.mm(), "program.preload_mm", "the preload");
-        let overrun = place(request.overrun.mm(), "program.overrun_mm", "the overrun");
-        let rest = PerAxis::from_fn(|axis| match request.rest {
-            Some(rest) => place(
-                rest[axis].mm(),
-                "program.rest_mm",
-                &format!("the place of {axis}"),
-            ),
-            None => resolution.nearest(request.rest_of(axis).mm()),
-        });
+        // Preload, overrun and rest are no nodes: nothing is measured against them.
+        let preload = resolution.at_least(request.preload.mm());
+        let overrun = resolution.at_least(request.overrun.mm());
+        let rest = PerAxis::from_fn(|axis| resolution.nearest(request.rest_of(axis).mm()));
         let step =
             PerAxis::from_fn(|axis| whole_step(job, request, resolution, axis, &mut problems));
         let targets =
@@ -97,8 +87,8 @@ fn whole_step(
         job,
         &format!("{}.{}", request.size_path, axis.key()),
         format!(
-            "{size} mm of {axis} in {steps} steps are {step:.6} mm each, expected a multiple of {} mm, the last digit of a position",
-            resolution.digit_mm()
+            "{size} mm of {axis} in {steps} steps are {step:.6} mm each, expected a multiple of {}, the last digit of a position",
+            resolution.digit_words()
         ),
         format!(
             "the nearest below is {nearest} mm ({steps} x {} mm)",

@@ -23,6 +23,21 @@ impl Resolution {
         self.unit.in_mm() / self.per_unit()
     }
 
+    /// One last digit for people.
+    pub fn digit_words(self) -> String {
+        let decimals = usize::try_from(self.decimals).unwrap_or(0);
+        let digit = format!(
+            "{:.*} {}",
+            decimals,
+            1.0 / self.per_unit(),
+            self.unit.word()
+        );
+        match self.unit {
+            LengthUnit::Millimetre => digit,
+            LengthUnit::Inch => format!("{digit} ({} mm)", self.mm(1)),
+        }
+    }
+
     fn per_unit(self) -> f64 {
         10f64.powi(i32::try_from(self.decimals).unwrap_or(0))
     }
