@@ -9,6 +9,7 @@ mod controllers;
 mod generate;
 mod import;
 mod inputs;
+mod program;
 mod separate;
 mod show;
 mod standards;
@@ -67,6 +68,20 @@ enum Command {
     },
     /// Separate the readings of four body diagonals into the nine errors
     Separate(separate::Options),
+    /// Write the part programs of a measuring run, with the expected positions
+    Program {
+        /// The job (TOML) with a section [program]; `-` = standard input
+        job: PathBuf,
+        /// Directory of the programs; must not exist yet, or must be empty
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
+        /// Replace an existing directory; the old one is kept as DIR.previous
+        #[arg(long)]
+        force: bool,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
     /// Turn another maker's measurement into an error table
     Import(Box<import::Options>),
     /// Figures by standard: ISO 230-2 and VDI/DGQ 3441 of one axis, ISO 230-6 of the body diagonals
@@ -181,6 +196,12 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             format,
         } => verify::run(&job, &tables, format),
         Command::Separate(options) => separate::run(&options),
+        Command::Program {
+            job,
+            output,
+            force,
+            format,
+        } => program::run(&job, &output, force, format),
         Command::Import(options) => import::run(&options),
         Command::Standards(options) => standards::run(&options),
         Command::Controllers { command } => match command {

@@ -7,6 +7,8 @@
 
 pub mod builtin;
 pub mod load;
+mod load_program;
+pub mod program;
 
 use crate::units::{Correction, Deviation};
 
@@ -441,6 +443,8 @@ pub struct Profile {
     pub detection_unit_required: Fact<bool>,
     /// The files of a kit, in the order of the manifest.
     pub files: Vec<EmittedFile>,
+    /// How its part programs are written; `None` = no program can be written for it.
+    pub program: Option<program::ProgramFacts>,
     /// All facts in words, in the order of the program's questions.
     pub statements: Vec<Statement>,
 }

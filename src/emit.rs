@@ -6,6 +6,7 @@
 
 mod fanuc;
 mod generic;
+pub mod program;
 mod siemens;
 
 use crate::axis::Direction;
@@ -202,7 +203,7 @@ pub fn render(task: Task<'_>, context: &Context) -> Result<Vec<RenderedFile>, Pr
     let is_wanted =
         |file: &EmittedFile| file.when.as_deref().is_none_or(|list| context.holds(list));
     for file in task.profile.files.iter().filter(|file| is_wanted(file)) {
-        match render_text(file, &seen) {
+        match render_text(&file.template_name, &file.template, &seen) {
             Ok(text) => files.push(RenderedFile {
                 path: file.path.clone(),
                 role: file.role,
@@ -215,23 +216,22 @@ pub fn render(task: Task<'_>, context: &Context) -> Result<Vec<RenderedFile>, Pr
 }
 
 /// One file as text with `\n` line ends.
-fn render_text(file: &EmittedFile, context: &tera::Context) -> Result<String, Problem> {
+fn render_text(name: &str, template: &str, context: &tera::Context) -> Result<String, Problem> {
     let mut tera = tera::Tera::default();
     tera.autoescape_on(Vec::<&'static str>::new());
-    let refuse = |error: tera::Error| template_problem(file, &error);
-    tera.add_raw_template(&file.template_name, &file.template)
-        .map_err(refuse)?;
-    tera.render(&file.template_name, context).map_err(refuse)
+    let refuse = |error: tera::Error| template_problem(name, template, &error);
+    tera.add_raw_template(name, template).map_err(refuse)?;
+    tera.render(name, context).map_err(refuse)
 }
 
 /// A problem of a template at its place in the template.
-fn template_problem(file: &EmittedFile, error: &tera::Error) -> Problem {
+fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem {
     let (message, place) = match error.kind() {
         tera::ErrorKind::SyntaxError(report) | tera::ErrorKind::RenderingError(report) => {
             let span = report.span();
-            let text = file.template.lines().nth(span.start_line.max(1) - 1);
+            let text = template.lines().nth(span.start_line.max(1) - 1);
             let place = Place {
-                file: file.template_name.clone(),
+                file: name.to_string(),
                 line: span.start_line,
                 column: span.start_col + 1,
                 width: span.end_col.saturating_sub(span.start_col).max(1),
@@ -242,11 +242,8 @@ fn template_problem(file: &EmittedFile, error: &tera::Error) -> Problem {
         }
         _ => (error.to_string(), None),
     };
-    let problem = Problem::new(format!(
-        "template `{}` cannot be rendered: {message}",
-        file.template_name
-    ))
-    .help("`nonius context JOB` prints what a template sees");
+    let problem = Problem::new(format!("template `{name}` cannot be rendered: {message}"))
+        .help("`nonius context JOB` prints what a template sees");
     match place {
         Some(place) => problem.at(place),
         None => problem,

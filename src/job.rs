@@ -5,16 +5,20 @@
 
 pub mod ahead;
 mod diagonals;
+mod program;
 mod read;
 mod read_beams;
 mod read_compensation;
 mod read_diagonals;
 mod read_measurement;
+mod read_program;
 
 pub use self::diagonals::{
     AxisMaterial, Beam, DiagonalMeasurement, Frame, Levers, Linear, LinearSlope, Material,
     Reflector, SetUp, StatedUncertainty,
 };
+
+pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
 use crate::axis::{Direction, ErrorTerm, PerAxis};
 use crate::controller::LengthUnit;
@@ -39,6 +43,8 @@ pub struct Job {
     pub limits: Limits,
     /// `[acceptance]`.
     pub acceptance: Acceptance,
+    /// `[program]`.
+    pub program: Option<ProgramRequest>,
 }
 
 impl Job {
@@ -46,7 +52,7 @@ impl Job {
     pub fn read(source: Source) -> Result<Job, Problems> {
         refuse_table(&source)?;
         let (parts, source) = read_page(source, read::job)?;
-        let (machine, measurement, compensation, limits, acceptance) = parts;
+        let (machine, measurement, compensation, limits, acceptance, program) = parts;
         Ok(Job {
             source,
             machine,
@@ -54,6 +60,7 @@ impl Job {
             compensation,
             limits,
             acceptance,
+            program,
         })
     }
 

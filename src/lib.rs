@@ -61,6 +61,8 @@ pub mod fit;
 
 pub mod job;
 
+pub mod program;
+
 pub mod readings;
 
 pub mod separation;
@@ -96,5 +98,7 @@ pub mod disagreement;
 pub mod manifest;
 
 pub mod kit;
+
+pub mod program_kit;
 
 pub mod cli;

@@ -6,4 +6,5 @@
 pub mod fanuc;
 pub mod generic;
 pub mod kit;
+pub mod program;
 pub mod siemens;

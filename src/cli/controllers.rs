@@ -8,6 +8,7 @@ use crate::error_table::ErrorTable;
 use crate::job::Job;
 use crate::kit::{Inputs, generate};
 use crate::problem::Problems;
+use crate::program_kit;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -76,19 +77,6 @@ pub(super) fn show(id: &str, format: Format, toml: bool) -> Result<Answer, Probl
 }
 
 fn profile_json(profile: &Profile) -> Value {
-    let facts: Vec<Value> = profile
-        .statements
-        .iter()
-        .map(|s| {
-            json!({
-                "fact": s.fact,
-                "value": s.value,
-                "evidence": s.evidence.word(),
-                "source": s.source,
-                "consequence": s.consequence,
-            })
-        })
-        .collect();
     let files: Vec<Value> = profile
         .files
         .iter()
@@ -96,9 +84,29 @@ fn profile_json(profile: &Profile) -> Value {
         .collect();
     let mut document = summary_json(profile);
     document["schema"] = json!(1);
-    document["facts"] = json!(facts);
+    document["facts"] = facts_json(&profile.statements);
     document["files"] = json!(files);
+    document["program"] = json!(profile.program.as_ref().map(|program| {
+        json!({
+            "language": program.language.word(),
+            "template": program.template_name,
+            "facts": facts_json(&program.statements),
+        })
+    }));
     document
+}
+
+fn facts_json(statements: &[Statement]) -> Value {
+    let fact = |s: &Statement| {
+        json!({
+            "fact": s.fact,
+            "value": s.value,
+            "evidence": s.evidence.word(),
+            "source": s.source,
+            "consequence": s.consequence,
+        })
+    };
+    json!(statements.iter().map(fact).collect::<Vec<Value>>())
 }
 
 fn profile_text(profile: &Profile) -> String {
@@ -116,6 +124,18 @@ fn profile_text(profile: &Profile) -> String {
     for statement in &profile.statements {
         lines.push(String::new());
         lines.extend(statement_lines(statement));
+    }
+    if let Some(program) = &profile.program {
+        lines.push(String::new());
+        lines.push(format!(
+            "part programs of measuring runs ({}, {}):",
+            program.language.word(),
+            program.template_name
+        ));
+        for statement in &program.statements {
+            lines.push(String::new());
+            lines.extend(statement_lines(statement));
+        }
     }
     lines.join("\n")
 }
@@ -161,6 +181,9 @@ pub(super) fn check(file: &Path, format: Format) -> Result<Answer, Problems> {
     let sample = |name: &str, text: &str| Source::from_bytes(name, text.as_bytes());
     let job = Job::read(sample("sample job", SAMPLE_JOB)?)?;
     let table = ErrorTable::read(sample("sample errors", SAMPLE_ERRORS)?)?;
+    if profile.program.is_some() {
+        program_kit::make(&job, &profile, &[])?;
+    }
     let kit = generate(&Inputs::new(job, profile.clone(), &table, Vec::new())?)?;
     if format == Format::Json {
         return print_json(&profile_json(&profile));
@@ -184,6 +207,12 @@ axes.z = { travel_mm = [-200, 0], reference_mm = 0 }
 [measurement]
 errors = "errors.csv"
 active_while_measuring = "none"
+[program]
+what = "step-diagonal"
+start_mm = { x = 10, y = 10, z = -190 }
+size_mm = { x = 180, y = 180, z = 180 }
+steps = 2
+order = "XYZ"
 [compensation]
 controller = "generic"
 backlash = "two-tables"

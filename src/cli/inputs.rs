@@ -46,6 +46,19 @@ pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     }
 }
 
+/// Reads a job and the profile of its control, and nothing that was measured.
+pub(super) fn read_job_and_profile(
+    job_path: &Path,
+) -> Result<(Job, Profile, Vec<HashedFile>), Problems> {
+    let (name, bytes) = read_argument(job_path)?;
+    let mut hashes = vec![hashed(&file_name(job_path), &bytes)];
+    let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
+    let folder = job_path.parent().unwrap_or(Path::new(""));
+    let profile = profile(&job.compensation.controller, folder, &mut hashes)
+        .map_err(|problems| at_controller(&job, problems))?;
+    Ok((job, profile, hashes))
+}
+
 /// Problems without a place of their own concern the key that named the controller.
 fn at_controller(job: &Job, problems: Problems) -> Problems {
     let mut placed = Problems::none();

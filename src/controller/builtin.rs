@@ -30,8 +30,10 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "siemens-memory.txt.tera",
     "siemens-enable.mpf.tera",
     "siemens-disable.mpf.tera",
+    "siemens-program.mpf.tera",
     "fanuc-parameters.txt.tera",
     "fanuc-points.txt.tera",
+    "fanuc-program.nc.tera",
     "generic.csv.tera",
     "generic.json.tera",
 );

@@ -3,6 +3,7 @@
 //! A profile may build on a built-in one (`based_on = "fanuc-30i"`): facts and files it does not
 //! state are taken from there. Whether a page is ours or a user's makes no difference.
 
+use crate::controller::load_program::program;
 use crate::controller::{
     Dialect, EmittedFile, Evidence, Fact, FanucFacts, GenericFacts, IntervalForm, LineEnd,
     Mechanism, MultiplyMode, NumberRange, Origin, Profile, Role, SiemensFacts, Statement,
@@ -81,6 +82,7 @@ fn read_profile(
         section.refuse_unknown_keys();
     }
     let files = read_files(root, base, templates);
+    let program = program(root, base.and_then(|b| b.program.as_ref()), templates);
     let dialect = dialect?;
     let form = match &dialect {
         Dialect::Siemens(facts) => Some(facts.table_form.value),
@@ -100,6 +102,7 @@ fn read_profile(
             .filter(|(wanted, _)| wanted.is_none() || *wanted == form)
             .map(|(_, file)| file)
             .collect(),
+        program: program?,
         statements: reader.statements.into_inner(),
     })
 }
@@ -332,14 +335,14 @@ fn generic_facts(reader: &FactReader<'_>, base: Option<&Profile>) -> Option<Gene
 }
 
 /// Reads `[facts.NAME]` sections: value, evidence, source, consequence, mechanism.
-struct FactReader<'a> {
-    section: Option<&'a Section<'a>>,
-    inherited: &'a [Statement],
-    statements: RefCell<Vec<Statement>>,
+pub(super) struct FactReader<'a> {
+    pub(super) section: Option<&'a Section<'a>>,
+    pub(super) inherited: &'a [Statement],
+    pub(super) statements: RefCell<Vec<Statement>>,
 }
 
 impl FactReader<'_> {
-    fn fact<T: Clone>(
+    pub(super) fn fact<T: Clone>(
         &self,
         name: &'static str,
         base: Option<&Fact<T>>,

@@ -4,7 +4,10 @@ use crate::axis::{Direction, PerAxis};
 use crate::document::Section;
 use crate::job::read_compensation::compensation;
 use crate::job::read_measurement::measurement;
-use crate::job::{Acceptance, Compensation, Limits, Machine, MachineAxis, Measurement};
+use crate::job::read_program::program;
+use crate::job::{
+    Acceptance, Compensation, Limits, Machine, MachineAxis, Measurement, ProgramRequest,
+};
 use crate::problem::shown;
 use crate::units::Millimetres;
 
@@ -17,7 +20,14 @@ const LARGEST_FEED_MM_PER_MIN: f64 = 1e6;
 pub(super) const SMALLEST_LIMIT: f64 = 1e-6;
 pub(super) const LARGEST_LIMIT: f64 = 1e9;
 
-type Parts = (Machine, Measurement, Compensation, Limits, Acceptance);
+type Parts = (
+    Machine,
+    Measurement,
+    Compensation,
+    Limits,
+    Acceptance,
+    Option<ProgramRequest>,
+);
 
 pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
     match root.whole("schema") {
@@ -44,7 +54,21 @@ pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
         .and_then(|s| compensation(&s));
     let limits = limits(root);
     let acceptance = acceptance(root);
-    Some((machine?, measurement?, compensation?, limits, acceptance))
+    let program = root
+        .section("program")
+        .map(|s| program(&s, measurement.as_ref()));
+    let program = match program {
+        Some(program) => Some(program?),
+        None => None,
+    };
+    Some((
+        machine?,
+        measurement?,
+        compensation?,
+        limits,
+        acceptance,
+        program,
+    ))
 }
 
 pub(super) fn axes<T>(

@@ -114,7 +114,7 @@ pub(super) fn places(parent: &Section<'_>, key: &'static str) -> Option<PerAxis<
     all_of(read)
 }
 
-fn size(parent: &Section<'_>) -> Option<PerAxis<Millimetres>> {
+pub(super) fn size(parent: &Section<'_>) -> Option<PerAxis<Millimetres>> {
     let section = parent.section("size_mm")?;
     let read = PerAxis::from_fn(|axis| {
         if !section.has(axis.key()) {
@@ -131,7 +131,7 @@ fn all_of(read: PerAxis<Option<f64>>) -> Option<PerAxis<Millimetres>> {
     Some(PerAxis { x, y, z }).map(|place| PerAxis::from_fn(|axis| Millimetres::new(place[axis])))
 }
 
-fn steps(section: &Section<'_>) -> Option<usize> {
+pub(super) fn steps(section: &Section<'_>) -> Option<usize> {
     if !section.has("steps") {
         section.missing("steps", "the number of steps of each axis");
     }
@@ -147,7 +147,7 @@ fn steps(section: &Section<'_>) -> Option<usize> {
     usize::try_from(steps).ok()
 }
 
-fn order(section: &Section<'_>, kind: PathKind) -> Option<[Axis; 3]> {
+pub(super) fn order(section: &Section<'_>, kind: PathKind) -> Option<[Axis; 3]> {
     let [x, y, z] = Axis::ALL;
     if !section.has("order") {
         if kind == PathKind::Straight {

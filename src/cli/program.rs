@@ -1,0 +1,174 @@
+//! `nonius program JOB -o DIR`
+
+use crate::axis::Axis;
+use crate::cli::show::{Column, table};
+use crate::cli::{Answer, Format, inputs, print, print_json, say, show, write};
+use crate::emit::program::POSITIONS;
+use crate::job::{Job, RunType, TargetGrid};
+use crate::problem::{Problem, Problems};
+use crate::program_kit::{ProgramKit, make};
+use std::path::Path;
+
+const MANIFEST: &str = "manifest.json";
+
+pub(super) fn run(
+    job: &Path,
+    directory: &Path,
+    force: bool,
+    format: Format,
+) -> Result<Answer, Problems> {
+    write::ensure_free(directory, force)?;
+    let (job, profile, hashes) = inputs::read_job_and_profile(job)?;
+    let kit = make(&job, &profile, &hashes)?;
+    let manifest = serde_json::to_string_pretty(&kit.manifest)
+        .map_err(|error| Problem::new(format!("the manifest cannot be written: {error}")))?;
+    let manifest = format!("{manifest}\n").into_bytes();
+    let files: Vec<write::NamedBytes<'_>> = kit
+        .files
+        .iter()
+        .map(|file| (file.path.as_str(), file.bytes.as_slice()))
+        .collect();
+    write::write_kit(directory, &files, (MANIFEST, &manifest), force)?;
+    match format {
+        Format::Json => print_json(&kit.manifest)?,
+        Format::Text => print(&report(&job, &profile.name, &kit))?,
+    };
+    say(&next_steps(directory, &kit));
+    Ok(Answer::Yes)
+}
+
+fn report(job: &Job, control: &str, kit: &ProgramKit) -> String {
+    let heading = format!(
+        "{} - {control}: {}",
+        job.machine.name,
+        kit.request.what.word()
+    );
+    show::paragraphs(&[
+        heading,
+        motion(kit),
+        files(kit),
+        reach(job, kit),
+        mirror(kit),
+        notes(kit),
+        show::assumptions(&kit.assumptions),
+        show::preconditions(&kit.preconditions),
+    ])
+}
+
+fn motion(kit: &ProgramKit) -> String {
+    let request = &kit.request;
+    let order: String = request
+        .volume
+        .order
+        .iter()
+        .map(|axis| axis.letter())
+        .collect();
+    let path = match (request.what, request.targets) {
+        (RunType::StepDiagonal, _) => format!("one axis at a time in the order {order}"),
+        (RunType::StraightDiagonal, _) => "all axes together".to_string(),
+        (RunType::SingleAxis, TargetGrid::Equal) => "equal targets (for tables)".to_string(),
+        (RunType::SingleAxis, TargetGrid::Offset { .. }) => {
+            "offset targets (for acceptance: periods are not aliased)".to_string()
+        }
+    };
+    let back = match (request.bidirectional, request.overrun.mm() > 0.0) {
+        (true, true) => format!("way back measured after {} mm of overrun", request.overrun.mm()),
+        (true, false) => "way back measured, turning without overrun: the first step back shows each axis' reversal".to_string(),
+        (false, _) => format!("way back not measured ({})", request.way_back.word()),
+    };
+    let minutes = kit.run.duration_s(request) / 60.0;
+    [
+        format!("{} steps, {path}; {} run(s), {back}", request.volume.steps, request.runs),
+        format!(
+            "feed {} mm/min, standstill {} s at every node, preload {} mm; {minutes:.0} min without set-up",
+            request.feed_mm_per_min,
+            request.dwell_s,
+            request.preload.mm()
+        ),
+    ]
+    .join("\n")
+}
+
+fn files(kit: &ProgramKit) -> String {
+    let columns = [
+        Column::Left("program"),
+        Column::Left("measures"),
+        Column::Right("readings"),
+    ];
+    let rows = kit
+        .run
+        .programs
+        .iter()
+        .zip(&kit.files)
+        .map(|(program, file)| {
+            vec![
+                file.path.clone(),
+                program.subject.name(),
+                program.readings.len().to_string(),
+            ]
+        });
+    table(&columns, rows)
+}
+
+fn reach(job: &Job, kit: &ProgramKit) -> String {
+    let columns = [
+        Column::Left("axis"),
+        Column::Right("from/mm"),
+        Column::Right("to/mm"),
+        Column::Right("travel/mm"),
+        Column::Right("to/mm"),
+    ];
+    let row = |axis: Axis| {
+        let (low, high) = kit.run.reach_mm(axis)?;
+        let travel = job.machine.axes[axis]?;
+        let numbers = [low, high, travel.low.mm(), travel.high.mm()];
+        let numbers = numbers.iter().map(|mm| format!("{:.3}", mm + 0.0));
+        Some([axis.to_string()].into_iter().chain(numbers).collect())
+    };
+    table(&columns, Axis::ALL.into_iter().filter_map(row))
+}
+
+fn mirror(kit: &ProgramKit) -> String {
+    let Some(size) = kit.run.mirror else {
+        return String::new();
+    };
+    [
+        format!(
+            "sideways on the mirror: {:.1} mm after the first move, {:.1} mm after the second, {:.1} mm at most with preload and overrun",
+            size.excursion_mm[0], size.excursion_mm[1], size.farthest_mm
+        ),
+        format!(
+            "mirror: a circle of {:.1} mm and the diameter of the beam around it",
+            size.circle_mm
+        ),
+    ]
+    .join("\n")
+}
+
+fn notes(kit: &ProgramKit) -> String {
+    let lines: Vec<String> = kit
+        .run
+        .notes
+        .iter()
+        .map(|note| format!("note: {note}"))
+        .collect();
+    lines.join("\n")
+}
+
+fn next_steps(directory: &Path, kit: &ProgramKit) -> String {
+    let mut lines = Vec::new();
+    for file in &kit.files {
+        let purpose = if file.path == POSITIONS {
+            "where each reading is taken"
+        } else {
+            "part program, read back and walked"
+        };
+        lines.push(format!(
+            "wrote {} ({purpose})",
+            directory.join(&file.path).display()
+        ));
+    }
+    lines.push(format!("wrote {}", directory.join(MANIFEST).display()));
+    lines.push("before cycle start: read the header, single block and low rapid override until node 0 (docs/program.md)".to_string());
+    lines.join("\n")
+}

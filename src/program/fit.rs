@@ -1,0 +1,247 @@
+//! What a run must keep: travel, feed, readings; and the largest box that would fit.
+
+use crate::axis::{Axis, PerAxis};
+use crate::job::{Job, ProgramRequest, RunType, TargetGrid};
+use crate::problem::Problems;
+use crate::program::route::readings_of;
+use crate::program::{MOST_READINGS, Resolution, problem};
+
+pub(super) fn refuse_too_many_readings(
+    job: &Job,
+    request: &ProgramRequest,
+    problems: &mut Problems,
+) {
+    let readings = readings_of(request);
+    if readings > MOST_READINGS {
+        problems.push(problem(
+            job,
+            "program",
+            format!("one program would take {readings} readings, expected at most {MOST_READINGS}"),
+            "fewer runs or steps: four digits number the blocks of a program",
+        ));
+    }
+}
+
+/// The feed along the path may reach every axis alone, so the slowest axis counts.
+pub(super) fn refuse_feed(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
+    for axis in moving(request) {
+        let largest = job.machine.axes[axis].and_then(|axis| axis.max_feed);
+        if let Some(largest) = largest.filter(|largest| request.feed_mm_per_min > *largest) {
+            problems.push(problem(
+                job,
+                "program.feed_mm_per_min",
+                format!(
+                    "the feed is {} mm/min, but {axis} is stated with at most {largest} mm/min",
+                    request.feed_mm_per_min
+                ),
+                "write `feed_mm_per_min` with a feed that every axis reaches",
+            ));
+        }
+    }
+}
+
+/// Neighbouring targets must not change places.
+pub(super) fn refuse_shift(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
+    if let TargetGrid::Offset { shift } = request.targets {
+        for axis in moving(request) {
+            let step = request.volume.step_mm(axis);
+            let shift = shift.map_or(step / 4.0, |shift| shift.mm());
+            if shift >= step / 2.0 {
+                problems.push(problem(
+                    job,
+                    "program.shift_mm",
+                    format!("targets {step} mm apart on {axis} are shifted by up to {shift} mm, expected less than half the step"),
+                    "a smaller shift, or fewer steps",
+                ));
+            }
+        }
+    }
+}
+
+/// The axes that move while readings are taken.
+pub(super) fn moving(request: &ProgramRequest) -> Vec<Axis> {
+    match request.what {
+        RunType::SingleAxis => request.axes.clone(),
+        RunType::StepDiagonal | RunType::StraightDiagonal => Axis::ALL.to_vec(),
+    }
+}
+
+/// What a person should know of the run, one sentence each.
+pub(super) fn notes(job: &Job, request: &ProgramRequest, resolution: Resolution) -> Vec<String> {
+    let mut notes = unchecked(job, request);
+    notes.extend(near_the_end(job, request, resolution));
+    notes
+}
+
+fn unchecked(job: &Job, request: &ProgramRequest) -> Vec<String> {
+    let unknown: Vec<String> = moving(request)
+        .into_iter()
+        .filter(|axis| job.machine.axes[*axis].is_none_or(|axis| axis.max_feed.is_none()))
+        .map(|axis| axis.to_string())
+        .collect();
+    if unknown.is_empty() {
+        return Vec::new();
+    }
+    vec![format!(
+        "the feed is not checked for {}: no `max_feed_mm_per_min` is stated",
+        unknown.join(", ")
+    )]
+}
+
+pub(super) fn refuse_outside_travel(
+    job: &Job,
+    request: &ProgramRequest,
+    resolution: Resolution,
+    problems: &mut Problems,
+) {
+    let mut outside = Vec::new();
+    for axis in Axis::ALL {
+        let Some(travel) = job.machine.axes[axis] else {
+            problems.push(problem(
+                job,
+                "machine.axes",
+                format!("the travel of {axis} is not stated, so nobody could tell where the program leaves it"),
+                format!("add [machine.axes.{}] with travel_mm and reference_mm", axis.key()),
+            ));
+            continue;
+        };
+        if !moving(request).contains(&axis) {
+            continue;
+        }
+        let (low, high) = reach(request, resolution, axis);
+        let slack = resolution.digit_mm() / 100.0;
+        if low < travel.low.mm() - slack || high > travel.high.mm() + slack {
+            outside.push(format!(
+                "{axis} from {} to {} mm (travel {} … {} mm)",
+                plain(low),
+                plain(high),
+                travel.low.mm(),
+                travel.high.mm()
+            ));
+        }
+    }
+    if outside.is_empty() {
+        return;
+    }
+    problems.push(problem(
+        job,
+        request.size_path,
+        format!(
+            "with {} mm of preload and {} mm of overrun the run needs {}",
+            request.preload.mm(),
+            if request.bidirectional {
+                request.overrun.mm()
+            } else {
+                0.0
+            },
+            outside.join(", ")
+        ),
+        largest_box(job, request, resolution),
+    ));
+}
+
+/// From where to where an axis moves: both ends of a diagonal's box are start corners. What lies
+/// beside the box is rounded up to whole digits, as it is in the program.
+fn reach(request: &ProgramRequest, resolution: Resolution, axis: Axis) -> (f64, f64) {
+    let low = request.volume.start[axis].mm();
+    let high = low + request.volume.size[axis].mm();
+    let whole = |mm: f64| resolution.mm(resolution.at_least(mm));
+    let preload = whole(request.preload.mm());
+    let overrun = if request.bidirectional {
+        whole(request.overrun.mm())
+    } else {
+        0.0
+    };
+    match request.what {
+        RunType::SingleAxis => (low - preload, high + overrun),
+        RunType::StepDiagonal | RunType::StraightDiagonal => {
+            let margin = preload.max(overrun);
+            (low - margin, high + margin)
+        }
+    }
+}
+
+/// The largest box of whole steps inside the travel, as the job would state it.
+fn largest_box(job: &Job, request: &ProgramRequest, resolution: Resolution) -> String {
+    let (volume, steps) = (
+        &request.volume,
+        i64::try_from(request.volume.steps).unwrap_or(1),
+    );
+    let fitted: PerAxis<Option<(f64, f64)>> = PerAxis::from_fn(|axis| {
+        let travel = job.machine.axes[axis]?;
+        let (low, high) = reach(request, resolution, axis);
+        let before = volume.start[axis].mm() - low;
+        let after = high - volume.start[axis].mm() - volume.size[axis].mm();
+        let first = resolution.at_least(travel.low.mm() + before);
+        let last = resolution.at_most(travel.high.mm() - after);
+        let step = (last - first) / steps;
+        (step > 0).then(|| (resolution.mm(first), resolution.mm(step * steps)))
+    });
+    let (Some(x), Some(y), Some(z)) = (fitted.x, fitted.y, fitted.z) else {
+        return "no box of that many steps fits: less preload and overrun, or fewer steps"
+            .to_string();
+    };
+    let of = |a: f64, b: f64, c: f64| format!("{{ x = {a:?}, y = {b:?}, z = {c:?} }}");
+    format!(
+        "the largest box that fits, in [program]: start_mm = {} and size_mm = {}",
+        of(x.0, y.0, z.0),
+        of(x.1, y.1, z.1)
+    )
+}
+
+/// Where the other axes rest while one is measured.
+pub(super) fn refuse_rest_outside(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
+    if request.what != RunType::SingleAxis {
+        return;
+    }
+    for axis in Axis::ALL {
+        let Some(travel) = job.machine.axes[axis] else {
+            continue;
+        };
+        let rests = request.axes.iter().any(|moving| *moving != axis);
+        let place = request.rest_of(axis);
+        if rests && (place < travel.low || place > travel.high) {
+            problems.push(problem(
+                job,
+                "program.rest_mm",
+                format!(
+                    "{axis} would rest at {} mm, but the travel is {} … {} mm",
+                    plain(place.mm()),
+                    travel.low.mm(),
+                    travel.high.mm()
+                ),
+                "write `rest_mm = { x = …, y = …, z = … }` with places inside the travel",
+            ));
+        }
+    }
+}
+
+/// Less than this between a run and the end of the travel is worth a word, mm.
+const NEAR_THE_END_MM: f64 = 1.0;
+
+/// Axes that go to the very end of their travel: software limits may lie before it.
+fn near_the_end(job: &Job, request: &ProgramRequest, resolution: Resolution) -> Vec<String> {
+    let near = |axis: &Axis| {
+        let (low, high) = reach(request, resolution, *axis);
+        job.machine.axes[*axis].is_some_and(|travel| {
+            low - travel.low.mm() < NEAR_THE_END_MM || travel.high.mm() - high < NEAR_THE_END_MM
+        })
+    };
+    let axes: Vec<String> = moving(request)
+        .into_iter()
+        .filter(near)
+        .map(|axis| axis.to_string())
+        .collect();
+    if axes.is_empty() {
+        return Vec::new();
+    }
+    vec![format!(
+        "{} goes to the end of its travel: the software limits have to lie there or behind",
+        axes.join(", ")
+    )]
+}
+
+/// A coordinate without the digits that binary numbers add.
+fn plain(mm: f64) -> f64 {
+    (mm * 1e6).round() / 1e6 + 0.0
+}
