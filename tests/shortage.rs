@@ -127,6 +127,6 @@ fn without_a_free_cec_table_positioning_gets_the_mean() {
     assert!(
         backlash
             .into_iter()
-            .all(|p| p.value == "as it was during the measurement")
+            .all(|p| p.value == "as during the measurement")
     );
 }
