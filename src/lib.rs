@@ -18,6 +18,8 @@
 //!        verdict, manifest.json
 //! ```
 //!
+//! Before a measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ readback, walk.
+//!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
 //! Modules stand in the order in which the data flow; a module imports only from those before

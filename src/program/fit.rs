@@ -1,7 +1,7 @@
 //! What a run must keep: travel, feed, readings; and the largest box that would fit.
 
 use crate::axis::{Axis, PerAxis};
-use crate::job::{Job, ProgramRequest, RunType, TargetGrid};
+use crate::job::{Job, MeasuredData, ProgramRequest, RunType, TargetGrid};
 use crate::problem::Problems;
 use crate::program::route::readings_of;
 use crate::program::{MOST_READINGS, Resolution, problem};
@@ -70,7 +70,20 @@ pub(super) fn moving(request: &ProgramRequest) -> Vec<Axis> {
 pub(super) fn notes(job: &Job, request: &ProgramRequest, resolution: Resolution) -> Vec<String> {
     let mut notes = unchecked(job, request);
     notes.extend(near_the_end(job, request, resolution));
+    notes.extend(other_box(job, request));
     notes
+}
+
+/// Readings of this run must be described with this box, not with that of another measurement.
+fn other_box(job: &Job, request: &ProgramRequest) -> Option<String> {
+    let MeasuredData::Diagonals(measured) = &job.measurement.data else {
+        return None;
+    };
+    let kind = request.what.path()?;
+    let same = measured.volume == request.volume && measured.kind == kind;
+    (!same).then(|| {
+        "box, steps, order or kind differ from [measurement.step_diagonal]: change that section before the readings of this run are separated".to_string()
+    })
 }
 
 fn unchecked(job: &Job, request: &ProgramRequest) -> Vec<String> {
@@ -183,7 +196,7 @@ fn largest_box(job: &Job, request: &ProgramRequest, resolution: Resolution) -> S
     };
     let of = |a: f64, b: f64, c: f64| format!("{{ x = {a:?}, y = {b:?}, z = {c:?} }}");
     format!(
-        "the largest box that fits, in [program]: start_mm = {} and size_mm = {}",
+        "the largest box that fits: start_mm = {} and size_mm = {} in [program]; the readings of it are described with the same box",
         of(x.0, y.0, z.0),
         of(x.1, y.1, z.1)
     )
