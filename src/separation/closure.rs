@@ -196,28 +196,7 @@ fn judge(mut patterns: Patterns, known: Known<'_>) -> Judged {
         .iter()
         .filter_map(|outlier| outlier.readings.first());
     found.for_each(|place| patterns.leave_out(place));
-    let ramps = patterns.ramps().and_then(|fit| {
-        let (square, freedom) = patterns.scatter();
-        let rest = freedom.checked_sub(fit.count).filter(|rest| *rest > 0)?;
-        let probability = match known.noise {
-            Some(noise) => match noise.freedom {
-                Some(of_noise) => above(fit.drop / noise.sigma_um.powi(2), fit.count, of_noise)?,
-                None => ChiSquared::new(float(fit.count))
-                    .ok()?
-                    .sf(fit.drop / noise.sigma_um.powi(2)),
-            },
-            None => above(
-                fit.drop * float(rest) / (square - fit.drop),
-                fit.count,
-                rest,
-            )?,
-        };
-        Some(Ramps {
-            change_um: fit.change_um,
-            u: fit.u,
-            probability,
-        })
-    });
+    let ramps = ramps(&patterns, known.noise);
     if ramps.as_ref().is_some_and(Ramps::is_roll) {
         patterns.leave_out_ramps();
     }
@@ -228,6 +207,27 @@ fn judge(mut patterns: Patterns, known: Known<'_>) -> Judged {
         freedom,
         outliers,
     }
+}
+
+/// The ramps and how likely noise makes them; `None` where too little is left to judge them by.
+fn ramps(patterns: &Patterns, noise: Option<Noise>) -> Option<Ramps> {
+    let fit = patterns.ramps()?;
+    let (square, freedom) = patterns.scatter();
+    let rest = freedom.checked_sub(fit.count).filter(|rest| *rest > 0)?;
+    let (variance, freedom) = match noise {
+        Some(noise) => (noise.sigma_um.powi(2), noise.freedom),
+        None => ((square - fit.drop).max(0.0) / float(rest), Some(rest)),
+    };
+    let ratio = fit.drop / variance;
+    let probability = match freedom {
+        Some(freedom) => above(ratio, fit.count, freedom)?,
+        None => ChiSquared::new(float(fit.count)).ok()?.sf(ratio.max(0.0)),
+    };
+    Some(Ramps {
+        change_um: fit.change_um,
+        u: fit.u,
+        probability,
+    })
 }
 
 /// Probability that `count` parameters lower the sum of squares by `ratio` variances or more,
