@@ -22,6 +22,8 @@ pub use self::mirror::MirrorSize;
 pub use self::resolution::{Digits, Resolution};
 
 use crate::axis::{Axis, PerAxis};
+use crate::controller::program::ProgramFacts;
+use crate::controller::{Profile, builtin};
 use crate::diagonal::{Diagonal, Pass};
 use crate::job::{Job, ProgramRequest};
 use crate::problem::{Problem, Problems};
@@ -104,12 +106,70 @@ pub struct MeasuringRun {
 /// Most readings of one program: block numbers have four digits on every control.
 const MOST_READINGS: usize = 9999;
 
-/// Plans the run of a job that has `[program]`; refused where it leaves the travel.
-pub fn plan(
-    job: &Job,
-    request: &ProgramRequest,
-    resolution: Resolution,
-) -> Result<MeasuringRun, Problems> {
+/// A run to be planned and written: what is asked for, and what the control understands.
+#[derive(Clone, Copy, Debug)]
+pub struct RunTask<'a> {
+    /// The job.
+    pub job: &'a Job,
+    /// Its `[program]`.
+    pub request: &'a ProgramRequest,
+    /// The control.
+    pub profile: &'a Profile,
+    /// Its part programs.
+    pub facts: &'a ProgramFacts,
+}
+
+impl<'a> RunTask<'a> {
+    /// Refused where the job asks for no run, or where the control has no language for it.
+    pub fn of(job: &'a Job, profile: &'a Profile) -> Result<RunTask<'a>, Problem> {
+        Ok(RunTask {
+            job,
+            request: job.program.as_ref().ok_or_else(|| no_section(job))?,
+            profile,
+            facts: profile
+                .program
+                .as_ref()
+                .ok_or_else(|| no_language(job, profile))?,
+        })
+    }
+
+    /// The last digit of a position.
+    pub fn resolution(&self) -> Resolution {
+        let unit = self.job.compensation.control_unit;
+        Resolution {
+            unit,
+            decimals: self.facts.decimals(unit),
+        }
+    }
+}
+
+fn no_section(job: &Job) -> Problem {
+    job.problem_at("program", "the job has no section [program], so there is no run to write programs for")
+        .help("add `[program]` with `what = \"step-diagonal\"`, `\"straight-diagonal\"` or `\"single-axis\"` (docs/program.md)")
+}
+
+fn no_language(job: &Job, profile: &Profile) -> Problem {
+    let known = builtin::ids()
+        .into_iter()
+        .filter(|id| builtin::profile(id).is_ok_and(|profile| profile.program.is_some()));
+    let known: Vec<&str> = known.collect();
+    job.problem_at(
+        "compensation.controller",
+        format!(
+            "`{}` says nothing about part programs, so none can be written",
+            profile.id
+        ),
+    )
+    .help(format!(
+        "choose the control that will run the program: {}; or a profile of your own with [program]",
+        known.join(", ")
+    ))
+}
+
+/// Plans a run; refused where it leaves the travel.
+pub fn plan(task: RunTask<'_>) -> Result<MeasuringRun, Problems> {
+    let RunTask { job, request, .. } = task;
+    let resolution = task.resolution();
     let mut problems = Problems::none();
     fit::refuse_too_many_readings(job, request, &mut problems);
     fit::refuse_feed(job, request, &mut problems);

@@ -7,14 +7,14 @@
 use crate::axis::{Axis, PerAxis};
 use crate::claims::{Assumption, Precondition};
 use crate::controller::program::{Language, ProgramFacts};
-use crate::controller::{Evidence, LengthUnit, Profile, builtin};
+use crate::controller::{Evidence, Profile};
 use crate::emit::TOOL;
 use crate::emit::program::{POSITIONS, ProgramFile, positions, programs};
 use crate::job::{Job, ProgramRequest};
 use crate::kit::sha256;
 use crate::manifest::{HashedFile, SCHEMA};
 use crate::problem::{Problem, Problems};
-use crate::program::{MeasuringRun, MirrorSize, Resolution, plan};
+use crate::program::{MeasuringRun, MirrorSize, RunTask, SetUpProgram, plan};
 use crate::readback::program::positions::{self as readback_positions, Position};
 use crate::readback::program::walk::{Bounds, Walked, walk};
 use crate::readback::program::{Cancelled, read};
@@ -39,94 +39,61 @@ pub struct ProgramKit {
 
 /// Makes and judges the programs that a job asks for.
 pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<ProgramKit, Problems> {
-    let request = job.program.as_ref().ok_or_else(|| no_section(job))?;
-    let facts = profile
-        .program
-        .as_ref()
-        .ok_or_else(|| no_language(job, profile))?;
-    let unit = job.compensation.control_unit;
-    let resolution = Resolution {
-        unit,
-        decimals: facts.decimals(unit),
-    };
-    let run = plan(job, request, resolution)?;
-    let mut files = programs(job, request, profile, facts, &run)?;
+    let task = RunTask::of(job, profile)?;
+    let run = plan(task)?;
+    let mut files = programs(task, &run)?;
     files.push(positions(&run));
-    let walked = judge(job, request, facts, resolution, &files)?;
-    let assumptions = assumptions(facts, request, unit);
-    let preconditions = preconditions(facts, &walked);
-    let manifest = manifest(
-        profile,
-        request,
-        &run,
-        inputs,
-        &files,
-        &assumptions,
-        &preconditions,
-    );
-    Ok(ProgramKit {
-        request: request.clone(),
+    let walked = judge(task, &files)?;
+    let mut kit = ProgramKit {
+        request: task.request.clone(),
+        assumptions: assumptions(task),
+        preconditions: preconditions(task.facts, &walked),
+        manifest: Value::Null,
         run,
         files,
-        assumptions,
-        preconditions,
-        manifest,
-    })
+    };
+    kit.manifest = manifest(profile, &kit, inputs);
+    Ok(kit)
 }
 
-fn no_section(job: &Job) -> Problem {
-    job.problem_at("program", "the job has no section [program], so there is no run to write programs for")
-        .help("add `[program]` with `what = \"step-diagonal\"`, `\"straight-diagonal\"` or `\"single-axis\"` (docs/program.md)")
-}
-
-fn no_language(job: &Job, profile: &Profile) -> Problem {
-    let known = builtin::ids()
-        .into_iter()
-        .filter(|id| builtin::profile(id).is_ok_and(|profile| profile.program.is_some()));
-    let known: Vec<&str> = known.collect();
-    job.problem_at(
-        "compensation.controller",
-        format!(
-            "`{}` says nothing about part programs, so none can be written",
-            profile.id
-        ),
-    )
-    .help(format!(
-        "choose the control that will run the program: {}; or a profile of your own with [program]",
-        known.join(", ")
-    ))
-}
-
-/// Reads bytes back and walks them, whoever made them: a program's own walk, and what is wrong.
-pub fn judge(
-    job: &Job,
-    request: &ProgramRequest,
-    facts: &ProgramFacts,
-    resolution: Resolution,
-    files: &[ProgramFile],
-) -> Result<Vec<Walked>, Problems> {
+/// Reads bytes back and walks them, whoever made them; what is wrong comes all at once.
+pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Problems> {
     let mut problems = Problems::none();
     let rows = match files.iter().find(|file| file.path == POSITIONS) {
         Some(file) => readback_positions::read(POSITIONS, &file.bytes)?,
         None => Vec::new(),
     };
-    let digit_mm = resolution.digit_mm();
-    for words in readback_positions::differences(&rows, request, digit_mm) {
+    let digit_mm = task.resolution().digit_mm();
+    let mut wrong = readback_positions::differences(&rows, task.request, digit_mm);
+    let programs: Vec<&ProgramFile> = files.iter().filter(|f| f.path != POSITIONS).collect();
+    let set_ups = by_set_up(&rows);
+    if programs.len() != set_ups.len() {
+        let (programs, set_ups) = (programs.len(), set_ups.len());
+        wrong.push(format!(
+            "{programs} programs for {set_ups} set-ups of the laser"
+        ));
+    }
+    for words in wrong {
         problems.push(Problem::new(words).help("nothing was written"));
     }
-    let bounds = bounds(job, request, digit_mm);
+    let bounds = bounds(task.job, task.request, digit_mm);
     let mut walked = Vec::new();
-    let programs = files.iter().filter(|file| file.path != POSITIONS);
-    for (file, rows) in programs.zip(by_set_up(&rows)) {
-        let letters = &facts.axis_letters.value;
-        let Some(steps) = problems.take(read(facts.language, letters, &file.path, &file.bytes))
-        else {
-            continue;
-        };
-        let text = String::from_utf8_lossy(&file.bytes);
-        walked.extend(problems.take(walk((&file.path, &text), &steps, rows, &bounds)));
+    for (file, rows) in programs.into_iter().zip(set_ups) {
+        walked.extend(problems.take(walk_file(task.facts, file, rows, &bounds)));
     }
     problems.or_ok(walked)
+}
+
+fn walk_file(
+    facts: &ProgramFacts,
+    file: &ProgramFile,
+    rows: &[Position],
+    bounds: &Bounds,
+) -> Result<Walked, Problems> {
+    let letters = &facts.axis_letters.value;
+    let steps = read(facts.language, letters, &file.path, &file.bytes)?;
+    let text = String::from_utf8_lossy(&file.bytes);
+    walk((&file.path, &text), &steps, rows, bounds)
 }
 
 fn bounds(job: &Job, request: &ProgramRequest, digit_mm: f64) -> Bounds {
@@ -147,11 +114,9 @@ fn by_set_up(rows: &[Position]) -> Vec<&[Position]> {
     rows.chunk_by(|a, b| a.of == b.of).collect()
 }
 
-fn assumptions(
-    facts: &ProgramFacts,
-    request: &ProgramRequest,
-    unit: LengthUnit,
-) -> Vec<Assumption> {
+fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
+    let RunTask { facts, request, .. } = task;
+    let unit = task.resolution().unit;
     let assumed = facts
         .statements_of(unit)
         .filter(|s| s.evidence == Evidence::Assumed);
@@ -215,37 +180,14 @@ fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
     list
 }
 
-fn manifest(
-    profile: &Profile,
-    request: &ProgramRequest,
-    run: &MeasuringRun,
-    inputs: &[HashedFile],
-    files: &[ProgramFile],
-    assumptions: &[Assumption],
-    preconditions: &[Precondition],
-) -> Value {
-    let readings: Vec<usize> = run.programs.iter().map(|p| p.readings.len()).collect();
-    let files: Vec<Value> = files
+fn manifest(profile: &Profile, kit: &ProgramKit, inputs: &[HashedFile]) -> Value {
+    let (run, request) = (&kit.run, &kit.request);
+    let readings: usize = run.programs.iter().map(|p| p.readings.len()).sum();
+    let files: Vec<Value> = kit
+        .files
         .iter()
         .enumerate()
-        .map(|(index, file)| {
-            let role = if file.path == POSITIONS {
-                "positions"
-            } else {
-                "program"
-            };
-            let of = run
-                .programs
-                .get(index)
-                .map(|program| program.subject.name());
-            json!({
-                "path": file.path,
-                "role": role,
-                "of": of,
-                "readings": readings.get(index),
-                "sha256": sha256(&file.bytes),
-            })
-        })
+        .map(|(index, file)| file_json(file, run.programs.get(index)))
         .collect();
     let reach = Axis::ALL.into_iter().filter_map(|axis| {
         let (low, high) = run.reach_mm(axis)?;
@@ -259,13 +201,29 @@ fn manifest(
         "unit": run.resolution.unit.word(),
         "inputs": inputs,
         "files": files,
-        "readings": readings.iter().sum::<usize>(),
+        "readings": readings,
         "duration_s": run.duration_s(request).round(),
         "reach_mm": reach.collect::<serde_json::Map<_, _>>(),
         "mirror_mm": run.mirror.map(mirror),
-        "assumptions": assumptions,
-        "preconditions": preconditions,
+        "assumptions": kit.assumptions,
+        "preconditions": kit.preconditions,
         "notes": run.notes,
+    })
+}
+
+/// A file of the list; the positions belong to no single program.
+fn file_json(file: &ProgramFile, program: Option<&SetUpProgram>) -> Value {
+    let role = if file.path == POSITIONS {
+        "positions"
+    } else {
+        "program"
+    };
+    json!({
+        "path": file.path,
+        "role": role,
+        "of": program.map(|program| program.subject.name()),
+        "readings": program.map(|program| program.readings.len()),
+        "sha256": sha256(&file.bytes),
     })
 }
 

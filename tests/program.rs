@@ -12,7 +12,7 @@ use nonius::document::Source;
 use nonius::emit::program::ProgramFile;
 use nonius::job::{Job, MeasuredData};
 use nonius::problem::Problems;
-use nonius::program::Resolution;
+use nonius::program::RunTask;
 use nonius::program_kit::{ProgramKit, judge, make};
 use nonius::readings::Readings;
 use proptest::prelude::*;
@@ -92,20 +92,7 @@ impl Case {
     /// What the walk says of other files.
     fn judged(&self, files: &[ProgramFile]) -> Result<(), Problems> {
         let (job, profile) = (self.read(), builtin::profile(self.control).unwrap());
-        let facts = profile.program.as_ref().unwrap();
-        let unit = job.compensation.control_unit;
-        let resolution = Resolution {
-            unit,
-            decimals: facts.decimals(unit),
-        };
-        judge(
-            &job,
-            job.program.as_ref().unwrap(),
-            facts,
-            resolution,
-            files,
-        )
-        .map(|_| ())
+        judge(RunTask::of(&job, &profile).unwrap(), files).map(|_| ())
     }
 }
 
@@ -125,7 +112,7 @@ fn a_siemens_program_of_two_steps() {
         description => "ZXY, X travels negative: approach 2 mm behind node 0, the sum of the forward steps is -90, 70, 110",
         omit_expression => true,
     }, {
-        insta::assert_snapshot!("program__siemens_npp", text(&kit, "NONIUS_NPP.MPF"));
+        insta::assert_snapshot!("siemens_npp", text(&kit, "NONIUS_NPP.MPF"));
     });
 }
 
@@ -137,7 +124,7 @@ fn a_fanuc_program_of_two_steps() {
         description => "PPN, forward only, two runs, straight back along the diagonal to 2 mm behind node 0",
         omit_expression => true,
     }, {
-        insta::assert_snapshot!("program__fanuc_ppn", text(&kit, "O4004.NC"));
+        insta::assert_snapshot!("fanuc_ppn", text(&kit, "O4004.NC"));
     });
 }
 
@@ -150,7 +137,7 @@ fn positions_stand_in_the_order_of_the_readings() {
         description => "PPP of the same machine: R = 158.43 mm; node 1 moves Z by 55: 55*110/R = 38.188",
         omit_expression => true,
     }, {
-        insta::assert_snapshot!("program__positions", two.join("\n"));
+        insta::assert_snapshot!("positions", two.join("\n"));
     });
     assert_eq!(all.lines().count(), 1 + 4 * 14);
 }
@@ -163,7 +150,7 @@ fn offset_targets_of_a_single_axis() {
         description => "r_i = 4.5*(2*frac(0.618(i+1)) - 1) around 5, 23, 41, 59, 77, 95; first and last shifted inwards",
         omit_expression => true,
     }, {
-        insta::assert_snapshot!("program__offset_targets", text(&kit, "positions.csv"));
+        insta::assert_snapshot!("offset_targets", text(&kit, "positions.csv"));
     });
 }
 
@@ -258,6 +245,7 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
             "",
             "has not arrived at node 6 moving",
         ),
+        (" G94", "", "without a feed per minute"),
         ("F1000.0", "F12000.0", "is too high for X"),
         ("M30", "", "the program has no end"),
         ("M30", "M30\nG500", "follows the end"),

@@ -149,12 +149,18 @@ fn runs_under_the_name_of_a_reverse_run_are_left_out_and_named() {
     assert!(notes.contains("NNN …"), "{notes}");
 }
 
-const RTL: &str = "formats/rtl_linear_bidirectional_selfmade.rtl";
+/// Figures of an `.rtl` file that notes a temperature of the material.
+fn of_rtl(sign: &str, targets_run: &str) -> Value {
+    let file = fixture("formats/rtl_linear_bidirectional_selfmade.rtl");
+    let way = ["--sign", sign, "--targets-run", targets_run];
+    let material = ["--material-corrected", "not-stated"];
+    document(&file, &[&way[..], &material[..]].concat())
+}
 
 /// Two runs out, two back; by hand from the first and the last target of the file.
 #[test]
 fn the_runs_of_an_rtl_file_keep_their_scatter() {
-    let document = document(&fixture(RTL), &["--sign", "as-error", "--targets-run", "+"]);
+    let document = of_rtl("as-error", "+");
     assert_eq!(document["runs"], serde_json::json!({ "up": 2, "down": 2 }));
     let iso = &document["iso_230_2"];
     let first = &iso["targets"][0];
@@ -169,7 +175,7 @@ fn the_runs_of_an_rtl_file_keep_their_scatter() {
 /// Against the axis, the directions change places and every deviation changes its sign.
 #[test]
 fn the_way_of_the_targets_turns_directions_and_deviations() {
-    let of = |way| document(&fixture(RTL), &["--sign", "as-error", "--targets-run", way]);
+    let of = |way| of_rtl("as-error", way);
     let (plus, minus) = (of("+"), of("-"));
     let (plus, minus) = (&plus["iso_230_2"], &minus["iso_230_2"]);
     for (here, there) in [
@@ -187,8 +193,7 @@ fn the_way_of_the_targets_turns_directions_and_deviations() {
         -last["mean_up_um"].as_f64().unwrap(),
     );
     near(&first["B_um"], last["B_um"].as_f64().unwrap());
-    let corrections = ["--sign", "as-correction", "--targets-run", "+"];
-    let turned = document(&fixture(RTL), &corrections);
+    let turned = of_rtl("as-correction", "+");
     near(&turned["iso_230_2"]["B_mean_um"], -1.55);
 }
 

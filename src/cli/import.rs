@@ -253,7 +253,7 @@ pub(super) fn encoding_word(text: &str) -> Result<Encoding, String> {
     }
 }
 
-fn axis_word(text: &str) -> Result<Axis, String> {
+pub(super) fn axis_word(text: &str) -> Result<Axis, String> {
     Axis::from_letter(text).ok_or_else(|| "expected x, y or z".to_string())
 }
 
@@ -294,7 +294,7 @@ fn values_word(text: &str) -> Result<Values, String> {
     by_word(text, &[Values::Absolute], Values::word)
 }
 
-fn material_word(text: &str) -> Result<MaterialCorrected, String> {
+pub(super) fn material_word(text: &str) -> Result<MaterialCorrected, String> {
     let all = [
         MaterialCorrected::Yes,
         MaterialCorrected::No,

@@ -4,15 +4,16 @@ pub(super) mod diagonals;
 mod document;
 mod text;
 
-use crate::axis::Direction;
+use crate::axis::{Axis, Direction};
 use crate::cli::import::{
-    by_word, direction_word, encoding_word, millimetres, runs_word, sign_word,
+    axis_word, by_word, direction_word, encoding_word, material_word, millimetres, runs_word,
+    sign_word,
 };
 use crate::cli::inputs::{file_name, read_argument};
 use crate::cli::{Answer, Format, print, print_json};
 use crate::delimited::{LengthUnit, header_and_rows};
 use crate::document::Source;
-use crate::import::choices::{Encoding, Runs as Ways, Sign};
+use crate::import::choices::{Encoding, MaterialCorrected, Runs as Ways, Sign};
 use crate::import::{self, Measurement, measured_runs};
 use crate::kit::sha256;
 use crate::problem::{Problem, Problems};
@@ -46,7 +47,13 @@ pub(super) struct Options {
     /// .rtl: unidirectional, or bidirectional (even runs go back)
     #[arg(long, value_parser = runs_word)]
     runs: Option<Ways>,
-    /// .rtl: encoding of its text, where it is not UTF-8: latin-1 or gbk
+    /// .rtl: the axis that moved, where the file names none
+    #[arg(long, value_parser = axis_word)]
+    axis: Option<Axis>,
+    /// .rtl: whether the instrument took the expansion of the material out: yes, no or not-stated
+    #[arg(long, value_parser = material_word)]
+    material_corrected: Option<MaterialCorrected>,
+    /// .rtl: encoding of its text, where it does not show itself, e.g. latin-1 or gbk
     #[arg(long, value_parser = encoding_word)]
     encoding: Option<Encoding>,
     /// What to print
@@ -142,6 +149,8 @@ impl Input {
                 "--sign",
                 "--targets-run",
                 "--runs",
+                "--axis",
+                "--material-corrected",
                 "--encoding",
             ],
             Input::Readings | Input::Job => &[],
@@ -166,6 +175,8 @@ impl Options {
             sign: self.sign,
             targets_run: self.targets_run,
             runs: self.runs,
+            axis: self.axis,
+            material_corrected: self.material_corrected,
             ..import::stated::Stated::default()
         }
     }
@@ -179,6 +190,8 @@ impl Options {
             ("--sign", self.sign.is_some()),
             ("--targets-run", self.targets_run.is_some()),
             ("--runs", self.runs.is_some()),
+            ("--axis", self.axis.is_some()),
+            ("--material-corrected", self.material_corrected.is_some()),
             ("--encoding", self.encoding.is_some()),
         ];
         let mut problems = Problems::none();

@@ -1,13 +1,13 @@
 //! Planned moves → part programs and the positions beside them.
 
 use crate::axis::{Axis, PerAxis};
-use crate::controller::program::{Language, ProgramFacts};
-use crate::controller::{LengthUnit, Profile};
+use crate::controller::LengthUnit;
+use crate::controller::program::Language;
 use crate::emit::{COMMENT_TEXT, LONGEST_TEXT};
 use crate::emit::{TOOL, fixed, is_comment_text, render_text, with_line_ends};
-use crate::job::{Job, ProgramRequest, RunType, TargetGrid};
+use crate::job::{RunType, TargetGrid};
 use crate::problem::{Problem, Problems};
-use crate::program::{Digits, MeasuringRun, Move, Resolution, SetUpProgram, Subject};
+use crate::program::{Digits, MeasuringRun, Move, Resolution, RunTask, SetUpProgram, Subject};
 use serde::Serialize;
 
 /// A file of a measuring run, ready to be written.
@@ -53,35 +53,34 @@ enum Block {
 const TIME_DECIMALS: u32 = 3;
 
 /// The programs of a run as files, in the order of the plan.
-pub fn programs(
-    job: &Job,
-    request: &ProgramRequest,
-    profile: &Profile,
-    facts: &ProgramFacts,
-    run: &MeasuringRun,
-) -> Result<Vec<ProgramFile>, Problems> {
-    refuse_unsafe_text(job, profile, facts)?;
+pub fn programs(task: RunTask<'_>, run: &MeasuringRun) -> Result<Vec<ProgramFile>, Problems> {
+    refuse_unsafe_text(task)?;
     let mut problems = Problems::none();
     let mut files = Vec::new();
     for (index, program) in run.programs.iter().enumerate() {
-        let number = request.number + u32::try_from(index).unwrap_or(0);
-        let context = context(job, request, profile, facts, run, program, number);
-        files.extend(problems.take(render(profile, facts, context, number, program)));
+        let number = task.request.number + u32::try_from(index).unwrap_or(0);
+        let context = context(task, program, run.resolution, number);
+        files.extend(problems.take(render(task, &context, number, program)));
     }
     problems.or_ok(files)
 }
 
-fn refuse_unsafe_text(job: &Job, profile: &Profile, facts: &ProgramFacts) -> Result<(), Problems> {
+fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
+    let RunTask {
+        job,
+        profile,
+        facts,
+        ..
+    } = task;
     let mut problems = Problems::none();
     let serial = job.machine.serial.clone().unwrap_or_default();
     for (path, text) in [
         ("machine.name", &job.machine.name),
         ("machine.serial", &serial),
     ] {
-        if !is_comment_text(text) || text.contains('"') {
-            let message = format!(
-                "`{path}` goes into comments of the programs, expected {COMMENT_TEXT} and without quotes"
-            );
+        if !is_comment_text(text) {
+            let message =
+                format!("`{path}` goes into comments of the programs, expected {COMMENT_TEXT}");
             problems.push(
                 job.problem_at(path, message)
                     .help("write it in plain letters and digits"),
@@ -107,20 +106,14 @@ fn refuse_unsafe_text(job: &Job, profile: &Profile, facts: &ProgramFacts) -> Res
     problems.or_ok(())
 }
 
-#[allow(
-    clippy::too_many_arguments,
-    reason = "a program is made of all of these and nothing else"
-)]
 fn context<'a>(
-    job: &Job,
-    request: &ProgramRequest,
-    profile: &Profile,
-    facts: &'a ProgramFacts,
-    run: &MeasuringRun,
+    task: RunTask<'a>,
     program: &SetUpProgram,
+    resolution: Resolution,
     number: u32,
 ) -> ProgramContext<'a> {
-    let unit = run.resolution.unit;
+    let RunTask { request, facts, .. } = task;
+    let unit = resolution.unit;
     let letters = &facts.axis_letters.value;
     let name = program.subject.name();
     let start = program
@@ -128,11 +121,11 @@ fn context<'a>(
         .first()
         .copied()
         .unwrap_or(PerAxis::from_fn(|_| 0));
-    let approach = words(letters, &start, run.resolution, true);
+    let approach = words(letters, &start, resolution, true);
     ProgramContext {
         name: format!("NONIUS {name}"),
         number: format!("{number:04}"),
-        header: header(job, request, profile, run, program),
+        header: header(task, program, unit),
         opening: format!("{name} GOES TO{approach}: PATH FREE, NO TOOL OFFSET ACTIVE, CYCLE START"),
         cancel: &facts.cancel.value,
         machine_position: &facts.machine_position.value,
@@ -141,7 +134,7 @@ fn context<'a>(
         dwell_s: decimal(request.dwell_s),
         unit_word: unit_word(facts.language, unit),
         feed: decimal(request.feed_mm_per_min / unit.in_mm()),
-        blocks: blocks(program, letters, run.resolution),
+        blocks: blocks(program, letters, resolution),
     }
 }
 
@@ -154,14 +147,14 @@ const fn unit_word(language: Language, unit: LengthUnit) -> &'static str {
     }
 }
 
-fn header(
-    job: &Job,
-    request: &ProgramRequest,
-    profile: &Profile,
-    run: &MeasuringRun,
-    program: &SetUpProgram,
-) -> Vec<String> {
-    let unit = run.resolution.unit.word();
+fn header(task: RunTask<'_>, program: &SetUpProgram, unit: LengthUnit) -> Vec<String> {
+    let RunTask {
+        job,
+        request,
+        profile,
+        ..
+    } = task;
+    let unit = unit.word();
     let serial = job.machine.serial.as_deref().unwrap_or("NOT STATED");
     let directions = if request.bidirectional {
         "BOTH DIRECTIONS"
@@ -188,7 +181,8 @@ fn header(
             request.what.word(),
             program.subject.name()
         ),
-        format!("MACHINE {}, SERIAL {serial}", job.machine.name),
+        format!("MACHINE {}", job.machine.name),
+        format!("SERIAL {serial}"),
         format!("MADE BY {TOOL} FOR {}", profile.name),
         path,
         format!(
@@ -235,17 +229,17 @@ fn words(letters: &[String], of: &PerAxis<Digits>, resolution: Resolution, all: 
 }
 
 fn render(
-    profile: &Profile,
-    facts: &ProgramFacts,
-    context: ProgramContext<'_>,
+    task: RunTask<'_>,
+    context: &ProgramContext<'_>,
     number: u32,
     program: &SetUpProgram,
 ) -> Result<ProgramFile, Problems> {
+    let RunTask { profile, facts, .. } = task;
     let stem = match facts.language {
         Language::Siemens => format!("NONIUS_{}", program.subject.name()),
         Language::Fanuc => format!("O{number:04}"),
     };
-    let seen = tera::Context::from_serialize(&context).map_err(|error| {
+    let seen = tera::Context::from_serialize(context).map_err(|error| {
         Problem::new(format!(
             "the context of the program cannot be made: {error}"
         ))

@@ -148,7 +148,7 @@ impl<'a> File<'a> {
     }
 
     /// From the first target to the last.
-    fn length_mm(&self) -> f64 {
+    pub(super) fn length_mm(&self) -> f64 {
         match (self.targets.first(), self.targets.last()) {
             (Some(first), Some(last)) => (last - first).abs(),
             _ => 0.0,

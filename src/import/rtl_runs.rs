@@ -48,19 +48,14 @@ impl Travelled {
             "; one run tells nothing about the uncertainty"
         };
         let mut words = vec![format!("runs: {}{u}", counts.join(", "))];
-        words.extend(self.dropped_words());
-        words
-    }
-
-    /// Runs that were never made, in words.
-    pub(super) fn dropped_words(&self) -> Option<String> {
-        let dropped: Vec<String> = self.dropped.iter().map(usize::to_string).collect();
-        (!dropped.is_empty()).then(|| {
-            format!(
+        if !self.dropped.is_empty() {
+            let dropped: Vec<String> = self.dropped.iter().map(usize::to_string).collect();
+            words.push(format!(
                 "runs {} hold only zeros: they were never made and are left out",
                 dropped.join(", ")
-            )
-        })
+            ));
+        }
+        words
     }
 }
 

@@ -2,11 +2,13 @@
 //! repeatability.
 
 use crate::axis::{Axis, Direction};
-use crate::import::choices::Encoding;
+use crate::document::Source;
+use crate::import::choices::{Encoding, Sign};
 use crate::import::placing::Placing;
 use crate::import::rtl::{File, linear_kind};
+use crate::import::rtl_runs::Travelled;
 use crate::import::rtl_sections::Sections;
-use crate::import::rtl_texts::{axis_fact, environment_facts, user_facts};
+use crate::import::rtl_texts::{environment_facts, material_words, stated_axis, user_facts};
 use crate::import::stated::Stated;
 use crate::import::{Component, Format, Kind, Measurement, encoding, refused};
 use crate::problem::Problems;
@@ -30,7 +32,13 @@ const POSITIONING: Component = Component {
     along: Axis::X,
 };
 /// What has to be stated of the file, or may be.
-const TAKES: [&str; 3] = ["--targets-run", "--sign", "--runs"];
+const TAKES: [&str; 5] = [
+    "--axis",
+    "--targets-run",
+    "--sign",
+    "--runs",
+    "--material-corrected",
+];
 
 /// Reads the runs of a `.rtl` file: runs 1, 3, 5 … went from the first target to the last, even
 /// ones back, as the file's flags or `--runs` say.
@@ -47,20 +55,24 @@ pub fn measured_runs(
     let (source, words) = encoding::decode(file, stated_encoding)?;
     refused::refuse_text(file, &source.text, false)?;
     let mut problems = stated.foreign_to(Format::Rtl.word(), &TAKES);
-    let sections = problems.take(Sections::of(&source));
-    let parts = sections.and_then(|sections| {
-        let kind = linear_kind(&sections, &mut problems);
-        let parts = problems.take(File::read(&sections));
-        let mut facts = user_facts(&sections);
-        facts.extend(axis_fact(&sections));
-        facts.extend(kind);
-        facts.extend(environment_facts(&sections));
-        parts.map(|file| (file, facts))
-    });
-    let sign = stated.required_sign(&mut problems);
-    let Some((file, said)) = parts else {
+    let Some(mut measured) = problems.take(read(&source, stated)) else {
         return Err(problems);
     };
+    measured.facts.insert(0, format!("text: {words}"));
+    problems.or_ok(measured)
+}
+
+fn read(source: &Source, stated: &Stated) -> Result<MeasuredRuns, Problems> {
+    let sections = Sections::of(source)?;
+    let mut problems = Problems::none();
+    let kind = linear_kind(&sections, &mut problems);
+    let file = problems.take(File::read(&sections));
+    let sign = stated.required_sign(&mut problems);
+    let axis = stated_axis(&sections, stated, &mut problems);
+    let Some(file) = file else {
+        return Err(problems);
+    };
+    let warnings = material_words(&sections, stated, file.length_mm(), &mut problems);
     let placed = Stated {
         first_target_at_mm: first_target_mm(&file.targets, stated),
         ..stated.clone()
@@ -70,28 +82,47 @@ pub fn measured_runs(
     let (Some(sign), Some(placing), Some(ways)) = (sign, placing, ways) else {
         return Err(problems);
     };
-    let runs_of = |runs: &[usize]| -> Option<Vec<Vec<f64>>> {
-        let one = |run: &usize| placing.deviations(&file.run(*run), POSITIONING, sign);
-        let each: Vec<Vec<f64>> = runs.iter().map(one).collect();
-        let at = |target: usize| each.iter().map(|of_run| of_run[target]).collect();
-        (!runs.is_empty()).then(|| (0..file.targets.len()).map(at).collect())
-    };
-    let (out, back) = (runs_of(&ways.forward), runs_of(&ways.reverse));
-    let (up_um, down_um) = match placing.run {
-        Direction::Plus => (out, back),
-        Direction::Minus => (back, out),
-    };
-    let mut facts = vec![format!("text: {words}")];
-    facts.extend(said);
+    let mut facts = user_facts(&sections);
+    facts.extend(axis);
+    facts.extend(kind);
+    facts.extend(environment_facts(&sections));
     facts.push("targets: counted from the zero of the file, not of the machine".to_string());
     facts.extend(placing.sense_words(POSITIONING));
-    facts.extend(ways.dropped_words());
+    // The first sentence is about means.
+    facts.extend(ways.words(&placing).into_iter().skip(1));
+    facts.extend(warnings);
+    let (up_um, down_um) = file.by_direction(&ways, &placing, sign);
     problems.or_ok(MeasuredRuns {
         targets_mm: placing.positions_mm(),
         up_um,
         down_um,
         facts,
     })
+}
+
+/// Of each target the deviations of all runs; `None` where there is no run.
+type OfTargets = Option<Vec<Vec<f64>>>;
+
+impl File<'_> {
+    /// Runs moving + and −.
+    fn by_direction(
+        &self,
+        ways: &Travelled,
+        placing: &Placing,
+        sign: Sign,
+    ) -> (OfTargets, OfTargets) {
+        let of = |runs: &[usize]| -> OfTargets {
+            let one = |run: &usize| placing.deviations(&self.run(*run), POSITIONING, sign);
+            let each: Vec<Vec<f64>> = runs.iter().map(one).collect();
+            let at = |target: usize| each.iter().map(|of_run| of_run[target]).collect();
+            (!runs.is_empty()).then(|| (0..self.targets.len()).map(at).collect())
+        };
+        let (out, back) = (of(&ways.forward), of(&ways.reverse));
+        match placing.run {
+            Direction::Plus => (out, back),
+            Direction::Minus => (back, out),
+        }
+    }
 }
 
 /// The coordinate of the first target: that of the file, mirrored at its zero where the file counts

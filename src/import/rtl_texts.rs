@@ -58,17 +58,6 @@ pub(super) fn user_facts(sections: &Sections<'_>) -> Vec<String> {
         .collect()
 }
 
-/// The axis as the file names it.
-pub(super) fn axis_fact(sections: &Sections<'_>) -> Option<String> {
-    let fields = user_fields(sections).into_iter();
-    let named = fields.filter(|(key, word)| *key == "Axis" && !word.text.is_empty());
-    named.map(|(_, word)| axis_words(word)).next()
-}
-
-fn axis_words(word: Word<'_>) -> String {
-    format!("the file says: Axis: {}", shown(word.text))
-}
-
 /// The axis that the file names; it must be the one that was stated.
 pub(super) fn stated_axis(
     sections: &Sections<'_>,
@@ -80,7 +69,7 @@ pub(super) fn stated_axis(
     if word.text.is_empty() {
         return None;
     }
-    let said = axis_words(*word);
+    let said = format!("the file says: Axis: {}", shown(word.text));
     let expected = stated.term.map(|term| term.along).or(stated.axis);
     let Some(letter) = only_letter(word.text) else {
         if stated.axis.is_none() {

@@ -15,9 +15,11 @@ pub(super) enum Motion {
 /// What a word of a language means here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Meaning {
-    /// Named and without effect on these moves (planes, exact stop, feed per minute).
+    /// Named and without effect on these moves (planes, exact stop).
     Neutral,
     Motion(Motion),
+    /// Feeds are per minute, not per turn of a spindle.
+    FeedPerMinute,
     Absolute,
     Incremental,
     Unit(LengthUnit),
@@ -51,6 +53,7 @@ pub(super) struct Modal {
     incremental: Option<bool>,
     unit: Option<LengthUnit>,
     feed: Option<f64>,
+    per_minute: bool,
 }
 
 /// What one block says.
@@ -127,6 +130,7 @@ impl Modal {
         match meaning {
             Meaning::Neutral => {}
             Meaning::Motion(motion) => self.motion = Some(motion),
+            Meaning::FeedPerMinute => self.per_minute = true,
             Meaning::Absolute => self.incremental = Some(false),
             Meaning::Incremental => self.incremental = Some(true),
             Meaning::Unit(unit) => self.unit = Some(unit),
@@ -173,9 +177,8 @@ impl Modal {
             (Some(Motion::Feed), Some(true), machine)
                 if machine == rules.increments_need_machine =>
             {
-                let feed = self
-                    .feed
-                    .ok_or_else(|| refuse(block, "a move without a feed"))?;
+                let feed = self.feed.filter(|_| self.per_minute);
+                let feed = feed.ok_or_else(|| refuse(block, "a move without a feed per minute"))?;
                 let by = PerAxis::from_fn(|axis| place[axis].unwrap_or(0.0));
                 Ok(Some(Deed::By(by, feed)))
             }

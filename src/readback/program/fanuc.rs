@@ -74,14 +74,14 @@ fn without_comments(line: &str, start: usize) -> Result<String, Complaint> {
     }
 }
 
-/// B-64484EN, G-code system of a machining centre; G17, G61 (exact stop) and G94 (feed per
-/// minute) do not change where the axes go.
+/// B-64484EN, G-code system of a machining centre; G17 and G61 (exact stop) do not change where the axes go.
 fn meaning(word: &str) -> Option<Meaning> {
     Some(match word {
         "G00" => Meaning::Motion(Motion::Rapid),
         "G01" => Meaning::Motion(Motion::Feed),
         "G04" => Meaning::Dwell,
-        "G17" | "G61" | "G94" => Meaning::Neutral,
+        "G17" | "G61" => Meaning::Neutral,
+        "G94" => Meaning::FeedPerMinute,
         "G20" => Meaning::Unit(LengthUnit::Inch),
         "G21" => Meaning::Unit(LengthUnit::Millimetre),
         "G40" => Meaning::Cancel(Cancelled::ToolRadius),

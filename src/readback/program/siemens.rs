@@ -39,13 +39,14 @@ fn is_message(line: &str) -> bool {
     inside.is_empty() || text.is_some_and(|text| !text.contains('"'))
 }
 
-/// Programming Manual; G17, G60 (exact stop) and G94 (mm/min) do not change where the axes go.
+/// Programming Manual; G17 and G60 (exact stop) do not change where the axes go.
 fn meaning(word: &str) -> Option<Meaning> {
     Some(match word {
         "G0" => Meaning::Motion(Motion::Rapid),
         "G1" => Meaning::Motion(Motion::Feed),
         "G4" => Meaning::Dwell,
-        "G17" | "G60" | "G94" => Meaning::Neutral,
+        "G17" | "G60" => Meaning::Neutral,
+        "G94" => Meaning::FeedPerMinute,
         "G40" => Meaning::Cancel(Cancelled::ToolRadius),
         "D0" => Meaning::Cancel(Cancelled::ToolLength),
         "G500" => Meaning::Cancel(Cancelled::Offset),
