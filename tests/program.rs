@@ -154,6 +154,25 @@ fn offset_targets_of_a_single_axis() {
     });
 }
 
+#[test]
+fn what_is_not_stated_has_its_default() {
+    let asked = |keys: &str| Case::small("generic", keys).read().program.unwrap();
+    let steps = asked("what = \"step-diagonal\"");
+    assert_eq!((steps.feed_mm_per_min, steps.dwell_s), (1000.0, 3.0));
+    assert_eq!((steps.overrun.mm(), steps.preload.mm()), (2.0, 2.0));
+    assert_eq!((steps.runs, steps.bidirectional), (1, true));
+    assert_eq!(
+        (steps.volume.steps, steps.size_path),
+        (2, "measurement.step_diagonal.size_mm")
+    );
+    assert_eq!(asked("what = \"single-axis\"").runs, 5);
+    let forward = asked("what = \"step-diagonal\"\nreturn = \"diagonal\"\nsteps = 3");
+    assert!(!forward.bidirectional);
+    assert_eq!(forward.volume.steps, 3);
+    let turning = asked("what = \"step-diagonal\"\noverrun_mm = 0");
+    assert_eq!((turning.overrun.mm(), turning.preload.mm()), (0.0, 2.0));
+}
+
 /// Golden: step·√(1 − (V/R)²) of reference step-diagonal §1.1 for 900×720×720, n = 30.
 #[test]
 fn the_mirror_of_the_paper() {
