@@ -137,6 +137,8 @@ pub struct Measurement {
     /// What every output has to say of the measurement, one sentence each: what is stated and not
     /// used, and what a separation rests on.
     pub notes: Vec<String>,
+    /// What forbids to trust the measured errors, one sentence each: no forecast from them passes.
+    pub doubts: Vec<String>,
 }
 
 /// Which terms to compensate.

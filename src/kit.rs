@@ -55,6 +55,15 @@ impl Inputs {
         })
     }
 
+    /// The verdict of a forecast; measured errors that are in doubt do not pass.
+    fn judged(&self, forecast: &Forecast) -> Verdict {
+        let verdict = forecast.verdict(self.job.acceptance);
+        if self.job.measurement.doubts.is_empty() {
+            return verdict;
+        }
+        verdict.max(Verdict::Undecided)
+    }
+
     fn task(&self) -> Task<'_> {
         Task {
             job: &self.job,
@@ -127,7 +136,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         emulator(&inputs.profile, &read.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let forecast =
         forecast(&inputs.model, &plan, control.as_ref()).map_err(|e| cannot_emulate(&e))?;
-    let verdict = forecast.verdict(inputs.job.acceptance);
+    let verdict = inputs.judged(&forecast);
     let manifest = build_manifest(inputs, &plan, &compiled, &files, &forecast);
     Ok(Kit {
         plan,
@@ -331,7 +340,7 @@ pub fn verify(
     }
     disagreements.dedup();
     let verdict = match &result {
-        Some(forecast) if disagreements.is_empty() => forecast.verdict(inputs.job.acceptance),
+        Some(forecast) if disagreements.is_empty() => inputs.judged(forecast),
         _ => Verdict::Fail,
     };
     let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);

@@ -25,6 +25,7 @@
 //! the shapes of all nine curves alone and makes their slopes worthless; the slopes are taken
 //! from the totals instead, see [`metric`].
 
+pub mod agreement;
 pub mod closure;
 pub mod corrections;
 pub mod curves;
@@ -45,6 +46,7 @@ mod campaign;
 
 mod banded;
 mod lookup;
+mod system;
 
 pub use self::campaign::{
     Campaign, Evidence, Line, NineErrors, Separation, corrected, curves_of, separate,

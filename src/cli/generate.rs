@@ -56,6 +56,7 @@ fn report(inputs: &Inputs, kit: &Kit) -> String {
             .to_string(),
         show::remarks(&kit.plan, &kit.compiled, Some(&kit.forecast)),
         show::verdict(kit.verdict, job.acceptance, Some(&kit.forecast), false),
+        show::doubts(&job.measurement.doubts),
         show::assumptions(&kit.compiled.assumptions),
         show::preconditions(&kit.compiled.preconditions),
     ])

@@ -33,8 +33,9 @@ pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     );
     let table = problems.take(error_table(&job, folder, &mut hashes));
     match (profile, table) {
-        (Some(profile), Some((table, notes))) if problems.is_empty() => {
+        (Some(profile), Some((table, notes, doubts))) if problems.is_empty() => {
             job.measurement.notes.extend(notes);
+            job.measurement.doubts.extend(doubts);
             Inputs::new(job, profile, &table, hashes)
         }
         _ => Err(problems),
@@ -54,11 +55,10 @@ fn at_controller(job: &Job, problems: Problems) -> Problems {
     placed
 }
 
-fn error_table(
-    job: &Job,
-    folder: &Path,
-    hashes: &mut Vec<HashedFile>,
-) -> Result<(ErrorTable, Vec<String>), Problems> {
+/// An error table, what is to be said of it, and what forbids to trust it.
+type Told = (ErrorTable, Vec<String>, Vec<String>);
+
+fn error_table(job: &Job, folder: &Path, hashes: &mut Vec<HashedFile>) -> Result<Told, Problems> {
     let path = match &job.measurement.data {
         MeasuredData::Errors(path) => path,
         MeasuredData::Diagonals(measurement) => {
@@ -74,7 +74,7 @@ fn error_table(
     hashes.push(hashed(path, &bytes));
     let source = Source::from_bytes(&full.display().to_string(), &bytes)?;
     hashes.extend(imported_from(&source.text, path));
-    Ok((ErrorTable::read(source)?, Vec::new()))
+    Ok((ErrorTable::read(source)?, Vec::new(), Vec::new()))
 }
 
 /// The measurement that an imported error table came from, as its comment states it.
@@ -95,7 +95,7 @@ fn separated_table(
     measurement: &DiagonalMeasurement,
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
-) -> Result<(ErrorTable, Vec<String>), Problems> {
+) -> Result<Told, Problems> {
     if measurement.kind == PathKind::Straight {
         return Err(job
             .problem_at(
@@ -126,7 +126,11 @@ fn separated_table(
     let missing = separation.undetermined.iter();
     let missing = missing.map(|words| format!("not determined by the readings: {words}"));
     let notes = missing.chain(separation.labels.iter().cloned()).collect();
-    Ok((table, notes))
+    Ok((
+        table,
+        notes,
+        separation.contradiction().into_iter().collect(),
+    ))
 }
 
 /// A measurement of diagonals with everything that its job names.

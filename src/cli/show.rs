@@ -214,6 +214,15 @@ pub(super) fn verdict(
     lines.join("\n")
 }
 
+/// What forbids to trust the measured errors, below the verdict.
+pub(super) fn doubts(doubts: &[String]) -> String {
+    let lines: Vec<String> = doubts
+        .iter()
+        .map(|words| format!("no pass from these errors, because {words}"))
+        .collect();
+    lines.join("\n")
+}
+
 /// Assumed facts with their consequence.
 pub(super) fn assumptions(assumptions: &[Assumption]) -> String {
     if assumptions.is_empty() {

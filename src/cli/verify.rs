@@ -167,6 +167,7 @@ fn report(inputs: &Inputs, directory: &Path, verification: &Verification) -> Str
             forecast,
             !verification.disagreements.is_empty(),
         ),
+        show::doubts(&inputs.job.measurement.doubts),
         absent(&verification.absent),
         show::remarks(&verification.plan, &verification.compiled, forecast),
         show::assumptions(&verification.compiled.assumptions),
@@ -203,6 +204,7 @@ fn document(inputs: &Inputs, verification: &Verification) -> Value {
         .iter()
         .cloned()
         .chain(misses.unwrap_or_default())
+        .chain(inputs.job.measurement.doubts.iter().cloned())
         .collect();
     json!({
         "schema": 1,

@@ -1,22 +1,24 @@
 //! A whole measurement of step diagonals, from its runs to the nine errors.
 
+use super::agreement::{Agreement, agreement};
 use super::closure::{Closure, closure};
-use super::corrections::{AngleEffects, bow_um_per_urad, without_angles, without_expansion};
+use super::corrections::{
+    AngleEffects, bow_um_per_urad, recorded, without_angles, without_expansion,
+};
 use super::curves::{Curve, curves, end_slope, mean, plus_line, with_slope};
 use super::increments::{Group, Increments, Means, mean_increments};
 use super::line::ReferenceLine;
+use super::lookup::at;
 use super::metric::{Metric, PerPlane, Plane, StraightLine, displacement_ratios, solve};
 use super::noise::{CorrectedRun, Noise, NoiseSource, from_repeats, means, run_counts};
 use super::reversal::{Turn, ran_over, turn, without_jumps};
-use super::straight::{DiagonalFigures, Totals, figures, totals, u_squareness};
+use super::straight::{DiagonalFigures, Totals, figures, totals};
 use super::tilt::{Tilt, tilts};
 use super::uncertainty::{Budget, SlopeFrom};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
-
-/// Uncertainty that weighs totals and lines where neither noise nor a statement gives one, µm/m.
-const WEIGHT_UM_PER_M: f64 = 1.0;
+use crate::job::{DiagonalMeasurement, Frame, LinearSlope, Material, SetUp, StatedUncertainty};
+use crate::units::Millimetres;
 
 /// One separated curve.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,11 +66,14 @@ pub struct Separation {
     /// Squareness φ, µm/m, from the totals.
     pub squareness_um_per_m: PerPlane<Option<f64>>,
     /// Its standard uncertainty, µm/m; `None` = not known.
-    pub u_squareness_um_per_m: Option<PerPlane<f64>>,
+    pub u_squareness_um_per_m: PerPlane<Option<f64>>,
     /// φ of least squares lines through the separated curves, µm/m.
     pub squareness_least_squares_um_per_m: PerPlane<Option<f64>>,
     /// Scales, squareness, rank.
     pub metric: Metric,
+    /// Whether linear axes, beams and diagonals agree; `None` where nothing is redundant or the
+    /// set-up is assumed.
+    pub agreement: Option<Agreement>,
     /// Tilt of the mirror; `None` = not determined, or assumed to be none.
     pub tilts: Option<PerDiagonal<Tilt>>,
     /// What is left over.
@@ -89,6 +94,8 @@ pub struct Separation {
     pub undetermined: Vec<String>,
     /// What was assumed and what the uncertainty holds, in words.
     pub labels: Vec<String>,
+    /// Expansion of the scales at the mean of the recorded temperatures.
+    pub material: Option<Material>,
     /// The corrected runs.
     pub runs: Vec<CorrectedRun>,
     /// The runs whose zero is that of the forward run: all, or the forward passes only.
@@ -109,6 +116,11 @@ impl Separation {
             SetUp::Solve => (self.metric.rank, 6),
             SetUp::AssumePerfect => (9, 9),
         }
+    }
+
+    /// What forbids to trust the result, in words.
+    pub fn contradiction(&self) -> Option<String> {
+        self.agreement.as_ref()?.contradiction()
     }
 
     /// Groups of readings that were separated.
@@ -141,6 +153,9 @@ pub struct Line {
     pub slope_um_per_m: f64,
     /// Standard uncertainty (k = 1), µm/m.
     pub u_um_per_m: Option<f64>,
+    /// Where it begins and ends, inside the box (machine coordinates); `None` = every axis that
+    /// moves goes from end to end of the box.
+    pub ends: Option<[PerAxis<Millimetres>; 2]>,
 }
 
 /// The readings less expansion of the scales and angular effects.
@@ -177,6 +192,9 @@ pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<CorrectedRun> {
 pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     let measurement = campaign.measurement;
     let volume = &measurement.volume;
+    let material = measurement
+        .material
+        .map(|material| recorded(&material, runs));
     let runs = corrected(campaign, runs);
     let counts = run_counts(&runs);
     let measured = means(&runs);
@@ -204,10 +222,14 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         noise,
         runs: &counts,
         stated: campaign.stated,
-        material: measurement.material,
+        material,
     };
     let groups = means.groups();
-    let (solved, raw) = solve_readings(campaign, &budget, &means);
+    let (mut solved, raw) = solve_readings(campaign, &budget, &means);
+    let agreement = solved.agreement(&budget, groups);
+    if agreement.as_ref().is_some_and(Agreement::is_refuted) {
+        solved.metric.u_known = Default::default();
+    }
     let change = PerTerm::from_fn(|term| change_um(&raw, term));
     let turn = turn(&measured, volume, &change).filter(|_| turned);
     let errors = solved.errors(&budget, groups, &raw, turn.as_ref());
@@ -217,8 +239,12 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     for diagonal in Diagonal::ALL {
         diagonals[diagonal].end_um = solved.ends_um[diagonal];
     }
-    let u_end = budget.u_end_um(groups.len());
-    let labels = labels(campaign, &budget, &means, overrun);
+    let mut labels: Vec<String> = agreement
+        .iter()
+        .filter_map(Agreement::contradiction)
+        .collect();
+    labels.extend(self::labels(campaign, &budget, &means, overrun));
+    labels.extend(solved.labels(agreement.is_some()));
     Separation {
         volume: volume.clone(),
         setup: measurement.setup,
@@ -227,13 +253,16 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         }),
         naive_slopes_um_per_m: solved.naive_slopes(volume),
         squareness_um_per_m: solved.squareness(measurement.setup),
-        u_squareness_um_per_m: u_end.map(|u| u_squareness(volume, u)),
+        u_squareness_um_per_m: solved.u_squareness(&budget, groups),
         squareness_least_squares_um_per_m: least_squares_squareness(volume, &errors.mean),
         tilts: tilts(volume, &solved.ratios, &solved.metric)
-            .filter(|_| measurement.setup == SetUp::Solve),
+            .filter(|_| measurement.setup == SetUp::Solve)
+            .filter(|_| !agreement.as_ref().is_some_and(Agreement::is_refuted)),
         undetermined: solved.undetermined(means.reverse.is_some(), turn.is_some()),
         scale_sum_um_mm: solved.totals.scale_sum_um_mm,
         metric: solved.metric,
+        agreement,
+        material,
         errors,
         closure,
         noise,
@@ -260,7 +289,7 @@ fn solve_readings(
         .map(|group| means.increments(volume, *group))
         .collect();
     let raw: Vec<PerTerm<Curve>> = increments.iter().map(|m| curves(volume, m)).collect();
-    let solved = Solved::new(campaign, budget, &increments, &raw, groups.len());
+    let solved = Solved::new(campaign, budget, &increments, &raw, groups);
     (solved, raw)
 }
 
@@ -323,6 +352,7 @@ struct Solved {
     frame: Frame,
     mean_raw: PerTerm<Curve>,
     ratios: PerDiagonal<PerAxis<f64>>,
+    lines: Vec<StraightLine>,
     metric: Metric,
     ends_um: PerDiagonal<f64>,
     totals: Totals,
@@ -334,24 +364,19 @@ impl Solved {
         budget: &Budget<'_>,
         increments: &[Increments],
         raw: &[PerTerm<Curve>],
-        passes: usize,
+        groups: &[Group],
     ) -> Solved {
         let measurement = campaign.measurement;
         let volume = &measurement.volume;
         let means = mean_increments(increments);
         let ratios = displacement_ratios(volume, &means);
-        let length_m = volume.diagonal_mm() / 1000.0;
-        let u_end = budget
-            .u_end_um(passes)
-            .map(|u| u / length_m)
-            .filter(|u| *u > 0.0);
-        let u_end = u_end.unwrap_or(WEIGHT_UM_PER_M);
-        let line = |line: &Line| StraightLine {
-            direction: line.direction,
-            slope_um_per_m: line.slope_um_per_m,
-            u_um_per_m: line.u_um_per_m.filter(|u| *u > 0.0).unwrap_or(u_end),
-        };
-        let lines: Vec<StraightLine> = campaign.lines.iter().map(line).collect();
+        let mean_raw = PerTerm::from_fn(|term| {
+            mean(&raw.iter().map(|group| &group[term]).collect::<Vec<_>>())
+        });
+        let lines = campaign.lines.iter();
+        let lines: Vec<StraightLine> = lines
+            .map(|line| without_shapes(budget, groups, &mean_raw, line))
+            .collect();
         let end = |d: Diagonal| {
             let of_axis = |axis: Axis| volume.steps_f64() * means[d][axis];
             Axis::ALL.into_iter().map(of_axis).sum::<f64>()
@@ -361,10 +386,9 @@ impl Solved {
             volume: volume.clone(),
             setup: measurement.setup,
             frame: measurement.frame,
-            mean_raw: PerTerm::from_fn(|term| {
-                mean(&raw.iter().map(|group| &group[term]).collect::<Vec<_>>())
-            }),
-            metric: solve(volume, &ratios, u_end, &lines),
+            mean_raw,
+            metric: solve(volume, &ratios, &budget.totals(groups.len()), &lines),
+            lines,
             ratios,
             totals: totals(volume, &ends_um),
             ends_um,
@@ -422,17 +446,79 @@ impl Solved {
         }
     }
 
-    fn slope_from(&self, term: ErrorTerm) -> SlopeFrom {
+    /// Where the slope of a term comes from; `None` where its uncertainty is not known.
+    fn slope_from(
+        &self,
+        budget: &Budget<'_>,
+        groups: &[Group],
+        term: ErrorTerm,
+    ) -> Option<SlopeFrom> {
+        let squareness = || self.u_squareness(budget, groups).of(plane_of(term));
         let u_um_per_m = match (self.setup, self.frame) {
-            (SetUp::AssumePerfect, Frame::AsMeasured) => return SlopeFrom::Increments,
+            (SetUp::AssumePerfect, Frame::AsMeasured) => return Some(SlopeFrom::Increments),
             (SetUp::AssumePerfect, Frame::XPrimary) if term.is_positioning() => {
-                return SlopeFrom::Increments;
+                return Some(SlopeFrom::Increments);
             }
-            (SetUp::Solve, _) if term.is_positioning() => self.metric.u_scale(term.along),
+            (SetUp::Solve, _) if term.is_positioning() => self.metric.u_scale(term.along)?,
+            (SetUp::Solve, Frame::AsMeasured) => {
+                (squareness()? / 2.0).hypot(budget.u_turn(term, groups)?)
+            }
             (_, Frame::XPrimary) if !carries_squareness(term) => 0.0,
-            _ => self.metric.u_squareness(plane_of(term)),
+            _ => squareness()?,
         };
-        SlopeFrom::Elsewhere { u_um_per_m }
+        Some(SlopeFrom::Elsewhere { u_um_per_m })
+    }
+
+    /// Standard uncertainty of φ, µm/m: the same that the cross terms carry.
+    fn u_squareness(&self, budget: &Budget<'_>, groups: &[Group]) -> PerPlane<Option<f64>> {
+        let totals = budget.u_squareness(groups.len());
+        let of = |plane: Plane| match self.setup {
+            SetUp::Solve => self.metric.u_squareness(plane).filter(|_| totals.is_some()),
+            SetUp::AssumePerfect => totals.map(|u| u.of(plane)),
+        };
+        PerPlane {
+            xy: of(Plane::Xy),
+            xz: of(Plane::Xz),
+            yz: of(Plane::Yz),
+        }
+    }
+
+    /// The redundancy of (7); `None` where there is none or where the set-up is assumed.
+    fn agreement(&self, budget: &Budget<'_>, groups: &[Group]) -> Option<Agreement> {
+        if self.setup == SetUp::AssumePerfect || self.lines.is_empty() {
+            return None;
+        }
+        let totals = budget.totals(groups.len());
+        agreement(
+            &self.volume,
+            &self.ratios,
+            &totals,
+            &self.lines,
+            &self.metric,
+        )
+    }
+
+    /// What the solution of (7) rests on, in words.
+    fn labels(&self, is_checked: bool) -> Vec<String> {
+        let mut said = Vec::new();
+        if self.setup == SetUp::AssumePerfect {
+            return said;
+        }
+        if self.metric.is_complete() && !is_checked {
+            said.push("nothing checks the linear axes and beams: with no redundancy a slope of the wrong sign or unit goes unnoticed; measure the third axis along its length".to_string());
+        }
+        if !self.metric.is_complete() {
+            let of =
+                |plane: Plane| format!("{} {:.3}", plane.key(), 10.0 * self.metric.leak.of(plane));
+            said.push(format!(
+                "the uncertainty of the squareness leaves out what is not determined of the scales: through the tilts of the mirror each 10 um/m of it moves the squareness by up to (um/m) {}",
+                Plane::ALL.map(of).join(", ")
+            ));
+        }
+        if self.frame == Frame::AsMeasured {
+            said.push("uncertainties of the cross terms hold the noise of their rotation, not the tilt of the mirror that is in it".to_string());
+        }
+        said
     }
 
     /// A separated curve with the slope of the mean curve put right.
@@ -452,7 +538,9 @@ impl Solved {
         let mean = PerTerm::from_fn(|term| {
             Some(Evidence {
                 deviation_um: self.turned(term, &self.mean_raw[term])?,
-                u_um: budget.mean_curve(term, groups, self.slope_from(term)),
+                u_um: self
+                    .slope_from(budget, groups, term)
+                    .and_then(|slope| budget.mean_curve(term, groups, slope)),
             })
         });
         let directed = |group: usize, reversal: Option<&Turn>| {
@@ -463,7 +551,9 @@ impl Solved {
                 let from_turn = reversal.is_some();
                 Some(Evidence {
                     deviation_um: curve.iter().map(|value| value + offset).collect(),
-                    u_um: budget.directed_curve(term, groups, self.slope_from(term), from_turn),
+                    u_um: self
+                        .slope_from(budget, groups, term)
+                        .and_then(|slope| budget.directed_curve(term, groups, slope, from_turn)),
                 })
             })
         };
@@ -486,6 +576,47 @@ impl Solved {
             );
         }
         words
+    }
+}
+
+/// A line with what the separated shapes contribute between its ends taken off: between places
+/// x₁ and x₂ of each axis k, Σ_jk v_j (D_j(k)(x₂) − D_j(k)(x₁)) = L·vᵀhv + that of the shapes.
+fn without_shapes(
+    budget: &Budget<'_>,
+    groups: &[Group],
+    mean_raw: &PerTerm<Curve>,
+    line: &Line,
+) -> StraightLine {
+    let volume = budget.volume;
+    let (mut shape_um, mut variance, mut square_mm) = (0.0, 0.0, 0.0);
+    if let Some([from, to]) = line.ends {
+        square_mm = Axis::ALL
+            .into_iter()
+            .map(|axis| (to[axis] - from[axis]).mm().powi(2))
+            .sum();
+        for term in ErrorTerm::ALL {
+            let [from, to] = [from, to].map(|end| end[term.along]);
+            if from == to {
+                continue;
+            }
+            let shape = with_slope(volume, term.along, &mean_raw[term], 0.0);
+            let positions = volume.positions(term.along);
+            let rise = at(&positions, &shape, to.mm()) - at(&positions, &shape, from.mm());
+            let share = line.direction[term.of];
+            shape_um += share * rise;
+            let spread = budget.shape_variance(term, groups, from.mm(), to.mm());
+            variance += share * share * spread.unwrap_or(0.0);
+        }
+    }
+    let per_m = if square_mm > 0.0 {
+        1000.0 / square_mm.sqrt()
+    } else {
+        0.0
+    };
+    StraightLine {
+        direction: line.direction,
+        slope_um_per_m: line.slope_um_per_m - per_m * shape_um,
+        u_um_per_m: line.u_um_per_m.map(|u| u.hypot(per_m * variance.sqrt())),
     }
 }
 
@@ -567,11 +698,34 @@ fn labels(
     }
     let bow = bow_um_per_urad(&measurement.volume, measurement.target);
     labels.extend(budget.sentences(campaign.angles.is_some(), &bow));
-    if campaign.lines.iter().any(|line| line.u_um_per_m.is_none()) {
-        labels.push(
-            "a linear axis or beam states no uncertainty: it is weighed like a diagonal"
-                .to_string(),
-        );
-    }
+    labels.extend(line_labels(campaign));
     labels
+}
+
+/// What is assumed of linear axes and beams.
+fn line_labels(campaign: &Campaign<'_>) -> Vec<String> {
+    let mut said = Vec::new();
+    if campaign.lines.iter().any(|line| line.u_um_per_m.is_none()) {
+        said.push("a linear axis or beam states no uncertainty: it is weighed like a diagonal, and neither an uncertainty nor a simulated interval is given where a result depends on it; add `u_um_per_m`".to_string());
+    }
+    if campaign.lines.iter().any(|line| line.u_um_per_m.is_some()) {
+        said.push("`u_um_per_m` of linear axes and beams is taken to hold everything that is uncertain of them, laser and temperature included, apart from the diagonals".to_string());
+    }
+    let volume = &campaign.measurement.volume;
+    let stated = campaign.measurement.linear.iter();
+    let stated = stated.filter(|linear| matches!(linear.slope, LinearSlope::Stated(_)));
+    let spans: Vec<String> = stated
+        .map(|linear| {
+            let low = volume.start[linear.axis].mm();
+            let high = low + volume.size[linear.axis].mm();
+            format!("{} {low} to {high} mm", linear.axis)
+        })
+        .collect();
+    if !spans.is_empty() {
+        said.push(format!(
+            "stated slopes of linear axes are taken as those between the ends of the box ({}); give what was measured over another length as a `beam` with its two ends",
+            spans.join(", ")
+        ));
+    }
+    said
 }

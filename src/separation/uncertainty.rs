@@ -10,14 +10,21 @@
 //! ```
 //! Neglected: that the first and last reading of a diagonal serve both shape and total (a share
 //! of order 1/n; the coverage in docs/accuracy.md was measured with it). Stated contributions of
-//! `[measurement.uncertainty]` are straight lines in position and are added as squares.
+//! `[measurement.uncertainty]` are straight lines in position: they enter the totals and go through
+//! formula (7) with them, see [`Budget::totals`]; slopes from the increments take them as they are.
 
+use super::corrections::REFERENCE_C;
 use super::curves::noise_gain;
 use super::increments::Group;
+use super::metric::{PerPlane, Plane, TotalsUncertainty};
 use super::noise::Noise;
+use super::straight::u_squareness;
 use crate::axis::{Axis, ErrorTerm, PerAxis};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
-use crate::job::{Material, StatedUncertainty};
+use crate::job::{AxisMaterial, Material, StatedUncertainty};
+
+/// Uncertainty that weighs totals and lines where neither noise nor a statement gives one, µm/m.
+const WEIGHT_UM_PER_M: f64 = 1.0;
 
 /// Which slope a curve has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,7 +130,11 @@ impl Budget<'_> {
             SlopeFrom::Increments => 0.0,
             SlopeFrom::Elsewhere { u_um_per_m } => u_um_per_m,
         };
-        let stated = self.stated_slope(term);
+        // What comes from elsewhere brings the stated contributions with it.
+        let stated = match slope {
+            SlopeFrom::Increments => self.stated_slope(term),
+            SlopeFrom::Elsewhere { .. } => 0.0,
+        };
         let mut curve = Vec::with_capacity(self.volume.steps + 1);
         for index in 0..=self.volume.steps {
             let metres = self.volume.along_mm(term.along, index) / 1000.0;
@@ -135,35 +146,106 @@ impl Budget<'_> {
         curve
     }
 
-    /// Stated contributions to the slope of a positioning error, µm/m: scale of the laser,
-    /// temperature and coefficient of expansion.
+    /// Stated contributions to a slope of the increments, µm/m.
     fn stated_slope(&self, term: ErrorTerm) -> f64 {
-        if !term.is_positioning() {
-            return 0.0;
-        }
-        let material = self.material.and_then(|material| material.axes[term.along]);
-        let laser = self.stated.laser_ppm.unwrap_or(0.0);
-        let temperature = material.zip(self.stated.temperature_k);
-        let temperature = temperature.map_or(0.0, |(m, u)| m.alpha_per_k * u * 1e6);
-        let warm = material.and_then(|m| m.temperature_c).map(|t| t - 20.0);
-        let alpha = warm
-            .zip(self.stated.alpha_per_k)
-            .map_or(0.0, |(dt, u)| u * dt * 1e6);
-        (laser.powi(2) + temperature.powi(2) + alpha.powi(2)).sqrt()
+        // V_k/(4V_j) Σ_d s_dj s_dk ε_d with independent ε_d.
+        let edges = self.volume.size[term.along].mm() / self.volume.size[term.of].mm();
+        let setups = edges / 2.0 * self.stated.setup_ppm.unwrap_or(0.0);
+        let common = self.common_um_per_m().into_iter().map(|strain| {
+            if term.is_positioning() {
+                strain[term.along]
+            } else {
+                0.0
+            }
+        });
+        let square: f64 = common.map(|strain| strain * strain).sum();
+        setups.hypot(square.sqrt())
     }
 
-    /// Standard uncertainty of the mean total of a diagonal, µm.
-    pub fn u_end_um(&self, passes: usize) -> Option<f64> {
-        let sigma = self.noise?.sigma_um;
-        let of = |d: Diagonal| {
-            let runs = self.runs[d].iter().take(passes);
-            let sum: f64 = runs.map(|runs| 2.0 * sigma * sigma / runs).sum();
-            #[allow(clippy::cast_precision_loss, reason = "two passes at most")]
-            let count = passes as f64;
-            sum / (count * count)
+    /// Causes that act alike in all set-ups, one after the other: the false scale of X, Y, Z that
+    /// one standard uncertainty makes, µm/m. Temperature and coefficient of expansion are taken as
+    /// wrong by the same amount on all axes, which for the totals is the largest they can do.
+    fn common_um_per_m(&self) -> Vec<PerAxis<f64>> {
+        let axes = |of: &dyn Fn(AxisMaterial) -> Option<f64>| {
+            let axis = |axis| {
+                self.material
+                    .and_then(|material| material.axes[axis])
+                    .and_then(of)
+            };
+            PerAxis::from_fn(|a| 1e6 * axis(a).unwrap_or(0.0))
         };
-        let mean: f64 = Diagonal::ALL.into_iter().map(of).sum::<f64>() / 4.0;
-        Some(mean.sqrt())
+        let laser = self.stated.laser_ppm.map(|ppm| PerAxis::from_fn(|_| ppm));
+        let temperature = self.stated.temperature_k;
+        let temperature = temperature.map(|u| axes(&|m| Some(m.alpha_per_k * u)));
+        let alpha = self.stated.alpha_per_k;
+        let alpha = alpha.map(|u| axes(&|m| Some(u * (m.temperature_c? - REFERENCE_C))));
+        let all = [laser, temperature, alpha].into_iter().flatten();
+        all.filter(|strain| Axis::ALL.into_iter().any(|axis| strain[axis] != 0.0))
+            .collect()
+    }
+
+    /// Uncertainty of the totals by their length, as formula (7) takes it.
+    pub fn totals(&self, passes: usize) -> TotalsUncertainty {
+        let metres = self.volume.diagonal_mm() / 1000.0;
+        let setups = self.stated.setup_ppm.unwrap_or(0.0);
+        TotalsUncertainty {
+            own_um_per_m: PerDiagonal::from_fn(|d| {
+                let noise = self
+                    .end_variance(passes, d)
+                    .map(|square| square.sqrt() / metres);
+                noise.unwrap_or(WEIGHT_UM_PER_M).hypot(setups)
+            }),
+            known: self.noise.is_some(),
+            common_um_per_m: self.common_um_per_m(),
+        }
+    }
+
+    /// Variance of the mean total of a diagonal by the noise of its readings, µm².
+    fn end_variance(&self, passes: usize, diagonal: Diagonal) -> Option<f64> {
+        let sigma = self.noise?.sigma_um;
+        let runs = self.runs[diagonal].iter().take(passes);
+        let sum: f64 = runs.map(|runs| 2.0 * sigma * sigma / runs).sum();
+        #[allow(clippy::cast_precision_loss, reason = "two passes at most")]
+        let count = passes as f64;
+        Some(sum / (count * count))
+    }
+
+    /// u(φ) = R/(4 V_j V_k)·√Σ u²(e_d(end)), µm/m: squareness from the totals as they are, formula (4).
+    pub fn u_squareness(&self, passes: usize) -> Option<PerPlane<f64>> {
+        let setups = self.volume.diagonal_mm() / 1000.0 * self.stated.setup_ppm.unwrap_or(0.0);
+        let ends: Option<Vec<f64>> = Diagonal::ALL
+            .into_iter()
+            .map(|d| self.end_variance(passes, d))
+            .collect();
+        let mean = ends?.iter().sum::<f64>() / 4.0;
+        Some(u_squareness(self.volume, mean.sqrt().hypot(setups)))
+    }
+
+    /// Standard uncertainty of half the difference between two twin slopes of the increments, µm/m.
+    /// The sums behind the twins share their readings with opposite signs: u² = 3 times that of one.
+    pub fn u_turn(&self, term: ErrorTerm, groups: &[Group]) -> Option<f64> {
+        let metres = self.volume.size[term.along].mm() / 1000.0;
+        let noise = self.volume.steps_f64() * self.mean_variance(term, groups)?;
+        // ε_d of the set-ups: V_k/(4V_j) − V_j/(4V_k), the same signs in both.
+        let (along, of) = (
+            self.volume.size[term.along].mm(),
+            self.volume.size[term.of].mm(),
+        );
+        let setups = (along / of - of / along) / 2.0 * self.stated.setup_ppm.unwrap_or(0.0);
+        Some(((3.0 * noise).sqrt() / metres).hypot(setups) / 2.0)
+    }
+
+    /// Variance of a shape between two positions inside the box, mm from its low corner; µm².
+    pub fn shape_variance(
+        &self,
+        term: ErrorTerm,
+        groups: &[Group],
+        from: f64,
+        to: f64,
+    ) -> Option<f64> {
+        let n = self.volume.steps_f64();
+        let steps = (to - from).abs() / self.volume.step_mm(term.along);
+        Some((steps - steps * steps / n) * self.mean_variance(term, groups)?)
     }
 
     /// What counts in the uncertainty and what does not, one sentence each.
@@ -185,21 +267,7 @@ impl Budget<'_> {
                     .to_string(),
             ),
         }
-        let stated = [
-            ("laser_ppm", self.stated.laser_ppm),
-            ("temperature_k", self.stated.temperature_k),
-            ("alpha_per_k", self.stated.alpha_per_k),
-        ];
-        for (key, value) in stated {
-            let needs_material = key != "laser_ppm";
-            match value {
-                Some(_) if needs_material && self.material.is_none() => said.push(format!(
-                    "{key} is stated but not included: the job gives no expansion of the scales ([measurement.step_diagonal.material])"
-                )),
-                Some(_) => said.push(format!("{key} is included in the positioning errors")),
-                None => said.push(format!("{key} is not stated and not included")),
-            }
-        }
+        said.extend(self.stated_sentences());
         if !angles_given {
             let bow = |axis: Axis| format!("{axis} {:.3}", bow_um_per_urad[axis]);
             said.push(format!(
@@ -208,5 +276,75 @@ impl Budget<'_> {
             ));
         }
         said
+    }
+    /// What of `[measurement.uncertainty]` counts, and for which axes.
+    fn stated_sentences(&self) -> Vec<String> {
+        let material = |axis: Axis| self.material.and_then(|material| material.axes[axis]);
+        let alpha = |axis: Axis| material(axis).map(|_| ());
+        let warm = |axis: Axis| material(axis)?.temperature_c.map(|_| ());
+        let mut said = vec![match self.stated.laser_ppm {
+            Some(_) => {
+                "laser_ppm is included in the scales, as an error that all four set-ups share"
+                    .into()
+            }
+            None => "laser_ppm is not stated and not included".into(),
+        }];
+        said.push(by_axis(
+            "temperature_k",
+            self.stated.temperature_k,
+            alpha,
+            "alpha_per_k",
+        ));
+        said.push(by_axis(
+            "alpha_per_k",
+            self.stated.alpha_per_k,
+            warm,
+            "alpha_per_k and temperature_c, or a column of temperatures",
+        ));
+        let each = u_squareness(self.volume, self.volume.diagonal_mm() / 1000.0);
+        let each = Plane::ALL.map(|plane| format!("{} {:.2}", plane.key(), each.of(plane)));
+        let each = each.join(", ");
+        said.push(match self.stated.setup_ppm {
+            Some(ppm) => format!("setup_ppm ({ppm}) is included: laser, air and scales change so much from one set-up to the next; each ppm makes um/m of squareness: {each}"),
+            None => format!("setup_ppm is not stated: changes of laser, air and scale temperature between the four set-ups are not included; each ppm (0.09 K of steel) makes um/m of squareness: {each}"),
+        });
+        let s = self.stated;
+        let any = [s.laser_ppm, s.temperature_k, s.alpha_per_k, s.setup_ppm];
+        if any.iter().any(Option::is_some) {
+            said.push("simulated intervals hold the noise of the readings and of the linear axes, not these".into());
+        }
+        said
+    }
+}
+
+/// Whether a stated contribution that needs the material of an axis is included, by axis.
+fn by_axis(
+    key: &str,
+    stated: Option<f64>,
+    known: impl Fn(Axis) -> Option<()>,
+    needs: &str,
+) -> String {
+    if stated.is_none() {
+        return format!("{key} is not stated and not included");
+    }
+    let names = |wanted: bool| {
+        let axes = Axis::ALL
+            .into_iter()
+            .filter(|axis| known(*axis).is_some() == wanted);
+        axes.map(|axis| axis.to_string())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let (with, without) = (names(true), names(false));
+    let missing = format!("the job gives no {needs} of it ([measurement.step_diagonal.material])");
+    match (with.as_str(), without.as_str()) {
+        (_, "") => format!("{key} is included in the scales, the same error on all axes"),
+        ("", _) => format!(
+            "{key} is stated but not included for any axis: {}",
+            missing.replace(" of it", "")
+        ),
+        _ => format!(
+            "{key} is included in the scales for {with}, the same error on them, but not for {without}: {missing}"
+        ),
     }
 }

@@ -6,6 +6,7 @@ use crate::diagonal::{Diagonal, PathKind};
 use crate::job::DiagonalMeasurement;
 use crate::manifest::picometres;
 use crate::problem::Problems;
+use crate::separation::agreement::{Agreement, LineCheck};
 use crate::separation::closure::Outlier;
 use crate::separation::metric::{PerPlane, Plane};
 use crate::separation::monte_carlo::Simulated;
@@ -95,8 +96,12 @@ pub(super) fn separation(
         "squareness_um_per_m".into(),
         planes(&separation.squareness_um_per_m),
     );
-    if let Some(u) = &separation.u_squareness_um_per_m {
-        page.insert("u_squareness_um_per_m".into(), known(u));
+    page.insert(
+        "u_squareness_um_per_m".into(),
+        planes(&separation.u_squareness_um_per_m),
+    );
+    if let Some(found) = &separation.agreement {
+        page.insert("redundancy".into(), agreement(found));
     }
     page.insert(
         "squareness_least_squares_um_per_m".into(),
@@ -163,6 +168,26 @@ pub(super) fn separation(
     }
     page.insert("labels".into(), json!(separation.labels));
     Ok(Value::Object(page))
+}
+
+/// Linear axes and beams against each other and the diagonals.
+fn agreement(agreement: &Agreement) -> Value {
+    let line = |line: &LineCheck| {
+        json!({
+            "line": line.name(),
+            "stated_um_per_m": picometres(line.stated_um_per_m),
+            "by_others_um_per_m": line.others.map(|o| picometres(o.found_um_per_m)),
+            "difference_um_per_m": line.difference().map(|(um_per_m, _)| picometres(um_per_m)),
+            "u_difference_um_per_m": line.others.map(|o| picometres(o.u_difference_um_per_m)),
+        })
+    };
+    json!({
+        "chi_squared": picometres(agreement.chi_squared),
+        "degrees_of_freedom": agreement.freedom,
+        "probability": agreement.probability,
+        "contradiction": agreement.contradiction(),
+        "lines": agreement.lines.iter().map(line).collect::<Vec<_>>(),
+    })
 }
 
 fn outlier(outlier: &Outlier) -> Value {
