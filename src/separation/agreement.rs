@@ -17,7 +17,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 const SMALL_PROBABILITY: f64 = 0.01;
 
 /// What to do about a contradiction.
-pub const CHECK: &str = "check sign, unit, `laser_sign` and the size of the box";
+pub const CHECK: &str = "check sign, unit, `laser_sign`, the size of the box, temperature and air";
 
 /// One line against the diagonals and all other lines.
 #[derive(Clone, Copy, Debug, PartialEq)]

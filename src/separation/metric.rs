@@ -318,12 +318,12 @@ impl Equations {
             rows: &self.nominal,
             ..self.system(covariance)
         };
-        let Some(solution) = nominal.solve() else {
+        let Some(gain) = nominal.solve().and_then(|found| nominal.gain(&found)) else {
             return [false; UNKNOWNS];
         };
         let rests = |unknown: usize| {
             let mut equations = self.known.iter().enumerate();
-            equations.all(|(equation, known)| *known || !solution.depends(unknown, equation))
+            equations.all(|(equation, known)| *known || !gain.depends(unknown, equation))
         };
         std::array::from_fn(rests)
     }
@@ -349,9 +349,9 @@ impl Equations {
             let determined = self.space.determines(index);
             determined.then(|| solution.unknowns[index])
         };
-        let leaks = solution
-            .as_ref()
-            .map_or([0.0; UNKNOWNS], |s| s.leaks(&system));
+        let gain = solution.as_ref().filter(|_| self.space.rank() < UNKNOWNS);
+        let gain = gain.and_then(|solution| system.gain(solution));
+        let leaks = gain.map_or([0.0; UNKNOWNS], |gain| system.leaks(&gain));
         let planes = Plane::ALL.map(plane_index);
         Metric {
             scale: PerAxis::from_fn(|axis| value(scale_index(axis))),

@@ -76,8 +76,6 @@ pub(super) struct Solution {
     pub(super) unknowns: DVector<f64>,
     /// Covariance of the unknowns.
     pub(super) spread: DMatrix<f64>,
-    /// dθ̂/dy.
-    pub(super) gain: DMatrix<f64>,
     /// Residuals y − M θ̂, weighed with V⁻¹.
     pub(super) chi_squared: f64,
 }
@@ -92,14 +90,11 @@ impl System<'_> {
         let white = lower.solve_lower_triangular(&design)?;
         let wanted = lower.solve_lower_triangular(&values)?;
         let inverse = white.tr_mul(&white).cholesky()?.inverse();
-        let share = &inverse * white.transpose();
-        let found = &share * &wanted;
+        let found = &inverse * white.tr_mul(&wanted);
         let chi_squared = (&wanted - &white * &found).norm_squared();
-        let gain = lower.tr_solve_lower_triangular(&share.transpose())?;
         let spread = &self.space.basis * &inverse * self.space.basis.transpose();
         Some(Solution {
             unknowns: &self.space.basis * found,
-            gain: &self.space.basis * gain.transpose(),
             spread,
             chi_squared,
         })
@@ -116,16 +111,33 @@ impl Solution {
         let row = DVector::from_column_slice(row.as_slice());
         (row.dot(&self.unknowns), row.dot(&(&self.spread * &row)))
     }
+}
 
-    /// Whether an unknown depends on an equation.
-    pub(super) fn depends(&self, unknown: usize, equation: usize) -> bool {
-        self.gain[(unknown, equation)].abs() > SHARE_TOLERANCE
+/// dθ̂/dy of a system.
+pub(super) struct Gain(DMatrix<f64>);
+
+impl System<'_> {
+    /// B (BᵀMᵀV⁻¹MB)⁻¹ BᵀMᵀV⁻¹.
+    pub(super) fn gain(&self, solution: &Solution) -> Option<Gain> {
+        let weighed = self
+            .covariance
+            .clone()
+            .cholesky()?
+            .solve(&self.rows_matrix());
+        Some(Gain(&solution.spread * weighed.transpose()))
     }
 
     /// How far each unknown moves with the combinations that stay open, because the true
     /// directions are not the nominal ones: length of the row of dθ̂/d(open).
-    pub(super) fn leaks(&self, system: &System<'_>) -> [f64; UNKNOWNS] {
-        let moved = &self.gain * system.rows_matrix() * &system.space.open;
+    pub(super) fn leaks(&self, gain: &Gain) -> [f64; UNKNOWNS] {
+        let moved = &gain.0 * self.rows_matrix() * &self.space.open;
         std::array::from_fn(|unknown| moved.row(unknown).norm())
+    }
+}
+
+impl Gain {
+    /// Whether an unknown depends on an equation.
+    pub(super) fn depends(&self, unknown: usize, equation: usize) -> bool {
+        self.0[(unknown, equation)].abs() > SHARE_TOLERANCE
     }
 }
