@@ -4,11 +4,13 @@ mod closure;
 mod document;
 mod text;
 
+use crate::axis::ErrorTerm;
 use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
 use crate::diagonal::PathKind;
 use crate::error_table;
 use crate::problem::{Problem, Problems};
 use crate::separation::Separation;
+use crate::separation::metric::Plane;
 use crate::separation::monte_carlo::{Plan, Simulated, simulate};
 use crate::separation::noise::run_counts;
 use crate::separation::uncertainty::Budget;
@@ -129,7 +131,7 @@ fn simulated(
         runs: &runs,
         turned: separation.turn.is_some(),
         stated: campaign.stated,
-        material: files.measurement.material,
+        material: separation.material,
     };
     let plan = Plan {
         trials: options.trials,
@@ -140,7 +142,27 @@ fn simulated(
     let hear = |done: usize| progress.add(done);
     let simulated = simulate(&campaign, &budget, &separation.means, plan, &hear);
     progress.close();
-    Ok(simulated)
+    Ok(simulated.map(|simulated| known_only(simulated, separation)))
+}
+
+/// Without the figures whose uncertainty is not known: a simulation knows no more of them.
+fn known_only(mut simulated: Simulated, separation: &Separation) -> Simulated {
+    let range_known = |term: ErrorTerm| {
+        let found = separation.errors.mean[term].as_ref();
+        found.is_some_and(|found| found.u_um.is_some())
+    };
+    let squareness_known = |plane: &Plane| separation.u_squareness_um_per_m.of(*plane).is_some();
+    simulated
+        .figures
+        .retain(|figure| match figure.name.split_once(' ') {
+            Some(("range", term)) => ErrorTerm::from_name(term).is_none_or(range_known),
+            Some(("squareness", key)) => {
+                let plane = Plane::ALL.into_iter().find(|plane| plane.key() == key);
+                plane.as_ref().is_none_or(squareness_known)
+            }
+            _ => true,
+        });
+    simulated
 }
 
 /// A bar on standard error, if that is a terminal and the simulation takes long.

@@ -5,12 +5,12 @@ use super::lookup::at;
 use crate::axis::{Axis, Direction, PerAxis};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::error_table::ErrorTable;
-use crate::job::{Levers, Material, Reflector};
+use crate::job::{AxisMaterial, Levers, Material, Reflector};
 use crate::problem::{Problem, Problems};
 use crate::units::{Deviation, Millimetres};
 
 /// Reference temperature of ISO 1, °C.
-const REFERENCE_C: f64 = 20.0;
+pub(super) const REFERENCE_C: f64 = 20.0;
 
 /// Expansion of the scales at a node, µm: Σ_k α_k (T_k − 20 °C) u_dk (P_k(q) − P_k(0)), one
 /// temperature and coefficient for each axis.
@@ -32,6 +32,28 @@ pub fn expansion_um(
         Some(1000.0 * strain * laser[axis] * (here[axis] - start[axis]))
     };
     Axis::ALL.into_iter().filter_map(of_axis).sum()
+}
+
+/// The material with the mean of the recorded temperatures where the readings carry their own.
+pub fn recorded(material: &Material, runs: &[Run]) -> Material {
+    let mean = |axis: Axis| {
+        let recorded = runs
+            .iter()
+            .filter_map(|run| run.temperatures_c[axis].as_ref());
+        let all: Vec<f64> = recorded.flatten().copied().collect();
+        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
+        let count = all.len() as f64;
+        (!all.is_empty()).then(|| all.iter().sum::<f64>() / count)
+    };
+    Material {
+        axes: PerAxis::from_fn(|axis| {
+            material.axes[axis].map(|known| AxisMaterial {
+                temperature_c: mean(axis).or(known.temperature_c),
+                ..known
+            })
+        }),
+        ..*material
+    }
 }
 
 /// The run with the expansion of the scales taken off.

@@ -10,10 +10,12 @@
 //! Trial number t draws from stream t of the generator, so that neither the number of threads
 //! nor their order changes a digit.
 
-use super::campaign::{Campaign, NineErrors, curves_of};
+use super::campaign::Campaign;
+use super::evidence::NineErrors;
 use super::increments::{Means, PassMeans};
 use super::line::{ReferenceLine, range};
 use super::metric::{PerPlane, Plane};
+use super::separate::curves_of;
 use super::uncertainty::Budget;
 use crate::diagonal::{Pass, PerDiagonal, Volume};
 use rand_chacha::ChaCha8Rng;

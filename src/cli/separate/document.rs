@@ -6,6 +6,7 @@ use crate::diagonal::{Diagonal, Pass, PathKind};
 use crate::job::DiagonalMeasurement;
 use crate::manifest::picometres;
 use crate::problem::Problems;
+use crate::separation::agreement::{Agreement, LineCheck};
 use crate::separation::metric::{PerPlane, Plane};
 use crate::separation::monte_carlo::Simulated;
 use crate::separation::noise::{coverage_factor, repeatability_um};
@@ -97,8 +98,12 @@ pub(super) fn separation(
         "squareness_um_per_m".into(),
         planes(&separation.squareness_um_per_m),
     );
-    if let Some(u) = &separation.u_squareness_um_per_m {
-        page.insert("u_squareness_um_per_m".into(), known(u));
+    page.insert(
+        "u_squareness_um_per_m".into(),
+        planes(&separation.u_squareness_um_per_m),
+    );
+    if let Some(found) = &separation.agreement {
+        page.insert("redundancy".into(), agreement(found));
     }
     page.insert(
         "squareness_least_squares_um_per_m".into(),
@@ -219,6 +224,26 @@ fn repeatability(separation: &Separation, diagonal: Diagonal) -> Value {
         (pass.word().to_string(), json!(found.map(picometres)))
     };
     Value::Object(Pass::BOTH.map(of).into_iter().collect())
+}
+
+/// Linear axes and beams against each other and the diagonals.
+fn agreement(agreement: &Agreement) -> Value {
+    let line = |line: &LineCheck| {
+        json!({
+            "line": line.name(),
+            "stated_um_per_m": picometres(line.stated_um_per_m),
+            "by_others_um_per_m": line.others.map(|o| picometres(o.found_um_per_m)),
+            "difference_um_per_m": line.difference().map(|(um_per_m, _)| picometres(um_per_m)),
+            "u_difference_um_per_m": line.others.map(|o| picometres(o.u_difference_um_per_m)),
+        })
+    };
+    json!({
+        "chi_squared": picometres(agreement.chi_squared),
+        "degrees_of_freedom": agreement.freedom,
+        "probability": agreement.probability,
+        "contradiction": agreement.contradiction(),
+        "lines": agreement.lines.iter().map(line).collect::<Vec<_>>(),
+    })
 }
 
 fn outlier(outlier: &Outlier) -> Value {

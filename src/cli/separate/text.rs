@@ -6,6 +6,7 @@ use crate::cli::show::{Column, paragraphs, table};
 use crate::diagonal::{Diagonal, Pass, PathKind, Volume};
 use crate::job::DiagonalMeasurement;
 use crate::problem::Problems;
+use crate::separation::agreement::CHECK;
 use crate::separation::diagonal_runs::diagonal_runs;
 use crate::separation::line::{ReferenceLine, range};
 use crate::separation::metric::{PerPlane, Plane};
@@ -52,9 +53,10 @@ pub(super) fn summary(
         terms(separation),
         squareness(
             &separation.squareness_um_per_m,
-            separation.u_squareness_um_per_m.as_ref(),
+            &separation.u_squareness_um_per_m,
             separation.noise.and_then(|noise| noise.freedom_f64()),
         ),
+        agreement(separation),
         undetermined(&separation.undetermined),
         setup(separation),
         closure(separation),
@@ -169,7 +171,7 @@ fn freedom(effective: Option<f64>) -> String {
 
 fn squareness(
     found: &PerPlane<Option<f64>>,
-    u: Option<&PerPlane<f64>>,
+    u: &PerPlane<Option<f64>>,
     of_noise: Option<f64>,
 ) -> String {
     let columns = [
@@ -184,16 +186,57 @@ fn squareness(
             found
                 .of(plane)
                 .map_or_else(|| "not determined".into(), |value| format!("{value:.3}")),
-            u.map_or_else(
+            u.of(plane).map_or_else(
                 || "not known".into(),
-                |u| three(coverage_factor(of_noise) * u.of(plane)),
+                |u| three(coverage_factor(of_noise) * u),
             ),
-            u.map_or_else(|| "-".into(), |_| freedom(of_noise)),
+            u.of(plane)
+                .map_or_else(|| "-".into(), |_| freedom(of_noise)),
         ]
     });
     format!(
         "{}\n{SQUARENESS_SIGN}; from the totals of the diagonals",
         table(&columns, rows)
+    )
+}
+
+/// Linear axes and beams against each other and the diagonals.
+fn agreement(separation: &Separation) -> String {
+    let Some(agreement) = &separation.agreement else {
+        return String::new();
+    };
+    let columns = [
+        Column::Left("line"),
+        Column::Right("stated um/m"),
+        Column::Right("by all others um/m"),
+        Column::Right("difference um/m"),
+        Column::Right("u (k=1) um/m"),
+    ];
+    let rows = agreement.lines.iter().map(|line| {
+        let found = line.others.zip(line.difference());
+        let others = found.map_or(["nothing".into(), "-".into(), "-".into()], |(o, (d, _))| {
+            [
+                three(o.found_um_per_m),
+                signed(d),
+                three(o.u_difference_um_per_m),
+            ]
+        });
+        let mut row = vec![line.name(), three(line.stated_um_per_m)];
+        row.extend(others);
+        row
+    });
+    let verdict = match agreement.probability {
+        Some(p) if agreement.is_refuted() => {
+            format!("probability {p:.3}: they DISAGREE; {CHECK}")
+        }
+        Some(p) => format!("probability {p:.3}: they agree"),
+        None => "not judged: the noise of the readings is not known".into(),
+    };
+    format!(
+        "Linear axes and beams against the diagonals\n{}\nchi-squared {:.2}, degrees of freedom {}, {verdict}",
+        table(&columns, rows),
+        agreement.chi_squared,
+        agreement.freedom
     )
 }
 
@@ -426,7 +469,7 @@ pub(super) fn straight(
     });
     Ok(paragraphs(&[
         diagonal_table(&figures, |diagonal| result.diagonals[diagonal].end_um),
-        squareness(&phi, None, None),
+        squareness(&phi, &PerPlane::default(), None),
         scales,
         undetermined(&[STRAIGHT_UNDETERMINED.to_string()]),
         closure,
