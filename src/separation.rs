@@ -34,12 +34,14 @@ pub mod line;
 pub mod metric;
 pub mod monte_carlo;
 pub mod noise;
+pub mod prediction;
 pub mod prepare;
 pub mod reversal;
 pub mod straight;
 pub mod table;
 pub mod tilt;
 pub mod uncertainty;
+pub mod unmeasured;
 
 mod campaign;
 

@@ -1,7 +1,11 @@
 //! `nonius separate JOB [-o errors.csv]`
 
+mod advice;
+mod diagonals;
 mod document;
+mod straight;
 mod text;
+mod words;
 
 use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
 use crate::diagonal::PathKind;
@@ -67,7 +71,7 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     }
     let campaign = inputs::read_campaign(&options.job)?;
     if campaign.measurement.kind == PathKind::Straight {
-        return straight(options, &campaign);
+        return straight_runs(options, &campaign);
     }
     let separation = campaign.separate()?;
     let simulated = simulated(options, &campaign, &separation)?;
@@ -87,7 +91,7 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     }
 }
 
-fn straight(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answer, Problems> {
+fn straight_runs(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answer, Problems> {
     if options.output.is_some() {
         return Err(Problem::new(
             "straight runs hold no nine errors: four totals are three squareness errors and one combination of the scales",
@@ -97,8 +101,8 @@ fn straight(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answe
     }
     let result = campaign.straight()?;
     match options.format {
-        Format::Text => print(&text::straight(&campaign.measurement, &result)?),
-        Format::Json => print_json(&document::straight(&campaign.measurement, &result)?),
+        Format::Text => print(&straight::page(&result)?),
+        Format::Json => print_json(&straight::document(&result)?),
     }
 }
 

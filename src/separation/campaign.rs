@@ -1,7 +1,7 @@
 //! A whole measurement of step diagonals, from its runs to the nine errors.
 
 use super::closure::{Closure, closure};
-use super::corrections::{AngleEffects, bow_um_per_urad, without_angles, without_expansion};
+use super::corrections::{AngleEffects, without_angles, without_expansion};
 use super::curves::{Curve, curves, end_slope, mean, plus_line, with_slope};
 use super::increments::{Group, Increments, Means, mean_increments};
 use super::line::ReferenceLine;
@@ -11,6 +11,7 @@ use super::reversal::{Turn, ran_over, turn, without_jumps};
 use super::straight::{DiagonalFigures, Totals, figures, totals, u_squareness};
 use super::tilt::{Tilt, tilts};
 use super::uncertainty::{Budget, SlopeFrom};
+use super::unmeasured::{self, AngleEvidence};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
@@ -111,6 +112,11 @@ impl Separation {
         }
     }
 
+    /// φ as the sum of two separated slopes, µm/m: it holds the tilt of the mirror.
+    pub fn naive_squareness_um_per_m(&self, plane: Plane) -> f64 {
+        naive_squareness(&self.naive_slopes_um_per_m, plane)
+    }
+
     /// Groups of readings that were separated.
     pub fn groups(&self) -> &'static [Group] {
         self.means.groups()
@@ -130,6 +136,14 @@ pub struct Campaign<'a> {
     pub angles: Option<AngleEffects>,
     /// Whether reverse readings count from the forward start; else only their increments hold.
     pub reverse_zero_known: bool,
+}
+
+impl Campaign<'_> {
+    /// What is known of the angular errors.
+    pub fn angle_evidence(&self) -> AngleEvidence {
+        let angles = self.angles.as_ref();
+        angles.map_or_else(|| AngleEvidence::nothing(None), |a| a.evidence.clone())
+    }
 }
 
 /// A straight line beside the diagonals; the uncertainty where it is known.
@@ -159,9 +173,9 @@ pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<CorrectedRun> {
                 .map(|deviation| deviation.um())
                 .collect(),
         };
-        if let Some(effects) = &campaign.angles {
-            let pass = usize::from(run.pass == Pass::Reverse);
-            without_angles(&mut readings_um, &effects[run.diagonal][pass]);
+        let angles = campaign.angles.as_ref();
+        if let Some(effect) = angles.and_then(|angles| angles.of(run.diagonal, run.pass)) {
+            without_angles(&mut readings_um, effect);
         }
         CorrectedRun {
             diagonal: run.diagonal,
@@ -210,7 +224,15 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     let (solved, raw) = solve_readings(campaign, &budget, &means);
     let change = PerTerm::from_fn(|term| change_um(&raw, term));
     let turn = turn(&measured, volume, &change).filter(|_| turned);
-    let errors = solved.errors(&budget, groups, &raw, turn.as_ref());
+    let mut errors = solved.errors(&budget, groups, &raw, turn.as_ref());
+    unmeasured::book(
+        &mut errors,
+        volume,
+        measurement.target,
+        &campaign.stated,
+        &campaign.angle_evidence(),
+        &|term| solved.slope_from(term) == SlopeFrom::Increments,
+    );
     let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
     let zeroed_runs: Vec<CorrectedRun> = runs.iter().filter(zeroed).cloned().collect();
     let (mut diagonals, range_over_all_um) = figures(&zeroed_runs, PathKind::Step);
@@ -218,7 +240,8 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         diagonals[diagonal].end_um = solved.ends_um[diagonal];
     }
     let u_end = budget.u_end_um(groups.len());
-    let labels = labels(campaign, &budget, &means, overrun);
+    let mut labels = labels(campaign, &budget, &means, overrun);
+    labels.extend(solved.frame_label());
     Separation {
         volume: volume.clone(),
         setup: measurement.setup,
@@ -316,6 +339,23 @@ fn noise(stated: &StatedUncertainty, repeats: Option<Noise>, closure: &Closure) 
     repeats.or(stated).or(scatter)
 }
 
+/// Uncertainty of a total by its length, µm/m, and the lines with theirs. Where one is not known
+/// it is a weight only.
+pub(super) fn weighed_lines(
+    campaign: &Campaign<'_>,
+    u_end_um: Option<f64>,
+) -> (f64, Vec<StraightLine>) {
+    let length_m = campaign.measurement.volume.diagonal_mm() / 1000.0;
+    let u_end = u_end_um.map(|u| u / length_m).filter(|u| *u > 0.0);
+    let u_end = u_end.unwrap_or(WEIGHT_UM_PER_M);
+    let line = |line: &Line| StraightLine {
+        direction: line.direction,
+        slope_um_per_m: line.slope_um_per_m,
+        u_um_per_m: line.u_um_per_m.filter(|u| *u > 0.0).unwrap_or(u_end),
+    };
+    (u_end, campaign.lines.iter().map(line).collect())
+}
+
 /// Slopes and what they come from.
 struct Solved {
     volume: Volume,
@@ -340,18 +380,7 @@ impl Solved {
         let volume = &measurement.volume;
         let means = mean_increments(increments);
         let ratios = displacement_ratios(volume, &means);
-        let length_m = volume.diagonal_mm() / 1000.0;
-        let u_end = budget
-            .u_end_um(passes)
-            .map(|u| u / length_m)
-            .filter(|u| *u > 0.0);
-        let u_end = u_end.unwrap_or(WEIGHT_UM_PER_M);
-        let line = |line: &Line| StraightLine {
-            direction: line.direction,
-            slope_um_per_m: line.slope_um_per_m,
-            u_um_per_m: line.u_um_per_m.filter(|u| *u > 0.0).unwrap_or(u_end),
-        };
-        let lines: Vec<StraightLine> = campaign.lines.iter().map(line).collect();
+        let (u_end, lines) = weighed_lines(campaign, budget.u_end_um(passes));
         let end = |d: Diagonal| {
             let of_axis = |axis: Axis| volume.steps_f64() * means[d][axis];
             Axis::ALL.into_iter().map(of_axis).sum::<f64>()
@@ -475,6 +504,20 @@ impl Solved {
         }
     }
 
+    /// Where the curves keep the slopes of the increments, their squareness is another one than
+    /// that of the totals.
+    fn frame_label(&self) -> Option<String> {
+        let kept = (self.setup, self.frame) == (SetUp::AssumePerfect, Frame::AsMeasured);
+        let slopes = self.naive_slopes(&self.volume);
+        kept.then(|| {
+            format!(
+                "the curves keep their separated slopes, whose squareness (µm/m: {}) holds the tilt of the mirror and the noise of all increments; that of the totals ({}) holds neither: believe the totals",
+                planes_in_words(|plane| naive_squareness(&slopes, plane)),
+                planes_in_words(|plane| self.totals.squareness_um_per_m.of(plane))
+            )
+        })
+    }
+
     fn undetermined(&self, both_ways: bool, from_turn: bool) -> Vec<String> {
         let mut words = match self.setup {
             SetUp::Solve => self.metric.undetermined(),
@@ -489,9 +532,25 @@ impl Solved {
     }
 }
 
+/// XY, XZ and YZ of a squareness in words, µm/m.
+fn planes_in_words(of: impl Fn(Plane) -> f64) -> String {
+    let words = Plane::ALL.map(|plane| {
+        let value = (of(plane) * 1000.0).round() / 1000.0 + 0.0;
+        format!("{} {value:.3}", plane.key().to_uppercase())
+    });
+    words.join(", ")
+}
+
 /// In the X-primary frame EXY, EXZ and EYZ carry the squareness of their plane.
 fn carries_squareness(term: ErrorTerm) -> bool {
     term.of < term.along
+}
+
+/// φ as the sum of two separated slopes, µm/m.
+fn naive_squareness(slopes_um_per_m: &PerTerm<f64>, plane: Plane) -> f64 {
+    let (a, b) = plane.axes();
+    let (one, other) = (ErrorTerm { of: a, along: b }, ErrorTerm { of: b, along: a });
+    slopes_um_per_m[one] + slopes_um_per_m[other]
 }
 
 fn plane_of(term: ErrorTerm) -> Plane {
@@ -535,29 +594,27 @@ fn labels(
     let measurement = campaign.measurement;
     let mut labels = Vec::new();
     if measurement.setup == SetUp::AssumePerfect {
-        labels.push("set-up assumed perfect: mirror and beam exactly along the four diagonals; a tilt of 10 arcsec falsifies slopes by tens of um/m".to_string());
+        let tilt = match campaign.stated.tilt_arcsec {
+            Some(arcsec) => format!("included in U as {arcsec} arcsec (k = 1, tilt_arcsec) in each direction"),
+            None => "not included, so that no U is given where the slope is a separated one: state `tilt_arcsec` in [measurement.uncertainty]".to_string(),
+        };
+        labels.push(format!("set-up assumed perfect: mirror and beam exactly along the four diagonals; a tilt of 10 arcsec falsifies slopes by tens of µm/m; it is {tilt}"));
     }
     labels.push(match measurement.frame {
         Frame::XPrimary => "frame: X primary, XY plane secondary (EYX, EZX, EZY without slope; EXY, EXZ, EYZ carry the squareness)".to_string(),
-        Frame::AsMeasured => "frame as measured: slopes of cross terms hold an arbitrary rotation; only their sums are the machine's".to_string(),
+        Frame::AsMeasured => "frame as measured: slopes of cross terms hold an arbitrary rotation".to_string(),
     });
     match overrun {
         None if means.reverse.is_some() => labels.push("reverse runs count from their own start, so only their increments are used".to_string()),
-        None => labels.push("forward passes only: NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the curves".to_string()),
+        None => labels.push("forward runs only: NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the curves".to_string()),
         Some(over) => {
             let from = if measurement.overrun.is_some() { "as stated" } else { "judged from the readings" };
-            let what = if over { "the axes ran over the far end before the reverse passes" } else { "the axes turned at the far end without overrun: reversal of each axis from the turn, taken as constant in the end intervals" };
+            let what = if over { "the axes ran over the far end before the reverse runs" } else { "the axes turned at the far end without overrun: reversal of each axis from the turn, taken as constant in the end intervals" };
             labels.push(format!("{what} ({from})"));
         }
     }
     if means.reverse.is_some() {
-        labels.push("directions are those in which each axis really moved: + curves from forward passes of the diagonals that travel it in +, reverse passes of the others".to_string());
-    }
-    if measurement
-        .material
-        .is_some_and(|material| !material.air_corrected)
-    {
-        labels.push("the readings are not corrected for air, and nothing corrects them here: about 1 um/m of scale for each K of air temperature or 3.7 hPa".to_string());
+        labels.push("directions are those in which each axis really moved: + curves from forward runs of the diagonals that travel it in +, reverse runs of the others".to_string());
     }
     for axis in Axis::ALL {
         let gain = super::curves::noise_gain(&measurement.volume, axis);
@@ -565,8 +622,23 @@ fn labels(
             labels.push(format!("{axis} is a short edge of the box: noise of its deviations is {gain:.1} times that of an increment"));
         }
     }
-    let bow = bow_um_per_urad(&measurement.volume, measurement.target);
-    labels.extend(budget.sentences(campaign.angles.is_some(), &bow));
+    labels.extend(common_labels(campaign, budget));
+    labels
+}
+
+/// What is assumed of readings of any kind, and what their uncertainty holds.
+pub(super) fn common_labels(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec<String> {
+    let measurement = campaign.measurement;
+    let mut labels = Vec::new();
+    if measurement
+        .material
+        .is_some_and(|material| !material.air_corrected)
+    {
+        labels.push("the readings are not corrected for air, and nothing corrects them here: about 1 µm/m of scale for each K of air temperature or 3.7 hPa".to_string());
+    }
+    labels.extend(budget.sentences());
+    let (angles, stated) = (campaign.angle_evidence(), campaign.stated.angle_urad);
+    labels.extend(angles.sentences(&measurement.volume, measurement.target, stated));
     if campaign.lines.iter().any(|line| line.u_um_per_m.is_none()) {
         labels.push(
             "a linear axis or beam states no uncertainty: it is weighed like a diagonal"

@@ -233,6 +233,28 @@ pub fn solve(
     known.fit(&rows, &values, &uncertainties)
 }
 
+/// The same from straight runs, of first order: u_dᵀ h u_d = e_d(end)/R. `ends_um`: totals.
+pub fn solve_totals(
+    volume: &Volume,
+    ends_um: &PerDiagonal<f64>,
+    u_diagonal_um_per_m: f64,
+    lines: &[StraightLine],
+) -> Metric {
+    let rows = nominal_rows(volume, lines);
+    let length_m = volume.diagonal_mm() / 1000.0;
+    let diagonals = ends_um
+        .iter()
+        .map(|(_, end_um)| (end_um / length_m, u_diagonal_um_per_m));
+    let lines = lines
+        .iter()
+        .map(|line| (line.slope_um_per_m, line.u_um_per_m));
+    let (values, uncertainties): (Vec<f64>, Vec<f64>) = diagonals
+        .chain(lines)
+        .map(|(value, u)| (value, u.max(NEGLECTED_UM_PER_M)))
+        .unzip();
+    KnownSpace::of(&rows).fit(&rows, &values, &uncertainties)
+}
+
 fn nominal_rows(volume: &Volume, lines: &[StraightLine]) -> Vec<Row> {
     let diagonals = Diagonal::ALL.map(|diagonal| row(&volume.laser(diagonal)));
     let others = lines.iter().map(|line| row(&line.direction));

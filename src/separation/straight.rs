@@ -1,20 +1,22 @@
-//! Straight runs along the body diagonals: what four totals hold, and the closure test.
+//! Straight runs along the body diagonals: what four totals hold.
 //!
 //! ```text
 //!   T_d = R·e_d(end)      S = X²p_xx + Y²p_yy + Z²p_zz = ΣT/4
 //!   φxy = (T1 − T2 − T3 + T4)/(4XY)   φxz = (T1 − T2 + T3 − T4)/(4XZ)   φyz = (T1 + T2 − T3 − T4)/(4YZ)   (4)
 //! ```
 //! 1 … 4 = PPP, NPP, PNP, PPN. Four numbers, four quantities: three squareness errors and one
-//! combination of the three scales, whatever the set-up.
+//! combination of the three scales, whatever the set-up. Linear axes and other beams add to them.
 
+use super::campaign::{Campaign, common_labels, corrected, weighed_lines};
 use super::line::range;
-use super::metric::{PerPlane, Plane};
+use super::metric::{Metric, PerPlane, Plane, solve_totals};
+use super::noise::{CorrectedRun, Noise, NoiseSource, from_repeats, run_counts};
+use super::prediction::{ClosureTests, closure_tests};
+use super::uncertainty::Budget;
 use crate::axis::{Axis, PerAxis};
-use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::error_table::ErrorTable;
-use crate::problem::{Problem, Problems};
-use crate::separation::lookup::at;
-use crate::separation::noise::{CorrectedRun, means};
+use crate::problem::Problems;
 
 /// What the totals of the four diagonals determine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +63,7 @@ pub fn u_squareness(volume: &Volume, u_end_um: f64) -> PerPlane<f64> {
 /// Figures of one diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiagonalFigures {
-    /// Reading error at the far end, mean of all passes and runs, µm.
+    /// Reading error at the far end less that at the start, mean of all runs, µm.
     pub end_um: f64,
     /// Max − min over the nodes that lie on the diagonal, both passes, µm.
     pub range_um: f64,
@@ -107,129 +109,124 @@ fn total(pass: &[f64]) -> Option<f64> {
     Some(pass.last()? - pass.first()?)
 }
 
-/// Readings that nine errors predict for the nodes of a diagonal (nine-error model), µm; an
-/// undirected term serves both passes. `None` where a term of the nine is missing.
-pub fn predicted_um(
-    volume: &Volume,
-    kind: PathKind,
-    errors: &ErrorTable,
-    diagonal: Diagonal,
-    pass: Pass,
-) -> Option<Vec<f64>> {
-    let u = volume.laser(diagonal);
-    let at_node = |node: usize| -> Option<f64> {
-        let place = volume.place(diagonal, kind, node);
-        let mut sum = 0.0;
-        for along in Axis::ALL {
-            let direction = diagonal.travelled(along, pass);
-            let all = errors.series(along);
-            let directed = all.iter().find(|s| s.direction == Some(direction));
-            let series = directed.or_else(|| all.first())?;
-            for of in Axis::ALL {
-                let values = series.deviations[of].as_ref()?;
-                let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
-                sum += u[of] * at(&series.positions, &values, place[along].mm());
-            }
-        }
-        Some(sum)
-    };
-    let values: Option<Vec<f64>> = (0..=volume.last_node(kind)).map(at_node).collect();
-    let values = values?;
-    let start = *values.first()?;
-    Some(values.iter().map(|value| value - start).collect())
-}
-
-/// The closure test: measured less predicted readings of a diagonal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClosureTest {
-    /// Largest |difference|, µm.
-    pub largest_um: f64,
-    /// At the far end, µm.
-    pub end_um: f64,
-}
-
-/// Compares the forward readings of a run with what nine errors predict.
-pub fn closure_test(measured: &[f64], predicted: &[f64]) -> ClosureTest {
-    let start = measured.first().copied().unwrap_or(0.0);
-    let left: Vec<f64> = measured
-        .iter()
-        .zip(predicted)
-        .map(|(measured, predicted)| measured - start - predicted)
-        .collect();
-    ClosureTest {
-        largest_um: left
-            .iter()
-            .fold(0.0, |largest: f64, v| largest.max(v.abs())),
-        end_um: left.last().copied().unwrap_or(0.0),
-    }
-}
-
 /// Direction cosines squared: the share of each scale in S, for the words of a report.
 pub fn scale_shares(volume: &Volume) -> PerAxis<f64> {
     PerAxis::from_fn(|axis| volume.cosine(axis).powi(2))
 }
 
-/// What a straight run of the four diagonals says.
+/// What straight runs of the four diagonals say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StraightResult {
+    /// The measured box.
+    pub volume: Volume,
     /// The corrected runs.
     pub runs: Vec<CorrectedRun>,
-    /// Figures of the diagonals.
+    /// The runs whose zero is that of the forward run: all, or the forward ones only. Figures
+    /// that compare the two directions are made of these.
+    pub zeroed_runs: Vec<CorrectedRun>,
+    /// Figures of the diagonals: totals of all runs, ranges of the zeroed ones.
     pub diagonals: PerDiagonal<DiagonalFigures>,
     /// Max − min over all diagonals, µm.
     pub range_over_all_um: f64,
-    /// Squareness and the combination of scales.
+    /// Formula (4), from the readings alone.
     pub totals: Totals,
-    /// The closure test against nine errors, forward runs.
-    pub closure: Option<PerDiagonal<ClosureTest>>,
+    /// Scales and squareness with linear axes and other beams.
+    pub metric: Metric,
+    /// Standard uncertainty of the squareness, µm/m; `None` = the noise is not known.
+    pub u_squareness_um_per_m: Option<PerPlane<f64>>,
+    /// Standard uncertainty of the scales, µm/m; `None` where it, the noise or that of a line
+    /// is not known.
+    pub u_scale_um_per_m: PerAxis<Option<f64>>,
+    /// Noise of a single reading: from repeated runs, or stated.
+    pub noise: Option<Noise>,
+    /// The closure test against nine errors.
+    pub closure: Option<ClosureTests>,
+    /// What was assumed and what the uncertainty holds, in words.
+    pub labels: Vec<String>,
 }
 
 /// Evaluates straight runs; `errors` = nine errors to be tested by them.
 pub fn straight(
-    volume: &Volume,
-    runs: Vec<CorrectedRun>,
+    campaign: &Campaign<'_>,
+    runs: &[Run],
     errors: Option<&ErrorTable>,
 ) -> Result<StraightResult, Problems> {
-    let (diagonals, range_over_all_um) = figures(&runs, PathKind::Straight);
-    let ends = PerDiagonal::from_fn(|d| diagonals[d].end_um);
-    let means = means(&runs);
-    let closure = match errors {
-        None => None,
-        Some(table) => Some(tested(volume, table, &means.forward)?),
+    let measurement = campaign.measurement;
+    let volume = &measurement.volume;
+    let runs = corrected(campaign, runs);
+    let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
+    let zeroed_runs: Vec<CorrectedRun> = runs.iter().filter(zeroed).cloned().collect();
+    let (all, _) = figures(&runs, PathKind::Straight);
+    let (of_zeroed, range_over_all_um) = figures(&zeroed_runs, PathKind::Straight);
+    let ends = PerDiagonal::from_fn(|d| all[d].end_um);
+    let counts = run_counts(&runs);
+    let noise = noise(campaign, &runs);
+    let budget = Budget {
+        volume,
+        noise,
+        runs: &counts,
+        stated: campaign.stated,
+        material: measurement.material,
     };
+    let passes = if both_ways(&runs) { 2 } else { 1 };
+    let u_end = budget.u_end_um(passes);
+    let (u_total, lines) = weighed_lines(campaign, u_end);
+    let metric = solve_totals(volume, &ends, u_total, &lines);
+    let lines_known = campaign.lines.iter().all(|line| line.u_um_per_m.is_some());
+    let u_scale = |axis: Axis| metric.scale[axis].map(|_| metric.u_scale(axis));
     Ok(StraightResult {
-        diagonals,
+        volume: volume.clone(),
+        diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {
+            end_um: ends[d],
+            range_um: of_zeroed[d].range_um,
+        }),
         range_over_all_um,
         totals: totals(volume, &ends),
-        closure,
+        u_squareness_um_per_m: u_end.map(|_| PerPlane {
+            xy: metric.u_squareness(Plane::Xy),
+            xz: metric.u_squareness(Plane::Xz),
+            yz: metric.u_squareness(Plane::Yz),
+        }),
+        u_scale_um_per_m: PerAxis::from_fn(|axis| {
+            u_scale(axis).filter(|_| u_end.is_some() && lines_known)
+        }),
+        metric,
+        noise,
+        closure: match errors {
+            None => None,
+            Some(table) => Some(closure_tests(volume, table, &runs, noise)?),
+        },
+        labels: labels(campaign, &budget, both_ways(&runs)),
         runs,
+        zeroed_runs,
     })
 }
 
-fn tested(
-    volume: &Volume,
-    table: &ErrorTable,
-    forward: &PerDiagonal<Vec<f64>>,
-) -> Result<PerDiagonal<ClosureTest>, Problems> {
-    let mut missing = Problems::none();
-    let tests = PerDiagonal::from_fn(|d| {
-        let predicted = predicted_um(volume, PathKind::Straight, table, d, Pass::Forward);
-        predicted.map(|predicted| closure_test(&forward[d], &predicted))
+fn both_ways(runs: &[CorrectedRun]) -> bool {
+    runs.iter().any(|run| run.pass == Pass::Reverse)
+}
+
+/// Repeats say most; a stated noise comes next. Straight runs have no closure of their own.
+fn noise(campaign: &Campaign<'_>, runs: &[CorrectedRun]) -> Option<Noise> {
+    let stated = campaign.stated.noise_um.map(|sigma_um| Noise {
+        sigma_um,
+        freedom: None,
+        source: NoiseSource::Stated,
     });
-    let all = PerDiagonal::from_fn(|d| {
-        tests[d].unwrap_or(ClosureTest {
-            largest_um: 0.0,
-            end_um: 0.0,
-        })
-    });
-    if tests.iter().any(|(_, test)| test.is_none()) {
-        missing.push(
-            Problem::new(
-                "the closure test needs all nine errors; at least one is missing from the table",
-            )
-            .at(table.header.clone())
-            .help("measure it, or leave `closure_errors` out"),
-        );
-    }
-    missing.or_ok(all)
+    from_repeats(runs).or(stated)
+}
+
+fn labels(campaign: &Campaign<'_>, budget: &Budget<'_>, both_ways: bool) -> Vec<String> {
+    let runs = match (both_ways, campaign.reverse_zero_known) {
+        (false, _) => {
+            "forward runs only: E, B and a reversal need both directions, and NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the squareness"
+        }
+        (true, true) => "both directions count from the start of the forward run",
+        (true, false) => {
+            "reverse runs count from their own start: E, B and ranges are those of the forward runs alone; the totals are the mean of both directions"
+        }
+    };
+    let mut labels = vec![runs.to_string()];
+    labels.extend(common_labels(campaign, budget));
+    labels
 }

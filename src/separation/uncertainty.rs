@@ -15,7 +15,7 @@
 use super::curves::noise_gain;
 use super::increments::Group;
 use super::noise::Noise;
-use crate::axis::{Axis, ErrorTerm, PerAxis};
+use crate::axis::ErrorTerm;
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::job::{Material, StatedUncertainty};
 
@@ -167,7 +167,7 @@ impl Budget<'_> {
     }
 
     /// What counts in the uncertainty and what does not, one sentence each.
-    pub fn sentences(&self, angles_given: bool, bow_um_per_urad: &PerAxis<f64>) -> Vec<String> {
+    pub fn sentences(&self) -> Vec<String> {
         let mut said = Vec::new();
         match self.noise {
             Some(noise) => {
@@ -175,7 +175,7 @@ impl Budget<'_> {
                     format!(", {freedom} degrees of freedom")
                 });
                 said.push(format!(
-                    "noise of a single reading {:.3} um (k = 1), {}{freedom}",
+                    "noise of a single reading {:.3} µm (k = 1), {}{freedom}",
                     noise.sigma_um,
                     noise.source.words()
                 ));
@@ -199,13 +199,6 @@ impl Budget<'_> {
                 Some(_) => said.push(format!("{key} is included in the positioning errors")),
                 None => said.push(format!("{key} is not stated and not included")),
             }
-        }
-        if !angles_given {
-            let bow = |axis: Axis| format!("{axis} {:.3}", bow_um_per_urad[axis]);
-            said.push(format!(
-                "angular errors are not given and not included: each urad of pitch or yaw between the ends of an axis bends the curves by up to (um) {}; the closure does not show it",
-                Axis::ALL.map(bow).join(", ")
-            ));
         }
         said
     }

@@ -1,0 +1,50 @@
+//! Numbers and lists in the text output.
+
+/// The sentence of contract §1 that stands wherever φ stands.
+pub(super) const SQUARENESS_SIGN: &str = "positive = the angle between the two positive axis directions is less than 90° (ISO 230-1: EC0Y = -xy, EB0Z = +xz, EA0Z = -yz)";
+
+/// Three decimals, never −0.
+pub(super) fn three(value: f64) -> String {
+    format!("{:.3}", (value * 1000.0).round() / 1000.0 + 0.0)
+}
+
+/// The same with its sign.
+pub(super) fn signed(value: f64) -> String {
+    format!("{:+.3}", (value * 1000.0).round() / 1000.0 + 0.0)
+}
+
+/// Three decimals, or a dash where there is nothing.
+pub(super) fn shown(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_string(), three)
+}
+
+/// U = 2u; one that is known never reads 0 unless it is.
+pub(super) fn expanded(u: Option<f64>) -> String {
+    let Some(u) = u else {
+        return "not known".to_string();
+    };
+    match 2.0 * u {
+        expanded if expanded > 0.0 && expanded < 0.0005 => "< 0.001".to_string(),
+        expanded => three(expanded),
+    }
+}
+
+/// A heading with a line for each entry; nothing without entries.
+pub(super) fn list(heading: &str, lines: &[String]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let lines: Vec<String> = lines.iter().map(|line| format!("- {line}")).collect();
+    format!("{heading}\n{}", lines.join("\n"))
+}
+
+/// What is not determined, and below it how to determine it.
+pub(super) fn undetermined(words: &[String], advice: &[String]) -> String {
+    if words.is_empty() {
+        return String::new();
+    }
+    let mut lines = vec!["NOT DETERMINED by these readings, and left out:".to_string()];
+    lines.extend(words.iter().map(|words| format!("- {words}")));
+    lines.extend(advice.iter().map(|advice| format!("    {advice}")));
+    lines.join("\n")
+}
