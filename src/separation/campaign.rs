@@ -240,8 +240,7 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         diagonals[diagonal].end_um = solved.ends_um[diagonal];
     }
     let u_end = budget.u_end_um(groups.len());
-    let mut labels = labels(campaign, &budget, &means, overrun);
-    labels.extend(solved.frame_label());
+    let labels = labels(campaign, &budget, &means, overrun, solved.frame_label());
     Separation {
         volume: volume.clone(),
         setup: measurement.setup,
@@ -525,7 +524,7 @@ impl Solved {
         };
         if both_ways && !from_turn {
             words.push(
-                "reversal of each axis: a turn with overrun (or with a zero of its own) holds at most its sum along the diagonals; turn once without overrun, or measure each axis in both directions".to_string(),
+                "reversal of each axis: with overrun (or a zero of their own) the reverse runs hold at most its sum along the diagonals; reverse once without overrun and state `overrun = false`, or measure each axis in both directions".to_string(),
             );
         }
         words
@@ -590,6 +589,7 @@ fn labels(
     budget: &Budget<'_>,
     means: &Means,
     overrun: Option<bool>,
+    of_slopes: Option<String>,
 ) -> Vec<String> {
     let measurement = campaign.measurement;
     let mut labels = Vec::new();
@@ -602,8 +602,9 @@ fn labels(
     }
     labels.push(match measurement.frame {
         Frame::XPrimary => "frame: X primary, XY plane secondary (EYX, EZX, EZY without slope; EXY, EXZ, EYZ carry the squareness)".to_string(),
-        Frame::AsMeasured => "frame as measured: slopes of cross terms hold an arbitrary rotation".to_string(),
+        Frame::AsMeasured => "frame as measured: slopes of cross terms hold an arbitrary rotation; only their sums, the squareness, are free of it".to_string(),
     });
+    labels.extend(of_slopes);
     match overrun {
         None if means.reverse.is_some() => labels.push("reverse runs count from their own start, so only their increments are used".to_string()),
         None => labels.push("forward runs only: NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the curves".to_string()),

@@ -352,12 +352,12 @@ fn monte_carlo(simulated: &Simulated) -> String {
     });
     let size = |f: &Figure| f.unit == "µm" && f.interval[0] < 0.0;
     let hidden = if simulated.figures.iter().any(size) {
-        "\na size whose interval reaches below 0 cannot be told from noise"
+        "\na range or straightness whose interval reaches below 0 cannot be told from noise"
     } else {
         ""
     };
     format!(
-        "Monte Carlo, {} trials, seed {}; range = max - min, straightness by least squares lines\nintervals are made for 95 %; how many of 100 held the truth on simulated machines stands beside them\n{}{hidden}",
+        "Monte Carlo, {} trials, seed {}; range = max - min, straightness by least squares lines\nonly noise of the readings and the stated u of linear axes and beams are varied: no tilt, no angular errors\nintervals are made for 95 %; how often such intervals held the truth on simulated machines stands beside them\n{}{hidden}",
         simulated.plan.trials,
         simulated.plan.seed,
         table(&columns, rows)
