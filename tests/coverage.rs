@@ -238,6 +238,10 @@ fn intervals_of_ranges_are_measured() {
         let share = float(inside[kind]) / float(all[kind]);
         println!("interval {kind} holds the truth {:.1} %", 100.0 * share);
         // 300 to 600 figures of 100 machines scatter by some 2 %.
-        assert!((share - printed[kind]).abs() < 0.03, "{kind}: {share}, printed {}", printed[kind]);
+        assert!(
+            (share - printed[kind]).abs() < 0.03,
+            "{kind}: {share}, printed {}",
+            printed[kind]
+        );
     }
 }

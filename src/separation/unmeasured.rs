@@ -128,7 +128,7 @@ impl AngleEvidence {
             "only roll is missing".to_string()
         } else {
             format!(
-                "each µrad of pitch or yaw between the ends of an axis bends curves by about (µm) {}",
+                "each µrad of pitch or yaw between the ends of an axis bends curves by up to (µm) {}",
                 bows.join(", ")
             )
         };
@@ -214,8 +214,8 @@ pub fn false_bows_um(
     curves(volume, &means.increments(volume, Group::ForwardOnly))
 }
 
-/// The false bow of the straightness curves for each µrad of pitch or yaw between the ends of an
-/// axis that carries others, µm: V/8 for the lever, as much again for the mirror.
+/// Largest false bow of any curve for each µrad of pitch or yaw between the ends of an axis, µm:
+/// V/8 for the lever, as much again for the mirror. Roll makes none.
 pub fn bow_um_per_urad(volume: &Volume, reflector: Reflector) -> PerAxis<f64> {
     let parts = match reflector {
         Reflector::FlatMirror => 2.0,
