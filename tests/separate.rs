@@ -355,11 +355,9 @@ fn straight_runs_with_two_linear_axes_know_all_scales_with_their_uncertainty() {
         (u - 1_358.969 / (2.0 * 0.648e6) * 1000.0 * ends).abs() < 1e-4,
         "{u}"
     );
-    assert!(
-        page["labels"]
-            .to_string()
-            .contains("laser_ppm is not stated")
-    );
+    let labels = page["labels"].to_string();
+    assert!(labels.contains("laser_ppm is not stated"), "{labels}");
+    assert!(labels.contains("the middle of the box"), "{labels}");
 }
 
 #[test]

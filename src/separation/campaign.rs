@@ -639,7 +639,8 @@ pub(super) fn common_labels(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec
     }
     labels.extend(budget.sentences());
     let (angles, stated) = (campaign.angle_evidence(), campaign.stated.angle_urad);
-    labels.extend(angles.sentences(&measurement.volume, measurement.target, stated));
+    let path = (measurement.kind, measurement.target);
+    labels.extend(angles.sentences(&measurement.volume, path, stated));
     if campaign.lines.iter().any(|line| line.u_um_per_m.is_none()) {
         labels.push(
             "a linear axis or beam states no uncertainty: it is weighed like a diagonal"

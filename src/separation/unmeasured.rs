@@ -82,10 +82,10 @@ impl AngleEvidence {
     pub fn sentences(
         &self,
         volume: &Volume,
-        reflector: Reflector,
+        (kind, reflector): (PathKind, Reflector),
         angle_urad: Option<f64>,
     ) -> Vec<String> {
-        let missing = self.missing_sentence(volume, reflector, angle_urad);
+        let missing = self.missing_sentence(volume, (kind, reflector), angle_urad);
         let mut said: Vec<String> = missing.into_iter().collect();
         if self.missing.len() == 9 {
             return said;
@@ -107,36 +107,44 @@ impl AngleEvidence {
     fn missing_sentence(
         &self,
         volume: &Volume,
-        reflector: Reflector,
+        (kind, reflector): (PathKind, Reflector),
         angle_urad: Option<f64>,
     ) -> Option<String> {
         if self.missing.is_empty() {
             return None;
         }
         let names: Vec<String> = self.missing.iter().map(ToString::to_string).collect();
+        let names = names.join(", ");
+        let does = match kind {
+            PathKind::Straight => "squareness and scales are those of the lines through the middle of the box, where the angles grow evenly; `angle_urad` is not used with straight runs".to_string(),
+            PathKind::Step => format!(
+                "{}; the closure does not show it; {}",
+                self.bows_in_words(volume, reflector),
+                self.booked(angle_urad)
+            ),
+        };
+        Some(format!(
+            "angular errors without a measurement, counted as zero: {names}; {does}"
+        ))
+    }
+
+    fn bows_in_words(&self, volume: &Volume, reflector: Reflector) -> String {
         let bow = bow_um_per_urad(volume, reflector);
         let bent = |axis: &Axis| {
             let bends = |rotation: &Rotation| rotation.along == *axis && !rotation.is_roll();
             self.missing.iter().any(bends)
         };
-        let bows: Vec<String> = Axis::ALL
-            .into_iter()
-            .filter(bent)
+        let bent = Axis::ALL.into_iter().filter(bent);
+        let bows: Vec<String> = bent
             .map(|axis| format!("{axis} {:.3}", bow[axis]))
             .collect();
-        let bows = if bows.is_empty() {
-            "only roll is missing".to_string()
-        } else {
-            format!(
-                "each µrad of pitch or yaw between the ends of an axis bends curves by up to (µm) {}",
-                bows.join(", ")
-            )
-        };
-        Some(format!(
-            "angular errors without a measurement, counted as zero: {}; {bows}; the closure does not show it; {}",
-            names.join(", "),
-            self.booked(angle_urad)
-        ))
+        if bows.is_empty() {
+            return "only roll is missing, which bends no curve".to_string();
+        }
+        format!(
+            "each µrad of pitch or yaw between the ends of an axis bends curves by up to (µm) {}",
+            bows.join(", ")
+        )
     }
 
     fn booked(&self, angle_urad: Option<f64>) -> String {

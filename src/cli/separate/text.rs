@@ -55,7 +55,7 @@ fn outcome(separation: &Separation) -> String {
     let set_up = match (separation.setup, &separation.tilts) {
         (SetUp::AssumePerfect, _) => "set-up assumed perfect",
         (SetUp::Solve, Some(_)) => "set-up solved for",
-        (SetUp::Solve, None) => "tilt of the mirror not determined, and harmless to what is given",
+        (SetUp::Solve, None) => "tilt of the mirror not determined",
     };
     format!(
         "Determined: {count} of 9 errors; squareness {}; {set_up}",
