@@ -38,6 +38,7 @@ pub mod metric;
 pub mod monte_carlo;
 pub mod noise;
 pub mod outlier;
+pub mod prediction;
 pub mod prepare;
 pub mod propagation;
 pub mod repeats;
@@ -46,6 +47,7 @@ pub mod straight;
 pub mod table;
 pub mod tilt;
 pub mod uncertainty;
+pub mod unmeasured;
 
 mod campaign;
 

@@ -1,8 +1,14 @@
 //! `nonius separate JOB [-o errors.csv]`
 
+mod advice;
+mod agreement;
 mod closure;
+mod diagonals;
 mod document;
+mod reversal;
+mod straight;
 mod text;
+mod words;
 
 use crate::axis::ErrorTerm;
 use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
@@ -70,7 +76,7 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     }
     let campaign = inputs::read_campaign(&options.job)?;
     if campaign.measurement.kind == PathKind::Straight {
-        return straight(options, &campaign);
+        return straight_runs(options, &campaign);
     }
     let separation = campaign.separate()?;
     let simulated = simulated(options, &campaign, &separation)?;
@@ -79,7 +85,7 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
         if to_stdout {
             say(&text::summary(&separation, simulated.as_ref())?);
             print_bytes(csv.as_bytes())?;
-            return Ok(answer(&separation));
+            return Ok(answer(separation.stands()));
         }
         write::write_file(output, csv.as_bytes(), options.force)?;
         say(&format!("wrote {}", output.display()));
@@ -88,19 +94,15 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
         Format::Text => print(&text::summary(&separation, simulated.as_ref())?),
         Format::Json => print_json(&document::separation(&separation, simulated.as_ref())?),
     }?;
-    Ok(answer(&separation))
+    Ok(answer(separation.stands()))
 }
 
 /// No, where an error is not determined or something speaks against the result.
-fn answer(separation: &Separation) -> Answer {
-    if separation.stands() {
-        Answer::Yes
-    } else {
-        Answer::No
-    }
+fn answer(stands: bool) -> Answer {
+    if stands { Answer::Yes } else { Answer::No }
 }
 
-fn straight(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answer, Problems> {
+fn straight_runs(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answer, Problems> {
     if options.output.is_some() {
         return Err(Problem::new(
             "straight runs hold no nine errors: four totals are three squareness errors and one combination of the scales",
@@ -110,9 +112,10 @@ fn straight(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answe
     }
     let result = campaign.straight()?;
     match options.format {
-        Format::Text => print(&text::straight(&campaign.measurement, &result)?),
-        Format::Json => print_json(&document::straight(&campaign.measurement, &result)?),
-    }
+        Format::Text => print(&straight::page(&result)?),
+        Format::Json => print_json(&straight::document(&result)?),
+    }?;
+    Ok(answer(result.doubts.is_empty()))
 }
 
 fn simulated(

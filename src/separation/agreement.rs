@@ -90,7 +90,7 @@ impl Agreement {
             let (um_per_m, ratio) = line.difference()?;
             let (name, ratio) = (line.name(), ratio.abs());
             Some(format!(
-                "{name} by {um_per_m:+.3} um/m ({ratio:.1} standard deviations)"
+                "{name} by {um_per_m:+.3} µm/m ({ratio:.1} standard deviations)"
             ))
         };
         let all: Vec<String> = self.lines.iter().filter_map(says).collect();

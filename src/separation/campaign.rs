@@ -2,8 +2,9 @@
 
 use super::corrections::{AngleEffects, without_angles, without_expansion};
 use super::noise::CorrectedRun;
+use super::unmeasured::AngleEvidence;
 use crate::axis::PerAxis;
-use crate::diagonal::{Pass, Run};
+use crate::diagonal::Run;
 use crate::job::{DiagonalMeasurement, StatedUncertainty};
 use crate::units::Millimetres;
 
@@ -20,6 +21,14 @@ pub struct Campaign<'a> {
     pub angles: Option<AngleEffects>,
     /// Whether reverse readings count from the forward start; else only their increments hold.
     pub reverse_zero_known: bool,
+}
+
+impl Campaign<'_> {
+    /// What is known of the angular errors.
+    pub fn angle_evidence(&self) -> AngleEvidence {
+        let angles = self.angles.as_ref();
+        angles.map_or_else(|| AngleEvidence::nothing(None), |a| a.evidence.clone())
+    }
 }
 
 /// A straight line beside the diagonals; the uncertainty where it is known.
@@ -52,9 +61,9 @@ pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<CorrectedRun> {
                 .map(|deviation| deviation.um())
                 .collect(),
         };
-        if let Some(effects) = &campaign.angles {
-            let pass = usize::from(run.pass == Pass::Reverse);
-            without_angles(&mut readings_um, &effects[run.diagonal][pass]);
+        let angles = campaign.angles.as_ref();
+        if let Some(effect) = angles.and_then(|angles| angles.of(run.diagonal, run.pass)) {
+            without_angles(&mut readings_um, effect);
         }
         CorrectedRun {
             diagonal: run.diagonal,

@@ -1,7 +1,6 @@
 //! What a separation assumed and what its uncertainty holds, in words.
 
 use super::campaign::Campaign;
-use super::corrections::bow_um_per_urad;
 use super::curves::noise_gain;
 use super::increments::Means;
 use super::metric::Plane;
@@ -9,7 +8,7 @@ use super::noise::coverage_factor;
 use super::reversal::Turn;
 use super::straight::u_squareness;
 use super::uncertainty::Budget;
-use crate::axis::{Axis, ErrorTerm, PerAxis};
+use crate::axis::{Axis, ErrorTerm};
 use crate::job::{Frame, LinearSlope, SetUp};
 
 /// What was assumed and what counts in the uncertainty, one sentence each.
@@ -23,22 +22,20 @@ pub(super) fn labels(
     let measurement = campaign.measurement;
     let mut labels = Vec::new();
     if measurement.setup == SetUp::AssumePerfect {
-        labels.push("set-up assumed perfect: mirror and beam exactly along the four diagonals; a tilt of 10 arcsec falsifies slopes by tens of um/m".to_string());
+        let tilt = match campaign.stated.tilt_arcsec {
+            Some(arcsec) => format!("included in U as {arcsec} arcsec (k = 1, tilt_arcsec) in each direction"),
+            None => "not included, so that no U is given where the slope is a separated one: state `tilt_arcsec` in [measurement.uncertainty]".to_string(),
+        };
+        labels.push(format!("set-up assumed perfect: mirror and beam exactly along the four diagonals; a tilt of 10 arcsec falsifies slopes by tens of µm/m; it is {tilt}"));
     }
     labels.push(match measurement.frame {
         Frame::XPrimary => "frame: X primary, XY plane secondary (EYX, EZX, EZY without slope; EXY, EXZ, EYZ carry the squareness)".to_string(),
-        Frame::AsMeasured => "frame as measured: slopes of cross terms hold an arbitrary rotation; only their sums are the machine's".to_string(),
+        Frame::AsMeasured => "frame as measured: slopes of cross terms hold an arbitrary rotation; only their sums, the squareness, are free of it".to_string(),
     });
     labels.extend(way_back(campaign, means, overrun));
     labels.extend(turn.map(of_the_turn));
     if means.reverse.is_some() {
-        labels.push("directions are those in which each axis really moved: + curves from forward passes of the diagonals that travel it in +, reverse passes of the others".to_string());
-    }
-    if measurement
-        .material
-        .is_some_and(|material| !material.air_corrected)
-    {
-        labels.push("the readings are not corrected for air, and nothing corrects them here: about 1 um/m of scale for each K of air temperature or 3.7 hPa".to_string());
+        labels.push("directions are those in which each axis really moved: + curves from forward runs of the diagonals that travel it in +, reverse runs of the others".to_string());
     }
     for axis in Axis::ALL {
         let gain = noise_gain(&measurement.volume, axis);
@@ -46,8 +43,24 @@ pub(super) fn labels(
             labels.push(format!("{axis} is a short edge of the box: noise of its deviations is {gain:.1} times that of an increment"));
         }
     }
-    let bow = bow_um_per_urad(&measurement.volume, measurement.target);
-    labels.extend(budget_labels(budget, campaign.angles.is_some(), &bow));
+    labels.extend(common_labels(campaign, budget));
+    labels
+}
+
+/// What is assumed of readings of any kind, and what their uncertainty holds.
+pub(super) fn common_labels(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec<String> {
+    let measurement = campaign.measurement;
+    let mut labels = Vec::new();
+    if measurement
+        .material
+        .is_some_and(|material| !material.air_corrected)
+    {
+        labels.push("the readings are not corrected for air, and nothing corrects them here: about 1 µm/m of scale for each K of air temperature or 3.7 hPa".to_string());
+    }
+    labels.extend(budget_labels(budget));
+    let (angles, stated) = (campaign.angle_evidence(), campaign.stated.angle_urad);
+    let path = (measurement.kind, measurement.target);
+    labels.extend(angles.sentences(&measurement.volume, path, stated));
     labels.extend(line_labels(campaign));
     labels
 }
@@ -55,7 +68,7 @@ pub(super) fn labels(
 /// What is known of the reverse passes.
 fn way_back(campaign: &Campaign<'_>, means: &Means, overrun: Option<bool>) -> Vec<String> {
     if means.reverse.is_none() {
-        return vec!["forward passes only: NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the curves".into()];
+        return vec!["forward runs only: NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the curves".into()];
     }
     let from = if campaign.measurement.overrun.is_some() {
         "as stated"
@@ -63,8 +76,8 @@ fn way_back(campaign: &Campaign<'_>, means: &Means, overrun: Option<bool>) -> Ve
         "judged from the readings"
     };
     let mut said = vec![match overrun {
-        Some(true) => format!("the axes ran over the far end before the reverse passes ({from})"),
-        Some(false) => format!("the axes turned at the far end without overrun ({from}): the lost motion is taken off the last cell of the reverse passes"),
+        Some(true) => format!("the axes ran over the far end before the reverse runs ({from})"),
+        Some(false) => format!("the axes turned at the far end without overrun ({from}): the lost motion is taken off the last cell of the reverse runs"),
         None => "whether the axes ran over the far end cannot be judged from the readings: no reversal stands out of their noise, or offset and jumps contradict each other. State `overrun`; until then a lost motion that is hidden in the noise may stand in the last interval".into(),
     }];
     if !campaign.reverse_zero_known {
@@ -124,11 +137,7 @@ fn line_labels(campaign: &Campaign<'_>) -> Vec<String> {
 }
 
 /// What counts in the uncertainty and what does not, one sentence each.
-fn budget_labels(
-    budget: &Budget<'_>,
-    angles_given: bool,
-    bow_um_per_urad: &PerAxis<f64>,
-) -> Vec<String> {
+fn budget_labels(budget: &Budget<'_>) -> Vec<String> {
     let mut said = Vec::new();
     match budget.noise {
         Some(noise) => {
@@ -137,7 +146,7 @@ fn budget_labels(
                 format!(", {freedom} degrees of freedom: k = {k:.2} by Student holds 95 %")
             });
             said.push(format!(
-                "noise of a single reading {:.3} um (k = 1), {}{freedom}",
+                "noise of a single reading {:.3} µm (k = 1), {}{freedom}",
                 noise.sigma_um,
                 noise.source.words()
             ));
@@ -148,13 +157,6 @@ fn budget_labels(
         ),
     }
     said.extend(stated_labels(budget));
-    if !angles_given {
-        let bow = |axis: Axis| format!("{axis} {:.3}", bow_um_per_urad[axis]);
-        said.push(format!(
-            "angular errors are not given and not included: each urad of pitch or yaw between the ends of an axis bends the curves by up to (um) {}; the closure does not show it",
-            Axis::ALL.map(bow).join(", ")
-        ));
-    }
     said
 }
 /// What of `[measurement.uncertainty]` counts, and for which axes.
@@ -185,8 +187,8 @@ fn stated_labels(budget: &Budget<'_>) -> Vec<String> {
     let each = Plane::ALL.map(|plane| format!("{} {:.2}", plane.key(), each.of(plane)));
     let each = each.join(", ");
     said.push(match budget.stated.setup_ppm {
-        Some(ppm) => format!("setup_ppm ({ppm}) is included: laser, air and scales change so much from one set-up to the next; each ppm makes um/m of squareness: {each}"),
-        None => format!("setup_ppm is not stated: changes of laser, air and scale temperature between the four set-ups are not included; each ppm (0.09 K of steel) makes um/m of squareness: {each}"),
+        Some(ppm) => format!("setup_ppm ({ppm}) is included: laser, air and scales change so much from one set-up to the next; each ppm makes µm/m of squareness: {each}"),
+        None => format!("setup_ppm is not stated: changes of laser, air and scale temperature between the four set-ups are not included; each ppm (0.09 K of steel) makes µm/m of squareness: {each}"),
     });
     let s = budget.stated;
     let any = [s.laser_ppm, s.temperature_k, s.alpha_per_k, s.setup_ppm];

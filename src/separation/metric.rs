@@ -208,6 +208,16 @@ pub fn displacement_ratios(
     })
 }
 
+/// The same of straight runs, of first order: q_d = u_d (1 + e_d(end)/R), so that (7) becomes
+/// u_dᵀ h u_d = e_d(end)/R. `ends_um`: totals.
+pub fn straight_ratios(volume: &Volume, ends_um: &PerDiagonal<f64>) -> PerDiagonal<PerAxis<f64>> {
+    PerDiagonal::from_fn(|d| {
+        let longer = 1.0 + ends_um[d] / (1000.0 * volume.diagonal_mm());
+        let laser = volume.laser(d);
+        PerAxis::from_fn(|axis| longer * laser[axis])
+    })
+}
+
 /// vᵀ h v as a row of the six unknowns.
 pub(super) fn row(v: &PerAxis<f64>) -> Row {
     Row::from([
@@ -408,7 +418,7 @@ pub fn end_gains(
     }))
 }
 
-fn per_plane<T>([xy, xz, yz]: [T; 3]) -> PerPlane<T> {
+pub(super) fn per_plane<T>([xy, xz, yz]: [T; 3]) -> PerPlane<T> {
     PerPlane { xy, xz, yz }
 }
 

@@ -1,7 +1,7 @@
 //! A job and the tables it names → what a separation needs beside the readings.
 
 use super::campaign::{Campaign, Line};
-use super::corrections::{AngleModel, angle_effects};
+use super::corrections::{AngleEffects, AngleModel, angle_effects};
 use super::lookup::at;
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::Volume;
@@ -36,7 +36,7 @@ pub fn campaign<'a>(
     }
     lines.extend(measurement.beams.iter().map(beam_line));
     let angles = match &tables.angles {
-        None => None,
+        None => Some(AngleEffects::unmeasured(job.machine.chain.as_deref())),
         Some(table) => problems.take(angles(job, measurement, table)),
     };
     problems.or_ok(Campaign {
@@ -138,7 +138,7 @@ fn angles(
     job: &Job,
     measurement: &DiagonalMeasurement,
     table: &ErrorTable,
-) -> Result<super::corrections::AngleEffects, Problems> {
+) -> Result<AngleEffects, Problems> {
     let Some(chain) = &job.machine.chain else {
         return Err(job
             .problem_at("measurement.angles", "angles act through levers, which need the order of the axes: `machine.chain` is missing")

@@ -13,10 +13,11 @@ use super::metric::{Metric, PerPlane, Plane};
 use super::noise::{CorrectedRun, Noise, NoiseSource, coverage_factor, means, run_counts};
 use super::repeats::repeats;
 use super::reversal::{Turn, ran_over, turn, without_jumps};
-use super::solved::{USquareness, solve_readings};
+use super::solved::{naive_squareness, solve_readings};
 use super::straight::{DiagonalFigures, figures};
 use super::tilt::{Tilt, tilts};
 use super::uncertainty::Budget;
+use super::unmeasured;
 use crate::axis::{ErrorTerm, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::job::{Material, SetUp, StatedUncertainty};
@@ -103,6 +104,11 @@ impl Separation {
         self.doubts.is_empty() && self.missing().is_empty()
     }
 
+    /// φ as the sum of two separated slopes, µm/m: it holds the tilt of the mirror.
+    pub fn naive_squareness_um_per_m(&self, plane: Plane) -> f64 {
+        naive_squareness(&self.naive_slopes_um_per_m, plane)
+    }
+
     /// U of φ, µm/m: its uncertainty with the coverage factor of its degrees of freedom.
     pub fn expanded_squareness_um_per_m(&self, plane: Plane) -> Option<f64> {
         let k = coverage_factor(self.squareness_freedom.of(plane));
@@ -171,7 +177,15 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     }
     let gains = solved.gains(&budget);
     let turn = turn(&measured, volume, &counts, noise).filter(|_| turned);
-    let errors = solved.errors(&budget, &gains, &raw, turn.as_ref());
+    let mut errors = solved.errors(&budget, &gains, &raw, turn.as_ref());
+    unmeasured::book(
+        &mut errors,
+        volume,
+        measurement.target,
+        &campaign.stated,
+        &campaign.angle_evidence(),
+        &|term| solved.keeps_separated_slope(term),
+    );
     let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
     let zeroed_runs: Vec<CorrectedRun> = runs.iter().filter(zeroed).cloned().collect();
     let (mut diagonals, range_over_all_um) = figures(&zeroed_runs, PathKind::Step);
@@ -183,7 +197,6 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     let mut doubts = doubt::of_closure(&closure, noise, volume, measurement.setup);
     doubts.extend(agreement.as_ref().and_then(Agreement::contradiction));
     let u_squareness = solved.u_squareness(&budget, &gains);
-    let squareness = |of: fn(USquareness) -> Option<f64>| u_squareness.map(of);
     let hidden = (overrun == Some(true) && campaign.reverse_zero_known)
         .then(|| doubt::hidden_reversal_um(&measured, noise))
         .flatten();
@@ -195,8 +208,8 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         }),
         naive_slopes_um_per_m: solved.naive_slopes(volume),
         squareness_um_per_m: solved.squareness(measurement.setup),
-        u_squareness_um_per_m: squareness(|found| Some(found?.0)),
-        squareness_freedom: squareness(|found| found?.1),
+        u_squareness_um_per_m: u_squareness.map(|u| Some(u?.u_um_per_m)),
+        squareness_freedom: u_squareness.map(|u| u?.freedom),
         squareness_least_squares_um_per_m: least_squares_squareness(volume, &errors.mean),
         tilts: tilts(volume, &solved.ratios, &solved.metric)
             .filter(|_| measurement.setup == SetUp::Solve && !refuted),
@@ -252,7 +265,7 @@ pub fn curves_of(
 }
 
 /// Repeats say most; a stated noise comes next; a single run is left with its closure.
-fn known_noise(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<Noise> {
+pub(super) fn known_noise(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<Noise> {
     let stated = stated.noise_um.map(|sigma_um| Noise {
         sigma_um,
         freedom: None,

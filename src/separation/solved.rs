@@ -7,12 +7,12 @@ use super::evidence::{Evidence, NineErrors};
 use super::increments::{Increments, Means, mean_increments};
 use super::lookup::at;
 use super::metric::{
-    EndGains, Metric, PerPlane, Plane, StraightLine, displacement_ratios, end_gains, solve,
+    EndGains, Metric, PerPlane, Plane, StraightLine, displacement_ratios, end_gains, per_plane,
+    solve,
 };
-use super::noise::effective_freedom;
 use super::reversal::Turn;
 use super::straight::{Totals, totals};
-use super::uncertainty::{Budget, Side, Slope, SlopeFrom};
+use super::uncertainty::{Budget, Side, Slope, SlopeFrom, SlopeUncertainty};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::diagonal::{Diagonal, PerDiagonal, Volume};
 use crate::job::{Frame, SetUp};
@@ -33,9 +33,6 @@ pub(super) fn solve_readings(
     let solved = Solved::new(campaign, budget, &increments, &raw);
     (solved, raw)
 }
-
-/// Standard uncertainty of φ, µm/m, and its effective degrees of freedom (`None` = unlimited).
-pub(super) type USquareness = Option<(f64, Option<f64>)>;
 
 /// Slopes and what they come from.
 pub(super) struct Solved {
@@ -140,6 +137,15 @@ impl Solved {
         }
     }
 
+    /// Whether the slope of a term is that of the increments, with the tilt of the mirror.
+    pub(super) fn keeps_separated_slope(&self, term: ErrorTerm) -> bool {
+        match (self.setup, self.frame) {
+            (SetUp::Solve, _) => false,
+            (SetUp::AssumePerfect, Frame::AsMeasured) => true,
+            (SetUp::AssumePerfect, Frame::XPrimary) => term.is_positioning(),
+        }
+    }
+
     /// Where the slope of a term comes from; `None` where its uncertainty is not known.
     fn slope_from(
         &self,
@@ -147,11 +153,10 @@ impl Solved {
         gains: &EndGains,
         term: ErrorTerm,
     ) -> Option<SlopeFrom> {
+        if self.keeps_separated_slope(term) {
+            return Some(SlopeFrom::Increments);
+        }
         let slope = match (self.setup, self.frame) {
-            (SetUp::AssumePerfect, Frame::AsMeasured) => return Some(SlopeFrom::Increments),
-            (SetUp::AssumePerfect, Frame::XPrimary) if term.is_positioning() => {
-                return Some(SlopeFrom::Increments);
-            }
             (SetUp::Solve, _) if term.is_positioning() => Slope {
                 u_um_per_m: self.metric.u_scale(term.along)?,
                 by_end: gains.scale(term.along),
@@ -199,23 +204,16 @@ impl Solved {
         })
     }
 
-    /// Standard uncertainty of φ, µm/m, and its effective degrees of freedom.
+    /// Uncertainty of φ.
     pub(super) fn u_squareness(
         &self,
         budget: &Budget<'_>,
         gains: &EndGains,
-    ) -> PerPlane<USquareness> {
-        let of = |plane: Plane| {
+    ) -> PerPlane<Option<SlopeUncertainty>> {
+        per_plane(Plane::ALL.map(|plane| {
             let slope = self.squareness_slope(budget, gains, plane)?;
-            let noise = budget.slope_noise(&slope, self.both_ways)?.sqrt();
-            let freedom = effective_freedom(slope.u_um_per_m, noise, budget.noise?);
-            Some((slope.u_um_per_m, freedom))
-        };
-        PerPlane {
-            xy: of(Plane::Xy),
-            xz: of(Plane::Xz),
-            yz: of(Plane::Yz),
-        }
+            budget.of_slope(&slope, self.both_ways)
+        }))
     }
 
     /// How the slopes change with the totals.
@@ -245,7 +243,7 @@ impl Solved {
 
     /// What the solution of (7) rests on, in words.
     pub(super) fn labels(&self, is_checked: bool) -> Vec<String> {
-        let mut said = Vec::new();
+        let mut said: Vec<String> = self.frame_label().into_iter().collect();
         if self.setup == SetUp::AssumePerfect {
             return said;
         }
@@ -256,7 +254,7 @@ impl Solved {
             let of =
                 |plane: Plane| format!("{} {:.3}", plane.key(), 10.0 * self.metric.leak.of(plane));
             said.push(format!(
-                "the uncertainty of the squareness leaves out what is not determined of the scales: through the tilts of the mirror each 10 um/m of it moves the squareness by up to (um/m) {}",
+                "the uncertainty of the squareness leaves out what is not determined of the scales: through the tilts of the mirror each 10 µm/m of it moves the squareness by up to (µm/m) {}",
                 Plane::ALL.map(of).join(", ")
             ));
         }
@@ -308,6 +306,20 @@ impl Solved {
         }
     }
 
+    /// Where the curves keep the slopes of the increments, their squareness is another one than
+    /// that of the totals.
+    fn frame_label(&self) -> Option<String> {
+        let kept = (self.setup, self.frame) == (SetUp::AssumePerfect, Frame::AsMeasured);
+        let slopes = self.naive_slopes(&self.volume);
+        kept.then(|| {
+            format!(
+                "the curves keep their separated slopes, whose squareness (µm/m: {}) holds the tilt of the mirror and the noise of all increments; that of the totals ({}) holds neither: believe the totals",
+                planes_in_words(|plane| naive_squareness(&slopes, plane)),
+                planes_in_words(|plane| self.totals.squareness_um_per_m.of(plane))
+            )
+        })
+    }
+
     pub(super) fn undetermined(&self, from_turn: bool) -> Vec<String> {
         let mut words = match self.setup {
             SetUp::Solve => self.metric.undetermined(),
@@ -315,7 +327,7 @@ impl Solved {
         };
         if self.both_ways && !from_turn {
             words.push(
-                "reversal of each axis: a turn with overrun (or with a zero of its own) holds at most its sum along the diagonals; turn once without overrun, or measure each axis in both directions".to_string(),
+                "reversal of each axis: with overrun (or a zero of their own) the reverse runs hold at most its sum along the diagonals; reverse once without overrun and state `overrun = false`, or measure each axis in both directions".to_string(),
             );
         }
         words
@@ -386,6 +398,22 @@ fn without_shapes(
 /// In the X-primary frame EXY, EXZ and EYZ carry the squareness of their plane.
 fn carries_squareness(term: ErrorTerm) -> bool {
     term.of < term.along
+}
+
+/// φ as the sum of two separated slopes, µm/m.
+pub(super) fn naive_squareness(slopes_um_per_m: &PerTerm<f64>, plane: Plane) -> f64 {
+    let (a, b) = plane.axes();
+    let (one, other) = (ErrorTerm { of: a, along: b }, ErrorTerm { of: b, along: a });
+    slopes_um_per_m[one] + slopes_um_per_m[other]
+}
+
+/// XY, XZ and YZ of a squareness in words, µm/m.
+fn planes_in_words(of: impl Fn(Plane) -> f64) -> String {
+    let words = Plane::ALL.map(|plane| {
+        let value = (of(plane) * 1000.0).round() / 1000.0 + 0.0;
+        format!("{} {value:.3}", plane.key().to_uppercase())
+    });
+    words.join(", ")
 }
 
 fn plane_of(term: ErrorTerm) -> Plane {

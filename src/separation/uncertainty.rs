@@ -8,7 +8,7 @@
 use super::corrections::REFERENCE_C;
 use super::curves::noise_gain;
 use super::metric::{PerPlane, TotalsUncertainty};
-use super::noise::Noise;
+use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::reversal::Turn;
 use super::straight::u_squareness;
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
@@ -36,6 +36,22 @@ pub struct Slope {
     pub by_end: PerDiagonal<f64>,
     /// Standard uncertainty from the noise of a rotation between twin slopes, µm/m.
     pub rotation_um_per_m: f64,
+}
+
+/// How well a slope is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlopeUncertainty {
+    /// Standard uncertainty, µm/m.
+    pub u_um_per_m: f64,
+    /// Its effective degrees of freedom; `None` = unlimited.
+    pub freedom: Option<f64>,
+}
+
+impl SlopeUncertainty {
+    /// U, µm/m: with the coverage factor of its degrees of freedom.
+    pub fn expanded_um_per_m(&self) -> f64 {
+        coverage_factor(self.freedom) * self.u_um_per_m
+    }
 }
 
 /// Which of the curves of a term.
@@ -70,6 +86,17 @@ impl Budget<'_> {
         let part = |d| Some(slope.by_end[d].powi(2) * self.end_variance_um2(d, both_ways)?);
         let by_ends: Option<f64> = Diagonal::ALL.into_iter().map(part).sum();
         Some(by_ends? + slope.rotation_um_per_m.powi(2))
+    }
+
+    /// Standard uncertainty of a slope with its effective degrees of freedom.
+    pub fn of_slope(&self, slope: &Slope, both_ways: bool) -> Option<SlopeUncertainty> {
+        let u_um_per_m = slope.u_um_per_m;
+        let noise = self.slope_noise(slope, both_ways)?.sqrt();
+        let freedom = effective_freedom(u_um_per_m, noise, self.noise?);
+        Some(SlopeUncertainty {
+            u_um_per_m,
+            freedom,
+        })
     }
 
     /// Weight of a reading in the total of its diagonal (the mean over both passes).
