@@ -39,6 +39,7 @@ fn lines(measurement: &DiagonalMeasurement) -> Vec<Line> {
             direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
             slope_um_per_m,
             u_um_per_m: linear.u_um_per_m,
+            ends: None,
         }),
         LinearSlope::Errors(_) => None,
     };

@@ -25,30 +25,39 @@
 //! the shapes of all nine curves alone and makes their slopes worthless; the slopes are taken
 //! from the totals instead, see [`metric`].
 
+pub mod agreement;
 pub mod closure;
 pub mod corrections;
 pub mod curves;
 pub mod diagonal_runs;
 pub mod doubt;
+pub mod evidence;
 pub mod increments;
 pub mod line;
 pub mod metric;
 pub mod monte_carlo;
 pub mod noise;
 pub mod outlier;
+pub mod prediction;
 pub mod prepare;
+pub mod propagation;
 pub mod repeats;
 pub mod reversal;
 pub mod straight;
 pub mod table;
 pub mod tilt;
 pub mod uncertainty;
+pub mod unmeasured;
 
 mod campaign;
 
 mod banded;
+mod labels;
 mod lookup;
+mod separate;
+mod solved;
+mod system;
 
-pub use self::campaign::{
-    Campaign, Evidence, Line, NineErrors, Separation, corrected, curves_of, separate,
-};
+pub use self::campaign::{Campaign, Line, corrected};
+pub use self::evidence::{Evidence, NineErrors};
+pub use self::separate::{Separation, curves_of, separate};

@@ -134,6 +134,10 @@ fn without_linear_axes_the_scales_are_named_and_left_out() {
     assert!((xy - 19.1667).abs() < 0.05, "{xy}");
     let text = answered_no(&nonius(directory.path(), "separate job.toml"));
     assert!(text.contains("NOT DETERMINED by these readings"), "{text}");
+    assert!(
+        text.contains("U(95 %)") && !text.contains("-0.000"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -233,23 +237,363 @@ fn two_tables_are_refused_where_the_reversal_is_not_determined() {
 
 /// The straight diagonals of case A's machine, from its cell ends.
 fn straight() -> tempfile::TempDir {
+    straight_with("", |readings| readings)
+}
+
+/// Reading errors of the forward run at the nodes of a diagonal.
+type Forward = (String, Vec<f64>);
+
+/// The same with more keys in `[measurement.step_diagonal]` and below, and other rows.
+fn straight_with(keys: &str, change: impl Fn(String) -> String) -> tempfile::TempDir {
     let directory = copy("case_a_ideal", |job| {
         job.replace(
             "steps = 30\norder = \"XYZ\"\nsetup = \"assume-perfect\"",
-            "steps = 30\nkind = \"straight\"\nclosure_errors = \"truth.csv\"",
+            &format!("steps = 30\nkind = \"straight\"\nclosure_errors = \"truth.csv\"\n{keys}"),
         )
     });
-    let readings = fs::read_to_string(fixture("case_a_ideal").join("readings.csv")).unwrap();
     let mut text = "diagonal,run,direction,node,deviation_um\n".to_string();
-    for line in readings.lines().filter(|line| line.contains("forward")) {
-        let cells: Vec<&str> = line.split(',').collect();
-        let node: usize = cells[3].parse().unwrap();
-        if node.is_multiple_of(3) {
-            text += &format!("{},1,forward,{},{}\n", cells[0], node / 3, cells[5]);
+    for (diagonal, values) in cell_ends() {
+        for (node, value) in values.iter().enumerate() {
+            text += &format!("{diagonal},1,forward,{node},{value}\n");
         }
     }
-    fs::write(directory.path().join("readings.csv"), text).unwrap();
+    fs::write(directory.path().join("readings.csv"), change(text)).unwrap();
     directory
+}
+
+fn cell_ends() -> Vec<Forward> {
+    let readings = fs::read_to_string(fixture("case_a_ideal").join("readings.csv")).unwrap();
+    let mut all: Vec<Forward> = Vec::new();
+    for line in readings.lines().filter(|line| line.contains("forward")) {
+        let cells: Vec<&str> = line.split(',').collect();
+        if !cells[3].parse::<usize>().unwrap().is_multiple_of(3) {
+            continue;
+        }
+        if all.last().is_none_or(|(name, _)| name != cells[0]) {
+            all.push((cells[0].to_string(), Vec::new()));
+        }
+        all.last_mut().unwrap().1.push(cells[5].parse().unwrap());
+    }
+    all
+}
+
+/// Runs back over the same nodes, 5 µm lower everywhere: in rows `reverse`, or under the names of
+/// the ways back, numbered, signed and zeroed along their own travel.
+fn runs_back(own_names: bool) -> String {
+    let back = [
+        ("PPP", "NNN"),
+        ("NPP", "PNN"),
+        ("PNP", "NPN"),
+        ("PPN", "NNP"),
+    ];
+    let mut text = String::new();
+    for (diagonal, values) in cell_ends() {
+        let last = values.len() - 1;
+        let (_, name) = back.iter().find(|(name, _)| *name == diagonal).unwrap();
+        for (node, value) in values.iter().enumerate() {
+            text += &if own_names {
+                format!(
+                    "{name},1,forward,{node},{}\n",
+                    values[last] - values[last - node]
+                )
+            } else {
+                format!("{diagonal},1,reverse,{node},{}\n", value - 5.0)
+            };
+        }
+    }
+    text
+}
+
+#[test]
+fn straight_runs_with_a_zero_of_their_own_give_no_reversal() {
+    let figures = |own_names: bool| {
+        let directory = straight_with("", |rows| rows + &runs_back(own_names));
+        let text = stdout(&nonius(directory.path(), "separate job.toml"));
+        (
+            json(directory.path(), "separate job.toml --format json"),
+            text,
+        )
+    };
+    let (known, _) = figures(false);
+    let (own, text) = figures(true);
+    let close = |value: &Value, wanted: f64| (value.as_f64().unwrap() - wanted).abs() < 1e-6;
+    assert!(close(&known["diagonals"]["b_d_um"], 5.0), "{known}");
+    assert!(
+        close(&known["diagonals"]["PPP"]["range_um"], 23.543_453),
+        "{known}"
+    );
+    assert_eq!(own["diagonals"]["e_d_um"], Value::Null);
+    assert_eq!(own["diagonals"]["b_d_um"], Value::Null);
+    assert!(
+        close(&own["diagonals"]["PPP"]["range_um"], 18.543_453),
+        "{own}"
+    );
+    for plane in ["xy", "xz", "yz"] {
+        let wanted = known["squareness_um_per_m"][plane].as_f64().unwrap();
+        assert!(close(&own["squareness_um_per_m"][plane], wanted));
+    }
+    assert!(
+        own["labels"].to_string().contains("their own start"),
+        "{own}"
+    );
+    assert!(text.contains("no E and B"), "{text}");
+}
+
+const TWO_AXES: &str = "
+[[measurement.step_diagonal.linear]]
+axis = \"x\"
+slope_um_per_m = 20.0
+u_um_per_m = 0.5
+[[measurement.step_diagonal.linear]]
+axis = \"y\"
+slope_um_per_m = -16.666666667
+u_um_per_m = 0.5
+[measurement.uncertainty]
+noise_um = 0.1
+";
+
+#[test]
+fn straight_runs_with_two_linear_axes_know_all_scales_with_their_uncertainty() {
+    let directory = straight_with(TWO_AXES, |rows| rows);
+    let page = json(directory.path(), "separate job.toml --format json");
+    assert_eq!(page["rank"]["rank"], 6);
+    assert_eq!(page["rank"]["undetermined"].as_array().unwrap().len(), 0);
+    let z = page["scale_um_per_m"]["z"].as_f64().unwrap();
+    assert!((z - 13.888_889).abs() < 1e-5, "{z}");
+    // h_zz = (S - X² h_xx - Y² h_yy)/Z², u(S)/R² = u_end/(2R): by hand, in µm/m.
+    let (r2, ends) = (1_846_800.0_f64, 2.0_f64.sqrt() * 0.1);
+    let of_total = r2 * (ends / (2.0 * r2.sqrt() / 1000.0));
+    let wanted = (of_total.powi(2) + (810_000.0_f64 * 0.5).powi(2) + (518_400.0_f64 * 0.5).powi(2))
+        .sqrt()
+        / 518_400.0;
+    let u = page["u_scale_um_per_m"]["z"].as_f64().unwrap();
+    assert!((u - wanted).abs() < 1e-6, "{u} {wanted}");
+    let u = page["u_squareness_um_per_m"]["xy"].as_f64().unwrap();
+    // R/(2XY)·u(e_end), e_end of one run: √2·0.1 µm.
+    assert!(
+        (u - 1_358.969 / (2.0 * 0.648e6) * 1000.0 * ends).abs() < 1e-4,
+        "{u}"
+    );
+    let labels = page["labels"].to_string();
+    assert!(labels.contains("laser_ppm is not stated"), "{labels}");
+    assert!(labels.contains("the middle of the box"), "{labels}");
+}
+
+#[test]
+fn the_closure_test_has_a_verdict() {
+    let uncertainty = "[measurement.uncertainty]\nnoise_um = 0.1\n";
+    let agrees = straight_with(uncertainty, |rows| rows);
+    let page = json(agrees.path(), "separate job.toml --format json");
+    assert_eq!(page["closure_test"]["agrees"], true);
+    let differs = straight_with(uncertainty, |rows| {
+        rows.replace("NPP,1,forward,17,", "NPP,1,forward,17,1")
+    });
+    let page = json(differs.path(), "separate job.toml --format json");
+    assert_eq!(page["closure_test"]["agrees"], false, "{page}");
+    let text = stdout(&nonius(differs.path(), "separate job.toml"));
+    assert!(text.contains("NOT in keeping"), "{text}");
+    let unknown = straight();
+    let text = stdout(&nonius(unknown.path(), "separate job.toml"));
+    assert!(text.contains("no verdict"), "{text}");
+}
+
+/// A = 5, B = −8, C = 12 µrad · t · (1 − 0.3 k) for axis k = 0, 1, 2: the angles of case C2.
+fn angles(columns: &[&str]) -> String {
+    let mut text = format!("axis,position_mm,{}\n", columns.join(","));
+    for (axis, length, share) in [("x", 900.0, 1.0), ("y", 720.0, 0.7), ("z", 720.0, 0.4)] {
+        for t in [0.0, 0.5, 1.0] {
+            let cells = columns.iter().map(|column| {
+                let angle = match *column {
+                    "ea_urad" => 5.0,
+                    "eb_urad" => -8.0,
+                    _ => 12.0,
+                };
+                format!("{}", angle * t * share)
+            });
+            let cells: Vec<String> = cells.collect();
+            text += &format!("{axis},{},{}\n", length * t, cells.join(","));
+        }
+    }
+    text
+}
+
+fn with_angles(columns: &[&str], keys: &str) -> tempfile::TempDir {
+    let directory = copy("case_c2_mirror", |job| {
+        job.replace(
+            "readings = \"readings.csv\"",
+            &format!("readings = \"readings.csv\"\nangles = \"angles.csv\"\n{keys}"),
+        )
+    });
+    fs::write(directory.path().join("angles.csv"), angles(columns)).unwrap();
+    directory
+}
+
+#[test]
+fn angles_of_a_job_are_taken_off_the_readings() {
+    let all = ["ea_urad", "eb_urad", "ec_urad"];
+    let zero = "{ x = 0.0, y = 0.0, z = 0.0 }";
+    let levers = format!("offsets_mm = {zero}\ntool_offset_mm = {zero}");
+    let directory = with_angles(&all, &levers);
+    let page = json(directory.path(), "separate job.toml --format json");
+    let truth = fs::read_to_string(directory.path().join("truth.csv")).unwrap();
+    let mut compared = 0;
+    for (axis, name) in [("x", "X"), ("y", "Y"), ("z", "Z")] {
+        let rows = truth
+            .lines()
+            .filter(|line| line.starts_with(&format!("{axis},")));
+        for (index, row) in rows.enumerate() {
+            let cells: Vec<f64> = row
+                .split(',')
+                .skip(2)
+                .map_while(|cell| cell.parse().ok())
+                .collect();
+            for (of, wanted) in ["X", "Y", "Z"].iter().zip(cells) {
+                let found = &page["errors"][format!("E{of}{name}")]["deviation_um"][index];
+                let left = found.as_f64().unwrap() - wanted;
+                assert!(left.abs() < 6e-4, "E{of}{name} {index}: {left}");
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, 9 * 31, "the truth has nine curves of 31 points");
+    let labels = page["labels"].to_string();
+    for words in [
+        "without a measurement",
+        "offsets_mm is not stated",
+        "tool_offset_mm is not stated",
+    ] {
+        assert!(!labels.contains(words), "{labels}");
+    }
+    let without = with_angles(&all, "");
+    let labels = json(without.path(), "separate job.toml --format json")["labels"].to_string();
+    assert!(labels.contains("offsets_mm is not stated"), "{labels}");
+    assert!(
+        labels.contains("up to 1.200 µm"),
+        "12 µrad on 100 mm: {labels}"
+    );
+    assert!(labels.contains("tool_offset_mm is not stated"), "{labels}");
+}
+
+#[test]
+fn angles_that_are_missing_are_named_with_what_they_do() {
+    let directory = with_angles(&["ea_urad", "eb_urad"], "");
+    let labels = json(directory.path(), "separate job.toml --format json")["labels"].to_string();
+    assert!(
+        labels.contains("counted as zero: ECX, ECY, ECZ"),
+        "{labels}"
+    );
+    assert!(
+        labels.contains("up to (µm) X 0.225, Y 0.180; "),
+        "ECZ is roll: {labels}"
+    );
+    assert!(labels.contains("state `angle_urad`"), "{labels}");
+    let directory = with_angles(&["ec_urad"], "");
+    let labels = json(directory.path(), "separate job.toml --format json")["labels"].to_string();
+    assert!(
+        labels.contains("counted as zero: EAX, EBX, EAY, EBY, EAZ, EBZ"),
+        "{labels}"
+    );
+    let labels =
+        json(&fixture("case_b_setup"), "separate job.toml --format json")["labels"].to_string();
+    assert!(
+        labels.contains("EAX, EBX, ECX, EAY, EBY, ECY, EAZ, EBZ, ECZ"),
+        "{labels}"
+    );
+}
+
+#[test]
+fn a_stated_angle_widens_the_curves_in_the_middle() {
+    let stated = |keys: &str| {
+        let directory = copy("case_b_setup", |job| {
+            let keys =
+                format!("[measurement.uncertainty]\nnoise_um = 0.001\n{keys}\n\n[compensation]");
+            job.replacen("[compensation]", &keys, 1)
+        });
+        json(directory.path(), "separate job.toml --format json")
+    };
+    let u = |page: &Value, index: usize| page["errors"]["EYX"]["u_um"][index].as_f64().unwrap();
+    let (without, with) = (stated(""), stated("angle_urad = 10.0"));
+    assert!(u(&without, 15) < 0.01);
+    // c₀V/8 = 1.125 µm by the lever and as much by the mirror: yaw alone makes 2.25 µm.
+    assert!((2.24..2.8).contains(&u(&with, 15)), "{}", u(&with, 15));
+    assert!(u(&with, 30) < 0.01, "the ends stay: {}", u(&with, 30));
+    let labels = with["labels"].to_string();
+    assert!(
+        labels.contains("included in U as angles that grow evenly by 10 µrad"),
+        "{labels}"
+    );
+}
+
+#[test]
+fn an_assumed_set_up_has_an_uncertainty_only_with_a_stated_tilt() {
+    let stated = |keys: &str| {
+        let directory = copy("case_d_bidirectional", |job| {
+            job.replacen("[compensation]", &format!("{keys}\n[compensation]"), 1)
+        });
+        json(
+            directory.path(),
+            "separate job.toml --format json --trials 0",
+        )
+    };
+    let page = stated("");
+    assert!(
+        page["errors"]["EXX"].get("u_um").is_none(),
+        "{}",
+        page["errors"]["EXX"]
+    );
+    assert!(page["labels"].to_string().contains("state `tilt_arcsec`"));
+    let page = stated("[measurement.uncertainty]\ntilt_arcsec = 10.0\n");
+    let u = page["errors"]["EXX"]["u_um"][10].as_f64().unwrap();
+    // R/(2V)·√(1 − (V/R)²)·48.48 µrad = 27.4 µm/m over 0.9 m; noise adds 0.3 µm.
+    assert!((u - 24.69).abs() < 0.05, "{u}");
+}
+
+/// A mirror tilted by 50 µrad in X and Y of every set-up on a perfect machine: the totals are 0
+/// and the closure is clean.
+#[test]
+fn a_hidden_set_up_error_is_said_in_words() {
+    let rows = |text: String| {
+        let mut out = text.lines().nth(1).unwrap().to_string() + "\n";
+        for diagonal in ["PPP", "NPP", "PNP", "PPN"] {
+            for node in 0..=90 {
+                let (axis, um) = match node % 3 {
+                    _ if node == 0 => ("", 0.0),
+                    1 => ("x", 1.2),
+                    2 => ("y", 0.0),
+                    _ => ("z", 0.0),
+                };
+                out += &format!("{diagonal},1,forward,{node},{axis},{um}\n");
+            }
+        }
+        out
+    };
+    let put = |directory: &tempfile::TempDir| {
+        let path = directory.path().join("readings.csv");
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, rows(text)).unwrap();
+        stdout(&nonius(directory.path(), "separate job.toml"))
+    };
+    let naive = put(&copy("case_a_ideal", |job| job));
+    for words in [
+        "WARNING: `setup = \"assume-perfect\"`",
+        "54.359",
+        "-67.949",
+        "proves nothing about",
+    ] {
+        assert!(naive.contains(words), "{words}: {naive}");
+    }
+    let solved = put(&copy("case_a_ideal", |job| {
+        job.replace("setup = \"assume-perfect\"", "")
+    }));
+    for words in [
+        "Determined: 6 of 9 errors",
+        "NOT DETERMINED by these readings, and left out:\n- scale of X, Y and Z can be traded against each other; measure two axes along their length",
+        "add two [[measurement.step_diagonal.linear]]",
+        "face diagonals of two planes",
+    ] {
+        assert!(solved.contains(words), "{words}: {solved}");
+    }
+    assert!(!solved.contains("54.359"), "{solved}");
 }
 
 #[test]
@@ -296,4 +640,138 @@ fn an_existing_table_is_kept_and_a_job_of_errors_is_not_separated() {
     let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
     let output = nonius(&fixture, "separate generic.toml");
     refused(&output, "separated already");
+}
+
+/// Case B with its three linear axes changed.
+fn changed_case_b(change: impl Fn(String) -> String) -> tempfile::TempDir {
+    copy("case_b_setup", change)
+}
+
+fn disagrees(directory: &Path) {
+    let output = nonius(directory, "separate job.toml --trials 0");
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("they DISAGREE"), "{text}");
+    let output = nonius(directory, "separate job.toml --trials 0 --format json");
+    assert_eq!(output.status.code(), Some(1));
+    let page: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let probability = page["redundancy"]["probability"].as_f64().unwrap();
+    assert!(probability < 0.01, "{probability}");
+    let words = page["redundancy"]["contradiction"].as_str().unwrap();
+    assert!(words.contains("laser_sign") && words.contains("size of the box"));
+    assert_eq!(page["doubts"][0], words);
+    assert!(page["errors"]["EXX"].get("u_um").is_none());
+    assert!(page.get("setup_arcsec").is_none());
+    let output = nonius(directory, "generate job.toml -o kit");
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(!text.contains("verdict: pass"), "{text}");
+    assert!(
+        text.contains("DOUBTFUL: linear axes and diagonals DISAGREE"),
+        "{text}"
+    );
+    let output = nonius(directory, "verify job.toml --tables kit --format json");
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let page: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_ne!(page["verdict"], "pass");
+    assert!(page["causes"].to_string().contains("DISAGREE"));
+}
+
+#[test]
+fn slopes_that_contradict_the_diagonals_are_told_and_nothing_passes() {
+    let z = "slope_um_per_m = 13.888888889";
+    for wrong in [
+        "slope_um_per_m = 113.9",
+        "slope_um_per_m = -13.9\nu_um_per_m = 0.5",
+        "slope_um_per_m = 113.9\nu_um_per_m = 0.5",
+    ] {
+        let directory = changed_case_b(|job| job.replace(z, wrong));
+        disagrees(directory.path());
+    }
+    let all_known = changed_case_b(|job| {
+        let job = job.replace(z, "slope_um_per_m = -13.9");
+        let with_u =
+            |job: String, line: &str| job.replace(line, &format!("{line}\nu_um_per_m = 0.5"));
+        ["20.000000000", "-16.666666667", "-13.9"]
+            .iter()
+            .fold(job, |job, slope| {
+                with_u(job, &format!("slope_um_per_m = {slope}"))
+            })
+    });
+    disagrees(all_known.path());
+}
+
+#[test]
+fn a_wrong_sign_of_the_laser_or_size_of_the_box_is_told() {
+    let sign = changed_case_b(|job| job.replace("steps = 30", "steps = 30\nlaser_sign = \"-\""));
+    disagrees(sign.path());
+    let size = changed_case_b(|job| {
+        job.replace(
+            "y = 720.0000, z = 720.0000 }",
+            "y = 720.0000, z = 620.0000 }",
+        )
+    });
+    disagrees(size.path());
+}
+
+#[test]
+fn the_golden_case_agrees() {
+    let page = json(
+        &fixture("case_b_setup"),
+        "separate job.toml --trials 0 --format json",
+    );
+    assert!(
+        page["redundancy"]["probability"].as_f64().unwrap() > 0.05,
+        "{page}"
+    );
+    assert!(page["redundancy"]["contradiction"].is_null());
+    assert_eq!(page["redundancy"]["degrees_of_freedom"], 1);
+    let text = stdout(&nonius(&fixture("case_b_setup"), "separate job.toml"));
+    assert!(text.contains("they agree"), "{text}");
+}
+
+/// 5 µm at 900 mm are 5.6 µm/m.
+#[test]
+fn the_uncertainty_of_a_linear_table_is_that_of_its_column() {
+    let directory = copy("case_b_setup", |job| {
+        let job = job.replace("slope_um_per_m = 20.000000000", "errors = \"x.csv\"");
+        job.replace(
+            "slope_um_per_m = -16.666666667",
+            "slope_um_per_m = -16.666666667\nu_um_per_m = 0.1",
+        )
+        .replace(
+            "[[measurement.step_diagonal.linear]]\naxis = \"z\"\nslope_um_per_m = 13.888888889\n",
+            "",
+        )
+    });
+    let table = "axis,position_mm,ex_um,u_ex_um\nx,0,0,0\nx,450,9,2.5\nx,900,18,5\n";
+    fs::write(directory.path().join("x.csv"), table).unwrap();
+    let page = json(
+        directory.path(),
+        "separate job.toml --trials 0 --format json",
+    );
+    let end = |term: &str| page["errors"][term]["u_um"][30].as_f64().unwrap();
+    assert!((end("EXX") - 5.0).abs() < 1e-3, "{}", end("EXX"));
+    let labels = page["labels"].to_string();
+    assert!(!labels.contains("states no uncertainty"), "{labels}");
+    fs::write(
+        directory.path().join("x.csv"),
+        table
+            .replace(",u_ex_um", "")
+            .replace(",0,0,0", ",0,0")
+            .replace(",2.5", "")
+            .replace(",18,5", ",18"),
+    )
+    .unwrap();
+    let page = json(
+        directory.path(),
+        "separate job.toml --trials 100 --format json",
+    );
+    assert!(page["errors"]["EXX"].get("u_um").is_none());
+    assert!(page["labels"].to_string().contains("states no uncertainty"));
+    let figures = page["monte_carlo"]["figures"].to_string();
+    assert!(
+        !figures.contains("range EXX") && figures.contains("range EYY"),
+        "{figures}"
+    );
 }

@@ -53,6 +53,7 @@ fn separated(case: &str) -> Separation {
             direction: nonius::axis::PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
             slope_um_per_m,
             u_um_per_m: linear.u_um_per_m,
+            ends: None,
         }
     });
     let campaign = Campaign {

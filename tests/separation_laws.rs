@@ -14,7 +14,9 @@ use nonius::document::Source;
 use nonius::error_table::ErrorTable;
 use nonius::job::{Frame, Levers, Reflector, SetUp};
 use nonius::separation::corrections::{AngleModel, angle_effects};
+use nonius::separation::curves::with_slope;
 use nonius::separation::metric::Plane;
+use nonius::separation::unmeasured::{Rotation, bow_um_per_urad, false_bows_um};
 use nonius::separation::{Separation, separate};
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
@@ -492,5 +494,49 @@ fn measured_angles_give_the_true_errors_back() {
             }
         }
         assert!(largest <= tolerance, "{case}: {largest}");
+    }
+}
+
+/// docs/method.md §10: c₀V/8 by the lever, as much by the mirror; the totals stay.
+#[test]
+fn an_angle_that_grows_evenly_makes_the_bow_of_the_formula() {
+    let volume = volume([900.0, 720.0, 720.0], 30);
+    let yaw = Rotation {
+        about: Axis::Z,
+        along: Axis::X,
+    };
+    let straightness = ErrorTerm::from_name("EYX").unwrap();
+    for (reflector, wanted) in [
+        (Reflector::Retroreflector, 0.1125),
+        (Reflector::FlatMirror, 0.225),
+    ] {
+        let bows = false_bows_um(&volume, Axis::ALL, yaw, reflector);
+        let shape = with_slope(&volume, Axis::X, &bows[straightness], 0.0);
+        let largest = shape.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        close(largest, wanted, 0.003, "EYX");
+        close(bow_um_per_urad(&volume, reflector).x, wanted, 1e-12, "X");
+    }
+    let orders = [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ];
+    for order in orders.map(|order| order.map(|index: usize| Axis::ALL[index])) {
+        for rotation in Rotation::all() {
+            let bows = false_bows_um(&volume, order, rotation, Reflector::FlatMirror);
+            for (term, bow) in bows.iter() {
+                let shape = with_slope(&volume, term.along, bow, 0.0);
+                let largest = shape.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+                let flat = Reflector::FlatMirror;
+                let limit = match rotation.is_roll() {
+                    true => 0.01,
+                    false => bow_um_per_urad(&volume, flat)[rotation.along] * 1.001,
+                };
+                assert!(largest <= limit, "{order:?} {rotation} {term}: {largest}");
+            }
+        }
     }
 }

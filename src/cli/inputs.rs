@@ -14,7 +14,7 @@ use crate::problem::{Problem, Problems};
 use crate::readings::Readings;
 use crate::separation::prepare::{self, NamedTables};
 use crate::separation::straight::{StraightResult, straight};
-use crate::separation::{self, Campaign, Separation, corrected, table};
+use crate::separation::{self, Campaign, Separation, table};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -226,8 +226,11 @@ impl CampaignFiles {
 
     /// What straight runs say.
     pub(super) fn straight(&self) -> Result<StraightResult, Problems> {
-        let runs = corrected(&self.campaign()?, &self.readings.runs);
-        straight(&self.measurement.volume, runs, self.closure_errors.as_ref())
+        straight(
+            &self.campaign()?,
+            &self.readings.runs,
+            self.closure_errors.as_ref(),
+        )
     }
 
     /// The error table, with where it comes from and what it rests on.

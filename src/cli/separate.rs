@@ -1,14 +1,22 @@
 //! `nonius separate JOB [-o errors.csv]`
 
+mod advice;
+mod agreement;
 mod closure;
+mod diagonals;
 mod document;
+mod reversal;
+mod straight;
 mod text;
+mod words;
 
+use crate::axis::ErrorTerm;
 use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
 use crate::diagonal::PathKind;
 use crate::error_table;
 use crate::problem::{Problem, Problems};
 use crate::separation::Separation;
+use crate::separation::metric::Plane;
 use crate::separation::monte_carlo::{Plan, Simulated, simulate};
 use crate::separation::noise::run_counts;
 use crate::separation::uncertainty::Budget;
@@ -68,7 +76,7 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     }
     let campaign = inputs::read_campaign(&options.job)?;
     if campaign.measurement.kind == PathKind::Straight {
-        return straight(options, &campaign);
+        return straight_runs(options, &campaign);
     }
     let separation = campaign.separate()?;
     let simulated = simulated(options, &campaign, &separation)?;
@@ -77,7 +85,7 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
         if to_stdout {
             say(&text::summary(&separation, simulated.as_ref())?);
             print_bytes(csv.as_bytes())?;
-            return Ok(answer(&separation));
+            return Ok(answer(separation.stands()));
         }
         write::write_file(output, csv.as_bytes(), options.force)?;
         say(&format!("wrote {}", output.display()));
@@ -86,19 +94,15 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
         Format::Text => print(&text::summary(&separation, simulated.as_ref())?),
         Format::Json => print_json(&document::separation(&separation, simulated.as_ref())?),
     }?;
-    Ok(answer(&separation))
+    Ok(answer(separation.stands()))
 }
 
 /// No, where an error is not determined or something speaks against the result.
-fn answer(separation: &Separation) -> Answer {
-    if separation.stands() {
-        Answer::Yes
-    } else {
-        Answer::No
-    }
+fn answer(stands: bool) -> Answer {
+    if stands { Answer::Yes } else { Answer::No }
 }
 
-fn straight(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answer, Problems> {
+fn straight_runs(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answer, Problems> {
     if options.output.is_some() {
         return Err(Problem::new(
             "straight runs hold no nine errors: four totals are three squareness errors and one combination of the scales",
@@ -108,9 +112,10 @@ fn straight(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answe
     }
     let result = campaign.straight()?;
     match options.format {
-        Format::Text => print(&text::straight(&campaign.measurement, &result)?),
-        Format::Json => print_json(&document::straight(&campaign.measurement, &result)?),
-    }
+        Format::Text => print(&straight::page(&result)?),
+        Format::Json => print_json(&straight::document(&result)?),
+    }?;
+    Ok(answer(result.doubts.is_empty()))
 }
 
 fn simulated(
@@ -129,7 +134,7 @@ fn simulated(
         runs: &runs,
         turned: separation.turn.is_some(),
         stated: campaign.stated,
-        material: files.measurement.material,
+        material: separation.material,
     };
     let plan = Plan {
         trials: options.trials,
@@ -140,7 +145,27 @@ fn simulated(
     let hear = |done: usize| progress.add(done);
     let simulated = simulate(&campaign, &budget, &separation.means, plan, &hear);
     progress.close();
-    Ok(simulated)
+    Ok(simulated.map(|simulated| known_only(simulated, separation)))
+}
+
+/// Without the figures whose uncertainty is not known: a simulation knows no more of them.
+fn known_only(mut simulated: Simulated, separation: &Separation) -> Simulated {
+    let range_known = |term: ErrorTerm| {
+        let found = separation.errors.mean[term].as_ref();
+        found.is_some_and(|found| found.u_um.is_some())
+    };
+    let squareness_known = |plane: &Plane| separation.u_squareness_um_per_m.of(*plane).is_some();
+    simulated
+        .figures
+        .retain(|figure| match figure.name.split_once(' ') {
+            Some(("range", term)) => ErrorTerm::from_name(term).is_none_or(range_known),
+            Some(("squareness", key)) => {
+                let plane = Plane::ALL.into_iter().find(|plane| plane.key() == key);
+                plane.as_ref().is_none_or(squareness_known)
+            }
+            _ => true,
+        });
+    simulated
 }
 
 /// A bar on standard error, if that is a terminal and the simulation takes long.

@@ -124,6 +124,14 @@ pub struct StatedUncertainty {
     pub temperature_k: Option<f64>,
     /// Coefficient of expansion, 1/K.
     pub alpha_per_k: Option<f64>,
+    /// Change of length scale (laser, air, scales) from one set-up to the next, 10⁻⁶.
+    pub setup_ppm: Option<f64>,
+    /// Change of each pitch, yaw and roll that was not measured, from one end of the box to the
+    /// other, µrad.
+    pub angle_urad: Option<f64>,
+    /// Tilt of the mirror in each direction across the diagonal where the set-up is assumed
+    /// perfect, seconds of arc.
+    pub tilt_arcsec: Option<f64>,
 }
 
 /// Places that the lever arms of angular errors are counted from (`offsets_mm`, `tool_offset_mm`).

@@ -1,6 +1,7 @@
 //! `[[…linear]]` and `[[…beam]]` of a job: lines that were measured beside the diagonals.
 
 use crate::axis::{Axis, PerAxis};
+use crate::diagonal::Volume;
 use crate::document::Section;
 use crate::job::read_diagonals::{Axes, SMALLEST_SIZE_MM, TRAVEL_TOLERANCE_MM, between, places};
 use crate::job::{Beam, Linear, LinearSlope};
@@ -68,12 +69,13 @@ fn slope(section: &Section<'_>) -> Option<f64> {
     )
 }
 
-pub(super) fn beams(section: &Section<'_>, axes: &Axes) -> Vec<Beam> {
+pub(super) fn beams(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Vec<Beam> {
     let sections = section.sections("beam");
-    sections.iter().filter_map(|s| beam(s, axes)).collect()
+    let read = sections.iter().filter_map(|s| beam(s, axes, volume));
+    read.collect()
 }
 
-fn beam(section: &Section<'_>, axes: &Axes) -> Option<Beam> {
+fn beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Option<Beam> {
     for key in ["from_mm", "to_mm"] {
         if !section.has(key) {
             section.missing(key, "a place, e.g. { x = 0.0, y = 0.0, z = 0.0 }");
@@ -98,6 +100,9 @@ fn beam(section: &Section<'_>, axes: &Axes) -> Option<Beam> {
             "give the two ends of the measured line",
         );
     }
+    if let Some(volume) = volume {
+        refuse_outside_box(section, volume, from, to);
+    }
     Some(Beam {
         from,
         to,
@@ -106,16 +111,45 @@ fn beam(section: &Section<'_>, axes: &Axes) -> Option<Beam> {
     })
 }
 
+/// What the shapes of the errors contribute between the ends of a beam is known inside the box
+/// only. An axis that rests may stand anywhere.
+fn refuse_outside_box(
+    section: &Section<'_>,
+    volume: &Volume,
+    from: PerAxis<Millimetres>,
+    to: PerAxis<Millimetres>,
+) {
+    for axis in Axis::ALL {
+        let low = volume.start[axis].mm();
+        let high = low + volume.size[axis].mm();
+        let outside =
+            |here: f64| here < low - TRAVEL_TOLERANCE_MM || here > high + TRAVEL_TOLERANCE_MM;
+        let rests = (to[axis] - from[axis]).mm() == 0.0;
+        for (key, place) in [("from_mm", from), ("to_mm", to)] {
+            let here = place[axis].mm();
+            if !rests && outside(here) {
+                section.problem(
+                    key,
+                    format!("the beam moves {axis} to {here} mm, but the diagonals go from {low} to {high} mm"),
+                    "measure it inside the box of the diagonals: outside it the shapes of the errors are not known, and nothing is extrapolated",
+                );
+            }
+        }
+    }
+}
+
 fn end_of_beam(
     section: &Section<'_>,
     key: &'static str,
     axes: &Axes,
 ) -> Option<PerAxis<Millimetres>> {
     let place = places(section, key)?;
+    let mut reachable = true;
     for axis in Axis::ALL {
         let Some(travel) = &axes[axis] else { continue };
         let (low, high, here) = (travel.low.mm(), travel.high.mm(), place[axis].mm());
         if here < low - TRAVEL_TOLERANCE_MM || here > high + TRAVEL_TOLERANCE_MM {
+            reachable = false;
             section.problem(
                 key,
                 format!(
@@ -125,5 +159,5 @@ fn end_of_beam(
             );
         }
     }
-    Some(place)
+    reachable.then_some(place)
 }

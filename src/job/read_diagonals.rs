@@ -48,7 +48,7 @@ pub(super) fn diagonals(
     let overrun = section.flag("overrun");
     let closure_errors = closure_errors(section, kind);
     let linear = linear(section);
-    let beams = beams(section, axes);
+    let beams = beams(section, axes, volume.as_ref());
     let material = section.section("material").map(|s| material(&s));
     section.refuse_unknown_keys();
     Some(DiagonalMeasurement {

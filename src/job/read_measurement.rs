@@ -131,6 +131,9 @@ fn unused(section: &Section<'_>, uncertainty: &StatedUncertainty) -> Vec<String>
         ("laser_ppm", uncertainty.laser_ppm),
         ("temperature_k", uncertainty.temperature_k),
         ("alpha_per_k", uncertainty.alpha_per_k),
+        ("setup_ppm", uncertainty.setup_ppm),
+        ("angle_urad", uncertainty.angle_urad),
+        ("tilt_arcsec", uncertainty.tilt_arcsec),
     ];
     for (key, _) in stated.iter().filter(|(_, value)| value.is_some()) {
         unused.push(format!(
@@ -149,6 +152,9 @@ fn uncertainty(section: &Section<'_>) -> StatedUncertainty {
         laser_ppm: section.not_negative("laser_ppm"),
         temperature_k: section.not_negative("temperature_k"),
         alpha_per_k: section.not_negative("alpha_per_k"),
+        setup_ppm: section.not_negative("setup_ppm"),
+        angle_urad: section.not_negative("angle_urad"),
+        tilt_arcsec: section.not_negative("tilt_arcsec"),
     };
     section.refuse_unknown_keys();
     stated

@@ -2,15 +2,16 @@
 //! effects of angular errors. The raw readings stay as they are.
 
 use super::lookup::at;
+use super::unmeasured::{AngleEvidence, Rotation};
 use crate::axis::{Axis, Direction, PerAxis};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::error_table::ErrorTable;
-use crate::job::{Levers, Material, Reflector};
+use crate::error_table::{ErrorTable, Series};
+use crate::job::{AxisMaterial, Levers, Material, Reflector};
 use crate::problem::{Problem, Problems};
 use crate::units::{Deviation, Millimetres};
 
 /// Reference temperature of ISO 1, °C.
-const REFERENCE_C: f64 = 20.0;
+pub(super) const REFERENCE_C: f64 = 20.0;
 
 /// Expansion of the scales at a node, µm: Σ_k α_k (T_k − 20 °C) u_dk (P_k(q) − P_k(0)), one
 /// temperature and coefficient for each axis.
@@ -32,6 +33,28 @@ pub fn expansion_um(
         Some(1000.0 * strain * laser[axis] * (here[axis] - start[axis]))
     };
     Axis::ALL.into_iter().filter_map(of_axis).sum()
+}
+
+/// The material with the mean of the recorded temperatures where the readings carry their own.
+pub fn recorded(material: &Material, runs: &[Run]) -> Material {
+    let mean = |axis: Axis| {
+        let recorded = runs
+            .iter()
+            .filter_map(|run| run.temperatures_c[axis].as_ref());
+        let all: Vec<f64> = recorded.flatten().copied().collect();
+        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
+        let count = all.len() as f64;
+        (!all.is_empty()).then(|| all.iter().sum::<f64>() / count)
+    };
+    Material {
+        axes: PerAxis::from_fn(|axis| {
+            material.axes[axis].map(|known| AxisMaterial {
+                temperature_c: mean(axis).or(known.temperature_c),
+                ..known
+            })
+        }),
+        ..*material
+    }
 }
 
 /// The run with the expansion of the scales taken off.
@@ -58,11 +81,22 @@ pub fn without_expansion(
 /// ```
 #[derive(Clone, Debug)]
 pub struct AngleModel<'a> {
-    table: &'a ErrorTable,
+    rotations: Rotations<'a>,
     chain: [Axis; 3],
-    offsets: PerAxis<f64>,
-    tool: PerAxis<f64>,
+    levers: Levers,
     reflector: Reflector,
+}
+
+/// Where the rotations come from.
+#[derive(Clone, Debug)]
+enum Rotations<'a> {
+    Measured(&'a ErrorTable),
+    /// One rotation that grows evenly by 1 µrad over the box, zero in its middle.
+    Unit {
+        rotation: Rotation,
+        middle_mm: f64,
+        length_mm: f64,
+    },
 }
 
 impl<'a> AngleModel<'a> {
@@ -73,38 +107,96 @@ impl<'a> AngleModel<'a> {
         levers: &Levers,
         reflector: Reflector,
     ) -> Option<AngleModel<'a>> {
-        let plain = |places: Option<PerAxis<Millimetres>>| {
-            PerAxis::from_fn(|axis| places.map_or(0.0, |places| places[axis].mm()))
-        };
         Some(AngleModel {
-            table,
+            rotations: Rotations::Measured(table),
             chain: chain_order(chain)?,
-            offsets: plain(levers.offsets),
-            tool: plain(levers.tool),
+            levers: *levers,
             reflector,
         })
     }
 
-    /// Whether the table holds any angle.
-    pub fn is_empty(&self) -> bool {
-        Axis::ALL.into_iter().all(|axis| {
-            let series = self.table.series(axis);
-            series
-                .iter()
-                .all(|s| s.angles_urad.iter().all(|(_, a)| a.is_none()))
-        })
+    /// One rotation of 1 µrad between the ends of the box, with angle and levers zero in the
+    /// middle of the box: its curves of the lines through the middle are zero, so whatever a
+    /// separation finds of it is false.
+    pub fn unit(
+        volume: &Volume,
+        chain: [Axis; 3],
+        rotation: Rotation,
+        reflector: Reflector,
+    ) -> AngleModel<'static> {
+        let middle =
+            PerAxis::from_fn(|axis| volume.start[axis].mm() + volume.size[axis].mm() / 2.0);
+        AngleModel {
+            rotations: Rotations::Unit {
+                rotation,
+                middle_mm: middle[rotation.along],
+                length_mm: volume.size[rotation.along].mm(),
+            },
+            chain,
+            levers: Levers {
+                offsets: Some(PerAxis::from_fn(|axis| Millimetres::new(middle[axis]))),
+                tool: None,
+            },
+            reflector,
+        }
     }
 
-    /// Rotation of an axis at a machine position, µrad; what was not measured counts as zero and
-    /// is listed by the caller.
+    /// Whether no angle is known.
+    pub fn is_empty(&self) -> bool {
+        match &self.rotations {
+            Rotations::Measured(table) => Axis::ALL.into_iter().all(|axis| {
+                let none = |s: &Series| s.angles_urad.iter().all(|(_, angles)| angles.is_none());
+                table.series(axis).iter().all(none)
+            }),
+            Rotations::Unit { .. } => false,
+        }
+    }
+
+    /// Whether a rotation is known, in every direction that the table has.
+    fn knows(&self, wanted: Rotation) -> bool {
+        match &self.rotations {
+            Rotations::Measured(table) => {
+                let all = table.series(wanted.along);
+                let known = |s: &Series| s.angles_urad[wanted.about].is_some();
+                !all.is_empty() && all.iter().all(known)
+            }
+            Rotations::Unit { rotation, .. } => *rotation == wanted,
+        }
+    }
+
+    /// Rotation of an axis at a machine position, µrad. What was not measured counts as zero;
+    /// [`AngleEvidence`] names it.
     fn rotation(&self, axis: Axis, position: f64, direction: Direction) -> PerAxis<f64> {
-        let all = self.table.series(axis);
-        let directed = all.iter().find(|s| s.direction == Some(direction));
-        let series = directed.or_else(|| all.first());
-        PerAxis::from_fn(|about| {
-            let series = series.and_then(|s| Some((s, s.angles_urad[about].as_ref()?)));
-            series.map_or(0.0, |(s, angles)| at(&s.positions, angles, position))
-        })
+        match &self.rotations {
+            Rotations::Measured(table) => measured_rotation(table, axis, position, direction),
+            Rotations::Unit {
+                rotation,
+                middle_mm,
+                length_mm,
+            } => PerAxis::from_fn(|about| {
+                let turns = Rotation { about, along: axis } == *rotation;
+                f64::from(turns) * (position - middle_mm) / length_mm
+            }),
+        }
+    }
+
+    /// What is known of the angles and their levers.
+    fn evidence(&self, volume: &Volume) -> AngleEvidence {
+        let missing = Rotation::all().filter(|rotation| !self.knows(*rotation));
+        let mut largest_urad = 0.0f64;
+        for axis in Axis::ALL {
+            let low = volume.start[axis].mm();
+            let at = |place: f64| self.rotation(axis, place, Direction::Plus);
+            let change = minus(&at(low + volume.size[axis].mm()), &at(low));
+            let size = change.iter().map(|(_, urad)| urad.abs());
+            largest_urad = size.fold(largest_urad, f64::max);
+        }
+        AngleEvidence {
+            missing: missing.collect(),
+            order: Some(self.chain),
+            levers: self.levers,
+            largest_urad,
+        }
     }
 
     /// What the angular errors add to the readings of a pass along a diagonal, µm, by node.
@@ -155,11 +247,11 @@ impl<'a> AngleModel<'a> {
             let carried = &self.chain[index + 1..];
             let arm = PerAxis::from_fn(|other| {
                 let own = if carried.contains(&other) {
-                    place[other] - self.offsets[other]
+                    place[other] - lever_mm(self.levers.offsets, other)
                 } else {
                     0.0
                 };
-                own + self.tool[other]
+                own + lever_mm(self.levers.tool, other)
             });
             let lever = cross(&rotation, &arm);
             error = PerAxis::from_fn(|axis| error[axis] + lever[axis] / 1000.0);
@@ -171,12 +263,15 @@ impl<'a> AngleModel<'a> {
     /// Problems: angles that do not cover the measured box.
     pub fn check(&self, volume: &Volume) -> Result<(), Problems> {
         let mut problems = Problems::none();
+        let Rotations::Measured(table) = &self.rotations else {
+            return Ok(());
+        };
         for axis in Axis::ALL {
             let (low, high) = (
                 volume.start[axis].mm(),
                 (volume.start[axis] + volume.size[axis]).mm(),
             );
-            for series in self.table.series(axis) {
+            for series in table.series(axis) {
                 let measured = series
                     .angles_urad
                     .iter()
@@ -191,7 +286,7 @@ impl<'a> AngleModel<'a> {
                             first.mm(),
                             last.mm()
                         ))
-                        .at(self.table.header.clone())
+                        .at(table.header.clone())
                         .help("measure the angles over the whole box; nothing is extrapolated"),
                     );
                 }
@@ -199,6 +294,27 @@ impl<'a> AngleModel<'a> {
         }
         problems.or_ok(())
     }
+}
+
+/// A place of the job, mm; 0 where it states none (a label says so).
+fn lever_mm(places: Option<PerAxis<Millimetres>>, axis: Axis) -> f64 {
+    places.map_or(0.0, |places| places[axis].mm())
+}
+
+/// Rotation by the angles of a table, µrad.
+fn measured_rotation(
+    table: &ErrorTable,
+    axis: Axis,
+    position: f64,
+    direction: Direction,
+) -> PerAxis<f64> {
+    let all = table.series(axis);
+    let directed = all.iter().find(|s| s.direction == Some(direction));
+    let series = directed.or_else(|| all.first());
+    PerAxis::from_fn(|about| {
+        let series = series.and_then(|s| Some((s, s.angles_urad[about].as_ref()?)));
+        series.map_or(0.0, |(s, angles)| at(&s.positions, angles, position))
+    })
 }
 
 /// Order of the axes from workpiece to tool; axes that carry the workpiece (before `w`) come in
@@ -219,16 +335,6 @@ pub fn without_angles(readings: &mut [f64], effect: &[f64]) {
     }
 }
 
-/// A false bow of the straightness and positioning curves for each µrad of pitch or yaw between
-/// the ends of an axis that carries others, µm: V/8 for the lever, as much again for the mirror.
-pub fn bow_um_per_urad(volume: &Volume, reflector: Reflector) -> PerAxis<f64> {
-    let parts = match reflector {
-        Reflector::FlatMirror => 2.0,
-        Reflector::Retroreflector => 1.0,
-    };
-    PerAxis::from_fn(|axis| parts * volume.size[axis].mm() / 8.0 / 1000.0)
-}
-
 fn minus(a: &PerAxis<f64>, b: &PerAxis<f64>) -> PerAxis<f64> {
     PerAxis::from_fn(|axis| a[axis] - b[axis])
 }
@@ -245,12 +351,38 @@ fn cross(a: &PerAxis<f64>, b: &PerAxis<f64>) -> PerAxis<f64> {
     }
 }
 
-/// Effects of both passes along every diagonal.
-pub type AngleEffects = PerDiagonal<[Vec<f64>; 2]>;
+/// Effects of the measured angles on both passes along every diagonal, and what is known of the
+/// angles.
+#[derive(Clone, Debug)]
+pub struct AngleEffects {
+    /// µm by node; `None` where no angle was measured.
+    by_pass: Option<PerDiagonal<[Vec<f64>; 2]>>,
+    /// What was measured and what was not.
+    pub evidence: AngleEvidence,
+}
+
+impl AngleEffects {
+    /// No angle was measured.
+    pub fn unmeasured(chain: Option<&str>) -> AngleEffects {
+        let order = chain.and_then(chain_order);
+        AngleEffects {
+            by_pass: None,
+            evidence: AngleEvidence::nothing(order),
+        }
+    }
+
+    /// Effects on a pass, µm by node; `None` where no angle was measured.
+    pub fn of(&self, diagonal: Diagonal, pass: Pass) -> Option<&[f64]> {
+        let both = &self.by_pass.as_ref()?[diagonal];
+        Some(&both[usize::from(pass == Pass::Reverse)])
+    }
+}
 
 /// The effects of a model on all passes.
 pub fn angle_effects(model: &AngleModel<'_>, volume: &Volume, kind: PathKind) -> AngleEffects {
-    PerDiagonal::from_fn(|diagonal| {
-        Pass::BOTH.map(|pass| model.effect_um(volume, kind, diagonal, pass))
-    })
+    let of = |diagonal| Pass::BOTH.map(|pass| model.effect_um(volume, kind, diagonal, pass));
+    AngleEffects {
+        by_pass: Some(PerDiagonal::from_fn(of)),
+        evidence: model.evidence(volume),
+    }
 }

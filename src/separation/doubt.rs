@@ -53,7 +53,7 @@ fn disturbed(outlier: &Outlier, volume: &Volume) -> String {
     let gain = |of: Axis| noise_gain(volume, of) / 2.0;
     let gain = Axis::ALL.map(gain).into_iter().fold(0.0, f64::max);
     format!(
-        "disturbed reading, which stays in the curves and moves them by up to {:.3} um that U does not hold: {}; repeat that run",
+        "disturbed reading, which stays in the curves and moves them by up to {:.3} µm that U does not hold: {}; repeat that run",
         gain * outlier.of_mean_um.abs(),
         outlier.words()
     )
@@ -63,7 +63,7 @@ fn roll(closure: &Closure) -> Option<String> {
     let ramps = closure.ramps.as_ref().filter(|ramps| ramps.is_roll())?;
     let changes = Axis::ALL.map(|axis| format!("{axis} {:+.3}", ramps.change_um[axis]));
     Some(format!(
-        "the closure runs in straight ramps over the axes ({} um from end to end): roll of an axis that carries others, which the nine errors do not hold; measure the roll and give it as `angles`",
+        "the closure runs in straight ramps over the axes ({} µm from end to end): roll of an axis that carries others, which the nine errors do not hold; measure the roll and give it as `angles`",
         changes.join(", ")
     ))
 }
@@ -84,7 +84,7 @@ fn set_up(closure: &Closure, noise: Noise) -> Option<String> {
         .collect();
     (!off.is_empty()).then(|| {
         format!(
-            "the set-up is assumed perfect, but the mean of the closure is not zero ({} um): tilt of the mirror, or roll; solve for the set-up",
+            "the set-up is assumed perfect, but the mean of the closure is not zero ({} µm): tilt of the mirror, or roll; solve for the set-up",
             off.join(", ")
         )
     })

@@ -14,22 +14,15 @@
 //! Source: derived and confirmed by simulation in the project's reference on the step-diagonal
 //! method (docs/method.md §5); same idea as Ibaraki and Hata (2010). Neglected: P², about 10⁻⁹.
 
+use super::system::{KnownSpace, Row, Solution, System, UNKNOWNS};
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{Diagonal, PerDiagonal, Volume};
-use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use nalgebra::DMatrix;
 
-/// Number of unknowns: three scales, three squareness errors.
-const UNKNOWNS: usize = 6;
 const UM_PER_M: f64 = 1e-6;
 /// What (7) neglects, µm/m. No equation is weighed as if it were more certain: readings without
 /// any noise would make the system singular beside a line with a stated uncertainty.
 const NEGLECTED_UM_PER_M: f64 = 1e-3;
-/// Of the largest singular value: below this a direction of the unknowns is not measured.
-const RANK_TOLERANCE: f64 = 1e-9;
-/// A share of an unknown in what is not measured, below which it counts as determined.
-const SHARE_TOLERANCE: f64 = 1e-6;
-
-type Row = SVector<f64, UNKNOWNS>;
 
 /// A plane of two axes, for squareness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +78,11 @@ impl<T: Copy> PerPlane<T> {
             Plane::Yz => self.yz,
         }
     }
+
+    /// Another value for each plane.
+    pub fn map<U>(&self, to: impl Fn(T) -> U) -> PerPlane<U> {
+        per_plane([to(self.xy), to(self.xz), to(self.yz)])
+    }
 }
 
 /// One straight line whose length was measured beside the diagonals.
@@ -94,8 +92,20 @@ pub struct StraightLine {
     pub direction: PerAxis<f64>,
     /// Displacement error by length, µm/m.
     pub slope_um_per_m: f64,
-    /// Its standard uncertainty (k = 1), µm/m; above 0.
-    pub u_um_per_m: f64,
+    /// Its standard uncertainty (k = 1), µm/m; `None` = not known.
+    pub u_um_per_m: Option<f64>,
+}
+
+/// How uncertain the totals of the diagonals are, by their length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TotalsUncertainty {
+    /// Of each diagonal for itself (noise, changes between set-ups), standard, µm/m.
+    pub own_um_per_m: PerDiagonal<f64>,
+    /// False: `own_um_per_m` is only a weight, because the noise is not known.
+    pub known: bool,
+    /// Common to all set-ups, one for each cause: the false scales of X, Y, Z that one standard
+    /// uncertainty of it makes, µm/m.
+    pub common_um_per_m: Vec<PerAxis<f64>>,
 }
 
 /// What is measured of a triad's metric.
@@ -111,23 +121,32 @@ pub struct Metric {
     pub covariance: [[f64; UNKNOWNS]; UNKNOWNS],
     /// Number of combinations of the six unknowns that the data determine.
     pub rank: usize,
-    /// Weighted residuals of the redundant equations: Σ (residual/u)².
-    pub chi_squared: f64,
-    /// Number of redundant equations.
-    pub redundancy: usize,
+    /// Of X, Y, Z scale, φxy, φxz, φyz: whether the uncertainty of everything that it depends on
+    /// is known.
+    pub u_known: [bool; UNKNOWNS],
+    /// How much φ moves with what is not determined of the scales, because the mirrors are tilted,
+    /// µm/m for each µm/m; 0 where all is determined.
+    pub leak: PerPlane<f64>,
 }
 
 impl Metric {
-    /// Standard uncertainty of a scale, µm/m.
-    pub fn u_scale(&self, axis: Axis) -> f64 {
-        let index = scale_index(axis);
-        self.covariance[index][index].sqrt()
+    /// Whether everything is determined.
+    pub const fn is_complete(&self) -> bool {
+        self.rank == UNKNOWNS
     }
 
-    /// Standard uncertainty of a squareness, µm/m.
-    pub fn u_squareness(&self, plane: Plane) -> f64 {
-        let index = plane_index(plane);
-        self.covariance[index][index].sqrt()
+    /// Standard uncertainty of a scale, µm/m; `None` = not known.
+    pub fn u_scale(&self, axis: Axis) -> Option<f64> {
+        self.u(scale_index(axis))
+    }
+
+    /// Standard uncertainty of a squareness, µm/m; `None` = not known.
+    pub fn u_squareness(&self, plane: Plane) -> Option<f64> {
+        self.u(plane_index(plane))
+    }
+
+    fn u(&self, index: usize) -> Option<f64> {
+        self.u_known[index].then(|| self.covariance[index][index].sqrt())
     }
 
     /// What the data do not determine, in words; empty where all is.
@@ -189,8 +208,18 @@ pub fn displacement_ratios(
     })
 }
 
+/// The same of straight runs, of first order: q_d = u_d (1 + e_d(end)/R), so that (7) becomes
+/// u_dᵀ h u_d = e_d(end)/R. `ends_um`: totals.
+pub fn straight_ratios(volume: &Volume, ends_um: &PerDiagonal<f64>) -> PerDiagonal<PerAxis<f64>> {
+    PerDiagonal::from_fn(|d| {
+        let longer = 1.0 + ends_um[d] / (1000.0 * volume.diagonal_mm());
+        let laser = volume.laser(d);
+        PerAxis::from_fn(|axis| longer * laser[axis])
+    })
+}
+
 /// vᵀ h v as a row of the six unknowns.
-fn row(v: &PerAxis<f64>) -> Row {
+pub(super) fn row(v: &PerAxis<f64>) -> Row {
     Row::from([
         v.x * v.x,
         v.y * v.y,
@@ -201,94 +230,205 @@ fn row(v: &PerAxis<f64>) -> Row {
     ])
 }
 
-/// Solves (7) for the unit vectors that were measured along. `u_diagonal_um_per_m`: standard
-/// uncertainty of a diagonal's total by its length.
+/// The equations of (7), diagonals first, then lines, and how they are weighed.
+pub(super) struct Equations {
+    pub(super) space: KnownSpace,
+    rows: Vec<Row>,
+    nominal: Vec<Row>,
+    values: Vec<f64>,
+    /// Variances of each equation for itself, (µm/m)².
+    own: Vec<f64>,
+    /// Whether these are known.
+    known: Vec<bool>,
+    /// Effects of each common cause on the equations, µm/m.
+    common: Vec<Vec<f64>>,
+}
+
+impl Equations {
+    pub(super) fn new(
+        volume: &Volume,
+        ratios: &PerDiagonal<PerAxis<f64>>,
+        totals: &TotalsUncertainty,
+        lines: &[StraightLine],
+    ) -> Equations {
+        let variance = |u: f64| u.max(NEGLECTED_UM_PER_M).powi(2);
+        let mut rows: Vec<Row> = Vec::new();
+        let (mut values, mut own, mut known) = (Vec::new(), Vec::new(), Vec::new());
+        for (diagonal, q) in ratios.iter() {
+            let square = q.x * q.x + q.y * q.y + q.z * q.z;
+            rows.push(row(q));
+            values.push((square - 1.0) / 2.0 / UM_PER_M);
+            own.push(variance(totals.own_um_per_m[diagonal]));
+            known.push(totals.known);
+        }
+        // A line of unknown uncertainty is weighed like a diagonal.
+        let like_a_diagonal = own.iter().sum::<f64>() / 4.0;
+        for line in lines {
+            rows.push(row(&line.direction));
+            values.push(line.slope_um_per_m);
+            own.push(line.u_um_per_m.map_or(like_a_diagonal, variance));
+            known.push(line.u_um_per_m.is_some());
+        }
+        let nominal = nominal_rows(volume, lines);
+        let effect = |strain: &PerAxis<f64>| {
+            let scales = Row::from([strain.x, strain.y, strain.z, 0.0, 0.0, 0.0]);
+            let of = |(index, row): (usize, &Row)| if index < 4 { row.dot(&scales) } else { 0.0 };
+            nominal.iter().enumerate().map(of).collect()
+        };
+        Equations {
+            space: KnownSpace::of(&nominal),
+            common: totals.common_um_per_m.iter().map(effect).collect(),
+            rows,
+            nominal,
+            values,
+            own,
+            known,
+        }
+    }
+
+    /// V: each equation for itself, and what the diagonals share.
+    pub(super) fn covariance(&self, own: &[f64]) -> DMatrix<f64> {
+        DMatrix::from_fn(own.len(), own.len(), |i, j| {
+            let shared: f64 = self.common.iter().map(|effect| effect[i] * effect[j]).sum();
+            shared + if i == j { own[i] } else { 0.0 }
+        })
+    }
+
+    pub(super) fn system<'a>(&'a self, covariance: &'a DMatrix<f64>) -> System<'a> {
+        System {
+            space: &self.space,
+            rows: &self.rows,
+            values: &self.values,
+            covariance,
+        }
+    }
+
+    /// Number of redundant equations.
+    pub(super) fn redundancy(&self) -> usize {
+        self.rows.len().saturating_sub(self.space.rank())
+    }
+
+    /// Variances for a test: an equation of unknown uncertainty counts as exact, but none as more
+    /// certain than what (7) neglects at slopes of this size.
+    pub(super) fn test_variances(&self, largest_slope_um_per_m: f64) -> Vec<f64> {
+        let products = 3.0 * largest_slope_um_per_m.powi(2) * UM_PER_M;
+        let neglected = products.max(NEGLECTED_UM_PER_M).powi(2);
+        let of = |(own, known): (&f64, &bool)| {
+            if *known {
+                own.max(neglected)
+            } else {
+                neglected
+            }
+        };
+        self.own.iter().zip(&self.known).map(of).collect()
+    }
+
+    /// Which unknowns rest on nothing but equations of known uncertainty; judged at the nominal
+    /// directions, like the rank.
+    fn u_known(&self, covariance: &DMatrix<f64>) -> [bool; UNKNOWNS] {
+        if self.known.iter().all(|known| *known) {
+            return [true; UNKNOWNS];
+        }
+        let nominal = System {
+            rows: &self.nominal,
+            ..self.system(covariance)
+        };
+        let Some(gain) = nominal.solve().and_then(|found| nominal.gain(&found)) else {
+            return [false; UNKNOWNS];
+        };
+        let rests = |unknown: usize| {
+            let mut equations = self.known.iter().enumerate();
+            equations.all(|(equation, known)| *known || !gain.depends(unknown, equation))
+        };
+        std::array::from_fn(rests)
+    }
+}
+
+/// Solves (7) for the unit vectors that were measured along.
 pub fn solve(
     volume: &Volume,
     ratios: &PerDiagonal<PerAxis<f64>>,
-    u_diagonal_um_per_m: f64,
+    totals: &TotalsUncertainty,
     lines: &[StraightLine],
 ) -> Metric {
-    let nominal = nominal_rows(volume, lines);
-    let known = KnownSpace::of(&nominal);
-    let mut rows: Vec<Row> = Vec::new();
-    let mut values = Vec::new();
-    let mut uncertainties = Vec::new();
-    for (_, q) in ratios.iter() {
-        let square = q.x * q.x + q.y * q.y + q.z * q.z;
-        rows.push(row(q));
-        values.push((square - 1.0) / 2.0 / UM_PER_M);
-        uncertainties.push(u_diagonal_um_per_m.max(NEGLECTED_UM_PER_M));
+    Equations::new(volume, ratios, totals, lines).metric()
+}
+
+impl Equations {
+    fn metric(&self) -> Metric {
+        let covariance = self.covariance(&self.own);
+        let system = self.system(&covariance);
+        let solution = system.solve();
+        let value = |index: usize| {
+            let solution = solution.as_ref()?;
+            let determined = self.space.determines(index);
+            determined.then(|| solution.unknowns[index])
+        };
+        let gain = solution.as_ref().filter(|_| self.space.rank() < UNKNOWNS);
+        let gain = gain.and_then(|solution| system.gain(solution));
+        let leaks = gain.map_or([0.0; UNKNOWNS], |gain| system.leaks(&gain));
+        let planes = Plane::ALL.map(plane_index);
+        Metric {
+            scale: PerAxis::from_fn(|axis| value(scale_index(axis))),
+            squareness: per_plane(planes.map(value)),
+            covariance: spread(solution.as_ref()),
+            rank: self.space.rank(),
+            u_known: self.u_known(&covariance),
+            leak: per_plane(planes.map(|index| leaks[index])),
+        }
     }
-    for line in lines {
-        rows.push(row(&line.direction));
-        values.push(line.slope_um_per_m);
-        uncertainties.push(line.u_um_per_m.max(NEGLECTED_UM_PER_M));
+}
+
+/// How scales and squareness change with the totals of the diagonals.
+pub struct EndGains(PerDiagonal<[f64; UNKNOWNS]>);
+
+impl EndGains {
+    /// Of a scale, µm/m for each µm of the total of a diagonal.
+    pub fn scale(&self, axis: Axis) -> PerDiagonal<f64> {
+        PerDiagonal::from_fn(|d| self.0[d][scale_index(axis)])
     }
-    known.fit(&rows, &values, &uncertainties)
+
+    /// Of a squareness, µm/m for each µm of the total of a diagonal.
+    pub fn squareness(&self, plane: Plane) -> PerDiagonal<f64> {
+        PerDiagonal::from_fn(|d| self.0[d][plane_index(plane)])
+    }
+}
+
+/// ∂θ/∂E of the solution of (7), with the weights of [`solve`]; zero where it has none.
+pub fn end_gains(
+    volume: &Volume,
+    ratios: &PerDiagonal<PerAxis<f64>>,
+    totals: &TotalsUncertainty,
+    lines: &[StraightLine],
+) -> EndGains {
+    let equations = Equations::new(volume, ratios, totals, lines);
+    let covariance = equations.covariance(&equations.own);
+    let system = equations.system(&covariance);
+    let gain = system.solve().and_then(|found| system.gain(&found));
+    // (|q|² − 1)/2 grows by dE/R.
+    let metres = volume.diagonal_mm() / 1000.0;
+    let mut equation = 0..4;
+    EndGains(PerDiagonal::from_fn(|_| {
+        let (gain, equation) = (gain.as_ref(), equation.next());
+        let by = |unknown| {
+            gain.zip(equation)
+                .map(|(gain, d)| gain.of(unknown, d) / metres)
+        };
+        std::array::from_fn(|unknown| by(unknown).unwrap_or(0.0))
+    }))
+}
+
+pub(super) fn per_plane<T>([xy, xz, yz]: [T; 3]) -> PerPlane<T> {
+    PerPlane { xy, xz, yz }
+}
+
+fn spread(solution: Option<&Solution>) -> [[f64; UNKNOWNS]; UNKNOWNS] {
+    let entry = |i: usize, j: usize| solution.map_or(0.0, |s| s.spread[(i, j)]);
+    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
 }
 
 fn nominal_rows(volume: &Volume, lines: &[StraightLine]) -> Vec<Row> {
     let diagonals = Diagonal::ALL.map(|diagonal| row(&volume.laser(diagonal)));
     let others = lines.iter().map(|line| row(&line.direction));
     diagonals.into_iter().chain(others).collect()
-}
-
-/// The combinations of the unknowns that nominal directions determine. Small tilts make the
-/// true equations look independent where the nominal ones are not; that is no information.
-struct KnownSpace {
-    /// Orthonormal columns, each a determined combination.
-    basis: DMatrix<f64>,
-}
-
-impl KnownSpace {
-    fn of(rows: &[Row]) -> KnownSpace {
-        let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-        for row in rows {
-            normal += row * row.transpose();
-        }
-        let eigen = normal.symmetric_eigen();
-        let largest = eigen.eigenvalues.max();
-        let columns: Vec<DVector<f64>> = (0..UNKNOWNS)
-            .filter(|index| eigen.eigenvalues[*index] > RANK_TOLERANCE * largest)
-            .map(|index| DVector::from_column_slice(eigen.eigenvectors.column(index).as_slice()))
-            .collect();
-        KnownSpace {
-            basis: DMatrix::from_columns(&columns),
-        }
-    }
-
-    fn determines(&self, unknown: usize) -> bool {
-        let length: f64 = self.basis.row(unknown).iter().map(|part| part * part).sum();
-        (1.0 - length).abs() < SHARE_TOLERANCE
-    }
-
-    fn fit(&self, rows: &[Row], values: &[f64], uncertainties: &[f64]) -> Metric {
-        let rank = self.basis.ncols();
-        let design = DMatrix::from_fn(rows.len(), UNKNOWNS, |i, j| rows[i][j] / uncertainties[i]);
-        let design = design * &self.basis;
-        let wanted = DVector::from_fn(rows.len(), |i, _| values[i] / uncertainties[i]);
-        let normal = design.tr_mul(&design);
-        let right = design.tr_mul(&wanted);
-        let factor = normal.cholesky();
-        let solvable = factor.is_some();
-        let inverse = factor.map_or_else(|| DMatrix::zeros(rank, rank), |f| f.inverse());
-        let found = &inverse * right;
-        let residual = &wanted - &design * &found;
-        let unknowns = &self.basis * found;
-        let spread = &self.basis * inverse * self.basis.transpose();
-        let value = |index: usize| (solvable && self.determines(index)).then(|| unknowns[index]);
-        Metric {
-            scale: PerAxis::from_fn(|axis| value(scale_index(axis))),
-            squareness: PerPlane {
-                xy: value(plane_index(Plane::Xy)),
-                xz: value(plane_index(Plane::Xz)),
-                yz: value(plane_index(Plane::Yz)),
-            },
-            covariance: std::array::from_fn(|i| std::array::from_fn(|j| spread[(i, j)])),
-            rank,
-            chi_squared: residual.norm_squared(),
-            redundancy: rows.len().saturating_sub(rank),
-        }
-    }
 }

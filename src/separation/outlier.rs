@@ -61,7 +61,7 @@ impl Outlier {
     pub fn words(&self) -> String {
         let places: Vec<String> = self.readings.iter().map(ReadingPlace::to_string).collect();
         format!(
-            "{}: {:+.3} um, {:.1} standard deviations",
+            "{}: {:+.3} µm, {:.1} standard deviations",
             places.join(" or "),
             self.size_um,
             self.ratio

@@ -1,7 +1,7 @@
 //! A job and the tables it names → what a separation needs beside the readings.
 
 use super::campaign::{Campaign, Line};
-use super::corrections::{AngleModel, angle_effects};
+use super::corrections::{AngleEffects, AngleModel, angle_effects};
 use super::lookup::at;
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::Volume;
@@ -36,7 +36,7 @@ pub fn campaign<'a>(
     }
     lines.extend(measurement.beams.iter().map(beam_line));
     let angles = match &tables.angles {
-        None => None,
+        None => Some(AngleEffects::unmeasured(job.machine.chain.as_deref())),
         Some(table) => problems.take(angles(job, measurement, table)),
     };
     problems.or_ok(Campaign {
@@ -53,8 +53,8 @@ fn linear_line(
     linear: &Linear,
     table: Option<&ErrorTable>,
 ) -> Result<Line, Problems> {
-    let slope_um_per_m = match (&linear.slope, table) {
-        (LinearSlope::Stated(slope), _) => *slope,
+    let (slope_um_per_m, u_of_table) = match (&linear.slope, table) {
+        (LinearSlope::Stated(slope), _) => (*slope, None),
         (LinearSlope::Errors(path), None) => {
             return Err(Problem::new(format!("`{path}` was not read")).into());
         }
@@ -63,19 +63,26 @@ fn linear_line(
     Ok(Line {
         direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
         slope_um_per_m,
-        u_um_per_m: linear.u_um_per_m,
+        u_um_per_m: linear.u_um_per_m.or(u_of_table),
+        ends: None,
     })
 }
 
 /// Positioning error at the high end of the box less that at its low end, by the length between;
-/// mean of the directions. The totals of the diagonals see the same two ends.
-fn slope_over_box(volume: &Volume, axis: Axis, table: &ErrorTable) -> Result<f64, Problems> {
+/// mean of the directions. The totals of the diagonals see the same two ends. Its standard
+/// uncertainty from the `u_…` column: √(u²(high) + u²(low)) by the length, the directions taken as
+/// wrong alike; `None` without such a column.
+fn slope_over_box(
+    volume: &Volume,
+    axis: Axis,
+    table: &ErrorTable,
+) -> Result<(f64, Option<f64>), Problems> {
     let low = volume.start[axis].mm();
     let high = low + volume.size[axis].mm();
     let refuse = |message: String, help: &str| {
         Problems::from(Problem::new(message).at(table.header.clone()).help(help))
     };
-    let mut slopes = Vec::new();
+    let (mut slopes, mut uncertainties) = (Vec::new(), Vec::new());
     for series in table.series(axis) {
         let Some(values) = &series.deviations[axis] else {
             continue;
@@ -96,6 +103,10 @@ fn slope_over_box(volume: &Volume, axis: Axis, table: &ErrorTable) -> Result<f64
         let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
         let rise = at(&series.positions, &values, high) - at(&series.positions, &values, low);
         slopes.push(1000.0 * rise / (high - low));
+        uncertainties.extend(series.uncertainties_um[axis].as_ref().map(|u| {
+            let end = |position: f64| at(&series.positions, u, position);
+            1000.0 * end(high).hypot(end(low)) / (high - low)
+        }));
     }
     if slopes.is_empty() {
         return Err(refuse(
@@ -106,10 +117,12 @@ fn slope_over_box(volume: &Volume, axis: Axis, table: &ErrorTable) -> Result<f64
         ));
     }
     #[allow(clippy::cast_precision_loss, reason = "two directions at most")]
-    let count = slopes.len() as f64;
-    Ok(slopes.iter().sum::<f64>() / count)
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let all_known = uncertainties.len() == slopes.len();
+    Ok((mean(&slopes), all_known.then(|| mean(&uncertainties))))
 }
 
+/// A beam between two places inside the box, as the job was checked for.
 fn beam_line(beam: &Beam) -> Line {
     let way = PerAxis::from_fn(|axis| (beam.to[axis] - beam.from[axis]).mm());
     let length = (way.x * way.x + way.y * way.y + way.z * way.z).sqrt();
@@ -117,6 +130,7 @@ fn beam_line(beam: &Beam) -> Line {
         direction: PerAxis::from_fn(|axis| way[axis] / length),
         slope_um_per_m: beam.slope_um_per_m,
         u_um_per_m: beam.u_um_per_m,
+        ends: Some([beam.from, beam.to]),
     }
 }
 
@@ -124,7 +138,7 @@ fn angles(
     job: &Job,
     measurement: &DiagonalMeasurement,
     table: &ErrorTable,
-) -> Result<super::corrections::AngleEffects, Problems> {
+) -> Result<AngleEffects, Problems> {
     let Some(chain) = &job.machine.chain else {
         return Err(job
             .problem_at("measurement.angles", "angles act through levers, which need the order of the axes: `machine.chain` is missing")

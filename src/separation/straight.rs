@@ -1,20 +1,29 @@
-//! Straight runs along the body diagonals: what four totals hold, and the closure test.
+//! Straight runs along the body diagonals: what four totals hold.
 //!
 //! ```text
 //!   T_d = R·e_d(end)      S = X²p_xx + Y²p_yy + Z²p_zz = ΣT/4
 //!   φxy = (T1 − T2 − T3 + T4)/(4XY)   φxz = (T1 − T2 + T3 − T4)/(4XZ)   φyz = (T1 + T2 − T3 − T4)/(4YZ)   (4)
 //! ```
 //! 1 … 4 = PPP, NPP, PNP, PPN. Four numbers, four quantities: three squareness errors and one
-//! combination of the three scales, whatever the set-up.
+//! combination of the three scales, whatever the set-up. Linear axes and other beams add to them.
 
+use super::agreement::{Agreement, agreement};
+use super::campaign::{Campaign, Line, corrected};
+use super::corrections::recorded;
+use super::labels::common_labels;
 use super::line::range;
-use super::metric::{PerPlane, Plane};
-use crate::axis::{Axis, PerAxis};
-use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use super::metric::{
+    Metric, PerPlane, Plane, StraightLine, end_gains, per_plane, solve, straight_ratios,
+};
+use super::noise::{CorrectedRun, Noise, run_counts};
+use super::prediction::{ClosureTests, closure_tests};
+use super::repeats::repeats;
+use super::separate::known_noise;
+use super::uncertainty::{Budget, Slope, SlopeUncertainty};
+use crate::axis::PerAxis;
+use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::error_table::ErrorTable;
-use crate::problem::{Problem, Problems};
-use crate::separation::lookup::at;
-use crate::separation::noise::{CorrectedRun, means};
+use crate::problem::Problems;
 
 /// What the totals of the four diagonals determine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +70,7 @@ pub fn u_squareness(volume: &Volume, u_end_um: f64) -> PerPlane<f64> {
 /// Figures of one diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiagonalFigures {
-    /// Reading error at the far end, mean of all passes and runs, µm.
+    /// Reading error at the far end less that at the start, mean of all runs, µm.
     pub end_um: f64,
     /// Max − min over the nodes that lie on the diagonal, both passes, µm.
     pub range_um: f64,
@@ -107,129 +116,146 @@ fn total(pass: &[f64]) -> Option<f64> {
     Some(pass.last()? - pass.first()?)
 }
 
-/// Readings that nine errors predict for the nodes of a diagonal (nine-error model), µm; an
-/// undirected term serves both passes. `None` where a term of the nine is missing.
-pub fn predicted_um(
-    volume: &Volume,
-    kind: PathKind,
-    errors: &ErrorTable,
-    diagonal: Diagonal,
-    pass: Pass,
-) -> Option<Vec<f64>> {
-    let u = volume.laser(diagonal);
-    let at_node = |node: usize| -> Option<f64> {
-        let place = volume.place(diagonal, kind, node);
-        let mut sum = 0.0;
-        for along in Axis::ALL {
-            let direction = diagonal.travelled(along, pass);
-            let all = errors.series(along);
-            let directed = all.iter().find(|s| s.direction == Some(direction));
-            let series = directed.or_else(|| all.first())?;
-            for of in Axis::ALL {
-                let values = series.deviations[of].as_ref()?;
-                let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
-                sum += u[of] * at(&series.positions, &values, place[along].mm());
-            }
-        }
-        Some(sum)
-    };
-    let values: Option<Vec<f64>> = (0..=volume.last_node(kind)).map(at_node).collect();
-    let values = values?;
-    let start = *values.first()?;
-    Some(values.iter().map(|value| value - start).collect())
-}
-
-/// The closure test: measured less predicted readings of a diagonal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClosureTest {
-    /// Largest |difference|, µm.
-    pub largest_um: f64,
-    /// At the far end, µm.
-    pub end_um: f64,
-}
-
-/// Compares the forward readings of a run with what nine errors predict.
-pub fn closure_test(measured: &[f64], predicted: &[f64]) -> ClosureTest {
-    let start = measured.first().copied().unwrap_or(0.0);
-    let left: Vec<f64> = measured
-        .iter()
-        .zip(predicted)
-        .map(|(measured, predicted)| measured - start - predicted)
-        .collect();
-    ClosureTest {
-        largest_um: left
-            .iter()
-            .fold(0.0, |largest: f64, v| largest.max(v.abs())),
-        end_um: left.last().copied().unwrap_or(0.0),
-    }
-}
-
 /// Direction cosines squared: the share of each scale in S, for the words of a report.
 pub fn scale_shares(volume: &Volume) -> PerAxis<f64> {
     PerAxis::from_fn(|axis| volume.cosine(axis).powi(2))
 }
 
-/// What a straight run of the four diagonals says.
+/// What straight runs of the four diagonals say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StraightResult {
+    /// The measured box.
+    pub volume: Volume,
     /// The corrected runs.
     pub runs: Vec<CorrectedRun>,
-    /// Figures of the diagonals.
+    /// The runs whose zero is that of the forward run: all, or the forward ones only. Figures
+    /// that compare the two directions are made of these.
+    pub zeroed_runs: Vec<CorrectedRun>,
+    /// Figures of the diagonals: totals of all runs, ranges of the zeroed ones.
     pub diagonals: PerDiagonal<DiagonalFigures>,
     /// Max − min over all diagonals, µm.
     pub range_over_all_um: f64,
-    /// Squareness and the combination of scales.
+    /// Formula (4), from the readings alone.
     pub totals: Totals,
-    /// The closure test against nine errors, forward runs.
-    pub closure: Option<PerDiagonal<ClosureTest>>,
+    /// Scales and squareness with linear axes and other beams.
+    pub metric: Metric,
+    /// Whether linear axes, beams and diagonals agree; `None` where nothing is redundant.
+    pub agreement: Option<Agreement>,
+    /// Uncertainty of the squareness; `None` = not known.
+    pub u_squareness: PerPlane<Option<SlopeUncertainty>>,
+    /// Uncertainty of the scales; `None` where it or that of a line is not known.
+    pub u_scale: PerAxis<Option<SlopeUncertainty>>,
+    /// Noise of a single reading: from repeated runs, or stated.
+    pub noise: Option<Noise>,
+    /// The closure test against nine errors.
+    pub closure: Option<ClosureTests>,
+    /// Why the result is doubtful, one sentence each; empty = nothing speaks against it.
+    pub doubts: Vec<String>,
+    /// What was assumed and what the uncertainty holds, in words.
+    pub labels: Vec<String>,
 }
 
 /// Evaluates straight runs; `errors` = nine errors to be tested by them.
 pub fn straight(
-    volume: &Volume,
-    runs: Vec<CorrectedRun>,
+    campaign: &Campaign<'_>,
+    runs: &[Run],
     errors: Option<&ErrorTable>,
 ) -> Result<StraightResult, Problems> {
-    let (diagonals, range_over_all_um) = figures(&runs, PathKind::Straight);
-    let ends = PerDiagonal::from_fn(|d| diagonals[d].end_um);
-    let means = means(&runs);
-    let closure = match errors {
-        None => None,
-        Some(table) => Some(tested(volume, table, &means.forward)?),
+    let measurement = campaign.measurement;
+    let volume = &measurement.volume;
+    let material = measurement.material;
+    let material = material.map(|material| recorded(&material, runs));
+    let runs = corrected(campaign, runs);
+    let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
+    let zeroed_runs: Vec<CorrectedRun> = runs.iter().filter(zeroed).cloned().collect();
+    let (all, _) = figures(&runs, PathKind::Straight);
+    let (of_zeroed, range_over_all_um) = figures(&zeroed_runs, PathKind::Straight);
+    let ends = PerDiagonal::from_fn(|d| all[d].end_um);
+    let counts = run_counts(&runs);
+    let repeats = repeats(&runs);
+    let noise = known_noise(&campaign.stated, repeats.noise);
+    let both_ways = runs.iter().any(|run| run.pass == Pass::Reverse);
+    let budget = Budget {
+        volume,
+        noise,
+        runs: &counts,
+        turned: false,
+        stated: campaign.stated,
+        material,
     };
+    let (ratios, uncertainties) = (straight_ratios(volume, &ends), budget.totals(both_ways));
+    let lines: Vec<StraightLine> = campaign.lines.iter().map(whole_line).collect();
+    let mut metric = solve(volume, &ratios, &uncertainties, &lines);
+    let agreement = agreement(volume, &ratios, &uncertainties, &lines, &metric);
+    if agreement.as_ref().is_some_and(Agreement::is_refuted) {
+        metric.u_known = Default::default();
+    }
+    let gains = end_gains(volume, &ratios, &uncertainties, &lines);
+    let known = |u_um_per_m: Option<f64>, by_end: PerDiagonal<f64>| {
+        let slope = Slope {
+            u_um_per_m: u_um_per_m?,
+            by_end,
+            rotation_um_per_m: 0.0,
+        };
+        budget.of_slope(&slope, both_ways)
+    };
+    let u_scale = |axis| known(metric.u_scale(axis), gains.scale(axis));
+    let u_squareness = |plane| known(metric.u_squareness(plane), gains.squareness(plane));
+    let outliers = repeats.outliers.iter();
+    let disturbed = outliers.map(|outlier| {
+        format!(
+            "disturbed reading, which stays in the result: {}; repeat that run",
+            outlier.words()
+        )
+    });
+    let contradiction = agreement.as_ref().and_then(Agreement::contradiction);
     Ok(StraightResult {
-        diagonals,
+        volume: volume.clone(),
+        diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {
+            end_um: ends[d],
+            range_um: of_zeroed[d].range_um,
+        }),
         range_over_all_um,
         totals: totals(volume, &ends),
-        closure,
+        u_squareness: per_plane(Plane::ALL.map(u_squareness)),
+        u_scale: PerAxis::from_fn(|axis| metric.scale[axis].and_then(|_| u_scale(axis))),
+        agreement,
+        doubts: disturbed.chain(contradiction).collect(),
+        metric,
+        noise,
+        closure: match errors {
+            None => None,
+            Some(table) => Some(closure_tests(volume, table, &runs, noise)?),
+        },
+        labels: labels(campaign, &budget, both_ways),
         runs,
+        zeroed_runs,
     })
 }
 
-fn tested(
-    volume: &Volume,
-    table: &ErrorTable,
-    forward: &PerDiagonal<Vec<f64>>,
-) -> Result<PerDiagonal<ClosureTest>, Problems> {
-    let mut missing = Problems::none();
-    let tests = PerDiagonal::from_fn(|d| {
-        let predicted = predicted_um(volume, PathKind::Straight, table, d, Pass::Forward);
-        predicted.map(|predicted| closure_test(&forward[d], &predicted))
-    });
-    let all = PerDiagonal::from_fn(|d| {
-        tests[d].unwrap_or(ClosureTest {
-            largest_um: 0.0,
-            end_um: 0.0,
-        })
-    });
-    if tests.iter().any(|(_, test)| test.is_none()) {
-        missing.push(
-            Problem::new(
-                "the closure test needs all nine errors; at least one is missing from the table",
-            )
-            .at(table.header.clone())
-            .help("measure it, or leave `closure_errors` out"),
-        );
+/// A line as it was measured: straight runs hold no shapes to take off a beam.
+fn whole_line(line: &Line) -> StraightLine {
+    StraightLine {
+        direction: line.direction,
+        slope_um_per_m: line.slope_um_per_m,
+        u_um_per_m: line.u_um_per_m,
     }
-    missing.or_ok(all)
+}
+
+fn labels(campaign: &Campaign<'_>, budget: &Budget<'_>, both_ways: bool) -> Vec<String> {
+    let runs = match (both_ways, campaign.reverse_zero_known) {
+        (false, _) => {
+            "forward runs only: E, B and a reversal need both directions, and NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the squareness"
+        }
+        (true, true) => "both directions count from the start of the forward run",
+        (true, false) => {
+            "reverse runs count from their own start: E, B and ranges are those of the forward runs alone; the totals are the mean of both directions"
+        }
+    };
+    let mut labels = vec![runs.to_string()];
+    if campaign.lines.iter().any(|line| line.ends.is_some()) {
+        labels.push("beams are taken as if they went from end to end of the box: straight runs hold no shapes to take off".to_string());
+    }
+    labels.extend(common_labels(campaign, budget));
+    labels
 }

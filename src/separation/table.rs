@@ -1,6 +1,7 @@
 //! Nine errors → the rows of an error table (contract §2.1).
 
-use super::campaign::{Evidence, Separation};
+use super::evidence::Evidence;
+use super::separate::Separation;
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::error_table::{Draft, DraftSeries, Remarks};
 use crate::job::{BacklashPolicy, SetUp};

@@ -192,6 +192,7 @@ impl Machine {
                 along: *axis,
             }),
             u_um_per_m,
+            ends: None,
         };
         axes.iter().map(line).collect()
     }

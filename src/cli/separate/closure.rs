@@ -1,6 +1,6 @@
 //! What `separate` prints of the closure and of disturbed readings.
 
-use super::text::list;
+use super::words::list;
 use crate::axis::Axis;
 use crate::separation::Separation;
 use crate::separation::closure::{Closure, Ramps};
@@ -10,7 +10,7 @@ use crate::separation::outlier::{FALSE_DOUBT, Outlier};
 pub(super) fn closure(separation: &Separation) -> String {
     let closure = &separation.closure;
     let mut lines = vec![format!(
-        "Closure: mean over each axis (um) {}",
+        "Closure: mean over each axis (µm) {}",
         means(separation)
     )];
     lines.push(
@@ -50,12 +50,12 @@ fn scatter(closure: &Closure, noise: Noise) -> String {
         Axis::ALL.map(|axis| format!("{axis} {:.3}", closure.scatter[axis] * noise.sigma_um));
     let found = closure.sigma_um().map_or_else(String::new, |sigma| {
         format!(
-            "; the closure speaks for {sigma:.3} um of a single reading ({} degrees of freedom)",
+            "; the closure speaks for {sigma:.3} µm of a single reading ({} degrees of freedom)",
             closure.freedom
         )
     });
     format!(
-        "expected standard deviation of a single w (2 sqrt(2) sigma with one run, um): {}{found}",
+        "expected standard deviation of a single w (2 sqrt(2) sigma with one run, µm): {}{found}",
         expected.join(", ")
     )
 }
@@ -77,7 +77,7 @@ fn ramps(ramps: &Ramps, noise: Option<Noise>) -> String {
         "no roll is seen"
     };
     format!(
-        "ramps over each axis, end to end (um): {}: probability {:.3}, {verdict}",
+        "ramps over each axis, end to end (µm): {}: probability {:.3}, {verdict}",
         each.join(", "),
         ramps.probability
     )
@@ -104,7 +104,7 @@ fn test(closure: &Closure, noise: Option<Noise>) -> String {
         NoiseSource::Stated | NoiseSource::Closure => "chi-squared test",
     };
     format!(
-        "{kind} of the scatter against {:.3} um {}, two-sided: probability {:.3}, {verdict}",
+        "{kind} of the scatter against {:.3} µm {}, two-sided: probability {:.3}, {verdict}",
         noise.sigma_um,
         noise.source.words(),
         test.probability

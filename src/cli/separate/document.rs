@@ -1,18 +1,19 @@
 //! The documents of `separate --format json` (contract §5).
 
-use super::text::standard_figures;
+use super::advice::advice;
+use super::diagonals::StandardFigures;
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PathKind};
-use crate::job::DiagonalMeasurement;
+use crate::job::SetUp;
 use crate::manifest::picometres;
 use crate::problem::Problems;
 use crate::separation::metric::{PerPlane, Plane};
-use crate::separation::monte_carlo::Simulated;
-use crate::separation::noise::{coverage_factor, repeatability_um};
+use crate::separation::monte_carlo::{Simulated, measured_coverage};
+use crate::separation::noise::{Noise, coverage_factor, repeatability_um};
 use crate::separation::outlier::Outlier;
 use crate::separation::reversal::{Estimate, Turn};
-use crate::separation::straight::{StraightResult, Totals};
 use crate::separation::{Evidence, Separation};
+use crate::standards::Diagonals;
 use serde_json::{Map, Value, json};
 
 fn rounded(values: &[f64]) -> Vec<f64> {
@@ -56,7 +57,7 @@ fn positions(separation: &Separation, term: ErrorTerm) -> Vec<f64> {
     positions.iter().map(|position| position.mm()).collect()
 }
 
-fn planes(values: &PerPlane<Option<f64>>) -> Value {
+pub(super) fn planes(values: &PerPlane<Option<f64>>) -> Value {
     let mut all = Map::new();
     for plane in Plane::ALL {
         if let Some(value) = values.of(plane) {
@@ -64,14 +65,6 @@ fn planes(values: &PerPlane<Option<f64>>) -> Value {
         }
     }
     Value::Object(all)
-}
-
-fn known(values: &PerPlane<f64>) -> Value {
-    planes(&PerPlane {
-        xy: Some(values.xy),
-        xz: Some(values.xz),
-        yz: Some(values.yz),
-    })
 }
 
 fn axes<T>(of: impl Fn(Axis) -> T) -> Value
@@ -97,8 +90,16 @@ pub(super) fn separation(
         "squareness_um_per_m".into(),
         planes(&separation.squareness_um_per_m),
     );
-    if let Some(u) = &separation.u_squareness_um_per_m {
-        page.insert("u_squareness_um_per_m".into(), known(u));
+    page.insert(
+        "u_squareness_um_per_m".into(),
+        planes(&separation.u_squareness_um_per_m),
+    );
+    page.insert(
+        "squareness_freedom".into(),
+        planes(&separation.squareness_freedom),
+    );
+    if let Some(found) = &separation.agreement {
+        page.insert("redundancy".into(), super::agreement::document(found));
     }
     page.insert(
         "squareness_least_squares_um_per_m".into(),
@@ -153,6 +154,7 @@ pub(super) fn separation(
             "rank": separation.rank().0,
             "unknowns": separation.rank().1,
             "undetermined": separation.undetermined,
+            "advice": open_advice(separation),
         }),
     );
     page.insert(
@@ -160,21 +162,21 @@ pub(super) fn separation(
         closure.outliers.iter().map(outlier).collect(),
     );
     page.insert("diagonals".into(), diagonals(separation)?);
-    if let Some(noise) = separation.noise {
-        page.insert(
-            "noise".into(),
-            json!({
-                "sigma_um": picometres(noise.sigma_um),
-                "degrees_of_freedom": noise.freedom,
-                "coverage_factor": picometres(coverage_factor(noise.freedom_f64())),
-                "source": noise.source.words(),
-                "closure_probability": closure.test(&noise).map(|test| test.probability),
-            }),
-        );
+    if let Some(found) = separation.noise {
+        let mut entry = noise(found);
+        let test = closure.test(&found);
+        entry["closure_probability"] = json!(test.map(|test| test.probability));
+        page.insert("noise".into(), entry);
     }
     if let Some(turn) = &separation.turn {
         reversal(&mut page, turn);
     }
+    let slopes = separation.naive_slopes_um_per_m.iter();
+    let slopes = slopes.map(|(term, slope)| (term.to_string(), json!(picometres(*slope))));
+    page.insert(
+        "separated_slope_um_per_m".into(),
+        Value::Object(slopes.collect()),
+    );
     let shapes = separation.shapes.iter();
     let shapes = shapes.map(|(term, shape)| (term.to_string(), json!(rounded(shape))));
     page.insert("shape_um".into(), Value::Object(shapes.collect()));
@@ -241,31 +243,61 @@ fn outlier(outlier: &Outlier) -> Value {
     })
 }
 
+/// σ of a single reading and where it comes from.
+pub(super) fn noise(noise: Noise) -> Value {
+    json!({
+        "sigma_um": picometres(noise.sigma_um),
+        "degrees_of_freedom": noise.freedom,
+        "coverage_factor": picometres(coverage_factor(noise.freedom_f64())),
+        "source": noise.source.words(),
+    })
+}
+
+/// What would determine the scales that are open; nothing is asked for under an assumed set-up.
+pub(super) fn open_advice(separation: &Separation) -> Vec<String> {
+    match separation.setup {
+        SetUp::Solve => advice(&separation.metric),
+        SetUp::AssumePerfect => Vec::new(),
+    }
+}
+
 fn diagonals(separation: &Separation) -> Result<Value, Problems> {
-    let mut all = Map::new();
-    for (diagonal, figures) in separation.diagonals.iter() {
+    let figures = StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs)?;
+    let mut all = diagonal_totals(
+        &figures.all,
+        separation.range_over_all_um,
+        separation.scale_sum_um_mm,
+    );
+    for (diagonal, of) in separation.diagonals.iter() {
         all.insert(
             diagonal.name().into(),
             json!({
-                "end_reading_um": picometres(figures.end_um),
-                "range_um": picometres(figures.range_um),
+                "end_reading_um": picometres(of.end_um),
+                "range_um": picometres(of.range_um),
+                "figures_um": figures.document(diagonal),
                 "repeatability_um": repeatability(separation, diagonal),
             }),
         );
     }
+    Ok(Value::Object(all))
+}
+
+/// The figures of all four diagonals together.
+pub(super) fn diagonal_totals(
+    figures: &Diagonals,
+    range_over_all_um: f64,
+    scale_sum_um_mm: f64,
+) -> Map<String, Value> {
+    let mut all = Map::new();
     all.insert(
         "range_over_all_um".into(),
-        json!(picometres(separation.range_over_all_um)),
+        json!(picometres(range_over_all_um)),
     );
-    all.insert(
-        "scale_sum_um_mm".into(),
-        json!(picometres(separation.scale_sum_um_mm)),
-    );
-    let figures = standard_figures(&separation.volume, PathKind::Step, &separation.zeroed_runs)?;
+    all.insert("scale_sum_um_mm".into(), json!(picometres(scale_sum_um_mm)));
     all.insert("e_d_um".into(), json!(figures.e_d_um.map(picometres)));
     all.insert("b_d_um".into(), json!(figures.b_d_um.map(picometres)));
     all.insert("label".into(), json!(figures.label));
-    Ok(Value::Object(all))
+    all
 }
 
 fn monte_carlo(simulated: &Simulated) -> Value {
@@ -279,6 +311,7 @@ fn monte_carlo(simulated: &Simulated) -> Value {
                 "estimate": picometres(f.estimate),
                 "bias": picometres(f.bias),
                 "interval_95": rounded(&f.interval),
+                "interval_coverage_measured": measured_coverage(f),
                 "u": picometres(f.u),
             })
         })
@@ -288,48 +321,4 @@ fn monte_carlo(simulated: &Simulated) -> Value {
         "seed": simulated.plan.seed,
         "figures": figures,
     })
-}
-
-fn totals(totals: &Totals) -> Value {
-    known(&totals.squareness_um_per_m)
-}
-
-pub(super) fn straight(
-    measurement: &DiagonalMeasurement,
-    result: &StraightResult,
-) -> Result<Value, Problems> {
-    let figures = standard_figures(&measurement.volume, PathKind::Straight, &result.runs)?;
-    let mut diagonals = Map::new();
-    for (diagonal, f) in result.diagonals.iter() {
-        let mut entry = json!({
-            "end_reading_um": picometres(f.end_um),
-            "range_um": picometres(f.range_um),
-        });
-        if let (Some(closure), Some(entry)) = (&result.closure, entry.as_object_mut()) {
-            let test = closure[diagonal];
-            entry.insert(
-                "closure_largest_um".into(),
-                json!(picometres(test.largest_um)),
-            );
-            entry.insert("closure_end_um".into(), json!(picometres(test.end_um)));
-        }
-        diagonals.insert(diagonal.name().into(), entry);
-    }
-    diagonals.insert(
-        "range_over_all_um".into(),
-        json!(picometres(result.range_over_all_um)),
-    );
-    diagonals.insert(
-        "scale_sum_um_mm".into(),
-        json!(picometres(result.totals.scale_sum_um_mm)),
-    );
-    diagonals.insert("e_d_um".into(), json!(figures.e_d_um.map(picometres)));
-    diagonals.insert("b_d_um".into(), json!(figures.b_d_um.map(picometres)));
-    diagonals.insert("label".into(), json!(figures.label));
-    Ok(json!({
-        "schema": 1,
-        "squareness_um_per_m": totals(&result.totals),
-        "rank": {"rank": 4, "unknowns": 6, "undetermined": [super::text::STRAIGHT_UNDETERMINED]},
-        "diagonals": diagonals,
-    }))
 }

@@ -271,17 +271,23 @@ const FIGURES: [(&str, &str); 12] = [
     ("A_down", "A down"),
 ];
 
-/// Every figure of every diagonal.
+/// Every figure of every diagonal; what no diagonal has gets no column.
 pub(in crate::cli) fn figures_table(figures: &Diagonals) -> String {
-    let mut columns = vec![Column::Left("diagonal, µm")];
-    columns.extend(FIGURES.map(|(_, heading)| Column::Right(heading)));
-    columns.push(Column::Right("max - min"));
     let figure = |of: &AxisFigures, wanted: &str| {
         let named = of.named_um().into_iter().find(|(name, _)| *name == wanted);
         named.and_then(|(_, um)| um)
     };
+    let is_there = |(name, _): &(&str, &str)| {
+        let mut all = figures.diagonals.iter();
+        all.any(|of| figure(&of.figures, name).is_some())
+    };
+    let there: Vec<(&str, &str)> = FIGURES.into_iter().filter(is_there).collect();
+    let mut columns = vec![Column::Left("diagonal, µm")];
+    columns.extend(there.iter().map(|(_, heading)| Column::Right(heading)));
+    columns.push(Column::Right("max - min"));
     let rows = figures.diagonals.iter().map(|of| {
-        let each = FIGURES.map(|(name, _)| micrometres(figure(&of.figures, name)));
+        let each = there.iter();
+        let each = each.map(|(name, _)| micrometres(figure(&of.figures, name)));
         let range = micrometres(of.range_um);
         let name = std::iter::once(of.name.clone());
         name.chain(each).chain([range]).collect()

@@ -1,0 +1,236 @@
+//! What `separate` says of straight runs: the page for people and the document.
+
+use super::advice::advice;
+use super::agreement;
+use super::diagonals::{StandardFigures, diagonal_table};
+use super::document::{noise, planes};
+use super::words::{
+    SQUARENESS_SIGN, doubtful, expanded, freedom, list, shown, signed, three, undetermined,
+};
+use crate::axis::Axis;
+use crate::cli::show::{Column, paragraphs, table};
+use crate::diagonal::{Diagonal, PathKind};
+use crate::manifest::picometres;
+use crate::problem::Problems;
+use crate::separation::metric::Plane;
+use crate::separation::prediction::{ClosureTest, ClosureTests};
+use crate::separation::straight::{StraightResult, scale_shares};
+use crate::separation::uncertainty::SlopeUncertainty;
+use serde_json::{Map, Value, json};
+
+pub(super) fn page(result: &StraightResult) -> Result<String, Problems> {
+    let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
+    Ok(paragraphs(&[
+        doubtful(&result.doubts),
+        outcome(result),
+        undetermined(&result.metric.undetermined(), &advice(&result.metric)),
+        squareness(result),
+        scales(result),
+        agreement::table_of(result.agreement.as_ref()),
+        diagonal_table(&figures, |diagonal| result.diagonals[diagonal].end_um),
+        result
+            .closure
+            .as_ref()
+            .map_or_else(String::new, closure_page),
+        list("Assumed, and what the uncertainty holds:", &result.labels),
+    ]))
+}
+
+fn outcome(result: &StraightResult) -> String {
+    let scales: Vec<String> = Axis::ALL
+        .into_iter()
+        .filter(|axis| result.metric.scale[*axis].is_some())
+        .map(|axis| axis.to_string())
+        .collect();
+    let scales = if scales.is_empty() {
+        "no single scale".to_string()
+    } else {
+        format!("scale of {}", scales.join(", "))
+    };
+    format!(
+        "Straight runs along the four body diagonals: squareness XY, XZ, YZ; {scales}; no straightness (that needs single-axis steps)"
+    )
+}
+
+fn squareness(result: &StraightResult) -> String {
+    let columns = [
+        Column::Left("plane"),
+        Column::Right("squareness/(µm/m)"),
+        Column::Right("U(95 %)/(µm/m)"),
+        Column::Right("freedom"),
+    ];
+    let rows = Plane::ALL.into_iter().map(|plane| {
+        let u = result.u_squareness.of(plane);
+        vec![
+            plane.key().to_uppercase(),
+            shown(result.metric.squareness.of(plane)),
+            expanded(u.map(|u| u.expanded_um_per_m())),
+            freedom(u.map(|u| u.freedom)),
+        ]
+    });
+    format!(
+        "{}\n{SQUARENESS_SIGN}; from the totals of the diagonals, so of the lines through the end points",
+        table(&columns, rows)
+    )
+}
+
+fn scales(result: &StraightResult) -> String {
+    let shares = scale_shares(&result.volume);
+    let shares = Axis::ALL.map(|axis| format!("{:.3} x slope of E{axis}{axis}", shares[axis]));
+    let square_m = result.volume.diagonal_mm().powi(2) / 1000.0;
+    let mut lines = vec![format!(
+        "One combination of the scales from the diagonals alone: {} = {} µm/m",
+        shares.join(" + "),
+        three(result.totals.scale_sum_um_mm / square_m)
+    )];
+    for axis in Axis::ALL {
+        if let Some(scale) = result.metric.scale[axis] {
+            let u = expanded(result.u_scale[axis].map(|u| u.expanded_um_per_m()));
+            lines.push(format!(
+                "slope of E{axis}{axis}: {} µm/m, U(95 %) {u}",
+                three(scale)
+            ));
+        }
+    }
+    lines.join("\n")
+}
+
+fn closure_page(closure: &ClosureTests) -> String {
+    let columns = [
+        Column::Left("diagonal"),
+        Column::Left("runs"),
+        Column::Right("largest/µm"),
+        Column::Right("far end/µm"),
+        Column::Right("U(k=2) there/µm"),
+        Column::Right("largest by its u"),
+    ];
+    let rows = closure.tests.iter().map(|test| {
+        vec![
+            test.diagonal.to_string(),
+            test.pass.word().to_string(),
+            three(test.largest_um),
+            signed(test.end_um),
+            expanded(test.u_end_um),
+            test.worst_ratio
+                .map_or_else(|| "-".to_string(), |ratio| format!("{ratio:.1}")),
+        ]
+    });
+    format!(
+        "Closure test: measured less what the nine errors of `closure_errors` predict, each run from its own start\n{}\n{}",
+        table(&columns, rows),
+        verdict(closure)
+    )
+}
+
+fn verdict(closure: &ClosureTests) -> String {
+    let of_table = if closure.table_states_u {
+        "noise of the readings and the table's u"
+    } else {
+        "noise of the readings only: the table states no u"
+    };
+    match closure.agrees() {
+        None => "no verdict: the noise of the readings is not known (repeat the runs, or state `noise_um`)".to_string(),
+        Some(true) => format!("in keeping: no difference is beyond {:.1} u ({of_table})", closure.k),
+        Some(false) => format!("NOT in keeping: a difference is beyond {:.1} u ({of_table}); the nine errors do not describe this machine as it is now", closure.k),
+    }
+}
+
+pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
+    let metric = &result.metric;
+    let mut page = Map::new();
+    page.insert("schema".into(), json!(1));
+    page.insert("squareness_um_per_m".into(), planes(&metric.squareness));
+    let u = |known: Option<SlopeUncertainty>| known.map(|known| known.u_um_per_m);
+    page.insert(
+        "u_squareness_um_per_m".into(),
+        planes(&result.u_squareness.map(u)),
+    );
+    if let Some(found) = &result.agreement {
+        page.insert("redundancy".into(), agreement::document(found));
+    }
+    let scales = |of: &dyn Fn(Axis) -> Option<f64>| -> Value {
+        let pairs = Axis::ALL.into_iter();
+        let pairs =
+            pairs.filter_map(|axis| Some((axis.key().into(), json!(picometres(of(axis)?)))));
+        Value::Object(pairs.collect())
+    };
+    page.insert("scale_um_per_m".into(), scales(&|axis| metric.scale[axis]));
+    page.insert(
+        "u_scale_um_per_m".into(),
+        scales(&|axis| u(result.u_scale[axis])),
+    );
+    page.insert(
+        "rank".into(),
+        json!({
+            "rank": metric.rank,
+            "unknowns": 6,
+            "undetermined": metric.undetermined(),
+            "advice": advice(metric),
+        }),
+    );
+    page.insert("diagonals".into(), diagonals(result)?);
+    if let Some(found) = result.noise {
+        page.insert("noise".into(), noise(found));
+    }
+    if let Some(closure) = &result.closure {
+        page.insert("closure_test".into(), closure_document(closure));
+    }
+    page.insert("doubts".into(), json!(result.doubts));
+    page.insert("labels".into(), json!(result.labels));
+    Ok(Value::Object(page))
+}
+
+fn diagonals(result: &StraightResult) -> Result<Value, Problems> {
+    let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
+    let mut all = super::document::diagonal_totals(
+        &figures.all,
+        result.range_over_all_um,
+        result.totals.scale_sum_um_mm,
+    );
+    for (diagonal, f) in result.diagonals.iter() {
+        let mut entry = json!({
+            "end_reading_um": picometres(f.end_um),
+            "range_um": picometres(f.range_um),
+            "figures_um": figures.document(diagonal),
+        });
+        if let (Some(test), Some(entry)) = (largest(result, diagonal), entry.as_object_mut()) {
+            entry.insert(
+                "closure_largest_um".into(),
+                json!(picometres(test.largest_um)),
+            );
+            entry.insert("closure_end_um".into(), json!(picometres(test.end_um)));
+        }
+        all.insert(diagonal.name().into(), entry);
+    }
+    Ok(Value::Object(all))
+}
+
+/// The closure test of a diagonal with the larger difference of its two directions.
+fn largest(result: &StraightResult, diagonal: Diagonal) -> Option<&ClosureTest> {
+    let tests = result.closure.as_ref()?.tests.iter();
+    let of = tests.filter(|test| test.diagonal == diagonal);
+    of.max_by(|a, b| a.largest_um.total_cmp(&b.largest_um))
+}
+
+fn closure_document(closure: &ClosureTests) -> Value {
+    let tests: Vec<Value> = closure
+        .tests
+        .iter()
+        .map(|test| {
+            json!({
+                "diagonal": test.diagonal.name(),
+                "direction": test.pass.word(),
+                "largest_um": picometres(test.largest_um),
+                "end_um": picometres(test.end_um),
+                "u_end_um": test.u_end_um.map(picometres),
+                "largest_by_u": test.worst_ratio.map(picometres),
+            })
+        })
+        .collect();
+    json!({
+        "agrees": closure.agrees(),
+        "k": picometres(closure.k),
+        "table_states_u": closure.table_states_u,
+        "tests": tests,
+    })
+}
