@@ -12,6 +12,7 @@ mod inputs;
 mod program;
 mod separate;
 mod show;
+mod simulate;
 mod standards;
 mod verify;
 mod write;
@@ -82,6 +83,8 @@ enum Command {
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
     },
+    /// Predict the readings of a measurement with the tables active: a rehearsal, no measurement
+    Simulate(Box<simulate::Options>),
     /// Turn another maker's measurement into an error table
     Import(Box<import::Options>),
     /// Figures by standard: ISO 230-2 and VDI/DGQ 3441 of one axis, ISO 230-6 of the body diagonals
@@ -202,6 +205,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             force,
             format,
         } => program::run(&job, &output, force, format),
+        Command::Simulate(options) => simulate::run(&options),
         Command::Import(options) => import::run(&options),
         Command::Standards(options) => standards::run(&options),
         Command::Controllers { command } => match command {

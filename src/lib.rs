@@ -101,6 +101,8 @@ pub mod manifest;
 
 pub mod kit;
 
+pub mod simulate;
+
 pub mod program_kit;
 
 pub mod cli;

@@ -46,6 +46,21 @@ pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     }
 }
 
+/// Reads a job and everything it names, the angles of its readings included.
+pub(super) fn read_with_angles(job_path: &Path) -> Result<(Inputs, Option<ErrorTable>), Problems> {
+    let inputs = read(job_path)?;
+    let job = &inputs.job;
+    let diagonals = matches!(job.measurement.data, MeasuredData::Diagonals(_));
+    let Some(path) = job.measurement.angles.as_ref().filter(|_| diagonals) else {
+        return Ok((inputs, None));
+    };
+    let folder = job_path.parent().unwrap_or(Path::new(""));
+    // The hash stands among the inputs already: the readings were separated with these angles.
+    let (source, _) = read_named(job, folder, path, "measurement.angles", &mut Vec::new())?;
+    let table = ErrorTable::read(source)?;
+    Ok((inputs, Some(table)))
+}
+
 /// Reads a job and the profile of its control, and nothing that was measured.
 pub(super) fn read_job_and_profile(
     job_path: &Path,
@@ -201,7 +216,9 @@ impl CampaignFiles {
     /// The nine errors.
     pub(super) fn separate(&self) -> Result<Separation, Problems> {
         self.check_turn()?;
-        Ok(separation::separate(&self.campaign()?, &self.readings.runs))
+        let mut separation = separation::separate(&self.campaign()?, &self.readings.runs);
+        separation.labels.splice(0..0, self.readings.notes());
+        Ok(separation)
     }
 
     /// Reverse runs with a zero of their own hide where the axes reversed.
@@ -227,7 +244,10 @@ impl CampaignFiles {
     /// What straight runs say.
     pub(super) fn straight(&self) -> Result<StraightResult, Problems> {
         let runs = corrected(&self.campaign()?, &self.readings.runs);
-        straight(&self.measurement.volume, runs, self.closure_errors.as_ref())
+        let errors = self.closure_errors.as_ref();
+        let mut result = straight(&self.measurement.volume, runs, errors)?;
+        result.notes = self.readings.notes();
+        Ok(result)
     }
 
     /// The error table, with where it comes from and what it rests on.

@@ -32,9 +32,11 @@ pub(super) fn run(job: &Path, directory: &Path, format: Format) -> Result<Answer
     })
 }
 
-type NamedFile = (String, Role, Vec<u8>);
+/// Name, purpose and bytes of a file.
+pub(super) type NamedFile = (String, Role, Vec<u8>);
 
-fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
+/// The file as a reader takes it.
+pub(super) fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
     KitFile {
         path,
         role: *role,
@@ -44,12 +46,13 @@ fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
 
 /// The files of a directory, and what its manifest says against them.
 #[derive(Default)]
-struct Found {
-    files: Vec<NamedFile>,
+pub(super) struct Found {
+    /// What the control could read.
+    pub(super) files: Vec<NamedFile>,
     /// Sentences that make the verdict `fail`.
-    remarks: Vec<String>,
+    pub(super) remarks: Vec<String>,
     /// What was passed over, and what may explain a disagreement.
-    notes: Vec<String>,
+    pub(super) notes: Vec<String>,
     /// A listed file that is missing is among the remarks.
     names_missing: bool,
     /// The kit was made for another control.
@@ -70,7 +73,8 @@ fn is_left_by_a_computer(name: &str) -> bool {
     name.starts_with('.') || names.contains(&name.to_ascii_lowercase().as_str())
 }
 
-fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found, Problems> {
+/// Reads a directory with the files of a control.
+pub(super) fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found, Problems> {
     let refuse = |error: std::io::Error| {
         Problem::new(format!(
             "`{}` cannot be read: {}",

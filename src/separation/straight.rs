@@ -116,10 +116,9 @@ pub fn predicted_um(
     diagonal: Diagonal,
     pass: Pass,
 ) -> Option<Vec<f64>> {
-    let u = volume.laser(diagonal);
-    let at_node = |node: usize| -> Option<f64> {
+    let error_at = |node: usize| -> Option<PerAxis<f64>> {
         let place = volume.place(diagonal, kind, node);
-        let mut sum = 0.0;
+        let mut error = PerAxis::default();
         for along in Axis::ALL {
             let direction = diagonal.travelled(along, pass);
             let all = errors.series(along);
@@ -128,13 +127,12 @@ pub fn predicted_um(
             for of in Axis::ALL {
                 let values = series.deviations[of].as_ref()?;
                 let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
-                sum += u[of] * at(&series.positions, &values, place[along].mm());
+                error[of] += at(&series.positions, &values, place[along].mm());
             }
         }
-        Some(sum)
+        Some(error)
     };
-    let values: Option<Vec<f64>> = (0..=volume.last_node(kind)).map(at_node).collect();
-    let values = values?;
+    let values = volume.along_beam(diagonal, kind, error_at)?;
     let start = *values.first()?;
     Some(values.iter().map(|value| value - start).collect())
 }
@@ -182,6 +180,8 @@ pub struct StraightResult {
     pub totals: Totals,
     /// The closure test against nine errors, forward runs.
     pub closure: Option<PerDiagonal<ClosureTest>>,
+    /// What the readings say of themselves, one sentence each.
+    pub notes: Vec<String>,
 }
 
 /// Evaluates straight runs; `errors` = nine errors to be tested by them.
@@ -203,6 +203,7 @@ pub fn straight(
         totals: totals(volume, &ends),
         closure,
         runs,
+        notes: Vec::new(),
     })
 }
 

@@ -331,5 +331,6 @@ pub(super) fn straight(
         "squareness_um_per_m": totals(&result.totals),
         "rank": {"rank": 4, "unknowns": 6, "undetermined": [super::text::STRAIGHT_UNDETERMINED]},
         "diagonals": diagonals,
+        "labels": result.notes,
     }))
 }

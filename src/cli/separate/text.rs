@@ -425,6 +425,7 @@ pub(super) fn straight(
         )
     });
     Ok(paragraphs(&[
+        list("What the readings say of themselves:", &result.notes),
         diagonal_table(&figures, |diagonal| result.diagonals[diagonal].end_um),
         squareness(&phi, None, None),
         scales,
