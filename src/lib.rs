@@ -99,6 +99,8 @@ pub mod forecast;
 
 pub mod after;
 
+pub mod causes;
+
 pub mod disagreement;
 
 pub mod manifest;
