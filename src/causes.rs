@@ -86,7 +86,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
     data.settle(&fits);
     let forecast = data.fit(&Fault::None);
     let as_forecast = data.stands(&forecast);
-    refuse_unit_slip(question, &data, as_forecast)?;
+    refuse_unit_slip(&data)?;
     let mut found = Diagnosis {
         as_forecast,
         off_um: data.rms(&forecast),
@@ -103,7 +103,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
         found.by_term = term_by_term(&data);
         return Ok(found);
     }
-    found.decides = decide::decides(question, &standing);
+    found.decides = Some(decide::decides(question, &standing));
     found.causes = causes(question, &data, standing);
     Ok(found)
 }
@@ -155,35 +155,37 @@ fn causes(question: &Question<'_>, data: &Data<'_>, standing: Vec<(&Fault, Fit)>
     groups.into_iter().map(cause).collect()
 }
 
-/// What each term looks like by itself.
+/// What each term looks like by itself: every fault that fits, the best first.
 fn term_by_term(data: &Data<'_>) -> Vec<String> {
     let alone = |term: ErrorTerm| {
+        if data.stands_alone(&data.fit(&Fault::None), term) {
+            return format!("{term}: as forecast");
+        }
         let tried = fault::alone(term);
-        let found = tried
-            .iter()
-            .find(|fault| data.stands_alone(&data.fit(fault), term))?;
-        Some(match found {
-            Fault::None => format!("{term}: as forecast"),
-            other => format!("{term}: {}", other.kind()),
-        })
+        let fits = tried.iter().map(|fault| (fault, data.fit(fault)));
+        let mut fits: Vec<(&Fault, Fit)> = fits
+            .filter(|(_, fit)| data.stands_alone(fit, term))
+            .collect();
+        fits.sort_by(|a, b| data.rms_of(&a.1, term).total_cmp(&data.rms_of(&b.1, term)));
+        match fits.as_slice() {
+            [] => format!("{term}: no single fault fits"),
+            some => {
+                let kinds: Vec<&str> = some.iter().map(|(fault, _)| fault.kind()).collect();
+                format!("{term}: {}", kinds.join(" or "))
+            }
+        }
     };
-    let line = |term| alone(term).unwrap_or_else(|| format!("{term}: no single fault fits"));
-    data.single_terms().into_iter().map(line).collect()
+    data.single_terms().into_iter().map(alone).collect()
 }
 
-fn refuse_unit_slip(
-    question: &Question<'_>,
-    data: &Data<'_>,
-    as_forecast: bool,
-) -> Result<(), Problem> {
+fn refuse_unit_slip(data: &Data<'_>) -> Result<(), Problem> {
     const UNIT: f64 = 1000.0;
-    let suspicious = data.is_larger_than_found(SUSPICIOUS);
-    if !suspicious {
+    if data.times_found() <= SUSPICIOUS {
         return Ok(());
     }
     let divided = data.divided_by(UNIT);
     let forecast = divided.fit(&Fault::None);
-    if divided.stands(&forecast) && (as_forecast || !question.seen.is_empty()) {
+    if divided.stands(&forecast) {
         return Err(Problem::new(format!(
             "the values measured afterwards are {:.0} times those as found; divided by 1000 they agree with the forecast: a slip of their unit",
             data.times_found()

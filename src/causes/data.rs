@@ -237,10 +237,6 @@ impl<'a> Data<'a> {
         largest(&self.measured_um) / largest(&self.found_um).max(SMALLEST_UM)
     }
 
-    pub(super) fn is_larger_than_found(&self, times: f64) -> bool {
-        self.times_found() > times
-    }
-
     fn effects(&self, fault: &Fault, fitted: &[f64]) -> Vec<f64> {
         let of = |(observation, planned): (&Observation, &Vec<Planned>)| {
             let parts = observation.parts.iter().zip(planned);
@@ -434,6 +430,13 @@ impl<'a> Data<'a> {
     pub(super) fn single_terms(&self) -> Vec<ErrorTerm> {
         let seen = |term: &ErrorTerm| self.question.seen.iter().any(|o| o.is_of(*term));
         ErrorTerm::ALL.into_iter().filter(seen).collect()
+    }
+
+    /// Root mean square of what a fit leaves of one term, µm.
+    pub(super) fn rms_of(&self, fit: &Fit, term: ErrorTerm) -> f64 {
+        let seen = self.question.seen.iter().zip(&fit.residuals_um);
+        let of_term = seen.filter(|(o, _)| o.is_of(term));
+        root_mean_square(&of_term.map(|(_, um)| *um).collect::<Vec<f64>>())
     }
 
     /// Root mean square of what a fit leaves, µm.

@@ -24,14 +24,24 @@ struct Look {
     gap_um: f64,
 }
 
-/// The sentence; nothing where no place of the kit tells the faults apart.
-pub(super) fn decides(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> Option<String> {
+/// The sentence.
+pub(super) fn decides(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> String {
     let thermal = |fault: &Fault| fault.kind() == "temperature";
     if standing.iter().all(|(fault, _)| thermal(fault)) {
-        return Some(linear_run(question, standing));
+        return linear_run(question, standing);
     }
-    let look = best_look(question, standing)?;
-    Some(display(question, standing, &look))
+    match best_look(question, standing) {
+        Some(look) => display(question, standing, &look),
+        None => format!(
+            "these causes differ nowhere by more than {:.3} um on the tables of this kit: read the tables out of the control and compare their values with the files, then look whether they are switched on",
+            told_apart_um(question)
+        ),
+    }
+}
+
+/// What a display tells apart, µm.
+fn told_apart_um(question: &Question<'_>) -> f64 {
+    TOLD_APART_UM.max(2.0 * question.count_um)
 }
 
 fn best_look(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> Option<Look> {
@@ -83,7 +93,7 @@ fn look(question: &Question<'_>, standing: &[(&Fault, Fit)], part: Part) -> Look
     }
     let mut sorted = values_um.clone();
     sorted.sort_by(f64::total_cmp);
-    let told_apart = TOLD_APART_UM.max(2.0 * question.count_um);
+    let told_apart = told_apart_um(question);
     let gaps = sorted.windows(2).map(|pair| pair[1] - pair[0]);
     let gaps: Vec<f64> = gaps.filter(|gap| *gap > told_apart).collect();
     Look {

@@ -100,7 +100,7 @@ impl Fault {
             Fault::Times(_, factor) if *factor == 0.0 => "not active",
             Fault::Nothing => "not active",
             Fault::Times(_, factor) if (*factor - 2.0).abs() < 1e-12 => "applied twice",
-            Fault::Times(..) | Fault::Unit(_) => "unit",
+            Fault::Times(..) | Fault::Unit(_) => "wrong unit",
             Fault::Factor(_) => "other factor",
             Fault::Shifted(_) => "shifted",
             Fault::Exchanged(..) | Fault::Transposed | Fault::Pair(..) => "wrong axis",
@@ -386,8 +386,7 @@ fn acts_elsewhere(question: &Question<'_>, fault: &Fault) -> bool {
 pub(super) fn alone(term: ErrorTerm) -> Vec<Fault> {
     let scope = Scope::Term(term);
     let factors = [0.0, -1.0, 2.0].map(|factor| Fault::Times(scope, factor));
-    let mut tried = vec![Fault::None];
-    tried.extend(factors);
+    let mut tried = factors.to_vec();
     if term.is_positioning() {
         tried.push(Fault::TemperatureOf(term.along));
     }
