@@ -12,6 +12,7 @@ mod inputs;
 mod program;
 mod separate;
 mod show;
+mod simulate;
 mod standards;
 mod verify;
 mod write;
@@ -36,6 +37,8 @@ struct Arguments {
 const EXAMPLES: &str = "Examples:
   nonius generate job.toml -o kit       make the files for the control, with a forecast
   nonius verify job.toml --tables kit   read them back and judge them
+  nonius verify job.toml --tables kit --after after.csv
+                                        judge a second measurement, and say why it misses
 
 Exit status: 0 done and within limits · 1 the answer is no · 2 could not do it, nothing written";
 
@@ -62,6 +65,9 @@ enum Command {
         /// Directory with the control's files
         #[arg(long, value_name = "DIR")]
         tables: PathBuf,
+        /// A measurement with these tables active, against the forecast: an error table (CSV) or a job (TOML)
+        #[arg(long, value_name = "FILE|JOB")]
+        after: Option<PathBuf>,
         /// What to print
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
@@ -82,6 +88,8 @@ enum Command {
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
     },
+    /// Predict the readings of a measurement with the tables active: a rehearsal, no measurement
+    Simulate(Box<simulate::Options>),
     /// Turn another maker's measurement into an error table
     Import(Box<import::Options>),
     /// Figures by standard: ISO 230-2 and VDI/DGQ 3441 of one axis, ISO 230-6 of the body diagonals
@@ -193,8 +201,9 @@ fn execute(command: Command) -> Result<Answer, Problems> {
         Command::Verify {
             job,
             tables,
+            after,
             format,
-        } => verify::run(&job, &tables, format),
+        } => verify::run(&job, &tables, after.as_deref(), format),
         Command::Separate(options) => separate::run(&options),
         Command::Program {
             job,
@@ -202,6 +211,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             force,
             format,
         } => program::run(&job, &output, force, format),
+        Command::Simulate(options) => simulate::run(&options),
         Command::Import(options) => import::run(&options),
         Command::Standards(options) => standards::run(&options),
         Command::Controllers { command } => match command {

@@ -257,6 +257,24 @@ impl Volume {
         part(Axis::X) + part(Axis::Y) + part(Axis::Z)
     }
 
+    /// What the errors of the machine at the nodes of a pass do along the laser, by node:
+    /// u · E(q), not zeroed (first order: beam and mirror along the diagonal). `None` where an
+    /// error is not known.
+    pub fn along_beam(
+        &self,
+        diagonal: Diagonal,
+        kind: PathKind,
+        error_at: impl Fn(usize) -> Option<PerAxis<f64>>,
+    ) -> Option<Vec<f64>> {
+        let laser = self.laser(diagonal);
+        let reading = |node: usize| {
+            let error = error_at(node)?;
+            let part = |axis: Axis| laser[axis] * error[axis];
+            Some(part(Axis::X) + part(Axis::Y) + part(Axis::Z))
+        };
+        (0..=self.last_node(kind)).map(reading).collect()
+    }
+
     /// The machine interval (0 = lowest) that the step with running number `step` (0 = first)
     /// of an axis crosses: running numbers of an axis that travels negative count downwards.
     pub fn interval(&self, diagonal: Diagonal, axis: Axis, step: usize) -> usize {

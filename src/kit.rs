@@ -103,6 +103,11 @@ pub struct Kit {
 }
 
 impl Kit {
+    /// The control's files as a reader takes them.
+    pub fn kit_files(&self) -> Vec<KitFile<'_>> {
+        as_read(&self.files)
+    }
+
     /// The bytes of `manifest.json`.
     pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
         let text = serde_json::to_string_pretty(&self.manifest)
@@ -158,16 +163,19 @@ fn judged(forecast: &Forecast, inputs: &Inputs, doubts: &[String]) -> Verdict {
     doubtful.map_or(verdict, |doubtful| verdict.max(doubtful))
 }
 
-fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
-    let files: Vec<KitFile<'_>> = files
+fn as_read(files: &[RenderedFile]) -> Vec<KitFile<'_>> {
+    files
         .iter()
         .map(|file| KitFile {
             path: &file.path,
             role: file.role,
             bytes: &file.bytes,
         })
-        .collect();
-    read(profile, &files).map_err(|problems| {
+        .collect()
+}
+
+fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
+    read(profile, &as_read(files)).map_err(|problems| {
         let mut all = Problems::from(
             Problem::new("the files that the templates made cannot be read back, so nothing is written")
                 .help("a template of your own has to keep to the format of the dialect (docs/templates.md)"),
@@ -242,7 +250,8 @@ fn differences(inputs: &Inputs, plan: &Plan, compiled: &Compiled, read: &ReadBac
     Differences { words, found }
 }
 
-fn cannot_emulate(reason: &CannotEmulate) -> Problems {
+/// Tables whose effect the semantics do not tell.
+pub fn cannot_emulate(reason: &CannotEmulate) -> Problems {
     Problem::new(format!("the tables cannot be emulated: {}", reason.0))
         .help("nothing is written, because no forecast could be given")
         .into()
@@ -318,6 +327,8 @@ pub struct Verification {
     pub plan: Plan,
     /// What the job compiles to (assumptions, preconditions, notes).
     pub compiled: Compiled,
+    /// What the files of the directory hold.
+    pub found: Tables,
     /// What the tables will leave; absent where they cannot be emulated.
     pub forecast: Option<Forecast>,
     /// How the tables differ from what the job asks for, one sentence each.
@@ -362,6 +373,7 @@ pub fn verify(
         absent,
         plan,
         compiled,
+        found: read.tables,
         forecast: result,
         disagreements,
         doubts,

@@ -20,6 +20,10 @@
 //!
 //! Before a measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ readback, walk.
 //!
+//! At the machine: a second measurement ─→ after: as found, forecast, as left ─→ causes, when it differs.
+//!
+//! Before it, as a rehearsal: curves, bytes of the tables ─→ simulate: readings that say so of themselves.
+//!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
 //! Modules stand in the order in which the data flow; a module imports only from those before
@@ -95,11 +99,17 @@ pub mod emulate;
 
 pub mod forecast;
 
+pub mod after;
+
+pub mod causes;
+
 pub mod disagreement;
 
 pub mod manifest;
 
 pub mod kit;
+
+pub mod simulate;
 
 pub mod program_kit;
 

@@ -17,6 +17,7 @@ use self::columns::Columns;
 use crate::delimited::header_and_rows;
 use crate::diagonal::{Diagonal, Pass, Run};
 use crate::document::Source;
+use crate::error_table::Remarks;
 use crate::job::DiagonalMeasurement;
 use crate::problem::{Problem, Problems};
 
@@ -41,6 +42,11 @@ impl Readings {
             runs,
             own_zero,
         })
+    }
+
+    /// What the file says of itself in comments `# note: …`, one sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        Remarks::read(&self.source.text).notes
     }
 
     /// Whether the values of a run count from the start of the forward run.

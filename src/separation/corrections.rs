@@ -11,7 +11,7 @@ use crate::problem::{Problem, Problems};
 use crate::units::{Deviation, Millimetres};
 
 /// Reference temperature of ISO 1, °C.
-pub(super) const REFERENCE_C: f64 = 20.0;
+pub const REFERENCE_C: f64 = 20.0;
 
 /// Expansion of the scales at a node, µm: Σ_k α_k (T_k − 20 °C) u_dk (P_k(q) − P_k(0)), one
 /// temperature and coefficient for each axis.

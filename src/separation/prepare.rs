@@ -134,7 +134,8 @@ fn beam_line(beam: &Beam) -> Line {
     }
 }
 
-fn angles(
+/// What the angular errors of a table do to the readings of a measurement.
+pub fn angles(
     job: &Job,
     measurement: &DiagonalMeasurement,
     table: &ErrorTable,

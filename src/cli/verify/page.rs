@@ -1,0 +1,364 @@
+//! As found, forecast, as left: the page and the document.
+
+use super::second::Second;
+use super::{absent, agreement, heading};
+use crate::after::{Comparison, Control, Line, Observation, compare, observations};
+use crate::axis::{Direction, PerAxis};
+use crate::causes::{Cause, Diagnosis, Question, diagnose};
+use crate::cli::show::{self, Column};
+use crate::cli::{Answer, Format, print, print_json};
+use crate::forecast::{COVERAGE_FACTOR, Forecast, Verdict};
+use crate::job::{Job, MeasuredData};
+use crate::kit::{Inputs, Verification, emulator};
+use crate::manifest::picometres;
+use crate::problem::Problems;
+use serde_json::{Map, Value, json};
+use std::path::Path;
+
+/// Everything that goes on the page.
+struct Page<'a> {
+    inputs: &'a Inputs,
+    verification: &'a Verification,
+    second: &'a Second,
+    comparison: Comparison,
+    diagnosis: Option<Diagnosis>,
+    verdict: Verdict,
+}
+
+pub(super) fn answer(
+    inputs: &Inputs,
+    directory: &Path,
+    verification: &Verification,
+    second: &Second,
+    format: Format,
+) -> Result<Answer, Problems> {
+    let page = page(inputs, verification, second)?;
+    match format {
+        Format::Json => print_json(&page.document())?,
+        Format::Text => print(&page.text(directory))?,
+    };
+    Ok(if page.verdict == Verdict::Pass {
+        Answer::Yes
+    } else {
+        Answer::No
+    })
+}
+
+fn page<'a>(
+    inputs: &'a Inputs,
+    verification: &'a Verification,
+    second: &'a Second,
+) -> Result<Page<'a>, Problems> {
+    let plan = &verification.plan;
+    let state = &verification.compiled.state;
+    let control = emulator(&inputs.profile, &verification.found, state)
+        .and_then(|emulator| Control::new(plan, emulator.as_ref()));
+    let comparison = compare(
+        &inputs.model,
+        plan,
+        control.as_ref().ok(),
+        verification.forecast.as_ref(),
+        &second.measurement,
+    )?;
+    let verdict = judged(inputs, verification, &comparison);
+    let diagnosis = match (&control, &verification.forecast) {
+        (Ok(control), Some(forecast)) => {
+            let seen = observations(&inputs.model, &second.measurement);
+            Some(diagnose(&question(
+                inputs,
+                verification,
+                forecast,
+                control,
+                &seen,
+            ))?)
+        }
+        _ => None,
+    };
+    Ok(Page {
+        inputs,
+        verification,
+        second,
+        comparison,
+        diagnosis,
+        verdict,
+    })
+}
+
+fn question<'a>(
+    inputs: &'a Inputs,
+    verification: &Verification,
+    forecast: &Forecast,
+    control: &'a Control,
+    seen: &'a [Observation],
+) -> Question<'a> {
+    let axis = |axis| inputs.job.machine.axes[axis];
+    let counts = verification.compiled.placements.iter().map(|p| p.count_um);
+    Question {
+        before: &inputs.model,
+        control,
+        seen,
+        homing: PerAxis::from_fn(|a| axis(a).map_or(Direction::Plus, |a| a.homing())),
+        reference_mm: PerAxis::from_fn(|a| axis(a).map_or(0.0, |a| a.reference.mm())),
+        alpha_per_k: alpha_per_k(&inputs.job),
+        count_um: counts.fold(0.0, f64::max),
+        forecast_um: forecast.max_residual_um(),
+    }
+}
+
+/// Steel, where the job states no scale's expansion, 1/K.
+const STEEL_PER_K: f64 = 11.5e-6;
+
+fn alpha_per_k(job: &Job) -> PerAxis<f64> {
+    let material = match &job.measurement.data {
+        MeasuredData::Diagonals(measurement) => measurement.material,
+        MeasuredData::Errors(_) => None,
+    };
+    let stated = |axis| material?.axes[axis].map(|scale| scale.alpha_per_k);
+    PerAxis::from_fn(|axis| stated(axis).unwrap_or(STEEL_PER_K))
+}
+
+/// The as-left figures against the acceptance; what is missing or doubtful decides nothing in
+/// favour, and files that differ from the job fail.
+fn judged(inputs: &Inputs, verification: &Verification, comparison: &Comparison) -> Verdict {
+    if !verification.disagreements.is_empty() {
+        return Verdict::Fail;
+    }
+    let asked = inputs.job.acceptance;
+    let verdict = comparison.as_left.verdict(asked);
+    let unknown = asked.max_deviation_um.is_some() && !comparison.missing.is_empty();
+    if unknown || !comparison.doubts.is_empty() {
+        return verdict.max(Verdict::Undecided);
+    }
+    verdict
+}
+
+impl Page<'_> {
+    /// Doubts, and what the limit asks for and was not measured.
+    fn doubts(&self) -> Vec<String> {
+        let mut doubts = self.comparison.doubts.clone();
+        let missing: Vec<String> = self
+            .comparison
+            .missing
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        if self.inputs.job.acceptance.max_deviation_um.is_some() && !missing.is_empty() {
+            doubts.push(format!(
+                "not measured afterwards, so nothing is known of what is left: {}",
+                missing.join(", ")
+            ));
+        }
+        doubts
+    }
+
+    fn text(&self, directory: &Path) -> String {
+        let verification = self.verification;
+        show::paragraphs(&[
+            heading(self.inputs, directory),
+            self.measured_after(),
+            agreement(verification),
+            lines(&self.comparison),
+            show::verdict(
+                self.verdict,
+                self.inputs.job.acceptance,
+                Some(&self.comparison.as_left),
+                !verification.disagreements.is_empty(),
+                &self.doubts(),
+            ),
+            self.diagnosis
+                .as_ref()
+                .map(|found| self.explained(found))
+                .unwrap_or_default(),
+            absent(&self.comparison.notes),
+            absent(&verification.absent),
+            show::assumptions(&verification.compiled.assumptions),
+        ])
+    }
+
+    fn explained(&self, found: &Diagnosis) -> String {
+        explanation(found, self.verdict).join("\n")
+    }
+
+    fn measured_after(&self) -> String {
+        let names: Vec<&str> = self
+            .second
+            .hashes
+            .iter()
+            .map(|file| file.path.as_str())
+            .collect();
+        format!(
+            "measured afterwards, with the tables active: {}",
+            names.join(", ")
+        )
+    }
+
+    fn document(&self) -> Value {
+        let verification = self.verification;
+        let misses = self.comparison.as_left.misses(self.inputs.job.acceptance);
+        let causes: Vec<String> = verification
+            .disagreements
+            .iter()
+            .cloned()
+            .chain(misses)
+            .chain(self.doubts())
+            .chain(
+                self.diagnosis
+                    .iter()
+                    .flat_map(|found| explanation(found, self.verdict)),
+            )
+            .collect();
+        let notes: Vec<String> = self
+            .comparison
+            .notes
+            .iter()
+            .chain(&verification.absent)
+            .chain(&verification.compiled.notes)
+            .cloned()
+            .collect();
+        json!({
+            "schema": 1,
+            "verdict": self.verdict.word(),
+            "after": self.second.hashes,
+            "terms": figures(&self.comparison.terms),
+            "max_residual_um": largest(&self.comparison.terms),
+            "diagonals": figures(&self.comparison.diagonals),
+            "causes": causes,
+            "diagnosis": self.diagnosis.as_ref().map(diagnosis),
+            "assumptions": verification.compiled.assumptions,
+            "notes": notes,
+        })
+    }
+}
+
+/// What the data say of the causes, one line each.
+fn explanation(found: &Diagnosis, verdict: Verdict) -> Vec<String> {
+    let off = format!(
+        "as left is {:.3} um (root mean square) off the forecast; sigma {:.3} um, {}",
+        found.off_um, found.basis.sigma_um, found.basis.words
+    );
+    if found.as_forecast {
+        return match verdict {
+            Verdict::Pass => Vec::new(),
+            _ => vec![format!(
+                "the tables act as forecast, no fault shows ({off}): what is left was left by the plan, or lies within U"
+            )],
+        };
+    }
+    let mut lines = vec![format!("NOT AS FORECAST: {off}")];
+    match found.causes.as_slice() {
+        [] => lines.push(
+            "no single cause of those tried explains it: unknown, or several at once".to_string(),
+        ),
+        [only] => lines.push(format!("likely cause: {}", said(only))),
+        several => {
+            lines.push("likely causes, which these data cannot tell apart:".to_string());
+            lines.extend(several.iter().map(|cause| format!("  - {}", said(cause))));
+        }
+    }
+    lines.extend(found.by_term.iter().map(|words| format!("  {words}")));
+    lines.extend(
+        found
+            .decides
+            .iter()
+            .map(|words| format!("to decide: {words}")),
+    );
+    lines
+}
+
+fn said(cause: &Cause) -> String {
+    format!(
+        "{}: {} (leaves {:.3} um unexplained)",
+        cause.kind.to_uppercase(),
+        cause.words,
+        cause.left_um
+    )
+}
+
+fn diagnosis(found: &Diagnosis) -> Value {
+    let cause = |cause: &Cause| {
+        json!({
+            "kind": cause.kind,
+            "words": cause.words,
+            "fitted": cause.fitted.iter().map(|value| picometres(*value)).collect::<Vec<f64>>(),
+            "left_um": picometres(cause.left_um),
+        })
+    };
+    json!({
+        "as_forecast": found.as_forecast,
+        "off_forecast_um": picometres(found.off_um),
+        "sigma_um": picometres(found.basis.sigma_um),
+        "sigma_from": found.basis.words,
+        "values": found.basis.values,
+        "curves": found.basis.curves,
+        "causes": found.causes.iter().map(cause).collect::<Vec<Value>>(),
+        "by_term": found.by_term,
+        "decides": found.decides,
+    })
+}
+
+/// The largest as-left figure of the terms, else nothing.
+fn largest(lines: &[Line]) -> Option<f64> {
+    let after = lines.iter().filter_map(|line| line.after_um);
+    after.reduce(f64::max).map(picometres)
+}
+
+fn figures(lines: &[Line]) -> Value {
+    let mut document = Map::new();
+    for line in lines {
+        let um = |value: Option<f64>| value.map(picometres);
+        document.insert(
+            line.name.clone(),
+            json!({
+                "before_um": um(line.before_um),
+                "forecast_um": um(line.forecast_um),
+                "after_um": um(line.after_um),
+                "u_um": um(line.u_um),
+                "max_residual_um": um(line.after_um),
+                "difference_um": um(line.difference_um),
+            }),
+        );
+    }
+    Value::Object(document)
+}
+
+fn lines(comparison: &Comparison) -> String {
+    let columns = [
+        Column::Left("term"),
+        Column::Right("as found/µm"),
+        Column::Right("forecast/µm"),
+        Column::Right("as left/µm"),
+        Column::Right("U(k=2)/µm"),
+        Column::Right("off forecast/µm"),
+    ];
+    let terms = comparison
+        .terms
+        .iter()
+        .map(|line| row(line.name.clone(), line));
+    let diagonals = comparison.diagonals.iter();
+    let diagonals = diagonals.map(|line| row(format!("diagonal {}", line.name), line));
+    format!(
+        "{}\n  terms: largest deviation, zero at the reference; diagonals: max - min; U of as left;\n  off forecast: largest difference of as left and forecast at a measured position",
+        show::table(&columns, terms.chain(diagonals))
+    )
+}
+
+fn row(name: String, line: &Line) -> Vec<String> {
+    let um = |value: Option<f64>| value.map_or_else(|| "-".to_string(), |um| format!("{um:.3}"));
+    let measured = |value: Option<f64>| match value {
+        None => "not measured".to_string(),
+        some => um(some),
+    };
+    let expanded = match (line.after_um, line.u_um) {
+        (None, _) => "-".to_string(),
+        (Some(_), None) => "not stated".to_string(),
+        (Some(_), Some(u)) => format!("{:.3}", COVERAGE_FACTOR * u),
+    };
+    vec![
+        name,
+        measured(line.before_um),
+        um(line.forecast_um),
+        measured(line.after_um),
+        expanded,
+        um(line.difference_um),
+    ]
+}
