@@ -4,6 +4,7 @@
 //! comes from these bytes through the readers and the emulator, never from the numbers that
 //! went in.
 
+use crate::active::ActiveControl;
 use crate::compensation::{Compiled, compile};
 use crate::control_state::ControlState;
 use crate::controller::{Dialect, Profile};
@@ -37,6 +38,8 @@ pub struct Inputs {
     pub model: ErrorModel,
     /// Every file that went in, with its hash.
     pub hashes: Vec<HashedFile>,
+    /// The control as it was while measuring, where the job names its files.
+    pub active: Option<ActiveControl>,
 }
 
 impl Inputs {
@@ -53,6 +56,7 @@ impl Inputs {
             profile,
             model,
             hashes,
+            active: None,
         })
     }
 
