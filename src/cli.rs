@@ -7,6 +7,7 @@
 mod context;
 mod controllers;
 mod generate;
+mod history;
 mod import;
 mod inputs;
 mod program;
@@ -62,6 +63,14 @@ enum Command {
         /// Directory with the control's files
         #[arg(long, value_name = "DIR")]
         tables: PathBuf,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
+    /// Print the chain of tables that a kit stands in, back to the first one
+    History {
+        /// Directory of a kit
+        directory: PathBuf,
         /// What to print
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
@@ -195,6 +204,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             tables,
             format,
         } => verify::run(&job, &tables, format),
+        Command::History { directory, format } => history::run(&directory, format),
         Command::Separate(options) => separate::run(&options),
         Command::Program {
             job,

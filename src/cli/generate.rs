@@ -50,10 +50,13 @@ fn report(inputs: &Inputs, kit: &Kit) -> String {
         heading,
         show::placements(&kit.compiled.placements),
         show::forecast(&kit.forecast),
-        [show::slopes(&inputs.model), show::reversals(&inputs.model)]
-            .join("\n")
-            .trim()
-            .to_string(),
+        [
+            show::slopes(inputs.as_measured()),
+            show::reversals(inputs.as_measured()),
+        ]
+        .join("\n")
+        .trim()
+        .to_string(),
         show::remarks(&kit.plan, &kit.compiled, Some(&kit.forecast)),
         show::verdict(
             kit.verdict,
