@@ -5,6 +5,7 @@
 //! went in.
 
 use crate::active::{self, ActiveControl, Origin};
+use crate::axis::Axis;
 use crate::compensation::{Compiled, compile};
 use crate::controller::Profile;
 use crate::disagreement;
@@ -17,7 +18,7 @@ use crate::forecast::{Forecast, Machine, Verdict, forecast};
 use crate::job::Job;
 use crate::manifest::{self, HashedFile, Manifest, Predecessor, SCHEMA};
 use crate::model::ErrorModel;
-use crate::plan::{Plan, Task, plan};
+use crate::plan::{Plan, PlannedTable, Task, plan};
 use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::target::wants;
@@ -312,7 +313,9 @@ fn build_manifest(
         omitted: manifest::omitted(&plan.omitted),
         forecast: manifest::forecast(forecast),
         tables: manifest::placements(&compiled.placements),
-        state: manifest::state(&compiled.state),
+        state: manifest::state(&compiled.state, |name| {
+            named_backlash(inputs, plan, compiled, name)
+        }),
         machine: json!({
             "name": job.machine.name,
             "serial": job.machine.serial,
@@ -323,6 +326,20 @@ fn build_manifest(
         doubts: doubts(inputs),
         notes: [compiled.notes.clone(), forecast.worsened()].concat(),
     }
+}
+
+/// The backlash parameter of an axis that goes with these tables, µm: the one they name, else the
+/// one that acted while measuring; `None` where neither is known.
+fn named_backlash(inputs: &Inputs, plan: &Plan, compiled: &Compiled, name: &str) -> Option<f64> {
+    let has = |axis: &Axis| plan.names[*axis].iter().any(|own| own == name);
+    let axis = Axis::ALL.into_iter().find(has)?;
+    let two_tables =
+        |t: &PlannedTable| t.term.is_positioning() && t.term.of == axis && t.direction.is_some();
+    let sets = plan.backlash_um[axis].is_some() || plan.tables.iter().any(two_tables);
+    if sets {
+        return Some(compiled.state.axis(name)?.backlash_um);
+    }
+    inputs.active.as_ref()?.backlash_um[axis]
 }
 
 /// The tables that the kit follows, as its manifest names them.

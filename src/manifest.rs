@@ -107,15 +107,16 @@ pub fn placements(placements: &[Placement]) -> Vec<Value> {
         .collect()
 }
 
-/// The state of the control as JSON: what an update compares with its job.
-pub fn state(state: &ControlState) -> Value {
+/// The state of the control as JSON: what an update compares with its job. `backlash_um` gives the
+/// backlash parameter of an axis where the kit knows it.
+pub fn state(state: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) -> Value {
     let axis = |axis: &AxisState| {
         json!({
             "name": axis.name,
             "reference_mm": picometres(axis.reference.mm()),
             "reference_direction": axis.reference_direction.symbol(),
             "detection_unit_um": axis.detection_unit_um,
-            "backlash_um": picometres(axis.backlash_um),
+            "backlash_um": backlash_um(&axis.name).map(picometres),
             "bidirectional": axis.bidirectional,
             "interpolated": axis.interpolated,
         })

@@ -433,3 +433,321 @@ fn a_read_out_says_the_same_as_the_kit() {
     .unwrap();
     assert_eq!(again.compiled.tables, new.compiled.tables);
 }
+
+/// A one-axis job with what is added to `[measurement]` and `[compensation]`.
+fn small(controller: &str, measurement: &str, compensation: &str, axes: &str) -> String {
+    format!(
+        "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n{measurement}\n[compensation]\ncontroller = \"{controller}\"\n{compensation}\n[machine.axes.x]\ntravel_mm = [0, 100]\nreference_mm = 0\n[machine.axes.y]\ntravel_mm = [0, 100]\nreference_mm = 0\n{axes}"
+    )
+}
+
+const ACTIVE: &str = "active_while_measuring = \"old\"";
+const SIEMENS_AXES: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"AX1\"\n[compensation.axes.y]\nspacing_mm = 50\nid = \"AX2\"\n";
+const FANUC_AXES: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"1\"\ndetection_unit_um = 1.0\n[compensation.axes.y]\nspacing_mm = 50\nid = \"2\"\ndetection_unit_um = 1.0\n";
+const FULL: &str =
+    "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,4,2\nx,100,8,-3\ny,0,0,0\ny,50,1,6\ny,100,5,3\n";
+const EXX_ONLY: &str = "axis,position_mm,ex_um\nx,0,0\nx,50,1\nx,100,-1\n";
+
+fn read_out(job: &str, errors: &str, file: &str) -> Result<Inputs, String> {
+    let found = inputs(job, errors);
+    from_read_out(
+        &found.job,
+        &found.profile,
+        "old",
+        vec![("old.txt".into(), file.into())],
+    )
+    .and_then(|active| found.with_active(active))
+    .map_err(|p| p.render())
+}
+
+#[test]
+fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
+    let job = |more: &str| {
+        small(
+            "siemens-840d-sl",
+            &format!("{ACTIVE}\n{more}"),
+            "",
+            SIEMENS_AXES,
+        )
+    };
+    let (before, old) = generate(
+        &small(
+            "siemens-840d-sl",
+            "active_while_measuring = \"none\"",
+            "",
+            SIEMENS_AXES,
+        ),
+        FULL,
+    );
+    let files = || {
+        old.files
+            .iter()
+            .map(|f| (f.path.clone(), f.bytes.clone()))
+            .collect()
+    };
+    let with = |more: &str| {
+        let found = inputs(&job(more), EXX_ONLY);
+        let active = from_kit(
+            &found.job,
+            &found.profile,
+            "old",
+            &old.manifest_bytes().unwrap(),
+            files(),
+        )
+        .unwrap();
+        found.with_active(active)
+    };
+    let refused = with("").unwrap_err().render();
+    for term in ["EYX", "EXY", "EYY"] {
+        assert!(
+            refused.contains(&format!("correct {term}, which was not measured")),
+            "{refused}"
+        );
+    }
+    let kept = with("active_terms_not_measured = \"keep\"").unwrap();
+    let new = kit::generate(&kept).unwrap();
+    assert_eq!(new.forecast.terms.len(), 1, "only EXX was measured");
+    let (was, is) = (control(&before.profile, &old), control(&kept.profile, &new));
+    for (base, output) in [("AX1", "AX2"), ("AX2", "AX1"), ("AX2", "AX2")] {
+        for x in [0.0, 20.0, 50.0, 90.0, 100.0] {
+            let of = |c: &dyn nonius::emulate::Emulator| {
+                um_at(&response(c, base, output, Direction::Plus), x)
+            };
+            assert!(
+                (of(was.as_ref()) - of(is.as_ref())).abs() < 1e-9,
+                "{base}→{output} at {x}"
+            );
+        }
+    }
+    let dropped = kit::generate(&with("active_terms_not_measured = \"drop\"").unwrap()).unwrap();
+    let what: Vec<&str> = dropped
+        .compiled
+        .preconditions
+        .iter()
+        .map(|p| p.what.as_str())
+        .collect();
+    for stale in [
+        "SD41300 $SN_CEC_TABLE_ENABLE[0]",
+        "SD41300 $SN_CEC_TABLE_ENABLE[1]",
+        "MD32700 $MA_ENC_COMP_ENABLE[0,AX2]",
+    ] {
+        assert!(what.contains(&stale), "{stale} in {what:?}");
+    }
+}
+
+#[test]
+fn what_acted_is_found_in_a_siemens_archive() {
+    let job = small(
+        "siemens-840d-sl",
+        &format!("{ACTIVE}\nactive_terms_not_measured = \"keep\""),
+        "",
+        SIEMENS_AXES,
+    );
+    let table = |number: u32, base: &str, output: &str, um: f64| {
+        format!(
+            "$AN_CEC[{number},0]=0\n$AN_CEC[{number},1]={:.6}\n$AN_CEC_INPUT_AXIS[{number}]=({base})\n$AN_CEC_OUTPUT_AXIS[{number}]=({output})\n$AN_CEC_STEP[{number}]=100\n$AN_CEC_MIN[{number}]=0\n$AN_CEC_MAX[{number}]=100\n",
+            um / 1000.0
+        )
+    };
+    let lec = "$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.010\n$AA_ENC_COMP_STEP[0,AX1]=100\n$AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\n";
+    let archive = |first: &str, switches: &str| {
+        format!(
+            "%_N_NC_TEA_INI\nN1 $MN_OTHER[0]=\"x\"\n{switches}M17\n%_N_NC_CEC_INI\nCHANDATA(1)\n{first}{}$AN_CEC_STEP[7]=0\n$AN_CEC_INPUT_AXIS[7]=()\n{lec}M17\n",
+            table(3, "AX1", "AX2", 5.0)
+        )
+    };
+    let on = read_out(&job, EXX_ONLY, &archive("", "")).unwrap_or_else(|p| panic!("{p}"));
+    let at_end = |found: &Inputs, name| {
+        let term = found.model.terms[nonius::axis::ErrorTerm::from_name(name).unwrap()].clone();
+        term.map(|t| {
+            t.measured
+                .curve(Direction::Plus)
+                .unwrap()
+                .at(nonius::units::Millimetres::new(100.0))
+                .um()
+        })
+    };
+    assert!((at_end(&on, "EXX").unwrap() - (10.0 - 1.0)).abs() < 1e-9);
+    assert!((at_end(&on, "EYX").unwrap() - 5.0).abs() < 1e-9);
+    assert!(
+        on.active
+            .as_ref()
+            .unwrap()
+            .assumptions
+            .iter()
+            .any(|a| a.fact.contains("SD41300"))
+    );
+    let off = read_out(
+        &job,
+        EXX_ONLY,
+        &archive("", "N41300 $SN_CEC_TABLE_ENABLE[3]=0\n"),
+    )
+    .unwrap();
+    assert_eq!(
+        at_end(&off, "EYX"),
+        None,
+        "a table that was off did nothing"
+    );
+    let lec_off = read_out(
+        &job,
+        EXX_ONLY,
+        &archive("", "$MA_ENC_COMP_ENABLE[0,AX1]=0\n"),
+    )
+    .unwrap();
+    assert!((at_end(&lec_off, "EXX").unwrap() + 1.0).abs() < 1e-9);
+    // A table of an axis that the job does not have lies where the new one would go.
+    let other = read_out(&job, EXX_ONLY, &archive(&table(0, "AX4", "AX5", 9.0), "")).unwrap();
+    let words = kit::generate(&other).unwrap_err().render();
+    assert!(
+        words.contains("CEC table 0 is in use in the read-out"),
+        "{words}"
+    );
+    let inch = read_out(
+        &job,
+        EXX_ONLY,
+        &archive("", "$MN_SCALING_SYSTEM_IS_METRIC=0\n"),
+    )
+    .unwrap_err();
+    assert!(inch.contains("counts in inch"), "{inch}");
+}
+
+#[test]
+fn a_backlash_parameter_that_is_replaced_has_to_be_known() {
+    let both = "axis,direction,position_mm,ex_um\nx,+,0,0\nx,+,100,2\nx,-,0,1\nx,-,100,3\n";
+    let lec = |more: &str| {
+        format!(
+            "{more}$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.010\n$AA_ENC_COMP_STEP[0,AX1]=100\n$AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\nM17\n"
+        )
+    };
+    let job = |policy: &str, more: &str| {
+        small(
+            "siemens-840d-sl",
+            &format!("{ACTIVE}\n{more}"),
+            &format!("backlash = \"{policy}\""),
+            SIEMENS_AXES,
+        )
+    };
+    let unknown = read_out(&job("curve-and-parameter", ""), both, &lec("")).unwrap_err();
+    assert!(
+        unknown.contains("replace the backlash parameter of X"),
+        "{unknown}"
+    );
+    assert!(
+        read_out(&job("mean", ""), both, &lec("")).is_ok(),
+        "mean leaves the parameter alone"
+    );
+    let parameter = |found: Inputs| {
+        kit::generate(&found).unwrap().plan.backlash_um[nonius::axis::Axis::X].unwrap()
+    };
+    // 7 µm acted and 1 µm was left: the new parameter is 8 µm.
+    let file = read_out(
+        &job("curve-and-parameter", ""),
+        both,
+        &lec("N32450 $MA_BACKLASH[0,AX1]=0.007\n"),
+    )
+    .unwrap();
+    assert!((parameter(file) - 8.0).abs() < 1e-9);
+    let stated = read_out(
+        &job("curve-and-parameter", "active_backlash_um = { x = 7.0 }"),
+        both,
+        &lec(""),
+    )
+    .unwrap();
+    assert!((parameter(stated) - 8.0).abs() < 1e-9);
+    let two = read_out(
+        &job("curve-and-parameter", "active_backlash_um = { x = 6.0 }"),
+        both,
+        &lec("$MA_BACKLASH[0,AX1]=0.007\n"),
+    )
+    .unwrap_err();
+    assert!(
+        two.contains("a backlash parameter of 7 µm for X, the job states 6 µm"),
+        "{two}"
+    );
+}
+
+#[test]
+fn what_acted_is_found_in_a_fanuc_parameter_file() {
+    let job = small(
+        "fanuc-30i",
+        &format!("{ACTIVE}\nactive_terms_not_measured = \"keep\""),
+        "",
+        FANUC_AXES,
+    );
+    let (_, old) = generate(
+        &small(
+            "fanuc-30i",
+            "active_while_measuring = \"none\"",
+            "",
+            FANUC_AXES,
+        ),
+        FULL,
+    );
+    let mut file = String::from(
+        "%\nN00010Q1L1P00000001\nN03701Q1S1P00000010\nN01240Q1A1P0.000A2P0.000A4P12.5\nN01851Q1A1P3A2P0A4P9\nN01852Q1A1P3A2P0A4P9\nN03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN10900Q1P0\n",
+    );
+    for kit_file in &old.files {
+        let text = String::from_utf8_lossy(&kit_file.bytes).replace(['%', '\r'], "");
+        file.push_str(text.trim());
+        file.push('\n');
+    }
+    file.push_str("%\n");
+    let found = read_out(&job, EXX_ONLY, &file).unwrap_or_else(|p| panic!("{p}"));
+    let active = found.active.as_ref().unwrap();
+    assert_eq!(active.backlash_um[nonius::axis::Axis::X], Some(3.0));
+    assert_eq!(active.others.points.len(), 1, "{:?}", active.notes);
+    let new = kit::generate(&found).unwrap_or_else(|p| panic!("{}", p.render()));
+    let is = control(&found.profile, &new);
+    let at = |x| um_at(&response(is.as_ref(), "1", "1", Direction::Plus), x);
+    // 4 + 1 and 8 − 1 µm of deviation.
+    assert_eq!((at(50.0), at(100.0)), (-5.0, -7.0));
+    let shifted = file.replace("N01240Q1A1P0.000", "N01240Q1A1P1.000");
+    let refused = read_out(&job, EXX_ONLY, &shifted).unwrap_err();
+    assert!(refused.contains("1240 of axis 1 is 1 mm"), "{refused}");
+    let taken = file
+        .replace("P500\nN03622Q1A4P510", "P0\nN03622Q1A4P510")
+        .replace("N03620Q1A4P500", "N03620Q1A4P1");
+    let words = read_out(&job, EXX_ONLY, &taken)
+        .map(|found| kit::generate(&found).unwrap_err().render())
+        .unwrap_or_else(|p| p);
+    assert!(words.contains("points 0 to 510"), "{words}");
+}
+
+#[test]
+fn steps_are_taken_off_where_the_laser_stood_and_lines_between() {
+    let job = small("fanuc-30i", ACTIVE, "", FANUC_AXES);
+    let errors = "axis,position_mm,ex_um\nx,0,0\nx,50,4\nx,100,8\n";
+    let (_, old) = generate(
+        &small(
+            "fanuc-30i",
+            "active_while_measuring = \"none\"",
+            "",
+            FANUC_AXES,
+        ),
+        errors,
+    );
+    // The machine errs by 0.08 µm/mm; at 20 mm the step of the first section has not come, at 40 mm it has.
+    let residual = "axis,position_mm,ex_um\nx,0,0\nx,20,1.6\nx,40,-0.8\nx,50,0\nx,100,0\n";
+    let found = inputs(&job, residual);
+    let files = old
+        .files
+        .iter()
+        .map(|f| (f.path.clone(), f.bytes.clone()))
+        .collect();
+    let active = from_kit(
+        &found.job,
+        &found.profile,
+        "old",
+        &old.manifest_bytes().unwrap(),
+        files,
+    )
+    .unwrap();
+    let found = found.with_active(active).unwrap();
+    let exx = nonius::axis::ErrorTerm::from_name("EXX").unwrap();
+    let measured = found.model.terms[exx].as_ref().unwrap();
+    let curve = measured.measured.curve(Direction::Plus).unwrap();
+    for x in [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 75.0, 100.0] {
+        let um = curve.at(nonius::units::Millimetres::new(x)).um();
+        assert!((um - 0.08 * x).abs() < 1e-9, "{um} at {x}");
+    }
+}
