@@ -4,7 +4,7 @@
 //! comes from these bytes through the readers and the emulator, never from the numbers that
 //! went in.
 
-use crate::active::{self, ActiveControl, Origin};
+use crate::active::{self, ActiveControl};
 use crate::axis::Axis;
 use crate::compensation::{Compiled, compile};
 use crate::controller::Profile;
@@ -16,6 +16,7 @@ use crate::emulate::{CannotEmulate, Emulator};
 use crate::error_table::ErrorTable;
 use crate::forecast::{Forecast, Machine, Verdict, forecast};
 use crate::job::Job;
+pub use crate::manifest::hashed;
 use crate::manifest::{self, HashedFile, Manifest, Predecessor, SCHEMA};
 use crate::model::ErrorModel;
 use crate::plan::{Plan, PlannedTable, Task, plan};
@@ -103,16 +104,6 @@ impl Inputs {
             profile: &self.profile,
             model: &self.model,
         }
-    }
-}
-
-/// Hash of an input.
-pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
-    HashedFile {
-        path: path.to_string(),
-        role: None,
-        sha256: sha256(bytes),
-        through: None,
     }
 }
 
@@ -340,25 +331,6 @@ fn named_backlash(inputs: &Inputs, plan: &Plan, compiled: &Compiled, name: &str)
         return Some(compiled.state.axis(name)?.backlash_um);
     }
     inputs.active.as_ref()?.backlash_um[axis]
-}
-
-/// The tables that the kit follows, as its manifest names them.
-fn predecessor(inputs: &Inputs, active: &ActiveControl) -> Predecessor {
-    let (manifest_sha256, tool) = match &active.origin {
-        Origin::Kit { manifest, tool } => (Some(sha256(manifest)), Some(tool.clone())),
-        Origin::ReadOut => (None, None),
-    };
-    Predecessor {
-        path: active.path.clone(),
-        manifest_sha256,
-        tool,
-        controller: inputs.profile.id.clone(),
-        files: active
-            .files
-            .iter()
-            .map(|(name, bytes)| hashed(name, bytes))
-            .collect(),
-    }
 }
 
 /// What `verify` finds.

@@ -2,10 +2,12 @@
 //!
 //! Figures are rounded to a picometre, so that the file is readable and the same everywhere.
 
+use crate::active::{ActiveControl, Origin};
 use crate::axis::{Axis, PerAxis};
 use crate::claims::{Assumption, Precondition};
 use crate::compensation::Placement;
 use crate::control_state::{AxisState, ControlState};
+use crate::document::sha256;
 use crate::forecast::{DiagonalForecast, Forecast, TermForecast};
 use crate::target::Omission;
 use serde::Serialize;
@@ -29,6 +31,16 @@ pub struct HashedFile {
     pub through: Option<String>,
 }
 
+/// Hash of an input.
+pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
+    HashedFile {
+        path: path.to_string(),
+        role: None,
+        sha256: sha256(bytes),
+        through: None,
+    }
+}
+
 /// The tables that a kit follows: a link of the chain that `nonius history` prints.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Predecessor {
@@ -42,6 +54,24 @@ pub struct Predecessor {
     pub controller: String,
     /// The control's files that were read.
     pub files: Vec<HashedFile>,
+}
+
+impl Predecessor {
+    /// The link to the tables that were active while measuring.
+    pub fn of(active: &ActiveControl, controller: &str) -> Predecessor {
+        let (manifest_sha256, tool) = match &active.origin {
+            Origin::Kit { manifest, tool } => (Some(sha256(manifest)), Some(tool.clone())),
+            Origin::ReadOut => (None, None),
+        };
+        let files = active.files.iter();
+        Predecessor {
+            path: active.path.clone(),
+            manifest_sha256,
+            tool,
+            controller: controller.to_string(),
+            files: files.map(|(name, bytes)| hashed(name, bytes)).collect(),
+        }
+    }
 }
 
 /// The manifest of a kit.

@@ -15,6 +15,7 @@ pub(super) fn run(
 ) -> Result<Answer, Problems> {
     write::ensure_free(directory, force)?;
     let inputs = inputs::read(job)?;
+    keep_predecessor(job, directory, &inputs)?;
     let kit = generate(&inputs)?;
     let manifest = kit.manifest_bytes()?;
     let files: Vec<write::NamedBytes<'_>> = kit
@@ -33,6 +34,26 @@ pub(super) fn run(
     } else {
         Answer::No
     })
+}
+
+/// A kit in the place of the tables that it adds to: the job would then name the kit itself.
+fn keep_predecessor(job: &Path, directory: &Path, inputs: &Inputs) -> Result<(), Problems> {
+    let Some(active) = &inputs.active else {
+        return Ok(());
+    };
+    let folder = job.parent().unwrap_or(Path::new(""));
+    let (old, new) = (folder.join(&active.path), directory);
+    match (old.canonicalize(), new.canonicalize()) {
+        (Ok(old), Ok(new)) if old == new => Err(inputs
+            .job
+            .problem_at(
+                "measurement.active_while_measuring",
+                "the new kit would take the place of the tables that it contains, and the job would then name the new kit",
+            )
+            .help("write the new kit into another directory and keep the old one")
+            .into()),
+        _ => Ok(()),
+    }
 }
 
 fn report(inputs: &Inputs, kit: &Kit) -> String {
