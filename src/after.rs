@@ -18,7 +18,7 @@ pub use self::observation::{Control, Observation, Part, observations};
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::emulate::{CannotEmulate, Emulator, Response};
-use crate::forecast::{DiagonalForecast, Forecast, forecast};
+use crate::forecast::{DiagonalForecast, Forecast, Machine, forecast};
 use crate::model::{ErrorModel, MeasuredTerm};
 use crate::plan::Plan;
 use crate::problem::{Problem, Problems};
@@ -108,16 +108,18 @@ impl Emulator for Bare {
 /// Puts the three beside each other; `control` = what the bytes of the tables make of the
 /// control, `None` where they cannot be emulated.
 pub fn compare(
-    before: &ErrorModel,
+    machine: Machine<'_>,
     plan: &Plan,
     control: Option<&Control>,
     expected: Option<&Forecast>,
     after: &AfterMeasurement,
 ) -> Result<Comparison, Problems> {
+    let before = machine.uncompensated;
     ensure_common_ground(before, after)?;
-    let found = forecast(before, plan, &Bare).map_err(not_evaluated)?;
+    let bare = |model| forecast(Machine::alone(model), plan, &Bare).map_err(not_evaluated);
+    let found = bare(machine.as_measured)?;
     let as_left = match after {
-        AfterMeasurement::Errors(model) => forecast(model, plan, &Bare).map_err(not_evaluated)?,
+        AfterMeasurement::Errors(model) => bare(model)?,
         AfterMeasurement::Diagonals(runs) => figures(runs),
     };
     let seen = observations(before, after);
@@ -132,7 +134,7 @@ pub fn compare(
     });
     let diagonals = match after {
         AfterMeasurement::Errors(_) => model_diagonals(&found, expected, &as_left),
-        AfterMeasurement::Diagonals(runs) => run_diagonals(before, control, runs, &seen),
+        AfterMeasurement::Diagonals(runs) => run_diagonals(machine, control, runs, &seen),
     };
     let measured: Vec<ErrorTerm> = before.measured().map(|(term, _)| term).collect();
     let missing: Vec<ErrorTerm> = measured
@@ -223,7 +225,7 @@ fn model_diagonals(found: &Forecast, expected: Option<&Forecast>, as_left: &Fore
 
 /// As found and forecast at the nodes that were walked afterwards.
 fn run_diagonals(
-    before: &ErrorModel,
+    machine: Machine<'_>,
     control: Option<&Control>,
     runs: &StraightRuns,
     seen: &[Observation],
@@ -235,9 +237,11 @@ fn run_diagonals(
     };
     let line = |diagonal: Diagonal| Line {
         name: diagonal.name().to_string(),
-        before_um: span(diagonal, &|part| Some(before_um(before, part))),
+        before_um: span(diagonal, &|part| {
+            Some(before_um(machine.as_measured, part))
+        }),
         forecast_um: span(diagonal, &|part| {
-            Some(before_um(before, part) + control?.at(part))
+            Some(before_um(machine.uncompensated, part) + control?.at(part))
         }),
         after_um: Some(runs.range_um[diagonal]),
         u_um: runs.u_um.map(|u| std::f64::consts::SQRT_2 * u),

@@ -7,6 +7,7 @@
 mod context;
 mod controllers;
 mod generate;
+mod history;
 mod import;
 mod inputs;
 mod program;
@@ -68,6 +69,14 @@ enum Command {
         /// A measurement with these tables active, against the forecast: an error table (CSV) or a job (TOML)
         #[arg(long, value_name = "FILE|JOB")]
         after: Option<PathBuf>,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
+    /// Print the chain of tables that a kit stands in, back to the first one
+    History {
+        /// Directory of a kit
+        directory: PathBuf,
         /// What to print
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
@@ -204,6 +213,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             after,
             format,
         } => verify::run(&job, &tables, after.as_deref(), format),
+        Command::History { directory, format } => history::run(&directory, format),
         Command::Separate(options) => separate::run(&options),
         Command::Program {
             job,

@@ -76,14 +76,35 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(task.model.unused.iter().cloned());
     notes.extend(unlikely_reversals(task));
     notes.append(&mut compiled.notes);
-    if task.job.measurement.active == ActiveTables::NotStated {
-        notes.push(
-            "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these tables are wrong"
-                .to_string(),
-        );
-    }
+    notes.extend(active_note(&task.job.measurement.active));
     compiled.notes = notes;
     Ok(compiled)
+}
+
+/// What the tables suppose of the compensation that was active while measuring.
+fn active_note(active: &ActiveTables) -> Option<String> {
+    match active {
+        ActiveTables::None => None,
+        ActiveTables::NotStated => Some(
+            "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these tables are wrong; write \"none\", or the path of the kit or of the files read out of the control, which are then added"
+                .to_string(),
+        ),
+        ActiveTables::Path(path) => Some(format!(
+            "the tables of `{path}` were active during the measurement: these tables are old + residual and replace them"
+        )),
+    }
+}
+
+/// The note on a backlash parameter that the tables set.
+pub(crate) fn backlash_why(active: &ActiveTables) -> &'static str {
+    match active {
+        ActiveTables::Path(_) => {
+            "−B of the machine without compensation: the parameter that was active while measuring is contained in it; the table holds the curve of the reference direction"
+        }
+        _ => {
+            "−B of the measurement, which counts the backlash parameter as 0 while measuring (else add it to the value it had); the table holds the curve of the reference direction"
+        }
+    }
 }
 
 /// Ordinary lost motion gives B < 0 (contract §1); the other sign is more often a slip.

@@ -152,6 +152,20 @@ impl ErrorCurve {
         self.combined(other, 1.0, -1.0)
     }
 
+    /// The sum of two curves over both their ranges, each held beyond its ends: d₁ + d₂.
+    ///
+    /// shape  knots of both curves; exact
+    #[must_use]
+    pub fn plus(&self, other: &ErrorCurve) -> ErrorCurve {
+        let (from, to) = self.measured_range();
+        let (other_from, other_to) = other.measured_range();
+        let low = from.mm().min(other_from.mm());
+        let high = to.mm().max(other_to.mm());
+        let (own, others) = (self.held_over(low, high), other.held_over(low, high));
+        let knots = own.union_of_knots(&others, low, high);
+        own.weighted(&others, knots, 1.0, 1.0)
+    }
+
     /// The slope of the straight line through the two ends, µm/m; of one point, 0.
     ///
     /// sign   positive: the deviation grows with the coordinate (the axis is long)
@@ -285,16 +299,37 @@ impl ErrorCurve {
             return None;
         }
         let knots = self.union_of_knots(other, from, to);
+        Some(self.weighted(other, knots, a, b))
+    }
+
+    /// a·self + b·other on knots that hold all breaks of both.
+    fn weighted(&self, other: &ErrorCurve, knots: Vec<Millimetres>, a: f64, b: f64) -> ErrorCurve {
+        let to = knots[knots.len() - 1].mm();
         let starts = &knots[..knots.len() - 1];
         let pieces = starts.iter().map(|knot| {
             let (own, others) = (self.cubic_about(knot.mm()), other.cubic_about(knot.mm()));
             std::array::from_fn(|power| a * own[power] + b * others[power])
         });
-        Some(ErrorCurve {
+        ErrorCurve {
             pieces: pieces.collect(),
             last: a * self.um_at(to) + b * other.um_at(to),
             knots,
-        })
+        }
+    }
+
+    /// The same curve, with the ends it holds as pieces of their own from `low` to `high`.
+    fn held_over(&self, low: f64, high: f64) -> ErrorCurve {
+        let (from, to) = self.measured_range();
+        let mut wider = self.clone();
+        if low < from.mm() {
+            wider.knots.insert(0, Millimetres::new(low));
+            wider.pieces.insert(0, [self.um_at(low), 0.0, 0.0, 0.0]);
+        }
+        if high > to.mm() {
+            wider.knots.push(Millimetres::new(high));
+            wider.pieces.push([self.last, 0.0, 0.0, 0.0]);
+        }
+        wider
     }
 
     fn union_of_knots(&self, other: &ErrorCurve, from: f64, to: f64) -> Vec<Millimetres> {

@@ -10,8 +10,7 @@ pub use contents::{absent, contents};
 
 use crate::axis::{Direction, ErrorTerm};
 use crate::emulate::{Emulator, NodeTable, Response};
-use crate::forecast::axis_pairs;
-use crate::plan::Plan;
+use crate::plan::{Plan, axis_pairs};
 use crate::table::Tables;
 use crate::table::siemens::LecTable;
 use crate::units::{Correction, Millimetres};
@@ -43,7 +42,7 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Di
     let mut known = Vec::new();
     let all = responses(plan, expected);
     for term in ErrorTerm::ALL {
-        for (base, output) in axis_pairs(plan, term) {
+        for (base, output) in axis_pairs(&plan.names, term) {
             for direction in Direction::BOTH {
                 let label = label(term, base, output, direction);
                 // An axis that the job does not have; tables for it are foreign.
@@ -109,7 +108,7 @@ pub fn measuring_systems(wanted: &Tables, found: &Tables) -> Vec<String> {
 fn responses(plan: &Plan, expected: &dyn Emulator) -> Vec<(ErrorTerm, Response)> {
     let mut all = Vec::new();
     for term in ErrorTerm::ALL {
-        for (base, output) in axis_pairs(plan, term) {
+        for (base, output) in axis_pairs(&plan.names, term) {
             for direction in Direction::BOTH {
                 let response = expected.response(base, output, direction);
                 all.extend(response.ok().map(|response| (term, response)));

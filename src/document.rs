@@ -5,6 +5,7 @@
 //! places of all keys stay available for later checks through [`Source::place_of`].
 
 use crate::problem::{Place, Problem, Problems, nearest, shown};
+use sha2::{Digest, Sha256};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -624,4 +625,11 @@ fn whole_pair(value: &DeValue<'_>) -> Option<[u32; 2]> {
         .map(|item| item.get_ref().as_integer()?.as_str().parse().ok())
         .collect();
     numbers?.try_into().ok()
+}
+/// SHA-256 in hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }

@@ -128,9 +128,10 @@ fn with_header(task: Task<'_>, compiled: &Compiled, tables: TablesContext) -> Co
         },
         measurement: MeasurementContext {
             date: text(&task.job.measurement.date),
-            active: match task.job.measurement.active {
+            active: match &task.job.measurement.active {
                 ActiveTables::None => "none",
                 ActiveTables::NotStated => "not stated",
+                ActiveTables::Path(_) => "yes, its tables are contained in these",
             },
         },
         unit: task.job.compensation.control_unit.word(),

@@ -14,7 +14,13 @@ pub mod fanuc;
 pub mod generic;
 pub mod siemens;
 
+use self::fanuc::FanucControl;
+use self::generic::GenericControl;
+use self::siemens::SiemensControl;
 use crate::axis::Direction;
+use crate::control_state::ControlState;
+use crate::controller::{Dialect, Profile};
+use crate::table::Tables;
 use crate::units::{Correction, Millimetres};
 
 /// Why an emulator cannot tell what a control would do with these tables, in words.
@@ -76,6 +82,11 @@ impl NodeTable {
     pub fn repeating(mut self) -> NodeTable {
         self.modulo = true;
         self
+    }
+
+    /// Whether it repeats with its period.
+    pub fn is_repeating(&self) -> bool {
+        self.modulo
     }
 
     /// Position of the first node.
@@ -231,6 +242,19 @@ impl Response {
         &self.tables
     }
 
+    /// The same nodes with straight lines between them, where a control steps.
+    #[must_use]
+    pub fn straightened(&self) -> Response {
+        let straight = |table: &NodeTable| NodeTable {
+            between: Between::Linear,
+            ..table.clone()
+        };
+        Response {
+            tables: self.tables.iter().map(straight).collect(),
+            constant_um: self.constant_um,
+        }
+    }
+
     /// The correction over `from..to` as straight stretches; jumps lie between two stretches.
     /// Exact: no position is skipped, so extremes found on the stretches are the extremes.
     pub fn stretches(&self, from: Millimetres, to: Millimetres) -> Vec<Stretch> {
@@ -279,4 +303,28 @@ pub trait Emulator {
         output: &str,
         direction: Direction,
     ) -> Result<Response, CannotEmulate>;
+}
+
+/// The emulator of a profile's dialect, loaded with tables.
+pub fn emulator(
+    profile: &Profile,
+    tables: &Tables,
+    state: &ControlState,
+) -> Result<Box<dyn Emulator>, CannotEmulate> {
+    Ok(match (&profile.dialect, tables) {
+        (Dialect::Siemens(facts), Tables::Siemens(tables)) => {
+            Box::new(SiemensControl::new(tables, facts, state)?)
+        }
+        (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
+            Box::new(FanucControl::new(memory, facts, state)?)
+        }
+        (Dialect::Generic(_), Tables::Generic(table)) => {
+            Box::new(GenericControl::new(table, state)?)
+        }
+        _ => {
+            return Err(CannotEmulate(
+                "the tables are not of the profile's dialect".to_string(),
+            ));
+        }
+    })
 }

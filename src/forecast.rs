@@ -1,5 +1,6 @@
-//! What the tables will leave: measured deviation + emulated correction, over the whole
-//! measured range, in every measured direction.
+//! What the tables will leave: deviation without compensation + emulated correction, over the
+//! whole measured range, in every measured direction. Where tables were active while measuring,
+//! what was measured and the deviation without them are two models of the same machine.
 //!
 //! ```text
 //!   ErrorModel ───────────────┐
@@ -10,11 +11,12 @@
 //! between its knots, so no position has to be sampled.
 
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::curve::ErrorCurve;
 use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::grid::EDGE_MM;
 use crate::job::Acceptance;
 use crate::model::{ErrorModel, Measured, MeasuredTerm};
-use crate::plan::Plan;
+use crate::plan::{Plan, axis_pairs};
 use crate::units::Millimetres;
 
 /// Forecast of one term.
@@ -175,24 +177,55 @@ pub fn judge(largest_um: f64, u_um: Option<f64>, limit_um: Option<f64>) -> Verdi
     }
 }
 
-/// Computes the forecast from a model and the emulated control.
+/// One machine, before and without compensation. Both are the same model where no table was
+/// active while measuring.
+#[derive(Clone, Copy, Debug)]
+pub struct Machine<'a> {
+    /// As it was measured: what the forecast compares with, and the range that is known.
+    pub as_measured: &'a ErrorModel,
+    /// Without any table: what corrections are added to.
+    pub uncompensated: &'a ErrorModel,
+}
+
+impl<'a> Machine<'a> {
+    /// A machine that was measured without any table.
+    pub fn alone(model: &'a ErrorModel) -> Machine<'a> {
+        Machine {
+            as_measured: model,
+            uncompensated: model,
+        }
+    }
+
+    /// The curves of a term in a direction: as measured, and without tables.
+    fn curves(
+        self,
+        term: ErrorTerm,
+        direction: Direction,
+    ) -> Option<(&'a ErrorCurve, &'a ErrorCurve)> {
+        let of = |model: &'a ErrorModel| model.terms[term].as_ref()?.measured.curve(direction);
+        Some((of(self.as_measured)?, of(self.uncompensated)?))
+    }
+}
+
+/// Computes the forecast from a machine and the emulated control.
 pub fn forecast(
-    model: &ErrorModel,
+    machine: Machine<'_>,
     plan: &Plan,
     control: &dyn Emulator,
 ) -> Result<Forecast, CannotEmulate> {
+    let model = machine.as_measured;
     let mut terms = Vec::new();
     for (term, measured) in model.measured() {
         terms.push(TermForecast {
             term,
             before_um: measured.largest_um(),
-            after_um: largest_residual(plan, control, term, measured)?,
+            after_um: largest_residual(machine, plan, control, term)?,
             u_um: measured.u_um,
             compensated: plan.tables.iter().any(|t| t.term == term),
         });
     }
     Ok(Forecast {
-        diagonals: diagonals(model, plan, control)?,
+        diagonals: diagonals(machine, plan, control)?,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),
         not_determined: {
@@ -205,35 +238,19 @@ pub fn forecast(
     })
 }
 
-/// The pairs (base, output) of physical axes that a term concerns: each axis of a gantry is
-/// corrected, the first one is looked up.
-pub fn axis_pairs(plan: &Plan, term: ErrorTerm) -> Vec<(&str, &str)> {
-    plan.names[term.of]
-        .iter()
-        .map(|output| {
-            let base = if term.is_positioning() {
-                output
-            } else {
-                &plan.names[term.along][0]
-            };
-            (base.as_str(), output.as_str())
-        })
-        .collect()
-}
-
 fn largest_residual(
+    machine: Machine<'_>,
     plan: &Plan,
     control: &dyn Emulator,
     term: ErrorTerm,
-    measured: &MeasuredTerm,
 ) -> Result<f64, CannotEmulate> {
     let mut largest = 0.0_f64;
     for direction in Direction::BOTH {
-        let Some(curve) = measured.measured.curve(direction) else {
+        let Some((measured, curve)) = machine.curves(term, direction) else {
             continue;
         };
-        let (from, to) = curve.measured_range();
-        for (base, output) in axis_pairs(plan, term) {
+        let (from, to) = measured.measured_range();
+        for (base, output) in axis_pairs(&plan.names, term) {
             let response = control.response(base, output, direction)?;
             for stretch in response.stretches(from, to) {
                 let (low, high) = curve.extremes_against_line(
@@ -307,10 +324,11 @@ impl MeasuredBox {
 }
 
 fn diagonals(
-    model: &ErrorModel,
+    machine: Machine<'_>,
     plan: &Plan,
     control: &dyn Emulator,
 ) -> Result<Vec<DiagonalForecast>, CannotEmulate> {
+    let model = machine.as_measured;
     let Some(measured_box) = MeasuredBox::of(model) else {
         return Ok(Vec::new());
     };
@@ -325,7 +343,7 @@ fn diagonals(
         .map(|(name, signs)| {
             let mut before = Extent::default();
             let mut after = Extent::default();
-            let walk = |reverse| Walk::new(model, plan, control, &measured_box, *signs, reverse);
+            let walk = |reverse| Walk::new(machine, plan, control, &measured_box, *signs, reverse);
             let (forward, reverse) = (walk(false)?, walk(true)?);
             forward.extremes(&mut before, &mut after);
             if reverse.parts != forward.parts {
@@ -384,10 +402,11 @@ struct Walk<'a> {
     signs: [f64; 3],
 }
 
-/// One term on the way: its curve, its correction, and the cosine of the beam to its direction.
+/// One term on the way: its curves, its correction, and the cosine of the beam to its direction.
 #[derive(PartialEq)]
 struct Part<'a> {
-    curve: &'a crate::curve::ErrorCurve,
+    measured: &'a ErrorCurve,
+    uncompensated: &'a ErrorCurve,
     response: Response,
     along: usize,
     cosine: f64,
@@ -395,7 +414,7 @@ struct Part<'a> {
 
 impl<'a> Walk<'a> {
     fn new(
-        model: &'a ErrorModel,
+        machine: Machine<'a>,
         plan: &Plan,
         control: &dyn Emulator,
         measured_box: &'a MeasuredBox,
@@ -403,21 +422,22 @@ impl<'a> Walk<'a> {
         reverse: bool,
     ) -> Result<Walk<'a>, CannotEmulate> {
         let mut parts = Vec::new();
-        for (term, measured) in model.measured() {
+        for (term, _) in machine.as_measured.measured() {
             let forward = (signs[index(term.along)] > 0.0) != reverse;
             let direction = if forward {
                 Direction::Plus
             } else {
                 Direction::Minus
             };
-            let Some(curve) = measured.measured.curve(direction) else {
+            let Some((measured, uncompensated)) = machine.curves(term, direction) else {
                 continue;
             };
-            let Some((base, output)) = axis_pairs(plan, term).first().copied() else {
+            let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
                 continue;
             };
             parts.push(Part {
-                curve,
+                measured,
+                uncompensated,
                 response: control.response(base, output, direction)?,
                 along: index(term.along),
                 cosine: signs[index(term.of)] * measured_box.size[index(term.of)]
@@ -451,7 +471,9 @@ impl<'a> Walk<'a> {
                 .stretches(from, to)
                 .into_iter()
                 .map(|s| s.from);
-            for x in part.curve.knots().iter().copied().chain(stretches) {
+            let knots = [part.measured, part.uncompensated];
+            let knots = knots.iter().flat_map(|curve| curve.knots().iter().copied());
+            for x in knots.chain(stretches) {
                 let travelled = (x.mm() - low) / size;
                 breaks.push(if self.signs[part.along] > 0.0 {
                     travelled
@@ -472,9 +494,9 @@ impl<'a> Walk<'a> {
         let mut after = 0.0;
         for part in &self.parts {
             let at = self.position(part.along, t);
-            let deviation = part.curve.at(at);
-            before += part.cosine * deviation.um();
-            after += part.cosine * (deviation + part.response.correction(at)).um();
+            let left = part.uncompensated.at(at) + part.response.correction(at);
+            before += part.cosine * part.measured.at(at).um();
+            after += part.cosine * left.um();
         }
         (before, after)
     }

@@ -3,16 +3,19 @@
 //! A job that exists is valid in itself; whether it fits the measured errors and the control is
 //! checked later, with [`Job::problem_at`] pointing back at the key.
 
+mod active;
 pub mod ahead;
 mod diagonals;
 mod program;
 mod read;
+mod read_active;
 mod read_beams;
 mod read_compensation;
 mod read_diagonals;
 mod read_measurement;
 mod read_program;
 
+pub use self::active::{ActiveSettings, ActiveTables, NotMeasured};
 pub use self::diagonals::{
     AxisMaterial, Beam, DiagonalMeasurement, Frame, Levers, Linear, LinearSlope, Material,
     Reflector, SetUp, StatedUncertainty,
@@ -138,15 +141,6 @@ impl MachineAxis {
     }
 }
 
-/// Whether a compensation was active while measuring.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ActiveTables {
-    /// `"none"`: the machine was measured without compensation.
-    None,
-    /// The job does not say; warned about in every output.
-    NotStated,
-}
-
 /// Where the nine errors come from.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is one of them in a job")]
@@ -170,6 +164,8 @@ pub struct Measurement {
     pub date: Option<String>,
     /// Compensation that was active.
     pub active: ActiveTables,
+    /// What the job says to it.
+    pub active_settings: ActiveSettings,
     /// Squareness to add, µm/m, by the term it is added to (EXY, EXZ, EYZ).
     pub squareness: Vec<(ErrorTerm, f64)>,
     /// `[measurement.protocol]`, as it is printed.

@@ -4,27 +4,26 @@
 //! comes from these bytes through the readers and the emulator, never from the numbers that
 //! went in.
 
+use crate::active::{self, ActiveControl};
+use crate::axis::Axis;
 use crate::compensation::{Compiled, compile};
-use crate::control_state::ControlState;
-use crate::controller::{Dialect, Profile};
+use crate::controller::Profile;
 use crate::disagreement;
+pub use crate::document::sha256;
 use crate::emit::{self, RenderedFile, TOOL};
-use crate::emulate::fanuc::FanucControl;
-use crate::emulate::generic::GenericControl;
-use crate::emulate::siemens::SiemensControl;
+pub use crate::emulate::emulator;
 use crate::emulate::{CannotEmulate, Emulator};
 use crate::error_table::ErrorTable;
-use crate::forecast::{Forecast, Verdict, forecast};
+use crate::forecast::{Forecast, Machine, Verdict, forecast};
 use crate::job::Job;
-use crate::manifest::{self, HashedFile, Manifest, SCHEMA};
+pub use crate::manifest::hashed;
+use crate::manifest::{self, HashedFile, Manifest, Predecessor, SCHEMA};
 use crate::model::ErrorModel;
-use crate::plan::{Plan, Task, plan};
+use crate::plan::{Plan, PlannedTable, Task, plan};
 use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
-use crate::table::Tables;
 use crate::target::wants;
 use serde_json::json;
-use sha2::{Digest, Sha256};
 
 /// The inputs of a kit, read and checked.
 #[derive(Clone, Debug)]
@@ -33,10 +32,16 @@ pub struct Inputs {
     pub job: Job,
     /// The control.
     pub profile: Profile,
-    /// The measured errors as curves.
+    /// The errors of the machine without compensation as curves: what the tables are made for.
     pub model: ErrorModel,
+    /// The errors as they were measured, where tables were active meanwhile.
+    pub under_tables: Option<ErrorModel>,
     /// Every file that went in, with its hash.
     pub hashes: Vec<HashedFile>,
+    /// The control as it was while measuring, where the job names its files.
+    pub active: Option<ActiveControl>,
+    /// What the sum of old tables and residual has to say, one sentence each.
+    pub active_notes: Vec<String>,
 }
 
 impl Inputs {
@@ -52,8 +57,46 @@ impl Inputs {
             job,
             profile,
             model,
+            under_tables: None,
             hashes,
+            active: None,
+            active_notes: Vec::new(),
         })
+    }
+
+    /// The same inputs, measured while these tables were active: new = old + residual.
+    pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
+        let (model, notes) = active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
+        self.under_tables = Some(std::mem::replace(&mut self.model, model));
+        self.active_notes = [active.notes.clone(), notes].concat();
+        self.active = Some(active);
+        Ok(self)
+    }
+
+    /// The errors as they were measured.
+    pub fn as_measured(&self) -> &ErrorModel {
+        self.under_tables.as_ref().unwrap_or(&self.model)
+    }
+
+    /// The machine as measured and without compensation.
+    pub fn machine(&self) -> Machine<'_> {
+        Machine {
+            as_measured: self.as_measured(),
+            uncompensated: &self.model,
+        }
+    }
+
+    /// The plan in the control's numbers, beside the tables that were active.
+    fn compile(&self, plan: &Plan) -> Result<Compiled, Problems> {
+        let mut compiled = compile(self.task(), plan)?;
+        if let Some(active) = &self.active {
+            active::collisions(&self.job, active, &compiled.tables)?;
+            let stale = active::left_over(active, &compiled.tables);
+            compiled.preconditions.extend(stale);
+            compiled.assumptions.extend(active.assumptions.clone());
+            compiled.notes.extend(self.active_notes.clone());
+        }
+        Ok(compiled)
     }
 
     fn task(&self) -> Task<'_> {
@@ -63,24 +106,6 @@ impl Inputs {
             model: &self.model,
         }
     }
-}
-
-/// Hash of an input.
-pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
-    HashedFile {
-        path: path.to_string(),
-        role: None,
-        sha256: sha256(bytes),
-        through: None,
-    }
-}
-
-/// SHA-256 in hexadecimal digits.
-pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
 }
 
 /// A complete kit.
@@ -120,14 +145,14 @@ impl Kit {
 pub fn template_context(inputs: &Inputs) -> Result<emit::Context, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
-    emit::context(task, &compile(task, &plan)?)
+    emit::context(task, &inputs.compile(&plan)?)
 }
 
 /// Makes a kit. Refused unless every file reads back to exactly what was meant.
 pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
-    let mut compiled = compile(task, &plan)?;
+    let mut compiled = inputs.compile(&plan)?;
     let files = emit::render(task, &emit::context(task, &compiled)?)?;
     let read = read_back(&inputs.profile, &files)?;
     ensure_same(inputs, &plan, &compiled, &read)?;
@@ -136,7 +161,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let control =
         emulator(&inputs.profile, &read.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let forecast =
-        forecast(&inputs.model, &plan, control.as_ref()).map_err(|e| cannot_emulate(&e))?;
+        forecast(inputs.machine(), &plan, control.as_ref()).map_err(|e| cannot_emulate(&e))?;
     let doubts = doubts(inputs);
     let verdict = judged(&forecast, inputs, &doubts);
     let manifest = build_manifest(inputs, &plan, &compiled, &files, &forecast);
@@ -153,7 +178,8 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
 
 /// Why the measured errors that the job asks for are doubtful.
 fn doubts(inputs: &Inputs) -> Vec<String> {
-    inputs.model.doubts(|term| wants(&inputs.job, term))
+    let measured = inputs.as_measured();
+    measured.doubts(|term| wants(&inputs.job, term))
 }
 
 /// Forecast against the acceptance; doubtful errors decide nothing in favour.
@@ -257,30 +283,6 @@ pub fn cannot_emulate(reason: &CannotEmulate) -> Problems {
         .into()
 }
 
-/// The emulator of a profile's dialect, loaded with tables.
-pub fn emulator(
-    profile: &Profile,
-    tables: &Tables,
-    state: &ControlState,
-) -> Result<Box<dyn Emulator>, CannotEmulate> {
-    Ok(match (&profile.dialect, tables) {
-        (Dialect::Siemens(facts), Tables::Siemens(tables)) => {
-            Box::new(SiemensControl::new(tables, facts, state)?)
-        }
-        (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
-            Box::new(FanucControl::new(memory, facts, state)?)
-        }
-        (Dialect::Generic(_), Tables::Generic(table)) => {
-            Box::new(GenericControl::new(table, state)?)
-        }
-        _ => {
-            return Err(CannotEmulate(
-                "the tables are not of the profile's dialect".to_string(),
-            ));
-        }
-    })
-}
-
 fn build_manifest(
     inputs: &Inputs,
     plan: &Plan,
@@ -294,6 +296,10 @@ fn build_manifest(
         tool: TOOL,
         controller: inputs.profile.id.clone(),
         inputs: inputs.hashes.clone(),
+        predecessor: inputs
+            .active
+            .as_ref()
+            .map(|active| predecessor(inputs, active)),
         files: files
             .iter()
             .map(|file| HashedFile {
@@ -308,6 +314,9 @@ fn build_manifest(
         omitted: manifest::omitted(&plan.omitted),
         forecast: manifest::forecast(forecast),
         tables: manifest::placements(&compiled.placements),
+        state: manifest::state(&compiled.state, |name| {
+            named_backlash(inputs, plan, compiled, name)
+        }),
         machine: json!({
             "name": job.machine.name,
             "serial": job.machine.serial,
@@ -320,6 +329,20 @@ fn build_manifest(
     }
 }
 
+/// The backlash parameter of an axis that goes with these tables, µm: the one they name, else the
+/// one that acted while measuring; `None` where neither is known.
+fn named_backlash(inputs: &Inputs, plan: &Plan, compiled: &Compiled, name: &str) -> Option<f64> {
+    let has = |axis: &Axis| plan.names[*axis].iter().any(|own| own == name);
+    let axis = Axis::ALL.into_iter().find(has)?;
+    let two_tables =
+        |t: &PlannedTable| t.term.is_positioning() && t.term.of == axis && t.direction.is_some();
+    let sets = plan.backlash_um[axis].is_some() || plan.tables.iter().any(two_tables);
+    if sets {
+        return Some(compiled.state.axis(name)?.backlash_um);
+    }
+    inputs.active.as_ref()?.backlash_um[axis]
+}
+
 /// What `verify` finds.
 #[derive(Clone, Debug)]
 pub struct Verification {
@@ -328,7 +351,7 @@ pub struct Verification {
     /// What the job compiles to (assumptions, preconditions, notes).
     pub compiled: Compiled,
     /// What the files of the directory hold.
-    pub found: Tables,
+    pub found: crate::table::Tables,
     /// What the tables will leave; absent where they cannot be emulated.
     pub forecast: Option<Forecast>,
     /// How the tables differ from what the job asks for, one sentence each.
@@ -350,14 +373,14 @@ pub fn verify(
 ) -> Result<Verification, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
-    let compiled = compile(task, &plan)?;
+    let compiled = inputs.compile(&plan)?;
     let read = read(&inputs.profile, files)?;
     emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
     disagreements.extend(words);
     let mut result = None;
     if let Ok(found) = found {
-        match forecast(&inputs.model, &plan, found.as_ref()) {
+        match forecast(inputs.machine(), &plan, found.as_ref()) {
             Ok(forecast) => result = Some(forecast),
             Err(reason) => disagreements.push(reason.0),
         }

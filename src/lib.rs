@@ -97,6 +97,8 @@ pub mod readback;
 
 pub mod emulate;
 
+pub mod active;
+
 pub mod forecast;
 
 pub mod after;

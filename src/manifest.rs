@@ -2,9 +2,12 @@
 //!
 //! Figures are rounded to a picometre, so that the file is readable and the same everywhere.
 
+use crate::active::{ActiveControl, Origin};
 use crate::axis::{Axis, PerAxis};
 use crate::claims::{Assumption, Precondition};
 use crate::compensation::Placement;
+use crate::control_state::{AxisState, ControlState};
+use crate::document::sha256;
 use crate::forecast::{DiagonalForecast, Forecast, TermForecast};
 use crate::target::Omission;
 use serde::Serialize;
@@ -28,6 +31,49 @@ pub struct HashedFile {
     pub through: Option<String>,
 }
 
+/// Hash of an input.
+pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
+    HashedFile {
+        path: path.to_string(),
+        role: None,
+        sha256: sha256(bytes),
+        through: None,
+    }
+}
+
+/// The tables that a kit follows: a link of the chain that `nonius history` prints.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Predecessor {
+    /// Path, as the job named it.
+    pub path: String,
+    /// SHA-256 of the manifest of a kit; `null` of files that were read out of the control.
+    pub manifest_sha256: Option<String>,
+    /// The program that made the kit; `null` of a read-out.
+    pub tool: Option<String>,
+    /// Id of the profile it was read with.
+    pub controller: String,
+    /// The control's files that were read.
+    pub files: Vec<HashedFile>,
+}
+
+impl Predecessor {
+    /// The link to the tables that were active while measuring.
+    pub fn of(active: &ActiveControl, controller: &str) -> Predecessor {
+        let (manifest_sha256, tool) = match &active.origin {
+            Origin::Kit { manifest, tool } => (Some(sha256(manifest)), Some(tool.clone())),
+            Origin::ReadOut => (None, None),
+        };
+        let files = active.files.iter();
+        Predecessor {
+            path: active.path.clone(),
+            manifest_sha256,
+            tool,
+            controller: controller.to_string(),
+            files: files.map(|(name, bytes)| hashed(name, bytes)).collect(),
+        }
+    }
+}
+
 /// The manifest of a kit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Manifest {
@@ -39,6 +85,9 @@ pub struct Manifest {
     pub controller: String,
     /// What went in.
     pub inputs: Vec<HashedFile>,
+    /// The tables that were active while measuring and that this kit replaces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predecessor: Option<Predecessor>,
     /// What was written.
     pub files: Vec<HashedFile>,
     /// What is assumed.
@@ -51,6 +100,8 @@ pub struct Manifest {
     pub forecast: Value,
     /// Where each term went.
     pub tables: Vec<Value>,
+    /// The state of the control outside the files that the tables are made for.
+    pub state: Value,
     /// Machine and protocol, as stated in the job.
     pub machine: Value,
     /// Why the verdict is undecided at most; absent where nothing is doubtful.
@@ -84,6 +135,24 @@ pub fn placements(placements: &[Placement]) -> Vec<Value> {
             })
         })
         .collect()
+}
+
+/// The state of the control as JSON: what an update compares with its job. `backlash_um` gives the
+/// backlash parameter of an axis where the kit knows it.
+pub fn state(state: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) -> Value {
+    let axis = |axis: &AxisState| {
+        json!({
+            "name": axis.name,
+            "reference_mm": picometres(axis.reference.mm()),
+            "reference_direction": axis.reference_direction.symbol(),
+            "detection_unit_um": axis.detection_unit_um,
+            "backlash_um": backlash_um(&axis.name).map(picometres),
+            "bidirectional": axis.bidirectional,
+            "interpolated": axis.interpolated,
+        })
+    };
+    let axes: Vec<Value> = state.axes.iter().map(axis).collect();
+    json!({ "unit": state.unit.word(), "axes": axes })
 }
 
 /// A forecast as JSON, with the keys of the manifest.

@@ -99,7 +99,7 @@ const GENERIC_POSITION_DECIMALS: u32 = 6;
 /// Makes the plan; all problems are given at once, nothing is rounded yet.
 pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
     let mut problems = Problems::none();
-    let names = problems.take(axis_names(task));
+    let names = problems.take(axis_names(task.job, task.profile));
     let targets = problems.take(target::targets(task.job, task.profile, task.model));
     let (Some(names), Some((mut targets, mut omitted))) = (names, targets) else {
         return Err(problems);
@@ -177,11 +177,12 @@ fn no_table(task: Task<'_>, omitted: &[Omission]) -> Problem {
         .help("free tables on the control, or compensate terms that need none of them")
 }
 
-fn axis_names(task: Task<'_>) -> Result<PerAxis<Vec<String>>, Problems> {
-    let defaults = &task.profile.axis_names.value;
+/// How the control names the physical axes: as the job states, else the profile's default.
+pub fn axis_names(job: &Job, profile: &Profile) -> Result<PerAxis<Vec<String>>, Problems> {
+    let defaults = &profile.axis_names.value;
     let mut problems = Problems::none();
     let names = PerAxis::from_fn(|axis| {
-        let stated = task.job.compensation.axes[axis]
+        let stated = job.compensation.axes[axis]
             .as_ref()
             .map(|s| s.ids.clone())
             .unwrap_or_default();
@@ -196,32 +197,44 @@ fn axis_names(task: Task<'_>) -> Result<PerAxis<Vec<String>>, Problems> {
     for (axis, of_axis) in names.iter() {
         for name in of_axis {
             let path = format!("compensation.axes.{}.id", axis.key());
-            if let Some(expected) = refused_name(task.profile, name) {
+            if let Some(expected) = refused_name(profile, name) {
                 problems.push(
-                    task.job
-                        .problem_at(
-                            &path,
-                            format!("`{name}` is no axis of this control, expected {expected}"),
-                        )
-                        .help("write it as the control shows it"),
+                    job.problem_at(
+                        &path,
+                        format!("`{name}` is no axis of this control, expected {expected}"),
+                    )
+                    .help("write it as the control shows it"),
                 );
             }
             if seen.iter().any(|other| other.eq_ignore_ascii_case(name)) {
                 problems.push(
-                    task.job
-                        .problem_at(
-                            &path,
-                            format!(
-                                "`{name}` names two axes, expected a name of its own for {axis}"
-                            ),
-                        )
-                        .help("correct `id` or `ids`"),
+                    job.problem_at(
+                        &path,
+                        format!("`{name}` names two axes, expected a name of its own for {axis}"),
+                    )
+                    .help("correct `id` or `ids`"),
                 );
             }
             seen.push(name);
         }
     }
     problems.or_ok(names)
+}
+
+/// The pairs (base, output) of physical axes that a term concerns: each axis of a gantry is
+/// corrected, the first one is looked up.
+pub fn axis_pairs(names: &PerAxis<Vec<String>>, term: ErrorTerm) -> Vec<(&str, &str)> {
+    names[term.of]
+        .iter()
+        .map(|output| {
+            let base = if term.is_positioning() {
+                output
+            } else {
+                &names[term.along][0]
+            };
+            (base.as_str(), output.as_str())
+        })
+        .collect()
 }
 
 fn refused_name(profile: &Profile, name: &str) -> Option<&'static str> {

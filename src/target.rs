@@ -3,7 +3,7 @@
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::controller::{Dialect, Profile};
 use crate::curve::ErrorCurve;
-use crate::job::{BacklashPolicy, Job, WantedTerms};
+use crate::job::{ActiveTables, BacklashPolicy, Job, WantedTerms};
 use crate::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::problem::{Problem, Problems};
 
@@ -131,7 +131,7 @@ fn check_policy(job: &Job, model: &ErrorModel, problems: &mut Problems) {
     let one_way = wanted().any(|(_, measured)| matches!(measured.measured, Measured::OneWay(..)));
     match job.compensation.backlash {
         None if both_ways => problems.push(
-            job.problem_at("compensation", "the errors were measured in both directions, but `backlash` is not stated; there is no default")
+            job.problem_at("compensation", format!("the errors {} in both directions, but `backlash` is not stated; there is no default", known_how(job)))
                 .help("write `backlash = \"mean\"`, \"two-tables\", \"forward-only\" or \"curve-and-parameter\""),
         ),
         Some(policy @ (BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter)) if !both_ways && !one_way => problems.push(
@@ -139,6 +139,14 @@ fn check_policy(job: &Job, model: &ErrorModel, problems: &mut Problems) {
                 .help("give the error table a `direction` column with `+` and `-` rows, or leave `backlash` out"),
         ),
         _ => {}
+    }
+}
+
+/// Tables that were active can bring directions that the measurement does not have.
+fn known_how(job: &Job) -> &'static str {
+    match job.measurement.active {
+        ActiveTables::Path(_) => "(with those that the active tables cancel) are known",
+        _ => "were measured",
     }
 }
 

@@ -4,7 +4,7 @@ use super::AfterMeasurement;
 use crate::axis::{Direction, ErrorTerm, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PathKind};
 use crate::emulate::{CannotEmulate, Emulator, Response};
-use crate::forecast::axis_pairs;
+use crate::plan::axis_pairs;
 use crate::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::plan::Plan;
 use crate::units::{Correction, Millimetres};
@@ -74,7 +74,7 @@ impl Control {
     pub fn new(plan: &Plan, emulator: &dyn Emulator) -> Result<Control, CannotEmulate> {
         let mut responses = PerTerm::from_fn(|_| [Response::default(), Response::default()]);
         for term in ErrorTerm::ALL {
-            let Some((base, output)) = axis_pairs(plan, term).first().copied() else {
+            let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
                 continue;
             };
             for direction in Direction::BOTH {

@@ -15,6 +15,7 @@ pub(super) fn run(
 ) -> Result<Answer, Problems> {
     write::ensure_free(directory, force)?;
     let inputs = inputs::read(job)?;
+    keep_predecessor(job, directory, &inputs)?;
     let kit = generate(&inputs)?;
     let manifest = kit.manifest_bytes()?;
     let files: Vec<write::NamedBytes<'_>> = kit
@@ -35,6 +36,26 @@ pub(super) fn run(
     })
 }
 
+/// A kit in the place of the tables that it adds to: the job would then name the kit itself.
+fn keep_predecessor(job: &Path, directory: &Path, inputs: &Inputs) -> Result<(), Problems> {
+    let Some(active) = &inputs.active else {
+        return Ok(());
+    };
+    let folder = job.parent().unwrap_or(Path::new(""));
+    let (old, new) = (folder.join(&active.path), directory);
+    match (old.canonicalize(), new.canonicalize()) {
+        (Ok(old), Ok(new)) if old == new => Err(inputs
+            .job
+            .problem_at(
+                "measurement.active_while_measuring",
+                "the new kit would take the place of the tables that it contains, and the job would then name the new kit",
+            )
+            .help("write the new kit into another directory and keep the old one")
+            .into()),
+        _ => Ok(()),
+    }
+}
+
 fn report(inputs: &Inputs, kit: &Kit) -> String {
     let job = &inputs.job;
     let heading = format!(
@@ -50,10 +71,13 @@ fn report(inputs: &Inputs, kit: &Kit) -> String {
         heading,
         show::placements(&kit.compiled.placements),
         show::forecast(&kit.forecast),
-        [show::slopes(&inputs.model), show::reversals(&inputs.model)]
-            .join("\n")
-            .trim()
-            .to_string(),
+        [
+            show::slopes(inputs.as_measured()),
+            show::reversals(inputs.as_measured()),
+        ]
+        .join("\n")
+        .trim()
+        .to_string(),
         show::remarks(&kit.plan, &kit.compiled, Some(&kit.forecast)),
         show::verdict(
             kit.verdict,

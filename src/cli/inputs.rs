@@ -1,5 +1,7 @@
 //! Files of a user → checked inputs.
 
+mod active;
+
 use crate::after::{StraightRuns, Walk};
 use crate::controller::{Origin, Profile, builtin, load};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
@@ -43,7 +45,12 @@ pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     let table = problems.take(error_table(&job, folder, &mut hashes));
     match (profile, table) {
         (Some(profile), Some(table)) if problems.is_empty() => {
-            Inputs::new(job, profile, &table, hashes)
+            let active = active::read(&job, &profile, folder, &mut hashes)?;
+            let inputs = Inputs::new(job, profile, &table, hashes)?;
+            match active {
+                Some(active) => inputs.with_active(active),
+                None => Ok(inputs),
+            }
         }
         _ => Err(problems),
     }
@@ -411,7 +418,7 @@ fn own_template(
 }
 
 /// The next step for a file that a job names.
-fn beside_job(problem: Problem) -> Problem {
+pub(super) fn beside_job(problem: Problem) -> Problem {
     or_help(
         problem,
         "relative paths in a job are relative to the job file",

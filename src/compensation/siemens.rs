@@ -8,7 +8,7 @@
 
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
-use crate::compensation::{Compiled, Placement, control_state};
+use crate::compensation::{Compiled, Placement, backlash_why, control_state};
 use crate::controller::{SiemensFacts, TableSign};
 use crate::grid::Grid;
 use crate::plan::{Plan, PlannedTable, Task};
@@ -307,7 +307,7 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
     let (value, why) = match plan.backlash_um[axis] {
         Some(um) => (
             backlash_text(task, um).0,
-            "−B of the measurement, which counts the backlash parameter as 0 while measuring (else add it to the value it had); the table holds the curve of the reference direction",
+            backlash_why(&task.job.measurement.active),
         ),
         None if has_two_tables(plan, axis) => (
             "0".to_string(),

@@ -3,8 +3,9 @@
 use crate::axis::{Axis, ErrorTerm, PerAxis};
 use crate::document::Section;
 use crate::job::read::refuse_control_characters;
+use crate::job::read_active::active;
 use crate::job::read_diagonals::{diagonals, places};
-use crate::job::{ActiveTables, Levers, MachineAxis, MeasuredData, Measurement, StatedUncertainty};
+use crate::job::{Levers, MachineAxis, MeasuredData, Measurement, StatedUncertainty};
 
 pub(super) fn measurement(
     section: &Section<'_>,
@@ -13,7 +14,7 @@ pub(super) fn measurement(
     let data = data(section, axes);
     let date = section.text("date");
     refuse_control_characters(section, "date", date.as_deref());
-    let active = active_tables(section);
+    let (active, active_settings) = active(section);
     let squareness = squareness(section);
     let protocol = section.section("protocol").map(|s| s.entries());
     let angles = section.text("angles");
@@ -34,6 +35,7 @@ pub(super) fn measurement(
         levers,
         date,
         active,
+        active_settings,
         squareness,
         protocol: protocol.unwrap_or_default(),
         uncertainty,
@@ -158,21 +160,6 @@ fn uncertainty(section: &Section<'_>) -> StatedUncertainty {
     };
     section.refuse_unknown_keys();
     stated
-}
-
-fn active_tables(section: &Section<'_>) -> ActiveTables {
-    match section.text("active_while_measuring").as_deref() {
-        Some("none") => ActiveTables::None,
-        Some(_) => {
-            section.problem(
-                "active_while_measuring",
-                "tables that were active while measuring cannot be added yet",
-                "measure with the compensation switched off and write \"none\"",
-            );
-            ActiveTables::NotStated
-        }
-        None => ActiveTables::NotStated,
-    }
 }
 
 fn squareness(measurement: &Section<'_>) -> Vec<(ErrorTerm, f64)> {

@@ -54,7 +54,7 @@ fn page<'a>(
     let control = emulator(&inputs.profile, &verification.found, state)
         .and_then(|emulator| Control::new(plan, emulator.as_ref()));
     let comparison = compare(
-        &inputs.model,
+        inputs.machine(),
         plan,
         control.as_ref().ok(),
         verification.forecast.as_ref(),

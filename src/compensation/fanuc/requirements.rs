@@ -2,6 +2,7 @@
 
 use crate::axis::{Axis, Direction};
 use crate::claims::{Assumption, Precondition};
+use crate::compensation::backlash_why;
 use crate::compensation::fanuc::numbers::Run;
 use crate::compensation::fanuc::{detection_unit, is_four_point};
 use crate::controller::FanucFacts;
@@ -201,7 +202,7 @@ fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
     let (value, why) = match backlash_counts(task, plan, run.axis) {
         Some((counts, unit_um)) => (
             format!("{counts} (detection units of {unit_um} µm)"),
-            "−B of the measurement, which counts the backlash parameter as 0 while measuring (else add it to the value it had); the table holds the curve of the reference direction",
+            backlash_why(&task.job.measurement.active),
         ),
         None if run.minus_first.is_some() => (
             "0".to_string(),

@@ -1,0 +1,253 @@
+//! Pitch, straightness and backlash parameters of a Fanuc read-out.
+
+use super::read_out::{Found, Text};
+use super::{Others, axis_of, problem};
+use crate::axis::{Axis, PerAxis};
+use crate::controller::{FanucFacts, NumberRange, StraightnessForm};
+use crate::job::Job;
+use crate::problem::Problems;
+use crate::readback::control_data;
+use crate::readback::fanuc::{merge, read as strict};
+use crate::table::Tables;
+use crate::table::fanuc::{FanucMemory, ParameterValue};
+
+type Names = PerAxis<Vec<String>>;
+
+/// Functions whose parameters at 0 do nothing (docs/fanuc.md §1.1, §2).
+const IDLE_AT_ZERO: [(u32, u32); 5] = [
+    (3666, 3671),
+    (3676, 3677),
+    (5861, 5874),
+    (10800, 10814),
+    (14985, 14988),
+];
+
+/// Reads the files of a control.
+pub(super) fn read(
+    job: &Job,
+    names: &Names,
+    facts: &FanucFacts,
+    texts: &[Text<'_>],
+) -> Result<Found, Problems> {
+    let mut problems = Problems::none();
+    let mut memories = Vec::new();
+    let mut notes = Vec::new();
+    for (name, text) in texts {
+        let (kept, passed_over) = control_data::fanuc(text, facts);
+        memories.extend(problems.take(strict(name, &kept, facts)));
+        if passed_over > 0 {
+            notes.push(format!(
+                "`{name}`: {passed_over} other parameters were passed over"
+            ));
+        }
+    }
+    let memory = merge(problems.or_ok(memories)?)?;
+    let mut sorted = Sorted {
+        job,
+        names,
+        facts,
+        memory,
+        notes,
+        others: Others::default(),
+        problems: Problems::none(),
+    };
+    sorted.take_sets();
+    sorted.take_other_axes();
+    let backlash_um = PerAxis::from_fn(|axis| sorted.backlash(axis));
+    sorted.check_references();
+    sorted.take_what_is_no_table();
+    sorted.problems.or_ok(Found {
+        tables: Tables::Fanuc(sorted.memory),
+        backlash_um,
+        others: sorted.others,
+        assumptions: Vec::new(),
+        notes: sorted.notes,
+        unit: None,
+    })
+}
+
+struct Sorted<'a> {
+    job: &'a Job,
+    names: &'a Names,
+    facts: &'a FanucFacts,
+    memory: FanucMemory,
+    notes: Vec<String>,
+    others: Others,
+    problems: Problems,
+}
+
+impl Sorted<'_> {
+    fn number(&self, parameter: u32, axis: Option<u32>) -> Option<u32> {
+        match self.memory.parameter(parameter, axis)? {
+            ParameterValue::Integer(value) => u32::try_from(value).ok(),
+            _ => None,
+        }
+    }
+
+    fn is_own(&self, axis: u32) -> bool {
+        axis_of(self.names, &axis.to_string()).is_some()
+    }
+
+    fn remove(&mut self, numbers: &[u32]) {
+        self.memory
+            .parameters
+            .retain(|key, _| !numbers.contains(&key.number));
+    }
+
+    /// Straightness sets that are not in use, or belong to other axes.
+    fn take_sets(&mut self) {
+        for index in 0..self.facts.straightness_sets.value {
+            let moving = self.number(5711 + index, None).unwrap_or(0);
+            let shifted = self.number(5721 + index, None).unwrap_or(0);
+            if moving != 0 && self.is_own(moving) && self.is_own(shifted) {
+                continue;
+            }
+            if moving != 0 {
+                let set = index + 1;
+                self.others.sets.push(set);
+                self.notes.push(format!("straightness set {set} (axis {shifted} while axis {moving} moves) belongs to axes that the job does not have: left as it is"));
+                self.reserve_set(index, moving);
+            }
+            let four_points =
+                (0..4).flat_map(|knot| [5731, 5761].map(|first| first + 10 * index + knot));
+            let mut numbers = vec![
+                5711 + index,
+                5721 + index,
+                self.facts.straightness_magnification_parameter.value + index,
+                self.facts.straightness_start_parameter.value + index,
+            ];
+            if self.facts.straightness_form.value == StraightnessForm::FourPoint {
+                numbers.extend(four_points);
+            }
+            self.remove(&numbers);
+        }
+    }
+
+    /// The points of a per-point set of other axes.
+    fn reserve_set(&mut self, index: u32, moving: u32) {
+        let start = self.number(self.facts.straightness_start_parameter.value + index, None);
+        let first = self.number(3621, Some(moving));
+        let last = self.number(3622, Some(moving));
+        if let (StraightnessForm::PerPoint, Some(start), Some(first), Some(last)) =
+            (self.facts.straightness_form.value, start, first, last)
+        {
+            let last = start + last.saturating_sub(first);
+            self.others.points.push(NumberRange { first: start, last });
+        }
+    }
+
+    /// Parameters of axes that the job does not have; their points are theirs.
+    fn take_other_axes(&mut self) {
+        let mut axes: Vec<u32> = self
+            .memory
+            .parameters
+            .keys()
+            .filter_map(|key| key.axis)
+            .collect();
+        axes.sort_unstable();
+        axes.dedup();
+        axes.retain(|axis| !self.is_own(*axis));
+        for axis in axes {
+            let magnification = self.number(3623, Some(axis)).unwrap_or(0);
+            if let (true, Some(first), Some(last)) = (
+                magnification != 0,
+                self.number(3621, Some(axis)),
+                self.number(3622, Some(axis)),
+            ) {
+                self.others.points.push(NumberRange { first, last });
+                if let Some(start) = self.number(3626, Some(axis)).filter(|start| *start != 0) {
+                    let last = start + last.saturating_sub(first);
+                    self.others.points.push(NumberRange { first: start, last });
+                }
+                self.notes.push(format!("the pitch compensation of axis {axis} (points {first} to {last}) belongs to an axis that the job does not have: left as it is"));
+            }
+            self.memory
+                .parameters
+                .retain(|key, _| key.axis != Some(axis));
+        }
+    }
+
+    /// 1851 of an axis, µm.
+    fn backlash(&mut self, axis: Axis) -> Option<f64> {
+        let unit_um = self.job.compensation.axes[axis]
+            .as_ref()?
+            .detection_unit_um?;
+        let mut values = Vec::new();
+        for name in &self.names[axis] {
+            let own = name.parse().ok();
+            let of = |number| match self.memory.parameter(number, own) {
+                Some(ParameterValue::Integer(counts)) => Some(counts),
+                _ => None,
+            };
+            let (cutting, rapid) = (of(1851), of(1852));
+            if let (Some(cutting), Some(rapid)) = (cutting, rapid)
+                && cutting != rapid
+            {
+                self.notes.push(format!("axis {name}: 1851 is {cutting} and 1852 is {rapid}; 1851 (cutting feed) is taken"));
+            }
+            values.extend(cutting);
+        }
+        let first = *values.first()?;
+        if values.iter().any(|value| *value != first) {
+            let message = format!(
+                "the axes {} have different backlash parameters",
+                self.names[axis].join(", ")
+            );
+            self.problems.push(problem(
+                self.job,
+                message,
+                "bring 1851 of a gantry's axes to one value first",
+            ));
+        }
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "a backlash has far fewer than 2^52 detection units"
+        )]
+        Some(first as f64 * unit_um)
+    }
+
+    /// 1240 against the job; a whole number counts increments of a size that is not in the file.
+    fn check_references(&mut self) {
+        const SAME_MM: f64 = 1e-4;
+        let in_mm = self.job.compensation.control_unit.in_mm();
+        for (axis, names) in self.names.iter() {
+            let Some(machine) = self.job.machine.axes[axis] else {
+                continue;
+            };
+            for name in names {
+                let value = self.memory.parameter(1240, name.parse().ok());
+                let Some(ParameterValue::Real(position)) = value else {
+                    continue;
+                };
+                if (position * in_mm - machine.reference.mm()).abs() > SAME_MM {
+                    let message = format!(
+                        "1240 of axis {name} is {position} {}, the job has the reference at {} mm",
+                        self.job.compensation.control_unit.word(),
+                        machine.reference.mm()
+                    );
+                    self.problems.push(problem(
+                        self.job,
+                        message,
+                        "correct `reference_mm`; tables of another reference cannot be added",
+                    ));
+                }
+            }
+        }
+    }
+
+    /// What was judged, and what does nothing.
+    fn take_what_is_no_table(&mut self) {
+        self.remove(&[1240, 1851, 1852]);
+        self.memory.parameters.retain(|key, value| {
+            let idle = IDLE_AT_ZERO
+                .iter()
+                .any(|(a, b)| (*a..=*b).contains(&key.number));
+            let zero = match value {
+                ParameterValue::Integer(number) => *number == 0,
+                ParameterValue::Real(number) => number.abs() <= 0.0,
+                ParameterValue::Bits(bits) => *bits == 0,
+            };
+            !(idle && zero)
+        });
+    }
+}

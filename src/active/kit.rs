@@ -1,0 +1,234 @@
+//! A kit of this program as the tables that were active.
+//!
+//! The files that the manifest lists as `table`, `parameters` and `enable` were loaded; every
+//! listed file has to be the one that was made. The manifest's `state` says for which reference,
+//! unit and axes, and which backlash parameter was named.
+
+use super::{ActiveControl, Origin, Others, backlash_of, problem, stated};
+use crate::axis::{Axis, PerAxis};
+use crate::claims::Assumption;
+use crate::control_state::ControlState;
+use crate::controller::{Profile, Role};
+use crate::document::sha256;
+use crate::job::Job;
+use crate::plan::axis_names;
+use crate::problem::{Problem, Problems, shown};
+use crate::readback::kit::{KitFile, read};
+use serde_json::Value;
+
+const SAME: f64 = 1e-6; // mm, µm
+
+/// Reads a kit from the bytes of its manifest and its files.
+pub fn from_kit(
+    job: &Job,
+    profile: &Profile,
+    path: &str,
+    manifest: &[u8],
+    files: Vec<(String, Vec<u8>)>,
+) -> Result<ActiveControl, Problems> {
+    let document: Value = serde_json::from_slice(manifest).map_err(|error| {
+        problem(
+            job,
+            format!("`{path}/manifest.json` is damaged: {error}"),
+            "name the kit as it was made, or the files read out of the control",
+        )
+    })?;
+    let files = listed(job, path, &document, files)?;
+    let mut problems = Problems::none();
+    check_controller(job, profile, &document, &mut problems);
+    let state = &document["state"];
+    let found = backlash(job, profile, state)?;
+    let backlash_um = backlash_of(job, &found, &mut problems);
+    let mut own = stated(job, profile, &backlash_um)?;
+    check_state(job, &own, state, &mut problems);
+    take_switches(&mut own, &document);
+    problems.or_ok(())?;
+    let kit_files: Vec<KitFile<'_>> = files
+        .iter()
+        .map(|(role, name, bytes)| KitFile {
+            path: name,
+            role: *role,
+            bytes,
+        })
+        .collect();
+    let read = read(profile, &kit_files)?;
+    Ok(ActiveControl {
+        tables: read.tables,
+        files: files
+            .into_iter()
+            .map(|(_, name, bytes)| (name, bytes))
+            .collect(),
+        state: own,
+        path: path.to_string(),
+        origin: Origin::Kit {
+            manifest: manifest.to_vec(),
+            tool: document["tool"].as_str().unwrap_or_default().to_string(),
+        },
+        backlash_um,
+        others: Others::default(),
+        assumptions: vec![Assumption::of_job(
+            "active_tables",
+            format!("the kit `{path}` was loaded and switched on as it was made"),
+            "the new tables would hold corrections that were not active: read the tables out of the control and name them instead",
+        )],
+        notes: Vec::new(),
+    })
+}
+
+type RoleFile = (Role, String, Vec<u8>);
+
+/// The files that act, after every listed one was compared with its hash.
+fn listed(
+    job: &Job,
+    path: &str,
+    document: &Value,
+    files: Vec<(String, Vec<u8>)>,
+) -> Result<Vec<RoleFile>, Problems> {
+    let mut problems = Problems::none();
+    let mut acting = Vec::new();
+    for entry in document["files"].as_array().into_iter().flatten() {
+        let name = entry["path"].as_str().unwrap_or_default();
+        let role = match entry["role"].as_str() {
+            Some("table") => Some(Role::Table),
+            Some("parameters") => Some(Role::Parameters),
+            Some("enable") => Some(Role::Enable),
+            _ => None,
+        };
+        match files.iter().find(|(own, _)| own == name) {
+            None => problems.push(changed(job, path, name, "is missing")),
+            Some((_, bytes)) if Some(sha256(bytes).as_str()) != entry["sha256"].as_str() => {
+                problems.push(changed(job, path, name, "was changed after it was made"));
+            }
+            Some((name, bytes)) => {
+                acting.extend(role.map(|role| (role, name.clone(), bytes.clone())))
+            }
+        }
+    }
+    problems.or_ok(acting)
+}
+
+fn changed(job: &Job, path: &str, name: &str, what: &str) -> Problem {
+    problem(
+        job,
+        format!(
+            "`{}` of the kit `{path}` {what}, so what was active is not known",
+            shown(name)
+        ),
+        "name the kit as it was loaded, or the files read out of the control",
+    )
+}
+
+fn check_controller(job: &Job, profile: &Profile, document: &Value, problems: &mut Problems) {
+    let other = document["controller"].as_str().unwrap_or_default();
+    if other != profile.id {
+        problems.push(problem(
+            job,
+            format!(
+                "the active tables were made for the control `{}`, the job is for `{}`",
+                shown(other),
+                profile.id
+            ),
+            "name the kit that was loaded into this control",
+        ));
+    }
+}
+
+/// The backlash parameters that the kit named; the axes of a gantry have the same one.
+fn backlash(job: &Job, profile: &Profile, state: &Value) -> Result<PerAxis<Option<f64>>, Problems> {
+    let names = axis_names(job, profile)?;
+    let of = |axis: Axis| {
+        let axes = state["axes"].as_array()?;
+        let own = |entry: &&Value| {
+            let name = entry["name"].as_str().unwrap_or_default();
+            names[axis].iter().any(|own| own.eq_ignore_ascii_case(name))
+        };
+        axes.iter().find(own)?["backlash_um"].as_f64()
+    };
+    Ok(PerAxis::from_fn(of))
+}
+
+/// Unit, axes, references and detection units of the kit against those of the job.
+fn check_state(job: &Job, own: &ControlState, state: &Value, problems: &mut Problems) {
+    let Some(axes) = state["axes"].as_array() else {
+        return; // a kit from before manifests held it
+    };
+    let unit = state["unit"].as_str().unwrap_or_default();
+    if unit != own.unit.word() {
+        problems.push(problem(
+            job,
+            format!(
+                "the active tables are in {}, the job in {}",
+                shown(unit),
+                own.unit.word()
+            ),
+            "correct `control_unit`, or make the new tables in the unit of the old ones",
+        ));
+    }
+    for entry in axes {
+        let name = entry["name"].as_str().unwrap_or_default();
+        match own.axis(name) {
+            None => problems.push(problem(
+                job,
+                format!(
+                    "the active tables are for an axis `{}`, which the job does not have",
+                    shown(name)
+                ),
+                "compare `id` of [compensation.axes] with the kit",
+            )),
+            Some(axis) => {
+                for words in differences(axis, entry) {
+                    problems.push(problem(
+                        job,
+                        format!("axis {name}: {words}"),
+                        "correct the job; tables of another reference or unit cannot be added",
+                    ));
+                }
+            }
+        }
+    }
+}
+
+fn differences(own: &crate::control_state::AxisState, entry: &Value) -> Vec<String> {
+    let mut words = Vec::new();
+    let reference = entry["reference_mm"].as_f64().unwrap_or(f64::NAN);
+    if (reference - own.reference.mm()).abs() > SAME || reference.is_nan() {
+        words.push(format!(
+            "the active tables have their reference at {reference} mm, the job has it at {} mm",
+            own.reference.mm()
+        ));
+    }
+    let direction = entry["reference_direction"].as_str().unwrap_or_default();
+    if direction != own.reference_direction.symbol() {
+        words.push(format!(
+            "the active tables are for a reference return in {}, the job for {}",
+            shown(direction),
+            own.reference_direction
+        ));
+    }
+    let unit = entry["detection_unit_um"].as_f64();
+    if let (Some(old), Some(new)) = (unit, own.detection_unit_um)
+        && (old - new).abs() > SAME
+    {
+        words.push(format!(
+            "the active tables count detection units of {old} µm, the job {new} µm"
+        ));
+    }
+    words
+}
+
+/// The switches that no file of the kit writes.
+fn take_switches(own: &mut ControlState, document: &Value) {
+    for entry in document["state"]["axes"].as_array().into_iter().flatten() {
+        let name = entry["name"].as_str().unwrap_or_default();
+        if let Some(axis) = own
+            .axes
+            .iter_mut()
+            .find(|a| a.name.eq_ignore_ascii_case(name))
+        {
+            axis.bidirectional = entry["bidirectional"]
+                .as_bool()
+                .unwrap_or(axis.bidirectional);
+            axis.interpolated = entry["interpolated"].as_bool().unwrap_or(axis.interpolated);
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
+
+use super::read_out::{Found, Text};
+use super::{Others, axis_of, problem};
+use crate::axis::{Axis, PerAxis};
+use crate::claims::Assumption;
+use crate::controller::LengthUnit;
+use crate::job::Job;
+use crate::problem::Problems;
+use crate::readback::control_data;
+use crate::readback::siemens::{
+    MachineDatum, MachineValue, SiemensContents, merge, read as strict,
+};
+use crate::table::Tables;
+use crate::table::siemens::{CecTable, LecTable, SiemensTables};
+use crate::units::UM_PER_MM;
+
+type Names = PerAxis<Vec<String>>;
+
+/// Reads the files of a control.
+pub(super) fn read(job: &Job, names: &Names, texts: &[Text<'_>]) -> Result<Found, Problems> {
+    let mut problems = Problems::none();
+    let mut contents = Vec::new();
+    let mut notes = Vec::new();
+    let mut unit = None;
+    for (name, text) in texts {
+        let cut = control_data::siemens(text);
+        for part in [&cut.tables, &cut.data] {
+            contents.extend(problems.take(strict(name, part)));
+        }
+        if cut.passed_over > 0 {
+            notes.push(format!(
+                "`{name}`: {} other machine data were passed over",
+                cut.passed_over
+            ));
+        }
+        if cut.empty_tables > 0 {
+            notes.push(format!(
+                "`{name}`: {} reserved tables without a grid were passed over",
+                cut.empty_tables
+            ));
+        }
+        unit = unit.or(cut.is_metric.map(|metric| {
+            if metric {
+                LengthUnit::Millimetre
+            } else {
+                LengthUnit::Inch
+            }
+        }));
+    }
+    let contents = problems.or_ok(contents)?;
+    let all = merge(contents)?;
+    notes.extend(all.notes.iter().cloned());
+    let mut sorted = Sorted {
+        job,
+        names,
+        all: &all,
+        notes,
+        assumptions: Vec::new(),
+        others: Others::default(),
+        problems: Problems::none(),
+    };
+    let lec = sorted.lec();
+    let cec = sorted.cec();
+    let backlash_um = PerAxis::from_fn(|axis| sorted.backlash(axis));
+    sorted.problems.or_ok(Found {
+        tables: Tables::Siemens(SiemensTables { lec, cec }),
+        backlash_um,
+        others: sorted.others,
+        assumptions: sorted.assumptions,
+        notes: sorted.notes,
+        unit,
+    })
+}
+
+struct Sorted<'a> {
+    job: &'a Job,
+    names: &'a Names,
+    all: &'a SiemensContents,
+    notes: Vec<String>,
+    assumptions: Vec<Assumption>,
+    others: Others,
+    problems: Problems,
+}
+
+impl Sorted<'_> {
+    fn encoder(&self, axis: Axis) -> u32 {
+        let settings = self.job.compensation.axes[axis].as_ref();
+        settings.and_then(|s| s.measuring_system).unwrap_or(1) - 1
+    }
+
+    fn value(&self, name: &str, indices: &[&str]) -> Option<f64> {
+        let same = |datum: &&MachineDatum| {
+            let own = datum.indices.iter().map(String::as_str);
+            datum.name == name && own.eq(indices.iter().copied())
+        };
+        match self.all.machine_data.iter().find(same)?.value {
+            MachineValue::Number(number) => Some(number),
+            MachineValue::Text(_) => None,
+        }
+    }
+
+    /// Whether a switch stands at 1; what no file holds is taken as on, and said.
+    fn is_on(&mut self, name: &str, number: &str, indices: &[&str]) -> bool {
+        let what = format!("{number} ${name}[{}]", indices.join(","));
+        match self.value(name, indices) {
+            Some(value) => value > 0.0,
+            None => {
+                if !self.assumptions.iter().any(|a| a.fact == what) {
+                    self.assumptions.push(Assumption::of_job(
+                        what,
+                        "1 while measuring",
+                        "no file holds it; a table that was off would be added to the new one",
+                    ));
+                }
+                true
+            }
+        }
+    }
+
+    fn lec(&mut self) -> Vec<LecTable> {
+        let mut own = Vec::new();
+        for table in &self.all.tables.lec {
+            let name = format!("$AA_ENC_COMP[{},{}]", table.encoder, table.axis);
+            let Some(axis) = axis_of(self.names, &table.axis) else {
+                self.notes.push(format!(
+                    "{name} belongs to an axis that the job does not have: left as it is"
+                ));
+                continue;
+            };
+            if table.encoder != self.encoder(axis) {
+                self.other_system(&name, table);
+            } else if self.is_on(
+                "MA_ENC_COMP_ENABLE",
+                "MD32700",
+                &[&table.encoder.to_string(), &table.axis],
+            ) {
+                own.push(table.clone());
+            } else {
+                self.notes.push(format!("{name} was switched off (MD32700 = 0): it counts as not active, and the new table overwrites it"));
+            }
+        }
+        own
+    }
+
+    /// A table of the measuring system that the job does not name.
+    fn other_system(&mut self, name: &str, table: &LecTable) {
+        let twin = |other: &&LecTable| other.axis == table.axis && other.encoder != table.encoder;
+        if self.all.tables.lec.iter().any(|other| twin(&other)) {
+            self.notes.push(format!(
+                "{name} is for the other measuring system: left as it is"
+            ));
+            return;
+        }
+        let message = format!(
+            "{name} is for measuring system {}, and there is none for the one of the job",
+            table.encoder + 1
+        );
+        self.problems.push(problem(
+            self.job,
+            message,
+            "state `measuring_system` in [compensation.axes] as it is active on the control",
+        ));
+    }
+
+    fn cec(&mut self) -> Vec<CecTable> {
+        let mut own = Vec::new();
+        for table in &self.all.tables.cec {
+            let name = format!("$AN_CEC[{}]", table.number);
+            let of_job = [&table.input_axis, &table.output_axis]
+                .iter()
+                .all(|axis| axis_of(self.names, axis).is_some());
+            let number = table.number.to_string();
+            if !of_job {
+                self.others.cec_tables.push(table.number);
+                self.notes.push(format!(
+                    "{name} ({} → {}) belongs to axes that the job does not have: left as it is",
+                    table.input_axis, table.output_axis
+                ));
+            } else if self.is_on("SN_CEC_TABLE_ENABLE", "SD41300", &[&number])
+                && self.is_on("MA_CEC_ENABLE", "MD32710", &[&table.output_axis])
+            {
+                own.push(table.clone());
+            } else {
+                self.others.cec_tables.push(table.number);
+                self.notes.push(format!("{name} was switched off (SD41300 or MD32710 = 0): it counts as not active and is left as it is"));
+            }
+        }
+        own
+    }
+
+    /// MD32450 of the active measuring system, µm; the axes of a gantry have to agree.
+    fn backlash(&mut self, axis: Axis) -> Option<f64> {
+        let encoder = self.encoder(axis).to_string();
+        let in_um = self.job.compensation.control_unit.in_mm() * UM_PER_MM;
+        let of_name = |name: &String| self.value("MA_BACKLASH", &[&encoder, &name.to_uppercase()]);
+        let values: Vec<f64> = self.names[axis].iter().filter_map(of_name).collect();
+        let first = *values.first()?;
+        if values.iter().any(|value| (value - first).abs() > 0.0) {
+            let message = format!(
+                "the axes {} have different backlash parameters",
+                self.names[axis].join(", ")
+            );
+            self.problems.push(problem(
+                self.job,
+                message,
+                "bring MD32450 of a gantry's axes to one value first",
+            ));
+        }
+        Some(first * in_um)
+    }
+}

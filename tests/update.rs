@@ -1,0 +1,753 @@
+//! Measured while tables were active: new = old + residual.
+//!
+//! A machine with known errors gets tables of other errors (on another grid), is measured under
+//! them, and the new tables have to hold old + residual at their points, whatever the control.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on has to stop"
+)]
+
+mod support;
+
+use nonius::active::{ActiveControl, from_kit, from_read_out};
+use nonius::axis::Direction;
+use nonius::emulate::Response;
+use nonius::kit::{self, Inputs, Kit};
+use std::fmt::Write;
+use support::{Random, control, generate, inputs, response, um_at};
+
+const REFERENCE: f64 = 0.0;
+const TRAVEL: f64 = 300.0;
+
+/// One way of doing it.
+#[derive(Clone, Debug)]
+struct Case {
+    controller: &'static str,
+    policy: Option<&'static str>,
+    gantry: bool,
+    interpolated: bool,
+    fit: &'static str,
+    old_spacing: f64,
+    new_spacing: f64,
+    homing: &'static str,
+}
+
+impl Case {
+    fn is_fanuc(&self) -> bool {
+        self.controller.starts_with("fanuc")
+    }
+
+    fn id(&self, axis: char) -> String {
+        let number = u32::from(axis) - u32::from('x') + 1;
+        let name = |n: u32| match self.controller {
+            c if c.starts_with("fanuc") => format!("\"{n}\""),
+            c if c.starts_with("siemens") => format!("\"AX{n}\""),
+            _ => format!("\"A{n}\""),
+        };
+        if self.gantry && axis == 'x' {
+            format!("ids = [{}, {}]", name(1), name(4))
+        } else {
+            format!("id = {}", name(number))
+        }
+    }
+
+    fn job(&self, spacing: f64, active: &str) -> String {
+        let mut job = format!(
+            "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n{active}\n[compensation]\ncontroller = \"{}\"\nfit = \"{}\"\n",
+            self.controller, self.fit
+        );
+        if let Some(policy) = self.policy {
+            writeln!(job, "backlash = \"{policy}\"").unwrap();
+        }
+        for axis in ['x', 'y'] {
+            writeln!(job, "[machine.axes.{axis}]\ntravel_mm = [0, {TRAVEL}]\nreference_mm = {REFERENCE}\nreference_direction = \"{}\"", self.homing).unwrap();
+            writeln!(
+                job,
+                "[compensation.axes.{axis}]\nspacing_mm = {spacing}\n{}",
+                self.id(axis)
+            )
+            .unwrap();
+            if self.is_fanuc() {
+                writeln!(
+                    job,
+                    "detection_unit_um = 1.0\ninterpolated = {}",
+                    self.interpolated
+                )
+                .unwrap();
+            }
+        }
+        job.push_str("[limits]\nmax_slope_um_per_mm = 5.0\n");
+        job
+    }
+}
+
+/// Deviations at targets: axis, direction, positions, ex, ey.
+type Rows = Vec<(char, &'static str, Vec<(f64, f64, f64)>)>;
+
+fn table(rows: &Rows) -> String {
+    let mut text = "axis,direction,position_mm,ex_um,ey_um\n".to_string();
+    for (axis, direction, points) in rows {
+        for (mm, ex, ey) in points {
+            writeln!(text, "{axis},{direction},{mm},{ex},{ey}").unwrap();
+        }
+    }
+    text
+}
+
+/// Smooth random errors (sines of few waves), so that steps of a control stay small.
+struct Wave([f64; 4]);
+
+impl Wave {
+    fn random(random: &mut Random, size: f64) -> Wave {
+        Wave([
+            random.between(-size, size),
+            random.between(0.5, 2.0),
+            random.between(-size / 2.0, size / 2.0),
+            random.between(0.0, 6.0),
+        ])
+    }
+
+    fn at(&self, x: f64) -> f64 {
+        let [a, k, b, phase] = self.0;
+        a * (k * x / 100.0 + phase).sin() + b * x / 300.0 - a * phase.sin()
+    }
+}
+
+fn targets(step: f64) -> Vec<f64> {
+    let count = (TRAVEL / step).round() as usize;
+    (0..=count).map(|n| n as f64 * step).collect()
+}
+
+fn rows(case: &Case, waves: &[Wave; 4], reversal: f64, step: f64) -> Rows {
+    let directions: &[&str] = if case.policy.is_some() {
+        &["+", "-"]
+    } else {
+        &[""]
+    };
+    let mut rows = Rows::new();
+    for (axis, ex, ey) in [('x', &waves[0], &waves[1]), ('y', &waves[2], &waves[3])] {
+        for direction in directions {
+            let against = *direction != case.homing && !direction.is_empty();
+            let lag = if !against {
+                0.0
+            } else if case.homing == "+" {
+                -reversal
+            } else {
+                reversal
+            };
+            let points = targets(step)
+                .into_iter()
+                .map(|x| {
+                    let own = |is_x: bool| if (axis == 'x') == is_x { -lag } else { 0.0 };
+                    (x, ex.at(x) - own(true), ey.at(x) - own(false))
+                })
+                .collect();
+            rows.push((axis, direction, points));
+        }
+    }
+    rows
+}
+
+fn active_of(case: &Case, inputs: &Inputs, old: &Kit) -> ActiveControl {
+    let files = old.files.iter().map(|f| (f.path.clone(), f.bytes.clone()));
+    from_kit(
+        &inputs.job,
+        &inputs.profile,
+        "old",
+        &old.manifest_bytes().unwrap(),
+        files.collect(),
+    )
+    .unwrap_or_else(|p| panic!("{case:?}\n{}", p.render()))
+}
+
+/// What a control gives a term of X or Y: base, output.
+fn pairs(case: &Case) -> Vec<(String, String)> {
+    let name = |n: u32| match case.controller {
+        c if c.starts_with("fanuc") => n.to_string(),
+        c if c.starts_with("siemens") => format!("AX{n}"),
+        _ => format!("A{n}"),
+    };
+    let mut all = vec![
+        (name(1), name(1)),
+        (name(1), name(2)),
+        (name(2), name(2)),
+        (name(2), name(1)),
+    ];
+    if case.gantry {
+        all.push((name(4), name(4)));
+    }
+    all
+}
+
+/// Old kit, measurement under it, new kit.
+fn visit(case: &Case, random: &mut Random) -> (Inputs, Kit, Kit) {
+    let wave = |random: &mut Random, size| std::array::from_fn(|_| Wave::random(random, size));
+    let before: [Wave; 4] = wave(random, 12.0);
+    let residual: [Wave; 4] = wave(random, 4.0);
+    let old_job = case.job(case.old_spacing, "active_while_measuring = \"none\"");
+    let (_, old) = generate(
+        &old_job,
+        &table(&rows(case, &before, 6.0, case.old_spacing)),
+    );
+    let new_job = case.job(case.new_spacing, "active_while_measuring = \"old\"");
+    let found = inputs(&new_job, &table(&rows(case, &residual, 2.0, 25.0)));
+    let active = active_of(case, &found, &old);
+    let found = found
+        .with_active(active)
+        .unwrap_or_else(|p| panic!("{case:?}\n{}", p.render()));
+    let new = kit::generate(&found).unwrap_or_else(|p| panic!("{case:?}\n{}", p.render()));
+    (found, old, new)
+}
+
+/// The measured residual of an (axis, output) pair, straight between targets.
+fn measured(inputs: &Inputs, pair: usize, direction: Direction, x: f64) -> f64 {
+    let names = ["EXX", "EYX", "EYY", "EXY", "EXX"];
+    let term = nonius::axis::ErrorTerm::from_name(names[pair]).unwrap();
+    let term = inputs.as_measured().terms[term].as_ref().unwrap();
+    let curve = term.measured.curve(direction).unwrap();
+    curve.at(nonius::units::Millimetres::new(x)).um()
+}
+
+fn all_cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for controller in ["siemens-840d-sl", "fanuc-30i", "fanuc-0i-f", "generic"] {
+        for policy in [
+            None,
+            Some("mean"),
+            Some("two-tables"),
+            Some("curve-and-parameter"),
+            Some("forward-only"),
+        ] {
+            for (old_spacing, new_spacing) in
+                [(25.0, 25.0), (50.0, 25.0), (20.0, 25.0), (25.0, 30.0)]
+            {
+                for homing in ["+", "-"] {
+                    cases.push(Case {
+                        controller,
+                        policy,
+                        gantry: controller != "fanuc-0i-f" && homing == "-",
+                        interpolated: controller == "fanuc-30i" && new_spacing > 29.0,
+                        fit: "sample",
+                        old_spacing,
+                        new_spacing,
+                        homing,
+                    });
+                }
+            }
+        }
+    }
+    cases
+}
+
+fn half_count(case: &Case) -> f64 {
+    match case.controller {
+        c if c.starts_with("fanuc") => 0.5,
+        c if c.starts_with("siemens") => 0.000_5,
+        _ => 1e-6,
+    }
+}
+
+/// The straight line through the nodes of a response; nodes are exact.
+fn line(response: &Response, x: f64) -> f64 {
+    um_at(&response.straightened(), x)
+}
+
+#[test]
+fn new_is_old_plus_residual_at_every_point_of_the_new_tables() {
+    let mut random = Random::new(7);
+    let mut points = 0;
+    for case in all_cases() {
+        let (found, old, new) = visit(&case, &mut random);
+        let (before, after) = (control(&found.profile, &old), control(&found.profile, &new));
+        let two = case.policy == Some("two-tables");
+        let plain = case.policy.is_none();
+        for (index, (base, output)) in pairs(&case).iter().enumerate() {
+            let own = base == output;
+            // Fanuc has no two tables for a straightness, and four points hold no more than they do.
+            let cross_fanuc = case.is_fanuc() && !own;
+            if cross_fanuc && (two || case.controller != "fanuc-30i") {
+                continue;
+            }
+            if !(plain || two) {
+                continue; // means and one-way curves are checked below
+            }
+            for direction in Direction::BOTH {
+                let of = |c: &dyn nonius::emulate::Emulator| response(c, base, output, direction);
+                let (old, new) = (of(before.as_ref()), of(after.as_ref()));
+                for (at, value) in new
+                    .straightened()
+                    .tables()
+                    .iter()
+                    .flat_map(|t| t.nodes().collect::<Vec<_>>())
+                {
+                    let x = at.mm();
+                    let constant = um_at(&new, x) - value.um();
+                    let steps_known =
+                        !case.is_fanuc() || (x / case.old_spacing).fract().abs() < 1e-9;
+                    if !steps_known || new.straightened().tables().len() > 1 {
+                        continue;
+                    }
+                    let _ = constant;
+                    let wanted = line(&old, x) - measured(&found, index, direction, x);
+                    let got = line(&new, x);
+                    points += 1;
+                    assert!(
+                        (got - wanted).abs() <= half_count(&case) + 1e-9,
+                        "{case:?}\n{base}→{output} {direction} at {x}: {got}, wanted {wanted}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(points > 2000, "only {points} points were compared");
+}
+
+#[test]
+fn before_is_what_was_measured_and_after_is_small() {
+    let mut random = Random::new(11);
+    for case in all_cases() {
+        let (found, _, new) = visit(&case, &mut random);
+        for term in &new.forecast.terms {
+            let measured = found.as_measured().terms[term.term].as_ref().unwrap();
+            assert_eq!(
+                term.before_um,
+                measured.largest_um(),
+                "{case:?} {}",
+                term.term
+            );
+        }
+        if case.controller != "fanuc-0i-f"
+            && case.policy == Some("two-tables")
+            && case.old_spacing > 49.0
+            && !case.is_fanuc()
+        {
+            let left = new.forecast.max_residual_um();
+            assert!(left < 0.01, "{case:?}: {left}");
+        }
+    }
+}
+
+#[test]
+fn nothing_left_gives_the_same_tables_again() {
+    for case in all_cases()
+        .into_iter()
+        .filter(|c| c.old_spacing == c.new_spacing && c.policy.is_none())
+    {
+        let mut random = Random::new(3);
+        let waves: [Wave; 4] = std::array::from_fn(|_| Wave::random(&mut random, 10.0));
+        let zero: [Wave; 4] = std::array::from_fn(|_| Wave([0.0; 4]));
+        let (_, old) = generate(
+            &case.job(25.0, "active_while_measuring = \"none\""),
+            &table(&rows(&case, &waves, 0.0, 25.0)),
+        );
+        let found = inputs(
+            &case.job(25.0, "active_while_measuring = \"old\""),
+            &table(&rows(&case, &zero, 0.0, 50.0)),
+        );
+        let active = active_of(&case, &found, &old);
+        let found = found.with_active(active).unwrap();
+        let new = kit::generate(&found).unwrap();
+        assert_eq!(old.compiled.tables, new.compiled.tables, "{case:?}");
+    }
+}
+
+#[test]
+fn a_read_out_says_the_same_as_the_kit() {
+    let case = Case {
+        controller: "siemens-840d-sl",
+        policy: Some("curve-and-parameter"),
+        gantry: false,
+        interpolated: false,
+        fit: "sample",
+        old_spacing: 25.0,
+        new_spacing: 30.0,
+        homing: "+",
+    };
+    let mut random = Random::new(5);
+    let (found, old, new) = visit(&case, &mut random);
+    let mut archive = String::from(
+        "%_N_COMPLETE_TEA_INI\nCHANDATA(1)\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\nN32000 $MA_MAX_AX_VELO[AX1]=30000\n",
+    );
+    for axis in ["AX1", "AX2"] {
+        let state = old.compiled.state.axis(axis).unwrap();
+        writeln!(
+            archive,
+            "N32450 $MA_BACKLASH[0,{axis}]={:.6}",
+            state.backlash_um / 1000.0
+        )
+        .unwrap();
+        writeln!(
+            archive,
+            "N32700 $MA_ENC_COMP_ENABLE[0,{axis}]=1\nN32710 $MA_CEC_ENABLE[{axis}]=1"
+        )
+        .unwrap();
+    }
+    archive.push_str("M17\n");
+    for file in old
+        .files
+        .iter()
+        .filter(|f| f.path.ends_with(".MPF") && f.path.contains("EC"))
+    {
+        archive.push_str(std::str::from_utf8(&file.bytes).unwrap());
+    }
+    let plain = inputs(
+        &case.job(30.0, "active_while_measuring = \"read-out\""),
+        "axis,direction,position_mm,ex_um\nx,+,0,0\nx,+,300,1\nx,-,0,0\nx,-,300,1\n",
+    );
+    let read = from_read_out(
+        &plain.job,
+        &plain.profile,
+        "read-out",
+        vec![("COMPLETE.ARC".into(), archive.into_bytes())],
+    )
+    .unwrap_or_else(|p| panic!("{}", p.render()));
+    let by_kit = found.active.as_ref().unwrap();
+    assert_eq!(read.tables, by_kit.tables);
+    assert!(
+        (read.backlash_um[nonius::axis::Axis::X].unwrap()
+            - by_kit.backlash_um[nonius::axis::Axis::X].unwrap())
+        .abs()
+            < 1e-9
+    );
+    assert!(
+        read.notes
+            .iter()
+            .any(|n| n.contains("2 other machine data")),
+        "{:?}",
+        read.notes
+    );
+    let again = Inputs {
+        active: None,
+        under_tables: None,
+        model: found.as_measured().clone(),
+        ..found.clone()
+    };
+    let again = kit::generate(
+        &again
+            .with_active(read)
+            .unwrap_or_else(|p| panic!("{}", p.render())),
+    )
+    .unwrap();
+    assert_eq!(again.compiled.tables, new.compiled.tables);
+}
+
+/// A one-axis job with what is added to `[measurement]` and `[compensation]`.
+fn small(controller: &str, measurement: &str, compensation: &str, axes: &str) -> String {
+    format!(
+        "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n{measurement}\n[compensation]\ncontroller = \"{controller}\"\n{compensation}\n[machine.axes.x]\ntravel_mm = [0, 100]\nreference_mm = 0\n[machine.axes.y]\ntravel_mm = [0, 100]\nreference_mm = 0\n{axes}"
+    )
+}
+
+const ACTIVE: &str = "active_while_measuring = \"old\"";
+const SIEMENS_AXES: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"AX1\"\n[compensation.axes.y]\nspacing_mm = 50\nid = \"AX2\"\n";
+const FANUC_AXES: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"1\"\ndetection_unit_um = 1.0\n[compensation.axes.y]\nspacing_mm = 50\nid = \"2\"\ndetection_unit_um = 1.0\n";
+const FULL: &str =
+    "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,4,2\nx,100,8,-3\ny,0,0,0\ny,50,1,6\ny,100,5,3\n";
+const EXX_ONLY: &str = "axis,position_mm,ex_um\nx,0,0\nx,50,1\nx,100,-1\n";
+
+fn read_out(job: &str, errors: &str, file: &str) -> Result<Inputs, String> {
+    let found = inputs(job, errors);
+    from_read_out(
+        &found.job,
+        &found.profile,
+        "old",
+        vec![("old.txt".into(), file.into())],
+    )
+    .and_then(|active| found.with_active(active))
+    .map_err(|p| p.render())
+}
+
+#[test]
+fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
+    let job = |more: &str| {
+        small(
+            "siemens-840d-sl",
+            &format!("{ACTIVE}\n{more}"),
+            "",
+            SIEMENS_AXES,
+        )
+    };
+    let (before, old) = generate(
+        &small(
+            "siemens-840d-sl",
+            "active_while_measuring = \"none\"",
+            "",
+            SIEMENS_AXES,
+        ),
+        FULL,
+    );
+    let files = || {
+        old.files
+            .iter()
+            .map(|f| (f.path.clone(), f.bytes.clone()))
+            .collect()
+    };
+    let with = |more: &str| {
+        let found = inputs(&job(more), EXX_ONLY);
+        let active = from_kit(
+            &found.job,
+            &found.profile,
+            "old",
+            &old.manifest_bytes().unwrap(),
+            files(),
+        )
+        .unwrap();
+        found.with_active(active)
+    };
+    let refused = with("").unwrap_err().render();
+    for term in ["EYX", "EXY", "EYY"] {
+        assert!(
+            refused.contains(&format!("correct {term}, which was not measured")),
+            "{refused}"
+        );
+    }
+    let kept = with("active_terms_not_measured = \"keep\"").unwrap();
+    let new = kit::generate(&kept).unwrap();
+    assert_eq!(new.forecast.terms.len(), 1, "only EXX was measured");
+    let (was, is) = (control(&before.profile, &old), control(&kept.profile, &new));
+    for (base, output) in [("AX1", "AX2"), ("AX2", "AX1"), ("AX2", "AX2")] {
+        for x in [0.0, 20.0, 50.0, 90.0, 100.0] {
+            let of = |c: &dyn nonius::emulate::Emulator| {
+                um_at(&response(c, base, output, Direction::Plus), x)
+            };
+            assert!(
+                (of(was.as_ref()) - of(is.as_ref())).abs() < 1e-9,
+                "{base}→{output} at {x}"
+            );
+        }
+    }
+    let dropped = kit::generate(&with("active_terms_not_measured = \"drop\"").unwrap()).unwrap();
+    let what: Vec<&str> = dropped
+        .compiled
+        .preconditions
+        .iter()
+        .map(|p| p.what.as_str())
+        .collect();
+    for stale in [
+        "SD41300 $SN_CEC_TABLE_ENABLE[0]",
+        "SD41300 $SN_CEC_TABLE_ENABLE[1]",
+        "MD32700 $MA_ENC_COMP_ENABLE[0,AX2]",
+    ] {
+        assert!(what.contains(&stale), "{stale} in {what:?}");
+    }
+}
+
+#[test]
+fn what_acted_is_found_in_a_siemens_archive() {
+    let job = small(
+        "siemens-840d-sl",
+        &format!("{ACTIVE}\nactive_terms_not_measured = \"keep\""),
+        "",
+        SIEMENS_AXES,
+    );
+    let table = |number: u32, base: &str, output: &str, um: f64| {
+        format!(
+            "$AN_CEC[{number},0]=0\n$AN_CEC[{number},1]={:.6}\n$AN_CEC_INPUT_AXIS[{number}]=({base})\n$AN_CEC_OUTPUT_AXIS[{number}]=({output})\n$AN_CEC_STEP[{number}]=100\n$AN_CEC_MIN[{number}]=0\n$AN_CEC_MAX[{number}]=100\n",
+            um / 1000.0
+        )
+    };
+    let lec = "$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.010\n$AA_ENC_COMP_STEP[0,AX1]=100\n$AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\n";
+    let archive = |first: &str, switches: &str| {
+        format!(
+            "%_N_NC_TEA_INI\nN1 $MN_OTHER[0]=\"x\"\n{switches}M17\n%_N_NC_CEC_INI\nCHANDATA(1)\n{first}{}$AN_CEC_STEP[7]=0\n$AN_CEC_INPUT_AXIS[7]=()\n{lec}M17\n",
+            table(3, "AX1", "AX2", 5.0)
+        )
+    };
+    let on = read_out(&job, EXX_ONLY, &archive("", "")).unwrap_or_else(|p| panic!("{p}"));
+    let at_end = |found: &Inputs, name| {
+        let term = found.model.terms[nonius::axis::ErrorTerm::from_name(name).unwrap()].clone();
+        term.map(|t| {
+            t.measured
+                .curve(Direction::Plus)
+                .unwrap()
+                .at(nonius::units::Millimetres::new(100.0))
+                .um()
+        })
+    };
+    assert!((at_end(&on, "EXX").unwrap() - (10.0 - 1.0)).abs() < 1e-9);
+    assert!((at_end(&on, "EYX").unwrap() - 5.0).abs() < 1e-9);
+    assert!(
+        on.active
+            .as_ref()
+            .unwrap()
+            .assumptions
+            .iter()
+            .any(|a| a.fact.contains("SD41300"))
+    );
+    let off = read_out(
+        &job,
+        EXX_ONLY,
+        &archive("", "N41300 $SN_CEC_TABLE_ENABLE[3]=0\n"),
+    )
+    .unwrap();
+    assert_eq!(
+        at_end(&off, "EYX"),
+        None,
+        "a table that was off did nothing"
+    );
+    let lec_off = read_out(
+        &job,
+        EXX_ONLY,
+        &archive("", "$MA_ENC_COMP_ENABLE[0,AX1]=0\n"),
+    )
+    .unwrap();
+    assert!((at_end(&lec_off, "EXX").unwrap() + 1.0).abs() < 1e-9);
+    // A table of an axis that the job does not have lies where the new one would go.
+    let other = read_out(&job, EXX_ONLY, &archive(&table(0, "AX4", "AX5", 9.0), "")).unwrap();
+    let words = kit::generate(&other).unwrap_err().render();
+    assert!(
+        words.contains("CEC table 0 is in use in the read-out"),
+        "{words}"
+    );
+    let inch = read_out(
+        &job,
+        EXX_ONLY,
+        &archive("", "$MN_SCALING_SYSTEM_IS_METRIC=0\n"),
+    )
+    .unwrap_err();
+    assert!(inch.contains("counts in inch"), "{inch}");
+}
+
+#[test]
+fn a_backlash_parameter_that_is_replaced_has_to_be_known() {
+    let both = "axis,direction,position_mm,ex_um\nx,+,0,0\nx,+,100,2\nx,-,0,1\nx,-,100,3\n";
+    let lec = |more: &str| {
+        format!(
+            "{more}$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.010\n$AA_ENC_COMP_STEP[0,AX1]=100\n$AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\nM17\n"
+        )
+    };
+    let job = |policy: &str, more: &str| {
+        small(
+            "siemens-840d-sl",
+            &format!("{ACTIVE}\n{more}"),
+            &format!("backlash = \"{policy}\""),
+            SIEMENS_AXES,
+        )
+    };
+    let unknown = read_out(&job("curve-and-parameter", ""), both, &lec("")).unwrap_err();
+    assert!(
+        unknown.contains("replace the backlash parameter of X"),
+        "{unknown}"
+    );
+    assert!(
+        read_out(&job("mean", ""), both, &lec("")).is_ok(),
+        "mean leaves the parameter alone"
+    );
+    let parameter = |found: Inputs| {
+        kit::generate(&found).unwrap().plan.backlash_um[nonius::axis::Axis::X].unwrap()
+    };
+    // 7 µm acted and 1 µm was left: the new parameter is 8 µm.
+    let file = read_out(
+        &job("curve-and-parameter", ""),
+        both,
+        &lec("N32450 $MA_BACKLASH[0,AX1]=0.007\n"),
+    )
+    .unwrap();
+    assert!((parameter(file) - 8.0).abs() < 1e-9);
+    let stated = read_out(
+        &job("curve-and-parameter", "active_backlash_um = { x = 7.0 }"),
+        both,
+        &lec(""),
+    )
+    .unwrap();
+    assert!((parameter(stated) - 8.0).abs() < 1e-9);
+    let two = read_out(
+        &job("curve-and-parameter", "active_backlash_um = { x = 6.0 }"),
+        both,
+        &lec("$MA_BACKLASH[0,AX1]=0.007\n"),
+    )
+    .unwrap_err();
+    assert!(
+        two.contains("a backlash parameter of 7 µm for X, the job states 6 µm"),
+        "{two}"
+    );
+}
+
+#[test]
+fn what_acted_is_found_in_a_fanuc_parameter_file() {
+    let job = small(
+        "fanuc-30i",
+        &format!("{ACTIVE}\nactive_terms_not_measured = \"keep\""),
+        "",
+        FANUC_AXES,
+    );
+    let (_, old) = generate(
+        &small(
+            "fanuc-30i",
+            "active_while_measuring = \"none\"",
+            "",
+            FANUC_AXES,
+        ),
+        FULL,
+    );
+    let mut file = String::from(
+        "%\nN00010Q1L1P00000001\nN03701Q1S1P00000010\nN01240Q1A1P0.000A2P0.000A4P12.5\nN01851Q1A1P3A2P0A4P9\nN01852Q1A1P3A2P0A4P9\nN03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN10900Q1P0\n",
+    );
+    for kit_file in &old.files {
+        let text = String::from_utf8_lossy(&kit_file.bytes).replace(['%', '\r'], "");
+        file.push_str(text.trim());
+        file.push('\n');
+    }
+    file.push_str("%\n");
+    let found = read_out(&job, EXX_ONLY, &file).unwrap_or_else(|p| panic!("{p}"));
+    let active = found.active.as_ref().unwrap();
+    assert_eq!(active.backlash_um[nonius::axis::Axis::X], Some(3.0));
+    assert_eq!(active.others.points.len(), 1, "{:?}", active.notes);
+    let new = kit::generate(&found).unwrap_or_else(|p| panic!("{}", p.render()));
+    let is = control(&found.profile, &new);
+    let at = |x| um_at(&response(is.as_ref(), "1", "1", Direction::Plus), x);
+    // 4 + 1 and 8 − 1 µm of deviation.
+    assert_eq!((at(50.0), at(100.0)), (-5.0, -7.0));
+    let shifted = file.replace("N01240Q1A1P0.000", "N01240Q1A1P1.000");
+    let refused = read_out(&job, EXX_ONLY, &shifted).unwrap_err();
+    assert!(refused.contains("1240 of axis 1 is 1 mm"), "{refused}");
+    let taken = file
+        .replace("P500\nN03622Q1A4P510", "P0\nN03622Q1A4P510")
+        .replace("N03620Q1A4P500", "N03620Q1A4P1");
+    let words = read_out(&job, EXX_ONLY, &taken)
+        .map(|found| kit::generate(&found).unwrap_err().render())
+        .unwrap_or_else(|p| p);
+    assert!(words.contains("points 0 to 510"), "{words}");
+}
+
+#[test]
+fn steps_are_taken_off_where_the_laser_stood_and_lines_between() {
+    let job = small("fanuc-30i", ACTIVE, "", FANUC_AXES);
+    let errors = "axis,position_mm,ex_um\nx,0,0\nx,50,4\nx,100,8\n";
+    let (_, old) = generate(
+        &small(
+            "fanuc-30i",
+            "active_while_measuring = \"none\"",
+            "",
+            FANUC_AXES,
+        ),
+        errors,
+    );
+    // The machine errs by 0.08 µm/mm; at 20 mm the step of the first section has not come, at 40 mm it has.
+    let residual = "axis,position_mm,ex_um\nx,0,0\nx,20,1.6\nx,40,-0.8\nx,50,0\nx,100,0\n";
+    let found = inputs(&job, residual);
+    let files = old
+        .files
+        .iter()
+        .map(|f| (f.path.clone(), f.bytes.clone()))
+        .collect();
+    let active = from_kit(
+        &found.job,
+        &found.profile,
+        "old",
+        &old.manifest_bytes().unwrap(),
+        files,
+    )
+    .unwrap();
+    let found = found.with_active(active).unwrap();
+    let exx = nonius::axis::ErrorTerm::from_name("EXX").unwrap();
+    let measured = found.model.terms[exx].as_ref().unwrap();
+    let curve = measured.measured.curve(Direction::Plus).unwrap();
+    for x in [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 75.0, 100.0] {
+        let um = curve.at(nonius::units::Millimetres::new(x)).um();
+        assert!((um - 0.08 * x).abs() < 1e-9, "{um} at {x}");
+    }
+}
