@@ -299,7 +299,7 @@ fn build_manifest(
         predecessor: inputs
             .active
             .as_ref()
-            .map(|active| predecessor(inputs, active)),
+            .map(|active| Predecessor::of(active, &inputs.profile.id)),
         files: files
             .iter()
             .map(|file| HashedFile {
