@@ -11,7 +11,7 @@ use nonius::controller::builtin;
 use nonius::document::Source;
 use nonius::emulate::Emulator;
 use nonius::error_table::ErrorTable;
-use nonius::forecast::axis_pairs;
+use nonius::plan::axis_pairs;
 use nonius::job::{Job, MeasuredData};
 use nonius::kit::{Inputs, Kit, emulator, generate};
 use nonius::problem::{Problem, Problems};
@@ -78,7 +78,7 @@ fn samples(
     let measured = inputs.model.terms[term].as_ref()?;
     let curve = measured.measured.curve(Direction::Plus)?;
     let (from, to) = curve.measured_range();
-    let (base, output) = axis_pairs(&kit.plan, term).first().copied()?;
+    let (base, output) = axis_pairs(&kit.plan.names, term).first().copied()?;
     let response = control.response(base, output, Direction::Plus).ok()?;
     let at = |part: u32| {
         let mm = from.mm() + (to.mm() - from.mm()) * f64::from(part) / f64::from(SAMPLES);
