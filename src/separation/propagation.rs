@@ -252,5 +252,7 @@ fn shared(
         let interval = budget.volume.interval(diagonal, along, step);
         (interval, difference(step))
     });
-    found.filter(|(_, both)| both != &[0.0, 0.0]).collect()
+    found
+        .filter(|(_, both)| both.iter().any(|weight| weight.abs() > 0.0))
+        .collect()
 }
