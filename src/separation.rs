@@ -38,6 +38,7 @@ pub mod metric;
 pub mod monte_carlo;
 pub mod noise;
 pub mod outlier;
+pub mod plane;
 pub mod prediction;
 pub mod prepare;
 pub mod propagation;
@@ -52,6 +53,7 @@ pub mod unmeasured;
 mod campaign;
 
 mod banded;
+mod beams;
 mod labels;
 mod lookup;
 mod separate;

@@ -160,7 +160,6 @@ fn budget_labels(budget: &Budget<'_>) -> Vec<String> {
     said
 }
 /// What of `[measurement.uncertainty]` counts, and for which axes.
-
 fn stated_labels(budget: &Budget<'_>) -> Vec<String> {
     let material = |axis: Axis| budget.material.and_then(|material| material.axes[axis]);
     let alpha = |axis: Axis| material(axis).map(|_| ());

@@ -14,6 +14,9 @@
 //! Source: derived and confirmed by simulation in the project's reference on the step-diagonal
 //! method (docs/method.md §5); same idea as Ibaraki and Hata (2010). Neglected: P², about 10⁻⁹.
 
+pub use super::plane::{PerPlane, Plane};
+
+use super::plane::per_plane;
 use super::system::{KnownSpace, Row, Solution, System, UNKNOWNS};
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{Diagonal, PerDiagonal, Volume};
@@ -23,67 +26,6 @@ const UM_PER_M: f64 = 1e-6;
 /// What (7) neglects, µm/m. No equation is weighed as if it were more certain: readings without
 /// any noise would make the system singular beside a line with a stated uncertainty.
 const NEGLECTED_UM_PER_M: f64 = 1e-3;
-
-/// A plane of two axes, for squareness.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plane {
-    /// X and Y.
-    Xy,
-    /// X and Z.
-    Xz,
-    /// Y and Z.
-    Yz,
-}
-
-impl Plane {
-    /// The three planes, XY first.
-    pub const ALL: [Plane; 3] = [Plane::Xy, Plane::Xz, Plane::Yz];
-
-    /// Its key in documents.
-    pub const fn key(self) -> &'static str {
-        match self {
-            Plane::Xy => "xy",
-            Plane::Xz => "xz",
-            Plane::Yz => "yz",
-        }
-    }
-
-    /// Its two axes.
-    pub const fn axes(self) -> (Axis, Axis) {
-        match self {
-            Plane::Xy => (Axis::X, Axis::Y),
-            Plane::Xz => (Axis::X, Axis::Z),
-            Plane::Yz => (Axis::Y, Axis::Z),
-        }
-    }
-}
-
-/// One value for each plane.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct PerPlane<T> {
-    /// XY.
-    pub xy: T,
-    /// XZ.
-    pub xz: T,
-    /// YZ.
-    pub yz: T,
-}
-
-impl<T: Copy> PerPlane<T> {
-    /// The value of a plane.
-    pub const fn of(&self, plane: Plane) -> T {
-        match plane {
-            Plane::Xy => self.xy,
-            Plane::Xz => self.xz,
-            Plane::Yz => self.yz,
-        }
-    }
-
-    /// Another value for each plane.
-    pub fn map<U>(&self, to: impl Fn(T) -> U) -> PerPlane<U> {
-        per_plane([to(self.xy), to(self.xz), to(self.yz)])
-    }
-}
 
 /// One straight line whose length was measured beside the diagonals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -416,10 +358,6 @@ pub fn end_gains(
         };
         std::array::from_fn(|unknown| by(unknown).unwrap_or(0.0))
     }))
-}
-
-pub(super) fn per_plane<T>([xy, xz, yz]: [T; 3]) -> PerPlane<T> {
-    PerPlane { xy, xz, yz }
 }
 
 fn spread(solution: Option<&Solution>) -> [[f64; UNKNOWNS]; UNKNOWNS] {

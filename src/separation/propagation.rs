@@ -253,6 +253,6 @@ fn shared(
         (interval, difference(step))
     });
     found
-        .filter(|(_, both)| both.iter().any(|part| part.abs() > 0.0))
+        .filter(|(_, both)| both.iter().any(|weight| weight.abs() > 0.0))
         .collect()
 }

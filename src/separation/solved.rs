@@ -1,15 +1,15 @@
 //! Slopes of the nine curves and what they come from: increments, totals and lines.
 
 use super::agreement::{Agreement, agreement};
-use super::campaign::{Campaign, Line};
-use super::curves::{Curve, curves, end_slope, mean, plus_line, with_slope};
+use super::beams::without_shapes;
+use super::campaign::Campaign;
+use super::curves::{Curve, curves, end_slope, mean, plus_line};
 use super::evidence::{Evidence, NineErrors};
 use super::increments::{Increments, Means, mean_increments};
-use super::lookup::at;
 use super::metric::{
-    EndGains, Metric, PerPlane, Plane, StraightLine, displacement_ratios, end_gains, per_plane,
-    solve,
+    EndGains, Metric, PerPlane, Plane, StraightLine, displacement_ratios, end_gains, solve,
 };
+use super::plane::per_plane;
 use super::reversal::Turn;
 use super::straight::{Totals, totals};
 use super::uncertainty::{Budget, Side, Slope, SlopeFrom, SlopeUncertainty};
@@ -352,47 +352,6 @@ fn directed_curve(mean: &[f64], reversal: &[f64], direction: Direction) -> Curve
         Direction::Minus => mean - (b + start) / 2.0,
     };
     mean.iter().zip(reversal).map(value).collect()
-}
-
-/// A line with what the separated shapes contribute between its ends taken off: between places
-/// x₁ and x₂ of each axis k, Σ_jk v_j (D_j(k)(x₂) − D_j(k)(x₁)) = L·vᵀhv + that of the shapes.
-fn without_shapes(
-    budget: &Budget<'_>,
-    both_ways: bool,
-    mean_raw: &PerTerm<Curve>,
-    line: &Line,
-) -> StraightLine {
-    let volume = budget.volume;
-    let (mut shape_um, mut variance, mut square_mm) = (0.0, 0.0, 0.0);
-    if let Some([from, to]) = line.ends {
-        square_mm = Axis::ALL
-            .into_iter()
-            .map(|axis| (to[axis] - from[axis]).mm().powi(2))
-            .sum();
-        for term in ErrorTerm::ALL {
-            let [from, to] = [from, to].map(|end| end[term.along]);
-            if from == to {
-                continue;
-            }
-            let shape = with_slope(volume, term.along, &mean_raw[term], 0.0);
-            let positions = volume.positions(term.along);
-            let rise = at(&positions, &shape, to.mm()) - at(&positions, &shape, from.mm());
-            let share = line.direction[term.of];
-            shape_um += share * rise;
-            let spread = budget.shape_variance(term, both_ways, from.mm(), to.mm());
-            variance += share * share * spread.unwrap_or(0.0);
-        }
-    }
-    let per_m = if square_mm > 0.0 {
-        1000.0 / square_mm.sqrt()
-    } else {
-        0.0
-    };
-    StraightLine {
-        direction: line.direction,
-        slope_um_per_m: line.slope_um_per_m - per_m * shape_um,
-        u_um_per_m: line.u_um_per_m.map(|u| u.hypot(per_m * variance.sqrt())),
-    }
 }
 
 /// In the X-primary frame EXY, EXZ and EYZ carry the squareness of their plane.

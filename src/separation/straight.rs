@@ -8,14 +8,14 @@
 //! combination of the three scales, whatever the set-up. Linear axes and other beams add to them.
 
 use super::agreement::{Agreement, agreement};
-use super::campaign::{Campaign, Line, corrected};
+use super::beams::whole_line;
+use super::campaign::{Campaign, corrected};
 use super::corrections::recorded;
 use super::labels::common_labels;
 use super::line::range;
-use super::metric::{
-    Metric, PerPlane, Plane, StraightLine, end_gains, per_plane, solve, straight_ratios,
-};
+use super::metric::{Metric, PerPlane, Plane, StraightLine, end_gains, solve, straight_ratios};
 use super::noise::{CorrectedRun, Noise, run_counts};
+use super::plane::per_plane;
 use super::prediction::{ClosureTests, closure_tests};
 use super::repeats::repeats;
 use super::separate::known_noise;
@@ -231,15 +231,6 @@ pub fn straight(
         runs,
         zeroed_runs,
     })
-}
-
-/// A line as it was measured: straight runs hold no shapes to take off a beam.
-fn whole_line(line: &Line) -> StraightLine {
-    StraightLine {
-        direction: line.direction,
-        slope_um_per_m: line.slope_um_per_m,
-        u_um_per_m: line.u_um_per_m,
-    }
 }
 
 fn labels(campaign: &Campaign<'_>, budget: &Budget<'_>, both_ways: bool) -> Vec<String> {
