@@ -17,7 +17,7 @@ mod support;
 use nonius::axis::{Axis, Direction, ErrorTerm};
 use nonius::diagonal::{Diagonal, Pass, PathKind, Volume};
 use nonius::emulate::Emulator;
-use nonius::forecast::axis_pairs;
+use nonius::plan::axis_pairs;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::units::Millimetres;
 use serde_json::Value;
@@ -380,7 +380,7 @@ fn control(rig: &Rig, fault: Injected) -> Box<dyn Emulator> {
 
 /// What the tables add to a term, and what is added beside them.
 fn parts(rig: &Rig, control: &dyn Emulator, term: ErrorTerm, way: Direction, x: f64) -> (f64, f64) {
-    let (base, output) = axis_pairs(&rig.kit.plan, term)[0];
+    let (base, output) = axis_pairs(&rig.kit.plan.names, term)[0];
     let response = support::response(control, base, output, way);
     let at = Millimetres::new(x);
     let tables: f64 = response
