@@ -37,6 +37,8 @@ struct Arguments {
 const EXAMPLES: &str = "Examples:
   nonius generate job.toml -o kit       make the files for the control, with a forecast
   nonius verify job.toml --tables kit   read them back and judge them
+  nonius verify job.toml --tables kit --after after.csv
+                                        judge a second measurement, and say why it misses
 
 Exit status: 0 done and within limits · 1 the answer is no · 2 could not do it, nothing written";
 
@@ -63,6 +65,9 @@ enum Command {
         /// Directory with the control's files
         #[arg(long, value_name = "DIR")]
         tables: PathBuf,
+        /// A measurement with these tables active, against the forecast: an error table (CSV) or a job (TOML)
+        #[arg(long, value_name = "FILE|JOB")]
+        after: Option<PathBuf>,
         /// What to print
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
@@ -196,8 +201,9 @@ fn execute(command: Command) -> Result<Answer, Problems> {
         Command::Verify {
             job,
             tables,
+            after,
             format,
-        } => verify::run(&job, &tables, format),
+        } => verify::run(&job, &tables, after.as_deref(), format),
         Command::Separate(options) => separate::run(&options),
         Command::Program {
             job,

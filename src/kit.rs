@@ -327,6 +327,8 @@ pub struct Verification {
     pub plan: Plan,
     /// What the job compiles to (assumptions, preconditions, notes).
     pub compiled: Compiled,
+    /// What the files of the directory hold.
+    pub found: Tables,
     /// What the tables will leave; absent where they cannot be emulated.
     pub forecast: Option<Forecast>,
     /// How the tables differ from what the job asks for, one sentence each.
@@ -371,6 +373,7 @@ pub fn verify(
         absent,
         plan,
         compiled,
+        found: read.tables,
         forecast: result,
         disagreements,
         doubts,

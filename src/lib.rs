@@ -20,6 +20,8 @@
 //!
 //! Before a measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ readback, walk.
 //!
+//! At the machine: a second measurement ─→ after: as found, forecast, as left ─→ causes, when it differs.
+//!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
 //! Modules stand in the order in which the data flow; a module imports only from those before
@@ -94,6 +96,8 @@ pub mod readback;
 pub mod emulate;
 
 pub mod forecast;
+
+pub mod after;
 
 pub mod disagreement;
 

@@ -1,7 +1,8 @@
 //! Files of a user → checked inputs.
 
+use crate::after::{StraightRuns, Walk};
 use crate::controller::{Origin, Profile, builtin, load};
-use crate::diagonal::{Pass, PathKind, Run};
+use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
 use crate::document::Source;
 use crate::emit::TOOL;
 use crate::error_table::{self, Draft, ErrorTable};
@@ -12,7 +13,9 @@ use crate::kit::{Inputs, hashed};
 use crate::manifest::HashedFile;
 use crate::problem::{Problem, Problems};
 use crate::readings::Readings;
+use crate::separation::noise::{means, run_counts};
 use crate::separation::prepare::{self, NamedTables};
+use crate::separation::repeats::repeats;
 use crate::separation::straight::{StraightResult, straight};
 use crate::separation::{self, Campaign, Separation, corrected, table};
 use std::io::Read;
@@ -87,7 +90,7 @@ fn at_controller(job: &Job, problems: Problems) -> Problems {
     placed
 }
 
-fn error_table(
+pub(super) fn error_table(
     job: &Job,
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
@@ -250,6 +253,47 @@ impl CampaignFiles {
         Ok(result)
     }
 
+    /// Means and figures of straight runs, for a comparison with a forecast.
+    pub(super) fn straight_runs(&self) -> Result<StraightRuns, Problems> {
+        let result = self.straight()?;
+        let counts = run_counts(&result.runs);
+        let means = means(&result.runs);
+        let mut walks = Vec::new();
+        for diagonal in Diagonal::ALL {
+            let passes = [
+                (Pass::Forward, Some(&means.forward)),
+                (Pass::Reverse, means.reverse.as_ref()),
+            ];
+            for (pass, readings) in passes {
+                walks.extend(readings.map(|of| Walk {
+                    diagonal,
+                    pass,
+                    readings_um: of[diagonal].clone(),
+                }));
+            }
+        }
+        let fewest = counts.iter().flat_map(|(_, both)| both).copied();
+        let fewest = fewest
+            .filter(|count| *count > 0.0)
+            .fold(f64::INFINITY, f64::min);
+        let stated = self.job.measurement.uncertainty.noise_um;
+        let sigma_um = repeats(&result.runs)
+            .noise
+            .map(|noise| noise.sigma_um)
+            .or(stated);
+        Ok(StraightRuns {
+            volume: self.measurement.volume.clone(),
+            walks,
+            range_um: PerDiagonal::from_fn(|d| result.diagonals[d].range_um),
+            u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
+            one_zero: self
+                .readings
+                .runs
+                .iter()
+                .all(|run| self.readings.offset_known(run)),
+        })
+    }
+
     /// The error table, with where it comes from and what it rests on.
     pub(super) fn draft(&self, separation: &Separation) -> Draft {
         let comments = vec![
@@ -280,7 +324,7 @@ pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> 
     campaign_files(&job, measurement, folder, &mut Vec::new())
 }
 
-fn campaign_files(
+pub(super) fn campaign_files(
     job: &Job,
     measurement: &DiagonalMeasurement,
     folder: &Path,

@@ -1,4 +1,7 @@
-//! `nonius verify JOB --tables DIR`
+//! `nonius verify JOB --tables DIR [--after FILE|JOB]`
+
+mod page;
+mod second;
 
 use crate::cli::inputs::{self, plain_words, read_file};
 use crate::cli::{Answer, Format, print, print_json, show};
@@ -11,8 +14,14 @@ use crate::readback::kit::{KitFile, may_be_meant_for};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-pub(super) fn run(job: &Path, directory: &Path, format: Format) -> Result<Answer, Problems> {
+pub(super) fn run(
+    job: &Path,
+    directory: &Path,
+    after: Option<&Path>,
+    format: Format,
+) -> Result<Answer, Problems> {
     let inputs = inputs::read(job)?;
+    let second = after.map(|path| second::read(&inputs, path)).transpose()?;
     let found = read_directory(&inputs, directory)?;
     let files: Vec<KitFile<'_>> = found.files.iter().map(kit_file).collect();
     let mut verification = verify(&inputs, &files, found.remarks)
@@ -21,6 +30,9 @@ pub(super) fn run(job: &Path, directory: &Path, format: Format) -> Result<Answer
         verification.absent.clear(); // a listed file that is missing was named
     }
     verification.absent.extend(found.notes);
+    if let Some(second) = second {
+        return page::answer(&inputs, directory, &verification, &second, format);
+    }
     match format {
         Format::Json => print_json(&document(&inputs, &verification))?,
         Format::Text => print(&report(&inputs, directory, &verification))?,
@@ -220,27 +232,32 @@ fn compare_origin(found: &mut Found, document: &Value, inputs: &Inputs) {
     }
 }
 
-fn report(inputs: &Inputs, directory: &Path, verification: &Verification) -> String {
-    let heading = format!(
+fn heading(inputs: &Inputs, directory: &Path) -> String {
+    format!(
         "{} - {}, tables read from {}",
         inputs.job.machine.name,
         inputs.profile.name,
         directory.display()
-    );
+    )
+}
+
+fn agreement(verification: &Verification) -> String {
+    if verification.disagreements.is_empty() {
+        return "job and tables agree".to_string();
+    }
+    let lines: Vec<String> = verification
+        .disagreements
+        .iter()
+        .map(|words| format!("  - {words}"))
+        .collect();
+    format!("job and tables DISAGREE:\n{}", lines.join("\n"))
+}
+
+fn report(inputs: &Inputs, directory: &Path, verification: &Verification) -> String {
     let forecast = verification.forecast.as_ref();
-    let agreement = if verification.disagreements.is_empty() {
-        "job and tables agree".to_string()
-    } else {
-        let lines: Vec<String> = verification
-            .disagreements
-            .iter()
-            .map(|words| format!("  - {words}"))
-            .collect();
-        format!("job and tables DISAGREE:\n{}", lines.join("\n"))
-    };
     show::paragraphs(&[
-        heading,
-        agreement,
+        heading(inputs, directory),
+        agreement(verification),
         forecast.map(show::forecast).unwrap_or_default(),
         show::verdict(
             verification.verdict,
