@@ -1,0 +1,329 @@
+//! The day at the machine from end to end, through the program itself: as found, separated, made,
+//! loaded into the emulated control, measured again, judged. And the two machines of paper 004.
+#![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use tempfile::TempDir;
+
+fn fixtures(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("fixtures")
+        .join(name)
+}
+
+fn put(directory: &Path, name: &str, text: &str) {
+    fs::write(directory.join(name), text).expect("a file can be written");
+}
+
+/// Runs a command; the exit status and what stands on standard output.
+fn nonius(directory: &Path, command: &str) -> (i32, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
+        .args(command.split_whitespace())
+        .current_dir(directory)
+        .stdin(Stdio::null())
+        .output()
+        .expect("the program starts");
+    let status = output.status.code().expect("it ends by itself");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(status < 2, "nonius {command}\n{said}");
+    (status, String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+fn yes(directory: &Path, command: &str) -> String {
+    let (status, said) = nonius(directory, command);
+    assert_eq!(status, 0, "nonius {command}\n{said}");
+    said
+}
+
+fn json(directory: &Path, command: &str) -> Value {
+    let (_, said) = nonius(directory, &format!("{command} --format json"));
+    serde_json::from_str(&said).expect("it is JSON")
+}
+
+/// The box of the golden machine, as [program] and [measurement.step_diagonal] state it.
+const BOX: &str = r#"
+start_mm = { x = 0.0, y = 0.0, z = -720.0 }
+size_mm = { x = 900.0, y = 720.0, z = 720.0 }
+steps = 30
+order = "XYZ"
+"#;
+
+/// How the golden machine is measured.
+struct Campaign {
+    /// Lines under [program].
+    program: &'static str,
+    /// Lines under [measurement.step_diagonal].
+    how: &'static str,
+    /// Lines under [compensation].
+    policy: &'static str,
+}
+
+/// The jobs of a visit: the machine itself, the measurement before, the one after.
+fn jobs(golden: &str, campaign: &Campaign) -> [String; 3] {
+    let golden = golden.replace(
+        "[compensation]\n",
+        &format!("[compensation]\n{}", campaign.policy),
+    );
+    let machine = format!(
+        "{golden}\n[program]\nwhat = \"step-diagonal\"\n{}{BOX}",
+        campaign.program
+    );
+    let measured = |readings: &str, linear: &str| {
+        let (head, rest) = golden
+            .split_once("errors = \"errors.csv\"\n")
+            .expect("the job names its errors");
+        let (measurement, rest) = rest.split_once("[compensation]").expect("a section");
+        let mut how = format!("[measurement.step_diagonal]\n{}{BOX}", campaign.how);
+        for axis in ["x", "y", "z"] {
+            how += &format!(
+                "\n[[measurement.step_diagonal.linear]]\naxis = \"{axis}\"\nerrors = \"{linear}\"\nu_um_per_m = 0.3\n"
+            );
+        }
+        format!("{head}readings = \"{readings}\"\n{measurement}\n{how}\n[compensation]{rest}")
+    };
+    [
+        machine,
+        measured("readings.csv", "linear.csv"),
+        measured("after.csv", "linear-after.csv"),
+    ]
+}
+
+/// A folder with the jobs and the true curves, measured as found, and with the kit made from that.
+fn prepared(golden: &str, truth: &str, campaign: &Campaign) -> TempDir {
+    let directory = tempfile::tempdir().expect("a temporary directory can be made");
+    let at = directory.path();
+    let [machine, job, after] = jobs(golden, campaign);
+    put(at, "errors.csv", truth);
+    put(at, "machine.toml", &machine);
+    put(at, "job.toml", &job);
+    put(at, "after.toml", &after);
+    let simulate = "simulate machine.toml --without-tables --noise-um 0.2 --runs 3";
+    yes(at, &format!("{simulate} --seed 1 -o readings.csv"));
+    yes(at, &format!("{simulate} --errors --seed 2 -o linear.csv"));
+    directory
+}
+
+/// The second measurement, with what lies in a directory loaded.
+fn measured_again(at: &Path, tables: &str) {
+    let simulate = "simulate machine.toml --force --noise-um 0.2 --runs 3";
+    yes(at, &format!("{simulate} {tables} --seed 3 -o after.csv"));
+    yes(
+        at,
+        &format!("{simulate} {tables} --errors --seed 4 -o linear-after.csv"),
+    );
+}
+
+const FORWARD: Campaign = Campaign {
+    program: "bidirectional = false",
+    how: "",
+    policy: "",
+};
+
+fn golden(profile: &str) -> (String, String) {
+    let folder = fixtures("nine_errors_900");
+    let job = fs::read_to_string(folder.join(format!("{profile}.toml")));
+    let truth = fs::read_to_string(folder.join("errors.csv"));
+    (job.expect("a job"), truth.expect("a table"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("it is a number")
+}
+
+const PROFILES: [&str; 6] = [
+    "siemens-840d-sl",
+    "siemens-828d",
+    "fanuc-30i",
+    "fanuc-0i-f",
+    "fanuc-16i",
+    "generic",
+];
+
+#[test]
+fn a_whole_visit_passes_with_every_control() {
+    for profile in PROFILES {
+        let (job, truth) = golden(profile);
+        let visit = prepared(&job, &truth, &FORWARD);
+        let at = visit.path();
+        let said = yes(at, "separate job.toml --trials 0");
+        assert!(said.contains("SIMULATED, not measured"), "{said}");
+        let said = yes(at, "generate job.toml -o kit");
+        assert!(said.contains("SIMULATED, not measured"), "{said}");
+        yes(at, "verify job.toml --tables kit");
+        measured_again(at, "--tables kit");
+        let after = json(at, "verify job.toml --tables kit --after after.toml");
+        assert_eq!(after["verdict"], "pass", "{profile}: {after:#}");
+        assert!(after.to_string().contains("SIMULATED, not measured"));
+        for (term, found) in after["terms"].as_object().expect("terms") {
+            let left = number(&found["after_um"]);
+            let forecast = number(&found["forecast_um"]);
+            let expanded = 2.0 * number(&found["u_um"]);
+            // Both measurements are uncertain: the first is in the tables, the second in `left`.
+            let most = forecast + 2.0 * expanded;
+            assert!(left <= most, "{profile} {term}: {left} > {most}");
+        }
+    }
+}
+
+/// The kit forgotten: the same second measurement must not pass.
+#[test]
+fn a_visit_without_loaded_tables_fails() {
+    let (job, truth) = golden("siemens-840d-sl");
+    let visit = prepared(&job, &truth, &FORWARD);
+    let at = visit.path();
+    yes(at, "generate job.toml -o kit");
+    measured_again(at, "--without-tables");
+    let after = json(at, "verify job.toml --tables kit --after after.toml");
+    assert_eq!(after["verdict"], "fail", "{after:#}");
+}
+
+/// The golden machine with lost motion: moving − it stands 6, 4 and 3 µm further in +.
+fn with_lost_motion(truth: &str) -> String {
+    let mut text = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
+    let rows = || {
+        truth
+            .lines()
+            .filter(|line| line.starts_with(['x', 'y', 'z']))
+    };
+    for axis in ["x", "y", "z"] {
+        for direction in ["+", "-"] {
+            for row in rows().filter(|row| row.starts_with(axis)) {
+                let cells: Vec<&str> = row.split(',').collect();
+                let value = |index: usize| -> f64 { cells[index].parse().expect("a number") };
+                let lost = |own: &str, um: f64| match axis == own && direction == "-" {
+                    true => um,
+                    false => 0.0,
+                };
+                let x = value(2) + lost("x", 6.0);
+                let y = value(3) + lost("y", 4.0);
+                let z = value(4) + lost("z", 3.0);
+                text += &format!("{axis},{direction},{},{x:.9},{y:.9},{z:.9}\n", cells[1]);
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn a_visit_in_both_directions_takes_the_lost_motion_away() {
+    let campaign = Campaign {
+        program: "bidirectional = true\noverrun_mm = 0.0",
+        how: "overrun = false",
+        policy: "backlash = \"two-tables\"\n",
+    };
+    let (job, truth) = golden("siemens-840d-sl");
+    let visit = prepared(&job, &with_lost_motion(&truth), &campaign);
+    let at = visit.path();
+    let found = json(at, "separate job.toml --trials 0");
+    let (plus, minus) = (&found["errors"]["EXX+"], &found["errors"]["EXX-"]);
+    let at_start = |curve: &Value| number(&curve["deviation_um"][0]);
+    let lost = at_start(minus) - at_start(plus);
+    assert!((lost - 6.0).abs() < 0.5, "{lost}");
+    yes(at, "generate job.toml -o kit");
+    measured_again(at, "--tables kit");
+    let after = json(at, "verify job.toml --tables kit --after after.toml");
+    assert_eq!(after["verdict"], "pass", "{after:#}");
+}
+
+/// A rehearsed machine of paper 004.
+struct Paper {
+    folder: &'static str,
+    as_found_um: f64,
+    after_um: f64,
+}
+
+const PAPER_004: [Paper; 2] = [
+    Paper {
+        folder: "siemens_840",
+        as_found_um: 60.0,
+        after_um: 6.8,
+    },
+    Paper {
+        folder: "jobs_link",
+        as_found_um: 58.0,
+        after_um: 8.7,
+    },
+];
+
+/// Largest max − min along one diagonal, from a key of every diagonal.
+fn largest(document: &Value, key: &str) -> f64 {
+    let diagonals = document["diagonals"].as_object().expect("diagonals");
+    diagonals
+        .values()
+        .map(|d| number(&d[key]))
+        .fold(0.0, f64::max)
+}
+
+/// Figures of the table in docs/accuracy.md, from the top.
+fn rehearsed(paper: &Paper) -> Vec<f64> {
+    let directory = tempfile::tempdir().expect("a temporary directory can be made");
+    let at = directory.path();
+    for name in ["truth.csv", "machine.toml", "job.toml", "after.toml"] {
+        let from = fixtures("paper_004").join(paper.folder).join(name);
+        fs::copy(from, at.join(name)).expect("a fixture can be copied");
+    }
+    let simulate = "simulate machine.toml --force";
+    let read = |tables: &str, noise: &str, seed: u32, scale: f64| {
+        let scale = format!("--scale-um-per-m {scale}");
+        json(
+            at,
+            &format!("{simulate} {tables} --noise-um {noise} --seed {seed} {scale} -o trial.csv"),
+        )
+    };
+    let found = largest(&read("--without-tables", "0", 1, 0.0), "range_um");
+    assert!((found - paper.as_found_um).abs() < 0.001, "{found}");
+    let mut figures = vec![found];
+    for noise in ["0.3", "1.0"] {
+        let measure = format!("{simulate} --without-tables --noise-um {noise}");
+        yes(at, &format!("{measure} --seed 11 -o readings.csv"));
+        yes(at, &format!("{measure} --errors --seed 12 -o linear.csv"));
+        nonius(at, "generate job.toml -o kit --force");
+        let kit = fs::read_to_string(at.join("kit/manifest.json")).expect("a manifest");
+        let kit: Value = serde_json::from_str(&kit).expect("it is JSON");
+        let forecast = &kit["forecast"];
+        figures.push(largest(forecast, "after_um"));
+        figures.push(2.0 * largest(forecast, "u_um"));
+        figures.push(largest(&read("--tables kit", "0", 1, 0.0), "range_um"));
+        for kelvin in [0.0, 0.5, 1.0] {
+            let scale = 11.5 * kelvin;
+            figures.push(largest(
+                &read("--tables kit", noise, 13, scale),
+                "read_range_um",
+            ));
+        }
+    }
+    figures.push(paper.after_um);
+    figures
+}
+
+#[test]
+fn the_figures_of_paper_004_are_those_of_the_page() {
+    let columns: Vec<Vec<f64>> = PAPER_004.iter().map(rehearsed).collect();
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md"))
+        .expect("the page is there");
+    let section = page.split("paper 004 rehearsed").nth(1).expect("a section");
+    let rows = section
+        .lines()
+        .filter(|line| line.starts_with("| "))
+        .skip(2);
+    let printed: Vec<Vec<String>> = rows
+        .take(columns[0].len())
+        .map(|row| {
+            row.split('|')
+                .skip(2)
+                .take(2)
+                .map(|c| c.trim().to_string())
+                .collect()
+        })
+        .collect();
+    let found: Vec<Vec<String>> = (0..columns[0].len())
+        .map(|row| columns.iter().map(|c| format!("{:.1}", c[row])).collect())
+        .collect();
+    assert_eq!(
+        printed, found,
+        "the table in docs/accuracy.md; found: {found:#?}"
+    );
+}
