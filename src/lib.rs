@@ -22,6 +22,8 @@
 //!
 //! At the machine: a second measurement ─→ after: as found, forecast, as left ─→ causes, when it differs.
 //!
+//! Before it, as a rehearsal: curves, bytes of the tables ─→ simulate: readings that say so of themselves.
+//!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
 //! Modules stand in the order in which the data flow; a module imports only from those before

@@ -31,6 +31,8 @@ use support::inputs;
 
 /// Readings are written with nine decimals.
 const FILE_DIGITS_UM: f64 = 1e-9;
+/// The test's own sums over travels of two metres.
+const DUST_UM: f64 = 1e-8;
 /// A table of the generic control is written with six decimals of a millimetre.
 const GENERIC_UM: f64 = 1e-6;
 
@@ -135,7 +137,7 @@ proptest! {
             prop_assert_eq!(run.deviations.len(), wanted.len());
             for (node, (found, wanted)) in run.deviations.iter().zip(wanted).enumerate() {
                 let off = (found.um() - wanted).abs();
-                prop_assert!(off <= FILE_DIGITS_UM, "{} {:?} node {node}: off by {off}", run.diagonal, run.pass);
+                prop_assert!(off <= DUST_UM, "{} {:?} node {node}: off by {off}", run.diagonal, run.pass);
             }
         }
         prop_assert_eq!(found.runs.len(), 8);
@@ -285,9 +287,9 @@ fn a_change_of_scale_is_the_same_along_every_diagonal() {
         let found = readings(&warm, &rehearsal, &inputs.job).unwrap();
         Diagonal::ALL.map(|d| found.predicted[d].end_um)
     };
-    // 11.5 um/m over a diagonal of sqrt(900^2 + 720^2 + 720^2) = 1358.38 mm.
+    // 11.5 um/m over a diagonal of sqrt(900^2 + 720^2 + 720^2) = 1358.970 mm.
     for (cold, warm) in ends(0.0).into_iter().zip(ends(11.5)) {
-        assert!((warm - cold - 15.621_39).abs() < 1e-4, "{}", warm - cold);
+        assert!((warm - cold - 15.628_16).abs() < 1e-4, "{}", warm - cold);
     }
 }
 

@@ -39,7 +39,7 @@ pub fn readings(
     job: &Job,
 ) -> Result<Simulation, Problems> {
     let mut problems = Problems::none();
-    check_terms(machine, rehearsal, job, &mut problems);
+    check_terms(machine, job, &mut problems);
     check_box(machine, rehearsal, job, &mut problems);
     problems.or_ok(())?;
     let mut exact = Vec::new();
@@ -179,12 +179,7 @@ fn add_expansion(rehearsal: &Rehearsal, run: &mut Run) {
 }
 
 /// Notes errors that are not measured, or not in a direction in which a pass moves.
-fn check_terms(
-    machine: &SimulatedMachine<'_>,
-    rehearsal: &Rehearsal,
-    job: &Job,
-    problems: &mut Problems,
-) {
+fn check_terms(machine: &SimulatedMachine<'_>, job: &Job, problems: &mut Problems) {
     let terms = &machine.model.terms;
     let names = |found: &mut dyn Iterator<Item = ErrorTerm>| -> String {
         let names: Vec<String> = found.map(|term| term.to_string()).collect();
@@ -207,15 +202,10 @@ fn check_terms(
         };
         let found = names(&mut ErrorTerm::ALL.into_iter().filter(unknown));
         if !found.is_empty() {
-            let way = if rehearsal.both_directions {
-                "on one of its two ways"
-            } else {
-                "on some diagonals"
-            };
             problems.push(
                 job.problem_at(
                     data_key(job),
-                    format!("each axis moves in {direction} {way}, and there these are not measured: {found}"),
+                    format!("the diagonals move every axis in both directions, but moving in {direction} these are not known: {found}"),
                 )
                 .help("measure both directions, or predict the measured one with `--errors`"),
             );
