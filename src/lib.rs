@@ -101,6 +101,8 @@ pub mod forecast;
 
 pub mod after;
 
+pub mod causes;
+
 pub mod disagreement;
 
 pub mod manifest;

@@ -23,12 +23,11 @@ pub use self::rehearsal::{Noise, Rehearsal, Wishes};
 pub use self::single_axes::single_axes;
 pub use self::text::{Origin, write};
 
-use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::emulate::{CannotEmulate, Response};
-use crate::forecast::axis_pairs;
+use crate::after::Control;
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::kit::Inputs;
 use crate::model::ErrorModel;
-use crate::units::Millimetres;
+use crate::units::{Correction, Millimetres};
 
 /// The words by which a simulation is told from a measurement.
 pub const SIMULATED: &str = "SIMULATED, not measured";
@@ -37,8 +36,7 @@ pub const SIMULATED: &str = "SIMULATED, not measured";
 #[derive(Clone, Debug)]
 pub struct SimulatedMachine<'a> {
     model: &'a ErrorModel,
-    /// What the tables add, moving + and moving −.
-    responses: PerTerm<[Response; 2]>,
+    control: Option<&'a Control>,
     references: PerAxis<Option<Millimetres>>,
     scale_um_per_m: f64,
 }
@@ -48,26 +46,16 @@ impl<'a> SimulatedMachine<'a> {
     /// every scale has grown since it was measured (α·ΔT of a machine that warmed up).
     pub fn new(
         inputs: &'a Inputs,
-        loaded: Option<&Loaded>,
+        loaded: Option<&'a Loaded>,
         scale_um_per_m: f64,
-    ) -> Result<SimulatedMachine<'a>, CannotEmulate> {
-        let mut responses = PerTerm::<[Response; 2]>::default();
-        for (term, _) in inputs.model.measured() {
-            let Some(loaded) = loaded else { break };
-            let Some((base, output)) = axis_pairs(&loaded.plan, term).first().copied() else {
-                continue;
-            };
-            let [plus, minus] =
-                Direction::BOTH.map(|direction| loaded.control.response(base, output, direction));
-            responses[term] = [plus?, minus?];
-        }
+    ) -> SimulatedMachine<'a> {
         let axes = &inputs.job.machine.axes;
-        Ok(SimulatedMachine {
+        SimulatedMachine {
             model: &inputs.model,
-            responses,
+            control: loaded.map(|loaded| &loaded.control),
             references: PerAxis::from_fn(|axis| axes[axis].map(|axis| axis.reference)),
             scale_um_per_m,
-        })
+        }
     }
 
     /// Deviation + correction of a term, µm; `None` where it was not measured in this direction.
@@ -79,16 +67,10 @@ impl<'a> SimulatedMachine<'a> {
     ) -> Option<f64> {
         let measured = self.model.terms[term].as_ref()?;
         let deviation = measured.measured.curve(direction)?.at(position);
-        let residual = deviation + self.response(term, direction).correction(position);
-        Some(residual.um() + self.grown_um(term, position))
-    }
-
-    fn response(&self, term: ErrorTerm, direction: Direction) -> &Response {
-        let [plus, minus] = &self.responses[term];
-        match direction {
-            Direction::Plus => plus,
-            Direction::Minus => minus,
-        }
+        let correction = self.control.map_or(Correction::ZERO, |control| {
+            control.correction(term, direction, position)
+        });
+        Some((deviation + correction).um() + self.grown_um(term, position))
     }
 
     /// What the change of scale adds to a positioning error.
@@ -101,11 +83,12 @@ impl<'a> SimulatedMachine<'a> {
 
     /// Whether the two directions of an axis differ: measured apart, or corrected apart.
     fn is_directed(&self, along: Axis) -> bool {
-        let of_axis = self.model.measured().filter(|(t, _)| t.along == along);
-        of_axis.into_iter().any(|(term, measured)| {
-            let [plus, minus] = &self.responses[term];
-            measured.measured.has_both_ways() || plus != minus
-        })
+        let apart = |term| {
+            self.control
+                .is_some_and(|control| !control.is_undirected(term))
+        };
+        let mut of_axis = self.model.measured().filter(|(t, _)| t.along == along);
+        of_axis.any(|(term, measured)| measured.measured.has_both_ways() || apart(term))
     }
 }
 

@@ -103,7 +103,7 @@ fn table(machine: &Machine, directed: bool) -> String {
 }
 
 fn simulate(inputs: &Inputs, loaded: Option<&Loaded>, wishes: Wishes) -> Simulation {
-    let machine = SimulatedMachine::new(inputs, loaded, 0.0).unwrap();
+    let machine = SimulatedMachine::new(inputs, loaded, 0.0);
     let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
     readings(&machine, &rehearsal, &inputs.job).unwrap_or_else(|p| panic!("{}", p.render()))
 }
@@ -283,7 +283,7 @@ fn a_change_of_scale_is_the_same_along_every_diagonal() {
     let inputs = plain_inputs(&machine);
     let rehearsal = Rehearsal::of(&inputs.job, None, Wishes::default()).unwrap();
     let ends = |scale: f64| {
-        let warm = SimulatedMachine::new(&inputs, None, scale).unwrap();
+        let warm = SimulatedMachine::new(&inputs, None, scale);
         let found = readings(&warm, &rehearsal, &inputs.job).unwrap();
         Diagonal::ALL.map(|d| found.predicted[d].end_um)
     };
@@ -299,7 +299,7 @@ fn the_error_table_holds_what_is_left_at_every_measured_position() {
     machine.lost_um.y = -6.0;
     let text = job(&machine.volume, true, false, true);
     let inputs = inputs(&text, &table(&machine, true));
-    let plain = SimulatedMachine::new(&inputs, None, 0.0).unwrap();
+    let plain = SimulatedMachine::new(&inputs, None, 0.0);
     let note = format!("note: {SIMULATED}: a test");
     let csv = nonius::error_table::write(&single_axes(
         &plain,

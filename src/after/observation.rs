@@ -7,7 +7,7 @@ use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::forecast::axis_pairs;
 use crate::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::plan::Plan;
-use crate::units::Millimetres;
+use crate::units::{Correction, Millimetres};
 
 /// One deviation that a value sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,9 +86,18 @@ impl Control {
 
     /// The correction where a part looks, µm.
     pub fn at(&self, part: &Part) -> f64 {
-        self.response(part.term, part.direction)
-            .correction(part.at)
-            .um()
+        self.correction(part.term, part.direction, part.at).um()
+    }
+
+    /// The correction of a term while its axis moves in a direction.
+    pub fn correction(&self, term: ErrorTerm, direction: Direction, at: Millimetres) -> Correction {
+        self.response(term, direction).correction(at)
+    }
+
+    /// Whether a term is corrected alike in both directions.
+    pub fn is_undirected(&self, term: ErrorTerm) -> bool {
+        let [plus, minus] = &self.0[term];
+        plus == minus
     }
 
     /// What the tables alone add, µm.

@@ -5,7 +5,7 @@ use crate::cli::verify::{kit_file, read_directory};
 use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
 use crate::diagonal::{Diagonal, PathKind};
 use crate::error_table;
-use crate::kit::{Inputs, cannot_emulate, generate, hashed};
+use crate::kit::{Inputs, generate, hashed};
 use crate::manifest::picometres;
 use crate::problem::{Problem, Problems};
 use crate::readback::kit::KitFile;
@@ -58,6 +58,15 @@ pub(super) struct Options {
     /// What to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
+}
+
+impl Options {
+    fn noise(&self) -> Noise {
+        Noise {
+            um: self.noise_um,
+            seed: self.seed,
+        }
+    }
 }
 
 /// No laser on a machine is worse: above it a unit was mistaken.
@@ -115,10 +124,7 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
 
 fn simulated(options: &Options) -> Result<Simulated, Problems> {
     let (inputs, angles) = inputs::read_with_angles(&options.job)?;
-    let noise = Noise {
-        um: options.noise_um,
-        seed: options.seed,
-    };
+    let noise = options.noise();
     let wishes = Wishes {
         straight: options.straight,
         both_directions: options.both_directions,
@@ -131,8 +137,7 @@ fn simulated(options: &Options) -> Result<Simulated, Problems> {
     };
     let (loaded, mut origin) = tables(options, &inputs)?;
     origin.notes.extend(taken_for_granted(&inputs));
-    let machine = SimulatedMachine::new(&inputs, loaded.as_ref(), options.scale_um_per_m)
-        .map_err(|reason| cannot_emulate(&reason))?;
+    let machine = SimulatedMachine::new(&inputs, loaded.as_ref(), options.scale_um_per_m);
     let Some(rehearsal) = rehearsal else {
         return Ok(error_table(options, &inputs, &machine, &origin));
     };
@@ -200,10 +205,7 @@ fn error_table(
     machine: &SimulatedMachine<'_>,
     origin: &Origin,
 ) -> Simulated {
-    let noise = Noise {
-        um: options.noise_um,
-        seed: options.seed,
-    };
+    let noise = options.noise();
     let runs = options.runs.unwrap_or(1);
     let draft = single_axes(machine, runs, noise, origin.comments(inputs, noise));
     let rows: usize = draft.series.iter().map(|s| s.positions_mm.len()).sum();

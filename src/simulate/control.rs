@@ -1,19 +1,18 @@
 //! The control that loaded the files of a kit.
 
+use crate::after::Control;
 use crate::axis::Axis;
 use crate::compensation::compile;
-use crate::emulate::Emulator;
 use crate::kit::{Inputs, cannot_emulate, emulator};
-use crate::plan::{Plan, Task, plan};
+use crate::plan::{Task, plan};
 use crate::problem::Problems;
 use crate::readback::kit::{KitFile, read};
 
 /// Tables that were read from bytes, in an emulated control.
+#[derive(Clone, Debug)]
 pub struct Loaded {
-    /// The plan of the job: the control's names of the axes.
-    pub(super) plan: Plan,
-    /// The control.
-    pub(super) control: Box<dyn Emulator>,
+    /// What the control adds to every term.
+    pub(super) control: Control,
     /// What is taken from the job because no file holds it, one sentence each.
     pub notes: Vec<String>,
 }
@@ -29,8 +28,9 @@ impl Loaded {
         let plan = plan(task)?;
         let state = compile(task, &plan)?.state;
         let read = read(&inputs.profile, files)?;
-        let control =
-            emulator(&inputs.profile, &read.tables, &state).map_err(|e| cannot_emulate(&e))?;
+        let control = emulator(&inputs.profile, &read.tables, &state)
+            .and_then(|emulator| Control::new(&plan, emulator.as_ref()))
+            .map_err(|reason| cannot_emulate(&reason))?;
         let parameter = |axis: Axis| {
             let name = plan.names[axis].first()?;
             let um = state.axis(name)?.backlash_um;
@@ -40,10 +40,6 @@ impl Loaded {
         };
         let mut notes = read.notes;
         notes.extend(Axis::ALL.into_iter().filter_map(parameter));
-        Ok(Loaded {
-            plan,
-            control,
-            notes,
-        })
+        Ok(Loaded { control, notes })
     }
 }

@@ -2,10 +2,13 @@
 
 use super::second::Second;
 use super::{absent, agreement, heading};
-use crate::after::{Comparison, Control, Line, compare};
+use crate::after::{Comparison, Control, Line, Observation, compare, observations};
+use crate::axis::{Direction, PerAxis};
+use crate::causes::{Cause, Diagnosis, Question, diagnose};
 use crate::cli::show::{self, Column};
 use crate::cli::{Answer, Format, print, print_json};
-use crate::forecast::{COVERAGE_FACTOR, Verdict};
+use crate::forecast::{COVERAGE_FACTOR, Forecast, Verdict};
+use crate::job::{Job, MeasuredData};
 use crate::kit::{Inputs, Verification, emulator};
 use crate::manifest::picometres;
 use crate::problem::Problems;
@@ -18,6 +21,7 @@ struct Page<'a> {
     verification: &'a Verification,
     second: &'a Second,
     comparison: Comparison,
+    diagnosis: Option<Diagnosis>,
     verdict: Verdict,
 }
 
@@ -57,13 +61,60 @@ fn page<'a>(
         &second.measurement,
     )?;
     let verdict = judged(inputs, verification, &comparison);
+    let diagnosis = match (&control, &verification.forecast) {
+        (Ok(control), Some(forecast)) => {
+            let seen = observations(&inputs.model, &second.measurement);
+            Some(diagnose(&question(
+                inputs,
+                verification,
+                forecast,
+                control,
+                &seen,
+            ))?)
+        }
+        _ => None,
+    };
     Ok(Page {
         inputs,
         verification,
         second,
         comparison,
+        diagnosis,
         verdict,
     })
+}
+
+fn question<'a>(
+    inputs: &'a Inputs,
+    verification: &Verification,
+    forecast: &Forecast,
+    control: &'a Control,
+    seen: &'a [Observation],
+) -> Question<'a> {
+    let axis = |axis| inputs.job.machine.axes[axis];
+    let counts = verification.compiled.placements.iter().map(|p| p.count_um);
+    Question {
+        before: &inputs.model,
+        control,
+        seen,
+        homing: PerAxis::from_fn(|a| axis(a).map_or(Direction::Plus, |a| a.homing())),
+        reference_mm: PerAxis::from_fn(|a| axis(a).map_or(0.0, |a| a.reference.mm())),
+        alpha_per_k: alpha_per_k(&inputs.job),
+        count_um: counts.fold(0.0, f64::max),
+        forecast_um: forecast.max_residual_um(),
+    }
+}
+
+/// Steel, where the job states no scale's expansion, 1/K.
+const STEEL_PER_K: f64 = 11.5e-6;
+
+fn alpha_per_k(job: &Job) -> PerAxis<f64> {
+    let material = match &job.measurement.data {
+        MeasuredData::Diagonals(measurement) => measurement.material,
+        MeasuredData::Errors(_) => None,
+    };
+    let stated = |axis| material?.axes[axis].map(|scale| scale.alpha_per_k);
+    PerAxis::from_fn(|axis| stated(axis).unwrap_or(STEEL_PER_K))
 }
 
 /// The as-left figures against the acceptance; what is missing or doubtful decides nothing in
@@ -114,10 +165,18 @@ impl Page<'_> {
                 !verification.disagreements.is_empty(),
                 &self.doubts(),
             ),
+            self.diagnosis
+                .as_ref()
+                .map(|found| self.explained(found))
+                .unwrap_or_default(),
             absent(&self.comparison.notes),
             absent(&verification.absent),
             show::assumptions(&verification.compiled.assumptions),
         ])
+    }
+
+    fn explained(&self, found: &Diagnosis) -> String {
+        explanation(found, self.verdict).join("\n")
     }
 
     fn measured_after(&self) -> String {
@@ -142,6 +201,11 @@ impl Page<'_> {
             .cloned()
             .chain(misses)
             .chain(self.doubts())
+            .chain(
+                self.diagnosis
+                    .iter()
+                    .flat_map(|found| explanation(found, self.verdict)),
+            )
             .collect();
         let notes: Vec<String> = self
             .comparison
@@ -159,10 +223,77 @@ impl Page<'_> {
             "max_residual_um": largest(&self.comparison.terms),
             "diagonals": figures(&self.comparison.diagonals),
             "causes": causes,
+            "diagnosis": self.diagnosis.as_ref().map(diagnosis),
             "assumptions": verification.compiled.assumptions,
             "notes": notes,
         })
     }
+}
+
+/// What the data say of the causes, one line each.
+fn explanation(found: &Diagnosis, verdict: Verdict) -> Vec<String> {
+    let off = format!(
+        "as left is {:.3} um (root mean square) off the forecast; sigma {:.3} um, {}",
+        found.off_um, found.basis.sigma_um, found.basis.words
+    );
+    if found.as_forecast {
+        return match verdict {
+            Verdict::Pass => Vec::new(),
+            _ => vec![format!(
+                "the tables act as forecast, no fault shows ({off}): what is left was left by the plan, or lies within U"
+            )],
+        };
+    }
+    let mut lines = vec![format!("NOT AS FORECAST: {off}")];
+    match found.causes.as_slice() {
+        [] => lines.push(
+            "no single cause of those tried explains it: unknown, or several at once".to_string(),
+        ),
+        [only] => lines.push(format!("likely cause: {}", said(only))),
+        several => {
+            lines.push("likely causes, which these data cannot tell apart:".to_string());
+            lines.extend(several.iter().map(|cause| format!("  - {}", said(cause))));
+        }
+    }
+    lines.extend(found.by_term.iter().map(|words| format!("  {words}")));
+    lines.extend(
+        found
+            .decides
+            .iter()
+            .map(|words| format!("to decide: {words}")),
+    );
+    lines
+}
+
+fn said(cause: &Cause) -> String {
+    format!(
+        "{}: {} (leaves {:.3} um unexplained)",
+        cause.kind.to_uppercase(),
+        cause.words,
+        cause.left_um
+    )
+}
+
+fn diagnosis(found: &Diagnosis) -> Value {
+    let cause = |cause: &Cause| {
+        json!({
+            "kind": cause.kind,
+            "words": cause.words,
+            "fitted": cause.fitted.iter().map(|value| picometres(*value)).collect::<Vec<f64>>(),
+            "left_um": picometres(cause.left_um),
+        })
+    };
+    json!({
+        "as_forecast": found.as_forecast,
+        "off_forecast_um": picometres(found.off_um),
+        "sigma_um": picometres(found.basis.sigma_um),
+        "sigma_from": found.basis.words,
+        "values": found.basis.values,
+        "curves": found.basis.curves,
+        "causes": found.causes.iter().map(cause).collect::<Vec<Value>>(),
+        "by_term": found.by_term,
+        "decides": found.decides,
+    })
 }
 
 /// The largest as-left figure of the terms, else nothing.
