@@ -82,11 +82,14 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
         return Err(Problem::new("no position was measured both times")
             .help("measure the same range of the same axes again"));
     }
-    let fits: Vec<Fit> = faults.iter().map(|fault| data.fit(fault)).collect();
-    data.settle(&fits);
+    let all = |data: &Data<'_>| faults.iter().map(|fault| data.fit(fault)).collect();
+    // Equal weights leave the fits as they are, whatever the uncertainty turns out to be.
+    let early: Option<Vec<Fit>> = (!data.has_uncertainty()).then(|| all(&data));
+    if let Some(fits) = &early {
+        data.settle(fits);
+    }
     let forecast = data.fit(&Fault::None);
     let as_forecast = data.stands(&forecast);
-    refuse_unit_slip(&data)?;
     let mut found = Diagnosis {
         as_forecast,
         off_um: data.rms(&forecast),
@@ -96,10 +99,13 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
         basis: data.basis.clone(),
     };
     if as_forecast {
+        refuse_unit_slip(&data)?;
         return Ok(found);
     }
-    let standing = not_excluded(&data, &faults);
+    let fits = early.unwrap_or_else(|| all(&data));
+    let standing = not_excluded(&data, &faults, fits);
     if standing.is_empty() {
+        refuse_unit_slip(&data)?;
         found.by_term = term_by_term(&data);
         return Ok(found);
     }
@@ -110,8 +116,8 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
 
 /// Faults with their fits that fit by themselves and are as good as the best one; what holds a
 /// simpler one of them as a special case is left out.
-fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault]) -> Vec<(&'a Fault, Fit)> {
-    let fits = faults.iter().map(|fault| (fault, data.fit(fault)));
+fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault], fits: Vec<Fit>) -> Vec<(&'a Fault, Fit)> {
+    let fits = faults.iter().zip(fits);
     let possible = fits.filter(|(fault, fit)| data.stands(fit) && fault.is_plausible(data, fit));
     let possible: Vec<(&Fault, Fit)> = possible.collect();
     let scores: Vec<f64> = possible.iter().map(|(_, fit)| data.score(fit)).collect();

@@ -189,15 +189,19 @@ impl<'a> Data<'a> {
         }
     }
 
+    /// Whether either measurement states an uncertainty.
+    pub(super) fn has_uncertainty(&self) -> bool {
+        let after = self.question.seen.iter().any(|o| o.u_um.is_some());
+        let mut before = self.question.before.measured();
+        after || before.any(|(_, measured)| measured.u_um.is_some())
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.measured_um.is_empty()
     }
 
     /// Without any stated uncertainty: the scatter about the best explanation.
     pub(super) fn settle(&mut self, fits: &[Fit]) {
-        if has_uncertainty(self.question) {
-            return;
-        }
         let forecast = self.fit(&Fault::None);
         let all = fits.iter().chain([&forecast]).map(|fit| self.rms(fit));
         let best = all.fold(f64::INFINITY, f64::min);
@@ -218,7 +222,7 @@ impl<'a> Data<'a> {
         let seen = self.question.seen.iter();
         let sigma = |o: &Observation| {
             let u = o.u_um.unwrap_or(0.0) / unit;
-            (u * u + found(o) + floor_um(self.question).powi(2)).sqrt()
+            (u * u + found(o) + rounding_variance(self.question)).sqrt()
         };
         Data {
             question: self.question,
@@ -339,7 +343,7 @@ impl<'a> Data<'a> {
     }
 
     /// A shift acts through the shape of the tables: searched on a grid, then narrowed. Axes are
-    /// searched one after the other, twice, since they meet on a diagonal.
+    /// searched one after the other; twice where they meet on a diagonal.
     fn fit_shift(&self, axis: Option<Axis>) -> Fit {
         let fault = Fault::Shifted(axis);
         match axis {
@@ -349,7 +353,9 @@ impl<'a> Data<'a> {
             }
             None => {
                 let mut fitted = vec![0.0; 3];
-                for _ in 0..2 {
+                let together = self.question.seen.iter().any(|o| o.diagonal.is_some());
+                let rounds = if together { 2 } else { 1 };
+                for _ in 0..rounds {
                     for (index, own) in Axis::ALL.into_iter().enumerate() {
                         fitted[index] = self.search(own, |mm| {
                             let mut tried = fitted.clone();
@@ -448,7 +454,7 @@ impl<'a> Data<'a> {
 /// Singular values below this share of a column's length are rounding.
 const NEGLIGIBLE: f64 = 1e-9;
 /// Steps to either side in which a shift is searched over half the length of the tables.
-const SHIFTS: f64 = 60.0;
+const SHIFTS: f64 = 40.0;
 
 fn not_rejected(curves: &[f64]) -> bool {
     #[allow(clippy::cast_precision_loss, reason = "a handful of curves")]
@@ -461,7 +467,7 @@ fn not_rejected(curves: &[f64]) -> bool {
 /// Golden section.
 fn narrowed(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
     const SHARE: f64 = 0.618_033_988_749_895;
-    const ROUNDS: usize = 30; // 10⁻⁶ of the first width
+    const ROUNDS: usize = 24; // 10⁻⁵ of the first width
     for _ in 0..ROUNDS {
         let (a, b) = (high - SHARE * (high - low), low + SHARE * (high - low));
         if of(a) <= of(b) {
@@ -485,15 +491,6 @@ fn floor_um(question: &Question<'_>) -> f64 {
         .max(SMALLEST_UM)
 }
 
-fn has_uncertainty(question: &Question<'_>) -> bool {
-    let after = question.seen.iter().any(|o| o.u_um.is_some());
-    after
-        || question
-            .before
-            .measured()
-            .any(|(_, measured)| measured.u_um.is_some())
-}
-
 /// Σ (weight · u as found)² over the errors that a value sees; parts of one term move together.
 fn found_variance(question: &Question<'_>, observation: &Observation) -> f64 {
     let of = |term: ErrorTerm| {
@@ -505,9 +502,14 @@ fn found_variance(question: &Question<'_>, observation: &Observation) -> f64 {
     ErrorTerm::ALL.into_iter().map(of).sum()
 }
 
+/// Table values are whole counts, spread evenly over one.
+fn rounding_variance(question: &Question<'_>) -> f64 {
+    question.count_um * question.count_um / 12.0 + SMALLEST_UM * SMALLEST_UM
+}
+
 /// σ of every value, and where it comes from.
 fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
-    let rounding = question.count_um * question.count_um / 12.0 + SMALLEST_UM * SMALLEST_UM;
+    let rounding = rounding_variance(question);
     let sigma = |o: &Observation| {
         let found = found_variance(question, o);
         let left = o.u_um.map_or(found, |u| u * u);
