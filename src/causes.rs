@@ -21,10 +21,13 @@
 mod data;
 mod decide;
 mod fault;
+mod fit;
+mod question;
 mod words;
 
-pub use self::data::{Basis, Question};
+pub use self::data::Basis;
 pub use self::fault::{Fault, Scope};
+pub use self::question::Question;
 
 use self::data::{Data, Fit};
 use self::fault::all_faults;
@@ -136,29 +139,41 @@ fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault], fits: Vec<Fit>) -> Vec
         .collect()
 }
 
+fn widest_first<'a>(mut standing: Vec<(&'a Fault, Fit)>) -> Vec<(&'a Fault, Fit)> {
+    standing.sort_by_key(|(fault, _)| fault.breadth());
+    standing
+}
+
 /// Faults of one kind with one prediction are one cause.
 fn causes(question: &Question<'_>, data: &Data<'_>, standing: Vec<(&Fault, Fit)>) -> Vec<Cause> {
     let mut groups: Vec<(Vec<Fault>, Fit)> = Vec::new();
-    for (fault, fit) in standing {
+    for (fault, fit) in widest_first(standing) {
         let same = groups.iter_mut().find(|(faults, other)| {
             faults[0].kind() == fault.kind() && fit.differs_from(other) < SAME_UM
         });
         match same {
-            Some((faults, _)) => faults.push(fault.clone()),
+            Some((faults, _)) => {
+                // The kit may hold the same tables in either scope.
+                if !faults
+                    .iter()
+                    .any(|other| other.is_the_same_on(question, fault))
+                {
+                    faults.push(fault.clone());
+                }
+            }
             None => groups.push((vec![fault.clone()], fit)),
         }
     }
-    let cause = |(mut faults, fit): (Vec<Fault>, Fit)| {
-        faults.sort_by_key(Fault::breadth);
-        Cause {
-            kind: faults[0].kind(),
-            words: words::cause(question, &faults, &fit.fitted),
-            left_um: data.rms(&fit),
-            fitted: fit.fitted,
-            faults,
-        }
+    let cause = |(faults, fit): (Vec<Fault>, Fit)| Cause {
+        kind: faults[0].kind(),
+        words: words::cause(question, &faults, &fit.fitted),
+        left_um: data.rms(&fit),
+        fitted: fit.fitted,
+        faults,
     };
-    groups.into_iter().map(cause).collect()
+    let mut causes: Vec<Cause> = groups.into_iter().map(cause).collect();
+    causes.sort_by(|a, b| a.left_um.total_cmp(&b.left_um));
+    causes
 }
 
 /// What each term looks like by itself: every fault that fits, the best first.
