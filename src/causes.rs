@@ -139,7 +139,7 @@ fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault], fits: Vec<Fit>) -> Vec
         .collect()
 }
 
-fn widest_first<'a>(mut standing: Vec<(&'a Fault, Fit)>) -> Vec<(&'a Fault, Fit)> {
+fn widest_first(mut standing: Vec<(&Fault, Fit)>) -> Vec<(&Fault, Fit)> {
     standing.sort_by_key(|(fault, _)| fault.breadth());
     standing
 }

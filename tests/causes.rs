@@ -227,7 +227,7 @@ fn rig(plan: &Plan) -> Rig {
             .into_iter()
             .find(|(axis, ..)| *axis == along)
             .unwrap();
-        let own = random.between(0.0, 1e6) as u64;
+        let own = random.below(1_000_000) as u64;
         for way in ways {
             let reversal = if *way == "-" && term.as_bytes()[1] == term.as_bytes()[2] {
                 6.0
@@ -319,7 +319,7 @@ fn table(
             };
             let Some(mm) = Axis::ALL
                 .into_iter()
-                .find_map(|a| of(a))
+                .find_map(&of)
                 .map(|(_, lines)| lines.mm.clone())
             else {
                 continue;
