@@ -307,7 +307,7 @@ fn nine_terms_over(before: &ErrorModel, runs: &StraightRuns) -> Result<(), Probl
         .collect();
     if !missing.is_empty() {
         return Err(Problem::new(format!(
-            "straight runs of the body diagonals show all nine errors together, but as found {} was not measured",
+            "straight runs of the body diagonals show all nine errors together, but these were not measured as found: {}",
             missing.join(", ")
         ))
         .help("measure the errors of the first measurement again, each by itself")

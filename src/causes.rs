@@ -21,10 +21,13 @@
 mod data;
 mod decide;
 mod fault;
+mod fit;
+mod question;
 mod words;
 
-pub use self::data::{Basis, Question};
+pub use self::data::Basis;
 pub use self::fault::{Fault, Scope};
+pub use self::question::Question;
 
 use self::data::{Data, Fit};
 use self::fault::all_faults;
@@ -82,11 +85,14 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
         return Err(Problem::new("no position was measured both times")
             .help("measure the same range of the same axes again"));
     }
-    let fits: Vec<Fit> = faults.iter().map(|fault| data.fit(fault)).collect();
-    data.settle(&fits);
+    let all = |data: &Data<'_>| faults.iter().map(|fault| data.fit(fault)).collect();
+    // Equal weights leave the fits as they are, whatever the uncertainty turns out to be.
+    let early: Option<Vec<Fit>> = (!data.has_uncertainty()).then(|| all(&data));
+    if let Some(fits) = &early {
+        data.settle(fits);
+    }
     let forecast = data.fit(&Fault::None);
     let as_forecast = data.stands(&forecast);
-    refuse_unit_slip(&data)?;
     let mut found = Diagnosis {
         as_forecast,
         off_um: data.rms(&forecast),
@@ -96,10 +102,13 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
         basis: data.basis.clone(),
     };
     if as_forecast {
+        refuse_unit_slip(&data)?;
         return Ok(found);
     }
-    let standing = not_excluded(&data, &faults);
+    let fits = early.unwrap_or_else(|| all(&data));
+    let standing = not_excluded(&data, &faults, fits);
     if standing.is_empty() {
+        refuse_unit_slip(&data)?;
         found.by_term = term_by_term(&data);
         return Ok(found);
     }
@@ -110,8 +119,8 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
 
 /// Faults with their fits that fit by themselves and are as good as the best one; what holds a
 /// simpler one of them as a special case is left out.
-fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault]) -> Vec<(&'a Fault, Fit)> {
-    let fits = faults.iter().map(|fault| (fault, data.fit(fault)));
+fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault], fits: Vec<Fit>) -> Vec<(&'a Fault, Fit)> {
+    let fits = faults.iter().zip(fits);
     let possible = fits.filter(|(fault, fit)| data.stands(fit) && fault.is_plausible(data, fit));
     let possible: Vec<(&Fault, Fit)> = possible.collect();
     let scores: Vec<f64> = possible.iter().map(|(_, fit)| data.score(fit)).collect();
@@ -130,29 +139,41 @@ fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault]) -> Vec<(&'a Fault, Fit
         .collect()
 }
 
+fn widest_first(mut standing: Vec<(&Fault, Fit)>) -> Vec<(&Fault, Fit)> {
+    standing.sort_by_key(|(fault, _)| fault.breadth());
+    standing
+}
+
 /// Faults of one kind with one prediction are one cause.
 fn causes(question: &Question<'_>, data: &Data<'_>, standing: Vec<(&Fault, Fit)>) -> Vec<Cause> {
     let mut groups: Vec<(Vec<Fault>, Fit)> = Vec::new();
-    for (fault, fit) in standing {
+    for (fault, fit) in widest_first(standing) {
         let same = groups.iter_mut().find(|(faults, other)| {
             faults[0].kind() == fault.kind() && fit.differs_from(other) < SAME_UM
         });
         match same {
-            Some((faults, _)) => faults.push(fault.clone()),
+            Some((faults, _)) => {
+                // The kit may hold the same tables in either scope.
+                if !faults
+                    .iter()
+                    .any(|other| other.is_the_same_on(question, fault))
+                {
+                    faults.push(fault.clone());
+                }
+            }
             None => groups.push((vec![fault.clone()], fit)),
         }
     }
-    let cause = |(mut faults, fit): (Vec<Fault>, Fit)| {
-        faults.sort_by_key(Fault::breadth);
-        Cause {
-            kind: faults[0].kind(),
-            words: words::cause(question, &faults, &fit.fitted),
-            left_um: data.rms(&fit),
-            fitted: fit.fitted,
-            faults,
-        }
+    let cause = |(faults, fit): (Vec<Fault>, Fit)| Cause {
+        kind: faults[0].kind(),
+        words: words::cause(question, &faults, &fit.fitted),
+        left_um: data.rms(&fit),
+        fitted: fit.fitted,
+        faults,
     };
-    groups.into_iter().map(cause).collect()
+    let mut causes: Vec<Cause> = groups.into_iter().map(cause).collect();
+    causes.sort_by(|a, b| a.left_um.total_cmp(&b.left_um));
+    causes
 }
 
 /// What each term looks like by itself: every fault that fits, the best first.

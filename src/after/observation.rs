@@ -70,15 +70,24 @@ impl Observation {
 pub struct Control(PerTerm<[Response; 2]>);
 
 impl Control {
-    /// Asks an emulator for the nine terms.
-    pub fn new(plan: &Plan, emulator: &dyn Emulator) -> Result<Control, CannotEmulate> {
+    /// Asks an emulator for the nine terms; a term that was not measured may concern an axis that
+    /// the control does not have.
+    pub fn new(
+        before: &ErrorModel,
+        plan: &Plan,
+        emulator: &dyn Emulator,
+    ) -> Result<Control, CannotEmulate> {
         let mut responses = PerTerm::from_fn(|_| [Response::default(), Response::default()]);
         for term in ErrorTerm::ALL {
             let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
                 continue;
             };
             for direction in Direction::BOTH {
-                responses[term][index(direction)] = emulator.response(base, output, direction)?;
+                match emulator.response(base, output, direction) {
+                    Ok(response) => responses[term][index(direction)] = response,
+                    Err(reason) if before.terms[term].is_some() => return Err(reason),
+                    Err(_) => {}
+                }
             }
         }
         Ok(Control(responses))

@@ -3,15 +3,19 @@
 //! A control shows the compensation value that acts; reading it costs nothing. Where the causes
 //! leave the control as planned (temperature), a linear run decides.
 
-use super::data::{Fit, Question};
+use super::data::Fit;
 use super::fault::{Fault, Planned};
+use super::question::Question;
+use super::words::label;
 use crate::after::Part;
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::units::Millimetres;
 
 /// What a display and a dial gauge tell apart, µm.
 const TOLD_APART_UM: f64 = 0.5;
-/// Steps of the sizes of a bump test, µm.
+/// The last digit that is shown, µm.
+const SHOWN_UM: f64 = 0.001;
+/// Largest bump of a proof of the sign, µm.
 const BUMP_UM: u32 = 20;
 
 /// A place to look at, and what each fault shows there.
@@ -114,16 +118,13 @@ fn display(question: &Question<'_>, standing: &[(&Fault, Fit)], look: &Look) -> 
     let planned = shown_um(question, &Fault::None, None, &look.part);
     let mut said: Vec<(String, f64)> = Vec::new();
     for ((fault, _), um) in standing.iter().zip(&look.values_um) {
-        let known = said
+        let label = label(question, fault);
+        match said
             .iter_mut()
-            .find(|(_, other)| (other.abs() - um.abs()).abs() < 1e-3 && (other - um).abs() < 1e-3);
-        match known {
-            Some((words, _)) if !words.contains(fault.kind()) => {
-                words.push_str(" or ");
-                words.push_str(fault.kind());
-            }
-            Some(_) => {}
-            None => said.push((fault.kind().to_string(), *um)),
+            .find(|(_, other)| (other - um).abs() < SHOWN_UM)
+        {
+            Some((words, _)) => add_label(words, &label),
+            None => said.push((label, *um)),
         }
     }
     let cases: Vec<String> = said
@@ -147,6 +148,18 @@ fn display(question: &Question<'_>, standing: &[(&Fault, Fit)], look: &Look) -> 
         term.of,
         cases.join(", ")
     )
+}
+
+/// Labels of one value are joined; many are cut.
+fn add_label(words: &mut String, label: &str) {
+    const MOST: usize = 3;
+    let joined = words.matches(" or ").count() + 1;
+    if joined < MOST {
+        words.push_str(" or ");
+        words.push_str(label);
+    } else if !words.ends_with(" …") {
+        words.push_str(" …");
+    }
 }
 
 fn short(at: Millimetres) -> String {

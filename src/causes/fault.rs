@@ -1,7 +1,8 @@
 //! The faults that are tried, and what each makes of the corrections.
 
 use super::MOST_KELVIN;
-use super::data::{Data, Fit, Question};
+use super::data::{Data, Fit};
+use super::question::Question;
 use crate::after::Part;
 use crate::axis::{Axis, ErrorTerm};
 use crate::units::{MM_PER_INCH, Millimetres};
@@ -126,6 +127,26 @@ impl Fault {
             }
             _ => 0,
         }
+    }
+
+    fn scope(&self) -> Option<Scope> {
+        match self {
+            Fault::Times(scope, _) | Fault::Factor(scope) | Fault::DirectionsTurned(scope) => {
+                Some(*scope)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether two faults of one kind concern the same tables of the kit.
+    pub(super) fn is_the_same_on(&self, question: &Question<'_>, other: &Fault) -> bool {
+        let (Some(own), Some(others)) = (self.scope(), other.scope()) else {
+            return false;
+        };
+        let mut tabled = ErrorTerm::ALL
+            .into_iter()
+            .filter(|term| question.control.has_table(*term));
+        tabled.all(|term| own.holds(term) == others.holds(term))
     }
 
     /// How many numbers are fitted.

@@ -1,7 +1,7 @@
 //! Causes in words for the shop floor.
 
-use super::data::Question;
 use super::fault::{Fault, Scope};
+use super::question::Question;
 use crate::axis::{Axis, ErrorTerm};
 use crate::units::MM_PER_INCH;
 
@@ -24,6 +24,11 @@ pub(super) fn cause(question: &Question<'_>, faults: &[Fault], fitted: &[f64]) -
         which = format!("{which}, or part of them");
     }
     format!("{which} {}", predicate(question, &faults[0], fitted))
+}
+
+/// A fault in a few words.
+pub(super) fn label(question: &Question<'_>, fault: &Fault) -> String {
+    format!("{} ({})", fault.kind(), subject(question, fault))
 }
 
 /// The tables of a scope.

@@ -52,7 +52,7 @@ fn page<'a>(
     let plan = &verification.plan;
     let state = &verification.compiled.state;
     let control = emulator(&inputs.profile, &verification.found, state)
-        .and_then(|emulator| Control::new(plan, emulator.as_ref()));
+        .and_then(|emulator| Control::new(&inputs.model, plan, emulator.as_ref()));
     let comparison = compare(
         inputs.machine(),
         plan,
@@ -171,8 +171,20 @@ impl Page<'_> {
                 .unwrap_or_default(),
             absent(&self.comparison.notes),
             absent(&verification.absent),
-            show::assumptions(&verification.compiled.assumptions),
+            self.assumptions(),
         ])
+    }
+
+    /// What was assumed of the control matters until a measurement has shown it.
+    fn assumptions(&self) -> String {
+        let shown = self
+            .diagnosis
+            .as_ref()
+            .is_some_and(|found| found.as_forecast);
+        if shown && self.verdict == Verdict::Pass {
+            return String::new();
+        }
+        show::assumptions(&self.verification.compiled.assumptions)
     }
 
     fn explained(&self, found: &Diagnosis) -> String {

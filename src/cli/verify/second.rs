@@ -9,7 +9,7 @@ use crate::job::{Job, MeasuredData};
 use crate::kit::{Inputs, hashed};
 use crate::manifest::HashedFile;
 use crate::model::ErrorModel;
-use crate::problem::{Problem, Problems};
+use crate::problem::{Place, Problem, Problems};
 use std::path::Path;
 
 /// A second measurement, and every file that it was read from.
@@ -46,10 +46,8 @@ fn is_job(path: &Path, text: &str) -> bool {
 
 /// An error table counts in the coordinates of the first job.
 fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems> {
-    let table = ErrorTable::read(source).map_err(|mut problems| {
-        problems.extend(readings_help().into());
-        problems
-    })?;
+    refuse_readings(&source)?;
+    let table = ErrorTable::read(source)?;
     if !first.job.measurement.squareness.is_empty() {
         return Err(Problem::new(
             "the first job adds `squareness_um_per_m` to its errors; whether the slopes of this table hold the squareness is not stated",
@@ -63,9 +61,24 @@ fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems
     )?)))
 }
 
-fn readings_help() -> Problem {
-    Problem::new("a measurement afterwards is an error table (CSV), or a job (TOML) that names errors or readings")
-        .help("readings of the diagonals need a job of their own: how they were walked stands there; another maker's file goes through `nonius import` first")
+/// Readings by themselves do not say how they were taken.
+fn refuse_readings(source: &Source) -> Result<(), Problem> {
+    let mut lines = source.text.lines().zip(1..);
+    let is_head = |line: &str| !line.trim().is_empty() && !line.starts_with('#');
+    let head = lines.find(|(line, _)| is_head(line));
+    match head.filter(|(line, _)| line.to_ascii_lowercase().contains("diagonal")) {
+        None => Ok(()),
+        Some((text, line)) => Err(Problem::new(
+            "these are readings of the diagonals, expected an error table (CSV) or a job (TOML)",
+        )
+        .at(Place {
+            line,
+            ..Place::in_text(&source.name, text, 0, text.len())
+        })
+        .help(
+            "write a job that names them with `readings = …`: how they were walked stands there",
+        )),
+    }
 }
 
 fn of_job(
