@@ -396,5 +396,7 @@ fn shared(
         let interval = budget.volume.interval(diagonal, along, step);
         (interval, difference(step))
     });
-    found.filter(|(_, both)| both != &[0.0, 0.0]).collect()
+    found
+        .filter(|(_, both)| both.iter().any(|um| um.abs() > 0.0))
+        .collect()
 }
