@@ -7,6 +7,10 @@
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
+    clippy::float_cmp,
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
     reason = "a test that cannot go on has to stop"
 )]
 
@@ -277,20 +281,18 @@ fn new_is_old_plus_residual_at_every_point_of_the_new_tables() {
             for direction in Direction::BOTH {
                 let of = |c: &dyn nonius::emulate::Emulator| response(c, base, output, direction);
                 let (old, new) = (of(before.as_ref()), of(after.as_ref()));
-                for (at, value) in new
+                for (at, _) in new
                     .straightened()
                     .tables()
                     .iter()
                     .flat_map(|t| t.nodes().collect::<Vec<_>>())
                 {
                     let x = at.mm();
-                    let constant = um_at(&new, x) - value.um();
                     let steps_known =
                         !case.is_fanuc() || (x / case.old_spacing).fract().abs() < 1e-9;
                     if !steps_known || new.straightened().tables().len() > 1 {
                         continue;
                     }
-                    let _ = constant;
                     let wanted = line(&old, x) - measured(&found, index, direction, x);
                     let got = line(&new, x);
                     points += 1;
@@ -750,4 +752,63 @@ fn steps_are_taken_off_where_the_laser_stood_and_lines_between() {
         let um = curve.at(nonius::units::Millimetres::new(x)).um();
         assert!((um - 0.08 * x).abs() < 1e-9, "{um} at {x}");
     }
+}
+
+/// Runs the program in a directory: exit status and standard output.
+fn nonius(directory: &std::path::Path, arguments: &str) -> (i32, String) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_nonius"))
+        .args(arguments.split_whitespace())
+        .current_dir(directory)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    (output.status.code().unwrap(), text)
+}
+
+#[test]
+fn the_history_of_a_kit_is_followed_and_its_breaks_are_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let job = |active: &str, errors: &str| {
+        small(
+            "siemens-840d-sl",
+            &format!("active_while_measuring = \"{active}\""),
+            "",
+            SIEMENS_AXES,
+        )
+        .replace("errors.csv", errors)
+    };
+    std::fs::write(at.join("1.toml"), job("none", "1.csv")).unwrap();
+    std::fs::write(at.join("2.toml"), job("kit1", "2.csv")).unwrap();
+    std::fs::write(at.join("1.csv"), FULL).unwrap();
+    std::fs::write(at.join("2.csv"), FULL.replace(",8,-3", ",1,1")).unwrap();
+    for number in ["1", "2"] {
+        let (status, text) = nonius(at, &format!("generate {number}.toml -o kit{number}"));
+        assert_eq!(status, 0, "{text}");
+    }
+    let (status, text) = nonius(at, "verify 2.toml --tables kit2");
+    assert!(
+        status == 0 && text.contains("job and tables agree"),
+        "{text}"
+    );
+    let (status, text) = nonius(at, "history kit2");
+    assert!(
+        status == 0 && text.contains("1  kit1") && text.contains("begins here"),
+        "{text}"
+    );
+    std::fs::rename(at.join("kit1"), at.join("kit1.previous")).unwrap();
+    assert_eq!(nonius(at, "history kit2").0, 0, "`--force` leaves it there");
+    std::fs::rename(at.join("kit1.previous"), at.join("elsewhere")).unwrap();
+    let (status, text) = nonius(at, "history kit2");
+    assert!(
+        status == 1 && text.contains("BREAKS here: the predecessor `kit1` is not found"),
+        "{text}"
+    );
+    std::fs::rename(at.join("elsewhere"), at.join("kit1")).unwrap();
+    std::fs::write(at.join("kit1/NONIUS_EEC.MPF"), "M30\n").unwrap();
+    let (status, text) = nonius(at, "history kit2 --format json");
+    assert!(
+        status == 1 && text.contains("was changed after it was made"),
+        "{text}"
+    );
 }

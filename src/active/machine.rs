@@ -60,7 +60,7 @@ pub fn uncompensated(
     }
     let has_backlash = active.backlash_um.iter().any(|(_, um)| um.is_some());
     if !acts && !has_backlash && problems.is_empty() {
-        problems.push(nothing(job, &control.connected_axes()));
+        problems.push(nothing(job, active, &control.connected_axes()));
     }
     problems.or_ok((sum.model, sum.notes))
 }
@@ -70,15 +70,21 @@ fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
     problem(job, message, "name the complete files of the control as they were while measuring, or measure with the compensation switched off").into()
 }
 
-fn nothing(job: &Job, found: &[(String, String)]) -> Problem {
+fn nothing(job: &Job, active: &ActiveControl, found: &[(String, String)]) -> Problem {
     let pairs: Vec<String> = found.iter().map(|(b, o)| format!("{b} → {o}")).collect();
-    let found = if pairs.is_empty() {
-        "no correction at all".to_string()
+    let passed_over = active
+        .notes
+        .iter()
+        .filter(|note| note.contains("left as it is"));
+    let passed_over: Vec<&str> = passed_over.map(String::as_str).collect();
+    let found = if pairs.is_empty() && passed_over.is_empty() {
+        "the files hold no correction at all".to_string()
+    } else if pairs.is_empty() {
+        passed_over.join("; ")
     } else {
-        format!("only {}", pairs.join(", "))
+        format!("the tables of {} hold zeros", pairs.join(", "))
     };
-    let message =
-        format!("the active tables correct nothing of the job's axes: the files hold {found}");
+    let message = format!("the active tables correct nothing of the job's axes: {found}");
     problem(
         job,
         message,

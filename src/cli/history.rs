@@ -63,10 +63,8 @@ impl Chain {
 }
 
 fn follow(directory: &Path) -> Result<Chain, Problems> {
-    let first = read_link(directory).map_err(|problem| match problem.help {
-        Some(_) => problem,
-        None => problem.help("name the directory of a kit, as `nonius generate` wrote it"),
-    })?;
+    let help = "name the directory of a kit, as `nonius generate` wrote it";
+    let first = read_link(directory).map_err(|problem| problem.help(help))?;
     let mut links = vec![first];
     let end = loop {
         let link = &links[links.len() - 1];
@@ -90,11 +88,16 @@ fn follow(directory: &Path) -> Result<Chain, Problems> {
 }
 
 fn read_link(directory: &Path) -> Result<Link, Problem> {
-    let bytes = read_file(&directory.join(MANIFEST))?;
+    let bytes = read_file(&directory.join(MANIFEST)).map_err(|_| {
+        Problem::new(format!(
+            "`{}` holds no {MANIFEST}, so it is no kit",
+            directory.display()
+        ))
+    })?;
     let manifest: Value = serde_json::from_slice(&bytes).map_err(|error| {
         Problem::new(format!(
-            "`{}` is damaged: {error}",
-            directory.join(MANIFEST).display()
+            "manifest.json of `{}` is damaged: {error}",
+            directory.display()
         ))
     })?;
     let mut faults = Vec::new();

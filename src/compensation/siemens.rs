@@ -11,6 +11,7 @@ use crate::claims::{Assumption, Precondition};
 use crate::compensation::{Compiled, Placement, backlash_why, control_state};
 use crate::controller::{SiemensFacts, TableSign};
 use crate::grid::Grid;
+use crate::job::ActiveTables;
 use crate::plan::{Plan, PlannedTable, Task};
 use crate::problem::Problems;
 use crate::table::Tables;
@@ -289,7 +290,12 @@ fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec
         ),
         Precondition::new(
             format!("CEC tables {}", numbers.join(", ")),
-            "free (not in use)",
+            match task.job.measurement.active {
+                ActiveTables::Path(_) => {
+                    "free (not in use), or held by the tables that were active"
+                }
+                _ => "free (not in use)",
+            },
             "existing tables of these numbers are overwritten",
             "`first_table` of the job",
         ),
