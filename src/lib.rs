@@ -59,6 +59,8 @@ pub mod controller;
 
 pub mod curve;
 
+pub mod space;
+
 pub mod fit;
 
 pub mod job;
