@@ -63,6 +63,8 @@ pub mod controller;
 
 pub mod curve;
 
+pub mod space;
+
 pub mod fit;
 
 pub mod job;
