@@ -237,9 +237,7 @@ fn run_diagonals(
     };
     let line = |diagonal: Diagonal| Line {
         name: diagonal.name().to_string(),
-        before_um: span(diagonal, &|part| {
-            Some(before_um(machine.as_measured, part))
-        }),
+        before_um: span(diagonal, &|part| Some(before_um(machine.as_measured, part))),
         forecast_um: span(diagonal, &|part| {
             Some(before_um(machine.uncompensated, part) + control?.at(part))
         }),

@@ -4,9 +4,9 @@ use super::AfterMeasurement;
 use crate::axis::{Direction, ErrorTerm, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PathKind};
 use crate::emulate::{CannotEmulate, Emulator, Response};
-use crate::plan::axis_pairs;
 use crate::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::plan::Plan;
+use crate::plan::axis_pairs;
 use crate::units::{Correction, Millimetres};
 
 /// One deviation that a value sees.

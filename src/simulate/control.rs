@@ -29,7 +29,7 @@ impl Loaded {
         let state = compile(task, &plan)?.state;
         let read = read(&inputs.profile, files)?;
         let control = emulator(&inputs.profile, &read.tables, &state)
-            .and_then(|emulator| Control::new(&plan, emulator.as_ref()))
+            .and_then(|emulator| Control::new(&inputs.model, &plan, emulator.as_ref()))
             .map_err(|reason| cannot_emulate(&reason))?;
         let parameter = |axis: Axis| {
             let name = plan.names[axis].first()?;
