@@ -11,7 +11,7 @@ use nonius::controller::builtin;
 use nonius::document::Source;
 use nonius::emulate::Emulator;
 use nonius::error_table::ErrorTable;
-use nonius::forecast::axis_pairs;
+use nonius::plan::axis_pairs;
 use nonius::job::{Job, MeasuredData};
 use nonius::kit::{Inputs, Kit, emulator, generate};
 use nonius::problem::{Problem, Problems};

@@ -10,8 +10,7 @@ pub use contents::{absent, contents};
 
 use crate::axis::{Direction, ErrorTerm};
 use crate::emulate::{Emulator, NodeTable, Response};
-use crate::forecast::axis_pairs;
-use crate::plan::Plan;
+use crate::plan::{Plan, axis_pairs};
 use crate::table::Tables;
 use crate::table::siemens::LecTable;
 use crate::units::{Correction, Millimetres};

@@ -14,7 +14,7 @@ use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::grid::EDGE_MM;
 use crate::job::Acceptance;
 use crate::model::{ErrorModel, Measured, MeasuredTerm};
-use crate::plan::Plan;
+use crate::plan::{Plan, axis_pairs};
 use crate::units::Millimetres;
 
 /// Forecast of one term.
@@ -203,22 +203,6 @@ pub fn forecast(
         },
         without_reversal_um: model.remarks.hidden_reversal_um,
     })
-}
-
-/// The pairs (base, output) of physical axes that a term concerns: each axis of a gantry is
-/// corrected, the first one is looked up.
-pub fn axis_pairs(plan: &Plan, term: ErrorTerm) -> Vec<(&str, &str)> {
-    plan.names[term.of]
-        .iter()
-        .map(|output| {
-            let base = if term.is_positioning() {
-                output
-            } else {
-                &plan.names[term.along][0]
-            };
-            (base.as_str(), output.as_str())
-        })
-        .collect()
 }
 
 fn largest_residual(

@@ -4,6 +4,9 @@
 //! comes from these bytes through the readers and the emulator, never from the numbers that
 //! went in.
 
+mod field;
+mod rollback;
+
 use crate::active::ActiveControl;
 use crate::compensation::{Compiled, compile};
 use crate::control_state::ControlState;
@@ -25,6 +28,7 @@ use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::table::Tables;
 use crate::target::wants;
 use serde_json::json;
+use field::{Made, as_kit_file};
 use sha2::{Digest, Sha256};
 
 /// The inputs of a kit, read and checked.
@@ -127,7 +131,8 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
     let mut compiled = compile(task, &plan)?;
-    let files = emit::render(task, &emit::context(task, &compiled)?)?;
+    let context = emit::context(task, &compiled)?;
+    let mut files = emit::render(task, &context)?;
     let read = read_back(&inputs.profile, &files)?;
     ensure_same(inputs, &plan, &compiled, &read)?;
     let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
@@ -138,7 +143,19 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         forecast(&inputs.model, &plan, control.as_ref()).map_err(|e| cannot_emulate(&e))?;
     let doubts = doubts(inputs);
     let verdict = judged(&forecast, inputs, &doubts);
-    let manifest = build_manifest(inputs, &plan, &compiled, &files, &forecast);
+    let field = field::make(&Made {
+        inputs,
+        plan: &plan,
+        compiled: &compiled,
+        context: &context,
+        files: &files,
+        read: &read,
+        control: control.as_ref(),
+    })?;
+    files.extend(field.files);
+    compiled.notes.extend(field.notes);
+    let mut manifest = build_manifest(inputs, &plan, &compiled, &files, &forecast);
+    manifest.sign_proofs = field.sign_proofs;
     Ok(Kit {
         plan,
         compiled,
@@ -163,14 +180,7 @@ fn judged(forecast: &Forecast, inputs: &Inputs, doubts: &[String]) -> Verdict {
 }
 
 fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
-    let files: Vec<KitFile<'_>> = files
-        .iter()
-        .map(|file| KitFile {
-            path: &file.path,
-            role: file.role,
-            bytes: &file.bytes,
-        })
-        .collect();
+    let files: Vec<KitFile<'_>> = files.iter().map(as_kit_file).collect();
     read(profile, &files).map_err(|problems| {
         let mut all = Problems::from(
             Problem::new("the files that the templates made cannot be read back, so nothing is written")
@@ -310,6 +320,7 @@ fn build_manifest(
             "measured": job.measurement.date,
             "protocol": job.measurement.protocol.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         }),
+        sign_proofs: Vec::new(),
         doubts: doubts(inputs),
         notes: [compiled.notes.clone(), forecast.worsened()].concat(),
     }
@@ -348,6 +359,7 @@ pub fn verify(
     emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
     disagreements.extend(words);
+    disagreements.extend(field::differences(inputs, &plan, &compiled, files)?);
     let mut result = None;
     if let Ok(found) = found {
         match forecast(&inputs.model, &plan, found.as_ref()) {
