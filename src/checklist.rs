@@ -50,7 +50,8 @@ pub fn parts(steps: &[Step], kit: &KitFacts<'_>) -> Vec<Part> {
             items: items.unwrap_or_default(),
             evidence: match step.evidence {
                 Evidence::Assumed => "ASSUMED",
-                evidence => evidence.word(),
+                Evidence::Manual => "from",
+                Evidence::Executed => "seen on a control",
             },
             source: step.source.clone(),
             consequence: step.consequence.clone().unwrap_or_default(),

@@ -27,8 +27,8 @@ use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::table::Tables;
 use crate::target::wants;
-use serde_json::json;
 use field::{Made, as_kit_file};
+use serde_json::json;
 use sha2::{Digest, Sha256};
 
 /// The inputs of a kit, read and checked.

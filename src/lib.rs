@@ -89,7 +89,6 @@ pub mod compensation;
 
 pub mod sign_proof;
 
-
 pub mod checklist;
 
 pub mod emit;

@@ -108,7 +108,11 @@ pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProo
             continue;
         }
         let bumps = planned.iter().filter_map(|t| {
-            let count_um = compiled.placements.iter().find(|p| p.term == t.term)?.count_um;
+            let count_um = compiled
+                .placements
+                .iter()
+                .find(|p| p.term == t.term)?
+                .count_um;
             Some((t.term, bump(task, mechanism, t, count_um)?))
         });
         // The highest, then the narrowest, then the first in the contract's order of terms.

@@ -67,7 +67,10 @@ fn condition(section: &Section<'_>, words: &str) -> Option<When> {
     if subject.is_none() {
         section.problem(
             "when",
-            format!("`{}` is neither a role of file nor a mechanism", shown(word)),
+            format!(
+                "`{}` is neither a role of file nor a mechanism",
+                shown(word)
+            ),
             "for instance `when = \"cec\"`, `when = \"rollback\"`, `when = \"no rollback\"`",
         );
     }

@@ -143,17 +143,20 @@ fn title(placements: &[Placement], place: &str) -> String {
     let placement = placements
         .iter()
         .find(|p| p.place.split(", ").any(|one| one == place));
-    placement.map_or_else(|| place.to_string(), |p| {
-        let travel = match p.direction {
-            None => "",
-            Some(Direction::Plus) => " while it travels in +",
-            Some(Direction::Minus) => " while it travels in -",
-        };
-        format!(
-            "{}: deviation of {} over {}{travel}",
-            p.term, p.term.of, p.term.along
-        )
-    })
+    placement.map_or_else(
+        || place.to_string(),
+        |p| {
+            let travel = match p.direction {
+                None => "",
+                Some(Direction::Plus) => " while it travels in +",
+                Some(Direction::Minus) => " while it travels in -",
+            };
+            format!(
+                "{}: deviation of {} over {}{travel}",
+                p.term, p.term.of, p.term.along
+            )
+        },
+    )
 }
 
 fn direction(direction: CecDirection) -> &'static str {

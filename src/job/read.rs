@@ -6,7 +6,8 @@ use crate::job::read_compensation::compensation;
 use crate::job::read_measurement::measurement;
 use crate::job::read_program::program;
 use crate::job::{
-    Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis, Measurement, ProgramRequest,
+    Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis,
+    Measurement, ProgramRequest,
 };
 use crate::problem::shown;
 use crate::units::Millimetres;

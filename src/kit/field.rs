@@ -21,6 +21,7 @@ use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read_apart};
 use crate::sign_proof::{SignProof, SignProofs, name, sign_fact, sign_proofs};
 use crate::table::Tables;
+use crate::table::siemens::LecTable;
 use crate::units::Millimetres;
 use serde_json::{Value, json};
 
@@ -122,7 +123,10 @@ fn prove(
             continue; // a profile of one's own without a file for it
         }
         load(&mut state, read_proof(made, &own)?.tables);
-        written.push((proof, own.iter().map(|f| f.path.clone()).collect::<Vec<_>>()));
+        written.push((
+            proof,
+            own.iter().map(|f| f.path.clone()).collect::<Vec<_>>(),
+        ));
         files.extend(own);
     }
     if written.is_empty() {
@@ -166,7 +170,10 @@ fn read_proof(made: &Made<'_>, files: &[RenderedFile]) -> Result<ReadBack, Probl
     let files: Vec<KitFile<'_>> = files.iter().map(as_kit_file).collect();
     let read = read_apart(&made.inputs.profile, &files, Role::SignProof)?;
     match read.machine_data.iter().find(|file| !file.data.is_empty()) {
-        Some(file) => Err(shows_otherwise(&format!("`{}` sets machine data", file.path))),
+        Some(file) => Err(shows_otherwise(&format!(
+            "`{}` sets machine data",
+            file.path
+        ))),
         None => Ok(read),
     }
 }
@@ -184,10 +191,9 @@ fn shows_otherwise(why: &str) -> Problems {
 fn load(state: &mut Tables, file: Tables) {
     match (state, file) {
         (Tables::Siemens(state), Tables::Siemens(file)) => {
-            let same = |a: &(u32, String), b: &(u32, String)| a == b;
             for table in file.lec {
-                let own = (table.encoder, table.axis.clone());
-                state.lec.retain(|t| !same(&(t.encoder, t.axis.clone()), &own));
+                let is_other = |t: &LecTable| (t.encoder, &t.axis) != (table.encoder, &table.axis);
+                state.lec.retain(is_other);
                 state.lec.push(table);
             }
             for table in file.cec {
@@ -204,11 +210,7 @@ fn load(state: &mut Tables, file: Tables) {
 }
 
 /// The same in both directions and on every physical axis, and nothing beside the bump.
-fn shown_um(
-    plan: &Plan,
-    control: &dyn Emulator,
-    proof: &SignProof,
-) -> Result<f64, CannotEmulate> {
+fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Result<f64, CannotEmulate> {
     const EQUAL_UM: f64 = 1e-6;
     let [from, peak, to] = proof.bump.places();
     let mut shown = Vec::new();
@@ -217,7 +219,9 @@ fn shown_um(
             let response = control.response(base, output, direction)?;
             let at = |place: Millimetres| response.correction(place).um();
             if (at(from) - at(to)).abs() > EQUAL_UM {
-                return Err(CannotEmulate("the bump does not come back to zero".to_string()));
+                return Err(CannotEmulate(
+                    "the bump does not come back to zero".to_string(),
+                ));
             }
             shown.push(at(peak) - at(from));
         }

@@ -25,9 +25,7 @@ struct Old {
 }
 
 /// The rollback files; `Err` = why there are none, in sentences for the checklist.
-pub(super) fn files(
-    made: &Made<'_>,
-) -> Result<Result<Vec<RenderedFile>, Problems>, Vec<String>> {
+pub(super) fn files(made: &Made<'_>) -> Result<Result<Vec<RenderedFile>, Problems>, Vec<String>> {
     let wanted = |role: Role| made.inputs.profile.files.iter().any(|f| f.role == role);
     if !wanted(Role::Rollback) {
         return Err(Vec::new());
@@ -126,9 +124,10 @@ fn siemens(kit: &SiemensTables, held: &SiemensTables) -> Result<SiemensTables, V
     let mut missing = Vec::new();
     let is_whole = |values: &[Option<f64>]| values.iter().all(Option::is_some);
     for table in &kit.lec {
-        let found = held.lec.iter().find(|t| {
-            t.axis == table.axis && t.encoder == table.encoder && is_whole(&t.values)
-        });
+        let found = held
+            .lec
+            .iter()
+            .find(|t| t.axis == table.axis && t.encoder == table.encoder && is_whole(&t.values));
         match found {
             Some(found) => old.lec.push(found.clone()),
             None => missing.push(format!("ENC_COMP[{},{}]", table.encoder, table.axis)),
@@ -173,7 +172,13 @@ fn switches(
         .flat_map(|file| file.data)
         .collect();
     let is_owned = |datum: &&MachineDatum| {
-        let index = |at: usize| datum.indices.get(at).map(String::as_str).unwrap_or_default();
+        let index = |at: usize| {
+            datum
+                .indices
+                .get(at)
+                .map(String::as_str)
+                .unwrap_or_default()
+        };
         match datum.name.as_str() {
             "MA_ENC_COMP_ENABLE" => kit
                 .lec
@@ -221,13 +226,15 @@ fn fanuc(kit: &FanucMemory, held: &FanucMemory) -> Result<FanucMemory, Vec<Strin
     }
     let has_axis = |key: &ParameterKey| {
         let axes = kit.parameters.keys().filter_map(|known| known.axis);
-        key.axis.is_some_and(|axis| axes.into_iter().any(|a| a == axis))
+        key.axis
+            .is_some_and(|axis| axes.into_iter().any(|a| a == axis))
     };
     let beside = held
         .parameters
         .iter()
         .filter(|(key, _)| [1851, 1852, 3605].contains(&key.number) && has_axis(key));
-    old.parameters.extend(beside.map(|(key, value)| (*key, *value)));
+    old.parameters
+        .extend(beside.map(|(key, value)| (*key, *value)));
     if missing.is_empty() {
         Ok(old)
     } else {

@@ -68,7 +68,9 @@ pub(super) fn zero_the_rest(kit: &FanucMemory, proofs: &mut [SignProof]) {
         _ => None,
     });
     if let Some(memory) = with_points {
-        memory.points.extend(rest.into_iter().map(|point| (point, 0)));
+        memory
+            .points
+            .extend(rest.into_iter().map(|point| (point, 0)));
     }
 }
 
@@ -105,7 +107,8 @@ fn runs(kit: &FanucMemory) -> impl Iterator<Item = (u32, Run)> {
 
 fn zeros(run: Run, out: &mut FanucMemory) {
     for first in std::iter::once(run.first).chain(run.second) {
-        out.points.extend((first..first + run.count).map(|p| (p, 0)));
+        out.points
+            .extend((first..first + run.count).map(|p| (p, 0)));
     }
 }
 
@@ -125,13 +128,7 @@ fn pitch(
 }
 
 /// Increments of a bump, one for each section of the run; point N0 ends at the reference.
-fn increments(
-    run: Run,
-    first: u32,
-    sign: TableSign,
-    bump: Option<&Bump>,
-    out: &mut FanucMemory,
-) {
+fn increments(run: Run, first: u32, sign: TableSign, bump: Option<&Bump>, out: &mut FanucMemory) {
     for offset in 0..run.count {
         let node = i64::from(run.first) + i64::from(offset) - i64::from(run.reference);
         let total = |node: i64| bump.map_or(0, |bump| in_table(sign, bump.counts_at(node)));
@@ -197,7 +194,10 @@ fn four_points(
                 let nodes = bump_nodes(bump);
                 let node = nodes[usize::try_from(knot).ok()?];
                 let point = u32::try_from(i64::from(reference) + node).ok()?;
-                (point, in_table(facts.straightness_sign.value, bump.counts_at(node)))
+                (
+                    point,
+                    in_table(facts.straightness_sign.value, bump.counts_at(node)),
+                )
             }
         };
         let mut write = |number, value| {
