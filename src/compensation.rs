@@ -122,7 +122,7 @@ fn unlikely_reversals(task: Task<'_>) -> Vec<String> {
 }
 
 /// Whether a kit uses what a fact belongs to; what cannot be judged counts as used.
-fn uses(task: Task<'_>, plan: &Plan, tables: &Tables, mechanism: Mechanism) -> bool {
+pub(crate) fn uses(task: Task<'_>, plan: &Plan, tables: &Tables, mechanism: Mechanism) -> bool {
     let cross = plan.tables.iter().any(|t| t.term.is_cross());
     let has_form = |form| matches!(&task.profile.dialect, Dialect::Fanuc(facts) if facts.straightness_form.value == form);
     match (mechanism, tables) {

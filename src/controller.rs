@@ -6,7 +6,9 @@
 //! [`Evidence::Assumed`]; `generate` prints each of them with its consequence.
 
 pub mod builtin;
+pub mod checklist;
 pub mod load;
+mod load_checklist;
 mod load_program;
 pub mod program;
 
@@ -75,6 +77,15 @@ impl Mechanism {
         ("metric", Mechanism::Metric),
         ("inch", Mechanism::Inch),
         ("none", Mechanism::Nothing),
+    ];
+
+    /// What a sign proof can prove, with the words of profiles.
+    pub const PROVED: [(&'static str, Mechanism); 5] = [
+        ("enc-comp", Mechanism::EncComp),
+        ("cec", Mechanism::Cec),
+        ("pitch", Mechanism::Pitch),
+        ("four-point", Mechanism::FourPoint),
+        ("per-point", Mechanism::PerPoint),
     ];
 
     /// Why a fact has no effect on a kit that does not use what it belongs to.
@@ -364,6 +375,12 @@ pub enum Role {
     Enable,
     /// Switches it off.
     Disable,
+    /// Restores what was read out of the control.
+    Rollback,
+    /// Tables that are zero but for one bump, to prove the sign of a mechanism.
+    SignProof,
+    /// What to do at the machine, for people.
+    Checklist,
     /// For people only; not read back.
     Report,
 }
@@ -376,8 +393,22 @@ impl Role {
             Role::Parameters => "parameters",
             Role::Enable => "enable",
             Role::Disable => "disable",
+            Role::Rollback => "rollback",
+            Role::SignProof => "sign-proof",
+            Role::Checklist => "checklist",
             Role::Report => "report",
         }
+    }
+
+    /// Whether the file stands beside the kit: a control loads it instead of the tables, never
+    /// with them.
+    pub const fn stands_apart(self) -> bool {
+        matches!(self, Role::Rollback | Role::SignProof)
+    }
+
+    /// Whether only people read the file.
+    pub const fn is_for_people(self) -> bool {
+        matches!(self, Role::Checklist | Role::Report)
     }
 }
 
@@ -394,6 +425,8 @@ pub struct EmittedFile {
     pub template: String,
     /// Emitted only if the kit holds such tables (`lec`, `cec`, `points`); absent = always.
     pub when: Option<String>,
+    /// What a sign proof proves; other files have none.
+    pub mechanism: Option<Mechanism>,
 }
 
 /// Where a profile came from.
@@ -443,6 +476,8 @@ pub struct Profile {
     pub detection_unit_required: Fact<bool>,
     /// The files of a kit, in the order of the manifest.
     pub files: Vec<EmittedFile>,
+    /// The steps of a service visit, in order.
+    pub checklist: Vec<checklist::Step>,
     /// How its part programs are written; `None` = no program can be written for it.
     pub program: Option<program::ProgramFacts>,
     /// All facts in words, in the order of the program's questions.

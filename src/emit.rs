@@ -10,6 +10,7 @@ pub mod program;
 mod siemens;
 
 use crate::axis::Direction;
+use crate::checklist::Part;
 use crate::compensation::{Compiled, Placement};
 use crate::controller::{Dialect, EmittedFile, Role};
 use crate::job::ActiveTables;
@@ -40,6 +41,7 @@ pub struct Context {
     machine: MachineContext,
     measurement: MeasurementContext,
     unit: &'static str,
+    notice: String,
     terms: Vec<TermContext>,
     #[serde(flatten)]
     tables: TablesContext,
@@ -86,18 +88,66 @@ impl Context {
         match (&self.tables, list) {
             (TablesContext::Siemens(tables), "lec") => !tables.lec.is_empty(),
             (TablesContext::Siemens(tables), "cec") => !tables.cec.is_empty(),
+            (TablesContext::Siemens(tables), "switches") => !tables.switches.is_empty(),
             (TablesContext::Fanuc(tables), "points") => !tables.points.is_empty(),
+            (TablesContext::Fanuc(tables), "parameters") => !tables.parameters.is_empty(),
             (TablesContext::Generic(tables), "rows") => !tables.rows.is_empty(),
             _ => false,
         }
     }
 }
 
+/// What a file that stands apart writes in place of the tables of the kit.
+#[derive(Clone, Debug, Default)]
+pub struct Instead<'a> {
+    /// Its first comment, where the control's files may carry comments.
+    pub notice: &'a str,
+    /// Whether the places are those of the kit, so that their terms may be named.
+    pub names_terms: bool,
+    /// Machine data that it restores (Siemens).
+    pub switches: Vec<Switch>,
+}
+
+/// A machine or setting datum with its value, as found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Switch {
+    /// Name without `$`.
+    pub name: String,
+    /// What stands in brackets.
+    pub indices: String,
+    /// Its value.
+    pub value: String,
+}
+
 /// What the templates of a control see.
 pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems> {
-    let tables = match (&compiled.tables, &task.profile.dialect) {
+    let own = Instead {
+        names_terms: true,
+        ..Instead::default()
+    };
+    let context = context_of(task, compiled, &compiled.tables, &own)?;
+    if task.profile.comments.value {
+        refuse_unsafe_text(task, &context)?;
+    }
+    Ok(context)
+}
+
+fn context_of(
+    task: Task<'_>,
+    compiled: &Compiled,
+    tables: &Tables,
+    instead: &Instead<'_>,
+) -> Result<Context, Problems> {
+    let placements = if instead.names_terms {
+        compiled.placements.as_slice()
+    } else {
+        &[]
+    };
+    let tables = match (tables, &task.profile.dialect) {
         (Tables::Siemens(tables), Dialect::Siemens(facts)) => {
-            TablesContext::Siemens(siemens::context(task, compiled, tables, facts))
+            let mut context = siemens::context(task, placements, tables, facts);
+            context.switches.clone_from(&instead.switches);
+            TablesContext::Siemens(context)
         }
         (Tables::Fanuc(memory), Dialect::Fanuc(facts)) => {
             TablesContext::Fanuc(fanuc::context(memory, facts))
@@ -105,14 +155,15 @@ pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems>
         (Tables::Generic(table), _) => TablesContext::Generic(generic::context(table)),
         _ => return Err(Problem::new("the tables are not of the profile's dialect").into()),
     };
-    let context = with_header(task, compiled, tables);
-    if task.profile.comments.value {
-        refuse_unsafe_text(task, &context)?;
-    }
-    Ok(context)
+    Ok(with_header(task, placements, tables, instead.notice))
 }
 
-fn with_header(task: Task<'_>, compiled: &Compiled, tables: TablesContext) -> Context {
+fn with_header(
+    task: Task<'_>,
+    placements: &[Placement],
+    tables: TablesContext,
+    notice: &str,
+) -> Context {
     let machine = &task.job.machine;
     let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "not stated".to_string());
     Context {
@@ -135,7 +186,8 @@ fn with_header(task: Task<'_>, compiled: &Compiled, tables: TablesContext) -> Co
             },
         },
         unit: task.job.compensation.control_unit.word(),
-        terms: compiled.placements.iter().map(term_context).collect(),
+        notice: notice.to_string(),
+        terms: placements.iter().map(term_context).collect(),
         tables,
     }
 }
@@ -192,8 +244,57 @@ const LONGEST_TEXT: usize = 60;
 const COMMENT_TEXT: &str =
     "up to 60 printable ASCII characters without line breaks, `%`, `;` or brackets";
 
-/// The kit's files from the context, with the control's line ends.
+/// The tables, parameters and switches of the kit, with the control's line ends.
 pub fn render(task: Task<'_>, context: &Context) -> Result<Vec<RenderedFile>, Problems> {
+    render_those(task, context, |file| {
+        !file.role.stands_apart() && file.role != Role::Checklist
+    })
+}
+
+/// Files that stand apart, from tables of their own: rollback, or the sign proof of a mechanism.
+pub fn render_apart(
+    task: Task<'_>,
+    compiled: &Compiled,
+    tables: &Tables,
+    instead: &Instead<'_>,
+    is_wanted: impl Fn(&EmittedFile) -> bool,
+) -> Result<Vec<RenderedFile>, Problems> {
+    render_those(
+        task,
+        &context_of(task, compiled, tables, instead)?,
+        is_wanted,
+    )
+}
+
+/// The checklist, for people: line ends of every computer, not of the control.
+pub fn render_checklist(
+    task: Task<'_>,
+    context: &Context,
+    parts: &[Part],
+) -> Result<Vec<RenderedFile>, Problems> {
+    let mut seen = tera::Context::new();
+    seen.insert("tool", &context.tool);
+    seen.insert("controller", &context.controller);
+    seen.insert("machine", &context.machine);
+    seen.insert("measurement", &context.measurement);
+    seen.insert("parts", parts);
+    let files = task.profile.files.iter();
+    let mut rendered = Vec::new();
+    for file in files.filter(|file| file.role == Role::Checklist) {
+        rendered.push(RenderedFile {
+            path: file.path.clone(),
+            role: file.role,
+            bytes: render_text(&file.template_name, &file.template, &seen)?.into_bytes(),
+        });
+    }
+    Ok(rendered)
+}
+
+fn render_those(
+    task: Task<'_>,
+    context: &Context,
+    is_own: impl Fn(&EmittedFile) -> bool,
+) -> Result<Vec<RenderedFile>, Problems> {
     let seen = tera::Context::from_serialize(context).map_err(|error| {
         Problem::new(format!(
             "the context of the templates cannot be made: {error}"
@@ -203,7 +304,8 @@ pub fn render(task: Task<'_>, context: &Context) -> Result<Vec<RenderedFile>, Pr
     let mut files = Vec::new();
     let is_wanted =
         |file: &EmittedFile| file.when.as_deref().is_none_or(|list| context.holds(list));
-    for file in task.profile.files.iter().filter(|file| is_wanted(file)) {
+    let files_of_profile = task.profile.files.iter();
+    for file in files_of_profile.filter(|file| is_own(file) && is_wanted(file)) {
         match render_text(&file.template_name, &file.template, &seen) {
             Ok(text) => files.push(RenderedFile {
                 path: file.path.clone(),

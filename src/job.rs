@@ -296,7 +296,14 @@ pub struct Limits {
     pub max_correction_um: f64,
     /// Largest slope, µm/mm.
     pub max_slope_um_per_mm: f64,
+    /// Largest bump of a sign proof, µm; never more than [`LARGEST_BUMP_UM`].
+    pub max_bump_um: f64,
 }
+
+/// No sign proof moves an axis by more, µm.
+pub const LARGEST_BUMP_UM: f64 = 20.0;
+/// A smaller bump is not seen beyond doubt on a dial gauge of 1 µm, µm.
+pub const LEAST_BUMP_UM: f64 = 5.0;
 
 /// `[acceptance]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

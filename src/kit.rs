@@ -4,6 +4,9 @@
 //! comes from these bytes through the readers and the emulator, never from the numbers that
 //! went in.
 
+mod field;
+mod rollback;
+
 use crate::active::{self, ActiveControl};
 use crate::axis::Axis;
 use crate::compensation::{Compiled, compile};
@@ -23,6 +26,7 @@ use crate::plan::{Plan, PlannedTable, Task, plan};
 use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::target::wants;
+use field::{Made, as_kit_file};
 use serde_json::json;
 
 /// The inputs of a kit, read and checked.
@@ -153,7 +157,8 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
     let mut compiled = inputs.compile(&plan)?;
-    let files = emit::render(task, &emit::context(task, &compiled)?)?;
+    let context = emit::context(task, &compiled)?;
+    let mut files = emit::render(task, &context)?;
     let read = read_back(&inputs.profile, &files)?;
     ensure_same(inputs, &plan, &compiled, &read)?;
     let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
@@ -164,7 +169,19 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         forecast(inputs.machine(), &plan, control.as_ref()).map_err(|e| cannot_emulate(&e))?;
     let doubts = doubts(inputs);
     let verdict = judged(&forecast, inputs, &doubts);
-    let manifest = build_manifest(inputs, &plan, &compiled, &files, &forecast);
+    let field = field::make(&Made {
+        inputs,
+        plan: &plan,
+        compiled: &compiled,
+        context: &context,
+        files: &files,
+        read: &read,
+        control: control.as_ref(),
+    })?;
+    files.extend(field.files);
+    compiled.notes.extend(field.notes);
+    let mut manifest = build_manifest(inputs, &plan, &compiled, &files, &forecast);
+    manifest.sign_proofs = field.sign_proofs;
     Ok(Kit {
         plan,
         compiled,
@@ -190,14 +207,7 @@ fn judged(forecast: &Forecast, inputs: &Inputs, doubts: &[String]) -> Verdict {
 }
 
 fn as_read(files: &[RenderedFile]) -> Vec<KitFile<'_>> {
-    files
-        .iter()
-        .map(|file| KitFile {
-            path: &file.path,
-            role: file.role,
-            bytes: &file.bytes,
-        })
-        .collect()
+    files.iter().map(as_kit_file).collect()
 }
 
 fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
@@ -324,6 +334,7 @@ fn build_manifest(
             "measured": job.measurement.date,
             "protocol": job.measurement.protocol.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         }),
+        sign_proofs: Vec::new(),
         doubts: doubts(inputs),
         notes: [compiled.notes.clone(), forecast.worsened()].concat(),
     }
@@ -378,6 +389,7 @@ pub fn verify(
     emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
     disagreements.extend(words);
+    disagreements.extend(field::differences(inputs, &plan, &compiled, files)?);
     let mut result = None;
     if let Ok(found) = found {
         match forecast(inputs.machine(), &plan, found.as_ref()) {

@@ -93,6 +93,10 @@ pub mod control_state;
 
 pub mod compensation;
 
+pub mod sign_proof;
+
+pub mod checklist;
+
 pub mod emit;
 
 pub mod readback;

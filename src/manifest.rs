@@ -104,6 +104,9 @@ pub struct Manifest {
     pub state: Value,
     /// Machine and protocol, as stated in the job.
     pub machine: Value,
+    /// What each sign proof has to show, computed from the bytes of its file; absent without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sign_proofs: Vec<Value>,
     /// Why the verdict is undecided at most; absent where nothing is doubtful.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<String>,

@@ -36,6 +36,19 @@ fn visible(bytes: &[u8]) -> String {
 /// How a person checks the file with the error table beside it.
 fn by_hand(profile: &str, role: Role) -> &'static str {
     match (profile.split('-').next().unwrap(), role) {
+        (_, Role::Checklist) => {
+            "places, preconditions and bumps as in the other files; a movement is the largest \
+             correction of each moving axis added up"
+        }
+        ("siemens", Role::SignProof) => {
+            "the tables of the kit, zero but for one value of 0.020 = 20 um (100 mm at 1 um/mm \
+             would allow more), at least one section away from the reference, zero at both ends"
+        }
+        ("fanuc", Role::SignProof) => {
+            "the points of the kit, zero but for -7 in one section and 7 in the next (seven counts \
+             of 1 um is the largest increment; as_correction: the axis is pulled back); a second \
+             run of X has the same; four points: amounts 0 -20 0 0"
+        }
         ("siemens", Role::Table) => {
             "a value is the deviation of errors.csv in mm less that at the reference (as_error): \
              X+ at 400 mm 8 um = 0.008, X- at 0 mm 3 um = 0.003 (two CEC tables, DIRECTION 1 and \

@@ -147,6 +147,9 @@ fn purpose(role: Role) -> &'static str {
         Role::Parameters => "parameters or memory, read before use",
         Role::Enable => "switches on",
         Role::Disable => "switches off",
+        Role::Rollback => "way back to what was read out",
+        Role::SignProof => "proves the sign, loaded before the tables",
+        Role::Checklist => "what to do at the machine",
         Role::Report => "for people",
     }
 }

@@ -67,7 +67,8 @@ pub fn compile(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<Comp
     })
 }
 
-fn is_lec(planned: &PlannedTable) -> bool {
+/// Whether a planned table goes into ENC_COMP.
+pub(crate) fn is_lec(planned: &PlannedTable) -> bool {
     planned.term.is_positioning() && planned.direction.is_none()
 }
 
@@ -137,7 +138,7 @@ fn siemens_grid(grid: &Grid) -> SiemensGrid {
 }
 
 /// Table values in the control's unit, rounded to its last decimal.
-fn values(
+pub(crate) fn values(
     task: Task<'_>,
     facts: &SiemensFacts,
     deviations: &[Deviation],

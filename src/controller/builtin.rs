@@ -30,10 +30,12 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "siemens-memory.txt.tera",
     "siemens-enable.mpf.tera",
     "siemens-disable.mpf.tera",
+    "siemens-rollback.mpf.tera",
     "siemens-program.mpf.tera",
     "fanuc-parameters.txt.tera",
     "fanuc-points.txt.tera",
     "fanuc-program.nc.tera",
+    "checklist.md.tera",
     "generic.csv.tera",
     "generic.json.tera",
 );

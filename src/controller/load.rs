@@ -3,6 +3,7 @@
 //! A profile may build on a built-in one (`based_on = "fanuc-30i"`): facts and files it does not
 //! state are taken from there. Whether a page is ours or a user's makes no difference.
 
+use crate::controller::load_checklist::checklist;
 use crate::controller::load_program::program;
 use crate::controller::{
     Dialect, EmittedFile, Evidence, Fact, FanucFacts, GenericFacts, IntervalForm, LineEnd,
@@ -83,6 +84,7 @@ fn read_profile(
     }
     let files = read_files(root, base, templates);
     let program = program(root, base.and_then(|b| b.program.as_ref()), templates);
+    let checklist = checklist(root, base.map(|b| b.checklist.as_slice()));
     let dialect = dialect?;
     let form = match &dialect {
         Dialect::Siemens(facts) => Some(facts.table_form.value),
@@ -102,6 +104,7 @@ fn read_profile(
             .filter(|(wanted, _)| wanted.is_none() || *wanted == form)
             .map(|(_, file)| file)
             .collect(),
+        checklist: checklist?,
         program: program?,
         statements: reader.statements.into_inner(),
     })
@@ -452,7 +455,7 @@ impl FactReader<'_> {
     }
 }
 
-fn evidence(fact: &Section<'_>) -> Option<Evidence> {
+pub(super) fn evidence(fact: &Section<'_>) -> Option<Evidence> {
     if !fact.has("evidence") {
         fact.missing("evidence", "`manual`, `assumed` or `executed`");
     }
@@ -519,15 +522,19 @@ fn read_file(file: &Section<'_>, templates: TemplateFinder<'_>) -> Option<FormFi
             ("parameters", Role::Parameters),
             ("enable", Role::Enable),
             ("disable", Role::Disable),
+            ("rollback", Role::Rollback),
+            ("sign-proof", Role::SignProof),
+            ("checklist", Role::Checklist),
             ("report", Role::Report),
         ],
     );
     if !file.has("role") {
         file.missing(
             "role",
-            "`table`, `parameters`, `enable`, `disable` or `report`",
+            "`table`, `parameters`, `enable`, `disable`, `rollback`, `sign-proof`, `checklist` or `report`",
         );
     }
+    let mechanism = proved(file, role);
     let path = file.required_text("path", "a file name");
     let name = file.required_text("template", "the name of a template");
     let when = file.text("when");
@@ -561,8 +568,22 @@ fn read_file(file: &Section<'_>, templates: TemplateFinder<'_>) -> Option<FormFi
         template_name: name,
         template,
         when,
+        mechanism,
     };
     Some((form, file))
+}
+
+/// The mechanism that a sign proof is for; no other file has one.
+fn proved(file: &Section<'_>, role: Option<Role>) -> Option<Mechanism> {
+    let proof = role == Some(Role::SignProof);
+    if proof != file.has("mechanism") && role.is_some() {
+        file.problem(
+            if proof { "role" } else { "mechanism" },
+            "`mechanism` belongs to files of the role `sign-proof`, and to each of them",
+            "for instance `role = \"sign-proof\"` with `mechanism = \"cec\"`",
+        );
+    }
+    file.choice("mechanism", &Mechanism::PROVED)
 }
 
 fn check(profile: &Profile, source: &Source) -> Problems {

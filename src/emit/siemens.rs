@@ -1,10 +1,10 @@
 //! What Siemens templates see: `lec`, `cec`, and the switches of both.
 
 use crate::axis::Direction;
-use crate::compensation::Compiled;
+use crate::compensation::Placement;
 use crate::compensation::siemens::reference_text;
 use crate::controller::{Evidence, SiemensFacts, TableSign};
-use crate::emit::fixed;
+use crate::emit::{Switch, fixed};
 use crate::plan::Task;
 use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
 use serde::Serialize;
@@ -20,6 +20,7 @@ pub(super) struct SiemensContext {
     cec_outputs: Vec<String>,
     cec_memory_fixed: &'static str,
     controller_reference: String,
+    pub(super) switches: Vec<Switch>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -60,7 +61,7 @@ struct Point {
 
 pub(super) fn context(
     task: Task<'_>,
-    compiled: &Compiled,
+    placements: &[Placement],
     tables: &SiemensTables,
     facts: &SiemensFacts,
 ) -> SiemensContext {
@@ -71,12 +72,12 @@ pub(super) fn context(
         lec: tables
             .lec
             .iter()
-            .map(|table| lec(table, compiled, facts))
+            .map(|table| lec(table, placements, facts))
             .collect(),
         cec: tables
             .cec
             .iter()
-            .map(|table| cec(table, compiled, facts))
+            .map(|table| cec(table, placements, facts))
             .collect(),
         lec_sense: sense(facts.lec_sign.value),
         cec_sense: sense(facts.cec_sign.value),
@@ -89,15 +90,16 @@ pub(super) fn context(
             "no"
         },
         controller_reference: reference_text(task),
+        switches: Vec::new(),
     }
 }
 
-fn lec(table: &LecTable, compiled: &Compiled, facts: &SiemensFacts) -> Lec {
+fn lec(table: &LecTable, placements: &[Placement], facts: &SiemensFacts) -> Lec {
     Lec {
         encoder: table.encoder.to_string(),
         axis: table.axis.clone(),
         title: title(
-            compiled,
+            placements,
             &format!("ENC_COMP[{},{}]", table.encoder, table.axis),
         ),
         grid: grid(&table.grid, facts),
@@ -106,12 +108,12 @@ fn lec(table: &LecTable, compiled: &Compiled, facts: &SiemensFacts) -> Lec {
     }
 }
 
-fn cec(table: &CecTable, compiled: &Compiled, facts: &SiemensFacts) -> Cec {
+fn cec(table: &CecTable, placements: &[Placement], facts: &SiemensFacts) -> Cec {
     Cec {
         number: table.number.to_string(),
         input_axis: table.input_axis.clone(),
         output_axis: table.output_axis.clone(),
-        title: title(compiled, &format!("CEC table {}", table.number)),
+        title: title(placements, &format!("CEC table {}", table.number)),
         grid: grid(&table.grid, facts),
         direction: direction(table.direction),
         memory: table.values.len().to_string(),
@@ -137,22 +139,24 @@ fn evidence(evidence: Evidence) -> &'static str {
 }
 
 /// The term of a table in words, by the place it was put.
-fn title(compiled: &Compiled, place: &str) -> String {
-    let placement = compiled
-        .placements
+fn title(placements: &[Placement], place: &str) -> String {
+    let placement = placements
         .iter()
         .find(|p| p.place.split(", ").any(|one| one == place));
-    placement.map_or_else(String::new, |p| {
-        let travel = match p.direction {
-            None => "",
-            Some(Direction::Plus) => " while it travels in +",
-            Some(Direction::Minus) => " while it travels in -",
-        };
-        format!(
-            "{}: deviation of {} over {}{travel}",
-            p.term, p.term.of, p.term.along
-        )
-    })
+    placement.map_or_else(
+        || place.to_string(),
+        |p| {
+            let travel = match p.direction {
+                None => "",
+                Some(Direction::Plus) => " while it travels in +",
+                Some(Direction::Minus) => " while it travels in -",
+            };
+            format!(
+                "{}: deviation of {} over {}{travel}",
+                p.term, p.term.of, p.term.along
+            )
+        },
+    )
 }
 
 fn direction(direction: CecDirection) -> &'static str {

@@ -6,7 +6,8 @@ use crate::job::read_compensation::compensation;
 use crate::job::read_measurement::measurement;
 use crate::job::read_program::program;
 use crate::job::{
-    Acceptance, Compensation, Limits, Machine, MachineAxis, Measurement, ProgramRequest,
+    Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis,
+    Measurement, ProgramRequest,
 };
 use crate::problem::shown;
 use crate::units::Millimetres;
@@ -187,6 +188,10 @@ fn limits(root: &Section<'_>) -> Limits {
     let limits = Limits {
         max_correction_um: read("max_correction_um", "µm", DEFAULT_MAX_CORRECTION_UM),
         max_slope_um_per_mm: read("max_slope_um_per_mm", "µm/mm", DEFAULT_MAX_SLOPE_UM_PER_MM),
+        max_bump_um: section
+            .as_ref()
+            .and_then(|s| s.within("max_bump_um", LEAST_BUMP_UM, LARGEST_BUMP_UM, "µm"))
+            .unwrap_or(LARGEST_BUMP_UM),
     };
     if let Some(section) = section {
         section.refuse_unknown_keys();

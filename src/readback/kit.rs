@@ -38,12 +38,30 @@ pub struct FileData {
     pub data: Vec<siemens::MachineDatum>,
 }
 
-/// Reads all files of a kit through the reader of the profile's dialect. Files for people
-/// (`report`) are not read.
+/// Reads all files of a kit through the reader of the profile's dialect. Files for people are not
+/// read, and files that stand apart (`rollback`, `sign-proof`) are not part of the kit's memory.
 pub fn read(profile: &Profile, files: &[KitFile<'_>]) -> Result<ReadBack, Problems> {
+    read_role(profile, files, |role| !role.stands_apart())
+}
+
+/// Reads the files of one role that stands apart as a memory of their own.
+pub fn read_apart(
+    profile: &Profile,
+    files: &[KitFile<'_>],
+    role: Role,
+) -> Result<ReadBack, Problems> {
+    read_role(profile, files, |other| other == role)
+}
+
+fn read_role(
+    profile: &Profile,
+    files: &[KitFile<'_>],
+    is_wanted: impl Fn(Role) -> bool,
+) -> Result<ReadBack, Problems> {
     let mut problems = Problems::none();
     let mut texts = Vec::new();
-    for file in files.iter().filter(|file| file.role != Role::Report) {
+    let is_read = |file: &&KitFile<'_>| !file.role.is_for_people() && is_wanted(file.role);
+    for file in files.iter().filter(is_read) {
         match std::str::from_utf8(file.bytes) {
             Ok(text) => texts.push((file, text)),
             Err(_) => problems.push(Problem::new(format!("`{}` is not text", file.path))),

@@ -82,7 +82,9 @@ fn owned(role: Role, wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned>
     match role {
         Role::Enable | Role::Disable => switches(wanted),
         Role::Parameters => reservations(wanted, facts),
-        Role::Table | Role::Report => Vec::new(),
+        Role::Table | Role::Rollback | Role::SignProof | Role::Checklist | Role::Report => {
+            Vec::new()
+        }
     }
 }
 

@@ -1,0 +1,392 @@
+//! The field kit: what a sign proof does, that a rollback is what was read out, what the checklist
+//! says, and what is refused.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test may stop at what it did not expect"
+)]
+
+mod support;
+
+use nonius::active::ActiveControl;
+use nonius::axis::{Direction, ErrorTerm};
+use nonius::controller::{Dialect, Profile, Role, TableSign, builtin};
+use nonius::document::Source;
+use nonius::emulate::Emulator;
+use nonius::job::Job;
+use nonius::kit::{self, Inputs, Kit};
+use nonius::plan::axis_pairs;
+use nonius::readback::kit::{KitFile, read_apart};
+use nonius::table::Tables;
+use serde_json::Value;
+use std::path::Path;
+use support::{machine::machine, um_at};
+
+const MACHINES: usize = 40;
+/// Places of an inch control are rounded to its last digit; less than a nanometre on a bump.
+const DUST_UM: f64 = 1e-3;
+
+fn five_points(profile: &str) -> (String, String) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/machines/five_points");
+    let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    (text(&format!("{profile}.toml")), text("errors.csv"))
+}
+
+fn files_of(kit: &Kit, role: Role) -> Vec<KitFile<'_>> {
+    let files = kit.files.iter().filter(|file| file.role == role);
+    files
+        .map(|file| KitFile {
+            path: &file.path,
+            role: file.role,
+            bytes: &file.bytes,
+        })
+        .collect()
+}
+
+/// The control after the kit's parameters and all sign proofs were loaded, as `profile` reads them.
+fn proving(profile: &Profile, kit: &Kit) -> Box<dyn Emulator> {
+    let proof = read_apart(profile, &files_of(kit, Role::SignProof), Role::SignProof).unwrap();
+    let tables = match (support::loaded(profile, kit), proof.tables) {
+        (Tables::Fanuc(mut memory), Tables::Fanuc(proof)) => {
+            memory.parameters.extend(proof.parameters);
+            memory.points.extend(proof.points);
+            Tables::Fanuc(memory)
+        }
+        (_, tables) => tables,
+    };
+    kit::emulator(profile, &tables, &kit.compiled.state)
+        .unwrap_or_else(|reason| panic!("{}", reason.0))
+}
+
+fn turned(profile: &Profile) -> Profile {
+    let mut profile = profile.clone();
+    let turn = |sign: &mut TableSign| {
+        *sign = match sign {
+            TableSign::AsError => TableSign::AsCorrection,
+            TableSign::AsCorrection => TableSign::AsError,
+        };
+    };
+    match &mut profile.dialect {
+        Dialect::Siemens(facts) => {
+            turn(&mut facts.lec_sign.value);
+            turn(&mut facts.cec_sign.value);
+        }
+        Dialect::Fanuc(facts) => {
+            turn(&mut facts.pitch_sign.value);
+            turn(&mut facts.straightness_sign.value);
+        }
+        Dialect::Generic(_) => {}
+    }
+    profile
+}
+
+fn number(proof: &Value, key: &str) -> f64 {
+    proof[key].as_f64().unwrap()
+}
+
+fn term_of(proof: &Value) -> ErrorTerm {
+    let name = proof["term"].as_str().unwrap();
+    let found = ErrorTerm::ALL
+        .into_iter()
+        .find(|term| term.to_string() == name);
+    found.unwrap()
+}
+
+fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
+    let term = term_of(proof);
+    let places = ["from_mm", "peak_mm", "to_mm"].map(|key| number(proof, key));
+    let axis = inputs.job.machine.axes[term.along].unwrap();
+    let spacing = kit.plan.grids[term.along].unwrap().spacing().mm();
+    let shows = number(proof, "shows_um");
+    assert!(
+        (5.0 - DUST_UM..=20.0 + DUST_UM).contains(&shows.abs()),
+        "{name}: {shows} µm"
+    );
+    assert!(
+        shows < 0.0,
+        "{name}: the control pulls back what it takes for too far"
+    );
+    for place in places {
+        let inside = axis.low.mm() - 1e-6 <= place && place <= axis.high.mm() + 1e-6;
+        assert!(inside, "{name}: {place} mm is outside the travel");
+        let away = (place - axis.reference.mm()).abs();
+        assert!(
+            away > spacing * (1.0 - 1e-6),
+            "{name}: {place} mm is at the reference"
+        );
+    }
+    let control = proving(&inputs.profile, kit);
+    let other = proving(&turned(&inputs.profile), kit);
+    for (base, output) in axis_pairs(&kit.plan, term) {
+        for direction in Direction::BOTH {
+            let response = support::response(control.as_ref(), base, output, direction);
+            let turned = support::response(other.as_ref(), base, output, direction);
+            let [from, peak, to] = places.map(|place| um_at(&response, place));
+            assert!(
+                (peak - from - shows).abs() < DUST_UM,
+                "{name}: {peak} - {from}"
+            );
+            assert!((to - from).abs() < DUST_UM, "{name}");
+            let [from, peak, _] = places.map(|place| um_at(&turned, place));
+            assert!(
+                (peak - from - number(proof, "other_sign_um")).abs() < DUST_UM,
+                "{name}"
+            );
+            let nodes: Vec<_> = response.tables()[0].nodes().collect();
+            let limit = inputs.job.limits.max_slope_um_per_mm * spacing + DUST_UM;
+            for pair in nodes.windows(2) {
+                let change = (pair[1].1.um() - pair[0].1.um()).abs();
+                assert!(change <= limit, "{name}: {change} µm in one section");
+            }
+        }
+    }
+}
+
+/// Nothing but the bumps: every other term is constant, and so is the term beside its bump.
+fn ensure_zero_elsewhere(name: &str, inputs: &Inputs, kit: &Kit, proofs: &[Value]) {
+    let control = proving(&inputs.profile, kit);
+    for planned in &kit.plan.tables {
+        let own = proofs.iter().find(|proof| term_of(proof) == planned.term);
+        for (base, output) in axis_pairs(&kit.plan, planned.term) {
+            let Ok(response) =
+                control.response(base, output, planned.direction.unwrap_or(Direction::Plus))
+            else {
+                continue;
+            };
+            let zero = um_at(&response, planned.grid.reference.mm());
+            for index in planned.grid.first..=planned.grid.last {
+                let place = planned.grid.position(index).mm();
+                let inside = own.is_some_and(|proof| {
+                    number(proof, "from_mm") < place - 1e-6 && place + 1e-6 < number(proof, "to_mm")
+                });
+                let um = um_at(&response, place) - zero;
+                assert!(
+                    inside || um.abs() < DUST_UM,
+                    "{name}: {} at {place} mm: {um}",
+                    planned.term
+                );
+            }
+        }
+    }
+}
+
+fn contract_of(id: &str) {
+    let profile = builtin::profile(id).unwrap();
+    let mut proved = 0;
+    for seed in 0..MACHINES {
+        let machine = machine(&profile, seed);
+        let (inputs, kit) = support::generate(&machine.job, &machine.csv);
+        let proofs = &kit.manifest.sign_proofs;
+        let mechanisms = proofs.len()
+            + kit
+                .compiled
+                .notes
+                .iter()
+                .filter(|n| n.starts_with("no sign proof"))
+                .count();
+        assert!(
+            mechanisms > 0,
+            "{id} {seed}: every mechanism has a proof or a reason"
+        );
+        let names = proofs.iter().flat_map(|p| p["files"].as_array().unwrap());
+        assert_eq!(names.count(), files_of(&kit, Role::SignProof).len());
+        for proof in proofs {
+            let name = format!("{id}, machine {seed}, {proof}");
+            ensure_legal(&name, &inputs, &kit, proof);
+            let page = files_of(&kit, Role::Checklist)[0].bytes;
+            let term = term_of(proof);
+            let words = format!(
+                "**{:.1} µm towards −{} if the sign is as assumed; {:.1} µm towards +{}",
+                number(proof, "shows_um").abs(),
+                term.of,
+                number(proof, "other_sign_um"),
+                term.of
+            );
+            assert!(
+                std::str::from_utf8(page).unwrap().contains(&words),
+                "{name}: {words}"
+            );
+            proved += 1;
+        }
+        if kit
+            .compiled
+            .notes
+            .iter()
+            .all(|n| !n.starts_with("no sign proof"))
+        {
+            ensure_zero_elsewhere(&format!("{id} {seed}"), &inputs, &kit, proofs);
+        }
+    }
+    println!("{id}: {proved} sign proofs of {MACHINES} machines");
+    assert!(proved > MACHINES / 4, "{id}: only {proved} proofs");
+}
+
+#[test]
+fn sign_proofs_of_siemens() {
+    contract_of("siemens-840d-sl");
+    contract_of("siemens-828d");
+}
+
+#[test]
+fn sign_proofs_of_fanuc() {
+    contract_of("fanuc-30i");
+    contract_of("fanuc-0i-f");
+    contract_of("fanuc-16i");
+}
+
+#[test]
+fn without_a_read_out_the_first_step_is_to_read_out() {
+    for id in builtin::ids() {
+        let (job, errors) = five_points(id);
+        let (_, kit) = support::generate(&job, &errors);
+        assert!(files_of(&kit, Role::Rollback).is_empty(), "{id}");
+        let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
+        let first = page.lines().find(|line| line.starts_with("1. ")).unwrap();
+        assert!(
+            first.contains("keep") && first.contains("way back"),
+            "{id}: {first}"
+        );
+        assert!(
+            !page.contains('{') && !page.contains('}'),
+            "{id}: not filled in\n{page}"
+        );
+    }
+}
+
+/// Last year's kit lies in the control: half the errors, and on Siemens its switches are on.
+fn with_read_out(id: &str) -> (Inputs, Tables) {
+    let (job, errors) = five_points(id);
+    let profile = builtin::profile(id).unwrap();
+    let (_, before) = support::generate(&job, &errors.replace("8,", "4,"));
+    let tables = support::loaded(&profile, &before);
+    let kept = |file: &&nonius::emit::RenderedFile| {
+        matches!(file.role, Role::Table | Role::Enable)
+            || matches!(profile.dialect, Dialect::Fanuc(_))
+    };
+    let files = before.files.iter().filter(kept);
+    let active = ActiveControl {
+        tables: tables.clone(),
+        files: files.map(|f| (f.path.clone(), f.bytes.clone())).collect(),
+        state: before.compiled.state.clone(),
+    };
+    let mut inputs = support::inputs(&job, &errors);
+    inputs.active = Some(active);
+    (inputs, tables)
+}
+
+#[test]
+fn rollback_is_what_was_read_out() {
+    for id in [
+        "siemens-840d-sl",
+        "siemens-828d",
+        "fanuc-30i",
+        "fanuc-0i-f",
+        "fanuc-16i",
+    ] {
+        let (inputs, tables) = with_read_out(id);
+        let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}", p.render()));
+        let files = files_of(&kit, Role::Rollback);
+        let read = read_apart(&inputs.profile, &files, Role::Rollback).unwrap();
+        assert_eq!(read.tables, tables, "{id}");
+        assert_ne!(
+            support::loaded(&inputs.profile, &kit),
+            tables,
+            "{id}: nothing to go back to"
+        );
+        let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
+        for file in &files {
+            assert!(page.contains(file.path), "{id}: {}", file.path);
+        }
+        assert!(!page.contains("no rollback file"), "{id}");
+        let set = read.machine_data.iter().flat_map(|file| &file.data).count();
+        assert_eq!(
+            set > 0,
+            id.starts_with("siemens"),
+            "{id}: switches as found"
+        );
+    }
+}
+
+#[test]
+fn an_incomplete_read_out_gives_no_rollback() {
+    let (mut inputs, _) = with_read_out("siemens-840d-sl");
+    match inputs.active.as_mut().map(|active| &mut active.tables) {
+        Some(Tables::Siemens(tables)) => tables.cec[3].values[2] = None,
+        _ => unreachable!("it is a Siemens control"),
+    }
+    let kit = kit::generate(&inputs).unwrap();
+    assert!(files_of(&kit, Role::Rollback).is_empty());
+    let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
+    let words = "do not hold all that this kit overwrites; missing: CEC table 3\n";
+    assert!(page.contains(words), "{page}");
+}
+
+#[test]
+fn a_changed_sign_proof_is_found_and_does_not_reach_the_tables() {
+    let (job, errors) = five_points("siemens-840d-sl");
+    let (inputs, kit) = support::generate(&job, &errors);
+    let judged = |changed: &[u8]| {
+        let files: Vec<KitFile<'_>> = kit
+            .files
+            .iter()
+            .map(|file| KitFile {
+                path: &file.path,
+                role: file.role,
+                bytes: if file.path == "NONIUS_SIGN_EEC.MPF" {
+                    changed
+                } else {
+                    &file.bytes
+                },
+            })
+            .collect();
+        kit::verify(&inputs, &files, Vec::new()).unwrap()
+    };
+    let proof = files_of(&kit, Role::SignProof)[0].bytes;
+    let text = std::str::from_utf8(proof).unwrap();
+    let same = judged(proof);
+    assert!(same.disagreements.is_empty(), "{:?}", same.disagreements);
+    let higher = judged(text.replace("=0.020000", "=0.200000").as_bytes());
+    let words = "`NONIUS_SIGN_EEC.MPF` is not the sign proof of this job: it holds other values";
+    assert_eq!(higher.disagreements, [words]);
+    assert_eq!(higher.forecast, same.forecast);
+}
+
+#[test]
+fn a_bump_over_the_limit_is_refused() {
+    let (job, _) = five_points("fanuc-30i");
+    let page = format!("{job}\n[limits]\nmax_bump_um = 25.0\n");
+    let source = Source::from_bytes("job.toml", page.as_bytes()).unwrap();
+    let problems = Job::read(source).unwrap_err().render();
+    assert!(
+        problems.contains("max_bump_um") && problems.contains("20"),
+        "{problems}"
+    );
+}
+
+#[test]
+fn no_legal_place_is_said_and_nothing_is_written() {
+    let (job, errors) = five_points("siemens-840d-sl");
+    let page = format!("{job}\n[limits]\nmax_slope_um_per_mm = 0.049\n");
+    let page = page.replace("backlash = \"two-tables\"\n", "");
+    let inputs = support::inputs(
+        &page,
+        "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,400,1,1,1\n",
+    );
+    let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}\n{errors}", p.render()));
+    let proofs = files_of(&kit, Role::SignProof);
+    assert!(
+        proofs.is_empty(),
+        "4.9 µm in one section, and two sections do not fit"
+    );
+    let notes = kit
+        .compiled
+        .notes
+        .iter()
+        .filter(|n| n.starts_with("no sign proof"));
+    assert_eq!(
+        notes.count(),
+        2,
+        "ENC_COMP and CEC: {:?}",
+        kit.compiled.notes
+    );
+}
