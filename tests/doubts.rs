@@ -404,7 +404,7 @@ fn a_kit_without_scales_is_undecided_and_says_what_is_missing() {
         &nonius(directory.path(), "separate job.toml -o errors.csv"),
         1,
     );
-    assert!(text.contains("Six of the nine errors"), "{text}");
+    assert!(text.contains("Determined: 6 of 9 errors"), "{text}");
     two_step(directory.path());
     for (job, kit) in [("job.toml", "one"), ("nine.toml", "two")] {
         let text = said(
@@ -520,7 +520,7 @@ fn an_assumed_set_up_is_said_of_the_kit_made_from_the_table() {
     for words in [
         "set-up assumed perfect",
         "reversal is mixed into the curves",
-        "angular errors are not given",
+        "angular errors without a measurement, counted as zero",
     ] {
         assert!(
             text.contains(&format!("note: {words}")) || text.contains(words),

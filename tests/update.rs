@@ -391,7 +391,7 @@ fn a_read_out_says_the_same_as_the_kit() {
     for file in old
         .files
         .iter()
-        .filter(|f| f.path.ends_with(".MPF") && f.path.contains("EC"))
+        .filter(|f| f.role == nonius::controller::Role::Table)
     {
         archive.push_str(std::str::from_utf8(&file.bytes).unwrap());
     }
@@ -688,7 +688,11 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
     let mut file = String::from(
         "%\nN00010Q1L1P00000001\nN03701Q1S1P00000010\nN01240Q1A1P0.000A2P0.000A4P12.5\nN01851Q1A1P3A2P0A4P9\nN01852Q1A1P3A2P0A4P9\nN03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN10900Q1P0\n",
     );
-    for kit_file in &old.files {
+    let of_the_control = |f: &&nonius::emit::RenderedFile| {
+        use nonius::controller::Role;
+        matches!(f.role, Role::Table | Role::Parameters)
+    };
+    for kit_file in old.files.iter().filter(of_the_control) {
         let text = String::from_utf8_lossy(&kit_file.bytes).replace(['%', '\r'], "");
         file.push_str(text.trim());
         file.push('\n');

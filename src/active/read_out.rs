@@ -3,7 +3,7 @@
 use super::{ActiveControl, Origin, Others, backlash_of, problem, stated};
 use crate::axis::PerAxis;
 use crate::claims::Assumption;
-use crate::controller::{Dialect, LengthUnit, Profile};
+use crate::controller::{Dialect, LengthUnit, Profile, Role};
 use crate::job::Job;
 use crate::plan::axis_names;
 use crate::problem::{Problem, Problems};
@@ -24,6 +24,14 @@ pub(super) struct Found {
 /// A file as text.
 pub(super) type Text<'a> = (&'a str, &'a str);
 
+/// Sign proofs, rollbacks and checklists of a kit, by their names.
+fn stands_apart(profile: &Profile, name: &str) -> bool {
+    let apart = |role: Role| matches!(role, Role::SignProof | Role::Rollback | Role::Checklist);
+    let mut own = profile.files.iter().filter(|file| apart(file.role));
+    let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    own.any(|file| file.path.eq_ignore_ascii_case(name))
+}
+
 /// Reads files of the control: tables, parameters, archives.
 pub fn from_read_out(
     job: &Job,
@@ -35,6 +43,14 @@ pub fn from_read_out(
     let mut problems = Problems::none();
     let mut texts: Vec<Text<'_>> = Vec::new();
     for (name, bytes) in &files {
+        if stands_apart(profile, name) {
+            problems.push(
+                Problem::new(format!(
+                    "`{name}` of `{path}` is a file of a kit that is not loaded with its tables, so it does not tell what was active"
+                ))
+                .help("name the whole kit with its manifest.json, or files that were read out of the control"),
+            );
+        }
         match std::str::from_utf8(bytes) {
             Ok(text) => texts.push((name, text)),
             Err(_) => problems.push(

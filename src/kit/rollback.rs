@@ -5,7 +5,7 @@
 
 use super::Inputs;
 use super::field::{Made, as_kit_file};
-use crate::active::ActiveControl;
+use crate::active::{ActiveControl, Origin};
 use crate::compensation::Compiled;
 use crate::controller::{Profile, Role};
 use crate::emit::{self, Instead, RenderedFile, Switch};
@@ -35,6 +35,12 @@ pub(super) fn files(made: &Made<'_>) -> Result<Result<Vec<RenderedFile>, Problem
             "no rollback file: `active_while_measuring` names no files that were read out of the control, and zeros are not a way back".to_string(),
         ]);
     };
+    if active.origin != Origin::ReadOut {
+        return Err(vec![format!(
+            "no rollback file: `{}` is a kit, not files that were read out of the control; loading that kit again is the way back to it",
+            active.path
+        )]);
+    }
     let old = old(&made.inputs.profile, active, made.plan, made.compiled)
         .map_err(|missing| vec![incomplete(&missing)])?;
     Ok(rendered(made, &old))

@@ -8,7 +8,9 @@
 //! the only thing that notices a slope of the wrong sign or unit, or a wrong edge of the box; which
 //! of the equations is wrong it cannot tell. A line whose uncertainty is not known counts as exact.
 
-use super::metric::{Equations, Metric, Plane, StraightLine, TotalsUncertainty, row};
+use super::metric::{
+    DiagonalEquation, Equations, Metric, Plane, StraightLine, TotalsUncertainty, row,
+};
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{PerDiagonal, Volume};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -109,12 +111,12 @@ impl Agreement {
 /// Tests the redundancy; `None` where there is none.
 pub fn agreement(
     volume: &Volume,
-    ratios: &PerDiagonal<PerAxis<f64>>,
+    diagonals: &PerDiagonal<DiagonalEquation>,
     totals: &TotalsUncertainty,
     lines: &[StraightLine],
     metric: &Metric,
 ) -> Option<Agreement> {
-    let equations = Equations::new(volume, ratios, totals, lines);
+    let equations = Equations::new(volume, diagonals, totals, lines);
     let freedom = equations.redundancy();
     if freedom == 0 {
         return None;
@@ -127,7 +129,7 @@ pub fn agreement(
     let check = |(index, line): (usize, &StraightLine)| {
         let mut rest = lines.to_vec();
         rest.remove(index);
-        let rest = Equations::new(volume, ratios, totals, &rest);
+        let rest = Equations::new(volume, diagonals, totals, &rest);
         LineCheck {
             direction: line.direction,
             stated_um_per_m: line.slope_um_per_m,

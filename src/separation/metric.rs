@@ -150,13 +150,33 @@ pub fn displacement_ratios(
     })
 }
 
-/// The same of straight runs, of first order: q_d = u_d (1 + e_d(end)/R), so that (7) becomes
-/// u_dᵀ h u_d = e_d(end)/R. `ends_um`: totals.
-pub fn straight_ratios(volume: &Volume, ends_um: &PerDiagonal<f64>) -> PerDiagonal<PerAxis<f64>> {
+/// What (7) says of one diagonal: vᵀ h v = value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiagonalEquation {
+    /// v, without unit.
+    pub direction: PerAxis<f64>,
+    /// The value, µm/m.
+    pub value_um_per_m: f64,
+}
+
+/// (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
+pub fn stepped(ratios: &PerDiagonal<PerAxis<f64>>) -> PerDiagonal<DiagonalEquation> {
     PerDiagonal::from_fn(|d| {
-        let longer = 1.0 + ends_um[d] / (1000.0 * volume.diagonal_mm());
-        let laser = volume.laser(d);
-        PerAxis::from_fn(|axis| longer * laser[axis])
+        let q = ratios[d];
+        let square = q.x * q.x + q.y * q.y + q.z * q.z;
+        DiagonalEquation {
+            direction: q,
+            value_um_per_m: (square - 1.0) / 2.0 / UM_PER_M,
+        }
+    })
+}
+
+/// (7) of straight runs, of first order: u_dᵀ h u_d = e_d(end)/R. `ends_um`: totals.
+pub fn straight(volume: &Volume, ends_um: &PerDiagonal<f64>) -> PerDiagonal<DiagonalEquation> {
+    let length_m = volume.diagonal_mm() / 1000.0;
+    PerDiagonal::from_fn(|d| DiagonalEquation {
+        direction: volume.laser(d),
+        value_um_per_m: ends_um[d] / length_m,
     })
 }
 
@@ -189,17 +209,16 @@ pub(super) struct Equations {
 impl Equations {
     pub(super) fn new(
         volume: &Volume,
-        ratios: &PerDiagonal<PerAxis<f64>>,
+        diagonals: &PerDiagonal<DiagonalEquation>,
         totals: &TotalsUncertainty,
         lines: &[StraightLine],
     ) -> Equations {
         let variance = |u: f64| u.max(NEGLECTED_UM_PER_M).powi(2);
         let mut rows: Vec<Row> = Vec::new();
         let (mut values, mut own, mut known) = (Vec::new(), Vec::new(), Vec::new());
-        for (diagonal, q) in ratios.iter() {
-            let square = q.x * q.x + q.y * q.y + q.z * q.z;
-            rows.push(row(q));
-            values.push((square - 1.0) / 2.0 / UM_PER_M);
+        for (diagonal, equation) in diagonals.iter() {
+            rows.push(row(&equation.direction));
+            values.push(equation.value_um_per_m);
             own.push(variance(totals.own_um_per_m[diagonal]));
             known.push(totals.known);
         }
@@ -289,11 +308,11 @@ impl Equations {
 /// Solves (7) for the unit vectors that were measured along.
 pub fn solve(
     volume: &Volume,
-    ratios: &PerDiagonal<PerAxis<f64>>,
+    diagonals: &PerDiagonal<DiagonalEquation>,
     totals: &TotalsUncertainty,
     lines: &[StraightLine],
 ) -> Metric {
-    Equations::new(volume, ratios, totals, lines).metric()
+    Equations::new(volume, diagonals, totals, lines).metric()
 }
 
 impl Equations {
@@ -339,11 +358,11 @@ impl EndGains {
 /// ∂θ/∂E of the solution of (7), with the weights of [`solve`]; zero where it has none.
 pub fn end_gains(
     volume: &Volume,
-    ratios: &PerDiagonal<PerAxis<f64>>,
+    diagonals: &PerDiagonal<DiagonalEquation>,
     totals: &TotalsUncertainty,
     lines: &[StraightLine],
 ) -> EndGains {
-    let equations = Equations::new(volume, ratios, totals, lines);
+    let equations = Equations::new(volume, diagonals, totals, lines);
     let covariance = equations.covariance(&equations.own);
     let system = equations.system(&covariance);
     let gain = system.solve().and_then(|found| system.gain(&found));

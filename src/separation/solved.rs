@@ -7,7 +7,7 @@ use super::curves::{Curve, curves, end_slope, mean, plus_line};
 use super::evidence::{Evidence, NineErrors};
 use super::increments::{Increments, Means, mean_increments};
 use super::metric::{
-    EndGains, Metric, PerPlane, Plane, StraightLine, displacement_ratios, end_gains, solve,
+    EndGains, Metric, PerPlane, Plane, StraightLine, displacement_ratios, end_gains, solve, stepped,
 };
 use super::plane::per_plane;
 use super::reversal::Turn;
@@ -77,7 +77,7 @@ impl Solved {
             setup: measurement.setup,
             frame: measurement.frame,
             mean_raw,
-            metric: solve(volume, &ratios, &budget.totals(both_ways), &lines),
+            metric: solve(volume, &stepped(&ratios), &budget.totals(both_ways), &lines),
             ratios,
             totals: totals(volume, &ends_um),
             ends_um,
@@ -220,7 +220,7 @@ impl Solved {
     pub(super) fn gains(&self, budget: &Budget<'_>) -> EndGains {
         end_gains(
             &self.volume,
-            &self.ratios,
+            &stepped(&self.ratios),
             &budget.totals(self.both_ways),
             &self.lines,
         )
@@ -234,7 +234,7 @@ impl Solved {
         let totals = budget.totals(self.both_ways);
         agreement(
             &self.volume,
-            &self.ratios,
+            &stepped(&self.ratios),
             &totals,
             &self.lines,
             &self.metric,

@@ -13,7 +13,7 @@ use super::campaign::{Campaign, corrected};
 use super::corrections::recorded;
 use super::labels::common_labels;
 use super::line::range;
-use super::metric::{Metric, PerPlane, Plane, StraightLine, end_gains, solve, straight_ratios};
+use super::metric::{self, Metric, PerPlane, Plane, StraightLine, end_gains, solve};
 use super::noise::{CorrectedRun, Noise, run_counts};
 use super::plane::per_plane;
 use super::prediction::{ClosureTests, closure_tests};
@@ -183,14 +183,14 @@ pub fn straight(
         stated: campaign.stated,
         material,
     };
-    let (ratios, uncertainties) = (straight_ratios(volume, &ends), budget.totals(both_ways));
+    let (equations, uncertainties) = (metric::straight(volume, &ends), budget.totals(both_ways));
     let lines: Vec<StraightLine> = campaign.lines.iter().map(whole_line).collect();
-    let mut metric = solve(volume, &ratios, &uncertainties, &lines);
-    let agreement = agreement(volume, &ratios, &uncertainties, &lines, &metric);
+    let mut metric = solve(volume, &equations, &uncertainties, &lines);
+    let agreement = agreement(volume, &equations, &uncertainties, &lines, &metric);
     if agreement.as_ref().is_some_and(Agreement::is_refuted) {
         metric.u_known = Default::default();
     }
-    let gains = end_gains(volume, &ratios, &uncertainties, &lines);
+    let gains = end_gains(volume, &equations, &uncertainties, &lines);
     let known = |u_um_per_m: Option<f64>, by_end: PerDiagonal<f64>| {
         let slope = Slope {
             u_um_per_m: u_um_per_m?,

@@ -1,6 +1,6 @@
 //! What `separate` prints of the closure and of disturbed readings.
 
-use super::words::list;
+use super::words::{list, signed};
 use crate::axis::Axis;
 use crate::separation::Separation;
 use crate::separation::closure::{Closure, Ramps};
@@ -36,11 +36,11 @@ fn means(separation: &Separation) -> String {
     let closure = &separation.closure;
     let mean = |axis: Axis| match separation.noise {
         Some(noise) => format!(
-            "{axis} {:+.3} (expected scatter {:.3})",
-            closure.mean[axis] + 0.0,
+            "{axis} {} (expected scatter {:.3})",
+            signed(closure.mean[axis]),
             closure.u_mean_um(axis, noise.sigma_um)
         ),
-        None => format!("{axis} {:+.3}", closure.mean[axis] + 0.0),
+        None => format!("{axis} {}", signed(closure.mean[axis])),
     };
     Axis::ALL.map(mean).join(", ")
 }
@@ -64,8 +64,8 @@ fn ramps(ramps: &Ramps, noise: Option<Noise>) -> String {
     let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
     let each = Axis::ALL.map(|axis| {
         format!(
-            "{axis} {:+.3} (expected scatter {:.3})",
-            ramps.change_um[axis] + 0.0,
+            "{axis} {} (expected scatter {:.3})",
+            signed(ramps.change_um[axis]),
             ramps.u[axis] * sigma
         )
     });
