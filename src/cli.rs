@@ -4,6 +4,7 @@
 //! within limits, 1 = the answer is no (files are written), 2 = could not do it (nothing is
 //! written).
 
+mod assess;
 mod context;
 mod controllers;
 mod generate;
@@ -68,6 +69,8 @@ enum Command {
     },
     /// Separate the readings of four body diagonals into the nine errors
     Separate(separate::Options),
+    /// What the errors do in the volume: volumetric accuracy and the other definitions
+    Assess(Box<assess::Options>),
     /// Write the part programs of a measuring run, with the expected positions
     Program {
         /// The job (TOML) with a section [program]; `-` = standard input
@@ -195,6 +198,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             tables,
             format,
         } => verify::run(&job, &tables, format),
+        Command::Assess(options) => assess::run(&options),
         Command::Separate(options) => separate::run(&options),
         Command::Program {
             job,

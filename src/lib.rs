@@ -40,6 +40,8 @@ pub mod units;
 
 pub mod axis;
 
+pub mod chain;
+
 pub mod diagonal;
 
 pub mod problem;
@@ -71,6 +73,10 @@ pub mod separation;
 
 pub mod model;
 
+pub mod volume_model;
+
+pub mod definitions;
+
 pub mod grid;
 
 pub mod target;
@@ -94,6 +100,8 @@ pub mod readback;
 pub mod emulate;
 
 pub mod forecast;
+
+pub mod assessment;
 
 pub mod disagreement;
 

@@ -1,0 +1,86 @@
+//! `nonius assess --format json` (contract §5).
+
+use super::{After, Page};
+use crate::assessment::Assessment;
+use crate::axis::PerAxis;
+use crate::definitions::Definitions;
+use crate::manifest::picometres;
+use serde_json::{Map, Value, json};
+
+pub(super) fn document(page: &Page) -> Value {
+    let mut document = Map::new();
+    document.insert("schema".to_string(), json!(1));
+    document.insert("machine".to_string(), json!(page.name));
+    document.insert("chain".to_string(), json!(page.volume.chain.to_string()));
+    document.insert("frame".to_string(), json!("as given"));
+    document.extend(figures(&page.before));
+    let missing = page.volume.missing().into_iter();
+    let missing: Vec<Value> = missing
+        .map(|m| json!({"name": m.name, "consequence": m.consequence}))
+        .collect();
+    document.insert("missing".to_string(), json!(missing));
+    document.insert("labels".to_string(), json!(page.volume.labels));
+    let after = page.after.as_ref().map(after);
+    document.insert("after".to_string(), json!(after));
+    Value::Object(document)
+}
+
+fn after(after: &After) -> Value {
+    let mut document = Map::new();
+    document.insert("tables".to_string(), json!(after.from));
+    document.extend(figures(&after.assessment));
+    document.insert("disagreements".to_string(), json!(after.disagreements));
+    Value::Object(document)
+}
+
+fn figures(assessment: &Assessment) -> Map<String, Value> {
+    let mut figures = Map::new();
+    let grid = assessment.definitions.grid;
+    figures.insert("grid".to_string(), json!([grid.x, grid.y, grid.z]));
+    figures.insert(
+        "definitions".to_string(),
+        definitions(&assessment.definitions),
+    );
+    let contributions: Vec<Value> = assessment
+        .contributions
+        .iter()
+        .map(|part| {
+            json!({
+                "term": part.component.to_string(),
+                "um": picometres(part.um),
+                "va_without_um": picometres(part.va_without_um),
+            })
+        })
+        .collect();
+    figures.insert("contributions".to_string(), json!(contributions));
+    figures
+}
+
+fn definitions(d: &Definitions) -> Value {
+    let vector = |v: PerAxis<f64>| json!([v.x, v.y, v.z].map(picometres));
+    let pair = |pair: [PerAxis<f64>; 2]| json!(pair.map(vector));
+    let figure = |um: Option<f64>| json!(um.map(picometres));
+    let diagonals: Map<String, Value> = d
+        .diagonals_um
+        .iter()
+        .map(|(diagonal, um)| (diagonal.name().to_string(), json!(picometres(*um))))
+        .collect();
+    json!({
+        "elv_um": figure(d.by_component.elv),
+        "elsv_um": figure(d.by_component.elsv),
+        "existing_um": figure(d.by_component.existing),
+        "proposed_um": picometres(d.proposed_um),
+        "proposed_of_nine_um": figure(d.by_component.proposed),
+        "va_um": picometres(d.va.um),
+        "va_pair_mm": pair(d.va.places_mm),
+        "va_difference_um": vector(d.va.difference_um),
+        "length_um": picometres(d.length.um),
+        "length_pair_mm": pair(d.length.places_mm),
+        "length_exact": d.length.exact,
+        "ranges_um": vector(d.ranges_um),
+        "box_um": picometres(d.box_um),
+        "max_from_reference_um": picometres(d.from_origin_um),
+        "reference_mm": vector(d.origin_mm),
+        "diagonals_um": diagonals,
+    })
+}
