@@ -9,8 +9,6 @@
 
 mod diagonals;
 mod length;
-#[cfg(test)]
-mod tests;
 
 pub use self::diagonals::diagonal_ranges;
 pub use self::length::{LengthError, length_error};

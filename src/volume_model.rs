@@ -18,8 +18,6 @@
 mod component;
 mod map;
 mod missing;
-#[cfg(test)]
-mod tests;
 
 pub use self::component::Component;
 pub use self::map::{ErrorMap, Nodes};
@@ -39,8 +37,10 @@ const MM_PER_M: f64 = 1000.0;
 /// The errors of a machine everywhere in its volume.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeModel {
-    /// From foot to tool.
+    /// The order of the axes; only angles ask for it.
     pub chain: Chain,
+    /// Whether the job states it; else all axes are taken to move the tool.
+    pub chain_is_stated: bool,
     /// The nine deviations without stated squareness, zero at the reference; mean of the directions.
     deviations: PerTerm<Option<ErrorCurve>>,
     /// The nine rotations, µrad; mean of the directions.
@@ -81,7 +81,7 @@ impl VolumeModel {
         else {
             return Err(job
                 .problem_at("machine", "angles act through levers, which need the order of the axes: `machine.chain` is missing")
-                .help("state it, e.g. `chain = \"wXYZt\"`; a table alone: `--chain wXYZt`")
+                .help("state it, e.g. `chain = \"wXYZt\"`")
                 .into());
         };
         let levers = job.measurement.levers;
@@ -94,6 +94,7 @@ impl VolumeModel {
         });
         let mut built = VolumeModel {
             chain,
+            chain_is_stated: job.machine.chain.is_some(),
             deviations: PerTerm::from_fn(|term: ErrorTerm| {
                 let curve = model.terms[term].as_ref()?.measured.mean();
                 Some(without_squareness(job, &squareness, term, curve))

@@ -95,6 +95,9 @@ impl VolumeModel {
     /// What the model takes for granted, one sentence each.
     pub(super) fn statements(&self, job: &Job, model: &ErrorModel) -> Vec<String> {
         let mut labels = Vec::new();
+        if !self.chain_is_stated {
+            labels.push("the chain is not stated: without angles no figure depends on it; what missing angles leave out is told for axes that all move the tool".to_string());
+        }
         labels.extend(self.of_squareness());
         labels.extend(self.of_angles(job));
         labels.extend(of_directions(model));

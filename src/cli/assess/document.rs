@@ -11,7 +11,9 @@ pub(super) fn document(page: &Page) -> Value {
     let mut document = Map::new();
     document.insert("schema".to_string(), json!(1));
     document.insert("machine".to_string(), json!(page.name));
-    document.insert("chain".to_string(), json!(page.volume.chain.to_string()));
+    let chain = page.volume.chain_is_stated.then_some(page.volume.chain);
+    let chain = chain.map(|chain| chain.to_string());
+    document.insert("chain".to_string(), json!(chain));
     document.insert("frame".to_string(), json!("as given"));
     document.extend(figures(&page.before));
     let missing = page.volume.missing().into_iter();

@@ -6,7 +6,7 @@ use crate::document::Source;
 use crate::error_table::ErrorTable;
 use crate::job::Job;
 use crate::model::ErrorModel;
-use crate::problem::Problems;
+use crate::problem::{Problem, Problems};
 use crate::volume_model::VolumeModel;
 use std::fmt::Write;
 
@@ -30,6 +30,14 @@ pub(super) fn volume(
     let page = page(&table, chain);
     let job = Job::read(Source::from_bytes(name, page.as_bytes())?)?;
     let model = ErrorModel::build(&job, &table)?;
+    if chain.is_none() && model.rotations.iter().any(|(_, angle)| angle.is_some()) {
+        return Err(Problem::new(
+            "the table holds angles, which act through levers: the order of the axes is missing",
+        )
+        .at(table.header.clone())
+        .help("state it, e.g. `--chain wXYZt`, or give a job with `machine.chain`")
+        .into());
+    }
     let mut volume = VolumeModel::build(&job, &model)?;
     volume.labels.push("no job describes this machine: the curves are zero, and levers count from, the lowest measured position of each axis".to_string());
     Ok(volume)

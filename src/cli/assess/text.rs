@@ -29,10 +29,14 @@ fn heading(page: &Page) -> String {
         format!("{axis} {low} … {high}")
     });
     let n = page.before.definitions.grid;
+    let chain = match page.volume.chain_is_stated {
+        true => page.volume.chain.to_string(),
+        false => "not stated".to_string(),
+    };
     format!(
         "{}, chain {}\nvolume {} mm; {} x {} x {} nodes",
         page.name,
-        page.volume.chain,
+        chain,
         ends.join(", "),
         n.x,
         n.y,
