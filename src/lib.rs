@@ -20,6 +20,9 @@
 //!
 //! Before a measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ readback, walk.
 //!
+//! In the volume: model ─→ volume_model: 21 errors, any chain ─→ space ─→ definitions, assessment
+//! (as the machine is, and with the emulated tables).
+//!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
 //! Modules stand in the order in which the data flow; a module imports only from those before
