@@ -138,3 +138,14 @@ fn templates_lay_out_and_do_not_compute() {
     }
     assert!(templates > 5, "only {templates} templates were found");
 }
+
+#[test]
+fn unsafe_code_stands_in_one_module() {
+    for (file, _, code) in sources() {
+        let found = code.iter().any(|line| line.contains("unsafe"));
+        assert!(
+            !found || file == "space/processor.rs",
+            "src/{file} has unsafe code"
+        );
+    }
+}

@@ -242,6 +242,21 @@ fn random_machines_against_all_pairs() {
     }
 }
 
+/// Grids large enough for bounds of several chords; the cloud looks at every vector.
+#[test]
+fn larger_random_machines_against_the_cloud() {
+    for number in 0..105 {
+        let family = Family::ALL[number % Family::ALL.len()];
+        let (chain, axes) = random_map::axes_of(number as u64, family, 20..75);
+        let map = GridMap::new(chain, axes).unwrap();
+        let cloud = cloud::longest(&map.vectors()).unwrap();
+        let found = diameter(&map);
+        assert_eq!(found.um, cloud.um(), "{number}, {family:?}");
+        let pair = found.nodes.map(|node| map.number(node));
+        assert_eq!(pair, cloud.pair, "{number}, {family:?}");
+    }
+}
+
 #[test]
 fn windows_of_random_machines_against_all_pairs() {
     for number in 0..28 {

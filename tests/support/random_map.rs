@@ -5,6 +5,7 @@ use nonius::axis::Axis;
 use nonius::space::grid_map::{AxisNodes, GridMap};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::ops::Range;
 
 /// What the curves of a machine look like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,8 +67,13 @@ fn curve(numbers: &mut Numbers, count: usize, family: Family, size: f64) -> Vec<
     (0..count).map(|n| size * value(n, numbers)).collect()
 }
 
-/// The order of the chain and its axes.
+/// The order of the chain and its axes of up to 9 nodes.
 pub(crate) fn axes(seed: u64, family: Family) -> ([Axis; 3], [AxisNodes; 3]) {
+    axes_of(seed, family, 1..10)
+}
+
+/// The order of the chain and its axes of so many nodes.
+pub(crate) fn axes_of(seed: u64, family: Family, nodes: Range<u32>) -> ([Axis; 3], [AxisNodes; 3]) {
     let mut numbers = Numbers(ChaCha8Rng::seed_from_u64(seed));
     let mut chain = Axis::ALL;
     chain.swap(0, numbers.below(3));
@@ -79,7 +85,7 @@ pub(crate) fn axes(seed: u64, family: Family) -> ([Axis; 3], [AxisNodes; 3]) {
         _ => 10.0,
     };
     let axes = [0, 1, 2].map(|_| {
-        let count = 1 + numbers.below(9);
+        let count = nodes.start as usize + numbers.below(nodes.end - nodes.start);
         let size = if family == Family::Ties {
             1.0
         } else {
