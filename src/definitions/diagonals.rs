@@ -41,7 +41,7 @@ fn vertex(first: f64, middle: f64, last: f64) -> Option<f64> {
     let bent = 2.0 * (first - 2.0 * middle + last);
     let slope = last - first - bent;
     let place = -slope / (2.0 * bent);
-    (place > 0.0 && place < 1.0).then(|| first + place * (slope + bent * place))
+    (place > 0.0 && place < 1.0).then_some(first + place * (slope + bent * place))
 }
 
 /// Parts of the travel (0 … 1) where a curve of an axis bends.

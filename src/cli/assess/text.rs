@@ -84,7 +84,6 @@ fn figures(before: &Definitions, after: Option<&Definitions>) -> String {
 
 /// Name, value and meaning of every figure.
 fn rows(d: &Definitions) -> Vec<(String, String, String)> {
-    let um = |um: f64| format!("{um:.3}");
     let some = |value: Option<f64>| value.map_or_else(|| "not measured".to_string(), um);
     let mut rows = Vec::new();
     let mut row = |name: &str, value: String, what: &str| {
@@ -166,10 +165,12 @@ fn short(mm: f64) -> f64 {
     (mm * 1000.0).round() / 1000.0 + 0.0
 }
 
+/// Parts and changes of VA below the last digit that is shown are none, µm.
+const SHOWN_UM: f64 = 0.000_5;
+
 fn contributions(before: &Assessment, after: Option<&Assessment>) -> String {
     let mut columns = vec![
         Column::Left("error"),
-        Column::Left("ISO"),
         Column::Right("part of VA/µm"),
         Column::Right("%"),
         Column::Right("VA without it/µm"),
@@ -179,26 +180,53 @@ fn contributions(before: &Assessment, after: Option<&Assessment>) -> String {
     }
     let va = before.definitions.va.um;
     let with = |component: Component| {
-        let parts = &after?.contributions;
-        let part = parts.iter().find(|part| part.component == component)?;
-        Some(format!("{:.3}", part.um + 0.0))
+        let mut parts = after?.contributions.iter();
+        let part = parts.find(|part| part.component == component)?;
+        Some(um(part.um))
     };
     let row = |part: &Contribution| {
         let share = if va > 0.0 { 100.0 * part.um / va } else { 0.0 };
         let mut cells = vec![
-            part.component.to_string(),
-            part.component.iso_name(),
-            format!("{:.3}", part.um + 0.0),
+            error_name(part.component),
+            um(part.um),
             format!("{:.2}", share + 0.0),
-            format!("{:.3}", part.va_without_um),
+            um(part.va_without_um),
         ];
         cells.extend(after.map(|_| with(part.component).unwrap_or_default()));
         cells
     };
-    format!(
+    let acts = |part: &&Contribution| {
+        part.um.abs() >= SHOWN_UM || (part.va_without_um - va).abs() >= SHOWN_UM
+    };
+    let (acting, idle): (Vec<&Contribution>, Vec<&Contribution>) =
+        before.contributions.iter().partition(acts);
+    let mut text = format!(
         "{}\n  the parts add up to VA; a negative one works against the others",
-        table(&columns, before.contributions.iter().map(row))
-    )
+        table(&columns, acting.into_iter().map(row))
+    );
+    if !idle.is_empty() {
+        let names: Vec<String> = idle.iter().map(|part| part.component.to_string()).collect();
+        text.push_str(&format!(
+            "\n  measured, without effect on VA: {}",
+            names.join(", ")
+        ));
+    }
+    text
+}
+
+/// A figure with the digits of the page.
+fn um(um: f64) -> String {
+    format!("{:.3}", um + 0.0)
+}
+
+/// Its name, and that of ISO 230-1 where it is another.
+fn error_name(component: Component) -> String {
+    let (name, iso) = (component.to_string(), component.iso_name());
+    if name == iso {
+        name
+    } else {
+        format!("{name} ({iso})")
+    }
 }
 
 fn windows(before: &Assessment, after: Option<&Assessment>) -> String {
