@@ -43,11 +43,11 @@ pub(super) struct Cloud<'a> {
 }
 
 /// Counts of bins, with a few counters for each.
-pub(super) struct Tally(Vec<[u32; COUNTERS]>);
+pub(super) struct Tally(Box<[[u32; COUNTERS]; BINS]>);
 
 impl Tally {
     pub(super) fn new() -> Self {
-        Tally(vec![[0; COUNTERS]; BINS])
+        Tally(Box::new([[0; COUNTERS]; BINS]))
     }
 
     /// Count of a bin.
@@ -113,12 +113,10 @@ fn count_here(cloud: &Cloud<'_>, these: Range<usize>, tally: &mut Tally) {
 
 #[inline(always)]
 fn count_block(cloud: &Cloud<'_>, one: usize, others: Range<usize>, tally: &mut Tally) {
-    let [x, y, z] = [0, 1, 2].map(|c| &cloud.rough[c][others.clone()]);
+    let lanes = |c: usize| cloud.rough[c][others.clone()].as_chunks::<LANES>().0;
     let from = [0, 1, 2].map(|c| cloud.rough[c][one]);
-    let chunks = x.chunks_exact(LANES).zip(y.chunks_exact(LANES));
-    let chunks = chunks.zip(z.chunks_exact(LANES));
     let mut place = others.start;
-    for ((x, y), z) in chunks {
+    for ((x, y), z) in lanes(0).iter().zip(lanes(1)).zip(lanes(2)) {
         let (bins, unclear) = rough_bins(from, [x, y, z], cloud.doubt);
         for (lane, bin) in bins.iter().enumerate() {
             tally.0[*bin as usize & (BINS - 1)][lane % COUNTERS] += 1;
@@ -136,7 +134,7 @@ fn count_block(cloud: &Cloud<'_>, one: usize, others: Range<usize>, tally: &mut 
 
 /// Bins of a vector and 16 others; where a distance is near the edge of a bin, [`UNCLEAR`].
 #[inline(always)]
-fn rough_bins(from: [f32; 3], [x, y, z]: [&[f32]; 3], doubt: f32) -> ([u32; LANES], bool) {
+fn rough_bins(from: [f32; 3], [x, y, z]: [&[f32; LANES]; 3], doubt: f32) -> ([u32; LANES], bool) {
     let mut bins = [0; LANES];
     let mut unclear = 0;
     for lane in 0..LANES {
@@ -175,6 +173,7 @@ fn count_unclear(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::space::histogram::prepared;
 
     type Version = fn(&Cloud<'_>, Range<usize>, &mut Tally);
 
@@ -184,7 +183,7 @@ mod tests {
         let exact: Vec<Vector> = (0..700)
             .map(|n| [wave(n, 0.7), wave(n, 1.3) * 0.5, wave(n, 2.9) * 0.1])
             .collect();
-        let cloud = crate::space::histogram::prepared(&exact, 0.25).expect("few bins");
+        let cloud = prepared(&exact, 0.25).expect("few bins");
         let mut expected = vec![0; BINS - 1];
         for (n, p) in exact.iter().enumerate() {
             for q in &exact[n + 1..] {
