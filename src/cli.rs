@@ -4,6 +4,7 @@
 //! within limits, 1 = the answer is no (files are written), 2 = could not do it (nothing is
 //! written).
 
+mod assess;
 mod context;
 mod controllers;
 mod generate;
@@ -83,6 +84,8 @@ enum Command {
     },
     /// Separate the readings of four body diagonals into the nine errors
     Separate(separate::Options),
+    /// What the errors do in the volume: volumetric accuracy and the other definitions
+    Assess(Box<assess::Options>),
     /// Write the part programs of a measuring run, with the expected positions
     Program {
         /// The job (TOML) with a section [program]; `-` = standard input
@@ -213,6 +216,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             after,
             format,
         } => verify::run(&job, &tables, after.as_deref(), format),
+        Command::Assess(options) => assess::run(&options),
         Command::History { directory, format } => history::run(&directory, format),
         Command::Separate(options) => separate::run(&options),
         Command::Program {

@@ -24,6 +24,7 @@ pub use self::diagonals::{
 pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
 use crate::axis::{Direction, ErrorTerm, PerAxis};
+use crate::chain::Chain;
 use crate::controller::LengthUnit;
 use crate::curve::Interpolation;
 use crate::document::{Source, read_page};
@@ -114,7 +115,7 @@ pub struct Machine {
     /// Serial number.
     pub serial: Option<String>,
     /// Kinematic chain in the notation of contract §1, e.g. `wXYZt`.
-    pub chain: Option<String>,
+    pub chain: Option<Chain>,
     /// Its axes; absent where the job does not describe one.
     pub axes: PerAxis<Option<MachineAxis>>,
 }

@@ -24,6 +24,9 @@
 //!
 //! Before it, as a rehearsal: curves, bytes of the tables ─→ simulate: readings that say so of themselves.
 //!
+//! In the volume: model ─→ volume_model: 21 errors, any chain ─→ space ─→ definitions, assessment
+//! (as the machine is, and with the emulated tables).
+//!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
 //! Modules stand in the order in which the data flow; a module imports only from those before
@@ -43,6 +46,8 @@
 pub mod units;
 
 pub mod axis;
+
+pub mod chain;
 
 pub mod diagonal;
 
@@ -77,6 +82,10 @@ pub mod separation;
 
 pub mod model;
 
+pub mod volume_model;
+
+pub mod definitions;
+
 pub mod grid;
 
 pub mod target;
@@ -110,6 +119,8 @@ pub mod forecast;
 pub mod after;
 
 pub mod causes;
+
+pub mod assessment;
 
 pub mod disagreement;
 

@@ -54,22 +54,6 @@ pub struct Plan {
     pub notes: Vec<String>,
 }
 
-/// The pairs (base, output) of physical axes that a term concerns: each axis of a gantry is
-/// corrected, the first one is looked up.
-pub fn axis_pairs(plan: &Plan, term: ErrorTerm) -> Vec<(&str, &str)> {
-    plan.names[term.of]
-        .iter()
-        .map(|output| {
-            let base = if term.is_positioning() {
-                output
-            } else {
-                &plan.names[term.along][0]
-            };
-            (base.as_str(), output.as_str())
-        })
-        .collect()
-}
-
 /// What a plan is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct Task<'a> {

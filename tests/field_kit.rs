@@ -8,8 +8,8 @@
 
 mod support;
 
-use nonius::active::ActiveControl;
-use nonius::axis::{Direction, ErrorTerm};
+use nonius::active::{ActiveControl, Origin, Others};
+use nonius::axis::{Direction, ErrorTerm, PerAxis};
 use nonius::controller::{Dialect, Profile, Role, TableSign, builtin};
 use nonius::document::Source;
 use nonius::emulate::Emulator;
@@ -117,7 +117,7 @@ fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
     }
     let control = proving(&inputs.profile, kit);
     let other = proving(&turned(&inputs.profile), kit);
-    for (base, output) in axis_pairs(&kit.plan, term) {
+    for (base, output) in axis_pairs(&kit.plan.names, term) {
         for direction in Direction::BOTH {
             let response = support::response(control.as_ref(), base, output, direction);
             let turned = support::response(other.as_ref(), base, output, direction);
@@ -147,7 +147,7 @@ fn ensure_zero_elsewhere(name: &str, inputs: &Inputs, kit: &Kit, proofs: &[Value
     let control = proving(&inputs.profile, kit);
     for planned in &kit.plan.tables {
         let own = proofs.iter().find(|proof| term_of(proof) == planned.term);
-        for (base, output) in axis_pairs(&kit.plan, planned.term) {
+        for (base, output) in axis_pairs(&kit.plan.names, planned.term) {
             let Ok(response) =
                 control.response(base, output, planned.direction.unwrap_or(Direction::Plus))
             else {
@@ -268,6 +268,12 @@ fn with_read_out(id: &str) -> (Inputs, Tables) {
         tables: tables.clone(),
         files: files.map(|f| (f.path.clone(), f.bytes.clone())).collect(),
         state: before.compiled.state.clone(),
+        path: "read-out".to_string(),
+        origin: Origin::ReadOut,
+        backlash_um: PerAxis::default(),
+        others: Others::default(),
+        assumptions: Vec::new(),
+        notes: Vec::new(),
     };
     let mut inputs = support::inputs(&job, &errors);
     inputs.active = Some(active);

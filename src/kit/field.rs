@@ -216,7 +216,7 @@ fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Result<f6
     const EQUAL_UM: f64 = 1e-3;
     let [from, peak, to] = proof.bump.places();
     let mut shown = Vec::new();
-    for (base, output) in axis_pairs(plan, proof.term) {
+    for (base, output) in axis_pairs(&plan.names, proof.term) {
         for direction in Direction::BOTH {
             let response = control.response(base, output, direction)?;
             let at = |place: Millimetres| response.correction(place).um();
@@ -338,7 +338,7 @@ fn of_term(made: &Made<'_>, of: Axis, along: Axis) -> Result<(f64, f64), CannotE
     }
     let reference = made.inputs.job.machine.axes[along].map(|axis| axis.reference);
     let (mut anywhere, mut there) = (0.0_f64, 0.0_f64);
-    for (base, output) in axis_pairs(made.plan, term) {
+    for (base, output) in axis_pairs(&made.plan.names, term) {
         for direction in Direction::BOTH {
             let response = made.control.response(base, output, direction)?;
             let (largest, at_reference) = extremes(&response, reference);

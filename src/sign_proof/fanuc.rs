@@ -21,7 +21,7 @@ pub(super) fn memory(
     mechanism: Mechanism,
     (term, bump): (ErrorTerm, &Bump),
 ) -> Option<FanucMemory> {
-    let pairs: Vec<(u32, u32)> = axis_pairs(plan, term)
+    let pairs: Vec<(u32, u32)> = axis_pairs(&plan.names, term)
         .iter()
         .map(|(base, output)| Some((base.parse().ok()?, output.parse().ok()?)))
         .collect::<Option<_>>()?;

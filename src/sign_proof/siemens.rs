@@ -17,7 +17,7 @@ pub(super) fn lec(
     kit: &SiemensTables,
     (term, bump): (ErrorTerm, &Bump),
 ) -> SiemensTables {
-    let pairs = axis_pairs(plan, term);
+    let pairs = axis_pairs(&plan.names, term);
     let mut lec = kit.lec.clone();
     for table in &mut lec {
         let has_bump = pairs.iter().any(|(_, output)| *output == table.axis);
@@ -38,7 +38,7 @@ pub(super) fn cec(
     kit: &SiemensTables,
     (term, bump): (ErrorTerm, &Bump),
 ) -> SiemensTables {
-    let pairs = axis_pairs(plan, term);
+    let pairs = axis_pairs(&plan.names, term);
     let mut cec = kit.cec.clone();
     for table in &mut cec {
         let own = (table.input_axis.as_str(), table.output_axis.as_str());
