@@ -46,6 +46,8 @@ pub mod problem;
 
 pub mod document;
 
+pub mod nc;
+
 pub mod delimited;
 
 pub mod error_table;
@@ -70,6 +72,8 @@ pub mod readings;
 pub mod separation;
 
 pub mod model;
+
+pub mod tool_path;
 
 pub mod grid;
 
