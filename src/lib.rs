@@ -61,6 +61,8 @@ pub mod controller;
 
 pub mod curve;
 
+pub mod space;
+
 pub mod fit;
 
 pub mod job;
