@@ -15,6 +15,7 @@ pub use self::length::{LengthError, length_error};
 
 use crate::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
 use crate::diagonal::PerDiagonal;
+use crate::space::diameter::diameter;
 use crate::volume_model::{ErrorMap, Nodes, VolumeModel};
 
 /// Largest and smallest value of each of the nine deviations, µm (or any one unit of length).
@@ -113,9 +114,8 @@ pub struct Definitions {
     pub diagonals_um: PerDiagonal<f64>,
 }
 
-/// All figures of a model at the nodes of a grid.
-pub fn definitions(model: &VolumeModel, nodes: &Nodes) -> Definitions {
-    let map = model.map(nodes);
+/// All figures of a model at the nodes of its map.
+pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
     let origin_mm = model.lever_origin();
     let at_origin = model.error_at(origin_mm);
     let (mut low, mut high) = (
@@ -131,14 +131,14 @@ pub fn definitions(model: &VolumeModel, nodes: &Nodes) -> Definitions {
     let ranges_um = high.minus(low);
     Definitions {
         grid: map.counts(),
-        by_component: ByComponent::of(&extremes(model, nodes)),
+        by_component: ByComponent::of(&extremes(model, map.nodes())),
         proposed_um: high.length() + low.length(),
-        va: largest_difference(&map),
+        va: largest_difference(map),
         ranges_um,
         box_um: ranges_um.length(),
         from_origin_um,
         origin_mm,
-        length: length_error(&map),
+        length: length_error(map),
         diagonals_um: diagonal_ranges(model),
     }
 }
@@ -162,23 +162,13 @@ fn extremes(model: &VolumeModel, nodes: &Nodes) -> Extremes {
     })
 }
 
-/// The volumetric accuracy of a map: max |e(p) − e(q)| over all pairs of nodes.
+/// The volumetric accuracy of a map: max |e(p) − e(q)| over all pairs of nodes, exact.
 pub fn largest_difference(map: &ErrorMap) -> LargestDifference {
-    let points: Vec<(PerAxis<f64>, PerAxis<f64>)> = map.points().collect();
-    let mut best = (0, 0, 0.0);
-    for p in 0..points.len() {
-        for q in p + 1..points.len() {
-            let d = points[p].1.minus(points[q].1);
-            let square = d.dot(d);
-            if square > best.2 {
-                best = (p, q, square);
-            }
-        }
-    }
-    let (p, q, square) = best;
+    let found = diameter(map.vectors());
+    let [p, q] = found.nodes;
     LargestDifference {
-        um: square.sqrt(),
-        places_mm: [points[p].0, points[q].0],
-        difference_um: points[p].1.minus(points[q].1),
+        um: found.um,
+        places_mm: found.nodes.map(|node| map.place(node)),
+        difference_um: map.error(p).minus(map.error(q)),
     }
 }

@@ -9,12 +9,12 @@
 use nalgebra::{Matrix4, Vector4};
 use nonius::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use nonius::chain::Chain;
-use nonius::definitions::definitions;
+use nonius::definitions::{self, Definitions};
 use nonius::document::Source;
 use nonius::error_table::ErrorTable;
 use nonius::job::Job;
 use nonius::model::ErrorModel;
-use nonius::volume_model::{Component, VolumeModel};
+use nonius::volume_model::{Component, Nodes, VolumeModel};
 use std::fmt::Write;
 
 /// Numbers between −1 and 1 that look random and are the same everywhere.
@@ -110,6 +110,11 @@ impl Machine {
             }
         })
     }
+}
+
+/// All figures at some nodes.
+fn figures(model: &VolumeModel, nodes: &Nodes) -> Definitions {
+    definitions::definitions(model, &model.map(nodes).expect("a map"))
 }
 
 fn axis_vector(axis: Axis, length: f64) -> [f64; 3] {
@@ -355,7 +360,7 @@ fn other_names_of_the_axes_are_the_same_machine() {
     let permutations = [[1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
     for chain in Chain::all() {
         let machine = Machine::random(chain, &mut numbers, 3, 40.0);
-        let figures = definitions(&machine.model(), &machine.model().own_nodes());
+        let named = figures(&machine.model(), &machine.model().own_nodes());
         for permutation in permutations {
             let even = matches!(permutation, [1, 2, 0] | [2, 0, 1]);
             let index = |axis: Axis| Axis::ALL.iter().position(|a| *a == axis).unwrap();
@@ -379,13 +384,13 @@ fn other_names_of_the_axes_are_the_same_machine() {
                 });
                 other.values[renamed(axis)] = turned.collect();
             }
-            let again = definitions(&other.model(), &other.model().own_nodes());
+            let again = figures(&other.model(), &other.model().own_nodes());
             assert!(
-                (again.va.um - figures.va.um).abs() < 1e-9,
+                (again.va.um - named.va.um).abs() < 1e-9,
                 "{chain} {permutation:?}"
             );
             for axis in Axis::ALL {
-                let (new, old) = (again.ranges_um[renamed(axis)], figures.ranges_um[axis]);
+                let (new, old) = (again.ranges_um[renamed(axis)], named.ranges_um[axis]);
                 assert!((new - old).abs() < 1e-9, "{chain} {permutation:?} {axis}");
             }
         }
@@ -427,15 +432,15 @@ fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
         let first = other
             .error_at(PerAxis::default())
             .minus(model.error_at(PerAxis::default()));
-        for (place, e) in model.map(&nodes).points() {
+        for (place, e) in model.map(&nodes).expect("a map").points() {
             let constant = other.error_at(place).minus(e);
             assert!(constant.minus(first).length() < 1e-9, "{chain}");
         }
-        let (a, b) = (definitions(&model, &nodes), definitions(&other, &nodes));
+        let (a, b) = (figures(&model, &nodes), figures(&other, &nodes));
         assert!((a.va.um - b.va.um).abs() < 1e-9, "{chain}");
         // Stated wrongly, the same data are another machine.
         moved.measurement.clone_from(&machine.measurement);
-        let wrong = definitions(&moved.model(), &nodes);
+        let wrong = figures(&moved.model(), &nodes);
         assert!((wrong.va.um - a.va.um).abs() > 1e-6, "{chain}");
     }
 }
@@ -449,7 +454,7 @@ fn the_figures_keep_their_order_and_the_parts_their_sum() {
         let machine = Machine::random(chain, &mut numbers, nodes, 50.0);
         let model = machine.model();
         let own = model.own_nodes();
-        let d = definitions(&model, &own);
+        let d = figures(&model, &own);
         let widest = d.ranges_um.x.max(d.ranges_um.y).max(d.ranges_um.z);
         let room = 1e-9;
         assert!(widest <= d.va.um + room, "{chain}");
@@ -484,11 +489,12 @@ fn four_angles_need_a_tool_offset() {
     for chain in Chain::all() {
         let mut machine = Machine::random(chain, &mut numbers, 3, 50.0);
         let silent = |model: &VolumeModel| -> usize {
-            let va = definitions(model, &model.own_nodes()).va.um;
+            let va = figures(model, &model.own_nodes()).va.um;
             let nodes = model.own_nodes();
             let without = |rotation: Rotation| {
                 let map = model.map_of(&nodes, |c| c != Component::Rotation(rotation));
-                (nonius::definitions::largest_difference(&map).um - va).abs() < 1e-12
+                let map = map.expect("a map");
+                (definitions::largest_difference(&map).um - va).abs() < 1e-12
             };
             Rotation::all()
                 .filter(|r| chain.effects(*r).is_empty())

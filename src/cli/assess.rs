@@ -101,7 +101,6 @@ struct Page {
     /// As it is.
     before: Assessment,
     after: Option<After>,
-    request: Request,
 }
 
 /// As tables leave it.
@@ -141,10 +140,9 @@ fn page(options: &Options) -> Result<Page, Problems> {
         check_window(&volume, &request)?;
         return Ok(Page {
             name,
-            before: assess(&volume, &request),
+            before: assess(&volume, &request)?,
             volume,
             after: None,
-            request,
         });
     }
     let mut inputs = inputs::read_job(&options.file, &name, &bytes)?;
@@ -157,10 +155,9 @@ fn page(options: &Options) -> Result<Page, Problems> {
     };
     Ok(Page {
         name: inputs.job.machine.name.clone(),
-        before: assess(&volume, &request),
+        before: assess(&volume, &request)?,
         volume,
         after,
-        request,
     })
 }
 
@@ -199,7 +196,7 @@ fn after(
     })?;
     Ok(After {
         from,
-        assessment: assess(&corrected, request),
+        assessment: assess(&corrected, request)?,
         disagreements,
     })
 }

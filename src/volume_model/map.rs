@@ -1,18 +1,20 @@
-//! The error vectors at the nodes of a grid, in the structured form that makes them cheap: three
-//! lists of axis states instead of one list of places.
+//! The error vectors at the nodes of a grid, in the structured form of [`crate::space`].
 
-use super::{AxisState, Component, VolumeModel, error_of};
+use super::{AxisState, Component, MM_PER_M, VolumeModel};
 use crate::axis::{Axis, PerAxis};
+use crate::space::grid_map::{AxisNodes, GridMap, Node};
 
 /// The positions of each axis, mm, ascending.
 pub type Nodes = PerAxis<Vec<f64>>;
 
+/// Two nodes nearer than this are one (a picometre: rounding of positions), mm.
+const SAME_MM: f64 = 1e-9;
+
 /// The machine at the nodes of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorMap {
-    order: [Axis; 3],
-    /// In the order of the chain.
-    states: [Vec<AxisState>; 3],
+    nodes: Nodes,
+    vectors: GridMap,
 }
 
 impl VolumeModel {
@@ -26,7 +28,7 @@ impl VolumeModel {
             let mut nodes: Vec<f64> = knots.map(|knot| knot.mm()).chain([low, high]).collect();
             nodes.retain(|node| *node >= low && *node <= high);
             nodes.sort_by(f64::total_cmp);
-            nodes.dedup_by(|next, kept| next <= kept);
+            nodes.dedup_by(|next, kept| *next - *kept < SAME_MM);
             nodes
         })
     }
@@ -35,7 +37,7 @@ impl VolumeModel {
     pub fn equal_nodes(&self, counts: PerAxis<usize>) -> Nodes {
         PerAxis::from_fn(|axis| {
             let (low, high) = self.range(axis);
-            if high <= low || counts[axis] < 2 {
+            if high - low < SAME_MM || counts[axis] < 2 {
                 return vec![low];
             }
             let last = counts[axis] - 1;
@@ -44,24 +46,33 @@ impl VolumeModel {
         })
     }
 
-    /// The machine at these nodes.
-    pub fn map(&self, nodes: &Nodes) -> ErrorMap {
+    /// The machine at these nodes; `None` where those of an axis do not ascend.
+    pub fn map(&self, nodes: &Nodes) -> Option<ErrorMap> {
         self.map_of(nodes, |_| true)
     }
 
     /// The machine with some of its components only, at these nodes.
-    pub fn map_of(&self, nodes: &Nodes, keep: impl Fn(Component) -> bool) -> ErrorMap {
+    pub fn map_of(&self, nodes: &Nodes, keep: impl Fn(Component) -> bool) -> Option<ErrorMap> {
         let order = self.chain.order();
-        ErrorMap {
-            order,
-            states: order.map(|axis| {
-                let positions = nodes[axis].iter();
-                positions
-                    .map(|position| self.state(axis, *position, &keep))
-                    .collect()
-            }),
-        }
+        let lists = order.map(|axis| {
+            let mut list = AxisNodes::default();
+            for position in &nodes[axis] {
+                add(&mut list, axis, &self.state(axis, *position, &keep));
+            }
+            list
+        });
+        Some(ErrorMap {
+            nodes: nodes.clone(),
+            vectors: GridMap::new(order, lists)?,
+        })
     }
+}
+
+fn add(list: &mut AxisNodes, axis: Axis, state: &AxisState) {
+    let vector = |v: PerAxis<f64>| [v.x, v.y, v.z];
+    list.translation_um.push(vector(state.deviation_um));
+    list.rotation_urad.push(vector(state.rotation_urad));
+    list.arm_m.push(state.arm_mm[axis] / MM_PER_M);
 }
 
 #[allow(
@@ -73,28 +84,24 @@ fn part(index: usize, last: usize) -> f64 {
 }
 
 impl ErrorMap {
-    /// The axes from the workpiece to the tool.
-    pub fn order(&self) -> [Axis; 3] {
-        self.order
+    /// The vectors without their places.
+    pub fn vectors(&self) -> &GridMap {
+        &self.vectors
     }
 
-    /// What each axis contributes at its nodes, in the order of the chain.
-    pub fn states(&self) -> &[Vec<AxisState>; 3] {
-        &self.states
+    /// The positions of each axis, mm.
+    pub fn nodes(&self) -> &Nodes {
+        &self.nodes
     }
 
     /// Number of nodes.
     pub fn count(&self) -> usize {
-        self.states.iter().map(Vec::len).product()
+        self.vectors.count()
     }
 
     /// Number of nodes of each axis.
     pub fn counts(&self) -> PerAxis<usize> {
-        let mut counts = PerAxis::default();
-        for (axis, states) in self.order.into_iter().zip(&self.states) {
-            counts[axis] = states.len();
-        }
-        counts
+        PerAxis::from_fn(|axis| self.nodes[axis].len())
     }
 
     /// Every node with its error vector, µm; X slowest, Z fastest, whatever the chain.
@@ -108,13 +115,22 @@ impl ErrorMap {
 
     /// One node with its error vector, µm, by its numbers along X, Y and Z.
     pub fn point(&self, index: PerAxis<usize>) -> (PerAxis<f64>, PerAxis<f64>) {
-        let [first, second, third] = &self.states;
-        let [a, b, c] = self.order;
-        let states = [&first[index[a]], &second[index[b]], &third[index[c]]];
+        let node = self.vectors.along_chain([index.x, index.y, index.z]);
+        (self.place(node), self.error(node))
+    }
+
+    /// Place of a node, its numbers in the order of the chain, mm.
+    pub fn place(&self, node: Node) -> PerAxis<f64> {
         let mut place = PerAxis::default();
-        for (axis, state) in self.order.into_iter().zip(states) {
-            place[axis] = state.position_mm;
+        for (axis, number) in self.vectors.chain().into_iter().zip(node) {
+            place[axis] = self.nodes[axis][number];
         }
-        (place, error_of(states[0], states[1], states[2]))
+        place
+    }
+
+    /// Error vector of a node, its numbers in the order of the chain, µm.
+    pub fn error(&self, node: Node) -> PerAxis<f64> {
+        let [x, y, z] = self.vectors.at(node);
+        PerAxis { x, y, z }
     }
 }

@@ -1,7 +1,7 @@
 //! `nonius assess --format json` (contract §5).
 
 use super::{After, Page};
-use crate::assessment::Assessment;
+use crate::assessment::{Assessment, Histogram, Windows};
 use crate::axis::PerAxis;
 use crate::definitions::Definitions;
 use crate::manifest::picometres;
@@ -55,11 +55,58 @@ fn figures(assessment: &Assessment) -> Map<String, Value> {
         })
         .collect();
     figures.insert("contributions".to_string(), json!(contributions));
+    let windows = assessment.windows.as_ref().map(windows);
+    figures.insert("windows".to_string(), json!(windows));
+    let histogram = assessment.histogram.as_ref().map(histogram);
+    figures.insert("histogram".to_string(), json!(histogram));
     figures
 }
 
+fn windows(windows: &Windows) -> Value {
+    json!({
+        "size_mm": vector(windows.size_mm),
+        "count": windows.count,
+        "min_um": picometres(windows.best.0),
+        "max_um": picometres(windows.worst.0),
+        "corner_um": picometres(windows.corner_um),
+        "min_at_mm": vector(windows.best.1),
+        "max_at_mm": vector(windows.worst.1),
+    })
+}
+
+fn histogram(histogram: &Histogram) -> Value {
+    let mut document = json!({
+        "bin_um": histogram.bin_um,
+        "counts": counts(histogram),
+        "exact": histogram.sampled.is_none(),
+        "pairs": histogram.pairs,
+    });
+    if let Some((drawn, standard_errors)) = &histogram.sampled {
+        document["drawn"] = json!(drawn);
+        document["standard_errors"] = json!(standard_errors);
+    }
+    document
+}
+
+/// Whole numbers where every pair was counted.
+fn counts(histogram: &Histogram) -> Value {
+    if histogram.sampled.is_some() {
+        return json!(histogram.counts);
+    }
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "counted numbers of pairs"
+    )]
+    let whole: Vec<u64> = histogram.counts.iter().map(|n| *n as u64).collect();
+    json!(whole)
+}
+
+fn vector(v: PerAxis<f64>) -> Value {
+    json!([v.x, v.y, v.z].map(picometres))
+}
+
 fn definitions(d: &Definitions) -> Value {
-    let vector = |v: PerAxis<f64>| json!([v.x, v.y, v.z].map(picometres));
     let pair = |pair: [PerAxis<f64>; 2]| json!(pair.map(vector));
     let figure = |um: Option<f64>| json!(um.map(picometres));
     let diagonals: Map<String, Value> = d

@@ -1,7 +1,7 @@
 //! The page of `nonius assess` for people.
 
 use super::Page;
-use crate::assessment::{Assessment, Contribution};
+use crate::assessment::{Assessment, Contribution, Histogram, Windows};
 use crate::axis::{Axis, PerAxis};
 use crate::cli::show::{self, Column, table};
 use crate::definitions::Definitions;
@@ -17,6 +17,8 @@ pub(super) fn text(page: &Page) -> String {
         figures(&before.definitions, after.map(|a| &a.definitions)),
         worst_pair(&before.definitions),
         contributions(before, after),
+        windows(before, after),
+        histogram(before, after),
         tables(page),
         missing(page),
         labels(page),
@@ -197,6 +199,68 @@ fn contributions(before: &Assessment, after: Option<&Assessment>) -> String {
         "{}\n  the parts add up to VA; a negative one works against the others",
         table(&columns, before.contributions.iter().map(row))
     )
+}
+
+fn windows(before: &Assessment, after: Option<&Assessment>) -> String {
+    let Some(found) = &before.windows else {
+        return String::new();
+    };
+    let size = found.size_mm;
+    let line = |what: &str, w: &Windows| {
+        format!(
+            "{what}: best {:.3} µm at {}, worst {:.3} µm at {}, corner {:.3} µm",
+            w.best.0,
+            place(w.best.1),
+            w.worst.0,
+            place(w.worst.1),
+            w.corner_um
+        )
+    };
+    let mut lines = vec![format!(
+        "volumetric accuracy of the {} sub-volumes of {} x {} x {} mm (places: corner with the smallest coordinates)",
+        found.count,
+        short(size.x),
+        short(size.y),
+        short(size.z)
+    )];
+    lines.push(line("  as it is", found));
+    let after = after.and_then(|after| after.windows.as_ref());
+    lines.extend(after.map(|w| line("  with the tables", w)));
+    lines.join("\n")
+}
+
+fn histogram(before: &Assessment, after: Option<&Assessment>) -> String {
+    let Some(found) = &before.histogram else {
+        return String::new();
+    };
+    let after = after.and_then(|after| after.histogram.as_ref());
+    let mut columns = vec![Column::Left("differences/µm"), Column::Right("pairs")];
+    if after.is_some() {
+        columns.push(Column::Right("with tables"));
+    }
+    let bins = found.counts.len().max(after.map_or(0, |a| a.counts.len()));
+    let rows = (0..bins).map(|bin| {
+        #[allow(clippy::cast_precision_loss, reason = "few bins")]
+        let from = bin as f64 * found.bin_um;
+        let count = |h: &Histogram| format!("{:.0}", h.counts.get(bin).copied().unwrap_or(0.0));
+        let mut row = vec![
+            format!("{} … {}", short(from), short(from + found.bin_um)),
+            count(found),
+        ];
+        row.extend(after.map(count));
+        row
+    });
+    let how = match &found.sampled {
+        None => format!("all {} pairs of nodes were counted", found.pairs),
+        Some((drawn, errors)) => {
+            let largest = errors.iter().copied().fold(0.0, f64::max);
+            format!(
+                "estimated from {drawn} of {} pairs; largest standard error of a bin {largest:.0}",
+                found.pairs
+            )
+        }
+    };
+    format!("{}\n  {how}", table(&columns, rows))
 }
 
 fn tables(page: &Page) -> String {
