@@ -124,7 +124,7 @@ fn with_header(task: Task<'_>, compiled: &Compiled, tables: TablesContext) -> Co
         machine: MachineContext {
             name: machine.name.clone(),
             serial: text(&machine.serial),
-            chain: text(&machine.chain),
+            chain: text(&machine.chain.map(|chain| chain.to_string())),
         },
         measurement: MeasurementContext {
             date: text(&task.job.measurement.date),

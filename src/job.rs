@@ -5,12 +5,14 @@
 
 pub mod ahead;
 mod diagonals;
+mod path;
 mod program;
 mod read;
 mod read_beams;
 mod read_compensation;
 mod read_diagonals;
 mod read_measurement;
+mod read_path;
 mod read_program;
 
 pub use self::diagonals::{
@@ -18,9 +20,11 @@ pub use self::diagonals::{
     Reflector, SetUp, StatedUncertainty,
 };
 
+pub use self::path::PathRequest;
 pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
 use crate::axis::{Direction, ErrorTerm, PerAxis};
+use crate::chain::Chain;
 use crate::controller::LengthUnit;
 use crate::curve::Interpolation;
 use crate::document::{Source, read_page};
@@ -45,6 +49,8 @@ pub struct Job {
     pub acceptance: Acceptance,
     /// `[program]`.
     pub program: Option<ProgramRequest>,
+    /// `[path]`.
+    pub path: PathRequest,
 }
 
 impl Job {
@@ -52,7 +58,7 @@ impl Job {
     pub fn read(source: Source) -> Result<Job, Problems> {
         refuse_table(&source)?;
         let (parts, source) = read_page(source, read::job)?;
-        let (machine, measurement, compensation, limits, acceptance, program) = parts;
+        let (machine, measurement, compensation, limits, acceptance, program, path) = parts;
         Ok(Job {
             source,
             machine,
@@ -61,6 +67,7 @@ impl Job {
             limits,
             acceptance,
             program,
+            path,
         })
     }
 
@@ -111,7 +118,7 @@ pub struct Machine {
     /// Serial number.
     pub serial: Option<String>,
     /// Kinematic chain in the notation of contract §1, e.g. `wXYZt`.
-    pub chain: Option<String>,
+    pub chain: Option<Chain>,
     /// Its axes; absent where the job does not describe one.
     pub axes: PerAxis<Option<MachineAxis>>,
 }

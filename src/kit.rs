@@ -56,6 +56,12 @@ impl Inputs {
         })
     }
 
+    /// Adds the angular errors of a table of their own (`measurement.angles`).
+    pub fn with_angles(mut self, table: &ErrorTable) -> Result<Inputs, Problems> {
+        self.model.add_angles(&self.job, table)?;
+        Ok(self)
+    }
+
     fn task(&self) -> Task<'_> {
         Task {
             job: &self.job,
@@ -158,16 +164,20 @@ fn judged(forecast: &Forecast, inputs: &Inputs, doubts: &[String]) -> Verdict {
     doubtful.map_or(verdict, |doubtful| verdict.max(doubtful))
 }
 
-fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
-    let files: Vec<KitFile<'_>> = files
+/// Files in memory as they would lie on the disk.
+fn kit_files(files: &[RenderedFile]) -> Vec<KitFile<'_>> {
+    files
         .iter()
         .map(|file| KitFile {
             path: &file.path,
             role: file.role,
             bytes: &file.bytes,
         })
-        .collect();
-    read(profile, &files).map_err(|problems| {
+        .collect()
+}
+
+fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
+    read(profile, &kit_files(files)).map_err(|problems| {
         let mut all = Problems::from(
             Problem::new("the files that the templates made cannot be read back, so nothing is written")
                 .help("a template of your own has to keep to the format of the dialect (docs/templates.md)"),
@@ -302,7 +312,7 @@ fn build_manifest(
         machine: json!({
             "name": job.machine.name,
             "serial": job.machine.serial,
-            "chain": job.machine.chain,
+            "chain": job.machine.chain.map(|chain| chain.to_string()),
             "measured": job.measurement.date,
             "protocol": job.measurement.protocol.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         }),
@@ -367,4 +377,34 @@ pub fn verify(
         doubts,
         verdict,
     })
+}
+
+/// A control with tables in it, and the plan that names its axes.
+pub struct LoadedControl {
+    /// The plan of the job.
+    pub plan: Plan,
+    /// What the files make of the control.
+    pub control: Box<dyn Emulator>,
+    /// How the files differ from what the job asks for, one sentence each.
+    pub disagreements: Vec<String>,
+}
+
+/// Loads the bytes of files into the emulated control of a job.
+pub fn load(inputs: &Inputs, files: &[KitFile<'_>]) -> Result<LoadedControl, Problems> {
+    let task = inputs.task();
+    let plan = plan(task)?;
+    let compiled = compile(task, &plan)?;
+    let read = read(&inputs.profile, files)?;
+    let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
+    Ok(LoadedControl {
+        plan,
+        control: found.map_err(|reason| cannot_emulate(&reason))?,
+        disagreements: words,
+    })
+}
+
+/// Makes the files of a job in memory and loads their bytes.
+pub fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
+    let kit = generate(inputs)?;
+    load(inputs, &kit_files(&kit.files))
 }

@@ -40,6 +40,8 @@ pub mod units;
 
 pub mod axis;
 
+pub mod chain;
+
 pub mod diagonal;
 
 pub mod problem;
@@ -61,6 +63,8 @@ pub mod controller;
 
 pub mod curve;
 
+pub mod space;
+
 pub mod fit;
 
 pub mod job;
@@ -72,6 +76,10 @@ pub mod readings;
 pub mod separation;
 
 pub mod model;
+
+pub mod volume_model;
+
+pub mod definitions;
 
 pub mod tool_path;
 
@@ -98,6 +106,8 @@ pub mod readback;
 pub mod emulate;
 
 pub mod forecast;
+
+pub mod assessment;
 
 pub mod disagreement;
 

@@ -15,9 +15,11 @@ mod extremes;
 mod map;
 mod polynomial;
 mod profile;
+mod setup;
 #[cfg(test)]
 mod tests;
 
 pub use self::extremes::{Channel, Extreme, Range};
 pub use self::map::{AxisPart, PathMap};
 pub use self::profile::{Outside, Profile, ProfileLimits, Sample, Summary};
+pub use self::setup::{limits, path_map, setup};

@@ -14,8 +14,8 @@ use std::path::Path;
 pub(super) fn run(job: &Path, directory: &Path, format: Format) -> Result<Answer, Problems> {
     let inputs = inputs::read(job)?;
     let found = read_directory(&inputs, directory)?;
-    let files: Vec<KitFile<'_>> = found.files.iter().map(kit_file).collect();
-    let mut verification = verify(&inputs, &files, found.remarks)
+    let files: Vec<KitFile<'_>> = found.kit_files();
+    let mut verification = verify(&inputs, &files, found.remarks.clone())
         .map_err(|problems| behind(found.other_control, problems))?;
     if found.names_missing {
         verification.absent.clear(); // a listed file that is missing was named
@@ -44,16 +44,23 @@ fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
 
 /// The files of a directory, and what its manifest says against them.
 #[derive(Default)]
-struct Found {
+pub(super) struct Found {
     files: Vec<NamedFile>,
     /// Sentences that make the verdict `fail`.
-    remarks: Vec<String>,
+    pub(super) remarks: Vec<String>,
     /// What was passed over, and what may explain a disagreement.
     notes: Vec<String>,
     /// A listed file that is missing is among the remarks.
     names_missing: bool,
     /// The kit was made for another control.
     other_control: Option<Problem>,
+}
+
+impl Found {
+    /// The files as the readers take them.
+    pub(super) fn kit_files(&self) -> Vec<KitFile<'_>> {
+        self.files.iter().map(kit_file).collect()
+    }
 }
 
 /// Files that cannot be read, behind the reason for it where it is known.
@@ -70,7 +77,8 @@ fn is_left_by_a_computer(name: &str) -> bool {
     name.starts_with('.') || names.contains(&name.to_ascii_lowercase().as_str())
 }
 
-fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found, Problems> {
+/// Reads the files of a directory, and its manifest where it has one.
+pub(super) fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found, Problems> {
     let refuse = |error: std::io::Error| {
         Problem::new(format!(
             "`{}` cannot be read: {}",

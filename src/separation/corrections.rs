@@ -3,6 +3,7 @@
 
 use super::lookup::at;
 use crate::axis::{Axis, Direction, PerAxis};
+use crate::chain::Chain;
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::error_table::ErrorTable;
 use crate::job::{Levers, Material, Reflector};
@@ -69,20 +70,18 @@ impl<'a> AngleModel<'a> {
     /// The model of a job's angles. `chain` is that of contract §1, e.g. `wXYZt`.
     pub fn new(
         table: &'a ErrorTable,
-        chain: &str,
+        chain: Chain,
         levers: &Levers,
         reflector: Reflector,
-    ) -> Option<AngleModel<'a>> {
-        let plain = |places: Option<PerAxis<Millimetres>>| {
-            PerAxis::from_fn(|axis| places.map_or(0.0, |places| places[axis].mm()))
-        };
-        Some(AngleModel {
+    ) -> AngleModel<'a> {
+        let mm = |place: Option<Millimetres>| place.map_or(0.0, Millimetres::mm);
+        AngleModel {
             table,
-            chain: chain_order(chain)?,
-            offsets: plain(levers.offsets),
-            tool: plain(levers.tool),
+            chain: chain.order(),
+            offsets: PerAxis::from_fn(|axis| mm(levers.offsets[axis])),
+            tool: PerAxis::from_fn(|axis| mm(levers.tool.map(|tool| tool[axis]))),
             reflector,
-        })
+        }
     }
 
     /// Whether the table holds any angle.
@@ -128,13 +127,13 @@ impl<'a> AngleModel<'a> {
             return Vec::new();
         };
         let effect = |(place, error, rotation): &(PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
-            let moved = minus(place, &first_place);
-            let lever = dot(&u, &minus(error, &first_error));
-            let along = dot(&u, &moved);
+            let moved = place.minus(first_place);
+            let lever = u.dot(error.minus(first_error));
+            let along = u.dot(moved);
             let lateral = PerAxis::from_fn(|axis| moved[axis] - along * u[axis]);
-            let turned = cross(&minus(rotation, &first_rotation), &u);
+            let turned = rotation.minus(first_rotation).cross(u);
             match self.reflector {
-                Reflector::FlatMirror => lever + dot(&turned, &lateral) / 1000.0,
+                Reflector::FlatMirror => lever + turned.dot(lateral) / 1000.0,
                 Reflector::Retroreflector => lever,
             }
         };
@@ -161,7 +160,7 @@ impl<'a> AngleModel<'a> {
                 };
                 own + self.tool[other]
             });
-            let lever = cross(&rotation, &arm);
+            let lever = rotation.cross(arm);
             error = PerAxis::from_fn(|axis| error[axis] + lever[axis] / 1000.0);
             sum = PerAxis::from_fn(|axis| sum[axis] + rotation[axis]);
         }
@@ -201,17 +200,6 @@ impl<'a> AngleModel<'a> {
     }
 }
 
-/// Order of the axes from workpiece to tool; axes that carry the workpiece (before `w`) come in
-/// reverse (reference on volumetric errors, §1.1).
-fn chain_order(chain: &str) -> Option<[Axis; 3]> {
-    let (before, after) = chain.split_once('w')?;
-    let letters = before.chars().rev().chain(after.chars());
-    let axes: Vec<Axis> = letters
-        .filter_map(|letter| Axis::from_letter(&letter.to_string()))
-        .collect();
-    axes.try_into().ok()
-}
-
 /// The runs' readings less the effects of the angles, µm.
 pub fn without_angles(readings: &mut [f64], effect: &[f64]) {
     for (reading, effect) in readings.iter_mut().zip(effect) {
@@ -227,22 +215,6 @@ pub fn bow_um_per_urad(volume: &Volume, reflector: Reflector) -> PerAxis<f64> {
         Reflector::Retroreflector => 1.0,
     };
     PerAxis::from_fn(|axis| parts * volume.size[axis].mm() / 8.0 / 1000.0)
-}
-
-fn minus(a: &PerAxis<f64>, b: &PerAxis<f64>) -> PerAxis<f64> {
-    PerAxis::from_fn(|axis| a[axis] - b[axis])
-}
-
-fn dot(a: &PerAxis<f64>, b: &PerAxis<f64>) -> f64 {
-    a.x * b.x + a.y * b.y + a.z * b.z
-}
-
-fn cross(a: &PerAxis<f64>, b: &PerAxis<f64>) -> PerAxis<f64> {
-    PerAxis {
-        x: a.y * b.z - a.z * b.y,
-        y: a.z * b.x - a.x * b.z,
-        z: a.x * b.y - a.y * b.x,
-    }
 }
 
 /// Effects of both passes along every diagonal.

@@ -1,0 +1,46 @@
+//! Errors in space: the error vectors of a whole grid, and how far two of them can differ.
+//!
+//! The volumetric accuracy of a machine is the largest difference of two error vectors. A grid
+//! of 21 nodes an axis has 43 million pairs, one of 401 nodes 2·10¹⁵; none of the methods here
+//! but [`histogram`] looks at all of them. They work on numbers alone: no job, no file.
+//!
+//! ```text
+//! curves at the nodes ─→ grid_map ─┬─→ diameter: volumetric accuracy, its pair
+//!                                  ├─→ windows: every sub-volume of a size
+//!                                  ├─→ histogram: all differences (sample: an estimate)
+//!                                  └─→ grouping: the method of paper 002, for comparison
+//! places without a grid ───────────→ cloud
+//! ```
+//!
+//! **One routine decides.** [`GridMap::at`](grid_map::GridMap::at) computes a vector in a fixed
+//! order of operations, [`pair::square`] a squared difference. Everything else only leaves out
+//! pairs that cannot matter, with room for rounding, so that a figure has the same digits on
+//! every processor. docs/volumetric.md tells how it is computed.
+
+pub mod grid_map;
+
+pub mod pair;
+
+mod direction_cell;
+
+mod lists;
+
+mod envelope;
+
+mod distinct;
+
+mod support;
+
+pub mod diameter;
+
+pub mod cloud;
+
+pub mod windows;
+
+mod processor;
+
+pub mod histogram;
+
+pub mod sample;
+
+pub mod grouping;

@@ -1,0 +1,196 @@
+//! How far the vectors of a grid reach along a direction, without looking at all of them.
+//!
+//! Along a direction d the map is a sum in which the third axis stands alone but for one slope:
+//! f(i,j,k) = α_i + γ_i·y_j + μ_j + (β_i + ν_j)·z_k + κ_k. Over k the largest value is the
+//! envelope of the lines z_k·s + κ_k at the slope s = β_i + ν_j, and a few chords bound it; for
+//! each chord the largest value over j is again an envelope, of y_j·γ_i plus a constant, and a
+//! few chords bound that. What is left is a handful of planes over (γ_i, β_i): one bound for
+//! each row i. Only rows whose bound counts are looked at node by node.
+
+use super::distinct::Distinct;
+use super::envelope::{Envelope, Line};
+use super::grid_map::{GridMap, Node, Vector};
+use super::pair::{Point, dot};
+
+/// Nodes of an axis for each chord of a bound.
+const NODES_A_CHORD: usize = 24;
+
+/// Chords of a bound at most.
+const CHORDS: usize = 8;
+
+/// The sum f along a direction, with the bounds of its rows.
+#[derive(Default)]
+pub(super) struct Support {
+    alpha: Vec<f64>,
+    gamma: Vec<f64>,
+    beta: Vec<f64>,
+    mu: Vec<f64>,
+    nu: Vec<f64>,
+    kappa: Vec<f64>,
+    /// Smallest and largest ν.
+    nu_range: (f64, f64),
+    third: Envelope,
+    second: Envelope,
+    chords: Vec<Line>,
+    chords_of_chord: Vec<Line>,
+    /// Bound of each row.
+    rows: Vec<f64>,
+    /// Values of a row's lines, the third axis at its best.
+    line: Vec<f64>,
+}
+
+fn range(values: &[f64]) -> (f64, f64) {
+    let start = (f64::INFINITY, f64::NEG_INFINITY);
+    values.iter().fold(start, |(low, high), v| {
+        (
+            if *v < low { *v } else { low },
+            if *v > high { *v } else { high },
+        )
+    })
+}
+
+impl Support {
+    /// Turns to the direction `d`, given in the order of the chain; returns a bound of f.
+    pub(super) fn aim(&mut self, grid: &Distinct, d: &Vector) -> f64 {
+        self.alpha.clear();
+        self.gamma.clear();
+        self.beta.clear();
+        for (_, node) in &grid.first {
+            self.alpha.push(dot(d, &node.shift));
+            self.gamma.push(d[0] * node.by_second + d[2] * node.roll);
+            self.beta.push(d[0] * node.by_third - d[1] * node.roll);
+        }
+        self.mu.clear();
+        self.nu.clear();
+        for (_, node) in &grid.second {
+            self.mu.push(dot(d, &node.shift));
+            self.nu.push(d[0] * node.by_third - d[1] * node.roll);
+        }
+        self.kappa.clear();
+        let along = grid.third.iter().map(|(_, node)| dot(d, &node.shift));
+        self.kappa.extend(along);
+        self.nu_range = range(&self.nu);
+        let arms = grid.third.iter().map(|(_, node)| node.arm);
+        self.third.fill(arms.zip(self.kappa.iter().copied()));
+        self.bound_rows(grid);
+        range(&self.rows).1
+    }
+
+    fn bound_rows(&mut self, grid: &Distinct) {
+        let limit = |nodes: usize| (1 + nodes / NODES_A_CHORD).min(CHORDS);
+        let (low, high) = range(&self.beta);
+        let slopes = (low + self.nu_range.0, high + self.nu_range.1);
+        let (low, high) = range(&self.gamma);
+        self.rows.clear();
+        self.rows.resize(self.alpha.len(), f64::NEG_INFINITY);
+        let chords = limit(grid.third.len());
+        self.third.few(slopes.0, slopes.1, chords, &mut self.chords);
+        for chord in &self.chords {
+            let arms = grid.second.iter().map(|(_, node)| node.arm);
+            let heights = self
+                .mu
+                .iter()
+                .zip(&self.nu)
+                .map(|(mu, nu)| mu + nu * chord.x);
+            self.second.fill(arms.zip(heights));
+            let planes = &mut self.chords_of_chord;
+            self.second.few(low, high, limit(grid.second.len()), planes);
+            for plane in planes {
+                let slopes = self.gamma.iter().zip(&self.beta);
+                let height = plane.y + chord.y;
+                for (row, (gamma, beta)) in self.rows.iter_mut().zip(slopes) {
+                    let value = (gamma * plane.x + beta * chord.x) + height;
+                    *row = if value > *row { value } else { *row };
+                }
+            }
+        }
+        for (row, alpha) in self.rows.iter_mut().zip(&self.alpha) {
+            *row += alpha;
+        }
+    }
+
+    /// Computes the largest f of every line of row `i`.
+    fn look_at_row(&mut self, grid: &Distinct, i: usize) {
+        let (beta, gamma, alpha) = (self.beta[i], self.gamma[i], self.alpha[i]);
+        let (low, high) = self.nu_range;
+        let lines = self.third.between(beta + low, beta + high);
+        self.line.clear();
+        let first = lines[0];
+        self.line
+            .extend(self.nu.iter().map(|nu| first.at(beta + nu)));
+        for line in &lines[1..] {
+            for (best, nu) in self.line.iter_mut().zip(&self.nu) {
+                let value = line.at(beta + nu);
+                *best = if value > *best { value } else { *best };
+            }
+        }
+        let nodes = self.mu.iter().zip(&grid.second);
+        for (best, (mu, (_, node))) in self.line.iter_mut().zip(nodes) {
+            *best += (alpha + gamma * node.arm) + mu;
+        }
+    }
+
+    /// The largest f, and its node as places in `grid`.
+    pub(super) fn furthest(&mut self, grid: &Distinct) -> (f64, Node) {
+        let mut best = (f64::NEG_INFINITY, 0, 0);
+        let bound = range(&self.rows).1;
+        let start = self.rows.iter().position(|row| *row >= bound).unwrap_or(0);
+        for i in std::iter::once(start).chain(0..self.rows.len()) {
+            if self.rows[i] > best.0 {
+                self.look_at_row(grid, i);
+                let high = range(&self.line).1;
+                if high > best.0 {
+                    let j = self.line.iter().position(|value| *value >= high);
+                    best = (high, i, j.unwrap_or(0));
+                }
+            }
+        }
+        let (value, i, j) = best;
+        let slope = self.beta[i] + self.nu[j];
+        let lines = self.third.between(slope, slope);
+        let k = lines.iter().fold(lines[0], |best, line| {
+            if line.at(slope) > best.at(slope) {
+                *line
+            } else {
+                best
+            }
+        });
+        (value, [i, j, k.number])
+    }
+
+    /// The vectors with f ≥ `least`; `None` where they are more than `most`.
+    pub(super) fn beyond(
+        &mut self,
+        (map, grid): (&GridMap, &Distinct),
+        least: f64,
+        most: usize,
+    ) -> Option<Vec<Point>> {
+        let mut points = Vec::new();
+        for i in 0..self.rows.len() {
+            if self.rows[i] < least {
+                continue;
+            }
+            self.look_at_row(grid, i);
+            for (j, (second, node)) in grid.second.iter().enumerate() {
+                if self.line[j] < least {
+                    continue;
+                }
+                let start = (self.alpha[i] + self.gamma[i] * node.arm) + self.mu[j];
+                let slope = self.beta[i] + self.nu[j];
+                for ((third, node), kappa) in grid.third.iter().zip(&self.kappa) {
+                    if start + (slope * node.arm + kappa) >= least {
+                        let node = [grid.first[i].0, *second, *third];
+                        points.push(Point {
+                            at: map.at(node),
+                            number: map.number(node),
+                        });
+                    }
+                }
+                if points.len() > most {
+                    return None;
+                }
+            }
+        }
+        Some(points)
+    }
+}
