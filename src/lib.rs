@@ -20,6 +20,8 @@
 //!
 //! Before a measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ readback, walk.
 //!
+//! Along a tool path: part program ─→ nc: moves ─→ tool_path: error along them.
+//!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
 //! Modules stand in the order in which the data flow; a module imports only from those before
