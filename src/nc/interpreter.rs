@@ -63,6 +63,8 @@ pub(super) struct Interpreter<'s> {
     inch: bool,
     absolute_centre: bool,
     tool_number: u32,
+    /// A zero or a length is not known: moves are judged as words only.
+    is_lost: bool,
 }
 
 impl<'s> Interpreter<'s> {
@@ -81,6 +83,7 @@ impl<'s> Interpreter<'s> {
             inch: setup.inch,
             absolute_centre: false,
             tool_number: 0,
+            is_lost: false,
         }
     }
 
@@ -179,7 +182,7 @@ impl<'s> Interpreter<'s> {
                 None => EXTENDED + named(block, b'P', span, "G54.1")?,
             };
             if !self.offsets.knows(number) {
-                return Err(unknown_system(span, &system_name(number)));
+                return Err(self.lose(span, number));
             }
             self.offsets.select(number);
         }
@@ -202,6 +205,7 @@ impl<'s> Interpreter<'s> {
         if self.offsets.use_tool(self.tool_number) {
             return Ok(());
         }
+        self.is_lost = true;
         Err(Wrong::new(
             span,
             format!(
@@ -366,7 +370,7 @@ impl<'s> Interpreter<'s> {
             return self.cycle_block(block, number, asked.machine, follow);
         }
         let is_arc = matches!(self.motion, Some(Motion::Arc { .. }));
-        if !block.has_any(&AXES) && !(is_arc && block.has_any(b"IJKR")) {
+        if !(block.has_any(&AXES) || is_arc && block.has_any(b"IJKR")) {
             return match asked.machine {
                 Some(span) => Err(Wrong::new(
                     span,
@@ -446,10 +450,19 @@ impl<'s> Interpreter<'s> {
         ))
     }
 
-    pub(super) fn base(&self, span: Span) -> Result<Place, Wrong> {
-        self.offsets
-            .base()
-            .map_err(|name| unknown_system(span, &name))
+    pub(super) fn base(&mut self, span: Span) -> Result<Place, Wrong> {
+        match self.offsets.base() {
+            Some(base) => Ok(base),
+            None => Err(self.lose(span, self.offsets.active())),
+        }
+    }
+
+    /// A coordinate system whose zero is not known: told once, and no move is followed any more.
+    fn lose(&mut self, span: Span, system: u32) -> Wrong {
+        self.is_lost = true;
+        self.offsets.set_system(system, [Some(0.0); 3], false);
+        self.offsets.select(system);
+        unknown_system(span, &system_name(system))
     }
 
     fn axis_words(&mut self, block: &mut Block) -> Result<[Option<f64>; 3], Wrong> {
@@ -568,7 +581,11 @@ impl<'s> Interpreter<'s> {
             line: self.line,
         };
         self.at = to;
-        if matches!(step.shape, Shape::Line) && step.from == step.to {
+        let stays = (0..3).all(|k| (to[k] - step.from[k]).abs() <= 0.0);
+        if matches!(step.shape, Shape::Line) && stays {
+            return Ok(());
+        }
+        if self.is_lost {
             return Ok(());
         }
         follow(&step).map_err(|refused| Wrong::new(span, refused.message, refused.help))

@@ -4,7 +4,7 @@
 //!   machine = program + system (G54 …) + local (G52) + shift (G92) + tool length in Z (G43)
 //! ```
 
-use crate::nc::{Place, Setup, system_name};
+use crate::nc::{Place, Setup};
 use std::collections::BTreeMap;
 
 #[derive(Clone, Debug)]
@@ -44,10 +44,10 @@ impl Offsets {
         });
     }
 
-    /// Machine coordinates of the program's zero; the name of the system where it is not known.
+    /// Machine coordinates of the program's zero; `None` where that of the system is not known.
     #[inline]
-    pub(super) fn base(&self) -> Result<Place, String> {
-        self.base.ok_or_else(|| system_name(self.active))
+    pub(super) fn base(&self) -> Option<Place> {
+        self.base
     }
 
     pub(super) fn tool(&self) -> Option<f64> {

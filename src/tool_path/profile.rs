@@ -7,8 +7,8 @@ use crate::nc::{Move, Place, Plane, Refused, Shape};
 
 /// Samples that the profile accuracy is made of; from there on every second one is left out.
 const MOST_SAMPLES: usize = 1 << 20;
-/// Chords of one arc.
-const MOST_CHORDS: f64 = 1e6;
+/// Samples of one move: a kilometre in steps of a micrometre.
+const MOST_STEPS: f64 = 2e9;
 /// A move that ends so near to the travel keeps it (rounding of inch programs), mm.
 const TRAVEL_TOLERANCE_MM: f64 = 1e-4;
 
@@ -492,7 +492,7 @@ fn normal(plane: Plane, tangent: [f64; 3]) -> Option<[f64; 3]> {
     reason = "the number is bounded before it is used"
 )]
 fn steps(length: f64, longest: f64) -> u32 {
-    (length / longest).ceil().clamp(1.0, MOST_CHORDS) as u32
+    (length / longest).ceil().clamp(1.0, MOST_STEPS) as u32
 }
 
 /// Chords of an arc whose middles lie within a tolerance of it.
