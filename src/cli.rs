@@ -11,6 +11,7 @@ mod generate;
 mod history;
 mod import;
 mod inputs;
+mod path;
 mod program;
 mod separate;
 mod show;
@@ -106,6 +107,8 @@ enum Command {
     Import(Box<import::Options>),
     /// Figures by standard: ISO 230-2 and VDI/DGQ 3441 of one axis, ISO 230-6 of the body diagonals
     Standards(Box<standards::Options>),
+    /// Tell the machine's error along the path of a part program (G-code)
+    Path(path::Options),
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
@@ -226,6 +229,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             format,
         } => program::run(&job, &output, force, format),
         Command::Simulate(options) => simulate::run(&options),
+        Command::Path(options) => path::run(&options),
         Command::Import(options) => import::run(&options),
         Command::Standards(options) => standards::run(&options),
         Command::Controllers { command } => match command {

@@ -6,6 +6,7 @@
 mod active;
 pub mod ahead;
 mod diagonals;
+mod path;
 mod program;
 mod read;
 mod read_active;
@@ -13,6 +14,7 @@ mod read_beams;
 mod read_compensation;
 mod read_diagonals;
 mod read_measurement;
+mod read_path;
 mod read_program;
 
 pub use self::active::{ActiveSettings, ActiveTables, NotMeasured};
@@ -21,6 +23,7 @@ pub use self::diagonals::{
     Reflector, SetUp, StatedUncertainty,
 };
 
+pub use self::path::PathRequest;
 pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
 use crate::axis::{Direction, ErrorTerm, PerAxis};
@@ -49,6 +52,8 @@ pub struct Job {
     pub acceptance: Acceptance,
     /// `[program]`.
     pub program: Option<ProgramRequest>,
+    /// `[path]`.
+    pub path: PathRequest,
 }
 
 impl Job {
@@ -56,7 +61,7 @@ impl Job {
     pub fn read(source: Source) -> Result<Job, Problems> {
         refuse_table(&source)?;
         let (parts, source) = read_page(source, read::job)?;
-        let (machine, measurement, compensation, limits, acceptance, program) = parts;
+        let (machine, measurement, compensation, limits, acceptance, program, path) = parts;
         Ok(Job {
             source,
             machine,
@@ -65,6 +70,7 @@ impl Job {
             limits,
             acceptance,
             program,
+            path,
         })
     }
 

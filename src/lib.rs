@@ -27,6 +27,8 @@
 //! In the volume: model ─→ volume_model: 21 errors, any chain ─→ space ─→ definitions, assessment
 //! (as the machine is, and with the emulated tables).
 //!
+//! Along a tool path: part program ─→ nc: moves ─→ tool_path: error along them.
+//!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
 //! Modules stand in the order in which the data flow; a module imports only from those before
@@ -54,6 +56,8 @@ pub mod diagonal;
 pub mod problem;
 
 pub mod document;
+
+pub mod nc;
 
 pub mod delimited;
 
@@ -85,6 +89,8 @@ pub mod model;
 pub mod volume_model;
 
 pub mod definitions;
+
+pub mod tool_path;
 
 pub mod grid;
 

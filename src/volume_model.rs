@@ -136,6 +136,24 @@ impl VolumeModel {
         deviations.into_iter().chain(rotations).flatten()
     }
 
+    /// Every position where a curve of an axis bends or ends, mm, ascending; where it has none, the
+    /// ends of its range.
+    pub fn bends(&self, axis: Axis) -> Vec<f64> {
+        let knots = self.curves_along(axis).flat_map(ErrorCurve::knots);
+        let mut bends: Vec<f64> = knots.map(|knot| knot.mm()).collect();
+        if bends.is_empty() {
+            bends.extend([self.ranges[axis].0, self.ranges[axis].1]);
+        }
+        bends.sort_by(f64::total_cmp);
+        bends.dedup_by(|next, kept| next <= kept);
+        bends
+    }
+
+    /// Whether anything of an axis was measured.
+    pub fn is_measured(&self, axis: Axis) -> bool {
+        self.curves_along(axis).next().is_some()
+    }
+
     /// The range of an axis that the figures hold for, mm.
     pub fn range(&self, axis: Axis) -> (f64, f64) {
         self.ranges[axis]

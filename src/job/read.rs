@@ -5,10 +5,11 @@ use crate::chain::Chain;
 use crate::document::Section;
 use crate::job::read_compensation::compensation;
 use crate::job::read_measurement::measurement;
+use crate::job::read_path::path;
 use crate::job::read_program::program;
 use crate::job::{
     Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis,
-    Measurement, ProgramRequest,
+    Measurement, PathRequest, ProgramRequest,
 };
 use crate::problem::shown;
 use crate::units::Millimetres;
@@ -29,6 +30,7 @@ type Parts = (
     Limits,
     Acceptance,
     Option<ProgramRequest>,
+    PathRequest,
 );
 
 pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
@@ -59,6 +61,8 @@ pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
     let program = root
         .section("program")
         .map(|s| program(&s, measurement.as_ref()));
+    let path = root.section("path").map(|s| path(&s));
+    let path = path.unwrap_or_default();
     let program = match program {
         Some(program) => Some(program?),
         None => None,
@@ -70,6 +74,7 @@ pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
         limits,
         acceptance,
         program,
+        path,
     ))
 }
 

@@ -136,7 +136,7 @@ pub(super) fn size(parent: &Section<'_>) -> Option<PerAxis<Millimetres>> {
     all_of(read)
 }
 
-fn all_of(read: PerAxis<Option<f64>>) -> Option<PerAxis<Millimetres>> {
+pub(super) fn all_of(read: PerAxis<Option<f64>>) -> Option<PerAxis<Millimetres>> {
     let (x, y, z) = (read.x?, read.y?, read.z?);
     Some(PerAxis { x, y, z }).map(|place| PerAxis::from_fn(|axis| Millimetres::new(place[axis])))
 }
