@@ -1,4 +1,4 @@
-//! Axes, directions and the nine error terms, with the names of ISO 230-1.
+//! Axes, directions, the nine error terms and the nine rotations, with the names of ISO 230-1.
 //!
 //! `EYX` is the deviation in **Y** while **X** moves: direction first, moving axis second.
 //! Terms are indexed by their two axes, never by a number.
@@ -165,6 +165,42 @@ impl fmt::Display for ErrorTerm {
     }
 }
 
+/// One of the nine angular errors: the rotation about axis `about` while axis `along` moves,
+/// right-handed (ISO 230-1: `EAX` = roll of X, A about X, B about Y, C about Z).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Rotation {
+    /// Axis of the rotation.
+    pub about: Axis,
+    /// The moving axis.
+    pub along: Axis,
+}
+
+impl Rotation {
+    /// The nine of them: EAX EBX ECX · EAY EBY ECY · EAZ EBZ ECZ.
+    pub fn all() -> impl Iterator<Item = Rotation> {
+        ErrorTerm::ALL.into_iter().map(|term| Rotation {
+            about: term.of,
+            along: term.along,
+        })
+    }
+
+    /// Roll turns about the axis that moves; the others are pitch and yaw.
+    pub fn is_roll(self) -> bool {
+        self.about == self.along
+    }
+}
+
+impl fmt::Display for Rotation {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let letter = match self.about {
+            Axis::X => 'A',
+            Axis::Y => 'B',
+            Axis::Z => 'C',
+        };
+        out.pad(&format!("E{letter}{}", self.along))
+    }
+}
+
 /// One value for each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct PerAxis<T> {
@@ -213,6 +249,54 @@ impl<T> IndexMut<Axis> for PerAxis<T> {
     }
 }
 
+impl PerAxis<f64> {
+    /// The vector product a × b (right-handed).
+    ///
+    /// ```
+    /// use nonius::axis::PerAxis;
+    /// let (x, y) = (PerAxis { x: 1.0, y: 0.0, z: 0.0 }, PerAxis { x: 0.0, y: 1.0, z: 0.0 });
+    /// assert_eq!(x.cross(y), PerAxis { x: 0.0, y: 0.0, z: 1.0 });
+    /// ```
+    #[must_use]
+    pub fn cross(self, other: PerAxis<f64>) -> PerAxis<f64> {
+        PerAxis {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
+    /// The scalar product a · b.
+    #[must_use]
+    pub fn dot(self, other: PerAxis<f64>) -> f64 {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// Its length, √(a · a).
+    #[must_use]
+    pub fn length(self) -> f64 {
+        self.dot(self).sqrt()
+    }
+
+    /// The sum of two vectors.
+    #[must_use]
+    pub fn plus(self, other: PerAxis<f64>) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| self[axis] + other[axis])
+    }
+
+    /// The difference of two vectors.
+    #[must_use]
+    pub fn minus(self, other: PerAxis<f64>) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| self[axis] - other[axis])
+    }
+
+    /// The vector times a number.
+    #[must_use]
+    pub fn times(self, factor: f64) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| factor * self[axis])
+    }
+}
+
 /// One value for each of the nine error terms.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct PerTerm<T>([[T; 3]; 3]);
@@ -240,6 +324,20 @@ impl<T> Index<ErrorTerm> for PerTerm<T> {
     type Output = T;
     fn index(&self, term: ErrorTerm) -> &T {
         &self.0[term.along.index()][term.of.index()]
+    }
+}
+
+/// The nine rotations stand in the same 3 × 3 container: axis of rotation, moving axis.
+impl<T> Index<Rotation> for PerTerm<T> {
+    type Output = T;
+    fn index(&self, rotation: Rotation) -> &T {
+        &self.0[rotation.along.index()][rotation.about.index()]
+    }
+}
+
+impl<T> IndexMut<Rotation> for PerTerm<T> {
+    fn index_mut(&mut self, rotation: Rotation) -> &mut T {
+        &mut self.0[rotation.along.index()][rotation.about.index()]
     }
 }
 

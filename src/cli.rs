@@ -4,12 +4,14 @@
 //! within limits, 1 = the answer is no (files are written), 2 = could not do it (nothing is
 //! written).
 
+mod assess;
 mod context;
 mod controllers;
 mod generate;
 mod history;
 mod import;
 mod inputs;
+mod path;
 mod program;
 mod separate;
 mod show;
@@ -83,6 +85,8 @@ enum Command {
     },
     /// Separate the readings of four body diagonals into the nine errors
     Separate(separate::Options),
+    /// What the errors do in the volume: volumetric accuracy and the other definitions
+    Assess(Box<assess::Options>),
     /// Write the part programs of a measuring run, with the expected positions
     Program {
         /// The job (TOML) with a section [program]; `-` = standard input
@@ -103,6 +107,8 @@ enum Command {
     Import(Box<import::Options>),
     /// Figures by standard: ISO 230-2 and VDI/DGQ 3441 of one axis, ISO 230-6 of the body diagonals
     Standards(Box<standards::Options>),
+    /// Tell the machine's error along the path of a part program (G-code)
+    Path(path::Options),
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
@@ -213,6 +219,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             after,
             format,
         } => verify::run(&job, &tables, after.as_deref(), format),
+        Command::Assess(options) => assess::run(&options),
         Command::History { directory, format } => history::run(&directory, format),
         Command::Separate(options) => separate::run(&options),
         Command::Program {
@@ -222,6 +229,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             format,
         } => program::run(&job, &output, force, format),
         Command::Simulate(options) => simulate::run(&options),
+        Command::Path(options) => path::run(&options),
         Command::Import(options) => import::run(&options),
         Command::Standards(options) => standards::run(&options),
         Command::Controllers { command } => match command {

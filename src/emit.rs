@@ -175,7 +175,7 @@ fn with_header(
         machine: MachineContext {
             name: machine.name.clone(),
             serial: text(&machine.serial),
-            chain: text(&machine.chain),
+            chain: text(&machine.chain.map(|chain| chain.to_string())),
         },
         measurement: MeasurementContext {
             date: text(&task.job.measurement.date),

@@ -6,6 +6,7 @@
 mod active;
 pub mod ahead;
 mod diagonals;
+mod path;
 mod program;
 mod read;
 mod read_active;
@@ -13,6 +14,7 @@ mod read_beams;
 mod read_compensation;
 mod read_diagonals;
 mod read_measurement;
+mod read_path;
 mod read_program;
 
 pub use self::active::{ActiveSettings, ActiveTables, NotMeasured};
@@ -21,9 +23,11 @@ pub use self::diagonals::{
     Reflector, SetUp, StatedUncertainty,
 };
 
+pub use self::path::PathRequest;
 pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
 use crate::axis::{Direction, ErrorTerm, PerAxis};
+use crate::chain::Chain;
 use crate::controller::LengthUnit;
 use crate::curve::Interpolation;
 use crate::document::{Source, read_page};
@@ -48,6 +52,8 @@ pub struct Job {
     pub acceptance: Acceptance,
     /// `[program]`.
     pub program: Option<ProgramRequest>,
+    /// `[path]`.
+    pub path: PathRequest,
 }
 
 impl Job {
@@ -55,7 +61,7 @@ impl Job {
     pub fn read(source: Source) -> Result<Job, Problems> {
         refuse_table(&source)?;
         let (parts, source) = read_page(source, read::job)?;
-        let (machine, measurement, compensation, limits, acceptance, program) = parts;
+        let (machine, measurement, compensation, limits, acceptance, program, path) = parts;
         Ok(Job {
             source,
             machine,
@@ -64,6 +70,7 @@ impl Job {
             limits,
             acceptance,
             program,
+            path,
         })
     }
 
@@ -114,7 +121,7 @@ pub struct Machine {
     /// Serial number.
     pub serial: Option<String>,
     /// Kinematic chain in the notation of contract §1, e.g. `wXYZt`.
-    pub chain: Option<String>,
+    pub chain: Option<Chain>,
     /// Its axes; absent where the job does not describe one.
     pub axes: PerAxis<Option<MachineAxis>>,
 }

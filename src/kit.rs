@@ -68,6 +68,12 @@ impl Inputs {
         })
     }
 
+    /// Adds the angular errors of a table of their own (`measurement.angles`).
+    pub fn with_angles(mut self, table: &ErrorTable) -> Result<Inputs, Problems> {
+        self.model.add_angles(&self.job, table)?;
+        Ok(self)
+    }
+
     /// The same inputs, measured while these tables were active: new = old + residual.
     pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
         let (model, notes) = active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
@@ -330,7 +336,7 @@ fn build_manifest(
         machine: json!({
             "name": job.machine.name,
             "serial": job.machine.serial,
-            "chain": job.machine.chain,
+            "chain": job.machine.chain.map(|chain| chain.to_string()),
             "measured": job.measurement.date,
             "protocol": job.measurement.protocol.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         }),
@@ -414,4 +420,33 @@ pub fn verify(
         doubts,
         verdict,
     })
+}
+
+/// A control with tables in it, and the plan that names its axes.
+pub struct LoadedControl {
+    /// The plan of the job.
+    pub plan: Plan,
+    /// What the files make of the control.
+    pub control: Box<dyn Emulator>,
+    /// How the files differ from what the job asks for, one sentence each.
+    pub disagreements: Vec<String>,
+}
+
+/// Loads the bytes of files into the emulated control of a job.
+pub fn load(inputs: &Inputs, files: &[KitFile<'_>]) -> Result<LoadedControl, Problems> {
+    let plan = plan(inputs.task())?;
+    let compiled = inputs.compile(&plan)?;
+    let read = read(&inputs.profile, files)?;
+    let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
+    Ok(LoadedControl {
+        plan,
+        control: found.map_err(|reason| cannot_emulate(&reason))?,
+        disagreements: words,
+    })
+}
+
+/// Makes the files of a job in memory and loads their bytes.
+pub fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
+    let kit = generate(inputs)?;
+    load(inputs, &kit.kit_files())
 }

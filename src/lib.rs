@@ -24,6 +24,11 @@
 //!
 //! Before it, as a rehearsal: curves, bytes of the tables ─→ simulate: readings that say so of themselves.
 //!
+//! In the volume: model ─→ volume_model: 21 errors, any chain ─→ space ─→ definitions, assessment
+//! (as the machine is, and with the emulated tables).
+//!
+//! Along a tool path: part program ─→ nc: moves ─→ tool_path: error along them.
+//!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
 //! Modules stand in the order in which the data flow; a module imports only from those before
@@ -44,11 +49,15 @@ pub mod units;
 
 pub mod axis;
 
+pub mod chain;
+
 pub mod diagonal;
 
 pub mod problem;
 
 pub mod document;
+
+pub mod nc;
 
 pub mod delimited;
 
@@ -76,6 +85,12 @@ pub mod readings;
 pub mod separation;
 
 pub mod model;
+
+pub mod volume_model;
+
+pub mod definitions;
+
+pub mod tool_path;
 
 pub mod grid;
 
@@ -110,6 +125,8 @@ pub mod forecast;
 pub mod after;
 
 pub mod causes;
+
+pub mod assessment;
 
 pub mod disagreement;
 

@@ -8,6 +8,8 @@
 //! reference direction at the reference point. The other curve then carries the reversal there
 //! (contract §2.3, Zero).
 
+mod angles;
+
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::curve::ErrorCurve;
 use crate::error_table::{ErrorTable, Remarks, Series};
@@ -32,6 +34,26 @@ pub enum Measured {
 }
 
 impl Measured {
+    /// One or two curves with their directions, + before −; `None` = there is none.
+    fn of(mut curves: impl Iterator<Item = (Option<Direction>, ErrorCurve)>) -> Option<Measured> {
+        let (direction, first) = curves.next()?;
+        Some(match (direction, curves.next()) {
+            (_, Some((_, minus))) => Measured::BothWays { plus: first, minus },
+            (Some(direction), None) => Measured::OneWay(direction, first),
+            (None, None) => Measured::Undirected(first),
+        })
+    }
+
+    /// The curve without regard to direction: of two the mean, over the range that both cover.
+    pub fn mean(&self) -> ErrorCurve {
+        match self {
+            Measured::Undirected(curve) | Measured::OneWay(_, curve) => curve.clone(),
+            Measured::BothWays { plus, minus } => {
+                plus.mean_with(minus).unwrap_or_else(|| plus.clone())
+            }
+        }
+    }
+
     /// The curve that holds while the axis moves in `direction`, if that direction was measured.
     pub fn curve(&self, direction: Direction) -> Option<&ErrorCurve> {
         match (self, direction) {
@@ -115,6 +137,9 @@ impl MeasuredTerm {
 pub struct ErrorModel {
     /// The measured terms; `None` = not measured.
     pub terms: PerTerm<Option<MeasuredTerm>>,
+    /// The measured rotations (`EAX` …), µrad in place of µm; as measured, or zero at
+    /// `angles_zero_mm`. No table of a control holds them.
+    pub rotations: PerTerm<Option<Measured>>,
     /// The measured range of each axis (where all its directions were measured).
     pub ranges: PerAxis<Option<(Millimetres, Millimetres)>>,
     /// What was measured and this version does not use, one sentence each.
@@ -149,8 +174,9 @@ impl ErrorModel {
         }
         problems.or_ok(ErrorModel {
             terms,
+            rotations: angles::rotations(job, table),
             ranges,
-            unused: unused_columns(table),
+            unused: angles::not_compensated(table).into_iter().collect(),
             remarks: table.remarks.clone(),
         })
     }
@@ -183,6 +209,16 @@ impl ErrorModel {
             .filter_map(|(term, measured)| Some((term, measured.as_ref()?)))
     }
 
+    /// Adds the angular errors of a table of their own. What both tables hold is a problem: nobody
+    /// knows which of them counts. Deviations beside the angles are not read, and a note says so.
+    pub fn add_angles(&mut self, job: &Job, table: &ErrorTable) -> Result<(), Problems> {
+        let added = angles::added(job, table, &self.rotations)?;
+        self.rotations = added;
+        self.unused = angles::not_compensated(table).into_iter().collect();
+        self.unused.extend(angles::deviations_beside(table));
+        Ok(())
+    }
+
     /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured; end-point
     /// slopes. Positive = the angle between the positive axis directions is less than 90°
     /// (contract §1).
@@ -195,20 +231,6 @@ impl ErrorModel {
             )
         };
         Some(slope(first, second)? + slope(second, first)?)
-    }
-}
-
-fn unused_columns(table: &ErrorTable) -> Vec<String> {
-    let has_angles = |axis: Axis| {
-        let series = table.series(axis).iter();
-        series
-            .flat_map(|s| Axis::ALL.map(|about| s.angles_urad[about].is_some()))
-            .any(|measured| measured)
-    };
-    if Axis::ALL.into_iter().any(has_angles) {
-        vec!["the angles (`ea_…`, `eb_…`, `ec_…`) of the error table are not used by this version: angular errors are not compensated by these tables".to_string()]
-    } else {
-        Vec::new()
     }
 }
 
@@ -311,15 +333,10 @@ fn measured_term(
         })
         .collect();
     let zero = value_at_reference(&curves, machine)?;
-    let mut zeroed = curves
+    let zeroed = curves
         .into_iter()
         .map(|(direction, curve)| (direction, curve.less(zero)));
-    let (direction, first) = zeroed.next()?;
-    let measured = match (direction, zeroed.next()) {
-        (_, Some((_, minus))) => Measured::BothWays { plus: first, minus },
-        (Some(direction), None) => Measured::OneWay(direction, first),
-        (None, None) => Measured::Undirected(first),
-    };
+    let measured = Measured::of(zeroed)?;
     let column = series
         .iter()
         .filter_map(|s| s.uncertainties_um[term.of].as_ref())

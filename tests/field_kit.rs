@@ -3,7 +3,8 @@
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
-    reason = "a test may stop at what it did not expect"
+    clippy::print_stdout,
+    reason = "a test may stop at what it did not expect, and says what it saw"
 )]
 
 mod support;

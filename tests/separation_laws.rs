@@ -8,7 +8,7 @@
 #[path = "support/diagonals.rs"]
 mod simulated;
 
-use nonius::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use nonius::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use nonius::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
 use nonius::document::Source;
 use nonius::error_table::ErrorTable;
@@ -16,7 +16,7 @@ use nonius::job::{Frame, Levers, Reflector, SetUp};
 use nonius::separation::corrections::{AngleModel, angle_effects};
 use nonius::separation::curves::with_slope;
 use nonius::separation::metric::Plane;
-use nonius::separation::unmeasured::{Rotation, bow_um_per_urad, false_bows_um};
+use nonius::separation::unmeasured::{bow_um_per_urad, false_bows_um};
 use nonius::separation::{Separation, separate};
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
@@ -480,7 +480,8 @@ fn measured_angles_give_the_true_errors_back() {
         };
         let readings =
             nonius::readings::Readings::read(golden(case, "readings.csv"), &measured).unwrap();
-        let model = AngleModel::new(&table, "wXYZt", &Levers::default(), reflector).unwrap();
+        let chain = nonius::chain::Chain::ALL_AXES_MOVE_THE_TOOL;
+        let model = AngleModel::new(&table, chain, &Levers::default(), reflector);
         let mut campaign = simulated::campaign(&measured, Vec::new());
         campaign.angles = Some(angle_effects(&model, &measured.volume, PathKind::Step));
         let found = separate(&campaign, &readings.runs);

@@ -4,7 +4,9 @@
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::float_cmp,
-    reason = "a test may stop at what it did not expect, and compares digits"
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a test may stop at what it did not expect, compares digits and counts bins"
 )]
 
 #[path = "support/machine_h.rs"]

@@ -29,9 +29,14 @@ const LARGEST_INPUT_BYTES: u64 = 64 * 1024 * 1024;
 /// Reads a job and everything it names.
 pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     let (name, bytes) = read_argument(job_path)?;
-    let mut hashes = vec![hashed(&file_name(job_path), &bytes)];
+    read_job(job_path, &name, &bytes)
+}
+
+/// Reads everything that a job names; `bytes` are those of the job.
+pub(super) fn read_job(job_path: &Path, name: &str, bytes: &[u8]) -> Result<Inputs, Problems> {
+    let mut hashes = vec![hashed(&file_name(job_path), bytes)];
     let folder = job_path.parent().unwrap_or(Path::new(""));
-    let source = Source::from_bytes(&name, &bytes)?;
+    let source = Source::from_bytes(name, bytes)?;
     let job = Job::read(source.clone()).map_err(|mut problems| {
         let find = |word: &str| profile(word, folder, &mut Vec::new());
         problems.extend(ahead(source, find));
@@ -45,8 +50,12 @@ pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
     let table = problems.take(error_table(&job, folder, &mut hashes));
     match (profile, table) {
         (Some(profile), Some(table)) if problems.is_empty() => {
+            let angles = angles_table(&job, folder, &mut hashes)?;
             let active = active::read(&job, &profile, folder, &mut hashes)?;
-            let inputs = Inputs::new(job, profile, &table, hashes)?;
+            let mut inputs = Inputs::new(job, profile, &table, hashes)?;
+            if let Some(angles) = angles {
+                inputs = inputs.with_angles(&angles)?;
+            }
             match active {
                 Some(active) => inputs.with_active(active),
                 None => Ok(inputs),
@@ -122,6 +131,24 @@ pub(super) fn error_table(
             .problem_at("measurement.errors", "no error table is named")
             .into()),
     }
+}
+
+/// The table of angles that a job names. Where readings were separated it was read, and its hash
+/// kept, before.
+fn angles_table(
+    job: &Job,
+    folder: &Path,
+    hashes: &mut Vec<HashedFile>,
+) -> Result<Option<ErrorTable>, Problems> {
+    let Some(path) = &job.measurement.angles else {
+        return Ok(None);
+    };
+    let mut seen = Vec::new();
+    let (source, _) = read_named(job, folder, path, "measurement.angles", &mut seen)?;
+    if matches!(job.measurement.data, MeasuredData::Errors(_)) {
+        hashes.extend(seen);
+    }
+    ErrorTable::read(source).map(Some)
 }
 
 /// A file that a job names at `key`, and its hash; the measurement that it came from is hashed too.

@@ -23,8 +23,8 @@ pub(super) fn run(
     let inputs = inputs::read(job)?;
     let second = after.map(|path| second::read(&inputs, path)).transpose()?;
     let found = read_directory(&inputs, directory)?;
-    let files: Vec<KitFile<'_>> = found.files.iter().map(kit_file).collect();
-    let mut verification = verify(&inputs, &files, found.remarks)
+    let files: Vec<KitFile<'_>> = found.kit_files();
+    let mut verification = verify(&inputs, &files, found.remarks.clone())
         .map_err(|problems| behind(found.other_control, problems))?;
     if found.names_missing {
         verification.absent.clear(); // a listed file that is missing was named
@@ -71,6 +71,13 @@ pub(super) struct Found {
     other_control: Option<Problem>,
 }
 
+impl Found {
+    /// The files as the readers take them.
+    pub(super) fn kit_files(&self) -> Vec<KitFile<'_>> {
+        self.files.iter().map(kit_file).collect()
+    }
+}
+
 /// Files that cannot be read, behind the reason for it where it is known.
 fn behind(reason: Option<Problem>, problems: Problems) -> Problems {
     let mut all = Problems::none();
@@ -85,7 +92,7 @@ fn is_left_by_a_computer(name: &str) -> bool {
     name.starts_with('.') || names.contains(&name.to_ascii_lowercase().as_str())
 }
 
-/// Reads a directory with the files of a control.
+/// Reads the files of a directory, and its manifest where it has one.
 pub(super) fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found, Problems> {
     let refuse = |error: std::io::Error| {
         Problem::new(format!(

@@ -27,13 +27,15 @@ pub fn ahead(source: Source, find: impl Fn(&str) -> Result<Profile, Problems>) -
 }
 
 /// The keys of a job, in the order in which it is read: an unknown one is told once.
-const ROOT: [&str; 6] = [
+const ROOT: [&str; 8] = [
     "schema",
     "machine",
     "measurement",
     "compensation",
     "limits",
     "acceptance",
+    "program",
+    "path",
 ];
 
 fn ask_for_all(section: &Section<'_>, find: impl Fn(&str) -> Result<Profile, Problems>) {

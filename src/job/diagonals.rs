@@ -134,11 +134,18 @@ pub struct StatedUncertainty {
     pub tilt_arcsec: Option<f64>,
 }
 
-/// Places that the lever arms of angular errors are counted from (`offsets_mm`, `tool_offset_mm`).
+/// Places that the lever arms of angular errors are counted from; machine coordinates, `None` =
+/// not stated.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Levers {
-    /// Places of the resting axes while the angles were measured, machine coordinates.
-    pub offsets: Option<PerAxis<Millimetres>>,
-    /// From the point that the axes carry to the point that is measured.
+    /// `offsets_mm`: where each axis rested while the others were measured (paper 002 §3.1).
+    pub offsets: PerAxis<Option<Millimetres>>,
+    /// `tool_offset_mm`: from the point where the errors were measured to the tool point.
     pub tool: Option<PerAxis<Millimetres>>,
+    /// `angles_zero_mm`: where the angles of an axis count as zero, which is where it stood while
+    /// the squareness was measured.
+    pub angles_zero: PerAxis<Option<Millimetres>>,
+    /// `straightness_optic_mm`: of an axis that carries the workpiece, the place on its table where
+    /// the optic of its straightness measurement rode; `None` = it was measured at the tool point.
+    pub straightness_optic: PerAxis<Option<Millimetres>>,
 }

@@ -1,13 +1,15 @@
 //! Job TOML → [`crate::job::Job`]: every key of contract §2.3, and nothing else.
 
 use crate::axis::{Direction, PerAxis};
+use crate::chain::Chain;
 use crate::document::Section;
 use crate::job::read_compensation::compensation;
 use crate::job::read_measurement::measurement;
+use crate::job::read_path::path;
 use crate::job::read_program::program;
 use crate::job::{
     Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis,
-    Measurement, ProgramRequest,
+    Measurement, PathRequest, ProgramRequest,
 };
 use crate::problem::shown;
 use crate::units::Millimetres;
@@ -28,6 +30,7 @@ type Parts = (
     Limits,
     Acceptance,
     Option<ProgramRequest>,
+    PathRequest,
 );
 
 pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
@@ -58,6 +61,8 @@ pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
     let program = root
         .section("program")
         .map(|s| program(&s, measurement.as_ref()));
+    let path = root.section("path").map(|s| path(&s));
+    let path = path.unwrap_or_default();
     let program = match program {
         Some(program) => Some(program?),
         None => None,
@@ -69,6 +74,7 @@ pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
         limits,
         acceptance,
         program,
+        path,
     ))
 }
 
@@ -89,16 +95,7 @@ fn machine(section: &Section<'_>) -> Option<Machine> {
     let serial = section.text("serial");
     refuse_control_characters(section, "name", name.as_deref());
     refuse_control_characters(section, "serial", serial.as_deref());
-    let chain = section.text("chain");
-    if let Some(chain) = &chain
-        && !is_chain(chain)
-    {
-        section.problem(
-            "chain",
-            format!("`chain` is `{}`, expected each of X, Y, Z once, `w` where the workpiece is and `t` at the end", shown(chain)),
-            "for instance `wXYZt`, `XwYZt` or `XYwZt`",
-        );
-    }
+    let chain = chain(section);
     let axes = axes(section, machine_axis);
     section.refuse_unknown_keys();
     Some(Machine {
@@ -107,6 +104,20 @@ fn machine(section: &Section<'_>) -> Option<Machine> {
         chain,
         axes,
     })
+}
+
+/// The kinematic chain, if the job states one.
+fn chain(section: &Section<'_>) -> Option<Chain> {
+    let text = section.text("chain")?;
+    let chain = Chain::parse(&text);
+    if chain.is_none() {
+        section.problem(
+            "chain",
+            format!("`chain` is `{}`, expected each of X, Y, Z once, `w` where the workpiece is and `t` at the end", shown(&text)),
+            "for instance `wXYZt`, `XwYZt` or `XYwZt`",
+        );
+    }
+    chain
 }
 
 /// Such a text would reach files and the terminal as commands.
@@ -121,12 +132,6 @@ pub(super) fn refuse_control_characters(section: &Section<'_>, key: &str, text: 
             "write it in one line of plain letters and digits",
         );
     }
-}
-
-fn is_chain(text: &str) -> bool {
-    let mut letters: Vec<char> = text.chars().collect();
-    letters.sort_unstable();
-    letters == ['X', 'Y', 'Z', 't', 'w'] && text.ends_with('t')
 }
 
 fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {

@@ -114,6 +114,16 @@ pub(super) fn places(parent: &Section<'_>, key: &'static str) -> Option<PerAxis<
     all_of(read)
 }
 
+/// Places of some of the axes.
+pub(super) fn some_places(parent: &Section<'_>, key: &'static str) -> PerAxis<Option<Millimetres>> {
+    let Some(section) = parent.section(key) else {
+        return PerAxis::default();
+    };
+    let read = PerAxis::from_fn(|axis| section.millimetres(axis.key()).map(Millimetres::new));
+    section.refuse_unknown_keys();
+    read
+}
+
 pub(super) fn size(parent: &Section<'_>) -> Option<PerAxis<Millimetres>> {
     let section = parent.section("size_mm")?;
     let read = PerAxis::from_fn(|axis| {
@@ -126,7 +136,7 @@ pub(super) fn size(parent: &Section<'_>) -> Option<PerAxis<Millimetres>> {
     all_of(read)
 }
 
-fn all_of(read: PerAxis<Option<f64>>) -> Option<PerAxis<Millimetres>> {
+pub(super) fn all_of(read: PerAxis<Option<f64>>) -> Option<PerAxis<Millimetres>> {
     let (x, y, z) = (read.x?, read.y?, read.z?);
     Some(PerAxis { x, y, z }).map(|place| PerAxis::from_fn(|axis| Millimetres::new(place[axis])))
 }
@@ -367,7 +377,7 @@ steps = 4
         let measurement = measurement("order = \"zXy\"");
         assert_eq!(measurement.angles.as_deref(), Some("angles.csv"));
         assert_eq!(measurement.uncertainty.laser_ppm, Some(0.1));
-        assert_eq!(measurement.levers.offsets, None);
+        assert_eq!(measurement.levers.offsets, PerAxis::default());
         let tool = measurement.levers.tool.expect("it is stated");
         assert_eq!(tool.z, Millimetres::new(-120.0));
         assert!(measurement.notes.is_empty());

@@ -4,7 +4,7 @@ use crate::axis::{Axis, ErrorTerm, PerAxis};
 use crate::document::Section;
 use crate::job::read::refuse_control_characters;
 use crate::job::read_active::active;
-use crate::job::read_diagonals::{diagonals, places};
+use crate::job::read_diagonals::{diagonals, places, some_places};
 use crate::job::{Levers, MachineAxis, MeasuredData, Measurement, StatedUncertainty};
 
 pub(super) fn measurement(
@@ -19,14 +19,16 @@ pub(super) fn measurement(
     let protocol = section.section("protocol").map(|s| s.entries());
     let angles = section.text("angles");
     let levers = Levers {
-        offsets: places(section, "offsets_mm"),
+        offsets: some_places(section, "offsets_mm"),
         tool: places(section, "tool_offset_mm"),
+        angles_zero: some_places(section, "angles_zero_mm"),
+        straightness_optic: some_places(section, "straightness_optic_mm"),
     };
     let uncertainty = uncertainty(section);
     section.refuse_unknown_keys();
     let data = data?;
     let notes = match &data {
-        MeasuredData::Errors(_) => unused(section, &uncertainty),
+        MeasuredData::Errors(_) => unused(&uncertainty),
         MeasuredData::Diagonals(_) => Vec::new(),
     };
     Some(Measurement {
@@ -117,18 +119,8 @@ fn both_given(section: &Section<'_>) {
 }
 
 /// What the job states and an error table has no use for, one sentence each.
-fn unused(section: &Section<'_>, uncertainty: &StatedUncertainty) -> Vec<String> {
+fn unused(uncertainty: &StatedUncertainty) -> Vec<String> {
     let mut unused = Vec::new();
-    if section.has("angles") {
-        unused.push("`angles` is not used by this version, and its file is not read: angular errors are not compensated by these tables".to_string());
-    }
-    for key in ["offsets_mm", "tool_offset_mm"] {
-        if section.has(key) {
-            unused.push(format!(
-                "`[measurement.{key}]` is not used by this version: it matters with angles only, and angular errors are not compensated by these tables"
-            ));
-        }
-    }
     let stated = [
         ("laser_ppm", uncertainty.laser_ppm),
         ("temperature_k", uncertainty.temperature_k),
@@ -213,7 +205,7 @@ controller = "generic"
         let source = Source::from_bytes("job.toml", PAGE.as_bytes()).expect("it is text");
         let measurement = Job::read(source).expect("it is a job").measurement;
         assert_eq!(measurement.uncertainty.noise_um, Some(0.5));
-        let keys = ["`angles`", "offsets_mm", "`laser_ppm`"];
+        let keys = ["`laser_ppm`"];
         assert_eq!(measurement.notes.len(), keys.len());
         for (sentence, key) in measurement.notes.iter().zip(keys) {
             assert!(sentence.contains(key), "{sentence}");

@@ -2,8 +2,9 @@
 //! effects of angular errors. The raw readings stay as they are.
 
 use super::lookup::at;
-use super::unmeasured::{AngleEvidence, Rotation};
-use crate::axis::{Axis, Direction, PerAxis};
+use super::unmeasured::AngleEvidence;
+use crate::axis::{Axis, Direction, PerAxis, Rotation};
+use crate::chain::Chain;
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::error_table::{ErrorTable, Series};
 use crate::job::{AxisMaterial, Levers, Material, Reflector};
@@ -103,16 +104,16 @@ impl<'a> AngleModel<'a> {
     /// The model of a job's angles. `chain` is that of contract §1, e.g. `wXYZt`.
     pub fn new(
         table: &'a ErrorTable,
-        chain: &str,
+        chain: Chain,
         levers: &Levers,
         reflector: Reflector,
-    ) -> Option<AngleModel<'a>> {
-        Some(AngleModel {
+    ) -> AngleModel<'a> {
+        AngleModel {
             rotations: Rotations::Measured(table),
-            chain: chain_order(chain)?,
+            chain: chain.order(),
             levers: *levers,
             reflector,
-        })
+        }
     }
 
     /// One rotation of 1 µrad between the ends of the box, with angle and levers zero in the
@@ -134,8 +135,8 @@ impl<'a> AngleModel<'a> {
             },
             chain,
             levers: Levers {
-                offsets: Some(PerAxis::from_fn(|axis| Millimetres::new(middle[axis]))),
-                tool: None,
+                offsets: PerAxis::from_fn(|axis| Some(Millimetres::new(middle[axis]))),
+                ..Levers::default()
             },
             reflector,
         }
@@ -187,7 +188,7 @@ impl<'a> AngleModel<'a> {
         for axis in Axis::ALL {
             let low = volume.start[axis].mm();
             let at = |place: f64| self.rotation(axis, place, Direction::Plus);
-            let change = minus(&at(low + volume.size[axis].mm()), &at(low));
+            let change = at(low + volume.size[axis].mm()).minus(at(low));
             let size = change.iter().map(|(_, urad)| urad.abs());
             largest_urad = size.fold(largest_urad, f64::max);
         }
@@ -220,13 +221,13 @@ impl<'a> AngleModel<'a> {
             return Vec::new();
         };
         let effect = |(place, error, rotation): &(PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
-            let moved = minus(place, &first_place);
-            let lever = dot(&u, &minus(error, &first_error));
-            let along = dot(&u, &moved);
+            let moved = place.minus(first_place);
+            let lever = u.dot(error.minus(first_error));
+            let along = u.dot(moved);
             let lateral = PerAxis::from_fn(|axis| moved[axis] - along * u[axis]);
-            let turned = cross(&minus(rotation, &first_rotation), &u);
+            let turned = rotation.minus(first_rotation).cross(u);
             match self.reflector {
-                Reflector::FlatMirror => lever + dot(&turned, &lateral) / 1000.0,
+                Reflector::FlatMirror => lever + turned.dot(lateral) / 1000.0,
                 Reflector::Retroreflector => lever,
             }
         };
@@ -247,13 +248,13 @@ impl<'a> AngleModel<'a> {
             let carried = &self.chain[index + 1..];
             let arm = PerAxis::from_fn(|other| {
                 let own = if carried.contains(&other) {
-                    place[other] - lever_mm(self.levers.offsets, other)
+                    place[other] - lever_mm(self.levers.offsets[other])
                 } else {
                     0.0
                 };
-                own + lever_mm(self.levers.tool, other)
+                own + lever_mm(self.levers.tool.map(|tool| tool[other]))
             });
-            let lever = cross(&rotation, &arm);
+            let lever = rotation.cross(arm);
             error = PerAxis::from_fn(|axis| error[axis] + lever[axis] / 1000.0);
             sum = PerAxis::from_fn(|axis| sum[axis] + rotation[axis]);
         }
@@ -297,8 +298,8 @@ impl<'a> AngleModel<'a> {
 }
 
 /// A place of the job, mm; 0 where it states none (a label says so).
-fn lever_mm(places: Option<PerAxis<Millimetres>>, axis: Axis) -> f64 {
-    places.map_or(0.0, |places| places[axis].mm())
+fn lever_mm(place: Option<Millimetres>) -> f64 {
+    place.map_or(0.0, Millimetres::mm)
 }
 
 /// Rotation by the angles of a table, µrad.
@@ -317,37 +318,10 @@ fn measured_rotation(
     })
 }
 
-/// Order of the axes from workpiece to tool; axes that carry the workpiece (before `w`) come in
-/// reverse (reference on volumetric errors, §1.1).
-fn chain_order(chain: &str) -> Option<[Axis; 3]> {
-    let (before, after) = chain.split_once('w')?;
-    let letters = before.chars().rev().chain(after.chars());
-    let axes: Vec<Axis> = letters
-        .filter_map(|letter| Axis::from_letter(&letter.to_string()))
-        .collect();
-    axes.try_into().ok()
-}
-
 /// The runs' readings less the effects of the angles, µm.
 pub fn without_angles(readings: &mut [f64], effect: &[f64]) {
     for (reading, effect) in readings.iter_mut().zip(effect) {
         *reading -= effect;
-    }
-}
-
-fn minus(a: &PerAxis<f64>, b: &PerAxis<f64>) -> PerAxis<f64> {
-    PerAxis::from_fn(|axis| a[axis] - b[axis])
-}
-
-fn dot(a: &PerAxis<f64>, b: &PerAxis<f64>) -> f64 {
-    a.x * b.x + a.y * b.y + a.z * b.z
-}
-
-fn cross(a: &PerAxis<f64>, b: &PerAxis<f64>) -> PerAxis<f64> {
-    PerAxis {
-        x: a.y * b.z - a.z * b.y,
-        y: a.z * b.x - a.x * b.z,
-        z: a.x * b.y - a.y * b.x,
     }
 }
 
@@ -363,8 +337,8 @@ pub struct AngleEffects {
 
 impl AngleEffects {
     /// No angle was measured.
-    pub fn unmeasured(chain: Option<&str>) -> AngleEffects {
-        let order = chain.and_then(chain_order);
+    pub fn unmeasured(chain: Option<Chain>) -> AngleEffects {
+        let order = chain.map(Chain::order);
         AngleEffects {
             by_pass: None,
             evidence: AngleEvidence::nothing(order),

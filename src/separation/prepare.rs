@@ -36,7 +36,7 @@ pub fn campaign<'a>(
     }
     lines.extend(measurement.beams.iter().map(beam_line));
     let angles = match &tables.angles {
-        None => Some(AngleEffects::unmeasured(job.machine.chain.as_deref())),
+        None => Some(AngleEffects::unmeasured(job.machine.chain)),
         Some(table) => problems.take(angles(job, measurement, table)),
     };
     problems.or_ok(Campaign {
@@ -140,14 +140,14 @@ pub fn angles(
     measurement: &DiagonalMeasurement,
     table: &ErrorTable,
 ) -> Result<AngleEffects, Problems> {
-    let Some(chain) = &job.machine.chain else {
+    let Some(chain) = job.machine.chain else {
         return Err(job
             .problem_at("measurement.angles", "angles act through levers, which need the order of the axes: `machine.chain` is missing")
             .help("state it, e.g. `chain = \"wXYZt\"`")
             .into());
     };
     let model = AngleModel::new(table, chain, &job.measurement.levers, measurement.target);
-    let Some(model) = model.filter(|model| !model.is_empty()) else {
+    if model.is_empty() {
         return Err(Problem::new(format!(
             "`{}` holds no angles, expected columns such as `ea_urad`",
             table.source.name
@@ -155,7 +155,7 @@ pub fn angles(
         .at(table.header.clone())
         .help("name a table with ea, eb or ec, or remove `angles`")
         .into());
-    };
+    }
     model.check(&measurement.volume)?;
     Ok(angle_effects(&model, &measurement.volume, measurement.kind))
 }

@@ -13,46 +13,11 @@ use super::corrections::AngleModel;
 use super::curves::{Curve, curves, noise_gain, with_slope};
 use super::evidence::{Evidence, NineErrors};
 use super::increments::{Group, Means};
-use crate::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
+use crate::axis::{Axis, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::diagonal::{Pass, PathKind, PerDiagonal, Volume};
 use crate::job::{Levers, Reflector, StatedUncertainty};
-use std::fmt;
 
 const URAD_PER_ARCSEC: f64 = 1e6 * std::f64::consts::PI / (180.0 * 3600.0);
-
-/// An angular error: the rotation about one axis while an axis moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rotation {
-    /// The axis it turns about.
-    pub about: Axis,
-    /// The axis that moves.
-    pub along: Axis,
-}
-
-impl Rotation {
-    /// EAX, EBX, ECX, EAY … ECZ.
-    pub fn all() -> impl Iterator<Item = Rotation> {
-        let of = |along: Axis| Axis::ALL.map(|about| Rotation { about, along });
-        Axis::ALL.into_iter().flat_map(of)
-    }
-
-    /// Pitch or yaw; the rotation about the axis that moves is its roll.
-    pub fn is_roll(self) -> bool {
-        self.about == self.along
-    }
-}
-
-impl fmt::Display for Rotation {
-    /// The name of ISO 230-1, e.g. `EBX`.
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let letter = match self.about {
-            Axis::X => 'A',
-            Axis::Y => 'B',
-            Axis::Z => 'C',
-        };
-        write!(out, "E{letter}{}", self.along)
-    }
-}
 
 /// What is known of the nine angular errors and of their levers.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,9 +56,18 @@ impl AngleEvidence {
             return said;
         }
         let far = 0.1 * self.largest_urad;
-        if self.levers.offsets.is_none() {
+        let unstated: Vec<String> = Axis::ALL
+            .into_iter()
+            .filter(|axis| self.levers.offsets[*axis].is_none())
+            .map(|axis| axis.to_string())
+            .collect();
+        if !unstated.is_empty() {
+            let of = match unstated.len() {
+                3 => String::new(),
+                _ => format!(" for {}", unstated.join(", ")),
+            };
             said.push(format!(
-                "offsets_mm is not stated: the levers of the measured angles count from machine zero; each 100 mm of lever that is really there falsifies deviations by up to {far:.3} µm"
+                "offsets_mm is not stated{of}: the levers of the measured angles count from machine zero; each 100 mm of lever that is really there falsifies deviations by up to {far:.3} µm"
             ));
         }
         if self.levers.tool.is_none() {

@@ -1,0 +1,158 @@
+//! Benchmarks of `nonius path`: the error at points of a path, and a program from end to end.
+
+#![allow(
+    missing_docs,
+    clippy::expect_used,
+    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong"
+)]
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use nonius::nc::{Line, Mark, Move, Plane, Setup, Shape, Text, WithoutPoint, run};
+use nonius::problem::Problem;
+use nonius::tool_path::{PathMap, Profile, ProfileLimits};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::hint::black_box;
+
+const LINES: u32 = 200_000;
+
+/// A machine of 900 mm with 31 nodes an axis and all eighteen curves.
+fn machine() -> PathMap {
+    let nodes = || {
+        (0..31_u8)
+            .map(|node| f64::from(node) * 30.0)
+            .collect::<Vec<f64>>()
+    };
+    PathMap::new(
+        [0, 1, 2],
+        [nodes(), nodes(), nodes()],
+        [0.0; 3],
+        false,
+        |axis, x| {
+            let shift = [0.3, 1.1, 2.7][axis];
+            let wave = |k: f64| 5.0 * (x / 97.0 * k + shift).sin();
+            (
+                [wave(1.0), wave(1.7), wave(2.3)],
+                [wave(0.7), wave(1.3), wave(1.9)],
+            )
+        },
+    )
+    .expect("a machine")
+}
+
+fn limits(sample_mm: f64) -> ProfileLimits {
+    ProfileLimits {
+        chord_mm: 0.001,
+        sample_mm,
+        rapid: false,
+        measured_tool_mm: 0.0,
+        measured: [Some((0.0, 900.0)); 3],
+        travel: [Some((0.0, 900.0)); 3],
+        refuse_outside: true,
+    }
+}
+
+/// 200 000 lines, about 7 MB.
+fn program() -> String {
+    let mut text = String::from("G21 G90 G17 G0 X450. Y450. Z450.\nF2000\n");
+    for line in 0..LINES {
+        let t = f64::from(line) * 0.001;
+        let (x, y, z) = (
+            450.0 + 200.0 * t.cos(),
+            450.0 + 200.0 * t.sin(),
+            450.0 + 100.0 * (t * 0.1).sin(),
+        );
+        let _ = writeln!(text, "N{line} G1 X{x:.4} Y{y:.4} Z{z:.4}");
+    }
+    text
+}
+
+struct Bytes<'a> {
+    text: &'a [u8],
+    mark: Mark,
+}
+
+impl Text for Bytes<'_> {
+    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem> {
+        let rest = &self.text[usize::try_from(self.mark.bytes)
+            .unwrap_or(usize::MAX)
+            .min(self.text.len())..];
+        let Some(end) = rest.iter().position(|byte| *byte == b'\n') else {
+            return Ok(None);
+        };
+        self.mark.bytes += end as u64 + 1;
+        self.mark.lines += 1;
+        Ok(Some(Line {
+            number: self.mark.lines,
+            bytes: &rest[..end],
+        }))
+    }
+    fn mark(&self) -> Mark {
+        self.mark
+    }
+    fn go_to(&mut self, mark: Mark) -> Result<(), Problem> {
+        self.mark = mark;
+        Ok(())
+    }
+}
+
+fn points(criterion: &mut Criterion) {
+    const POINTS: u32 = 1_000_000;
+    let map = machine();
+    let mut group = criterion.benchmark_group("path");
+    group.throughput(Throughput::Elements(u64::from(POINTS)));
+    group.bench_function("a million points on a diagonal", |bencher| {
+        bencher.iter(|| {
+            let step = Move {
+                from: [0.0; 3],
+                to: [900.0; 3],
+                shape: Shape::Line,
+                rapid: false,
+                plane: Plane::Xy,
+                tool_mm: None,
+                line: 1,
+            };
+            let length = step.length_mm();
+            let mut profile = Profile::new(&map, limits(length / f64::from(POINTS)));
+            profile
+                .follow(black_box(&step), &mut |_| {})
+                .expect("inside");
+            profile.summary()
+        });
+    });
+    group.finish();
+}
+
+fn whole_program(criterion: &mut Criterion) {
+    let (map, text) = (machine(), program());
+    let setup = Setup {
+        start: [0.0; 3],
+        reference: [0.0; 3],
+        second_reference: None,
+        systems: BTreeMap::from([(1, [0.0; 3])]),
+        tools: BTreeMap::new(),
+        inch: false,
+        without_point: WithoutPoint::Unit,
+        skip_deletable: false,
+    };
+    let mut group = criterion.benchmark_group("path, program");
+    group.throughput(Throughput::Bytes(text.len() as u64));
+    group.bench_function("200 000 lines", |bencher| {
+        bencher.iter(|| {
+            let mut profile = Profile::new(&map, limits(1.0));
+            let mut bytes = Bytes {
+                text: text.as_bytes(),
+                mark: Mark::default(),
+            };
+            run(&mut bytes, "part.nc", &setup, |step| {
+                profile.follow(step, &mut |_| {})
+            })
+            .expect("a program");
+            profile.summary()
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, points, whole_program);
+criterion_main!(benches);

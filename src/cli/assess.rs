@@ -1,0 +1,221 @@
+//! `nonius assess JOB|ERRORS`
+
+mod document;
+mod table_alone;
+mod text;
+
+use crate::assessment::{Assessment, GridChoice, Request, assess, with_tables};
+use crate::axis::{Axis, PerAxis};
+use crate::chain::Chain;
+use crate::cli::inputs::{self, read_argument};
+use crate::cli::verify::read_directory;
+use crate::cli::{Answer, Format, print, print_json};
+use crate::kit::{Inputs, LoadedControl, load, load_own};
+use crate::problem::{Problem, Problems};
+use crate::volume_model::VolumeModel;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Most nodes of one axis.
+const MOST_NODES: usize = 1001;
+/// Most nodes of a grid.
+const MOST_POINTS: usize = 100_000_000;
+
+/// Options of `assess`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The job (TOML), or an error table (CSV); `-` = standard input
+    file: PathBuf,
+    /// Nodes of X, Y and Z, equally spaced, e.g. 21,21,21; `nodes` = the table's own
+    #[arg(long, value_name = "NX,NY,NZ", default_value = "nodes", value_parser = grid_word)]
+    grid: GridChoice,
+    /// Size of a sub-volume, mm: worst, best and corner one of its figures
+    #[arg(long, value_name = "X,Y,Z", value_parser = window_word)]
+    window: Option<PerAxis<f64>>,
+    /// Distribution of all differences, in bins of this width, µm
+    #[arg(long, value_name = "UM", value_parser = bin_word)]
+    histogram: Option<f64>,
+    /// Also as the files of this directory leave the machine
+    #[arg(long, value_name = "DIR", conflicts_with = "with_tables")]
+    tables: Option<PathBuf>,
+    /// Also as the tables that the job asks for would leave the machine
+    #[arg(long)]
+    with_tables: bool,
+    /// Chain of the machine, for an error table with angles that no job describes, e.g. wXYZt
+    #[arg(long, value_parser = chain_word)]
+    chain: Option<Chain>,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+fn three<T: Copy>(text: &str, read: impl Fn(&str) -> Option<T>) -> Option<PerAxis<T>> {
+    let parts: Option<Vec<T>> = text.split(',').map(|part| read(part.trim())).collect();
+    let [x, y, z] = parts?.try_into().ok()?;
+    Some(PerAxis { x, y, z })
+}
+
+fn grid_word(text: &str) -> Result<GridChoice, String> {
+    if text == "nodes" {
+        return Ok(GridChoice::OwnNodes);
+    }
+    let count = |part: &str| {
+        let count: usize = part.parse().ok()?;
+        (1..=MOST_NODES).contains(&count).then_some(count)
+    };
+    let counts = three(text, count);
+    counts
+        .filter(|n| n.x * n.y * n.z <= MOST_POINTS)
+        .map(GridChoice::Equal)
+        .ok_or_else(|| {
+            format!("expected `nodes` or three numbers of nodes such as 21,21,21 (1 … {MOST_NODES} each, {MOST_POINTS} together)")
+        })
+}
+
+fn positive(part: &str) -> Option<f64> {
+    let number: f64 = part.parse().ok()?;
+    (number.is_finite() && number > 0.0).then_some(number)
+}
+
+fn window_word(text: &str) -> Result<PerAxis<f64>, String> {
+    let sizes = three(text, positive);
+    sizes.ok_or_else(|| "expected three lengths in mm such as 300,200,200".to_string())
+}
+
+fn bin_word(text: &str) -> Result<f64, String> {
+    positive(text).ok_or_else(|| "expected a width in µm above 0, e.g. 10".to_string())
+}
+
+fn chain_word(text: &str) -> Result<Chain, String> {
+    Chain::parse(text).ok_or_else(|| {
+        "expected each of X, Y, Z once, `w` where the workpiece is and `t` at the end, e.g. wXYZt"
+            .to_string()
+    })
+}
+
+/// What is printed.
+struct Page {
+    /// Name of the machine, or of the table.
+    name: String,
+    volume: VolumeModel,
+    /// As it is.
+    before: Assessment,
+    after: Option<After>,
+}
+
+/// As tables leave it.
+struct After {
+    /// Where the tables come from.
+    from: String,
+    assessment: Assessment,
+    /// How the files differ from what the job asks for.
+    disagreements: Vec<String>,
+}
+
+pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+    let page = page(options)?;
+    match options.format {
+        Format::Json => print_json(&document::document(&page)),
+        Format::Text => print(&text::text(&page)),
+    }
+}
+
+fn page(options: &Options) -> Result<Page, Problems> {
+    let request = Request {
+        grid: options.grid,
+        window_mm: options.window,
+        histogram_um: options.histogram,
+    };
+    let (name, bytes) = read_argument(&options.file)?;
+    let from_tables = options.tables.is_some() || options.with_tables;
+    if table_alone::is_table(&bytes) {
+        if from_tables {
+            return Err(Problem::new(format!(
+                "`{name}` is an error table, which names no control: tables cannot be read or made for it"
+            ))
+            .help("give the job that names it")
+            .into());
+        }
+        let volume = table_alone::volume(&name, &bytes, options.chain)?;
+        check_window(&volume, &request)?;
+        return Ok(Page {
+            name,
+            before: assess(&volume, &request)?,
+            volume,
+            after: None,
+        });
+    }
+    let mut inputs = inputs::read_job(&options.file, &name, &bytes)?;
+    inputs.job.machine.chain = options.chain.or(inputs.job.machine.chain);
+    let volume = VolumeModel::build(&inputs.job, &inputs.model)?;
+    check_window(&volume, &request)?;
+    let after = match loaded(options, &inputs)? {
+        None => None,
+        Some((from, loaded)) => Some(after(&inputs, &volume, &request, from, loaded)?),
+    };
+    Ok(Page {
+        name: inputs.job.machine.name.clone(),
+        before: assess(&volume, &request)?,
+        volume,
+        after,
+    })
+}
+
+fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedControl)>, Problems> {
+    if options.with_tables {
+        let from = format!("the tables of the job for {}", inputs.profile.name);
+        return Ok(Some((from, load_own(inputs)?)));
+    }
+    let Some(directory) = &options.tables else {
+        return Ok(None);
+    };
+    let found = read_directory(inputs, directory)?;
+    let mut loaded = load(inputs, &found.kit_files())?;
+    loaded.disagreements.extend(found.remarks);
+    Ok(Some((
+        format!("the files of {}", directory.display()),
+        loaded,
+    )))
+}
+
+fn after(
+    inputs: &Inputs,
+    volume: &VolumeModel,
+    request: &Request,
+    from: String,
+    loaded: LoadedControl,
+) -> Result<After, Problems> {
+    let LoadedControl {
+        plan,
+        control,
+        disagreements,
+    } = loaded;
+    let corrected = with_tables(volume, &inputs.model, &plan, control.as_ref()).map_err(|e| {
+        Problem::new(format!("the tables cannot be emulated: {}", e.0))
+            .help("nothing can be said of the machine with them")
+    })?;
+    Ok(After {
+        from,
+        assessment: assess(&corrected, request)?,
+        disagreements,
+    })
+}
+
+/// A sub-volume must fit into the volume.
+fn check_window(volume: &VolumeModel, request: &Request) -> Result<(), Problem> {
+    let Some(size) = request.window_mm else {
+        return Ok(());
+    };
+    for axis in Axis::ALL {
+        let (low, high) = volume.range(axis);
+        if size[axis] > high - low {
+            return Err(Problem::new(format!(
+                "the sub-volume is {} mm long in {axis}, but the volume only {} mm",
+                size[axis],
+                high - low
+            ))
+            .help("give the size of a part that fits, in mm, as X,Y,Z"));
+        }
+    }
+    Ok(())
+}

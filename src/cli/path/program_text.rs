@@ -1,0 +1,122 @@
+//! A part program on disk, read line by line.
+
+use crate::cli::inputs::plain_words;
+use crate::nc::{Line, Mark, Text};
+use crate::problem::Problem;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// No control reads a longer line.
+const LONGEST_LINE: u64 = 4096;
+/// What is taken from standard input (it is kept on disk, because subprograms are gone back to).
+const LARGEST_PIPE_BYTES: u64 = 16 * 1024 * 1024 * 1024;
+const BUFFER_BYTES: usize = 1 << 18;
+
+/// A program that is open.
+pub(super) struct ProgramText {
+    name: String,
+    reader: BufReader<File>,
+    line: Vec<u8>,
+    mark: Mark,
+}
+
+impl ProgramText {
+    /// Opens a file; `-` = standard input.
+    pub(super) fn open(path: &Path) -> Result<ProgramText, Problem> {
+        let (name, file) = if path == Path::new("-") {
+            ("standard input".to_string(), spooled()?)
+        } else {
+            (path.display().to_string(), opened(path)?)
+        };
+        Ok(ProgramText {
+            name,
+            reader: BufReader::with_capacity(BUFFER_BYTES, file),
+            line: Vec::new(),
+            mark: Mark::default(),
+        })
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+fn opened(path: &Path) -> Result<File, Problem> {
+    let refuse = |error: std::io::Error| {
+        Problem::new(format!(
+            "`{}` cannot be read: {}",
+            path.display(),
+            plain_words(&error)
+        ))
+        .help("check the path of the part program")
+    };
+    if path.is_dir() {
+        return Err(Problem::new(format!(
+            "`{}` is a directory, expected a part program",
+            path.display()
+        ))
+        .help("name a file in it"));
+    }
+    File::open(path).map_err(refuse)
+}
+
+/// Standard input as a file without a name.
+fn spooled() -> Result<File, Problem> {
+    let refuse = |error: std::io::Error| {
+        Problem::new(format!(
+            "standard input cannot be read: {}",
+            plain_words(&error)
+        ))
+    };
+    let mut file = tempfile::tempfile().map_err(refuse)?;
+    let mut input = std::io::stdin().lock().take(LARGEST_PIPE_BYTES);
+    std::io::copy(&mut input, &mut file).map_err(refuse)?;
+    file.rewind().map_err(refuse)?;
+    Ok(file)
+}
+
+fn failed(name: &str, error: &std::io::Error) -> Problem {
+    Problem::new(format!("`{name}` cannot be read: {}", plain_words(error)))
+}
+
+impl Text for ProgramText {
+    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem> {
+        self.line.clear();
+        let mut part = (&mut self.reader).take(LONGEST_LINE);
+        let read = part
+            .read_until(b'\n', &mut self.line)
+            .map_err(|error| failed(&self.name, &error))?;
+        if read == 0 {
+            return Ok(None);
+        }
+        let ended = self.line.last() == Some(&b'\n');
+        if !ended && self.line.len() as u64 == LONGEST_LINE {
+            let number = self.mark.lines + 1;
+            return Err(Problem::new(format!(
+                "line {number} of `{}` has more than {LONGEST_LINE} characters, expected the blocks of a part program",
+                self.name
+            ))
+            .help("check that the file is a part program with one block in each line"));
+        }
+        self.mark.bytes += read as u64;
+        self.mark.lines += 1;
+        let end = self.line.len() - usize::from(ended);
+        Ok(Some(Line {
+            number: self.mark.lines,
+            bytes: &self.line[..end],
+        }))
+    }
+
+    fn mark(&self) -> Mark {
+        self.mark
+    }
+
+    fn go_to(&mut self, mark: Mark) -> Result<(), Problem> {
+        self.reader
+            .seek(SeekFrom::Start(mark.bytes))
+            .map_err(|error| failed(&self.name, &error))?;
+        self.mark = mark;
+        Ok(())
+    }
+}

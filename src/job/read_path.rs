@@ -1,0 +1,151 @@
+//! `[path]` of a job.
+
+use crate::axis::PerAxis;
+use crate::document::Section;
+use crate::job::PathRequest;
+use crate::job::read_diagonals::{all_of, places};
+use crate::nc::{WithoutPoint, system_number};
+use crate::problem::shown;
+use crate::units::Millimetres;
+use std::collections::BTreeMap;
+
+const MOST_TOOL_NUMBER: u32 = 9999;
+const LONGEST_TOOL_MM: f64 = 10_000.0;
+const FINEST_CHORD_MM: f64 = 1e-5;
+const COARSEST_CHORD_MM: f64 = 1.0;
+const FINEST_SAMPLE_MM: f64 = 1e-3;
+const COARSEST_SAMPLE_MM: f64 = 1e4;
+
+pub(super) fn path(section: &Section<'_>) -> PathRequest {
+    let usual = PathRequest::default();
+    let request = PathRequest {
+        start: places(section, "start_mm"),
+        second_reference: places(section, "second_reference_mm"),
+        systems: systems(section),
+        tools: tools(section),
+        measured_tool_mm: section.within("measured_tool_mm", 0.0, LONGEST_TOOL_MM, "mm"),
+        inch: section
+            .choice("program_unit", &[("mm", false), ("inch", true)])
+            .unwrap_or(usual.inch),
+        without_point: section
+            .choice(
+                "without_point",
+                &[
+                    ("unit", WithoutPoint::Unit),
+                    ("increment", WithoutPoint::Increment),
+                ],
+            )
+            .unwrap_or(usual.without_point),
+        skip_deletable: section
+            .choice("block_delete", &[("execute", false), ("skip", true)])
+            .unwrap_or(usual.skip_deletable),
+        rapid: section
+            .choice("moves", &[("feed", false), ("all", true)])
+            .unwrap_or(usual.rapid),
+        chord_mm: section
+            .within("chord_mm", FINEST_CHORD_MM, COARSEST_CHORD_MM, "mm")
+            .unwrap_or(usual.chord_mm),
+        sample_mm: section
+            .within("sample_mm", FINEST_SAMPLE_MM, COARSEST_SAMPLE_MM, "mm")
+            .unwrap_or(usual.sample_mm),
+        refuse_outside: section
+            .choice("outside", &[("hold", false), ("refuse", true)])
+            .unwrap_or(usual.refuse_outside),
+        datum: datum(section),
+    };
+    section.refuse_unknown_keys();
+    request
+}
+
+/// `[[path.offset]]`.
+fn systems(section: &Section<'_>) -> BTreeMap<u32, PerAxis<Millimetres>> {
+    let mut systems = BTreeMap::new();
+    for entry in section.sections("offset") {
+        let name = entry.required_text(
+            "system",
+            "a coordinate system, e.g. \"G54\" or \"G54.1 P7\"",
+        );
+        let place = place(&entry);
+        entry.refuse_unknown_keys();
+        let Some(name) = name else { continue };
+        let Some(number) = system_number(&name) else {
+            entry.problem(
+                "system",
+                format!("`{}` is no coordinate system", shown(&name)),
+                "expected G54 … G59, G59.1 … G59.3 or G54.1 P1 … P300",
+            );
+            continue;
+        };
+        let Some(place) = place else { continue };
+        if systems.insert(number, place).is_some() {
+            entry.problem(
+                "system",
+                format!("`{}` stands twice", shown(&name)),
+                "keep one of the two",
+            );
+        }
+    }
+    systems
+}
+
+/// `[[path.tool]]`.
+fn tools(section: &Section<'_>) -> BTreeMap<u32, f64> {
+    let mut tools = BTreeMap::new();
+    for entry in section.sections("tool") {
+        for (key, expected) in [
+            ("number", "the number of the tool offset (H)"),
+            ("length_mm", "the length of the tool"),
+        ] {
+            if !entry.has(key) {
+                entry.missing(key, expected);
+            }
+        }
+        let number = entry.whole("number");
+        let length = entry.within("length_mm", -LONGEST_TOOL_MM, LONGEST_TOOL_MM, "mm");
+        entry.refuse_unknown_keys();
+        let (Some(number), Some(length)) = (number, length) else {
+            continue;
+        };
+        if number == 0 || number > MOST_TOOL_NUMBER {
+            entry.problem(
+                "number",
+                format!("`number` is {number}, expected 1 … {MOST_TOOL_NUMBER}"),
+                "H0 is no length",
+            );
+        } else if tools.insert(number, length).is_some() {
+            entry.problem(
+                "number",
+                format!("tool offset {number} stands twice"),
+                "keep one of the two",
+            );
+        }
+    }
+    tools
+}
+
+/// `[[path.datum]]`.
+fn datum(section: &Section<'_>) -> Vec<PerAxis<Millimetres>> {
+    let entries = section.sections("datum");
+    let read = entries.iter().filter_map(|entry| {
+        let place = place(entry);
+        entry.refuse_unknown_keys();
+        place
+    });
+    read.collect()
+}
+
+/// `x_mm`, `y_mm`, `z_mm`.
+fn place(entry: &Section<'_>) -> Option<PerAxis<Millimetres>> {
+    let keys = PerAxis {
+        x: "x_mm",
+        y: "y_mm",
+        z: "z_mm",
+    };
+    let read = PerAxis::from_fn(|axis| {
+        if !entry.has(keys[axis]) {
+            entry.missing(keys[axis], "a machine coordinate, mm");
+        }
+        entry.millimetres(keys[axis])
+    });
+    all_of(read)
+}

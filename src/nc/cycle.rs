@@ -1,0 +1,181 @@
+//! Canned cycles G81 … G89 as the moves they make.
+//!
+//! ```text
+//!   position ─ rapid ─→ over the hole ─ rapid ─→ R ─ feed ─→ Z ─→ R (G99) or initial level (G98)
+//! ```
+//! G85, G89 and G84 leave the hole at the feed, the others at rapid. Pecks of G83 go the same way
+//! again, so the hole is fed once here.
+
+use crate::nc::block::{Block, Span};
+use crate::nc::codes::Level;
+use crate::nc::interpreter::{AXES, Interpreter, first_span};
+use crate::nc::scan::Wrong;
+use crate::nc::{Move, Place, Refused, Shape};
+
+/// Holes of one block.
+const MOST_REPEATS: u32 = 9999;
+
+/// Modal values of a cycle, machine coordinates along the third axis, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cycle {
+    /// Where the tool stood when the cycle was called.
+    initial: f64,
+    retract: Option<f64>,
+    bottom: Option<f64>,
+}
+
+impl Cycle {
+    pub(super) fn new(initial: f64) -> Cycle {
+        Cycle {
+            initial,
+            retract: None,
+            bottom: None,
+        }
+    }
+}
+
+impl Interpreter<'_> {
+    /// A block while a cycle is active.
+    pub(super) fn cycle_block<F>(
+        &mut self,
+        block: &mut Block,
+        number: u16,
+        machine: Option<Span>,
+        follow: &mut F,
+    ) -> Result<(), Wrong>
+    where
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        if let Some(span) = machine {
+            return Err(Wrong::new(
+                span,
+                "`G53` while a cycle is active",
+                "end the cycle with G80",
+            ));
+        }
+        let drills = block.has_any(&AXES) || block.has(b'R');
+        ["P", "Q"]
+            .iter()
+            .for_each(|letter| _ = block.value(letter.as_bytes()[0]));
+        let times = match block.whole(b'K')? {
+            Some(times) => times,
+            None => block.whole_if_free(b'L')?.unwrap_or(1),
+        };
+        if times > MOST_REPEATS {
+            return Err(Wrong::new(
+                first_span(block),
+                format!("{times} repeats of a cycle, expected at most {MOST_REPEATS}"),
+                "check K or L",
+            ));
+        }
+        if !drills {
+            return Ok(());
+        }
+        let span = first_span(block);
+        let (retract, bottom, initial) = self.depths(block, span)?;
+        let place = self.place_of_hole(block, span)?;
+        for repeat in 0..times {
+            let step = if self.incremental {
+                f64::from(repeat)
+            } else {
+                0.0
+            };
+            let over: Place = std::array::from_fn(|k| place.0[k] + place.1[k] * step);
+            self.hole(number, over, (retract, bottom, initial), span, follow)?;
+        }
+        Ok(())
+    }
+
+    /// R, Z and the initial level in machine coordinates.
+    fn depths(&mut self, block: &mut Block, span: Span) -> Result<(f64, f64, f64), Wrong> {
+        let third = self.plane.axes()[2];
+        let base = if self.incremental {
+            0.0
+        } else {
+            self.base(span)?[third]
+        };
+        let retract = self.length(block, b'R');
+        let bottom = self.length(block, AXES[third]);
+        let Some(cycle) = self.cycle.as_mut() else {
+            return Err(Wrong::new(span, "no cycle is active", "write G81 … G89"));
+        };
+        if let Some(value) = retract {
+            let zero = if self.incremental {
+                cycle.initial
+            } else {
+                base
+            };
+            cycle.retract = Some(zero + value);
+        }
+        if let (Some(value), Some(retract)) = (bottom, cycle.retract) {
+            let zero = if self.incremental { retract } else { base };
+            cycle.bottom = Some(zero + value);
+        }
+        match (cycle.retract, cycle.bottom) {
+            (Some(retract), Some(bottom)) => Ok((retract, bottom, cycle.initial)),
+            _ => Err(Wrong::new(
+                span,
+                "the cycle has no R level or no bottom",
+                "write R and the depth in the block that calls the cycle",
+            )),
+        }
+    }
+
+    /// Where the hole is, and the step from one repeat to the next.
+    fn place_of_hole(&mut self, block: &mut Block, span: Span) -> Result<(Place, Place), Wrong> {
+        let [first, second, _] = self.plane.axes();
+        let base = if self.incremental {
+            self.at
+        } else {
+            self.base(span)?
+        };
+        let (mut over, mut step) = (self.at, [0.0; 3]);
+        for axis in [first, second] {
+            if let Some(value) = self.length(block, AXES[axis]) {
+                over[axis] = base[axis] + value;
+                step[axis] = value;
+            }
+        }
+        Ok((over, step))
+    }
+
+    fn hole<F>(
+        &mut self,
+        number: u16,
+        over: Place,
+        (retract, bottom, initial): (f64, f64, f64),
+        span: Span,
+        follow: &mut F,
+    ) -> Result<(), Wrong>
+    where
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        let [first, second, third] = self.plane.axes();
+        self.tally.holes += 1;
+        let mut to = self.at;
+        if (to[third] - retract) * (retract - bottom) < 0.0 {
+            to[third] = retract; // below R: up first
+            self.go(to, Shape::Line, true, span, follow)?;
+        }
+        (to[first], to[second]) = (over[first], over[second]);
+        self.go(to, Shape::Line, true, span, follow)?;
+        let back = match self.level {
+            Level::Initial if (initial - retract) * (retract - bottom) > 0.0 => Some(initial),
+            _ => None,
+        };
+        let feeds_out = matches!(number, 84 | 85 | 89);
+        let levels = [
+            (Some(retract), true),
+            (Some(bottom), false),
+            (Some(retract), !feeds_out),
+            (back, true),
+        ];
+        for (level, rapid) in levels {
+            if let Some(level) = level {
+                to[third] = level;
+                self.go(to, Shape::Line, rapid, span, follow)?;
+            }
+        }
+        Ok(())
+    }
+}

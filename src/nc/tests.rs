@@ -1,0 +1,323 @@
+//! Programs with hand-made expected moves.
+#![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+use super::*;
+use crate::problem::{Problem, Problems};
+use proptest::prelude::*;
+
+/// A program in memory.
+struct Lines<'a> {
+    text: &'a [u8],
+    mark: Mark,
+}
+
+impl Text for Lines<'_> {
+    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem> {
+        let start = usize::try_from(self.mark.bytes).expect("a short text");
+        let rest = &self.text[start.min(self.text.len())..];
+        if rest.is_empty() {
+            return Ok(None);
+        }
+        let line = rest.split(|byte| *byte == b'\n').next().unwrap_or(rest);
+        self.mark.bytes += line.len() as u64 + 1;
+        self.mark.lines += 1;
+        Ok(Some(Line {
+            number: self.mark.lines,
+            bytes: line,
+        }))
+    }
+    fn mark(&self) -> Mark {
+        self.mark
+    }
+    fn go_to(&mut self, mark: Mark) -> Result<(), Problem> {
+        self.mark = mark;
+        Ok(())
+    }
+}
+
+fn control() -> Setup {
+    Setup {
+        start: [0.0; 3],
+        reference: [0.0, 0.0, 500.0],
+        second_reference: Some([10.0, 20.0, 30.0]),
+        systems: BTreeMap::from([
+            (1, [0.0; 3]),
+            (2, [100.0, 200.0, 300.0]),
+            (107, [1.0, 2.0, 3.0]),
+        ]),
+        tools: BTreeMap::from([(1, 50.0), (2, 80.0)]),
+        inch: false,
+        without_point: WithoutPoint::Unit,
+        skip_deletable: false,
+    }
+}
+
+fn run_with(setup: &Setup, program: &str) -> Result<(Vec<Move>, Ran), Problems> {
+    let mut moves = Vec::new();
+    let mut text = Lines {
+        text: program.as_bytes(),
+        mark: Mark::default(),
+    };
+    let ran = run(&mut text, "p.nc", setup, |step| {
+        moves.push(*step);
+        Ok(())
+    })?;
+    Ok((moves, ran))
+}
+
+fn moves(program: &str) -> Vec<Move> {
+    run_with(&control(), program).expect("a program").0
+}
+
+/// Ends of the moves, `r` before those of rapid ones.
+fn ends(program: &str) -> Vec<String> {
+    let show = |step: &Move| {
+        let [x, y, z] = step.to.map(|mm| (mm * 1e6).round() / 1e6 + 0.0);
+        format!("{}{x} {y} {z}", if step.rapid { "r" } else { "" })
+    };
+    moves(program).iter().map(show).collect()
+}
+
+fn refused(program: &str) -> Vec<(usize, usize)> {
+    let problems = run_with(&control(), program).expect_err("it is refused");
+    let place = |problem: &Problem| {
+        problem
+            .place
+            .as_ref()
+            .map(|place| (place.line, place.column))
+    };
+    problems.iter().filter_map(place).collect()
+}
+
+#[test]
+fn modal_words_stand_alone_and_hold() {
+    assert_eq!(ends("G0\nX1\nG1\nY2\nX3 Z4"), ["r1 0 0", "1 2 0", "3 2 4"]);
+    assert_eq!(
+        ends("g 1 x1 0 . 5\n n5 y-.25"),
+        ["10.5 0 0", "10.5 -0.25 0"]
+    );
+    assert_eq!(
+        ends("G1 X1\nG91\nX1\nX1 G90 Y5"),
+        ["1 0 0", "2 0 0", "1 5 0"]
+    );
+    assert_eq!(ends("G20 G1 X1.\nG21 X1."), ["25.4 0 0", "1 0 0"]);
+    assert_eq!(ends("G1 X1\nM30\nX9"), ["1 0 0"]);
+    assert_eq!(ends("%\nO1\nG1 X1\n%\nX9"), ["1 0 0"]);
+    assert_eq!(ends("G1 X1 (X2) ; X3"), ["1 0 0"]);
+    assert_eq!(ends("G4 X5\nG4 P100\nG1 X1"), ["1 0 0"]);
+}
+
+#[test]
+fn zeros_of_coordinate_systems_add() {
+    assert_eq!(
+        ends("G55 G1 X1 Y1 Z1\nG53 G0 X0\nX0"),
+        ["101 201 301", "r0 201 301", "r100 201 301"]
+    );
+    assert_eq!(ends("G54.1 P7 G1 X1"), ["2 0 0"]);
+    assert_eq!(ends("G52 X10\nG1 X1\nG52 X0\nX1"), ["11 0 0", "1 0 0"]);
+    assert_eq!(
+        ends("G1 X5\nG92 X0 Y7\nX1\nY7\nG92.1\nX1"),
+        ["5 0 0", "6 0 0", "1 0 0"]
+    );
+    assert_eq!(ends("G10 L2 P2 X7\nG55 G1 X1"), ["8 0 0"]);
+    assert_eq!(ends("G10 L2 P3 X7 Y0 Z0\nG56 G1 X1"), ["8 0 0"]);
+    assert_eq!(ends("G91 G10 L2 P2 X7\nG90 G55 G1 X1"), ["108 0 0"]);
+}
+
+#[test]
+fn tool_length_moves_the_spindle() {
+    assert_eq!(ends("G0 G43 H1 Z10\nG49 Z10"), ["r0 0 60", "r0 0 10"]);
+    assert_eq!(
+        ends("G43 H1\nG91 G1 Z1\nZ1\nH2 Z0"),
+        ["0 0 51", "0 0 52", "0 0 82"]
+    );
+    assert_eq!(moves("G43 H2 G1 X1")[0].tool_mm, Some(80.0));
+}
+
+#[test]
+fn reference_points_are_approached_through_a_place() {
+    assert_eq!(ends("G0 X5 Z5\nG91 G28 Z0"), ["r5 0 5", "r5 0 500"]);
+    assert_eq!(ends("G0 X5\nG28 X7 Y0"), ["r5 0 0", "r7 0 0", "r0 0 0"]);
+    assert_eq!(ends("G30 Y4"), ["r0 4 0", "r0 20 0"]);
+}
+
+fn arc(program: &str) -> (Arc, Move) {
+    let step = *moves(program).last().expect("a move");
+    match step.shape {
+        Shape::Arc(arc) => (arc, step),
+        Shape::Line => panic!("{program} ends with a line"),
+    }
+}
+
+fn near(a: Place, b: Place) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9)
+}
+
+#[test]
+fn arcs_turn_as_their_plane_says() {
+    // Clockwise as seen from the positive third axis: from +first over −second … by the right hand.
+    let quarter = std::f64::consts::FRAC_1_SQRT_2;
+    let (_, xy) = arc("G17 G1 X1\nG3 X0 Y1 I-1");
+    assert!(near(xy.at(0.5), [quarter, quarter, 0.0]));
+    let (_, zx) = arc("G18 G1 Z1\nG3 Z0 X1 K-1");
+    assert!(near(zx.at(0.5), [quarter, 0.0, quarter]));
+    let (_, yz) = arc("G19 G1 Y1\nG3 Y0 Z1 J-1");
+    assert!(near(yz.at(0.5), [0.0, quarter, quarter]));
+    let (long, _) = arc("G1 X1\nG2 X0 Y1 I-1");
+    assert!((long.sweep_rad + 1.5 * std::f64::consts::PI).abs() < 1e-9);
+}
+
+#[test]
+fn a_radius_takes_the_short_way_and_a_negative_one_the_long_way() {
+    let half_pi = std::f64::consts::FRAC_PI_2;
+    for (words, sweep, centre) in [
+        ("G3 X0 Y1 R1", half_pi, [0.0, 0.0]),
+        ("G3 X0 Y1 R-1", 3.0 * half_pi, [1.0, 1.0]),
+        ("G2 X0 Y1 R1", -half_pi, [1.0, 1.0]),
+        ("G2 X0 Y1 R-1", -3.0 * half_pi, [0.0, 0.0]),
+    ] {
+        let (arc, step) = arc(&format!("G1 X1\n{words}"));
+        assert!(
+            (arc.sweep_rad - sweep).abs() < 1e-9,
+            "{words}: {}",
+            arc.sweep_rad
+        );
+        assert!(
+            (arc.centre[0] - centre[0]).abs() + (arc.centre[1] - centre[1]).abs() < 1e-9,
+            "{words}"
+        );
+        assert!(near(step.at(1.0), step.to), "{words}");
+    }
+}
+
+#[test]
+fn full_circles_helices_and_absolute_centres() {
+    let (circle, step) = arc("G1 X10\nG2 I-10");
+    assert!((circle.sweep_rad + std::f64::consts::TAU).abs() < 1e-12);
+    assert!(near(step.at(0.25), [0.0, -10.0, 0.0]) && near(step.at(0.5), [-10.0, 0.0, 0.0]));
+    let (_, helix) = arc("G1 X10\nG3 X10 Y0 Z5 I-10");
+    assert!(near(helix.at(0.5), [-10.0, 0.0, 2.5]));
+    let expected = (20.0 * std::f64::consts::PI).hypot(5.0);
+    assert!((helix.length_mm() - expected).abs() < 1e-9);
+    let (absolute, _) = arc("G1 X10\nG90.1 G3 X0 Y10 I0 J0");
+    assert!(absolute.centre.iter().all(|mm| mm.abs() < 1e-12));
+    let (inch, step) = arc("G20 G1 X1.\nG3 X0 Y1. I-1.");
+    assert!((inch.radius[0] - 25.4).abs() < 1e-9 && near(step.to, [0.0, 25.4, 0.0]));
+    let (incremental, step) = arc("G91 G1 X1\nG3 X-1 Y1 I-1");
+    assert!((incremental.sweep_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
+    assert!(near(step.to, [0.0, 1.0, 0.0]));
+}
+
+#[test]
+fn cycles_drill_holes() {
+    let drill = "G0 Z50\nG99 G81 X10 Y20 Z-5 R2\nX30\nG98 X40\nG80";
+    assert_eq!(
+        ends(drill),
+        [
+            "r0 0 50",
+            "r10 20 50",
+            "r10 20 2",
+            "10 20 -5",
+            "r10 20 2",
+            "r30 20 2",
+            "30 20 -5",
+            "r30 20 2",
+            "r40 20 2",
+            "40 20 -5",
+            "r40 20 2",
+            "r40 20 50"
+        ]
+    );
+    assert_eq!(
+        ends("G0 Z9\nG99 G85 X1 Z0 R2\nG80")
+            .last()
+            .map(String::as_str),
+        Some("1 0 2")
+    );
+    let row = "G0 Z10\nG91 G99 G81 X5 Z-4 R-8 K2\nG80";
+    assert_eq!(
+        ends(row),
+        [
+            "r0 0 10", "r5 0 10", "r5 0 2", "5 0 -2", "r5 0 2", "r10 0 2", "10 0 -2", "r10 0 2"
+        ]
+    );
+    assert_eq!(run_with(&control(), row).expect("a program").1.holes, 2);
+    assert_eq!(
+        ends("G18 G0 Y9\nG81 X1 Z2 Y-1 R1\nG80")[1..3],
+        ["r1 9 2", "r1 1 2"]
+    );
+}
+
+#[test]
+fn subprograms_are_called_and_repeated() {
+    let program = "G91 G1\nM98 P7 L2\nX100\nM30\nO7\nX1\nM98 P8\nM99\nO8\nY1\nM99";
+    assert_eq!(
+        ends(program),
+        ["1 0 0", "1 1 0", "2 1 0", "2 2 0", "102 2 0"]
+    );
+    assert_eq!(ends("G91 G1\nM98 P30007\nM30\nO7\nX1\nM99").len(), 3);
+    assert_eq!(refused("M98 P9"), [(1, 1)]);
+    assert_eq!(refused("M98 P1\nM30\nO1\nM98 P1\nM99"), [(4, 1)]);
+}
+
+#[test]
+fn deletable_lines_are_executed_or_left_out() {
+    let program = "G1 X1\n/X2\n/2 X3\nX4";
+    assert_eq!(ends(program).len(), 4);
+    let skip = Setup {
+        skip_deletable: true,
+        ..control()
+    };
+    assert_eq!(run_with(&skip, program).expect("a program").0.len(), 2);
+}
+
+#[test]
+fn what_is_not_executed_is_refused_with_line_and_column() {
+    for (program, place) in [
+        ("G1 X#1", (1, 4)),
+        ("G1\nX1 Y[1+2]", (2, 4)),
+        ("G41 D1", (1, 1)),
+        ("G1 X1 A5", (1, 7)),
+        ("X1", (1, 1)),
+        ("G56 G1 X1", (1, 1)),
+        ("G43 H9 Z1", (1, 5)),
+        ("G1 X1\nG2 X2", (2, 4)),
+        ("G1 X1\nG2 X2 I5", (2, 4)),
+        ("G1 X1\nG2 X9 R1", (2, 4)),
+        ("G1 X1 I5", (1, 7)),
+        ("G0 G1 X1", (1, 4)),
+        ("G87 X1 Z1 R1", (1, 1)),
+        ("G81 X1", (1, 5)),
+        ("G91 G53 X1 G0", (1, 9)),
+        ("M198 P1", (1, 1)),
+        ("G1 X1 X2", (1, 7)),
+        ("G10 L20 P1 X1", (1, 5)),
+        ("G28", (1, 1)),
+        ("G1 X1\nO5", (2, 1)),
+        ("G1 X99999999", (1, 4)),
+    ] {
+        assert!(
+            refused(program).contains(&place),
+            "{program:?}: {:?}",
+            refused(program)
+        );
+    }
+}
+
+#[test]
+fn coordinates_without_a_point_are_told() {
+    let increments = Setup {
+        without_point: WithoutPoint::Increment,
+        ..control()
+    };
+    let (steps, ran) = run_with(&increments, "G1 X100\nY1.").expect("a program");
+    assert!(near(steps[1].to, [0.1, 1.0, 0.0]));
+    assert!(ran.notes[0].starts_with("1 coordinates have no decimal point, the first in line 1"));
+}
+
+proptest! {
+    #[test]
+    fn no_text_brings_the_interpreter_down(text in "[GMXYZIJKRPLFOHN0-9. \n()%/;-]{0,120}") {
+        let _ = run_with(&control(), &text);
+    }
+}

@@ -1,0 +1,25 @@
+//! The machine's error along the path of a tool.
+//!
+//! ```text
+//!   Move ─┬─ line ─────────────────→ split where a curve bends ─→ parts with a polynomial error
+//!         └─ arc ─→ chords ─────────↗            │
+//!                                                ├─→ extremes: ends and vertices of each part
+//!                                                └─→ samples ─→ CSV, profile accuracy (cloud)
+//! ```
+//! Between two nodes of linear curves each component of the error is a parabola in the length of a
+//! straight move (angle × lever), so its extremes, and that of |e|, are **exact**: they are not
+//! looked for on samples. An arc is followed on chords that leave it by no more than a stated
+//! tolerance; on each chord the same holds.
+
+mod extremes;
+mod map;
+mod polynomial;
+mod profile;
+mod setup;
+#[cfg(test)]
+mod tests;
+
+pub use self::extremes::{Channel, Extreme, Range};
+pub use self::map::{AxisPart, PathMap};
+pub use self::profile::{Outside, Profile, ProfileLimits, Sample, Summary};
+pub use self::setup::{limits, path_map, setup};
