@@ -94,6 +94,18 @@ fn problem(job: &Job, message: impl Into<String>, help: &str) -> Problem {
     job.problem_at(KEY, message).help(help)
 }
 
+/// The axes of a gantry whose backlash parameters differ; `parameter` = what the control calls it.
+fn different_backlash(job: &Job, axes: &[String], parameter: &str) -> Problem {
+    problem(
+        job,
+        format!(
+            "the axes {} have different backlash parameters",
+            axes.join(", ")
+        ),
+        &format!("bring {parameter} of a gantry's axes to one value first"),
+    )
+}
+
 /// Whether the new tables replace the backlash parameter.
 fn replaces_backlash(job: &Job) -> bool {
     let policy = job.compensation.backlash;

@@ -1,7 +1,7 @@
 //! Pitch, straightness and backlash parameters of a Fanuc read-out.
 
 use super::read_out::{Found, Text};
-use super::{Others, axis_of, problem};
+use super::{Others, axis_of, different_backlash, problem};
 use crate::axis::{Axis, PerAxis};
 use crate::controller::{FanucFacts, NumberRange, StraightnessForm};
 use crate::job::Job;
@@ -189,15 +189,8 @@ impl Sorted<'_> {
         }
         let first = *values.first()?;
         if values.iter().any(|value| *value != first) {
-            let message = format!(
-                "the axes {} have different backlash parameters",
-                self.names[axis].join(", ")
-            );
-            self.problems.push(problem(
-                self.job,
-                message,
-                "bring 1851 of a gantry's axes to one value first",
-            ));
+            let different = different_backlash(self.job, &self.names[axis], "1851");
+            self.problems.push(different);
         }
         #[allow(
             clippy::cast_precision_loss,

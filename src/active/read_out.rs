@@ -26,7 +26,7 @@ pub(super) type Text<'a> = (&'a str, &'a str);
 
 /// Sign proofs, rollbacks and checklists of a kit, by their names.
 fn stands_apart(profile: &Profile, name: &str) -> bool {
-    let apart = |role: Role| matches!(role, Role::SignProof | Role::Rollback | Role::Checklist);
+    let apart = |role: Role| role.stands_apart() || role == Role::Checklist;
     let mut own = profile.files.iter().filter(|file| apart(file.role));
     let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
     own.any(|file| file.path.eq_ignore_ascii_case(name))

@@ -1,7 +1,7 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
 use super::read_out::{Found, Text};
-use super::{Others, axis_of, problem};
+use super::{Others, axis_of, different_backlash, problem};
 use crate::axis::{Axis, PerAxis};
 use crate::claims::Assumption;
 use crate::controller::LengthUnit;
@@ -197,15 +197,8 @@ impl Sorted<'_> {
         let values: Vec<f64> = self.names[axis].iter().filter_map(of_name).collect();
         let first = *values.first()?;
         if values.iter().any(|value| (value - first).abs() > 0.0) {
-            let message = format!(
-                "the axes {} have different backlash parameters",
-                self.names[axis].join(", ")
-            );
-            self.problems.push(problem(
-                self.job,
-                message,
-                "bring MD32450 of a gantry's axes to one value first",
-            ));
+            let different = different_backlash(self.job, &self.names[axis], "MD32450");
+            self.problems.push(different);
         }
         Some(first * in_um)
     }

@@ -79,32 +79,19 @@ impl Plane {
             .min_by(|a, b| beam[*a].abs().total_cmp(&beam[*b].abs()))
             .unwrap_or(Axis::X);
         let helper = PerAxis::from_fn(|axis| f64::from(u8::from(axis == smallest)));
-        let first = unit(cross(beam, helper));
+        let first = unit(beam.cross(helper));
         Plane {
-            across: [first, cross(beam, first)],
+            across: [first, beam.cross(first)],
         }
     }
 
     fn spot(&self, place: PerAxis<f64>) -> Spot {
-        [dot(self.across[0], place), dot(self.across[1], place)]
-    }
-}
-
-fn dot(a: PerAxis<f64>, b: PerAxis<f64>) -> f64 {
-    a.x * b.x + a.y * b.y + a.z * b.z
-}
-
-fn cross(a: PerAxis<f64>, b: PerAxis<f64>) -> PerAxis<f64> {
-    PerAxis {
-        x: a.y * b.z - a.z * b.y,
-        y: a.z * b.x - a.x * b.z,
-        z: a.x * b.y - a.y * b.x,
+        self.across.map(|across| across.dot(place))
     }
 }
 
 fn unit(a: PerAxis<f64>) -> PerAxis<f64> {
-    let length = dot(a, a).sqrt();
-    PerAxis::from_fn(|axis| a[axis] / length)
+    PerAxis::from_fn(|axis| a[axis] / a.length())
 }
 
 fn distance(a: Spot, b: Spot) -> f64 {
