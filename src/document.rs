@@ -7,7 +7,6 @@
 use crate::problem::{Place, Problem, Problems, nearest, shown};
 use sha2::{Digest, Sha256};
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -19,7 +18,8 @@ pub struct Source {
     pub name: String,
     /// The text, without byte order mark.
     pub text: String,
-    spans: BTreeMap<String, Range<usize>>,
+    /// Dotted path and place of each value that was read; looked through only for problems.
+    spans: Vec<(String, Range<usize>)>,
 }
 
 impl Source {
@@ -32,7 +32,7 @@ impl Source {
         Ok(Source {
             name: name.to_string(),
             text: text.strip_prefix('\u{feff}').unwrap_or(text).to_string(),
-            spans: BTreeMap::new(),
+            spans: Vec::new(),
         })
     }
 
@@ -43,7 +43,8 @@ impl Source {
 
     /// The place of a key's value, by its dotted path, e.g. `compensation.axes.x.spacing_mm`.
     pub fn place_of(&self, path: &str) -> Option<Place> {
-        self.spans.get(path).map(|span| self.place(span))
+        let (_, span) = self.spans.iter().find(|(known, _)| known == path)?;
+        Some(self.place(span))
     }
 
     /// A problem at a key, or at the nearest section above it that exists.
@@ -140,7 +141,7 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
 #[derive(Default)]
 struct Notes {
     problems: RefCell<Problems>,
-    spans: RefCell<BTreeMap<String, Range<usize>>>,
+    spans: RefCell<Vec<(String, Range<usize>)>>,
 }
 
 /// A table of the page, e.g. `[machine.axes.x]`.
@@ -186,10 +187,8 @@ impl<'a> Section<'a> {
     fn value(&self, key: &'static str) -> Option<&'a DeValue<'a>> {
         self.asked.borrow_mut().push(key);
         let value = self.table.get(key)?;
-        self.notes
-            .spans
-            .borrow_mut()
-            .insert(joined(&self.spot, key), value.span());
+        let place = (joined(&self.spot, key), value.span());
+        self.notes.spans.borrow_mut().push(place);
         Some(value.get_ref())
     }
 
@@ -593,7 +592,7 @@ fn joined(path: &str, key: &str) -> String {
     if path.is_empty() {
         key.to_string()
     } else {
-        format!("{path}.{key}")
+        [path, ".", key].concat()
     }
 }
 

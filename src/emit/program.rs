@@ -247,7 +247,7 @@ fn render(
     let text = render_text(&facts.template_name, &facts.template, &seen)?;
     Ok(ProgramFile {
         path: format!("{stem}.{}", facts.extension),
-        bytes: with_line_ends(&text, profile.line_end.value.text()).into_bytes(),
+        bytes: with_line_ends(text, profile.line_end.value.text()).into_bytes(),
     })
 }
 

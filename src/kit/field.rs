@@ -122,7 +122,11 @@ fn prove(
         if own.is_empty() {
             continue; // a profile of one's own without a file for it
         }
-        load(&mut state, read_proof(made, &own)?.tables);
+        let tables = read_proof(made, &own)?.tables;
+        if tables != proof.tables {
+            return Err(shows_otherwise("they hold other tables than were meant"));
+        }
+        load(&mut state, tables);
         written.push((
             proof,
             own.iter().map(|f| f.path.clone()).collect::<Vec<_>>(),
@@ -153,17 +157,13 @@ fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, 
         ..Instead::default()
     };
     let wanted = Some(proof.mechanism);
-    let files = emit::render_apart(
+    emit::render_apart(
         made.task(),
         made.compiled,
         &proof.tables,
         &instead,
         |file| file.role == Role::SignProof && file.mechanism == wanted,
-    )?;
-    if !files.is_empty() && read_proof(made, &files)?.tables != proof.tables {
-        return Err(shows_otherwise("they hold other tables than were meant"));
-    }
-    Ok(files)
+    )
 }
 
 fn read_proof(made: &Made<'_>, files: &[RenderedFile]) -> Result<ReadBack, Problems> {

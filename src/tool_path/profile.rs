@@ -199,6 +199,7 @@ impl<'m> Profile<'m> {
         if stretch.begins {
             self.cell = self.map.cell(stretch.from, self.cell);
             let error = self.map.error_in(self.cell, stretch.from, stretch.longer);
+            self.take(&stretch, stretch.from, error);
             self.sample(&stretch, stretch.from, error, 0.0, sample);
         }
         let cuts = std::mem::take(&mut self.cuts);
@@ -261,6 +262,9 @@ impl<'m> Profile<'m> {
             };
             let place = at(part);
             let error = self.map.error_in(self.cell, place, stretch.longer);
+            if step == steps || !self.map.is_linear() {
+                self.take(stretch, place, error);
+            } // else the ends and the turning points hold the extremes
             self.sample(stretch, place, error, part * length, sample);
         }
     }
@@ -336,7 +340,6 @@ impl<'m> Profile<'m> {
         done: f64,
         sample: &mut impl FnMut(&Sample),
     ) {
-        self.take(stretch, place, error);
         if self.samples.is_multiple_of(self.kept_every) {
             self.keep(error);
         }

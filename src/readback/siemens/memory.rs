@@ -75,12 +75,15 @@ impl Memory {
     }
 
     fn set_lec(&mut self, key: &Key, set: Assignment) -> Result<(), Complaint> {
-        let indices = [key.encoder.to_string(), key.axis.clone()];
-        let enabled = self.is_on("MA_ENC_COMP_ENABLE", &indices);
+        let encoder = |text: &String| text.parse() == Ok(key.encoder);
+        let enabled = is_on(
+            &self.machine,
+            "MA_ENC_COMP_ENABLE",
+            |indices| matches!(indices, [number, axis] if encoder(number) && *axis == key.axis),
+        );
         let draft = self.lec.entry((key.axis.clone(), key.encoder)).or_default();
         let head = draft.begin(&set);
-        let field = set.name.trim_start_matches("AA_ENC_COMP").to_string();
-        let result = draft.set(&field, key.point, set);
+        let result = draft.set("AA_ENC_COMP", key.point, &set);
         draft.unreadable |= result.is_err();
         result.and_then(|()| draft.refuse_if(enabled, head, "MA_ENC_COMP_ENABLE"))
     }
@@ -88,11 +91,16 @@ impl Memory {
     fn set_cec(&mut self, key: &Key, set: Assignment) -> Result<(), Complaint> {
         let table = self.cec.entry(key.table).or_default();
         let head = table.draft.begin(&set);
-        let result = table.set(key.point, set);
+        let result = table.set(key.point, &set);
         table.draft.unreadable |= result.is_err();
-        let output = table.output.clone().map(|axis| [axis]);
-        let enabled = output.is_some_and(|axis| self.is_on("MA_CEC_ENABLE", &axis));
-        let table = self.cec.entry(key.table).or_default();
+        let output = table.output.as_ref();
+        let enabled = output.is_some_and(|output| {
+            is_on(
+                &self.machine,
+                "MA_CEC_ENABLE",
+                |indices| matches!(indices, [axis] if axis == output),
+            )
+        });
         result.and_then(|()| table.draft.refuse_if(enabled, head, "MA_CEC_ENABLE"))
     }
 
@@ -119,13 +127,6 @@ impl Memory {
             value,
         });
         Ok(())
-    }
-
-    fn is_on(&self, name: &str, indices: &[String]) -> bool {
-        self.machine.iter().any(|datum| {
-            let on = matches!(datum.value, MachineValue::Number(number) if number > 0.0);
-            datum.name == name && datum.indices == indices && on
-        })
     }
 
     /// The tables, if nothing is missing; complaints are added to `complaints`.
@@ -192,9 +193,10 @@ impl Draft {
         ))
     }
 
-    fn set(&mut self, field: &str, point: u32, set: Assignment) -> Result<(), Complaint> {
-        match field {
-            "_IS_MODULO" => self.modulo = Some(variable::modulo(&set)?),
+    /// Carries out `set`, whose variable is `family` or one of its parameters.
+    fn set(&mut self, family: &str, point: u32, set: &Assignment) -> Result<(), Complaint> {
+        match set.name.strip_prefix(family).unwrap_or_default() {
+            "_IS_MODULO" => self.modulo = Some(variable::modulo(set)?),
             "_STEP" => self.step = Some(placed(set)?),
             "_MIN" => self.min = Some(placed(set)?),
             "_MAX" => self.max = Some(placed(set)?),
@@ -269,18 +271,18 @@ impl Draft {
 }
 
 impl CecDraft {
-    fn set(&mut self, point: u32, set: Assignment) -> Result<(), Complaint> {
-        let field = set.name.trim_start_matches("AN_CEC").to_string();
-        match field.as_str() {
+    fn set(&mut self, point: u32, set: &Assignment) -> Result<(), Complaint> {
+        const FAMILY: &str = "AN_CEC";
+        match set.name.strip_prefix(FAMILY).unwrap_or_default() {
             "_INPUT_AXIS" => self.input = Some(variable::axis(set)?),
             "_OUTPUT_AXIS" => self.output = Some(variable::axis(set)?),
-            "_DIRECTION" => self.direction = Some(variable::direction(&set)?),
-            "_MULT_BY_TABLE" => self.multiply_by = Some(variable::table_number(&set)?),
-            "_TYPE" => variable::only_zero(&set, "its meaning is not documented")?,
+            "_DIRECTION" => self.direction = Some(variable::direction(set)?),
+            "_MULT_BY_TABLE" => self.multiply_by = Some(variable::table_number(set)?),
+            "_TYPE" => variable::only_zero(set, "its meaning is not documented")?,
             "_INPUT_NCU" | "_OUTPUT_NCU" => {
-                variable::only_zero(&set, "it links axes of several NCUs")?
+                variable::only_zero(set, "it links axes of several NCUs")?
             }
-            other => self.draft.set(other, point, set)?,
+            _ => self.draft.set(FAMILY, point, set)?,
         }
         Ok(())
     }
@@ -319,6 +321,14 @@ impl CecDraft {
     }
 }
 
+/// Whether the file has switched on `name` for the indices that `wanted` knows.
+fn is_on(machine: &[MachineDatum], name: &str, wanted: impl Fn(&[String]) -> bool) -> bool {
+    machine.iter().any(|datum| {
+        let on = matches!(datum.value, MachineValue::Number(number) if number > 0.0);
+        datum.name == name && wanted(&datum.indices) && on
+    })
+}
+
 /// Index of the last point, k = (MAX−MIN)/STEP.
 #[allow(
     clippy::cast_possible_truncation,
@@ -343,10 +353,10 @@ fn last_point(name: &str, grid: SiemensGrid, step: &Placed) -> Result<u32, Compl
     Ok(last as u32)
 }
 
-fn placed(set: Assignment) -> Result<Placed, Complaint> {
+fn placed(set: &Assignment) -> Result<Placed, Complaint> {
     Ok(Placed {
-        number: number_of(&set)?,
-        span: set.value_span,
+        number: number_of(set)?,
+        span: set.value_span.clone(),
     })
 }
 

@@ -115,6 +115,10 @@ fn check_characters(
     line: &Range<usize>,
     code: &Range<usize>,
 ) -> Result<(), Complaint> {
+    let plain = |byte: u8| byte == b'\t' || (b' '..=b'~').contains(&byte);
+    if source[line.clone()].bytes().all(plain) {
+        return Ok(());
+    }
     for (offset, c) in source[line.clone()].char_indices() {
         let at = line.start + offset;
         let span = at..at + c.len_utf8();
@@ -347,9 +351,9 @@ impl Cursor<'_> {
     }
 
     fn skip_blanks(&mut self) {
-        while matches!(self.peek(), Some(' ' | '\t' | '&')) {
-            self.at += 1;
-        }
+        let rest = &self.source.as_bytes()[self.at..self.end];
+        let blanks = rest.iter().take_while(|byte| b" \t&".contains(byte));
+        self.at += blanks.count();
     }
 
     fn at_end(&mut self) -> bool {

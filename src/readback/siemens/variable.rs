@@ -137,17 +137,18 @@ fn unknown_variable(set: &Assignment) -> Complaint {
 
 /// The number assigned.
 pub(super) fn number_of(set: &Assignment) -> Result<f64, Complaint> {
-    match set.value.clone()? {
-        Value::Number(number) => Ok(number),
-        _ => Err(not_allowed(set, "a number")),
+    match &set.value {
+        Ok(Value::Number(number)) => Ok(*number),
+        Ok(_) => Err(not_allowed(set, "a number")),
+        Err(complaint) => Err(complaint.clone()),
     }
 }
 
 /// The axis assigned, upper case.
-pub(super) fn axis(set: Assignment) -> Result<String, Complaint> {
+pub(super) fn axis(set: &Assignment) -> Result<String, Complaint> {
     match set.value.clone()? {
         Value::Name(name) => Ok(name),
-        _ => Err(not_allowed(&set, "an axis name such as `(AX1)`")),
+        _ => Err(not_allowed(set, "an axis name such as `(AX1)`")),
     }
 }
 
