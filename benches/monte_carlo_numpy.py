@@ -3,7 +3,9 @@
 Formula 1 on noisy readings, squareness from the totals, ranges and straightness; n = 30,
 900 x 720 x 720 mm. One process; random numbers from numpy's PCG64. Neither formula 7 with
 linear axes (nonius solves it in every trial) nor sums of squares at every point are included.
+Run by `cargo bench --bench separation`, in the same run as the trials of nonius.
 """
+import sys
 import time
 
 import numpy as np
@@ -37,16 +39,22 @@ def trials(random, readings, count):
     return np.stack(figures, axis=1)
 
 
+def batch(random, readings):
+    """TRIALS trials with their quantiles, as one sample of the benchmark."""
+    figures = np.concatenate([trials(random, readings, BATCH) for _ in range(TRIALS // BATCH)])
+    return np.quantile(figures, [0.025, 0.975], axis=0)
+
+
 def main():
+    """For each line of standard input, a number of batches, the seconds they took."""
     random = np.random.default_rng(1502)
     readings = np.zeros((4, 3 * N + 1))
-    best = float("inf")
-    for _ in range(10):
+    print("numpy", np.__version__, flush=True)
+    for line in sys.stdin:
         start = time.perf_counter()
-        all_figures = np.concatenate([trials(random, readings, BATCH) for _ in range(TRIALS // BATCH)])
-        np.quantile(all_figures, [0.025, 0.975], axis=0)
-        best = min(best, time.perf_counter() - start)
-    print(f"numpy {np.__version__}: {TRIALS / best:,.0f} trials/s (best of 10)")
+        for _ in range(int(line)):
+            batch(random, readings)
+        print(time.perf_counter() - start, flush=True)
 
 
 if __name__ == "__main__":

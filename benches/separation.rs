@@ -17,12 +17,15 @@ use nonius::separation::uncertainty::Budget;
 use nonius::separation::{Campaign, Line, curves_of, separate};
 use nonius::units::Deviation;
 use std::hint::black_box;
+use std::io::{BufRead, BufReader, Lines, Write};
+use std::process::{ChildStdin, ChildStdout, Command, Stdio};
+use std::time::Duration;
 
 const JOB: &[u8] = include_bytes!("../fixtures/diagonals/case_b_setup/job.toml");
 const READINGS: &[u8] = include_bytes!("../fixtures/diagonals/case_b_setup/readings.csv");
 
-/// Threads of the simulation.
-const THREADS: usize = 2;
+/// Trials of one sample, here and in the numpy script.
+const TRIALS: u64 = 4000;
 
 fn measurement() -> DiagonalMeasurement {
     let source = Source::from_bytes("job.toml", JOB).expect("a text");
@@ -89,17 +92,62 @@ fn separation(criterion: &mut Criterion) {
     group.bench_function("curves_of", |bencher| {
         bencher.iter(|| curves_of(black_box(&campaign), &budget, black_box(&whole.means)))
     });
-    let plan = Plan {
-        trials: 4000,
-        seed: 1502,
-        threads: THREADS,
-    };
     group.sample_size(10);
-    group.throughput(Throughput::Elements(4000));
-    group.bench_function("Monte Carlo, 4000 trials, 2 threads", |bencher| {
-        bencher.iter(|| simulate(&campaign, &budget, black_box(&whole.means), plan, &|_| {}))
-    });
+    group.throughput(Throughput::Elements(TRIALS));
+    for threads in [1, 2] {
+        let plan = Plan {
+            trials: 4000,
+            seed: 1502,
+            threads,
+        };
+        let name = format!("Monte Carlo, 4000 trials, threads: {threads}");
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| simulate(&campaign, &budget, black_box(&whole.means), plan, &|_| {}))
+        });
+    }
+    match Numpy::start() {
+        Some(mut numpy) => {
+            group.bench_function("numpy, 4000 simpler trials, one process", |bencher| {
+                bencher.iter_custom(|batches| numpy.time(batches))
+            });
+        }
+        None => tell("no python3 with numpy here: the comparison with numpy is left out"),
+    }
     group.finish();
+}
+
+#[allow(clippy::print_stderr, reason = "beside criterion's own lines")]
+fn tell(line: &str) {
+    eprintln!("{line}");
+}
+
+/// `benches/monte_carlo_numpy.py`, which times its own batches.
+struct Numpy {
+    batches: ChildStdin,
+    seconds: Lines<BufReader<ChildStdout>>,
+}
+
+impl Numpy {
+    fn start() -> Option<Numpy> {
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/monte_carlo_numpy.py");
+        let mut child = Command::new("python3")
+            .arg(script)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .ok()?;
+        let mut seconds = BufReader::new(child.stdout.take()?).lines();
+        tell(&seconds.next()?.ok()?);
+        let batches = child.stdin.take()?;
+        Some(Numpy { batches, seconds })
+    }
+
+    fn time(&mut self, batches: u64) -> Duration {
+        writeln!(self.batches, "{batches}").expect("python3 takes a number");
+        let line = self.seconds.next().expect("an answer").expect("a line");
+        Duration::from_secs_f64(line.parse().expect("seconds"))
+    }
 }
 
 criterion_group!(benches, separation);
