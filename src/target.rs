@@ -258,7 +258,7 @@ fn term_targets(
                 directed(term, Direction::Minus, minus),
             ],
             mean: plus.mean_with(minus).map(|mean| at_reference(&mean)),
-            note: None,
+            note: noise_note(term, measured.u_um, plus.difference(minus)),
         }),
         BacklashPolicy::TwoTables | BacklashPolicy::Mean => {
             let mean = plus.mean_with(minus).map(|mean| at_reference(&mean));
@@ -280,6 +280,20 @@ fn directed(term: ErrorTerm, direction: Direction, curve: &ErrorCurve) -> Target
         direction: Some(direction),
         curve: curve.clone(),
     }
+}
+
+/// Two tables of a term whose reversal could be noise: U of a difference of two values is 2·√2·u.
+fn noise_note(term: ErrorTerm, u_um: Option<f64>, reversal: Option<ErrorCurve>) -> Option<String> {
+    let (u_um, reversal) = (u_um?, reversal?);
+    let (from, to) = reversal.measured_range();
+    let largest_um = reversal.largest_magnitude(from, to);
+    let expanded_um = 2.0 * std::f64::consts::SQRT_2 * u_um;
+    (largest_um <= expanded_um).then(|| {
+        format!(
+            "{term}: its reversal, {largest_um:.1} µm at most, lies within the U = {expanded_um:.1} µm \
+             of a difference: the two tables may write noise; `backlash = \"mean\"` writes one"
+        )
+    })
 }
 
 fn one_way_note(term: ErrorTerm, direction: Direction) -> String {

@@ -123,3 +123,29 @@ template = "siemens-cec.mpf.tera"
         "{verified}"
     );
 }
+
+#[test]
+fn a_reversal_within_its_uncertainty_is_told_as_noise() {
+    let (directory, _, _) = told("siemens-840d-sl", None);
+    let job = fs::read_to_string(directory.path().join("job.toml")).expect("the job is there");
+    let job = job.replace(
+        "[compensation]\n",
+        "[compensation]\nbacklash = \"two-tables\"\n",
+    );
+    fs::write(directory.path().join("job.toml"), job).expect("the job can be written");
+    // EXX: 3 µm between the directions; EYX: 1 µm, with u = 0.5 µm (U of a difference 1.4 µm).
+    let table = "axis,direction,position_mm,ex_um,ey_um,u_ex_um,u_ey_um\n\
+        x,+,0,0,0,0.5,0.5\nx,+,400,3,1,0.5,0.5\nx,-,0,-3,0,0.5,0.5\nx,-,400,0,2,0.5,0.5\n";
+    fs::write(directory.path().join("errors.csv"), table).expect("the table can be written");
+    let output = nonius(
+        directory.path(),
+        &["generate", "job.toml", "-o", "noisy", "--force"],
+    );
+    let said = String::from_utf8(output.stdout).expect("it is text")
+        + &String::from_utf8(output.stderr).expect("it is text");
+    assert!(
+        said.contains("EYX: its reversal, 1.0 µm at most, lies within the U = 1.4 µm"),
+        "{said}"
+    );
+    assert!(!said.contains("EXX: its reversal"), "{said}");
+}
