@@ -164,11 +164,11 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
 /// in little more time than one.
 fn sync_all(files: &[(PathBuf, File)], directory: &Path) -> Result<(), Problems> {
     std::thread::scope(|scope| {
-        scope.spawn(|| sync_directory(directory));
         let waits: Vec<_> = files
             .iter()
             .map(|(path, file)| (path, scope.spawn(|| file.sync_all())))
             .collect();
+        sync_directory(directory);
         let mut problems = Problems::none();
         for (path, wait) in waits {
             let outcome = wait
