@@ -9,6 +9,7 @@
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
 use crate::compensation::{Compiled, Placement, backlash_why, control_state};
+use crate::control_state::ControlState;
 use crate::controller::{SiemensFacts, TableSign};
 use crate::grid::Grid;
 use crate::job::ActiveTables;
@@ -262,15 +263,7 @@ fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec
             "unit system of the CEC data where MD10260 = 1",
             "802D sl Function Manual 11/2012 p. 222",
         ),
-        Precondition::new(
-            "MD32720 $MA_CEC_MAX_SUM",
-            format!(
-                "at least {:.3} mm",
-                (largest_sum_um(plan) / UM_PER_MM * 1000.0).ceil() / 1000.0
-            ),
-            "the largest sum of CEC corrections of this kit; a larger one than the limit is cut off (alarm 20124)",
-            "from memory, not read in a manual",
-        ),
+        max_sum_precondition(task, plan),
         Precondition::new(
             format!("MD32710 $MA_CEC_ENABLE[{}]", outputs.join(", ")),
             "0 while the tables are loaded",
@@ -301,6 +294,24 @@ fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec
             "`first_table` of the job",
         ),
     ]
+}
+
+/// MD32720 must let through what the kit holds and the bump of its sign proof.
+fn max_sum_precondition(task: Task<'_>, plan: &Plan) -> Precondition {
+    let limits = task.job.limits;
+    let bump_um = limits.max_bump_um.min(limits.max_correction_um);
+    let sum_um = largest_sum_um(plan);
+    let mm = |um: f64| format!("{:.3} mm", um.ceil() / UM_PER_MM);
+    Precondition::new(
+        "MD32720 $MA_CEC_MAX_SUM",
+        format!("at least {}", mm(sum_um.max(bump_um))),
+        format!(
+            "the CEC corrections of this kit add up to {} at most, the bump of a sign proof to {}; more than the limit is cut off (alarm 20124)",
+            mm(sum_um),
+            mm(bump_um)
+        ),
+        "from memory, not read in a manual",
+    )
 }
 
 fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precondition> {
@@ -398,6 +409,19 @@ fn check_sum(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<(), Pr
         )
         .help("check the measurement; a control with another MD32720 needs a profile with its own `cec_max_sum_um`")
         .into())
+}
+
+/// What a table holds at the reference point of its base axis, in the unit of the file.
+pub(crate) fn at_reference(
+    state: &ControlState,
+    base: &str,
+    grid: &SiemensGrid,
+    values: &[Option<f64>],
+) -> f64 {
+    let reference = state.axis(base).map(|axis| axis.reference.mm());
+    let position = reference.map(|mm| mm / state.unit.in_mm());
+    let held = position.and_then(|position| grid.nearest(values, position));
+    held.unwrap_or(0.0)
 }
 
 /// Machine coordinates of the reference points, as they stand in files and preconditions.
