@@ -108,7 +108,9 @@ pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProo
             continue;
         }
         let limits = section_limits(task, mechanism);
-        let best = limits.into_iter().find_map(|limit| highest(task, compiled, &planned, limit));
+        let best = limits
+            .into_iter()
+            .find_map(|limit| highest(task, compiled, &planned, limit));
         let proof = best.and_then(|(term, bump)| {
             let tables = tables(task, plan, compiled, mechanism, term, &bump)?;
             Some(SignProof {

@@ -430,7 +430,10 @@ fn a_backlash_parameter_is_not_switched_with_the_tables() {
     let (_, kit) = support::generate(&page, &errors);
     assert!(kit.compiled.state.axes[0].backlash_um > 0.0);
     let page = text_of(&kit, "checklist.md");
-    assert!(page.contains("X (1): at most 0.000 µm at the reference"), "{page}");
+    assert!(
+        page.contains("X (1): at most 0.000 µm at the reference"),
+        "{page}"
+    );
 }
 
 #[test]
@@ -450,14 +453,23 @@ fn a_bump_of_four_points_rises_like_one_of_pitch_points() {
     let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     let (inputs, kit) = support::generate(&text("fanuc-0i-f.toml"), &text("errors.csv"));
     let proofs = kit.manifest.sign_proofs.iter();
-    let proof = proofs.filter(|proof| term_of(proof).is_cross()).next().unwrap();
-    assert!((number(proof, "shows_um") + 20.0).abs() < DUST_UM, "{proof}");
+    let proof = proofs
+        .filter(|proof| term_of(proof).is_cross())
+        .next()
+        .unwrap();
+    assert!(
+        (number(proof, "shows_um") + 20.0).abs() < DUST_UM,
+        "{proof}"
+    );
     let control = proving(&inputs.profile, &kit);
     let term = term_of(proof);
     let (base, output) = axis_pairs(&kit.plan.names, term)[0];
     let response = support::response(control.as_ref(), base, output, Direction::Plus);
     let nodes: Vec<f64> = response.tables()[0].nodes().map(|(_, c)| c.um()).collect();
-    let most = nodes.windows(2).map(|p| (p[1] - p[0]).abs()).fold(0.0, f64::max);
+    let most = nodes
+        .windows(2)
+        .map(|p| (p[1] - p[0]).abs())
+        .fold(0.0, f64::max);
     assert!(most <= 7.0, "{most} µm in one section");
 }
 
@@ -472,13 +484,15 @@ fn headers_say_only_what_their_file_holds() {
         let text = text_of(&kit, &file.path);
         let is_own = !file.role.stands_apart();
         assert_eq!(text.contains(contained), is_own, "{}\n{text}", file.path);
-        // X− has 3 µm and EYX− 1 µm at the reference; bumps have nothing there
-        let moves = file.role == Role::Table && file.path.contains("CEC");
-        let exception = text.contains(", but for\n;   CEC table 1: 0.003000 mm while AX1 moves in -\n");
+        // X− has 3 µm and EYX− 1 µm at the reference, before as well; bumps have nothing there
+        let holds_tables = matches!(file.role, Role::Table | Role::Rollback);
+        let moves = holds_tables && file.path.contains("CEC");
+        let exception =
+            text.contains(", but for\n;   CEC table 1: 0.003000 mm while AX1 moves in -\n");
         assert_eq!(exception, moves, "{}\n{text}", file.path);
         seen += usize::from(moves);
     }
-    assert_eq!(seen, 1);
+    assert_eq!(seen, 2, "tables of the kit and of the rollback");
 }
 
 #[test]
@@ -488,11 +502,21 @@ fn a_rehearsal_and_doubts_are_seen_in_the_files() {
     let (_, kit) = support::generate(&job, &format!("{remarks}{errors}"));
     let page = text_of(&kit, "checklist.md");
     let head = page.split("## ").next().unwrap();
-    assert!(head.contains("**SIMULATED, not measured: predicted**"), "{head}");
-    assert!(head.contains("**DOUBTFUL:** a reading is disturbed"), "{head}");
+    assert!(
+        head.contains("**SIMULATED, not measured: predicted**"),
+        "{head}"
+    );
+    assert!(
+        head.contains("**DOUBTFUL:** a reading is disturbed"),
+        "{head}"
+    );
     assert!(head.contains("**undecided**"), "{head}");
     for file in &kit.files {
-        assert!(text_of(&kit, &file.path).contains("SIMULATED"), "{}", file.path);
+        assert!(
+            text_of(&kit, &file.path).contains("SIMULATED"),
+            "{}",
+            file.path
+        );
     }
 }
 
@@ -503,7 +527,7 @@ fn the_display_is_asked_for_with_values_of_the_files() {
     let page = text_of(&kit, "checklist.md");
     for words in [
         "ENC_COMP[0,AX2]: -0.006 mm with AX2 at 200 mm; 0 mm with AX2 at its reference point\n",
-        "CEC table 1 on AX1: 0.011 mm with AX1 at 400 mm, come there in -; 0.003 mm with AX1 at its reference point, come there in -\n",
+        "CEC table 1 on AX1: 0.011 mm with AX1 at 400 mm, having come there in -; 0.003 mm with AX1 at its reference point, having come there in -\n",
     ] {
         assert!(page.contains(words), "{words}\n{page}");
     }
@@ -511,15 +535,22 @@ fn the_display_is_asked_for_with_values_of_the_files() {
 
 #[test]
 fn how_to_switch_off_by_hand_stands_there_without_a_sign_proof() {
-    for (id, words) in [("fanuc-30i", "13381 for set 1"), ("fanuc-0i-f", "5711 for set 1")] {
+    for (id, words) in [
+        ("fanuc-30i", "13381 for set 1"),
+        ("fanuc-0i-f", "5711 for set 1"),
+    ] {
         let (job, errors) = five_points(id);
-        let page = format!("{job}\n[limits]\nmax_slope_um_per_mm = 0.049\nmax_correction_um = 4.0\n");
+        let page =
+            format!("{job}\n[limits]\nmax_slope_um_per_mm = 0.049\nmax_correction_um = 4.0\n");
         let few = "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,400,1,1,1\n";
         let page = page.replace("backlash = \"two-tables\"\n", "");
         let (_, kit) = support::generate(&page, few);
         assert!(files_of(&kit, Role::SignProof).is_empty(), "{id}: {errors}");
         let page = text_of(&kit, "checklist.md");
-        assert!(page.contains("note 3623 of each axis, set it to 0"), "{id}: {page}");
+        assert!(
+            page.contains("note 3623 of each axis, set it to 0"),
+            "{id}: {page}"
+        );
         assert!(page.contains(words), "{id}: {page}");
         assert!(page.contains("## Way back"), "{id}: {page}");
     }

@@ -75,10 +75,18 @@ pub(super) fn context(
     let at_reference = |exceptions: Vec<String>| zero_but_for(task, exceptions);
     SiemensContext {
         lec_at_reference: at_reference(
-            tables.lec.iter().filter_map(|t| lec_held(t, facts, state)).collect(),
+            tables
+                .lec
+                .iter()
+                .filter_map(|t| lec_held(t, facts, state))
+                .collect(),
         ),
         cec_at_reference: at_reference(
-            tables.cec.iter().filter_map(|t| cec_held(t, facts, state)).collect(),
+            tables
+                .cec
+                .iter()
+                .filter_map(|t| cec_held(t, facts, state))
+                .collect(),
         ),
         lec: tables
             .lec
@@ -107,7 +115,11 @@ pub(super) fn context(
 
 /// What the tables of a file hold at the reference point, where they move an axis when switched.
 fn zero_but_for(task: Task<'_>, exceptions: Vec<String>) -> Vec<String> {
-    let but = if exceptions.is_empty() { "" } else { ", but for" };
+    let but = if exceptions.is_empty() {
+        ""
+    } else {
+        ", but for"
+    };
     let zero = format!("zero at the reference point {}{but}", reference_text(task));
     std::iter::once(zero).chain(exceptions).collect()
 }
@@ -126,7 +138,10 @@ fn held(
 
 fn lec_held(table: &LecTable, facts: &SiemensFacts, state: &ControlState) -> Option<String> {
     let text = held(state, facts, &table.axis, (&table.grid, &table.values))?;
-    Some(format!("  ENC_COMP[{},{}]: {text}", table.encoder, table.axis))
+    Some(format!(
+        "  ENC_COMP[{},{}]: {text}",
+        table.encoder, table.axis
+    ))
 }
 
 fn cec_held(table: &CecTable, facts: &SiemensFacts, state: &ControlState) -> Option<String> {

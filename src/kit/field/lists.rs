@@ -34,11 +34,14 @@ pub(super) fn display(made: &Made<'_>) -> Vec<String> {
     let cec = tables.cec.iter().map(|table| {
         let way = match table.direction {
             CecDirection::Both => "",
-            CecDirection::Plus => ", come there in +",
-            CecDirection::Minus => ", come there in -",
+            CecDirection::Plus => ", having come there in +",
+            CecDirection::Minus => ", having come there in -",
         };
         let values = shown(made, &table.input_axis, &table.grid, &table.values, way);
-        format!("CEC table {} on {}: {values}", table.number, table.output_axis)
+        format!(
+            "CEC table {} on {}: {values}",
+            table.number, table.output_axis
+        )
     });
     lec.chain(cec).collect()
 }
@@ -52,7 +55,10 @@ fn shown(
     way: &str,
 ) -> String {
     let unit = made.inputs.job.compensation.control_unit.word();
-    let written = values.iter().enumerate().filter_map(|(i, v)| Some((i, (*v)?)));
+    let written = values
+        .iter()
+        .enumerate()
+        .filter_map(|(i, v)| Some((i, (*v)?)));
     let larger = |a: (usize, f64), b: (usize, f64)| if b.1.abs() > a.1.abs() { b } else { a };
     let (index, largest) = written.reduce(larger).unwrap_or_default();
     format!(

@@ -76,7 +76,14 @@ fn sign(made: &Made<'_>, shown: &Shown) -> String {
     let fact = sign_fact(shown.proof.mechanism);
     let statements = made.inputs.profile.statements.iter();
     let known = statements.filter(|s| s.fact == fact);
-    let known = known.map(|s| format!("`{fact}` = {}, {}: {}", s.value, s.evidence.word(), s.source));
+    let known = known.map(|s| {
+        format!(
+            "`{fact}` = {}, {}: {}",
+            s.value,
+            s.evidence.word(),
+            s.source
+        )
+    });
     format!("the sign: {}", known.collect::<Vec<_>>().join("; "))
 }
 
