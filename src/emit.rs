@@ -13,6 +13,7 @@ use crate::axis::Direction;
 use crate::checklist::Part;
 use crate::compensation::{Compiled, Placement};
 use crate::controller::{Dialect, EmittedFile, Role};
+use crate::error_table::SIMULATED;
 use crate::job::ActiveTables;
 use crate::plan::Task;
 use crate::problem::{Place, Problem, Problems};
@@ -41,7 +42,7 @@ pub struct Context {
     machine: MachineContext,
     measurement: MeasurementContext,
     unit: &'static str,
-    notice: String,
+    header: Vec<String>,
     terms: Vec<TermContext>,
     #[serde(flatten)]
     tables: TablesContext,
@@ -100,7 +101,7 @@ impl Context {
 /// What a file that stands apart writes in place of the tables of the kit.
 #[derive(Clone, Debug, Default)]
 pub struct Instead<'a> {
-    /// Its first comment, where the control's files may carry comments.
+    /// What it is, in place of the measurement that the tables of the kit are from.
     pub notice: &'a str,
     /// Whether the places are those of the kit, so that their terms may be named.
     pub names_terms: bool,
@@ -145,7 +146,7 @@ fn context_of(
     };
     let tables = match (tables, &task.profile.dialect) {
         (Tables::Siemens(tables), Dialect::Siemens(facts)) => {
-            let mut context = siemens::context(task, placements, tables, facts);
+            let mut context = siemens::context(task, placements, tables, facts, &compiled.state);
             context.switches.clone_from(&instead.switches);
             TablesContext::Siemens(context)
         }
@@ -166,6 +167,14 @@ fn with_header(
 ) -> Context {
     let machine = &task.job.machine;
     let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "not stated".to_string());
+    let measurement = MeasurementContext {
+        date: text(&task.job.measurement.date),
+        active: match &task.job.measurement.active {
+            ActiveTables::None => "none",
+            ActiveTables::NotStated => "not stated",
+            ActiveTables::Path(_) => "yes, the tables of this kit contain it",
+        },
+    };
     Context {
         tool: TOOL,
         controller: ControllerContext {
@@ -177,19 +186,27 @@ fn with_header(
             serial: text(&machine.serial),
             chain: text(&machine.chain.map(|chain| chain.to_string())),
         },
-        measurement: MeasurementContext {
-            date: text(&task.job.measurement.date),
-            active: match &task.job.measurement.active {
-                ActiveTables::None => "none",
-                ActiveTables::NotStated => "not stated",
-                ActiveTables::Path(_) => "yes, its tables are contained in these",
-            },
-        },
+        header: header(task, &measurement, notice),
+        measurement,
         unit: task.job.compensation.control_unit.word(),
-        notice: notice.to_string(),
         terms: placements.iter().map(term_context).collect(),
         tables,
     }
+}
+
+/// First comments of a file, where the control's files may carry comments: where its values are
+/// from. Only the kit's own tables hold a measurement.
+fn header(task: Task<'_>, measurement: &MeasurementContext, notice: &str) -> Vec<String> {
+    let simulated = task.model.remarks.simulated().next();
+    let simulated = simulated.map(|_| format!("{SIMULATED}: predicted readings, a rehearsal"));
+    let origin = match notice {
+        "" => format!(
+            "measured {}, compensation active while measuring: {}",
+            measurement.date, measurement.active
+        ),
+        notice => notice.to_string(),
+    };
+    simulated.into_iter().chain([origin]).collect()
 }
 
 fn term_context(placement: &Placement) -> TermContext {
@@ -266,10 +283,12 @@ pub fn render_apart(
     )
 }
 
-/// The checklist, for people: line ends of every computer, not of the control.
+/// The checklist, for people: line ends of every computer, not of the control. `head` stands above
+/// the steps, one paragraph each.
 pub fn render_checklist(
     task: Task<'_>,
     context: &Context,
+    head: &[String],
     parts: &[Part],
 ) -> Result<Vec<RenderedFile>, Problems> {
     let mut seen = tera::Context::new();
@@ -277,6 +296,7 @@ pub fn render_checklist(
     seen.insert("controller", &context.controller);
     seen.insert("machine", &context.machine);
     seen.insert("measurement", &context.measurement);
+    seen.insert("head", head);
     seen.insert("parts", parts);
     let files = task.profile.files.iter();
     let mut rendered = Vec::new();

@@ -11,7 +11,7 @@ mod rows;
 mod series;
 mod text;
 
-pub use self::remarks::Remarks;
+pub use self::remarks::{Remarks, SIMULATED};
 pub use self::text::{Draft, DraftSeries, write};
 
 use self::columns::{Columns, FIRST_LINE};

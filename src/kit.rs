@@ -182,7 +182,8 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         context: &context,
         files: &files,
         read: &read,
-        control: control.as_ref(),
+        verdict,
+        doubts: &doubts,
     })?;
     files.extend(field.files);
     compiled.notes.extend(field.notes);

@@ -49,7 +49,7 @@ pub struct SignProofs {
 ///
 /// **unit** whole counts of the table · **limits** at most `limits.max_bump_um`; at least one
 /// section away from the reference; inside the travel; at most `limits.max_slope_um_per_mm` and,
-/// on Fanuc, the largest increment in each section
+/// on Fanuc, the largest increment in each section (four points: where there is room for that)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bump {
     grid: Grid,
@@ -107,20 +107,10 @@ pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProo
         if planned.is_empty() {
             continue;
         }
-        let bumps = planned.iter().filter_map(|t| {
-            let count_um = compiled
-                .placements
-                .iter()
-                .find(|p| p.term == t.term)?
-                .count_um;
-            Some((t.term, bump(task, mechanism, t, count_um)?))
-        });
-        // The highest, then the narrowest, then the first in the contract's order of terms.
-        let better = |a: &Bump, b: &Bump| {
-            let (high, higher) = (a.height().um(), b.height().um());
-            higher > high || (higher >= high && b.rise < a.rise)
-        };
-        let best = bumps.reduce(|a, b| if better(&a.1, &b.1) { b } else { a });
+        let limits = section_limits(task, mechanism);
+        let best = limits
+            .into_iter()
+            .find_map(|limit| highest(task, compiled, &planned, limit));
         let proof = best.and_then(|(term, bump)| {
             let tables = tables(task, plan, compiled, mechanism, term, &bump)?;
             Some(SignProof {
@@ -162,15 +152,48 @@ fn belongs(task: Task<'_>, mechanism: Mechanism, planned: &PlannedTable) -> bool
     }
 }
 
-/// Largest change in one section, counts.
-fn most_in_a_section(task: Task<'_>, mechanism: Mechanism, grid: &Grid, count_um: f64) -> i64 {
-    let slope = task.job.limits.max_slope_um_per_mm * grid.spacing().mm();
-    let legal = whole_below(slope / count_um);
-    match (&task.profile.dialect, mechanism) {
-        (Dialect::Fanuc(facts), Mechanism::Pitch | Mechanism::PerPoint) => {
-            legal.min(i64::from(facts.increment_max.value))
-        }
-        _ => legal,
+/// Largest changes in one section that are tried in turn, counts; `None` = the slope alone limits.
+///
+/// A straightness set of four points has no increments, but the control refuses a slope that is too
+/// large (alarm PW5046, from memory; the limit is not known). So its bump rises like one of pitch
+/// points, and steeper only where the table has no room for that.
+fn section_limits(task: Task<'_>, mechanism: Mechanism) -> Vec<Option<i64>> {
+    let Dialect::Fanuc(facts) = &task.profile.dialect else {
+        return vec![None];
+    };
+    let increment = Some(i64::from(facts.increment_max.value));
+    match mechanism {
+        Mechanism::FourPoint => vec![increment, None],
+        _ => vec![increment],
+    }
+}
+
+/// The highest bump of all tables of a mechanism, then the narrowest, then the first in the
+/// contract's order of terms.
+fn highest(
+    task: Task<'_>,
+    compiled: &Compiled,
+    planned: &[&PlannedTable],
+    section_limit: Option<i64>,
+) -> Option<(ErrorTerm, Bump)> {
+    let better = |a: &Bump, b: &Bump| {
+        let (high, higher) = (a.height().um(), b.height().um());
+        higher > high || (higher >= high && b.rise < a.rise)
+    };
+    let bumps = planned.iter().filter_map(|t| {
+        let placed = compiled.placements.iter().find(|p| p.term == t.term)?;
+        Some((t.term, bump(task, t, placed.count_um, section_limit)?))
+    });
+    bumps.reduce(|a, b| if better(&a.1, &b.1) { b } else { a })
+}
+
+/// Largest height of a bump, µm: `limits` of the job, and what the control does not cut off.
+fn most_um(task: Task<'_>, planned: &PlannedTable) -> f64 {
+    let limits = task.job.limits;
+    let wanted = limits.max_bump_um.min(limits.max_correction_um);
+    match &task.profile.dialect {
+        Dialect::Siemens(facts) if !is_lec(planned) => wanted.min(facts.cec_max_sum_um.value),
+        _ => wanted,
     }
 }
 
@@ -178,14 +201,15 @@ fn most_in_a_section(task: Task<'_>, mechanism: Mechanism, grid: &Grid, count_um
 /// travel; `None` below [`LEAST_BUMP_UM`].
 fn bump(
     task: Task<'_>,
-    mechanism: Mechanism,
     planned: &PlannedTable,
     count_um: f64,
+    section_limit: Option<i64>,
 ) -> Option<Bump> {
-    let limits = task.job.limits;
     let grid = planned.grid;
-    let most = whole_below(limits.max_bump_um.min(limits.max_correction_um) / count_um);
-    let in_section = most_in_a_section(task, mechanism, &grid, count_um);
+    let most = whole_below(most_um(task, planned) / count_um);
+    let slope_um = task.job.limits.max_slope_um_per_mm * grid.spacing().mm();
+    let by_slope = whole_below(slope_um / count_um);
+    let in_section = section_limit.map_or(by_slope, |limit| limit.min(by_slope));
     let stretches = stretches(task, planned.term.along, &grid)?;
     let widest = stretches.iter().map(|(low, high)| (high - low) / 2).max()?;
     if widest < 1 || in_section < 1 || most < 1 {
@@ -272,11 +296,8 @@ fn tables(
 ) -> Option<Tables> {
     match (&compiled.tables, &task.profile.dialect) {
         (Tables::Siemens(kit), Dialect::Siemens(facts)) => {
-            let tables = if mechanism == Mechanism::EncComp {
-                siemens::lec(task, plan, facts, kit, (term, bump))
-            } else {
-                siemens::cec(task, plan, facts, kit, (term, bump))
-            };
+            let own = (term, bump);
+            let tables = siemens::tables(task, plan, facts, kit, mechanism, own);
             Some(Tables::Siemens(tables))
         }
         (Tables::Fanuc(kit), Dialect::Fanuc(facts)) => {

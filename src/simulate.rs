@@ -29,8 +29,7 @@ use crate::kit::Inputs;
 use crate::model::ErrorModel;
 use crate::units::{Correction, Millimetres};
 
-/// The words by which a simulation is told from a measurement.
-pub const SIMULATED: &str = "SIMULATED, not measured";
+pub use crate::error_table::SIMULATED;
 
 /// A machine with what the loaded tables do to it.
 #[derive(Clone, Debug)]

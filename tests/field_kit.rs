@@ -11,10 +11,10 @@ mod support;
 
 use nonius::active::{ActiveControl, Origin, Others};
 use nonius::axis::{Direction, ErrorTerm, PerAxis};
-use nonius::controller::{Dialect, Profile, Role, TableSign, builtin};
+use nonius::controller::{Dialect, Evidence, Profile, Role, TableSign, builtin};
 use nonius::document::Source;
 use nonius::emulate::Emulator;
-use nonius::job::Job;
+use nonius::job::{ActiveTables, Job};
 use nonius::kit::{self, Inputs, Kit};
 use nonius::plan::axis_pairs;
 use nonius::readback::kit::{KitFile, read_apart};
@@ -171,6 +171,16 @@ fn ensure_zero_elsewhere(name: &str, inputs: &Inputs, kit: &Kit, proofs: &[Value
     }
 }
 
+/// How the checklist words a sign, by the evidence of its fact.
+fn as_known(profile: &Profile, fact: &str) -> &'static str {
+    let mut statements = profile.statements.iter();
+    match statements.find(|s| s.fact == fact).unwrap().evidence {
+        Evidence::Assumed => "as assumed",
+        Evidence::Manual => "as the manual says",
+        Evidence::Executed => "as seen on a control",
+    }
+}
+
 fn contract_of(id: &str) {
     let profile = builtin::profile(id).unwrap();
     let mut proved = 0;
@@ -197,16 +207,15 @@ fn contract_of(id: &str) {
             let page = files_of(&kit, Role::Checklist)[0].bytes;
             let term = term_of(proof);
             let words = format!(
-                "**{:.1} µm towards −{} if the sign is as assumed; {:.1} µm towards +{}",
+                "with the compensation on, less the same with it off: −{:.1} µm if the sign is {}; +{:.1} µm",
                 number(proof, "shows_um").abs(),
-                term.of,
+                as_known(&profile, proof["sign"].as_str().unwrap()),
                 number(proof, "other_sign_um"),
-                term.of
             );
-            assert!(
-                std::str::from_utf8(page).unwrap().contains(&words),
-                "{name}: {words}"
-            );
+            let page = std::str::from_utf8(page).unwrap();
+            assert!(page.contains(&words), "{name}: {words}");
+            let gauge = format!("µm towards −{}, or", term.of);
+            assert_eq!(page.contains(&gauge), id.starts_with("siemens"), "{name}");
             proved += 1;
         }
         if kit
@@ -395,4 +404,154 @@ fn no_legal_place_is_said_and_nothing_is_written() {
         "ENC_COMP and CEC: {:?}",
         kit.compiled.notes
     );
+}
+
+fn text_of(kit: &Kit, path: &str) -> String {
+    let file = kit.files.iter().find(|file| file.path == path).unwrap();
+    String::from_utf8(file.bytes.clone()).unwrap()
+}
+
+#[test]
+fn what_moves_counts_the_reversal_that_is_switched_with_the_tables() {
+    for id in ["siemens-840d-sl", "fanuc-30i"] {
+        let (job, errors) = five_points(id);
+        let (_, kit) = support::generate(&job, &errors);
+        let page = text_of(&kit, "checklist.md");
+        // X−: 3 µm at 0 mm (CEC table, 3627) and 11 µm at 400 mm; EXY 2 µm, EXZ 4 µm at most
+        let there = "): at most 3.000 µm at the reference point, up to 17.0 µm elsewhere";
+        assert!(page.contains(there), "{id}: {page}");
+    }
+}
+
+#[test]
+fn a_backlash_parameter_is_not_switched_with_the_tables() {
+    let (job, errors) = five_points("fanuc-30i");
+    let page = job.replace("two-tables", "curve-and-parameter");
+    let (_, kit) = support::generate(&page, &errors);
+    assert!(kit.compiled.state.axes[0].backlash_um > 0.0);
+    let page = text_of(&kit, "checklist.md");
+    assert!(
+        page.contains("X (1): at most 0.000 µm at the reference"),
+        "{page}"
+    );
+}
+
+#[test]
+fn the_limit_of_the_sum_lets_the_bump_through() {
+    let (job, _) = five_points("siemens-840d-sl");
+    let small = "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,200,1,1,1\nx,400,1,1,1\n";
+    let (_, kit) = support::generate(&job.replace("backlash = \"two-tables\"\n", ""), small);
+    let list = &kit.compiled.preconditions;
+    let found = list.iter().find(|p| p.what.contains("MD32720")).unwrap();
+    assert_eq!(found.value, "at least 0.020 mm", "{}", found.why);
+    assert!(found.why.contains("up to 0.001 mm"), "{}", found.why);
+}
+
+#[test]
+fn a_bump_of_four_points_rises_like_one_of_pitch_points() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
+    let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let (inputs, kit) = support::generate(&text("fanuc-0i-f.toml"), &text("errors.csv"));
+    let proofs = kit.manifest.sign_proofs.iter();
+    let proof = proofs
+        .filter(|proof| term_of(proof).is_cross())
+        .next()
+        .unwrap();
+    assert!(
+        (number(proof, "shows_um") + 20.0).abs() < DUST_UM,
+        "{proof}"
+    );
+    let control = proving(&inputs.profile, &kit);
+    let term = term_of(proof);
+    let (base, output) = axis_pairs(&kit.plan.names, term)[0];
+    let response = support::response(control.as_ref(), base, output, Direction::Plus);
+    let nodes: Vec<f64> = response.tables()[0].nodes().map(|(_, c)| c.um()).collect();
+    let most = nodes
+        .windows(2)
+        .map(|p| (p[1] - p[0]).abs())
+        .fold(0.0, f64::max);
+    assert!(most <= 7.0, "{most} µm in one section");
+}
+
+#[test]
+fn headers_say_only_what_their_file_holds() {
+    let (mut inputs, _) = with_read_out("siemens-840d-sl");
+    inputs.job.measurement.active = ActiveTables::Path("read-out".to_string());
+    let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}", p.render()));
+    let contained = "compensation active while measuring: yes, the tables of this kit contain it";
+    let mut seen = 0;
+    for file in kit.files.iter().filter(|file| file.role != Role::Checklist) {
+        let text = text_of(&kit, &file.path);
+        let is_own = !file.role.stands_apart();
+        assert_eq!(text.contains(contained), is_own, "{}\n{text}", file.path);
+        // X− has 3 µm and EYX− 1 µm at the reference, before as well; bumps have nothing there
+        let holds_tables = matches!(file.role, Role::Table | Role::Rollback);
+        let moves = holds_tables && file.path.contains("CEC");
+        let exception =
+            text.contains(", but for\n;   CEC table 1: 0.003000 mm while AX1 moves in -\n");
+        assert_eq!(exception, moves, "{}\n{text}", file.path);
+        seen += usize::from(moves);
+    }
+    assert_eq!(seen, 2, "tables of the kit and of the rollback");
+}
+
+#[test]
+fn a_rehearsal_and_doubts_are_seen_in_the_files() {
+    let (job, errors) = five_points("siemens-840d-sl");
+    let remarks = "# note: SIMULATED, not measured: predicted\n# doubt: a reading is disturbed\n";
+    let (_, kit) = support::generate(&job, &format!("{remarks}{errors}"));
+    let page = text_of(&kit, "checklist.md");
+    let head = page.split("## ").next().unwrap();
+    assert!(
+        head.contains("**SIMULATED, not measured: predicted**"),
+        "{head}"
+    );
+    assert!(
+        head.contains("**DOUBTFUL:** a reading is disturbed"),
+        "{head}"
+    );
+    assert!(head.contains("**undecided**"), "{head}");
+    for file in &kit.files {
+        assert!(
+            text_of(&kit, &file.path).contains("SIMULATED"),
+            "{}",
+            file.path
+        );
+    }
+}
+
+#[test]
+fn the_display_is_asked_for_with_values_of_the_files() {
+    let (job, errors) = five_points("siemens-840d-sl");
+    let (_, kit) = support::generate(&job, &errors);
+    let page = text_of(&kit, "checklist.md");
+    for words in [
+        "ENC_COMP[0,AX2]: -0.006 mm with AX2 at 200 mm; 0 mm with AX2 at its reference point\n",
+        "CEC table 1 on AX1: 0.011 mm with AX1 at 400 mm, having come there in -; 0.003 mm with AX1 at its reference point, having come there in -\n",
+    ] {
+        assert!(page.contains(words), "{words}\n{page}");
+    }
+}
+
+#[test]
+fn how_to_switch_off_by_hand_stands_there_without_a_sign_proof() {
+    for (id, words) in [
+        ("fanuc-30i", "13381 for set 1"),
+        ("fanuc-0i-f", "5711 for set 1"),
+    ] {
+        let (job, errors) = five_points(id);
+        let page =
+            format!("{job}\n[limits]\nmax_slope_um_per_mm = 0.049\nmax_correction_um = 4.0\n");
+        let few = "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,400,1,1,1\n";
+        let page = page.replace("backlash = \"two-tables\"\n", "");
+        let (_, kit) = support::generate(&page, few);
+        assert!(files_of(&kit, Role::SignProof).is_empty(), "{id}: {errors}");
+        let page = text_of(&kit, "checklist.md");
+        assert!(
+            page.contains("note 3623 of each axis, set it to 0"),
+            "{id}: {page}"
+        );
+        assert!(page.contains(words), "{id}: {page}");
+        assert!(page.contains("## Way back"), "{id}: {page}");
+    }
 }

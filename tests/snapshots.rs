@@ -47,7 +47,7 @@ fn by_hand(profile: &str, role: Role) -> &'static str {
         ("fanuc", Role::SignProof) => {
             "the points of the kit, zero but for -7 in one section and 7 in the next (seven counts \
              of 1 um is the largest increment; as_correction: the axis is pulled back); a second \
-             run of X has the same; four points: amounts 0 -20 0 0"
+             run of X has the same; four points: amounts 0 -7 0 0"
         }
         ("siemens", Role::Table) => {
             "a value is the deviation of errors.csv in mm less that at the reference (as_error): \

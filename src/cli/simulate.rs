@@ -192,8 +192,7 @@ fn taken_for_granted(inputs: &Inputs) -> Vec<String> {
     let doubts = doubts
         .into_iter()
         .map(|doubt| format!("the errors it rests on are doubtful: {doubt}"));
-    let notes = inputs.model.remarks.notes.iter();
-    let simulated = notes.filter(|note| note.starts_with(SIMULATED));
+    let simulated = inputs.model.remarks.simulated();
     doubts
         .chain(simulated.map(|note| format!("the errors it rests on are {note}")))
         .collect()

@@ -32,17 +32,20 @@ pub enum List {
     Movement,
     /// Bumps, and what has to be seen.
     SignProofs,
+    /// One place of each table, and what the file holds there.
+    Display,
     /// Why there is no sign proof of a mechanism, or no rollback file.
     NotWritten,
 }
 
 impl List {
     /// The words of profiles (`list = "…"`).
-    pub const WORDS: [(&'static str, List); 5] = [
+    pub const WORDS: [(&'static str, List); 6] = [
         ("places", List::Places),
         ("preconditions", List::Preconditions),
         ("movement", List::Movement),
         ("sign-proofs", List::SignProofs),
+        ("display", List::Display),
         ("not-written", List::NotWritten),
     ];
 }

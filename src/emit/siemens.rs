@@ -2,7 +2,8 @@
 
 use crate::axis::Direction;
 use crate::compensation::Placement;
-use crate::compensation::siemens::reference_text;
+use crate::compensation::siemens::{at_reference, reference_text};
+use crate::control_state::ControlState;
 use crate::controller::{Evidence, SiemensFacts, TableSign};
 use crate::emit::{Switch, fixed};
 use crate::plan::Task;
@@ -20,6 +21,8 @@ pub(super) struct SiemensContext {
     cec_outputs: Vec<String>,
     cec_memory_fixed: &'static str,
     controller_reference: String,
+    lec_at_reference: Vec<String>,
+    cec_at_reference: Vec<String>,
     pub(super) switches: Vec<Switch>,
 }
 
@@ -64,11 +67,27 @@ pub(super) fn context(
     placements: &[Placement],
     tables: &SiemensTables,
     facts: &SiemensFacts,
+    state: &ControlState,
 ) -> SiemensContext {
     let mut cec_outputs: Vec<String> = tables.cec.iter().map(|t| t.output_axis.clone()).collect();
     cec_outputs.sort_unstable();
     cec_outputs.dedup();
+    let at_reference = |exceptions: Vec<String>| zero_but_for(task, exceptions);
     SiemensContext {
+        lec_at_reference: at_reference(
+            tables
+                .lec
+                .iter()
+                .filter_map(|t| lec_held(t, facts, state))
+                .collect(),
+        ),
+        cec_at_reference: at_reference(
+            tables
+                .cec
+                .iter()
+                .filter_map(|t| cec_held(t, facts, state))
+                .collect(),
+        ),
         lec: tables
             .lec
             .iter()
@@ -92,6 +111,48 @@ pub(super) fn context(
         controller_reference: reference_text(task),
         switches: Vec::new(),
     }
+}
+
+/// What the tables of a file hold at the reference point, where they move an axis when switched.
+fn zero_but_for(task: Task<'_>, exceptions: Vec<String>) -> Vec<String> {
+    let but = if exceptions.is_empty() {
+        ""
+    } else {
+        ", but for"
+    };
+    let zero = format!("zero at the reference point {}{but}", reference_text(task));
+    std::iter::once(zero).chain(exceptions).collect()
+}
+
+/// What a table holds at the reference point of its base axis, if that is not zero.
+fn held(
+    state: &ControlState,
+    facts: &SiemensFacts,
+    base: &str,
+    (grid, values): (&SiemensGrid, &[Option<f64>]),
+) -> Option<String> {
+    let value = at_reference(state, base, grid, values);
+    let text = fixed(value, facts.value_decimals.value);
+    (value.abs() > 0.0).then(|| format!("{text} {}", state.unit.word()))
+}
+
+fn lec_held(table: &LecTable, facts: &SiemensFacts, state: &ControlState) -> Option<String> {
+    let text = held(state, facts, &table.axis, (&table.grid, &table.values))?;
+    Some(format!(
+        "  ENC_COMP[{},{}]: {text}",
+        table.encoder, table.axis
+    ))
+}
+
+fn cec_held(table: &CecTable, facts: &SiemensFacts, state: &ControlState) -> Option<String> {
+    let base = &table.input_axis;
+    let text = held(state, facts, base, (&table.grid, &table.values))?;
+    let way = match table.direction {
+        CecDirection::Both => String::new(),
+        CecDirection::Plus => format!(" while {base} moves in +"),
+        CecDirection::Minus => format!(" while {base} moves in -"),
+    };
+    Some(format!("  CEC table {}: {text}{way}", table.number))
 }
 
 fn lec(table: &LecTable, placements: &[Placement], facts: &SiemensFacts) -> Lec {
@@ -176,18 +237,11 @@ fn grid(grid: &SiemensGrid, facts: &SiemensFacts) -> Grid {
     }
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a table has few thousand points"
-)]
 fn points(values: &[Option<f64>], grid: &SiemensGrid, facts: &SiemensFacts) -> Vec<Point> {
     let of_point = |(index, value): (usize, &Option<f64>)| {
         Some(Point {
             index: index.to_string(),
-            position: fixed(
-                grid.min + index as f64 * grid.step,
-                facts.position_decimals.value,
-            ),
+            position: fixed(grid.position(index), facts.position_decimals.value),
             value: fixed((*value)?, facts.value_decimals.value),
         })
     };

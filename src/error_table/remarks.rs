@@ -16,6 +16,9 @@ const NOT_DETERMINED: &str = "not determined:";
 const REVERSAL: &str = "reversal not held:";
 const NOTE: &str = "note:";
 
+/// The words by which a simulation is told from a measurement: a note of the table begins so.
+pub const SIMULATED: &str = "SIMULATED, not measured";
+
 /// The remarks of a table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Remarks {
@@ -40,6 +43,12 @@ impl Remarks {
             }
         }
         remarks
+    }
+
+    /// The notes that say that the values were simulated.
+    pub fn simulated(&self) -> impl Iterator<Item = &String> {
+        let notes = self.notes.iter();
+        notes.filter(|note| note.starts_with(SIMULATED))
     }
 
     /// Adds the remarks of another table of the same machine; of two hidden reversals the larger.

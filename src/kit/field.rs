@@ -3,11 +3,16 @@
 //! ```text
 //!   sign_proof ─→ emit ─→ BYTES ─→ readback ─→ emulate ─→ what a gauge has to show ─┐
 //!   read-out   ─→ emit ─→ BYTES ─→ readback ─→ equal? ──────────────────────────────┼→ checklist
-//!   control with the real tables ─→ largest movement of each axis ──────────────────┘
+//!   control with the real tables ─→ largest movement of each axis (movement) ───────┘
 //! ```
 
+mod head;
+mod lists;
+mod movement;
+mod reading;
+
 use super::rollback;
-use super::{Inputs, emulator};
+use super::{Inputs, cannot_emulate, emulator};
 use crate::axis::{Axis, Direction};
 use crate::checklist::{KitFacts, parts};
 use crate::compensation::siemens::reference_text;
@@ -15,11 +20,12 @@ use crate::compensation::{Compiled, uses};
 use crate::controller::checklist::List;
 use crate::controller::{Mechanism, Role};
 use crate::emit::{self, Context, Instead, RenderedFile};
-use crate::emulate::{CannotEmulate, Emulator, Response};
+use crate::emulate::{CannotEmulate, Emulator};
+use crate::forecast::Verdict;
 use crate::plan::{Plan, Task, axis_pairs};
 use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read_apart};
-use crate::sign_proof::{SignProof, SignProofs, name, sign_fact, sign_proofs};
+use crate::sign_proof::{SignProof, SignProofs, sign_fact, sign_proofs};
 use crate::table::Tables;
 use crate::table::siemens::LecTable;
 use crate::units::Millimetres;
@@ -42,14 +48,22 @@ pub(super) struct Made<'a> {
     pub(super) context: &'a Context,
     /// The files of the kit itself.
     pub(super) files: &'a [RenderedFile],
-    /// The control with the tables that were read back from them.
+    /// What was read back from them.
     pub(super) read: &'a ReadBack,
-    pub(super) control: &'a dyn Emulator,
+    /// Forecast against the acceptance of the job.
+    pub(super) verdict: Verdict,
+    /// Why the measured errors are doubtful.
+    pub(super) doubts: &'a [String],
 }
 
 impl Made<'_> {
     fn task(&self) -> Task<'_> {
         self.inputs.task()
+    }
+
+    /// `X (AX1)`, or `X (AX1 and AX4)` for a gantry.
+    fn axes(&self, axis: Axis) -> String {
+        format!("{axis} ({})", self.plan.names[axis].join(" and "))
     }
 }
 
@@ -71,11 +85,13 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         Ok(rollback) => files.extend(rollback?),
         Err(why) => not_written.extend(why),
     }
+    let movement = movement::movement(made).map_err(|reason| cannot_emulate(&reason))?;
     let lists = |list: List| match list {
-        List::Places => places(made),
-        List::Preconditions => preconditions(made.compiled),
-        List::Movement => movement(made).unwrap_or_default(),
-        List::SignProofs => shown.iter().flat_map(|s| sentences(made, s)).collect(),
+        List::Places => lists::places(made),
+        List::Preconditions => lists::preconditions(made.compiled),
+        List::Movement => movement.clone(),
+        List::SignProofs => shown.iter().flat_map(|s| reading::items(made, s)).collect(),
+        List::Display => lists::display(made),
         List::NotWritten => not_written.clone(),
     };
     let (task, compiled) = (made.task(), made.compiled);
@@ -92,7 +108,12 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     };
     let parts = parts(&task.profile.checklist, &facts);
     let sign_proofs = shown.iter().map(document).collect();
-    files.extend(emit::render_checklist(task, made.context, &parts)?);
+    files.extend(emit::render_checklist(
+        task,
+        made.context,
+        &head::lines(made),
+        &parts,
+    )?);
     Ok(FieldKit {
         files,
         sign_proofs,
@@ -236,49 +257,6 @@ fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Result<f6
     }
 }
 
-/// `AX1`, or `AX1 and AX4` for a gantry.
-fn axes(made: &Made<'_>, axis: Axis) -> String {
-    format!("{axis} ({})", made.plan.names[axis].join(" and "))
-}
-
-/// What a person does with one proof and sees.
-fn sentences(made: &Made<'_>, shown: &Shown) -> Vec<String> {
-    let proof = &shown.proof;
-    let (term, mechanism) = (proof.term, name(proof.mechanism));
-    let [from, peak, to] = proof.bump.places().map(|place| place_text(place.mm()));
-    let (moving, seen) = (axes(made, term.along), axes(made, term.of));
-    let files: Vec<String> = shown.paths.iter().map(|path| format!("`{path}`")).collect();
-    vec![
-        format!(
-            "{mechanism}, {}: the table of {term} holds one bump, zero up to {moving} = {from} mm, full at {peak} mm, zero from {to} mm on; zero everywhere else. The place is the legal bump that is highest and narrowest, nearest to the middle of the travel",
-            files.join(", ")
-        ),
-        format!(
-            "with the compensation off: bring {moving} to {peak} mm, coming from {from} mm, and set the gauge or laser that looks at {seen} (tool against workpiece) to zero. Switch it on as above, come back the same way and read. Nothing else may have been moved or have warmed up"
-        ),
-        format!(
-            "**{} if the sign is as assumed; {} if it is the other way round.** At {from} and {to} mm the reading is the same as with the compensation off",
-            reading(shown.shown_um, term.of),
-            reading(-shown.shown_um, term.of)
-        ),
-        format!(
-            "the other way round, or nothing: load no table. Other sign: turn `{}` in a profile of your own and generate again; nothing: see the preconditions, options and reference",
-            sign_fact(proof.mechanism)
-        ),
-    ]
-}
-
-/// `20.0 µm towards −X`
-fn reading(um: f64, axis: Axis) -> String {
-    let side = if um > 0.0 { "+" } else { "−" };
-    format!("{:.1} µm towards {side}{axis}", um.abs())
-}
-
-fn place_text(mm: f64) -> String {
-    let text = format!("{:.4}", mm + 0.0);
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
-}
-
 fn document(shown: &Shown) -> Value {
     let proof = &shown.proof;
     let [from, peak, to] = proof.bump.places().map(|place| place.mm());
@@ -293,72 +271,6 @@ fn document(shown: &Shown) -> Value {
         "shows_um": round(shown.shown_um),
         "other_sign_um": round(-shown.shown_um),
     })
-}
-
-/// Where each term goes: what is overwritten.
-fn places(made: &Made<'_>) -> Vec<String> {
-    let placements = made.compiled.placements.iter();
-    placements
-        .map(|p| format!("{}: {} ({} points)", p.term, p.place, p.points))
-        .collect()
-}
-
-fn preconditions(compiled: &Compiled) -> Vec<String> {
-    let list = compiled.preconditions.iter();
-    list.map(|p| format!("{} must be {}: {} *({})*", p.what, p.value, p.why, p.source))
-        .collect()
-}
-
-/// Largest movement of each physical axis when the tables are switched, all base axes at their
-/// worst place: a bound, not a place.
-fn movement(made: &Made<'_>) -> Result<Vec<String>, CannotEmulate> {
-    let mut lines = Vec::new();
-    for axis in Axis::ALL {
-        let (mut anywhere, mut at_reference) = (0.0, 0.0);
-        for along in Axis::ALL {
-            let (largest, there) = of_term(made, axis, along)?;
-            anywhere += largest;
-            at_reference += there;
-        }
-        if anywhere > 0.0 {
-            lines.push(format!(
-                "{}: at most {at_reference:.3} µm at the reference point, up to {anywhere:.1} µm elsewhere",
-                axes(made, axis)
-            ));
-        }
-    }
-    Ok(lines)
-}
-
-/// Largest correction of one axis by another, anywhere and at the reference, µm.
-fn of_term(made: &Made<'_>, of: Axis, along: Axis) -> Result<(f64, f64), CannotEmulate> {
-    let term = crate::axis::ErrorTerm { of, along };
-    if !made.plan.tables.iter().any(|table| table.term == term) {
-        return Ok((0.0, 0.0));
-    }
-    let reference = made.inputs.job.machine.axes[along].map(|axis| axis.reference);
-    let (mut anywhere, mut there) = (0.0_f64, 0.0_f64);
-    for (base, output) in axis_pairs(&made.plan.names, term) {
-        for direction in Direction::BOTH {
-            let response = made.control.response(base, output, direction)?;
-            let (largest, at_reference) = extremes(&response, reference);
-            anywhere = anywhere.max(largest);
-            there = there.max(at_reference);
-        }
-    }
-    Ok((anywhere, there))
-}
-
-/// Largest |correction| of the tables at their nodes, and at the reference; a backlash parameter
-/// is not switched with the tables.
-fn extremes(response: &Response, reference: Option<Millimetres>) -> (f64, f64) {
-    let nodes = response.tables().iter().flat_map(|table| table.nodes());
-    let largest = nodes.map(|(_, c)| c.um().abs()).fold(0.0, f64::max);
-    let tables = response.tables().iter();
-    let there: f64 = reference.map_or(0.0, |place| {
-        tables.map(|table| table.correction(place).um()).sum()
-    });
-    (largest, there.abs())
 }
 
 /// How the files of a directory that stand apart differ from those of the job, one sentence each.

@@ -26,27 +26,26 @@ pub(super) fn memory(
         .map(|(base, output)| Some((base.parse().ok()?, output.parse().ok()?)))
         .collect::<Option<_>>()?;
     let mut out = FanucMemory::default();
-    match mechanism {
-        Mechanism::Pitch => {
-            for (_, axis) in &pairs {
-                pitch(facts, kit, *axis, bump, &mut out)?;
-            }
-            for (axis, run) in runs(kit) {
-                if !pairs.iter().any(|(_, with_bump)| *with_bump == axis) {
-                    zeros(run, &mut out);
-                }
+    if mechanism == Mechanism::Pitch {
+        for (axis, run) in runs(kit) {
+            let has_bump = pairs.iter().any(|(_, output)| *output == axis);
+            let bump = has_bump.then_some(bump);
+            for first in std::iter::once(run.first).chain(run.second) {
+                increments(run, first, facts.pitch_sign.value, bump, &mut out);
             }
         }
-        _ => {
-            for set in sets(kit) {
-                let has_bump = pairs.contains(&(set.moving, set.output));
-                let bump = has_bump.then_some(bump);
-                if mechanism == Mechanism::PerPoint {
-                    per_point(facts, kit, &set, bump, &mut out)?;
-                } else {
-                    four_points(facts, kit, &set, bump, &mut out)?;
-                }
-            }
+        return Some(out);
+    }
+    for set in sets(kit) {
+        let has_bump = pairs.contains(&(set.moving, set.output));
+        let bump = has_bump.then_some(bump);
+        let sign = facts.straightness_sign.value;
+        let run = run(kit, set.moving)?;
+        if mechanism == Mechanism::PerPoint {
+            let start = facts.straightness_start_parameter.value + set.index;
+            increments(run, whole(kit, start, None)?, sign, bump, &mut out);
+        } else {
+            four_points(kit, &set, run, sign, bump, &mut out)?;
         }
     }
     Some(out)
@@ -105,29 +104,8 @@ fn runs(kit: &FanucMemory) -> impl Iterator<Item = (u32, Run)> {
     keys.filter_map(|key| Some((key.axis?, run(kit, key.axis?)?)))
 }
 
-fn zeros(run: Run, out: &mut FanucMemory) {
-    for first in std::iter::once(run.first).chain(run.second) {
-        out.points
-            .extend((first..first + run.count).map(|p| (p, 0)));
-    }
-}
-
-/// The same bump for both directions of travel.
-fn pitch(
-    facts: &FanucFacts,
-    kit: &FanucMemory,
-    axis: u32,
-    bump: &Bump,
-    out: &mut FanucMemory,
-) -> Option<()> {
-    let run = run(kit, axis)?;
-    for first in std::iter::once(run.first).chain(run.second) {
-        increments(run, first, facts.pitch_sign.value, Some(bump), out);
-    }
-    Some(())
-}
-
-/// Increments of a bump, one for each section of the run; point N0 ends at the reference.
+/// Increments of a bump (`None` = zeros), one for each section of the run; point N0 ends at the
+/// reference. Both directions of travel have the same.
 fn increments(run: Run, first: u32, sign: TableSign, bump: Option<&Bump>, out: &mut FanucMemory) {
     for offset in 0..run.count {
         let node = i64::from(run.first) + i64::from(offset) - i64::from(run.reference);
@@ -162,30 +140,16 @@ fn sets(kit: &FanucMemory) -> Vec<Set> {
         .collect()
 }
 
-fn per_point(
-    facts: &FanucFacts,
-    kit: &FanucMemory,
-    set: &Set,
-    bump: Option<&Bump>,
-    out: &mut FanucMemory,
-) -> Option<()> {
-    let start = facts.straightness_start_parameter.value + set.index;
-    let first = whole(kit, start, None)?;
-    let sign = facts.straightness_sign.value;
-    increments(run(kit, set.moving)?, first, sign, bump, out);
-    Some(())
-}
-
 /// The points of a set without the bump stay, with amounts 0. A set with it has the reference as
 /// its fourth point.
 fn four_points(
-    facts: &FanucFacts,
     kit: &FanucMemory,
     set: &Set,
+    run: Run,
+    sign: TableSign,
     bump: Option<&Bump>,
     out: &mut FanucMemory,
 ) -> Option<()> {
-    let reference = run(kit, set.moving)?.reference;
     for knot in 0..4 {
         let number = 10 * set.index + knot;
         let (point, amount) = match bump {
@@ -193,11 +157,8 @@ fn four_points(
             Some(bump) => {
                 let nodes = bump_nodes(bump);
                 let node = nodes[usize::try_from(knot).ok()?];
-                let point = u32::try_from(i64::from(reference) + node).ok()?;
-                (
-                    point,
-                    in_table(facts.straightness_sign.value, bump.counts_at(node)),
-                )
+                let point = u32::try_from(i64::from(run.reference) + node).ok()?;
+                (point, in_table(sign, bump.counts_at(node)))
             }
         };
         let mut write = |number, value| {

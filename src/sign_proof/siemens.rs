@@ -3,67 +3,41 @@
 use super::Bump;
 use crate::axis::ErrorTerm;
 use crate::compensation::siemens::values;
-use crate::controller::{SiemensFacts, TableSign};
+use crate::controller::{Mechanism, SiemensFacts, TableSign};
 use crate::plan::{Plan, Task, axis_pairs};
 use crate::table::siemens::SiemensTables;
 use crate::units::Deviation;
 
-/// All ENC_COMP tables of the kit; every physical axis of the term has the bump, so that the two
-/// sides of a gantry move alike.
-pub(super) fn lec(
+/// All tables of the kit of one mechanism. Every physical axis of the term has the bump, so that
+/// the two sides of a gantry move alike; CEC tables of the term have it in both directions.
+pub(super) fn tables(
     task: Task<'_>,
     plan: &Plan,
     facts: &SiemensFacts,
     kit: &SiemensTables,
+    mechanism: Mechanism,
     (term, bump): (ErrorTerm, &Bump),
 ) -> SiemensTables {
     let pairs = axis_pairs(&plan.names, term);
-    let mut lec = kit.lec.clone();
-    for table in &mut lec {
-        let has_bump = pairs.iter().any(|(_, output)| *output == table.axis);
-        let sign = facts.lec_sign.value;
-        table.values = contents(task, facts, sign, bump, has_bump, table.values.len());
-    }
-    SiemensTables {
-        lec,
-        cec: Vec::new(),
-    }
-}
-
-/// All CEC tables of the kit; those of the term have the bump, in both directions.
-pub(super) fn cec(
-    task: Task<'_>,
-    plan: &Plan,
-    facts: &SiemensFacts,
-    kit: &SiemensTables,
-    (term, bump): (ErrorTerm, &Bump),
-) -> SiemensTables {
-    let pairs = axis_pairs(&plan.names, term);
-    let mut cec = kit.cec.clone();
-    for table in &mut cec {
-        let own = (table.input_axis.as_str(), table.output_axis.as_str());
-        let has_bump = pairs.contains(&own);
-        let sign = facts.cec_sign.value;
-        table.values = contents(task, facts, sign, bump, has_bump, table.values.len());
-    }
-    SiemensTables {
-        lec: Vec::new(),
-        cec,
-    }
-}
-
-fn contents(
-    task: Task<'_>,
-    facts: &SiemensFacts,
-    sign: TableSign,
-    bump: &Bump,
-    has_bump: bool,
-    count: usize,
-) -> Vec<Option<f64>> {
-    let deviations = if has_bump {
-        bump.deviations()
-    } else {
-        vec![Deviation::ZERO; count]
+    let contents = |pair: (&str, &str), sign: TableSign, count: usize| {
+        let zero = || vec![Deviation::ZERO; count];
+        let has_bump = pairs.contains(&pair);
+        let deviations = if has_bump { bump.deviations() } else { zero() };
+        values(task, facts, &deviations, sign)
     };
-    values(task, facts, &deviations, sign)
+    let mut tables = SiemensTables::default();
+    if mechanism == Mechanism::EncComp {
+        tables.lec.clone_from(&kit.lec);
+    } else {
+        tables.cec.clone_from(&kit.cec);
+    }
+    for table in &mut tables.lec {
+        let pair = (table.axis.as_str(), table.axis.as_str());
+        table.values = contents(pair, facts.lec_sign.value, table.values.len());
+    }
+    for table in &mut tables.cec {
+        let pair = (table.input_axis.as_str(), table.output_axis.as_str());
+        table.values = contents(pair, facts.cec_sign.value, table.values.len());
+    }
+    tables
 }

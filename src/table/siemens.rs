@@ -14,6 +14,24 @@ pub struct SiemensGrid {
     pub max: f64,
 }
 
+impl SiemensGrid {
+    /// Position of a point.
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "a table has few thousand points"
+    )]
+    pub fn position(&self, index: usize) -> f64 {
+        self.min + index as f64 * self.step
+    }
+
+    /// Value of the point nearest to a position; beyond the table that of its end, which is held.
+    pub fn nearest(&self, values: &[Option<f64>], position: f64) -> Option<f64> {
+        let distance = |index: &usize| (self.position(*index) - position).abs();
+        let nearest = (0..values.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        values[nearest]
+    }
+}
+
 /// One measuring-system error compensation table, `$AA_ENC_COMP[e,N,axis]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LecTable {

@@ -1,0 +1,142 @@
+//! What a person reads of a sign proof: the difference of two places, with and without compensation.
+//!
+//! A laser loses its beam when the other axes go to the reference point, and on Fanuc the power goes
+//! off between the two states. So the reading is one of two places in **one** state, which needs no
+//! common zero of both: (peak − start) with compensation, less (peak − start) without.
+
+use super::{Made, Shown};
+use crate::axis::Axis;
+use crate::controller::{Dialect, Evidence, Mechanism};
+use crate::sign_proof::{name, sign_fact};
+
+/// What one proof is, how it is read, and what that means.
+pub(super) fn items(made: &Made<'_>, shown: &Shown) -> Vec<String> {
+    let mut items = vec![
+        bump(made, shown),
+        two_places(made, shown),
+        expected(made, shown),
+        with_a_gauge(made, shown),
+        sign(made, shown),
+    ];
+    items.extend(beside(shown.proof.mechanism));
+    items.push(other_way_round(shown));
+    items
+}
+
+/// Where the bump begins, is highest and ends, mm.
+fn places(shown: &Shown) -> [String; 3] {
+    shown.proof.bump.places().map(|place| trimmed(place.mm()))
+}
+
+fn bump(made: &Made<'_>, shown: &Shown) -> String {
+    let (proof, [from, peak, to]) = (&shown.proof, places(shown));
+    let files: Vec<String> = shown.paths.iter().map(|path| format!("`{path}`")).collect();
+    format!(
+        "{}, {}: the table of {} holds one bump, zero up to {} = {from} mm, full at {peak} mm, zero from {to} mm on; zero everywhere else. The place is the legal bump that is highest and narrowest, nearest to the middle of the travel",
+        name(proof.mechanism),
+        files.join(", "),
+        proof.term,
+        made.axes(proof.term.along),
+    )
+}
+
+fn two_places(made: &Made<'_>, shown: &Shown) -> String {
+    let (term, [from, peak, _]) = (shown.proof.term, places(shown));
+    let (moving, seen) = (made.axes(term.along), made.axes(term.of));
+    format!(
+        "read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
+        term.of
+    )
+}
+
+fn expected(made: &Made<'_>, shown: &Shown) -> String {
+    let [from, peak, to] = places(shown);
+    format!(
+        "**(reading at {peak} mm − reading at {from} mm) with the compensation on, less the same with it off: {} if the sign is {}; {} if it is the other way round.** With {to} mm in place of {peak} mm: 0",
+        signed(shown.shown_um),
+        as_known(evidence(made, shown.proof.mechanism)),
+        signed(-shown.shown_um),
+    )
+}
+
+/// A gauge that is not moved needs one place where nothing is found anew between off and on.
+fn with_a_gauge(made: &Made<'_>, shown: &Shown) -> String {
+    let (of, [from, peak, _]) = (shown.proof.term.of, places(shown));
+    match &made.inputs.profile.dialect {
+        Dialect::Siemens(_) => format!(
+            "a dial gauge that stays where it is needs {peak} mm only: zero with the compensation off, read with it on, coming from {from} mm both times: {}, or {} if the sign is the other way round. Nothing else may have been moved or have warmed up",
+            towards(shown.shown_um, of),
+            towards(-shown.shown_um, of),
+        ),
+        _ => "a dial gauge stays where it is through power off and on and is not set again; where one cannot reach both places, put one at each. One place alone proves nothing: the reference point is found anew at every power-on".to_string(),
+    }
+}
+
+fn sign(made: &Made<'_>, shown: &Shown) -> String {
+    let fact = sign_fact(shown.proof.mechanism);
+    let statements = made.inputs.profile.statements.iter();
+    let known = statements.filter(|s| s.fact == fact);
+    let known = known.map(|s| {
+        format!(
+            "`{fact}` = {}, {}: {}",
+            s.value,
+            s.evidence.word(),
+            s.source
+        )
+    });
+    format!("the sign: {}", known.collect::<Vec<_>>().join("; "))
+}
+
+fn evidence(made: &Made<'_>, mechanism: Mechanism) -> Evidence {
+    let fact = sign_fact(mechanism);
+    let mut statements = made.inputs.profile.statements.iter();
+    let known = statements.find(|s| s.fact == fact);
+    known.map_or(Evidence::Assumed, |s| s.evidence)
+}
+
+fn as_known(evidence: Evidence) -> &'static str {
+    match evidence {
+        Evidence::Assumed => "as assumed",
+        Evidence::Manual => "as the manual says",
+        Evidence::Executed => "as seen on a control",
+    }
+}
+
+/// What a mechanism needs besides.
+fn beside(mechanism: Mechanism) -> Option<String> {
+    let words = match mechanism {
+        Mechanism::Cec => {
+            "MD32710 switches every CEC table of an axis, also those that are not of this kit (K3 p. 245): note their SD41300, set it to 0 while the proof lasts, and put it back"
+        }
+        Mechanism::FourPoint => {
+            "alarm PW5046 instead: the control refuses the set; where axes and points are right, the slope of the bump (from memory, its limit is not known): lower `limits.max_bump_um`"
+        }
+        _ => return None,
+    };
+    Some(words.to_string())
+}
+
+fn other_way_round(shown: &Shown) -> String {
+    format!(
+        "the other way round, or nothing: load no table. Other sign: turn `{}` in a profile of your own (docs/controllers.md section 4) and generate again; nothing: see the preconditions, options and reference",
+        sign_fact(shown.proof.mechanism)
+    )
+}
+
+/// `−20.0 µm`
+fn signed(um: f64) -> String {
+    let sign = if um < 0.0 { "−" } else { "+" };
+    format!("{sign}{:.1} µm", um.abs())
+}
+
+/// `20.0 µm towards −X`
+fn towards(um: f64, axis: Axis) -> String {
+    let side = if um > 0.0 { "+" } else { "−" };
+    format!("{:.1} µm towards {side}{axis}", um.abs())
+}
+
+/// A number with at most six decimals, no trailing zeros, no `-0`.
+pub(super) fn trimmed(number: f64) -> String {
+    let text = format!("{:.6}", number + 0.0);
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
