@@ -1,6 +1,6 @@
 //! Files of a user → the measurement with the tables active.
 
-use crate::after::{AfterMeasurement, ensure_same_machine};
+use crate::after::{AfterMeasurement, ensure_same_machine, measured_curves};
 use crate::cli::inputs::{self, file_name, read_argument};
 use crate::diagonal::PathKind;
 use crate::document::Source;
@@ -8,7 +8,6 @@ use crate::error_table::ErrorTable;
 use crate::job::{Job, MeasuredData};
 use crate::kit::{Inputs, hashed};
 use crate::manifest::HashedFile;
-use crate::model::ErrorModel;
 use crate::problem::{Place, Problem, Problems};
 use std::path::Path;
 
@@ -56,7 +55,7 @@ fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems
         .help("give a job with `errors` and its own `squareness_um_per_m` (none, if the slopes hold it)")
         .into());
     }
-    Ok(AfterMeasurement::Errors(Box::new(ErrorModel::build(
+    Ok(AfterMeasurement::Errors(Box::new(measured_curves(
         &first.job, &table,
     )?)))
 }
@@ -95,7 +94,7 @@ fn of_job(
         return Ok(AfterMeasurement::Diagonals(files.straight_runs()?));
     }
     let table = inputs::error_table(job, folder, hashes)?;
-    Ok(AfterMeasurement::Errors(Box::new(ErrorModel::build(
+    Ok(AfterMeasurement::Errors(Box::new(measured_curves(
         job, &table,
     )?)))
 }
