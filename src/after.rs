@@ -13,10 +13,12 @@ mod doubts;
 mod ground;
 mod machine;
 mod observation;
+mod reversal;
 mod uncertainty;
 
 pub use self::machine::ensure_same_machine;
 pub use self::observation::{Control, Observation, Part, observations};
+pub use self::reversal::{UnseenReversal, unseen_reversal};
 pub use self::uncertainty::measured_curves;
 
 use self::doubts::{doubts, notes};
@@ -24,7 +26,7 @@ use self::ground::ensure_common_ground;
 use crate::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::emulate::{CannotEmulate, Emulator, Response};
-use crate::forecast::{DiagonalForecast, Forecast, Machine, forecast};
+use crate::forecast::{COVERAGE_FACTOR, DiagonalForecast, Forecast, Machine, forecast};
 use crate::model::ErrorModel;
 use crate::plan::Plan;
 use crate::problem::{Problem, Problems};
@@ -179,13 +181,35 @@ pub fn compare(
         .into_iter()
         .filter(|term| !as_left.terms.iter().any(|line| line.term == *term))
         .collect();
+    let mut notes = notes(before, after);
+    notes.extend(off_forecast(before, &terms));
     Ok(Comparison {
         terms,
         diagonals,
         as_left,
         doubts: doubts(before, control, after),
-        notes: notes(before, after),
+        notes,
         missing,
+    })
+}
+
+/// Terms that are off the forecast somewhere by more than both measurements explain, U = 2·√(u²(as
+/// left) + u²(as found)); where one of the two is not stated, the other is taken for it.
+fn off_forecast(before: &ErrorModel, terms: &[Line]) -> Option<String> {
+    let off = terms.iter().filter_map(|line| {
+        let term = ErrorTerm::from_name(&line.name)?;
+        let found = before.terms[term].as_ref()?.u_um;
+        let (own, found) = (line.u_um.or(found)?, found.or(line.u_um)?);
+        let expanded = COVERAGE_FACTOR * own.hypot(found);
+        let um = line.difference_um.filter(|um| *um > expanded)?;
+        Some(format!("{term} {um:.3} µm (U = {expanded:.3} µm)"))
+    });
+    let off: Vec<String> = off.collect();
+    (!off.is_empty()).then(|| {
+        format!(
+            "off the forecast at some position by more than both measurements explain: {}",
+            off.join(", ")
+        )
     })
 }
 

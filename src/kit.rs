@@ -5,11 +5,13 @@
 //! went in.
 
 mod field;
+mod loaded_state;
 mod rollback;
 
 use crate::active::{self, ActiveControl};
 use crate::axis::Axis;
 use crate::compensation::{Compiled, compile};
+use crate::control_state::ControlState;
 use crate::controller::Profile;
 use crate::disagreement;
 pub use crate::document::sha256;
@@ -27,6 +29,7 @@ use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::target::wants;
 use field::{Made, as_kit_file};
+pub use loaded_state::{LoadedState, loaded_state};
 use serde_json::json;
 
 /// The inputs of a kit, read and checked.
@@ -369,6 +372,8 @@ pub struct Verification {
     pub compiled: Compiled,
     /// What the files of the directory hold.
     pub found: crate::table::Tables,
+    /// The control outside the files, as they go with it.
+    pub state: ControlState,
     /// What the tables will leave; absent where they cannot be emulated.
     pub forecast: Option<Forecast>,
     /// How the tables differ from what the job asks for, one sentence each.
@@ -382,22 +387,25 @@ pub struct Verification {
 }
 
 /// Judges the bytes of a directory against a job. Only these bytes and the state of the control
-/// that the job states go into the forecast.
+/// outside them go into the forecast: `state` of the kit's manifest, else what the job states.
 pub fn verify(
     inputs: &Inputs,
     files: &[KitFile<'_>],
+    named: Option<&serde_json::Value>,
     mut disagreements: Vec<String>,
 ) -> Result<Verification, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
     let compiled = inputs.compile(&plan)?;
+    let loaded = loaded_state(inputs, &plan, &compiled, named);
     let read = read(&inputs.profile, files)?;
     emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
     disagreements.extend(words);
+    disagreements.extend(loaded.disagreements);
     disagreements.extend(field::differences(inputs, &plan, &compiled, files)?);
     let mut result = None;
-    if let Ok(found) = found {
+    if let Ok(found) = found.and_then(|_| emulator(&inputs.profile, &read.tables, &loaded.state)) {
         match forecast(inputs.machine(), &plan, found.as_ref()) {
             Ok(forecast) => result = Some(forecast),
             Err(reason) => disagreements.push(reason.0),
@@ -415,6 +423,7 @@ pub fn verify(
         plan,
         compiled,
         found: read.tables,
+        state: loaded.state,
         forecast: result,
         disagreements,
         doubts,
@@ -432,15 +441,22 @@ pub struct LoadedControl {
     pub disagreements: Vec<String>,
 }
 
-/// Loads the bytes of files into the emulated control of a job.
-pub fn load(inputs: &Inputs, files: &[KitFile<'_>]) -> Result<LoadedControl, Problems> {
+/// Loads the bytes of files into the emulated control of a job; `named` = `state` of their manifest.
+pub fn load(
+    inputs: &Inputs,
+    files: &[KitFile<'_>],
+    named: Option<&serde_json::Value>,
+) -> Result<LoadedControl, Problems> {
     let plan = plan(inputs.task())?;
     let compiled = inputs.compile(&plan)?;
+    let loaded = loaded_state(inputs, &plan, &compiled, named);
     let read = read(&inputs.profile, files)?;
-    let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
+    let Differences { mut words, found } = differences(inputs, &plan, &compiled, &read);
+    words.extend(loaded.disagreements);
+    let control = found.and_then(|_| emulator(&inputs.profile, &read.tables, &loaded.state));
     Ok(LoadedControl {
         plan,
-        control: found.map_err(|reason| cannot_emulate(&reason))?,
+        control: control.map_err(|reason| cannot_emulate(&reason))?,
         disagreements: words,
     })
 }
@@ -448,5 +464,5 @@ pub fn load(inputs: &Inputs, files: &[KitFile<'_>]) -> Result<LoadedControl, Pro
 /// Makes the files of a job in memory and loads their bytes.
 pub fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
     let kit = generate(inputs)?;
-    load(inputs, &kit.kit_files())
+    load(inputs, &kit.kit_files(), None)
 }

@@ -1,8 +1,8 @@
 //! Why as-left figures decide nothing in favour, and what whoever reads the page should know.
 
-use super::{AfterMeasurement, Control, MeasuredCurves, StraightRuns};
-use crate::axis::{Axis, Direction, ErrorTerm};
-use crate::model::{ErrorModel, Measured, MeasuredTerm};
+use super::{AfterMeasurement, Control, MeasuredCurves, StraightRuns, unseen_reversal};
+use crate::axis::{Axis, ErrorTerm};
+use crate::model::{ErrorModel, MeasuredTerm};
 
 /// Share of the range measured first that has to be measured again before a limit counts as kept:
 /// the offset targets of an acceptance test stay clear of the ends by half a step or so.
@@ -105,9 +105,8 @@ fn reversal_not_seen(
 /// Slopes of cross terms hold the rotation of the frame they are given in.
 fn other_frame(before: &ErrorModel, after: &ErrorModel) -> Option<String> {
     let (first, second) = (frame(before), frame(after));
-    let crossed = |(term, _): (ErrorTerm, &MeasuredTerm)| {
-        term.is_cross() && before.terms[term].is_some()
-    };
+    let crossed =
+        |(term, _): (ErrorTerm, &MeasuredTerm)| term.is_cross() && before.terms[term].is_some();
     let rotates = after.measured().any(crossed);
     (rotates && first != second).then(|| {
         let said = |frame: Option<&str>| frame.unwrap_or("as given").to_string();
@@ -136,7 +135,10 @@ pub(super) fn notes(before: &ErrorModel, after: &AfterMeasurement) -> Vec<String
 
 fn of_runs(runs: &StraightRuns) -> Vec<String> {
     let mut notes = runs.labels.clone();
-    notes.push("straight runs show the body diagonals only: the nine errors were not measured afterwards".to_string());
+    notes.push(
+        "straight runs show the body diagonals only: the nine errors were not measured afterwards"
+            .to_string(),
+    );
     notes
 }
 
@@ -149,48 +151,11 @@ fn of_curves(before: &ErrorModel, curves: &MeasuredCurves) -> Vec<String> {
             "found in both directions, measured afterwards without: {fewer}; a fault of the reversal does not show"
         ));
     }
-    notes.extend(lost_motion(before, after));
+    notes.extend(unseen_reversal(before, curves).map(|reversal| reversal.words));
     notes
-}
-
-/// A reversal that only the second measurement could see.
-fn lost_motion(before: &ErrorModel, after: &ErrorModel) -> Option<String> {
-    let new = after.measured().filter_map(|(term, measured)| {
-        let first = before.terms[term].as_ref()?;
-        let unseen = !first.measured.has_both_ways();
-        let reversal = measured.reversal().filter(|_| unseen)?;
-        Some(format!("{term} {:+.3}", reversal.um()))
-    });
-    let new: Vec<String> = new.collect();
-    (!new.is_empty()).then(|| {
-        format!("the first measurement did not show the two directions apart; the lost motion that it did not see is B = {} µm (+ minus -), and no table of it takes that off", new.join(", "))
-    })
 }
 
 fn names(terms: impl Iterator<Item = ErrorTerm>) -> String {
     let names: Vec<String> = terms.map(|term| term.to_string()).collect();
     names.join(", ")
-}
-
-/// The second measurement without regard to direction, where only that one told them apart.
-pub(super) fn without_new_reversal(
-    before: &ErrorModel,
-    after: &AfterMeasurement,
-) -> Option<AfterMeasurement> {
-    let AfterMeasurement::Errors(curves) = after else {
-        return None;
-    };
-    let mut curves = curves.clone();
-    let mut any = false;
-    for term in ErrorTerm::ALL {
-        let unseen = before.terms[term].as_ref().is_some_and(|m| !m.measured.has_both_ways());
-        if let Some(second) = &mut curves.model.terms[term]
-            && unseen
-            && second.measured.has_both_ways()
-        {
-            second.measured = Measured::Undirected(second.measured.mean());
-            any = true;
-        }
-    }
-    any.then_some(AfterMeasurement::Errors(curves))
 }

@@ -9,7 +9,10 @@ use crate::problem::{Problem, Problems};
 const NEAR_MM: f64 = 0.01;
 
 /// Refuses two measurements without a term, direction or range in common.
-pub(super) fn ensure_common_ground(before: &ErrorModel, after: &AfterMeasurement) -> Result<(), Problems> {
+pub(super) fn ensure_common_ground(
+    before: &ErrorModel,
+    after: &AfterMeasurement,
+) -> Result<(), Problems> {
     match after {
         AfterMeasurement::Errors(curves) => common_terms(before, &curves.model),
         AfterMeasurement::Diagonals(runs) => nine_terms_over(before, runs),

@@ -97,7 +97,11 @@ fn nearest_u_um(series: &Series, term: ErrorTerm, reference: Millimetres) -> Opt
     let last = series.positions.len().checked_sub(1)?;
     let above = series.positions.iter().position(behind).unwrap_or(last);
     let is_there = (series.positions[above] - reference).mm() <= SAME_PLACE_MM;
-    let below = if is_there { above } else { above.saturating_sub(1) };
+    let below = if is_there {
+        above
+    } else {
+        above.saturating_sub(1)
+    };
     let of = |row: usize| column.get(row).copied();
     Some(of(above)?.max(of(below)?))
 }

@@ -2,6 +2,8 @@
 
 mod active;
 
+pub(super) use self::active::read as active_control;
+
 use crate::after::{StraightRuns, Walk};
 use crate::controller::{Origin, Profile, builtin, load};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};

@@ -21,15 +21,18 @@ pub(super) fn run(
     format: Format,
 ) -> Result<Answer, Problems> {
     let inputs = inputs::read(job)?;
-    let second = after.map(|path| second::read(&inputs, path)).transpose()?;
+    let second = after
+        .map(|path| second::read(&inputs, path, directory))
+        .transpose()?;
     let found = read_directory(&inputs, directory)?;
     let files: Vec<KitFile<'_>> = found.kit_files();
-    let mut verification = verify(&inputs, &files, found.remarks.clone())
-        .map_err(|problems| behind(found.other_control, problems))?;
+    let named = found.state.as_ref();
+    let mut verification = verify(&inputs, &files, named, found.remarks.clone())
+        .map_err(|problems| found.instead_of(problems))?;
     if found.names_missing {
         verification.absent.clear(); // a listed file that is missing was named
     }
-    verification.absent.extend(found.notes);
+    verification.absent.extend(found.notes.iter().cloned());
     if let Some(second) = second {
         return page::answer(&inputs, directory, &verification, &second, format);
     }
@@ -45,10 +48,10 @@ pub(super) fn run(
 }
 
 /// Name, purpose and bytes of a file.
-pub(super) type NamedFile = (String, Role, Vec<u8>);
+type NamedFile = (String, Role, Vec<u8>);
 
 /// The file as a reader takes it.
-pub(super) fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
+fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
     KitFile {
         path,
         role: *role,
@@ -60,7 +63,7 @@ pub(super) fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
 #[derive(Default)]
 pub(super) struct Found {
     /// What the control could read.
-    pub(super) files: Vec<NamedFile>,
+    files: Vec<NamedFile>,
     /// Sentences that make the verdict `fail`.
     pub(super) remarks: Vec<String>,
     /// What was passed over, and what may explain a disagreement.
@@ -69,6 +72,8 @@ pub(super) struct Found {
     names_missing: bool,
     /// The kit was made for another control.
     other_control: Option<Problem>,
+    /// `state` of its manifest: the control outside the files.
+    pub(super) state: Option<Value>,
 }
 
 impl Found {
@@ -76,14 +81,15 @@ impl Found {
     pub(super) fn kit_files(&self) -> Vec<KitFile<'_>> {
         self.files.iter().map(kit_file).collect()
     }
-}
 
-/// Files that cannot be read, behind the reason for it where it is known.
-fn behind(reason: Option<Problem>, problems: Problems) -> Problems {
-    let mut all = Problems::none();
-    reason.into_iter().for_each(|reason| all.push(reason));
-    all.extend(problems);
-    all
+    /// Files of another control cannot be read: that reason in place of what a reader of this
+    /// control makes of every line.
+    pub(super) fn instead_of(&self, problems: Problems) -> Problems {
+        match &self.other_control {
+            Some(reason) => reason.clone().into(),
+            None => problems,
+        }
+    }
 }
 
 /// What operating systems leave on a stick; no file of a control is called so.
@@ -146,6 +152,7 @@ pub(super) fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found,
         pass_over_unlisted(&mut found, &document, &inputs.profile);
         compare_hashes(&mut found, &document);
         compare_origin(&mut found, &document, inputs);
+        found.state = Some(document["state"].clone());
     }
     Ok(found)
 }
