@@ -26,7 +26,7 @@ use self::ground::ensure_common_ground;
 use crate::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::emulate::{CannotEmulate, Emulator, Response};
-use crate::forecast::{COVERAGE_FACTOR, DiagonalForecast, Forecast, Machine, forecast};
+use crate::forecast::{DiagonalForecast, Forecast, Machine, forecast};
 use crate::model::ErrorModel;
 use crate::plan::Plan;
 use crate::problem::{Problem, Problems};
@@ -193,21 +193,24 @@ pub fn compare(
     })
 }
 
-/// Terms that are off the forecast somewhere by more than both measurements explain, U = 2·√(u²(as
-/// left) + u²(as found)); where one of the two is not stated, the other is taken for it.
+/// Standard uncertainties beyond which one position among many is off: one in 370 by chance.
+const OFF: f64 = 3.0;
+
+/// Terms that are off the forecast at some position by more than both measurements explain,
+/// u² = u²(as left) + u²(as found); where one of the two is not stated, the other is taken for it.
 fn off_forecast(before: &ErrorModel, terms: &[Line]) -> Option<String> {
     let off = terms.iter().filter_map(|line| {
         let term = ErrorTerm::from_name(&line.name)?;
         let found = before.terms[term].as_ref()?.u_um;
         let (own, found) = (line.u_um.or(found)?, found.or(line.u_um)?);
-        let expanded = COVERAGE_FACTOR * own.hypot(found);
-        let um = line.difference_um.filter(|um| *um > expanded)?;
-        Some(format!("{term} {um:.3} µm (U = {expanded:.3} µm)"))
+        let u_um = own.hypot(found);
+        let um = line.difference_um.filter(|um| *um > OFF * u_um)?;
+        Some(format!("{term} {um:.3} µm (u = {u_um:.3} µm)"))
     });
     let off: Vec<String> = off.collect();
     (!off.is_empty()).then(|| {
         format!(
-            "off the forecast at some position by more than both measurements explain: {}",
+            "off the forecast at some position by more than three standard uncertainties of both measurements: {}",
             off.join(", ")
         )
     })

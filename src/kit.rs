@@ -29,6 +29,7 @@ use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::target::wants;
 use field::{Made, as_kit_file};
+use loaded_state::read_out_state;
 pub use loaded_state::{LoadedState, loaded_state};
 use serde_json::json;
 
@@ -404,31 +405,67 @@ pub fn verify(
     disagreements.extend(words);
     disagreements.extend(loaded.disagreements);
     disagreements.extend(field::differences(inputs, &plan, &compiled, files)?);
-    let mut result = None;
-    if let Ok(found) = found.and_then(|_| emulator(&inputs.profile, &read.tables, &loaded.state)) {
-        match forecast(inputs.machine(), &plan, found.as_ref()) {
-            Ok(forecast) => result = Some(forecast),
-            Err(reason) => disagreements.push(reason.0),
-        }
-    }
-    disagreements.dedup();
-    let doubts = doubts(inputs);
-    let verdict = match &result {
-        Some(forecast) if disagreements.is_empty() => judged(forecast, inputs, &doubts),
-        _ => Verdict::Fail,
-    };
-    let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
-    Ok(Verification {
-        absent,
+    let found = found.and_then(|_| emulator(&inputs.profile, &read.tables, &loaded.state));
+    let verification = Verification {
+        absent: disagreement::absent(&inputs.profile, &compiled.tables, &read),
         plan,
         compiled,
         found: read.tables,
         state: loaded.state,
-        forecast: result,
+        forecast: None,
         disagreements,
-        doubts,
-        verdict,
-    })
+        doubts: doubts(inputs),
+        verdict: Verdict::Fail,
+    };
+    Ok(verification.forecast_with(inputs, found.ok().as_deref()))
+}
+
+/// Judges what was read out of a control by what it does to the job's axes: whatever else it holds
+/// was passed over, and its notes say so.
+pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verification, Problems> {
+    let plan = plan(inputs.task())?;
+    let compiled = inputs.compile(&plan)?;
+    let loaded = read_out_state(inputs, &plan, &compiled, control);
+    let with = |tables, state| emulator(&inputs.profile, tables, state);
+    let wanted = with(&compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
+    let mut disagreements = disagreement::measuring_systems(&compiled.tables, &control.tables);
+    match with(&control.tables, &compiled.state) {
+        Ok(found) => {
+            let differs = disagreement::compare(&plan, wanted.as_ref(), found.as_ref());
+            disagreements.extend(differs.words);
+        }
+        Err(reason) => disagreements.push(reason.0),
+    }
+    disagreements.extend(loaded.disagreements);
+    let found = with(&control.tables, &loaded.state);
+    let verification = Verification {
+        absent: control.notes.clone(),
+        plan,
+        compiled,
+        found: control.tables.clone(),
+        state: loaded.state,
+        forecast: None,
+        disagreements,
+        doubts: doubts(inputs),
+        verdict: Verdict::Fail,
+    };
+    Ok(verification.forecast_with(inputs, found.ok().as_deref()))
+}
+
+impl Verification {
+    /// The forecast of a control, and the verdict.
+    fn forecast_with(mut self, inputs: &Inputs, control: Option<&dyn Emulator>) -> Verification {
+        match control.map(|control| forecast(inputs.machine(), &self.plan, control)) {
+            Some(Ok(forecast)) => self.forecast = Some(forecast),
+            Some(Err(reason)) => self.disagreements.push(reason.0),
+            None => {}
+        }
+        self.disagreements.dedup();
+        if let (Some(forecast), true) = (&self.forecast, self.disagreements.is_empty()) {
+            self.verdict = judged(forecast, inputs, &self.doubts);
+        }
+        self
+    }
 }
 
 /// A control with tables in it, and the plan that names its axes.

@@ -3,11 +3,12 @@
 mod page;
 mod second;
 
+use crate::active::from_read_out;
 use crate::cli::inputs::{self, plain_words, read_file};
 use crate::cli::{Answer, Format, print, print_json, show};
 use crate::controller::{Profile, Role};
 use crate::forecast::{Forecast, Verdict};
-use crate::kit::{Inputs, Verification, sha256, verify};
+use crate::kit::{Inputs, Verification, sha256, verify, verify_read_out};
 use crate::manifest::{HashedFile, diagonals, picometres};
 use crate::problem::{Problem, Problems, shown};
 use crate::readback::kit::{KitFile, may_be_meant_for};
@@ -25,10 +26,7 @@ pub(super) fn run(
         .map(|path| second::read(&inputs, path, directory))
         .transpose()?;
     let found = read_directory(&inputs, directory)?;
-    let files: Vec<KitFile<'_>> = found.kit_files();
-    let named = found.state.as_ref();
-    let mut verification = verify(&inputs, &files, named, found.remarks.clone())
-        .map_err(|problems| found.instead_of(problems))?;
+    let mut verification = judged(&inputs, directory, &found)?;
     if found.names_missing {
         verification.absent.clear(); // a listed file that is missing was named
     }
@@ -45,6 +43,20 @@ pub(super) fn run(
     } else {
         Answer::No
     })
+}
+
+/// The files of a directory against the job.
+fn judged(inputs: &Inputs, directory: &Path, found: &Found) -> Result<Verification, Problems> {
+    if !found.is_read_out(&inputs.profile) {
+        let named = found.state.as_ref();
+        return verify(inputs, &found.kit_files(), named, found.remarks.clone())
+            .map_err(|problems| found.instead_of(problems));
+    }
+    let files = found.files.iter();
+    let files = files.map(|(name, _, bytes)| (name.clone(), bytes.clone()));
+    let path = directory.display().to_string();
+    let control = from_read_out(&inputs.job, &inputs.profile, &path, files.collect())?;
+    verify_read_out(inputs, &control)
 }
 
 /// Name, purpose and bytes of a file.
@@ -80,6 +92,15 @@ impl Found {
     /// The files as the readers take them.
     pub(super) fn kit_files(&self) -> Vec<KitFile<'_>> {
         self.files.iter().map(kit_file).collect()
+    }
+
+    /// Files without a manifest of which none is called as in a kit: read out of the control.
+    fn is_read_out(&self, profile: &Profile) -> bool {
+        let own = |name: &str| {
+            let mut files = profile.files.iter();
+            files.any(|file| file.path.eq_ignore_ascii_case(name))
+        };
+        self.state.is_none() && !self.files.iter().any(|(name, _, _)| own(name))
     }
 
     /// Files of another control cannot be read: that reason in place of what a reader of this

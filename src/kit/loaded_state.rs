@@ -4,7 +4,7 @@
 //! that the kit is judged by may ask for another one.
 
 use super::{Inputs, named_backlash};
-use crate::active::named_axis;
+use crate::active::{ActiveControl, named_axis};
 use crate::compensation::Compiled;
 use crate::control_state::{AxisState, ControlState};
 use crate::plan::Plan;
@@ -40,14 +40,45 @@ pub fn loaded_state(
             continue; // no kit, or one from before manifests held it
         };
         let wanted = named_backlash(inputs, plan, compiled, &axis.name);
-        let words = take(axis, parameter.as_f64(), wanted);
+        let words = take(axis, "the kit was made for", parameter.as_f64(), wanted);
         loaded.disagreements.extend(words);
     }
     loaded
 }
 
+/// The same with the backlash parameters that were read out of the control. One that the job does
+/// not ask for acts as it did while measuring.
+pub(super) fn read_out_state(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    control: &ActiveControl,
+) -> LoadedState {
+    let mut loaded = LoadedState {
+        state: compiled.state.clone(),
+        disagreements: Vec::new(),
+    };
+    for (own, found) in control.backlash_um.iter() {
+        let names = &plan.names[own];
+        let axes = loaded.state.axes.iter_mut();
+        for axis in axes.filter(|axis| names.contains(&axis.name)) {
+            let wanted = named_backlash(inputs, plan, compiled, &axis.name);
+            if let (Some(_), Some(_)) = (found, wanted) {
+                let words = take(axis, "the control holds", *found, wanted);
+                loaded.disagreements.extend(words);
+            }
+        }
+    }
+    loaded
+}
+
 /// A parameter that the tables do not set counts from the one that acted while measuring.
-fn take(axis: &mut AxisState, named: Option<f64>, wanted: Option<f64>) -> Option<String> {
+fn take(
+    axis: &mut AxisState,
+    who: &str,
+    named: Option<f64>,
+    wanted: Option<f64>,
+) -> Option<String> {
     if let Some(um) = named {
         axis.backlash_um += um - wanted.unwrap_or(0.0);
     }
@@ -58,7 +89,7 @@ fn take(axis: &mut AxisState, named: Option<f64>, wanted: Option<f64>) -> Option
     };
     (!same).then(|| {
         format!(
-            "backlash parameter of axis {}: the kit was made for {}, the job asks for {}",
+            "backlash parameter of axis {}: {who} {}, the job asks for {}",
             axis.name,
             said(named),
             said(wanted)
