@@ -22,7 +22,7 @@ mod read_out;
 mod siemens;
 
 pub use self::beside::{collisions, left_over};
-pub use self::kit::from_kit;
+pub use self::kit::{from_kit, named_axis};
 pub use self::machine::uncompensated;
 pub use self::read_out::from_read_out;
 

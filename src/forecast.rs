@@ -92,9 +92,12 @@ impl Forecast {
         let sentence = |name: String, um: f64, u_um: Option<f64>, limit: Option<f64>| {
             let verdict = judge(um, u_um, limit);
             (verdict != Verdict::Pass).then(|| {
-                let expanded = COVERAGE_FACTOR * u_um.unwrap_or(0.0);
+                let expanded = u_um.map_or_else(
+                    || "U not stated".to_string(),
+                    |u| format!("U = {:.3} µm", COVERAGE_FACTOR * u),
+                );
                 format!(
-                    "{name} leaves {um:.3} µm (U = {expanded:.3} µm), the limit is {} µm: {}",
+                    "{name} leaves {um:.3} µm ({expanded}), the limit is {} µm: {}",
                     limit.unwrap_or(f64::INFINITY),
                     verdict.word()
                 )

@@ -5,11 +5,13 @@
 //! went in.
 
 mod field;
+mod loaded_state;
 mod rollback;
 
 use crate::active::{self, ActiveControl};
 use crate::axis::Axis;
 use crate::compensation::{Compiled, compile};
+use crate::control_state::ControlState;
 use crate::controller::Profile;
 use crate::disagreement;
 pub use crate::document::sha256;
@@ -27,6 +29,8 @@ use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::target::wants;
 use field::{Made, as_kit_file};
+use loaded_state::read_out_state;
+pub use loaded_state::{LoadedState, loaded_state};
 use serde_json::json;
 
 /// The inputs of a kit, read and checked.
@@ -370,6 +374,8 @@ pub struct Verification {
     pub compiled: Compiled,
     /// What the files of the directory hold.
     pub found: crate::table::Tables,
+    /// The control outside the files, as they go with it.
+    pub state: ControlState,
     /// What the tables will leave; absent where they cannot be emulated.
     pub forecast: Option<Forecast>,
     /// How the tables differ from what the job asks for, one sentence each.
@@ -383,44 +389,84 @@ pub struct Verification {
 }
 
 /// Judges the bytes of a directory against a job. Only these bytes and the state of the control
-/// that the job states go into the forecast.
+/// outside them go into the forecast: `state` of the kit's manifest, else what the job states.
 pub fn verify(
     inputs: &Inputs,
     files: &[KitFile<'_>],
+    named: Option<&serde_json::Value>,
     mut disagreements: Vec<String>,
 ) -> Result<Verification, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
     let compiled = inputs.compile(&plan)?;
+    let loaded = loaded_state(inputs, &plan, &compiled, named);
     let read = read(&inputs.profile, files)?;
     emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
     disagreements.extend(words);
+    disagreements.extend(loaded.disagreements);
     disagreements.extend(field::differences(inputs, &plan, &compiled, files)?);
-    let mut result = None;
-    if let Ok(found) = found {
-        match forecast(inputs.machine(), &plan, found.as_ref()) {
-            Ok(forecast) => result = Some(forecast),
-            Err(reason) => disagreements.push(reason.0),
-        }
-    }
-    disagreements.dedup();
-    let doubts = doubts(inputs);
-    let verdict = match &result {
-        Some(forecast) if disagreements.is_empty() => judged(forecast, inputs, &doubts),
-        _ => Verdict::Fail,
-    };
-    let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
-    Ok(Verification {
-        absent,
+    let found = found.and_then(|_| emulator(&inputs.profile, &read.tables, &loaded.state));
+    let verification = Verification {
+        absent: disagreement::absent(&inputs.profile, &compiled.tables, &read),
         plan,
         compiled,
         found: read.tables,
-        forecast: result,
+        state: loaded.state,
+        forecast: None,
         disagreements,
-        doubts,
-        verdict,
-    })
+        doubts: doubts(inputs),
+        verdict: Verdict::Fail,
+    };
+    Ok(verification.forecast_with(inputs, found.ok().as_deref()))
+}
+
+/// Judges what was read out of a control by what it does to the job's axes: whatever else it holds
+/// was passed over, and its notes say so.
+pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verification, Problems> {
+    let plan = plan(inputs.task())?;
+    let compiled = inputs.compile(&plan)?;
+    let loaded = read_out_state(inputs, &plan, &compiled, control);
+    let with = |tables, state| emulator(&inputs.profile, tables, state);
+    let wanted = with(&compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
+    let mut disagreements = disagreement::measuring_systems(&compiled.tables, &control.tables);
+    match with(&control.tables, &compiled.state) {
+        Ok(found) => {
+            let differs = disagreement::compare(&plan, wanted.as_ref(), found.as_ref());
+            disagreements.extend(differs.words);
+        }
+        Err(reason) => disagreements.push(reason.0),
+    }
+    disagreements.extend(loaded.disagreements);
+    let found = with(&control.tables, &loaded.state);
+    let verification = Verification {
+        absent: control.notes.clone(),
+        plan,
+        compiled,
+        found: control.tables.clone(),
+        state: loaded.state,
+        forecast: None,
+        disagreements,
+        doubts: doubts(inputs),
+        verdict: Verdict::Fail,
+    };
+    Ok(verification.forecast_with(inputs, found.ok().as_deref()))
+}
+
+impl Verification {
+    /// The forecast of a control, and the verdict.
+    fn forecast_with(mut self, inputs: &Inputs, control: Option<&dyn Emulator>) -> Verification {
+        match control.map(|control| forecast(inputs.machine(), &self.plan, control)) {
+            Some(Ok(forecast)) => self.forecast = Some(forecast),
+            Some(Err(reason)) => self.disagreements.push(reason.0),
+            None => {}
+        }
+        self.disagreements.dedup();
+        if let (Some(forecast), true) = (&self.forecast, self.disagreements.is_empty()) {
+            self.verdict = judged(forecast, inputs, &self.doubts);
+        }
+        self
+    }
 }
 
 /// A control with tables in it, and the plan that names its axes.
@@ -433,15 +479,22 @@ pub struct LoadedControl {
     pub disagreements: Vec<String>,
 }
 
-/// Loads the bytes of files into the emulated control of a job.
-pub fn load(inputs: &Inputs, files: &[KitFile<'_>]) -> Result<LoadedControl, Problems> {
+/// Loads the bytes of files into the emulated control of a job; `named` = `state` of their manifest.
+pub fn load(
+    inputs: &Inputs,
+    files: &[KitFile<'_>],
+    named: Option<&serde_json::Value>,
+) -> Result<LoadedControl, Problems> {
     let plan = plan(inputs.task())?;
     let compiled = inputs.compile(&plan)?;
+    let loaded = loaded_state(inputs, &plan, &compiled, named);
     let read = read(&inputs.profile, files)?;
-    let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
+    let Differences { mut words, found } = differences(inputs, &plan, &compiled, &read);
+    words.extend(loaded.disagreements);
+    let control = found.and_then(|_| emulator(&inputs.profile, &read.tables, &loaded.state));
     Ok(LoadedControl {
         plan,
-        control: found.map_err(|reason| cannot_emulate(&reason))?,
+        control: control.map_err(|reason| cannot_emulate(&reason))?,
         disagreements: words,
     })
 }
@@ -449,5 +502,5 @@ pub fn load(inputs: &Inputs, files: &[KitFile<'_>]) -> Result<LoadedControl, Pro
 /// Makes the files of a job in memory and loads their bytes.
 pub fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
     let kit = generate(inputs)?;
-    load(inputs, &kit.kit_files())
+    load(inputs, &kit.kit_files(), None)
 }

@@ -31,6 +31,9 @@ max_deviation_um = 1.0
 "#;
 const ERRORS: &str = "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,6,3\nx,100,16,-4\n";
 
+const NONE_ACTIVE: &str = "active_while_measuring = \"none\"";
+const KIT_ACTIVE: &str = "active_while_measuring = \"kit\"";
+
 fn nonius(directory: &Path, arguments: &str) -> (Option<i32>, String, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
         .args(arguments.split_whitespace())
@@ -87,7 +90,8 @@ fn figures_are_zero_at_the_reference_whatever_the_laser_counted_from() {
     assert_eq!(exx["before_um"], 16.0);
     assert_eq!(exx["forecast_um"], 0.0);
     assert_eq!(exx["after_um"], 0.5, "6.5 − 7");
-    assert_eq!(exx["u_um"], 0.1);
+    // Two values of the table, each with u = 0.1: the largest and the one at the reference.
+    assert_eq!(exx["u_um"], 0.141421);
     assert_eq!(exx["difference_um"], 0.5);
     assert_eq!(document["terms"]["EYX"]["after_um"], 0.2);
     assert_eq!(document["max_residual_um"], 0.5);
@@ -98,17 +102,17 @@ fn figures_are_zero_at_the_reference_whatever_the_laser_counted_from() {
 #[test]
 fn the_uncertainty_decides_between_fail_and_undecided() {
     for (um, u_um, verdict) in [
-        (0.8, 0.1, "pass"),
-        (0.8, 0.2, "undecided"),
+        (0.7, 0.1, "pass"), // U = 2·√2·0.1 = 0.283
+        (0.8, 0.1, "undecided"),
         (1.4, 0.2, "undecided"),
-        (1.6, 0.2, "fail"),
+        (1.6, 0.2, "fail"), // U = 0.566
     ] {
         let directory = visit(&table(
             &[[0.0, 0.0, 0.0], [50.0, um, 0.0], [100.0, 0.0, 0.0]],
             u_um,
         ));
         let (status, document) = judged(directory.path(), "after.csv");
-        assert_eq!(document["verdict"], verdict, "{um} ± {}", 2.0 * u_um);
+        assert_eq!(document["verdict"], verdict, "{um}, u = {u_um}");
         assert_eq!(status, Some(i32::from(verdict != "pass")));
     }
 }
@@ -181,7 +185,10 @@ fn a_job_with_readings_gives_what_its_separated_table_gives() {
     }
     nonius(directory.path(), "generate job.toml -o kit");
     nonius(directory.path(), "separate job.toml -o after.csv");
-    let (_, by_job) = judged(directory.path(), "job.toml");
+    let job = fs::read_to_string(directory.path().join("job.toml")).unwrap();
+    let after = job.replace(NONE_ACTIVE, KIT_ACTIVE);
+    fs::write(directory.path().join("after.toml"), after).unwrap();
+    let (_, by_job) = judged(directory.path(), "after.toml");
     let (_, by_table) = judged(directory.path(), "after.csv");
     assert!(by_job["terms"]["EXX"]["after_um"].is_number());
     for part in ["terms", "diagonals", "verdict", "diagnosis"] {
@@ -191,5 +198,230 @@ fn a_job_with_readings_gives_what_its_separated_table_gives() {
     assert_eq!(
         exx["after_um"], exx["before_um"],
         "the same readings: nothing acts"
+    );
+}
+
+/// Rows of an error table in X and Y without uncertainty.
+const LEFT: &str = "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,0.2,0.1\nx,100,0.3,0\n";
+
+/// A job of the second measurement.
+fn after_job(active: &str, more: &str) -> String {
+    let job = JOB
+        .replace("errors.csv", "after.csv")
+        .replace(NONE_ACTIVE, active);
+    job.replace("[compensation]\n", &format!("{more}[compensation]\n"))
+}
+
+fn causes(document: &Value) -> String {
+    document["causes"].to_string()
+}
+
+#[test]
+fn a_second_job_that_does_not_say_what_was_active_is_warned_about() {
+    let directory = visit(LEFT);
+    let path = directory.path();
+    fs::write(path.join("after.toml"), after_job("", "")).unwrap();
+    let (_, document) = judged(path, "after.toml");
+    assert!(
+        document["notes"]
+            .to_string()
+            .contains("does not state `active_while_measuring`")
+    );
+    fs::write(path.join("after.toml"), after_job(KIT_ACTIVE, "")).unwrap();
+    let (status, document) = judged(path, "after.toml");
+    assert_eq!(status, Some(0), "{document:#}");
+    assert!(!document["notes"].to_string().contains("does not state"));
+}
+
+/// A copy of the kit in another folder is the same kit: what it does is compared.
+#[test]
+fn a_second_job_may_name_the_same_tables_elsewhere() {
+    let directory = visit(LEFT);
+    let path = directory.path();
+    nonius(path, "generate job.toml -o archive");
+    let archive = after_job("active_while_measuring = \"archive\"", "");
+    fs::write(path.join("after.toml"), archive).unwrap();
+    let (status, document) = judged(path, "after.toml");
+    assert_eq!(status, Some(0), "{document:#}");
+}
+
+#[test]
+fn the_scale_of_the_laser_is_in_the_uncertainty() {
+    let directory = visit(LEFT);
+    let path = directory.path();
+    let stated = "[measurement.uncertainty]\nnoise_um = 0.1\nlaser_ppm = 5.0\nsetup_ppm = 1.0\n";
+    fs::write(path.join("after.toml"), after_job(KIT_ACTIVE, stated)).unwrap();
+    let (_, document) = judged(path, "after.toml");
+    // 0.1²+ 0.1² + (5 µm/m · 0.1 m)² = 0.27; no laser scale in a straightness.
+    assert_eq!(document["terms"]["EXX"]["u_um"], 0.519615);
+    assert_eq!(document["terms"]["EYX"]["u_um"], 0.141421);
+    let notes = document["notes"].to_string();
+    assert!(
+        notes.contains("5 µm/m") && notes.contains("`setup_ppm`"),
+        "{notes}"
+    );
+    assert!(!notes.contains("`laser_ppm`"), "{notes}");
+}
+
+#[test]
+fn far_fewer_positions_leave_it_undecided() {
+    let rows = |step: usize| {
+        let at = (0..=100).step_by(step).map(|x| format!("x,{x},0.1,0.1\n"));
+        format!("axis,position_mm,ex_um,ey_um\n{}", at.collect::<String>())
+    };
+    let directory = visit(LEFT);
+    let path = directory.path();
+    fs::write(path.join("errors.csv"), rows(10)).unwrap();
+    nonius(path, "generate job.toml -o kit --force");
+    for (step, verdict) in [(20, "pass"), (25, "undecided"), (100, "undecided")] {
+        fs::write(path.join("after.csv"), rows(step)).unwrap();
+        let (_, document) = judged(path, "after.csv");
+        assert_eq!(document["verdict"], verdict, "every {step} mm");
+        assert_eq!(
+            causes(&document).contains("known between them"),
+            verdict != "pass"
+        );
+    }
+}
+
+/// Errors in both directions with a lost motion, and what `generate` does with it.
+fn both_ways(policy: &str, lost_um: f64) -> tempfile::TempDir {
+    let directory = visit(LEFT);
+    let path = directory.path();
+    fs::write(path.join("errors.csv"), directed(["0", "6", "16"], lost_um)).unwrap();
+    let job = JOB.replace(
+        "[compensation]\n",
+        &format!("[compensation]\nbacklash = \"{policy}\"\n"),
+    );
+    fs::write(path.join("job.toml"), job).unwrap();
+    nonius(path, "generate job.toml -o kit --force");
+    directory
+}
+
+/// Rows of X in both directions; moving - it stands `lost_um` further in +.
+fn directed(ex_um: [&str; 3], lost_um: f64) -> String {
+    let mut text = "axis,direction,position_mm,ex_um,ey_um,u_ex_um,u_ey_um\n".to_string();
+    for (way, lost) in [("+", 0.0), ("-", lost_um)] {
+        for (at, um) in [0, 50, 100].iter().zip(ex_um) {
+            let um: f64 = um.parse().unwrap();
+            text.push_str(&format!("x,{way},{at},{},0,0.05,0.05\n", um + lost));
+        }
+    }
+    text
+}
+
+#[test]
+fn one_direction_decides_nothing_where_the_reversal_is_compensated() {
+    let one_way =
+        "axis,direction,position_mm,ex_um,ey_um\nx,+,0,0,0\nx,+,50,0.1,0\nx,+,100,0.1,0\n";
+    for (policy, verdict) in [
+        ("two-tables", "undecided"),
+        ("curve-and-parameter", "undecided"),
+    ] {
+        let directory = both_ways(policy, 3.0);
+        fs::write(directory.path().join("after.csv"), one_way).unwrap();
+        let (_, document) = judged(directory.path(), "after.csv");
+        assert_eq!(document["verdict"], verdict, "{policy}: {document:#}");
+        assert!(
+            causes(&document).contains("reversal that is left: EXX"),
+            "{policy}"
+        );
+    }
+}
+
+#[test]
+fn lost_motion_that_the_first_measurement_could_not_see_is_named() {
+    let directory = visit(&directed(["0", "0.05", "0"], 5.0));
+    let (_, document) = judged(directory.path(), "after.csv");
+    assert_eq!(document["verdict"], "fail");
+    assert!(
+        causes(&document).contains("LOST MOTION, no fault of the tables"),
+        "{document:#}"
+    );
+    assert!(causes(&document).contains("EXX -5.000"), "{document:#}");
+    assert!(!causes(&document).contains("unknown"), "{document:#}");
+}
+
+#[test]
+fn without_limits_a_turned_sign_is_undecided() {
+    let directory = visit("axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,12,6\nx,100,32,-8\n");
+    let (job, _) = JOB.split_once("[acceptance]").unwrap();
+    fs::write(directory.path().join("job.toml"), job).unwrap();
+    let (status, document) = judged(directory.path(), "after.csv");
+    assert_eq!(
+        (status, &document["verdict"]),
+        (Some(1), &"undecided".into())
+    );
+    assert!(causes(&document).contains("SIGN TURNED"), "{document:#}");
+}
+
+#[test]
+fn what_is_off_the_forecast_is_named_though_it_passes() {
+    let directory = visit(&table(
+        &[[0.0, 0.0, 0.0], [50.0, 0.6, 0.0], [100.0, 0.0, 0.0]],
+        0.05,
+    ));
+    let errors = table(
+        &[[0.0, 0.0, 0.0], [50.0, 6.0, 3.0], [100.0, 16.0, -4.0]],
+        0.05,
+    );
+    fs::write(directory.path().join("errors.csv"), errors).unwrap();
+    let (_, document) = judged(directory.path(), "after.csv");
+    assert_eq!(document["verdict"], "pass");
+    let notes = document["notes"].to_string();
+    assert!(
+        notes.contains(
+            "three standard uncertainties of both measurements: EXX 0.600 µm (u = 0.087 µm)"
+        ),
+        "{notes}"
+    );
+    assert!(!notes.contains("EYX"), "{notes}");
+}
+
+#[test]
+fn a_limit_missed_without_a_stated_uncertainty_says_so() {
+    let directory = visit("axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,2,0\nx,100,0,0\n");
+    let (_, document) = judged(directory.path(), "after.csv");
+    assert!(
+        causes(&document).contains("EXX leaves 2.000 µm (U not stated)"),
+        "{document:#}"
+    );
+}
+
+/// Slopes of cross terms that were separated hold another rotation than those of a given table.
+#[test]
+fn another_frame_leaves_it_undecided() {
+    let directory = visit(&format!(
+        "# note: frame: X primary, XY plane secondary (EYX without slope)\n{LEFT}"
+    ));
+    let (_, document) = judged(directory.path(), "after.csv");
+    assert_eq!(document["verdict"], "undecided");
+    assert!(
+        causes(&document).contains("as found: as given; afterwards: frame: X primary"),
+        "{document:#}"
+    );
+}
+
+/// The kit names a parameter in its manifest; the job asks for another one.
+#[test]
+fn the_backlash_parameter_of_a_kit_is_the_one_of_its_manifest() {
+    let directory = both_ways("curve-and-parameter", 3.0);
+    let path = directory.path();
+    let (status, said, _) = nonius(path, "verify job.toml --tables kit");
+    assert_eq!(status, Some(0), "{said}");
+    fs::write(path.join("errors.csv"), directed(["0", "6", "16"], 5.0)).unwrap();
+    let (status, said, _) = nonius(path, "verify job.toml --tables kit --format json");
+    let document: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!((status, &document["verdict"]), (Some(1), &"fail".into()));
+    assert!(
+        causes(&document).contains("the kit was made for 3 µm, the job asks for 5 µm"),
+        "{document:#}"
+    );
+    assert_eq!(document["terms"]["EXX"]["forecast_um"], 2.0);
+    let (_, said, _) = nonius(path, "simulate job.toml --tables kit --errors -o -");
+    assert!(said.contains("x,100,2,"), "{said}");
+    assert!(
+        said.contains("3.000 µm as manifest.json of the kit names it"),
+        "{said}"
     );
 }

@@ -354,7 +354,7 @@ fn a_changed_sign_proof_is_found_and_does_not_reach_the_tables() {
                 },
             })
             .collect();
-        kit::verify(&inputs, &files, Vec::new()).unwrap()
+        kit::verify(&inputs, &files, None, Vec::new()).unwrap()
     };
     let proof = files_of(&kit, Role::SignProof)[0].bytes;
     let text = std::str::from_utf8(proof).unwrap();

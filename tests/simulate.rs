@@ -157,7 +157,7 @@ proptest! {
         let job = job(&machine.volume, directed, true, true);
         let inputs = inputs(&job, &table(&machine, directed));
         let kit = generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
-        let loaded = Loaded::read(&inputs, &kit.kit_files()).unwrap_or_else(|p| panic!("{}", p.render()));
+        let loaded = Loaded::read(&inputs, &kit.kit_files(), None).unwrap_or_else(|p| panic!("{}", p.render()));
         let after = simulate(&inputs, Some(&loaded), Wishes::default());
         for run in &after.runs {
             for left in &run.deviations {

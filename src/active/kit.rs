@@ -137,14 +137,19 @@ fn check_controller(job: &Job, profile: &Profile, document: &Value, problems: &m
 fn backlash(job: &Job, profile: &Profile, state: &Value) -> Result<PerAxis<Option<f64>>, Problems> {
     let names = axis_names(job, profile)?;
     let of = |axis: Axis| {
-        let axes = state["axes"].as_array()?;
-        let own = |entry: &&Value| {
-            let name = entry["name"].as_str().unwrap_or_default();
-            names[axis].iter().any(|own| own.eq_ignore_ascii_case(name))
-        };
-        axes.iter().find(own)?["backlash_um"].as_f64()
+        let mut own = names[axis].iter();
+        own.find_map(|name| named_axis(state, name))?["backlash_um"].as_f64()
     };
     Ok(PerAxis::from_fn(of))
+}
+
+/// What the `state` of a manifest says of an axis of the control.
+pub fn named_axis<'a>(state: &'a Value, name: &str) -> Option<&'a Value> {
+    let own = |entry: &&Value| {
+        let named = entry["name"].as_str().unwrap_or_default();
+        named.eq_ignore_ascii_case(name)
+    };
+    state["axes"].as_array()?.iter().find(own)
 }
 
 /// Unit, axes, references and detection units of the kit against those of the job.

@@ -1,6 +1,6 @@
 //! What each value of the second measurement sees: which deviations, where, with which weight.
 
-use super::AfterMeasurement;
+use super::{AfterMeasurement, before_um};
 use crate::axis::{Direction, ErrorTerm, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PathKind};
 use crate::emulate::{CannotEmulate, Emulator, Response};
@@ -29,6 +29,8 @@ pub struct Observation {
     pub parts: Vec<Part>,
     /// The value, µm.
     pub um: f64,
+    /// The same of the machine without tables, from the first measurement: Σ weight · deviation, µm.
+    pub found_um: f64,
     /// Standard uncertainty (k = 1), µm; `None` = not stated.
     pub u_um: Option<f64>,
     /// Number of the curve or pass it stands on.
@@ -41,28 +43,19 @@ pub struct Observation {
 
 impl Observation {
     /// Σ weight · value of each part; `None` where one is unknown.
-    pub fn predicted_by(&self, value: &dyn Fn(&Part) -> Option<f64>) -> Option<f64> {
-        let values = self
-            .parts
-            .iter()
-            .map(|part| Some(part.weight * value(part)?));
-        values.sum()
-    }
-
-    /// Σ weight · value of each part; `None` where one is no number.
-    pub fn predicted(&self, value: impl Fn(&Part) -> f64) -> Option<f64> {
-        let sum: f64 = self
-            .parts
-            .iter()
-            .map(|part| part.weight * value(part))
-            .sum();
-        sum.is_finite().then_some(sum)
+    pub fn predicted(&self, value: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
+        weighted(&self.parts, value)
     }
 
     /// Whether it is a value of this term by itself.
     pub fn is_of(&self, term: ErrorTerm) -> bool {
         self.diagonal.is_none() && self.parts.iter().all(|part| part.term == term)
     }
+}
+
+fn weighted(parts: &[Part], value: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
+    let values = parts.iter().map(|part| Some(part.weight * value(part)?));
+    values.sum()
 }
 
 /// What a control adds to every term in either direction, apart by tables and constants.
@@ -150,13 +143,11 @@ const fn index(direction: Direction) -> usize {
 /// Every value of the second measurement that the first one has an answer to.
 pub fn observations(before: &ErrorModel, after: &AfterMeasurement) -> Vec<Observation> {
     match after {
-        AfterMeasurement::Diagonals(runs) => along_diagonals(runs),
-        AfterMeasurement::Errors(model) => {
+        AfterMeasurement::Diagonals(runs) => along_diagonals(before, runs),
+        AfterMeasurement::Errors(curves) => {
             let mut seen = Vec::new();
-            for (zero, (term, measured)) in model.measured().enumerate() {
-                if let Some(first) = &before.terms[term] {
-                    of_term(term, first, measured, zero, &mut seen);
-                }
+            for (zero, (term, measured)) in curves.model.measured().enumerate() {
+                of_term(before, term, measured, zero, &mut seen);
             }
             seen
         }
@@ -164,12 +155,15 @@ pub fn observations(before: &ErrorModel, after: &AfterMeasurement) -> Vec<Observ
 }
 
 fn of_term(
+    before: &ErrorModel,
     term: ErrorTerm,
-    first: &MeasuredTerm,
     measured: &MeasuredTerm,
     zero: usize,
     seen: &mut Vec<Observation>,
 ) {
+    let Some(first) = &before.terms[term] else {
+        return;
+    };
     let ways: Vec<(Option<Direction>, _)> = match &measured.measured {
         Measured::Undirected(curve) => vec![(None, curve)],
         Measured::OneWay(direction, curve) => vec![(Some(*direction), curve)],
@@ -181,10 +175,11 @@ fn of_term(
     for (number, (way, curve)) in ways.into_iter().enumerate() {
         for at in curve.knots() {
             let parts = parts_of(term, first, way, *at);
-            if !parts.is_empty() {
+            if let Some(found_um) = found_um(before, &parts) {
                 seen.push(Observation {
                     parts,
                     um: curve.at(*at).um(),
+                    found_um,
                     u_um: measured.u_um,
                     curve: 2 * zero + number,
                     zero,
@@ -193,6 +188,12 @@ fn of_term(
             }
         }
     }
+}
+
+/// What the first measurement says of a value; `None` where it has no answer.
+fn found_um(before: &ErrorModel, parts: &[Part]) -> Option<f64> {
+    let found = weighted(parts, |part| before_um(before, part));
+    found.filter(|_| !parts.is_empty())
 }
 
 /// A value without direction is the mean of the directions that were measured first; none where
@@ -224,7 +225,7 @@ fn parts_of(
     ways.into_iter().map(part).collect()
 }
 
-fn along_diagonals(runs: &super::StraightRuns) -> Vec<Observation> {
+fn along_diagonals(before: &ErrorModel, runs: &super::StraightRuns) -> Vec<Observation> {
     let mut seen = Vec::new();
     for (number, walk) in runs.walks.iter().enumerate() {
         let laser = runs.volume.laser(walk.diagonal);
@@ -236,9 +237,14 @@ fn along_diagonals(runs: &super::StraightRuns) -> Vec<Observation> {
                 at: place[term.along],
                 weight: laser[term.of],
             };
+            let parts: Vec<Part> = ErrorTerm::ALL.into_iter().map(part).collect();
+            let Some(found_um) = found_um(before, &parts) else {
+                continue; // refused before: every term was measured in every direction walked
+            };
             seen.push(Observation {
-                parts: ErrorTerm::ALL.into_iter().map(part).collect(),
+                parts,
                 um: *um,
+                found_um,
                 u_um: runs.u_um,
                 curve: number,
                 zero: zero_of(runs.one_zero, walk.diagonal, walk.pass),

@@ -170,7 +170,7 @@ fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedCo
         return Ok(None);
     };
     let found = read_directory(inputs, directory)?;
-    let mut loaded = load(inputs, &found.kit_files())?;
+    let mut loaded = load(inputs, &found.kit_files(), found.state.as_ref())?;
     loaded.disagreements.extend(found.remarks);
     Ok(Some((
         format!("the files of {}", directory.display()),

@@ -2,6 +2,8 @@
 
 mod active;
 
+pub(super) use self::active::read as active_control;
+
 use crate::after::{StraightRuns, Walk};
 use crate::controller::{Origin, Profile, builtin, load};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
@@ -322,6 +324,8 @@ impl CampaignFiles {
             walks,
             range_um: PerDiagonal::from_fn(|d| result.diagonals[d].range_um),
             u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
+            scale_um_per_m: self.job.measurement.uncertainty.laser_ppm.unwrap_or(0.0),
+            labels: result.labels,
             one_zero: self
                 .readings
                 .runs

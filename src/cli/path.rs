@@ -155,7 +155,7 @@ fn with_files(
         plan,
         control,
         mut disagreements,
-    } = load(inputs, &found.kit_files())?;
+    } = load(inputs, &found.kit_files(), found.state.as_ref())?;
     disagreements.extend(found.remarks);
     let volume = with_tables(volume, &inputs.model, &plan, control.as_ref()).map_err(|e| {
         Problem::new(format!("the tables cannot be emulated: {}", e.0))

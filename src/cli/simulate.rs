@@ -1,7 +1,7 @@
 //! `nonius simulate JOB -o readings.csv`
 
 use crate::cli::show::{Column, paragraphs, table};
-use crate::cli::verify::{kit_file, read_directory};
+use crate::cli::verify::read_directory;
 use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
 use crate::diagonal::{Diagonal, PathKind};
 use crate::error_table;
@@ -162,20 +162,20 @@ fn tables(options: &Options, inputs: &Inputs) -> Result<(Option<Loaded>, Origin)
     if options.without_tables {
         return Ok((None, origin));
     }
-    let mut load = |files: &[KitFile<'_>]| -> Result<Loaded, Problems> {
+    let mut load = |files: &[KitFile<'_>], named: Option<&Value>| -> Result<Loaded, Problems> {
         origin.table_files = files.iter().map(|f| hashed(f.path, f.bytes)).collect();
-        Loaded::read(inputs, files)
+        Loaded::read(inputs, files, named)
     };
     let loaded = match &options.tables {
         None => {
-            let loaded = load(&generate(inputs)?.kit_files())?;
+            let loaded = load(&generate(inputs)?.kit_files(), None)?;
             origin.tables = "with the tables that generate makes from it".to_string();
             loaded
         }
         Some(directory) => {
             let found = read_directory(inputs, directory)?;
-            let files: Vec<KitFile<'_>> = found.files.iter().map(kit_file).collect();
-            let loaded = load(&files)?;
+            let loaded = load(&found.kit_files(), found.state.as_ref())
+                .map_err(|problems| found.instead_of(problems))?;
             origin.tables = format!("with the tables in {}", inputs::file_name(directory));
             origin.notes.extend(found.remarks);
             origin.notes.extend(found.notes);

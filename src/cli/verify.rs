@@ -3,11 +3,12 @@
 mod page;
 mod second;
 
+use crate::active::from_read_out;
 use crate::cli::inputs::{self, plain_words, read_file};
 use crate::cli::{Answer, Format, print, print_json, show};
 use crate::controller::{Profile, Role};
 use crate::forecast::{Forecast, Verdict};
-use crate::kit::{Inputs, Verification, sha256, verify};
+use crate::kit::{Inputs, Verification, sha256, verify, verify_read_out};
 use crate::manifest::{HashedFile, diagonals, picometres};
 use crate::problem::{Problem, Problems, shown};
 use crate::readback::kit::{KitFile, may_be_meant_for};
@@ -21,15 +22,15 @@ pub(super) fn run(
     format: Format,
 ) -> Result<Answer, Problems> {
     let inputs = inputs::read(job)?;
-    let second = after.map(|path| second::read(&inputs, path)).transpose()?;
+    let second = after
+        .map(|path| second::read(&inputs, path, directory))
+        .transpose()?;
     let found = read_directory(&inputs, directory)?;
-    let files: Vec<KitFile<'_>> = found.kit_files();
-    let mut verification = verify(&inputs, &files, found.remarks.clone())
-        .map_err(|problems| behind(found.other_control, problems))?;
+    let mut verification = judged(&inputs, directory, &found)?;
     if found.names_missing {
         verification.absent.clear(); // a listed file that is missing was named
     }
-    verification.absent.extend(found.notes);
+    verification.absent.extend(found.notes.iter().cloned());
     if let Some(second) = second {
         return page::answer(&inputs, directory, &verification, &second, format);
     }
@@ -44,11 +45,25 @@ pub(super) fn run(
     })
 }
 
+/// The files of a directory against the job.
+fn judged(inputs: &Inputs, directory: &Path, found: &Found) -> Result<Verification, Problems> {
+    if !found.is_read_out(&inputs.profile) {
+        let named = found.state.as_ref();
+        return verify(inputs, &found.kit_files(), named, found.remarks.clone())
+            .map_err(|problems| found.instead_of(problems));
+    }
+    let files = found.files.iter();
+    let files = files.map(|(name, _, bytes)| (name.clone(), bytes.clone()));
+    let path = directory.display().to_string();
+    let control = from_read_out(&inputs.job, &inputs.profile, &path, files.collect())?;
+    verify_read_out(inputs, &control)
+}
+
 /// Name, purpose and bytes of a file.
-pub(super) type NamedFile = (String, Role, Vec<u8>);
+type NamedFile = (String, Role, Vec<u8>);
 
 /// The file as a reader takes it.
-pub(super) fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
+fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
     KitFile {
         path,
         role: *role,
@@ -60,7 +75,7 @@ pub(super) fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
 #[derive(Default)]
 pub(super) struct Found {
     /// What the control could read.
-    pub(super) files: Vec<NamedFile>,
+    files: Vec<NamedFile>,
     /// Sentences that make the verdict `fail`.
     pub(super) remarks: Vec<String>,
     /// What was passed over, and what may explain a disagreement.
@@ -69,6 +84,8 @@ pub(super) struct Found {
     names_missing: bool,
     /// The kit was made for another control.
     other_control: Option<Problem>,
+    /// `state` of its manifest: the control outside the files.
+    pub(super) state: Option<Value>,
 }
 
 impl Found {
@@ -76,14 +93,24 @@ impl Found {
     pub(super) fn kit_files(&self) -> Vec<KitFile<'_>> {
         self.files.iter().map(kit_file).collect()
     }
-}
 
-/// Files that cannot be read, behind the reason for it where it is known.
-fn behind(reason: Option<Problem>, problems: Problems) -> Problems {
-    let mut all = Problems::none();
-    reason.into_iter().for_each(|reason| all.push(reason));
-    all.extend(problems);
-    all
+    /// Files without a manifest of which none is called as in a kit: read out of the control.
+    fn is_read_out(&self, profile: &Profile) -> bool {
+        let own = |name: &str| {
+            let mut files = profile.files.iter();
+            files.any(|file| file.path.eq_ignore_ascii_case(name))
+        };
+        self.state.is_none() && !self.files.iter().any(|(name, _, _)| own(name))
+    }
+
+    /// Files of another control cannot be read: that reason in place of what a reader of this
+    /// control makes of every line.
+    pub(super) fn instead_of(&self, problems: Problems) -> Problems {
+        match &self.other_control {
+            Some(reason) => reason.clone().into(),
+            None => problems,
+        }
+    }
 }
 
 /// What operating systems leave on a stick; no file of a control is called so.
@@ -146,6 +173,7 @@ pub(super) fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found,
         pass_over_unlisted(&mut found, &document, &inputs.profile);
         compare_hashes(&mut found, &document);
         compare_origin(&mut found, &document, inputs);
+        found.state = Some(document["state"].clone());
     }
     Ok(found)
 }

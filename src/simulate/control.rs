@@ -1,12 +1,14 @@
 //! The control that loaded the files of a kit.
 
+use crate::active::named_axis;
 use crate::after::Control;
 use crate::axis::Axis;
 use crate::compensation::compile;
-use crate::kit::{Inputs, cannot_emulate, emulator};
+use crate::kit::{Inputs, LoadedState, cannot_emulate, emulator, loaded_state};
 use crate::plan::{Task, plan};
 use crate::problem::Problems;
 use crate::readback::kit::{KitFile, read};
+use serde_json::Value;
 
 /// Tables that were read from bytes, in an emulated control.
 #[derive(Clone, Debug)]
@@ -18,15 +20,23 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// Reads the files of a kit as the control of the job would.
-    pub fn read(inputs: &Inputs, files: &[KitFile<'_>]) -> Result<Loaded, Problems> {
+    /// Reads the files of a kit as the control of the job would; `named` = `state` of its manifest.
+    pub fn read(
+        inputs: &Inputs,
+        files: &[KitFile<'_>],
+        named: Option<&Value>,
+    ) -> Result<Loaded, Problems> {
         let task = Task {
             job: &inputs.job,
             profile: &inputs.profile,
             model: &inputs.model,
         };
         let plan = plan(task)?;
-        let state = compile(task, &plan)?.state;
+        let compiled = compile(task, &plan)?;
+        let LoadedState {
+            state,
+            disagreements,
+        } = loaded_state(inputs, &plan, &compiled, named);
         let read = read(&inputs.profile, files)?;
         let control = emulator(&inputs.profile, &read.tables, &state)
             .and_then(|emulator| Control::new(&inputs.model, &plan, emulator.as_ref()))
@@ -35,10 +45,17 @@ impl Loaded {
             let name = plan.names[axis].first()?;
             let um = state.axis(name)?.backlash_um;
             (um.abs() > 0.0).then(|| {
-                format!("backlash parameter of {axis}: {um:.3} µm as this job asks for it; it stands in no file of the kit")
+                let source = match named.and_then(|state| named_axis(state, name)) {
+                    Some(_) => {
+                        "as manifest.json of the kit names it; no file for the control holds it"
+                    }
+                    None => "as this job asks for it; no file for the control holds it",
+                };
+                format!("backlash parameter of {axis}: {um:.3} µm {source}")
             })
         };
         let mut notes = read.notes;
+        notes.extend(disagreements);
         notes.extend(Axis::ALL.into_iter().filter_map(parameter));
         Ok(Loaded { control, notes })
     }

@@ -31,7 +31,9 @@ impl Origin {
             self.tables
         )];
         let sources = inputs.hashes.iter().skip(1);
-        lines.extend(sources.map(|file| format!("source: {} sha256 {}", file.path, file.sha256)));
+        lines.extend(
+            sources.map(|file| format!("predicted from: {} sha256 {}", file.path, file.sha256)),
+        );
         let tables = self.table_files.iter();
         lines.extend(tables.map(|file| format!("table: {} sha256 {}", file.path, file.sha256)));
         lines.push(format!(

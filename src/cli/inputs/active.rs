@@ -15,7 +15,7 @@ const MANIFEST: &str = "manifest.json";
 type NamedBytes = (String, Vec<u8>);
 
 /// Reads what the job names; every file that was read is hashed.
-pub(super) fn read(
+pub(in crate::cli) fn read(
     job: &Job,
     profile: &Profile,
     folder: &Path,

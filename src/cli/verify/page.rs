@@ -2,7 +2,10 @@
 
 use super::second::Second;
 use super::{absent, agreement, heading};
-use crate::after::{Comparison, Control, Line, Observation, compare, observations};
+use crate::after::{
+    AfterMeasurement, Comparison, Control, Line, Observation, compare, observations,
+    unseen_reversal,
+};
 use crate::axis::{Direction, PerAxis};
 use crate::causes::{Cause, Diagnosis, Question, diagnose};
 use crate::cli::show::{self, Column};
@@ -11,7 +14,7 @@ use crate::forecast::{COVERAGE_FACTOR, Forecast, Verdict};
 use crate::job::{Job, MeasuredData};
 use crate::kit::{Inputs, Verification, emulator};
 use crate::manifest::picometres;
-use crate::problem::Problems;
+use crate::problem::{Problem, Problems};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
@@ -22,6 +25,8 @@ struct Page<'a> {
     second: &'a Second,
     comparison: Comparison,
     diagnosis: Option<Diagnosis>,
+    /// Lost motion that the first measurement could not see, where it alone is off the forecast.
+    lost_motion: Option<String>,
     verdict: Verdict,
 }
 
@@ -32,6 +37,7 @@ pub(super) fn answer(
     second: &Second,
     format: Format,
 ) -> Result<Answer, Problems> {
+    second.ensure_active(inputs, verification)?;
     let page = page(inputs, verification, second)?;
     match format {
         Format::Json => print_json(&page.document())?,
@@ -50,8 +56,7 @@ fn page<'a>(
     second: &'a Second,
 ) -> Result<Page<'a>, Problems> {
     let plan = &verification.plan;
-    let state = &verification.compiled.state;
-    let control = emulator(&inputs.profile, &verification.found, state)
+    let control = emulator(&inputs.profile, &verification.found, &verification.state)
         .and_then(|emulator| Control::new(&inputs.model, plan, emulator.as_ref()));
     let comparison = compare(
         inputs.machine(),
@@ -60,28 +65,45 @@ fn page<'a>(
         verification.forecast.as_ref(),
         &second.measurement,
     )?;
-    let verdict = judged(inputs, verification, &comparison);
-    let diagnosis = match (&control, &verification.forecast) {
-        (Ok(control), Some(forecast)) => {
-            let seen = observations(&inputs.model, &second.measurement);
-            Some(diagnose(&question(
-                inputs,
-                verification,
-                forecast,
-                control,
-                &seen,
-            ))?)
+    let mut diagnosis = None;
+    let mut lost_motion = None;
+    if let (Ok(control), Some(forecast)) = (&control, &verification.forecast) {
+        let diagnosed = |measured: &AfterMeasurement| {
+            let seen = observations(&inputs.model, measured);
+            diagnose(&question(inputs, verification, forecast, control, &seen))
+        };
+        let found = diagnosed(&second.measurement)?;
+        if !found.as_forecast && found.causes.is_empty() {
+            lost_motion = unseen(inputs, &second.measurement, diagnosed)?;
         }
-        _ => None,
-    };
+        diagnosis = Some(found);
+    }
+    let verdict = judged(inputs, verification, &comparison, diagnosis.as_ref());
     Ok(Page {
         inputs,
         verification,
         second,
         comparison,
         diagnosis,
+        lost_motion,
         verdict,
     })
+}
+
+/// Lost motion that the first measurement could not see, if as left is as forecast without it.
+fn unseen(
+    inputs: &Inputs,
+    measured: &AfterMeasurement,
+    diagnosed: impl Fn(&AfterMeasurement) -> Result<Diagnosis, Problem>,
+) -> Result<Option<String>, Problem> {
+    let AfterMeasurement::Errors(curves) = measured else {
+        return Ok(None);
+    };
+    let Some(reversal) = unseen_reversal(&inputs.model, curves) else {
+        return Ok(None);
+    };
+    let without = diagnosed(&AfterMeasurement::Errors(Box::new(reversal.without)))?;
+    Ok(without.as_forecast.then_some(reversal.words))
 }
 
 fn question<'a>(
@@ -118,15 +140,23 @@ fn alpha_per_k(job: &Job) -> PerAxis<f64> {
 }
 
 /// The as-left figures against the acceptance; what is missing or doubtful decides nothing in
-/// favour, and files that differ from the job fail.
-fn judged(inputs: &Inputs, verification: &Verification, comparison: &Comparison) -> Verdict {
+/// favour, and files that differ from the job fail. Without any limit a machine that is not as
+/// forecast is not passed either.
+fn judged(
+    inputs: &Inputs,
+    verification: &Verification,
+    comparison: &Comparison,
+    diagnosis: Option<&Diagnosis>,
+) -> Verdict {
     if !verification.disagreements.is_empty() {
         return Verdict::Fail;
     }
     let asked = inputs.job.acceptance;
     let verdict = comparison.as_left.verdict(asked);
     let unknown = asked.max_deviation_um.is_some() && !comparison.missing.is_empty();
-    if unknown || !comparison.doubts.is_empty() {
+    let no_limit = asked.max_deviation_um.is_none() && asked.max_diagonal_um.is_none();
+    let off = no_limit && diagnosis.is_some_and(|found| !found.as_forecast);
+    if unknown || off || !comparison.doubts.is_empty() {
         return verdict.max(Verdict::Undecided);
     }
     verdict
@@ -169,7 +199,7 @@ impl Page<'_> {
                 .as_ref()
                 .map(|found| self.explained(found))
                 .unwrap_or_default(),
-            absent(&self.comparison.notes),
+            absent(&[self.comparison.notes.clone(), self.second.notes.clone()].concat()),
             absent(&verification.absent),
             self.assumptions(),
         ])
@@ -188,7 +218,44 @@ impl Page<'_> {
     }
 
     fn explained(&self, found: &Diagnosis) -> String {
-        explanation(found, self.verdict).join("\n")
+        self.explanation(found).join("\n")
+    }
+
+    /// What the data say of the causes, one line each.
+    fn explanation(&self, found: &Diagnosis) -> Vec<String> {
+        let off = format!(
+            "as left is {:.3} um (root mean square) off the forecast; sigma {:.3} um, {}",
+            found.off_um, found.basis.sigma_um, found.basis.words
+        );
+        if found.as_forecast {
+            return match self.verdict {
+                Verdict::Pass => Vec::new(),
+                _ => vec![format!(
+                    "the tables act as forecast, no fault shows ({off}): what is left was left by the plan, or lies within U"
+                )],
+            };
+        }
+        let mut lines = vec![format!("NOT AS FORECAST: {off}")];
+        match found.causes.as_slice() {
+            [] => lines.push(match &self.lost_motion {
+                Some(words) => format!("LOST MOTION, no fault of the tables: without regard to the direction as left is as forecast; {words}"),
+                None => "no single cause of those tried explains it: unknown, or several at once".to_string(),
+            }),
+            [only] => lines.push(format!("likely cause: {}", said(only))),
+            several => {
+                lines.push("likely causes, which these data cannot tell apart:".to_string());
+                lines.extend(several.iter().map(|cause| format!("  - {}", said(cause))));
+            }
+        }
+        let by_term = found.by_term.iter().filter(|_| self.lost_motion.is_none());
+        lines.extend(by_term.map(|words| format!("  {words}")));
+        lines.extend(
+            found
+                .decides
+                .iter()
+                .map(|words| format!("to decide: {words}")),
+        );
+        lines
     }
 
     fn measured_after(&self) -> String {
@@ -216,13 +283,14 @@ impl Page<'_> {
             .chain(
                 self.diagnosis
                     .iter()
-                    .flat_map(|found| explanation(found, self.verdict)),
+                    .flat_map(|found| self.explanation(found)),
             )
             .collect();
         let notes: Vec<String> = self
             .comparison
             .notes
             .iter()
+            .chain(&self.second.notes)
             .chain(&verification.absent)
             .chain(&verification.compiled.notes)
             .cloned()
@@ -240,41 +308,6 @@ impl Page<'_> {
             "notes": notes,
         })
     }
-}
-
-/// What the data say of the causes, one line each.
-fn explanation(found: &Diagnosis, verdict: Verdict) -> Vec<String> {
-    let off = format!(
-        "as left is {:.3} um (root mean square) off the forecast; sigma {:.3} um, {}",
-        found.off_um, found.basis.sigma_um, found.basis.words
-    );
-    if found.as_forecast {
-        return match verdict {
-            Verdict::Pass => Vec::new(),
-            _ => vec![format!(
-                "the tables act as forecast, no fault shows ({off}): what is left was left by the plan, or lies within U"
-            )],
-        };
-    }
-    let mut lines = vec![format!("NOT AS FORECAST: {off}")];
-    match found.causes.as_slice() {
-        [] => lines.push(
-            "no single cause of those tried explains it: unknown, or several at once".to_string(),
-        ),
-        [only] => lines.push(format!("likely cause: {}", said(only))),
-        several => {
-            lines.push("likely causes, which these data cannot tell apart:".to_string());
-            lines.extend(several.iter().map(|cause| format!("  - {}", said(cause))));
-        }
-    }
-    lines.extend(found.by_term.iter().map(|words| format!("  {words}")));
-    lines.extend(
-        found
-            .decides
-            .iter()
-            .map(|words| format!("to decide: {words}")),
-    );
-    lines
 }
 
 fn said(cause: &Cause) -> String {

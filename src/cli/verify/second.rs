@@ -1,14 +1,15 @@
 //! Files of a user → the measurement with the tables active.
 
-use crate::after::{AfterMeasurement, ensure_same_machine};
+use crate::active::ActiveControl;
+use crate::after::{AfterMeasurement, ensure_same_machine, measured_curves};
 use crate::cli::inputs::{self, file_name, read_argument};
 use crate::diagonal::PathKind;
+use crate::disagreement::{compare, measuring_systems};
 use crate::document::Source;
 use crate::error_table::ErrorTable;
-use crate::job::{Job, MeasuredData};
-use crate::kit::{Inputs, hashed};
+use crate::job::{ActiveTables, Job, MeasuredData};
+use crate::kit::{Inputs, Verification, cannot_emulate, emulator, hashed};
 use crate::manifest::HashedFile;
-use crate::model::ErrorModel;
 use crate::problem::{Place, Problem, Problems};
 use std::path::Path;
 
@@ -16,23 +17,126 @@ use std::path::Path;
 pub(super) struct Second {
     pub(super) measurement: AfterMeasurement,
     pub(super) hashes: Vec<HashedFile>,
+    /// What its job states or leaves open, one sentence each.
+    pub(super) notes: Vec<String>,
+    /// Its job, and the tables that were active as it names them, where they lie elsewhere.
+    active: Option<(Job, ActiveControl)>,
 }
 
-/// Reads an error table, or a job with errors, readings or straight diagonals.
-pub(super) fn read(first: &Inputs, path: &Path) -> Result<Second, Problems> {
+/// Reads an error table, or a job with errors, readings or straight diagonals, measured with the
+/// tables of a directory active.
+pub(super) fn read(first: &Inputs, path: &Path, tables: &Path) -> Result<Second, Problems> {
     let (name, bytes) = read_argument(path)?;
     let mut hashes = vec![hashed(&file_name(path), &bytes)];
     let source = Source::from_bytes(&name, &bytes)?;
-    let measurement = if is_job(path, &source.text) {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        of_job(first, &Job::read(source)?, folder, &mut hashes)?
-    } else {
-        of_table(first, source)?
-    };
+    if !is_job(path, &source.text) {
+        return Ok(Second {
+            measurement: of_table(first, source)?,
+            hashes,
+            notes: Vec::new(),
+            active: None,
+        });
+    }
+    let job = Job::read(source)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    ensure_same_machine(&first.job, &job)?;
+    let active = active(first, &job, folder, tables)?;
     Ok(Second {
-        measurement,
+        measurement: of_job(&job, folder, &mut hashes)?,
         hashes,
+        notes: notes(&job, tables),
+        active: active.map(|active| (job, active)),
     })
+}
+
+const ACTIVE: &str = "measurement.active_while_measuring";
+
+/// What was active as the second job names it; `None` where it says nothing, or names the tables
+/// that are judged.
+fn active(
+    first: &Inputs,
+    job: &Job,
+    folder: &Path,
+    tables: &Path,
+) -> Result<Option<ActiveControl>, Problems> {
+    match &job.measurement.active {
+        ActiveTables::NotStated => Ok(None),
+        ActiveTables::None => Err(job
+            .problem_at(
+                ACTIVE,
+                format!("the measurement afterwards shows the machine with `{}` active, but its job says that no table was", tables.display()),
+            )
+            .help("name the kit that was loaded, relative to this job; if none was loaded, it is a measurement to make tables from")
+            .into()),
+        ActiveTables::Path(path) => {
+            let place = |path: &Path| std::fs::canonicalize(path).ok();
+            let own = place(&folder.join(path));
+            if own.is_some() && own == place(tables) {
+                return Ok(None);
+            }
+            inputs::active_control(job, &first.profile, folder, &mut Vec::new())
+        }
+    }
+}
+
+/// What a second job states that its figures do not hold, and what it leaves open.
+fn notes(job: &Job, tables: &Path) -> Vec<String> {
+    const COUNTED: &str = "`laser_ppm`";
+    let unused = job.measurement.notes.iter();
+    let mut notes: Vec<String> = unused
+        .filter(|note| !note.starts_with(COUNTED))
+        .cloned()
+        .collect();
+    let stated = &job.measurement.uncertainty;
+    if let (MeasuredData::Errors(_), Some(ppm)) = (&job.measurement.data, stated.laser_ppm) {
+        notes.push(format!(
+            "U of the positioning errors holds the scale of the laser, {ppm} µm/m from the reference, as the second job states it"
+        ));
+    }
+    if job.measurement.active == ActiveTables::NotStated {
+        notes.push(format!(
+            "the job of the second measurement does not state `active_while_measuring`: the tables in {} are taken to have been active",
+            tables.display()
+        ));
+    }
+    notes
+}
+
+impl Second {
+    /// Refuses a measurement that was taken with other tables than those that are judged.
+    pub(super) fn ensure_active(
+        &self,
+        first: &Inputs,
+        verification: &Verification,
+    ) -> Result<(), Problems> {
+        let Some((job, active)) = &self.active else {
+            return Ok(());
+        };
+        let mut state = verification.state.clone();
+        for (axis, um) in active.backlash_um.iter() {
+            let names = &verification.plan.names[axis];
+            let own = state.axes.iter_mut().filter(|a| names.contains(&a.name));
+            own.for_each(|a| a.backlash_um = um.unwrap_or(a.backlash_um));
+        }
+        let control = |tables, state| {
+            emulator(&first.profile, tables, state).map_err(|reason| cannot_emulate(&reason))
+        };
+        let judged = control(&verification.found, &verification.state)?;
+        let active_then = control(&active.tables, &state)?;
+        let mut words = measuring_systems(&verification.found, &active.tables);
+        words.extend(compare(&verification.plan, judged.as_ref(), active_then.as_ref()).words);
+        if words.is_empty() {
+            return Ok(());
+        }
+        let mut problems = Problems::from(
+            job.problem_at(ACTIVE, "the measurement afterwards was taken with other tables active than those that are judged")
+                .help("name with `--tables` what was active, or with `active_while_measuring` what was loaded"),
+        );
+        words
+            .into_iter()
+            .for_each(|words| problems.push(Problem::new(words)));
+        Err(problems)
+    }
 }
 
 /// A job is a `.toml` file, or begins with a key or a section.
@@ -56,7 +160,7 @@ fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems
         .help("give a job with `errors` and its own `squareness_um_per_m` (none, if the slopes hold it)")
         .into());
     }
-    Ok(AfterMeasurement::Errors(Box::new(ErrorModel::build(
+    Ok(AfterMeasurement::Errors(Box::new(measured_curves(
         &first.job, &table,
     )?)))
 }
@@ -82,12 +186,10 @@ fn refuse_readings(source: &Source) -> Result<(), Problem> {
 }
 
 fn of_job(
-    first: &Inputs,
     job: &Job,
     folder: &Path,
     hashes: &mut Vec<HashedFile>,
 ) -> Result<AfterMeasurement, Problems> {
-    ensure_same_machine(&first.job, job)?;
     if let MeasuredData::Diagonals(measurement) = &job.measurement.data
         && measurement.kind == PathKind::Straight
     {
@@ -95,7 +197,7 @@ fn of_job(
         return Ok(AfterMeasurement::Diagonals(files.straight_runs()?));
     }
     let table = inputs::error_table(job, folder, hashes)?;
-    Ok(AfterMeasurement::Errors(Box::new(ErrorModel::build(
+    Ok(AfterMeasurement::Errors(Box::new(measured_curves(
         job, &table,
     )?)))
 }

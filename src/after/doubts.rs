@@ -1,0 +1,161 @@
+//! Why as-left figures decide nothing in favour, and what whoever reads the page should know.
+
+use super::{AfterMeasurement, Control, MeasuredCurves, StraightRuns, unseen_reversal};
+use crate::axis::{Axis, ErrorTerm};
+use crate::model::{ErrorModel, MeasuredTerm};
+
+/// Share of the range measured first that has to be measured again before a limit counts as kept:
+/// the offset targets of an acceptance test stay clear of the ends by half a step or so.
+const COVERED: f64 = 0.9;
+/// Gaps between the positions measured again, in gaps of the first measurement, beyond which
+/// nothing is known between them: every second position is enough, fewer are not.
+const WIDEST_GAP: f64 = 2.0;
+/// Positions of inch targets are rounded.
+const ROUNDING: f64 = 1.0 + 1e-6;
+
+/// Why the figures decide nothing in favour, one sentence each.
+pub(super) fn doubts(
+    before: &ErrorModel,
+    control: Option<&Control>,
+    after: &AfterMeasurement,
+) -> Vec<String> {
+    let mut doubts = match after {
+        AfterMeasurement::Errors(curves) => curves.model.doubts(|_| true),
+        AfterMeasurement::Diagonals(_) => Vec::new(),
+    };
+    let axes = Axis::ALL.into_iter();
+    doubts.extend(axes.filter_map(|axis| short(before, after, axis)));
+    if let AfterMeasurement::Errors(curves) = after {
+        let axes = Axis::ALL.into_iter();
+        doubts.extend(axes.filter_map(|axis| sparse(before, &curves.model, axis)));
+        doubts.extend(reversal_not_seen(before, control, &curves.model));
+        doubts.extend(other_frame(before, &curves.model));
+    }
+    doubts
+}
+
+/// An axis that was not measured again over its range, or not walked by the diagonals.
+fn short(before: &ErrorModel, after: &AfterMeasurement, axis: Axis) -> Option<String> {
+    let (first, last) = before.ranges[axis]?;
+    let (low, high) = match after {
+        AfterMeasurement::Errors(curves) => {
+            let (low, high) = curves.model.ranges[axis]?;
+            (low.mm(), high.mm())
+        }
+        AfterMeasurement::Diagonals(runs) => runs.range_mm(axis),
+    };
+    let common = high.min(last.mm()) - low.max(first.mm());
+    (common < COVERED * (last - first).mm()).then(|| {
+        format!(
+            "axis {axis} was measured from {} to {} mm as found, afterwards only from {low} to {high} mm: nothing is known of the rest",
+            first.mm(), last.mm()
+        )
+    })
+}
+
+/// An axis that was measured again at far fewer positions.
+fn sparse(before: &ErrorModel, after: &ErrorModel, axis: Axis) -> Option<String> {
+    let terms = after.measured().filter(|(term, _)| term.along == axis);
+    let gaps = terms.filter_map(|(term, measured)| {
+        let first = before.terms[term].as_ref()?;
+        Some((widest_gap_mm(first)?, widest_gap_mm(measured)?))
+    });
+    let (first, second) = gaps
+        .filter(|(first, second)| *second > ROUNDING * WIDEST_GAP * first)
+        .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+    Some(format!(
+        "axis {axis} was measured at positions {first:.3} mm apart as found, afterwards up to {second:.3} mm apart: nothing is known between them"
+    ))
+}
+
+/// Widest gap between neighbouring positions of a term, mm.
+fn widest_gap_mm(measured: &MeasuredTerm) -> Option<f64> {
+    let gaps = measured.curves().flat_map(|curve| {
+        let pairs = curve.knots().windows(2);
+        pairs.map(|pair| (pair[1] - pair[0]).mm())
+    });
+    gaps.reduce(f64::max)
+}
+
+/// Terms that were found in both directions and not measured so again.
+fn fewer_ways<'a>(
+    before: &'a ErrorModel,
+    after: &'a ErrorModel,
+) -> impl Iterator<Item = (ErrorTerm, &'a MeasuredTerm)> {
+    after.measured().filter(|(term, measured)| {
+        let both = |m: &MeasuredTerm| m.measured.has_both_ways();
+        before.terms[*term].as_ref().is_some_and(both) && !both(measured)
+    })
+}
+
+/// Both directions are corrected apart, and only one of them, or their mean, was measured again.
+fn reversal_not_seen(
+    before: &ErrorModel,
+    control: Option<&Control>,
+    after: &ErrorModel,
+) -> Option<String> {
+    let control = control?;
+    let terms = fewer_ways(before, after).filter(|(term, _)| !control.is_undirected(*term));
+    let names = names(terms.map(|(term, _)| term));
+    (!names.is_empty()).then(|| {
+        format!("the two directions are corrected apart, but were not both measured afterwards, so nothing is known of the reversal that is left: {names}")
+    })
+}
+
+/// Slopes of cross terms hold the rotation of the frame they are given in.
+fn other_frame(before: &ErrorModel, after: &ErrorModel) -> Option<String> {
+    let (first, second) = (frame(before), frame(after));
+    let crossed =
+        |(term, _): (ErrorTerm, &MeasuredTerm)| term.is_cross() && before.terms[term].is_some();
+    let rotates = after.measured().any(crossed);
+    (rotates && first != second).then(|| {
+        let said = |frame: Option<&str>| frame.unwrap_or("as given").to_string();
+        format!(
+            "the two measurements count from different frames (as found: {}; afterwards: {}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame",
+            said(first), said(second)
+        )
+    })
+}
+
+/// What a table that was separated says of its frame, without the explanation in brackets.
+fn frame(model: &ErrorModel) -> Option<&str> {
+    let mut notes = model.remarks.notes.iter();
+    let note = notes.find(|note| note.starts_with("frame"))?;
+    let end = note.find([';', '(']).unwrap_or(note.len());
+    Some(note[..end].trim())
+}
+
+/// What whoever reads the page should know, one sentence each.
+pub(super) fn notes(before: &ErrorModel, after: &AfterMeasurement) -> Vec<String> {
+    match after {
+        AfterMeasurement::Errors(curves) => of_curves(before, curves),
+        AfterMeasurement::Diagonals(runs) => of_runs(runs),
+    }
+}
+
+fn of_runs(runs: &StraightRuns) -> Vec<String> {
+    let mut notes = runs.labels.clone();
+    notes.push(
+        "straight runs show the body diagonals only: the nine errors were not measured afterwards"
+            .to_string(),
+    );
+    notes
+}
+
+fn of_curves(before: &ErrorModel, curves: &MeasuredCurves) -> Vec<String> {
+    let after = &curves.model;
+    let mut notes = after.remarks.notes.clone();
+    let fewer = names(fewer_ways(before, after).map(|(term, _)| term));
+    if !fewer.is_empty() {
+        notes.push(format!(
+            "found in both directions, measured afterwards without: {fewer}; a fault of the reversal does not show"
+        ));
+    }
+    notes.extend(unseen_reversal(before, curves).map(|reversal| reversal.words));
+    notes
+}
+
+fn names(terms: impl Iterator<Item = ErrorTerm>) -> String {
+    let names: Vec<String> = terms.map(|term| term.to_string()).collect();
+    names.join(", ")
+}

@@ -1,0 +1,98 @@
+//! The state of the control that goes with the files of a directory.
+//!
+//! A backlash parameter stands in no file for the control: a kit names it in its manifest. The job
+//! that the kit is judged by may ask for another one.
+
+use super::{Inputs, named_backlash};
+use crate::active::{ActiveControl, named_axis};
+use crate::compensation::Compiled;
+use crate::control_state::{AxisState, ControlState};
+use crate::plan::Plan;
+use serde_json::Value;
+
+/// Two parameters closer than this are one, µm (a manifest holds picometres).
+const SAME_UM: f64 = 1e-6;
+
+/// The control outside the files, as they go with it.
+#[derive(Clone, Debug)]
+pub struct LoadedState {
+    /// That of the job, with the backlash parameters that the manifest names.
+    pub state: ControlState,
+    /// Where the manifest names another one than the job, one sentence each.
+    pub disagreements: Vec<String>,
+}
+
+/// Puts the backlash parameters of a kit into the control of a job; `named` = `state` of its
+/// manifest, `None` where there is none, so that only the job says what they are.
+pub fn loaded_state(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    named: Option<&Value>,
+) -> LoadedState {
+    let mut loaded = LoadedState {
+        state: compiled.state.clone(),
+        disagreements: Vec::new(),
+    };
+    for axis in &mut loaded.state.axes {
+        let entry = named.and_then(|state| named_axis(state, &axis.name));
+        let Some(parameter) = entry.and_then(|entry| entry.get("backlash_um")) else {
+            continue; // no kit, or one from before manifests held it
+        };
+        let wanted = named_backlash(inputs, plan, compiled, &axis.name);
+        let words = take(axis, "the kit was made for", parameter.as_f64(), wanted);
+        loaded.disagreements.extend(words);
+    }
+    loaded
+}
+
+/// The same with the backlash parameters that were read out of the control. One that the job does
+/// not ask for acts as it did while measuring.
+pub(super) fn read_out_state(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    control: &ActiveControl,
+) -> LoadedState {
+    let mut loaded = LoadedState {
+        state: compiled.state.clone(),
+        disagreements: Vec::new(),
+    };
+    for (own, found) in control.backlash_um.iter() {
+        let names = &plan.names[own];
+        let axes = loaded.state.axes.iter_mut();
+        for axis in axes.filter(|axis| names.contains(&axis.name)) {
+            let wanted = named_backlash(inputs, plan, compiled, &axis.name);
+            if let (Some(_), Some(_)) = (found, wanted) {
+                let words = take(axis, "the control holds", *found, wanted);
+                loaded.disagreements.extend(words);
+            }
+        }
+    }
+    loaded
+}
+
+/// A parameter that the tables do not set counts from the one that acted while measuring.
+fn take(
+    axis: &mut AxisState,
+    who: &str,
+    named: Option<f64>,
+    wanted: Option<f64>,
+) -> Option<String> {
+    if let Some(um) = named {
+        axis.backlash_um += um - wanted.unwrap_or(0.0);
+    }
+    let said = |um: Option<f64>| um.map_or_else(|| "none".to_string(), |um| format!("{um} µm"));
+    let same = match (named, wanted) {
+        (Some(named), Some(wanted)) => (named - wanted).abs() <= SAME_UM,
+        (named, wanted) => named.is_none() && wanted.is_none(),
+    };
+    (!same).then(|| {
+        format!(
+            "backlash parameter of axis {}: {who} {}, the job asks for {}",
+            axis.name,
+            said(named),
+            said(wanted)
+        )
+    })
+}
