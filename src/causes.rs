@@ -24,6 +24,7 @@ mod decide;
 mod fault;
 mod fit;
 mod question;
+mod tried;
 mod words;
 
 pub use self::data::Basis;
@@ -31,7 +32,7 @@ pub use self::fault::{Fault, Scope};
 pub use self::question::Question;
 
 use self::data::{Data, Fit};
-use self::fault::all_faults;
+use self::tried::all_faults;
 use crate::after::{Observation, before_um};
 use crate::axis::ErrorTerm;
 use crate::problem::Problem;
@@ -138,8 +139,8 @@ fn all_fits(data: &Data<'_>, faults: &[Fault]) -> Vec<Fit> {
     faults.iter().map(|fault| data.fit(fault)).collect()
 }
 
-/// Faults with their fits that fit by themselves and are as good as the best one; what holds a
-/// simpler one of them as a special case is left out.
+/// Faults with their fits that fit by themselves and are as good as the best one, the usual ones
+/// first; what holds a simpler one of them as a special case is left out.
 fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault], fits: Vec<Fit>) -> Vec<(&'a Fault, Fit)> {
     let fits = faults.iter().zip(fits);
     let possible = fits.filter(|(fault, fit)| data.stands(fit) && fault.is_plausible(fit));
@@ -152,7 +153,9 @@ fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault], fits: Vec<Fit>) -> Vec
         .filter(|(_, score)| *score <= limit)
         .map(|(found, score)| (score, found))
         .collect();
-    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    near.sort_by(|(one, (a, _)), (other, (b, _))| {
+        a.rank().cmp(&b.rank()).then(one.total_cmp(other))
+    });
     let simple: Vec<&Fault> = near.iter().map(|(_, (fault, _))| *fault).collect();
     near.into_iter()
         .map(|(_, found)| found)
@@ -226,7 +229,7 @@ fn term_by_term(data: &Data<'_>) -> Vec<String> {
         }
         let off = data.farthest(&forecast, term);
         let off = off.map_or_else(String::new, |(um, part)| words::off_forecast(um, part));
-        let tried = fault::alone(data.question, term);
+        let tried = tried::alone(data.question, term);
         let fits = tried.iter().map(|fault| (fault, data.fit(fault)));
         let mut fits: Vec<(&Fault, Fit)> = fits
             .filter(|(fault, fit)| data.stands_alone(fit, term) && fault.is_plausible(fit))

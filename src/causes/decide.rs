@@ -28,10 +28,20 @@ struct Look {
     term: ErrorTerm,
     at: Millimetres,
     shown_um: Vec<BothWays>,
-    /// Groups of faults that differ there.
+    /// Groups of faults, and of the files, that differ there.
     groups: usize,
     /// Smallest distance of two groups, µm.
     gap_um: f64,
+}
+
+impl Look {
+    /// Whether no two faults show the same.
+    fn tells_all_apart(&self, told_apart_um: f64) -> bool {
+        let shown = self.shown_um.iter().enumerate();
+        let mut pairs =
+            shown.flat_map(|(at, one)| self.shown_um[at + 1..].iter().map(|o| (*one, *o)));
+        pairs.all(|(one, other)| apart_um(one, other) > told_apart_um)
+    }
 }
 
 /// The sentence.
@@ -69,7 +79,14 @@ fn read_back() -> &'static str {
 
 fn by_display(question: &Question<'_>, standing: &[(&Fault, Fit)], display: &str) -> String {
     match best_look(question, standing) {
-        Some(look) => display_at(question, standing, &look, display),
+        Some(look) if look.tells_all_apart(told_apart_um(question)) => {
+            display_at(question, standing, &look, display)
+        }
+        Some(look) => format!(
+            "{}; where that leaves more than one, {}",
+            display_at(question, standing, &look, display),
+            read_back()
+        ),
         None => format!(
             "what {display} shows differs by no more than {:.3} µm where was measured: {}",
             told_apart_um(question),
@@ -142,14 +159,12 @@ fn look(
     at: Millimetres,
 ) -> Look {
     let acting = |(fault, fit): &(&Fault, Fit)| acting_um(question, (fault, Some(fit)), term, at);
-    let mut shown_um: Vec<BothWays> = standing.iter().map(acting).collect();
-    if standing.len() == 1 {
-        shown_um.push(acting_um(question, (&Fault::None, None), term, at));
-    }
+    let shown_um: Vec<BothWays> = standing.iter().map(acting).collect();
+    let planned = acting_um(question, (&Fault::None, None), term, at);
     let told_apart = told_apart_um(question);
     let mut groups: Vec<BothWays> = Vec::new();
     let mut gap_um = f64::INFINITY;
-    for shown in &shown_um {
+    for shown in [&planned].into_iter().chain(&shown_um) {
         let distance = groups.iter().map(|other| apart_um(*shown, *other));
         let nearest = distance.fold(f64::INFINITY, f64::min);
         if nearest > told_apart {
