@@ -478,6 +478,8 @@ pub struct Profile {
     pub files: Vec<EmittedFile>,
     /// The steps of a service visit, in order.
     pub checklist: Vec<checklist::Step>,
+    /// The display that shows the correction that acts on an axis; `None` = none is known.
+    pub display: Option<Fact<String>>,
     /// How its part programs are written; `None` = no program can be written for it.
     pub program: Option<program::ProgramFacts>,
     /// All facts in words, in the order of the program's questions.

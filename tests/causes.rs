@@ -644,8 +644,12 @@ fn confusion(outcomes: &[Outcome]) -> String {
         "backlash twice",
         "backlash not",
         "temperature",
+        "measurement turned",
         "unknown",
     ];
+    let mut named = outcomes.iter().flat_map(|o| &o.named);
+    let other = named.find(|named| !kinds.contains(&named.as_str()));
+    assert_eq!(other, None, "a kind without a column");
     let mut text = String::from("| injected | runs |");
     for kind in kinds {
         write!(text, " {kind} |").unwrap();

@@ -5,6 +5,7 @@ use super::question::Question;
 use super::{RISK, quantile};
 use crate::after::{Observation, Part};
 use crate::axis::ErrorTerm;
+use std::collections::BTreeMap;
 
 /// What no laser resolves, µm.
 const SMALLEST_UM: f64 = 0.01;
@@ -112,18 +113,19 @@ impl<'a> Data<'a> {
         );
     }
 
-    /// The same with the second measurement in another unit.
-    pub(super) fn divided_by(&self, unit: f64) -> Data<'a> {
+    /// The same with the second measurement in another unit; its u is that of the values, or
+    /// (`u_times` = 1) right as it stands.
+    pub(super) fn in_another_unit(&self, times: f64, u_times: f64) -> Data<'a> {
         let found = |o: &Observation| found_variance(self.question, o);
         let seen = self.question.seen.iter();
         let sigma = |o: &Observation| {
-            let u = o.u_um.unwrap_or(0.0) / unit;
+            let u = o.u_um.unwrap_or(0.0) * u_times;
             (u * u + found(o) + rounding_variance(self.question)).sqrt()
         };
         Data {
             question: self.question,
             basis: self.basis.clone(),
-            measured_um: self.measured_um.iter().map(|um| um / unit).collect(),
+            measured_um: self.measured_um.iter().map(|um| um * times).collect(),
             found_um: self.found_um.clone(),
             planned: self.planned.clone(),
             sigma_um: seen.map(sigma).collect(),
@@ -135,6 +137,16 @@ impl<'a> Data<'a> {
     pub(super) fn times_found(&self) -> f64 {
         let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, um| most.max(um.abs()));
         largest(&self.measured_um) / largest(&self.found_um).max(SMALLEST_UM)
+    }
+
+    /// Root mean square of what was measured afterwards, less its zeros, µm.
+    pub(super) fn measured_rms(&self) -> f64 {
+        root_mean_square(&self.less_zeros(&self.measured_um))
+    }
+
+    /// Root mean square of what was found, less its zeros, µm.
+    pub(super) fn found_rms(&self) -> f64 {
+        root_mean_square(&self.less_zeros(&self.found_um))
     }
 
     pub(super) fn effects(&self, fault: &Fault, fitted: &[f64]) -> Vec<f64> {
@@ -202,15 +214,8 @@ impl<'a> Data<'a> {
     }
 
     fn by_curve(&self, fit: &Fit, of: impl Fn(&Observation) -> bool) -> Vec<f64> {
-        let mut sums: std::collections::BTreeMap<usize, (f64, f64)> =
-            std::collections::BTreeMap::new();
-        let values = self
-            .question
-            .seen
-            .iter()
-            .zip(&fit.residuals_um)
-            .zip(&self.sigma_um);
-        for ((observation, left), sigma) in values.filter(|((o, _), _)| of(o)) {
+        let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+        for (observation, left, sigma) in self.left(fit).filter(|(o, ..)| of(o)) {
             let sum = sums.entry(observation.curve).or_default();
             *sum = (sum.0 + (left / sigma).powi(2), sum.1 + 1.0);
         }
@@ -219,14 +224,53 @@ impl<'a> Data<'a> {
             .collect()
     }
 
-    /// Whether a fit is not rejected: all curves together, and each by itself.
+    /// Observations with what a fit leaves of them and their σ, µm.
+    fn left<'b>(&'b self, fit: &'b Fit) -> impl Iterator<Item = (&'b Observation, f64, f64)> {
+        let seen = self.question.seen.iter();
+        let values = seen.zip(&fit.residuals_um).zip(&self.sigma_um);
+        values.map(|((observation, left), sigma)| (observation, *left, *sigma))
+    }
+
+    /// Whether a fit is not rejected: all curves together, each by itself, and the two values of
+    /// one zero that lie farthest apart.
     pub(super) fn stands(&self, fit: &Fit) -> bool {
-        not_rejected(&self.by_curve(fit, |_| true))
+        not_rejected(&self.by_curve(fit, |_| true)) && self.no_two_values_apart(fit, |_| true)
     }
 
     /// The same for the curves of one term.
     pub(super) fn stands_alone(&self, fit: &Fit, term: ErrorTerm) -> bool {
         not_rejected(&self.by_curve(fit, |o| o.is_of(term)))
+            && self.no_two_values_apart(fit, |o| o.is_of(term))
+    }
+
+    /// A slope, a step or one bad place is diluted in the mean of a curve: so no two values that
+    /// count from one zero may differ from the prediction by more than their σ allows, at
+    /// [`RISK`] shared by all pairs (Bonferroni).
+    fn no_two_values_apart(&self, fit: &Fit, of: impl Fn(&Observation) -> bool) -> bool {
+        let mut groups: BTreeMap<usize, Vec<(f64, f64)>> = BTreeMap::new();
+        for (observation, left, sigma) in self.left(fit).filter(|(o, ..)| of(o)) {
+            let group = groups.entry(observation.zero).or_default();
+            group.push((left, sigma));
+        }
+        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
+        let pairs = |group: &Vec<(f64, f64)>| (group.len() * group.len()) as f64 / 2.0;
+        let limit = quantile(1.0 - RISK / groups.values().map(pairs).sum::<f64>(), 1.0);
+        groups.values().all(|group| {
+            let by_left = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
+            let ends = (group.iter().min_by(by_left), group.iter().max_by(by_left));
+            let (Some(low), Some(high)) = ends else {
+                return true;
+            };
+            (high.0 - low.0).powi(2) <= limit * (low.1.powi(2) + high.1.powi(2))
+        })
+    }
+
+    /// Where a term lies farthest off a fit: the value with its place; `None` = not measured by
+    /// itself.
+    pub(super) fn farthest<'b>(&'b self, fit: &'b Fit, term: ErrorTerm) -> Option<(f64, &'b Part)> {
+        let of_term = self.left(fit).filter(|(o, ..)| o.is_of(term));
+        let most = of_term.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        most.and_then(|(observation, left, _)| Some((left, observation.parts.first()?)))
     }
 
     /// Terms that were measured by themselves.

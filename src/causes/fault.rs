@@ -1,11 +1,11 @@
 //! The faults that are tried, and what each makes of the corrections.
 
 use super::MOST_KELVIN;
-use super::data::{Data, Fit};
+use super::data::Fit;
 use super::question::Question;
-use crate::after::Part;
-use crate::axis::{Axis, ErrorTerm};
-use crate::units::{MM_PER_INCH, Millimetres};
+use crate::after::{Part, before_um};
+use crate::axis::{Axis, Direction, ErrorTerm};
+use crate::units::Millimetres;
 
 /// Which tables a fault concerns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,18 +72,25 @@ pub enum Fault {
     DirectionsTurned(Scope),
     /// A backlash parameter acts once more than planned.
     BacklashTwice(Option<Axis>),
-    /// The reversal is not compensated.
+    /// The backlash parameter that the job asks for is 0.
     BacklashNot(Option<Axis>),
-    /// The scales of all axes are warmer or colder by the same amount.
+    /// The table made for this direction acts in both.
+    OneTable(Option<Axis>, Direction),
+    /// The tables that were active while measuring still act, the new ones do not.
+    OldTables,
+    /// They act beside the new ones.
+    OldBeside,
+    /// The first measurement has the wrong sign, so the tables have it too.
+    FirstTurned,
+    /// The tables do not act, and the second measurement has the wrong sign.
+    SecondTurned,
+    /// The scales of all axes are warmer or colder by the same K.
     Temperature,
     /// The scale of one axis is.
     TemperatureOf(Axis),
-    /// Every scale by its own amount.
+    /// Every scale by its own K.
     TemperatureEach,
 }
-
-/// Known factors beside −1, 0 and 2.
-const UNIT_FACTORS: [f64; 4] = [1000.0, 1.0 / 1000.0, MM_PER_INCH, 1.0 / MM_PER_INCH];
 
 /// What a part sees, without any fault.
 #[derive(Clone, Copy)]
@@ -107,9 +114,32 @@ impl Fault {
             Fault::Exchanged(..) | Fault::Transposed | Fault::Pair(..) => "wrong axis",
             Fault::DirectionsTurned(_) => "directions exchanged",
             Fault::BacklashTwice(_) => "backlash twice",
-            Fault::BacklashNot(_) => "backlash not",
+            Fault::BacklashNot(_) | Fault::OneTable(..) => "backlash not",
+            Fault::OldTables => "old tables active",
+            Fault::OldBeside => "old beside new",
+            Fault::FirstTurned | Fault::SecondTurned => "measurement turned",
             Fault::Temperature | Fault::TemperatureOf(_) | Fault::TemperatureEach => "temperature",
         }
+    }
+
+    /// Its place among causes that the data cannot tell apart: what happens often stands first.
+    pub(super) fn rank(&self) -> usize {
+        const USUAL_FIRST: [&str; 12] = [
+            "not active",
+            "old tables active",
+            "sign turned",
+            "old beside new",
+            "applied twice",
+            "backlash not",
+            "backlash twice",
+            "directions exchanged",
+            "wrong axis",
+            "shifted",
+            "temperature",
+            "measurement turned",
+        ];
+        let place = USUAL_FIRST.iter().position(|kind| *kind == self.kind());
+        place.unwrap_or(USUAL_FIRST.len())
     }
 
     /// Sorts the faults of one kind, the widest first.
@@ -122,9 +152,10 @@ impl Fault {
             }
             Fault::Exchanged(scope, _) => of(scope),
             Fault::Pair(..) => scopes.len(),
-            Fault::Shifted(axis) | Fault::BacklashTwice(axis) | Fault::BacklashNot(axis) => {
-                usize::from(axis.is_some())
-            }
+            Fault::Shifted(axis)
+            | Fault::BacklashTwice(axis)
+            | Fault::BacklashNot(axis)
+            | Fault::OneTable(axis, _) => usize::from(axis.is_some()),
             _ => 0,
         }
     }
@@ -172,26 +203,17 @@ impl Fault {
     }
 
     /// Whether its fitted numbers can be: no workshop is 20 K off.
-    pub(super) fn is_plausible(&self, data: &Data<'_>, fit: &Fit) -> bool {
-        let alpha = data.question.alpha_per_k;
-        let kelvin = |axis: Axis, slope: f64| slope / (alpha[axis] * 1e6);
-        let of = |axis: Axis, at: usize| {
-            let slope = fit.fitted.get(at).copied().unwrap_or(0.0);
-            kelvin(axis, slope).abs() <= MOST_KELVIN
-        };
+    pub(super) fn is_plausible(&self, fit: &Fit) -> bool {
         match self {
-            Fault::Temperature => of(Axis::X, 0),
-            Fault::TemperatureOf(axis) => of(*axis, 0),
-            Fault::TemperatureEach => Axis::ALL
-                .into_iter()
-                .enumerate()
-                .all(|(at, axis)| of(axis, at)),
+            Fault::Temperature | Fault::TemperatureOf(_) | Fault::TemperatureEach => {
+                fit.fitted.iter().all(|kelvin| kelvin.abs() <= MOST_KELVIN)
+            }
             _ => true,
         }
     }
 
-    /// What acts on the machine where a part looks: corrections with this fault, plus what the
-    /// temperature adds; µm.
+    /// What shows on the machine where a part looks, beside the deviation as found: the
+    /// corrections with this fault, and what comes from elsewhere; µm.
     pub(super) fn effect(
         &self,
         question: &Question<'_>,
@@ -199,63 +221,79 @@ impl Fault {
         part: &Part,
         planned: Planned,
     ) -> f64 {
+        self.correction(question, fitted, part, planned)
+            + self.beside(question, fitted, part, planned)
+    }
+
+    /// What the control adds with this fault, µm.
+    pub(super) fn correction(
+        &self,
+        question: &Question<'_>,
+        fitted: &[f64],
+        part: &Part,
+        planned: Planned,
+    ) -> f64 {
         let Planned { tables, constant } = planned;
-        let number = |at: usize| fitted.get(at).copied().unwrap_or(0.0);
+        let number = || fitted.first().copied().unwrap_or(0.0);
+        let tables_of =
+            |term: ErrorTerm| question.control.tables_um(term, part.direction, part.at) + constant;
         match self {
             Fault::Times(scope, factor) if scope.holds(part.term) => factor * tables + constant,
-            Fault::Factor(scope) if scope.holds(part.term) => number(0) * tables + constant,
+            Fault::Factor(scope) if scope.holds(part.term) => number() * tables + constant,
             Fault::Nothing => 0.0,
+            Fault::SecondTurned => constant,
             Fault::Unit(factor) => {
                 let at = Millimetres::new(part.at.mm() / factor);
                 factor * question.control.tables_um(part.term, part.direction, at) + constant
             }
             Fault::Shifted(axis) => self.shifted(question, *axis, fitted, part, planned),
             Fault::Exchanged(scope, map) if scope.holds(part.term) => {
-                question
-                    .control
-                    .tables_um(came_from(map, part.term), part.direction, part.at)
-                    + constant
+                tables_of(came_from(map, part.term))
             }
-            Fault::Transposed if part.term.is_cross() => {
-                let other = ErrorTerm {
-                    of: part.term.along,
-                    along: part.term.of,
-                };
-                question.control.tables_um(other, part.direction, part.at) + constant
-            }
-            Fault::Pair(one, two) if part.term == *one || part.term == *two => {
-                let other = if part.term == *one { *two } else { *one };
-                question.control.tables_um(other, part.direction, part.at) + constant
-            }
+            Fault::Transposed if part.term.is_cross() => tables_of(ErrorTerm {
+                of: part.term.along,
+                along: part.term.of,
+            }),
+            Fault::Pair(one, two) if part.term == *one => tables_of(*two),
+            Fault::Pair(one, two) if part.term == *two => tables_of(*one),
             Fault::DirectionsTurned(scope) if scope.holds(part.term) => {
-                question
-                    .control
-                    .tables_um(part.term, part.direction.opposite(), part.at)
-                    + constant
+                let other = part.direction.opposite();
+                question.control.tables_um(part.term, other, part.at) + constant
             }
             Fault::BacklashTwice(axis) if concerns(*axis, part.term) => {
                 tables + constant + question.parameter_um(part.term.along, part.direction)
             }
-            Fault::BacklashNot(axis) if concerns(*axis, part.term) => {
-                question.without_reversal_um(part)
+            Fault::BacklashNot(axis) if concerns(*axis, part.term) => tables,
+            Fault::OneTable(axis, way) if concerns(*axis, part.term) => {
+                question.control.tables_um(part.term, *way, part.at) + constant
             }
-            Fault::Temperature => {
-                tables
-                    + constant
-                    + expansion(
-                        question,
-                        part,
-                        number(0) * question.alpha_per_k[part.term.along] / question.alpha_per_k.x,
-                    )
-            }
-            Fault::TemperatureOf(axis) if part.term.along == *axis => {
-                tables + constant + expansion(question, part, number(0))
-            }
-            Fault::TemperatureEach => {
-                let own = Axis::ALL.iter().position(|axis| *axis == part.term.along);
-                tables + constant + expansion(question, part, number(own.unwrap_or_default()))
-            }
+            Fault::OldTables => question.old_um(part),
+            Fault::OldBeside => tables + constant + question.old_um(part),
             _ => tables + constant,
+        }
+    }
+
+    /// What the temperature adds to the machine, or a turned sign to a measurement, µm.
+    fn beside(
+        &self,
+        question: &Question<'_>,
+        fitted: &[f64],
+        part: &Part,
+        planned: Planned,
+    ) -> f64 {
+        let number = |at: usize| fitted.get(at).copied().unwrap_or(0.0);
+        let along = part.term.along;
+        match self {
+            Fault::FirstTurned => -2.0 * before_um(question.found(), part),
+            // The opposite of what is there: as found, and what acts beside the tables.
+            Fault::SecondTurned => -2.0 * (before_um(question.before, part) + planned.constant),
+            Fault::Temperature => expansion(question, part, number(0)),
+            Fault::TemperatureOf(axis) if along == *axis => expansion(question, part, number(0)),
+            Fault::TemperatureEach => {
+                let own = Axis::ALL.iter().position(|axis| *axis == along);
+                expansion(question, part, number(own.unwrap_or_default()))
+            }
+            _ => 0.0,
         }
     }
 
@@ -291,17 +329,20 @@ fn concerns(axis: Option<Axis>, term: ErrorTerm) -> bool {
     term.is_positioning() && axis.is_none_or(|axis| axis == term.along)
 }
 
-/// A scale error of a positioning term: slope (µm/m) · (position − reference).
-fn expansion(question: &Question<'_>, part: &Part, um_per_m: f64) -> f64 {
+/// A warmer scale of a positioning term: K · α · (position − reference), µm. A scale with α = 0
+/// does not grow.
+fn expansion(question: &Question<'_>, part: &Part, kelvin: f64) -> f64 {
     if part.term.is_positioning() {
-        um_per_m * (part.at.mm() - question.reference_mm[part.term.along]) / 1000.0
+        question.um_per_m(part.term.along, kelvin)
+            * (part.at.mm() - question.reference_mm[part.term.along])
+            / 1000.0
     } else {
         0.0
     }
 }
 
 /// The term whose tables act on `term` when those of X, Y, Z act on `map` instead.
-fn came_from(map: &[Axis; 3], term: ErrorTerm) -> ErrorTerm {
+pub(super) fn came_from(map: &[Axis; 3], term: ErrorTerm) -> ErrorTerm {
     let back = |axis: Axis| {
         let own = map.iter().position(|to| *to == axis);
         own.map_or(axis, |own| Axis::ALL[own])
@@ -310,107 +351,4 @@ fn came_from(map: &[Axis; 3], term: ErrorTerm) -> ErrorTerm {
         of: back(term.of),
         along: back(term.along),
     }
-}
-
-/// Every fault that can show in the data of a question.
-pub(super) fn all_faults(question: &Question<'_>) -> Vec<Fault> {
-    let tabled = |term: ErrorTerm| question.control.has_table(term);
-    let shows = |scope: Scope| {
-        question
-            .terms()
-            .into_iter()
-            .any(|term| scope.holds(term) && tabled(term))
-    };
-    let mut faults = Vec::new();
-    for scope in Scope::all().into_iter().filter(|scope| shows(*scope)) {
-        for factor in [-1.0, 0.0, 2.0].into_iter().chain(UNIT_FACTORS) {
-            faults.push(Fault::Times(scope, factor));
-        }
-        faults.push(Fault::Factor(scope));
-        if question.has_two_tables() {
-            faults.push(Fault::DirectionsTurned(scope));
-        }
-    }
-    faults.extend([MM_PER_INCH, 1.0 / MM_PER_INCH].map(Fault::Unit));
-    faults.extend(axis_faults(question));
-    faults.extend(
-        exchanges()
-            .into_iter()
-            .filter(|fault| acts_elsewhere(question, fault)),
-    );
-    faults.extend([Fault::Temperature, Fault::TemperatureEach]);
-    if question.has_parameter() {
-        faults.push(Fault::Nothing);
-    }
-    faults
-}
-
-fn axis_faults(question: &Question<'_>) -> Vec<Fault> {
-    let mut faults = vec![Fault::Shifted(None)];
-    let axes: Vec<Option<Axis>> = [None].into_iter().chain(Axis::ALL.map(Some)).collect();
-    faults.extend(Axis::ALL.map(|axis| Fault::Shifted(Some(axis))));
-    faults.extend(Axis::ALL.map(Fault::TemperatureOf));
-    for axis in axes {
-        faults.push(Fault::BacklashTwice(axis));
-        faults.push(Fault::BacklashNot(axis));
-    }
-    let positioned = question.terms();
-    let has = |axis: Axis| {
-        positioned.contains(&ErrorTerm {
-            of: axis,
-            along: axis,
-        })
-    };
-    faults.retain(|fault| match fault {
-        Fault::TemperatureOf(axis) => has(*axis),
-        Fault::BacklashTwice(axis) | Fault::BacklashNot(axis) => question.shows_reversal(*axis),
-        Fault::Shifted(Some(axis)) => positioned.iter().any(|term| term.along == *axis),
-        _ => true,
-    });
-    faults
-}
-
-fn exchanges() -> Vec<Fault> {
-    use Axis::{X, Y, Z};
-    let maps = [[Y, X, Z], [Z, Y, X], [X, Z, Y], [Y, Z, X], [Z, X, Y]];
-    let mut faults = Vec::new();
-    for scope in [Scope::All, Scope::Positioning, Scope::Cross] {
-        faults.extend(maps.map(|map| Fault::Exchanged(scope, map)));
-    }
-    faults.push(Fault::Transposed);
-    for (index, one) in ErrorTerm::ALL.into_iter().enumerate() {
-        let others = ErrorTerm::ALL.into_iter().skip(index + 1);
-        faults.extend(others.map(|two| Fault::Pair(one, two)));
-    }
-    faults
-}
-
-/// An exchange counts if a table of the kit comes to act on a term that was measured, or leaves it.
-fn acts_elsewhere(question: &Question<'_>, fault: &Fault) -> bool {
-    let tabled = |term: ErrorTerm| question.control.has_table(term);
-    question.terms().into_iter().any(|term| {
-        let other = match fault {
-            Fault::Exchanged(scope, map) if scope.holds(term) => came_from(map, term),
-            Fault::Transposed if term.is_cross() => ErrorTerm {
-                of: term.along,
-                along: term.of,
-            },
-            Fault::Pair(one, two) if term == *one => *two,
-            Fault::Pair(one, two) if term == *two => *one,
-            _ => term,
-        };
-        other != term && (tabled(term) || tabled(other))
-    })
-}
-
-/// What is tried on one term by itself.
-pub(super) fn alone(term: ErrorTerm) -> Vec<Fault> {
-    let scope = Scope::Term(term);
-    let factors = [0.0, -1.0, 2.0].map(|factor| Fault::Times(scope, factor));
-    let mut tried = factors.to_vec();
-    if term.is_positioning() {
-        tried.push(Fault::TemperatureOf(term.along));
-    }
-    tried.push(Fault::Shifted(Some(term.along)));
-    tried
 }

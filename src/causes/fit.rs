@@ -2,6 +2,7 @@
 
 use super::data::{Data, Fit};
 use super::fault::Fault;
+use super::quantile;
 use crate::axis::{Axis, ErrorTerm};
 use nalgebra::{DMatrix, DVector};
 
@@ -9,6 +10,10 @@ use nalgebra::{DMatrix, DVector};
 const NEGLIGIBLE: f64 = 1e-9;
 /// Steps to either side in which a shift is searched over half the length of the tables.
 const SHIFTS: f64 = 40.0;
+/// Sums of squares that differ by less are rounding.
+const SAME_SQUARE: f64 = 1.0 + 1e-9;
+/// Share of the cases in which the true shift lies within its stated uncertainty.
+const COVERED: f64 = 0.95;
 
 impl Data<'_> {
     /// The fault with its numbers fitted.
@@ -88,6 +93,33 @@ impl Data<'_> {
     }
 
     fn search(&self, axis: Axis, of: impl Fn(f64) -> Fit) -> f64 {
+        let most = self.longest_shift(axis);
+        if most <= 0.0 {
+            return 0.0;
+        }
+        let step = most / SHIFTS;
+        let square = |mm: f64| self.square(&of(mm));
+        let grid =
+            std::iter::successors(Some(-most), |mm| Some(mm + step)).take_while(|mm| *mm <= most);
+        let best = |places: &mut dyn Iterator<Item = f64>| {
+            let squares = places.map(|mm| (square(mm), mm));
+            let least = squares.min_by(|a, b| a.0.total_cmp(&b.0));
+            least.map_or(0.0, |(_, mm)| mm)
+        };
+        let middle = best(&mut grid.into_iter());
+        let narrow = narrowed(middle - step, middle + step, square);
+        let best = best(&mut [middle, narrow].into_iter());
+        let (low, high) = interval(
+            best,
+            most,
+            square,
+            square(best) * SAME_SQUARE + f64::MIN_POSITIVE,
+        );
+        f64::midpoint(low, high)
+    }
+
+    /// Half the length of the tables along an axis, mm; 0 without tables.
+    fn longest_shift(&self, axis: Axis) -> f64 {
         let along = ErrorTerm::ALL.into_iter().filter(|term| term.along == axis);
         let nodes: Vec<f64> = along
             .flat_map(|term| self.question.control.nodes(term))
@@ -95,20 +127,54 @@ impl Data<'_> {
             .collect();
         let low = nodes.iter().copied().fold(f64::INFINITY, f64::min);
         let high = nodes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if high <= low {
-            return 0.0;
-        }
-        let most = (high - low) / 2.0;
-        let step = most / SHIFTS;
-        let square = |mm: f64| self.square(&of(mm));
-        let grid =
-            std::iter::successors(Some(-most), |mm| Some(mm + step)).take_while(|mm| *mm <= most);
-        let best = grid
-            .map(|mm| (square(mm), mm))
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        let (_, middle) = best.unwrap_or((0.0, 0.0));
-        narrowed(middle - step, middle + step, square)
+        ((high - low) / 2.0).max(0.0)
     }
+
+    /// How far a fitted shift may lie from the true one, mm: to the farther end of the shifts
+    /// whose score is within that of 95 % (one degree of freedom), one number for each.
+    pub(super) fn shift_uncertainty_mm(&self, fault: &Fault, fit: &Fit) -> Vec<f64> {
+        let Fault::Shifted(axis) = fault else {
+            return Vec::new();
+        };
+        let limit = self.score(fit) + quantile(COVERED, 1.0);
+        let of = |(index, best): (usize, &f64)| {
+            let own = axis.unwrap_or(Axis::ALL[index]);
+            let score = |mm: f64| {
+                let mut tried = fit.fitted.clone();
+                tried[index] = mm;
+                self.score(&self.evaluated(fault, tried))
+            };
+            let (low, high) = interval(*best, self.longest_shift(own), score, limit);
+            (high - best).max(best - low)
+        };
+        fit.fitted.iter().enumerate().map(of).collect()
+    }
+}
+
+/// The stretch around `best` on which `of` stays within `limit`, to `most` on either side. Where a
+/// control corrects in steps the squares do so too: every shift of a plateau is as good.
+fn interval(best: f64, most: f64, of: impl Fn(f64) -> f64, limit: f64) -> (f64, f64) {
+    const FIRST_MM: f64 = 1e-3;
+    const ROUNDS: usize = 20;
+    let edge = |sign: f64| {
+        let within = |mm: f64| of(best + sign * mm) <= limit;
+        let mut inside = 0.0;
+        let mut outside = FIRST_MM;
+        while outside < most && within(outside) {
+            inside = outside;
+            outside *= 2.0;
+        }
+        for _ in 0..ROUNDS {
+            let middle = f64::midpoint(inside, outside);
+            if within(middle) {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        best + sign * inside
+    };
+    (edge(-1.0), edge(1.0))
 }
 
 /// Golden section.

@@ -1,9 +1,9 @@
 //! What is known when a cause is asked for.
 
-use crate::after::{Control, Observation, Part};
+use crate::after::{Control, Observation, Part, before_um};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::model::ErrorModel;
-use crate::units::{Deviation, Millimetres};
+use crate::units::Deviation;
 
 /// A correction that no laser resolves is none, µm.
 const SMALLEST_UM: f64 = 0.01;
@@ -13,6 +13,9 @@ const SMALLEST_UM: f64 = 0.01;
 pub struct Question<'a> {
     /// As found.
     pub before: &'a ErrorModel,
+    /// As found under the tables that were active then, which are part of `before` no more; `None` =
+    /// none were active.
+    pub under_tables: Option<&'a ErrorModel>,
     /// What the loaded tables add.
     pub control: &'a Control,
     /// The values of the second measurement.
@@ -27,6 +30,8 @@ pub struct Question<'a> {
     pub count_um: f64,
     /// Largest residual of the forecast, µm.
     pub forecast_um: f64,
+    /// The display of the control that shows the correction that acts; `None` = none is known.
+    pub display: Option<&'a str>,
 }
 
 impl Question<'_> {
@@ -39,25 +44,73 @@ impl Question<'_> {
         ErrorTerm::ALL.into_iter().filter(seen).collect()
     }
 
+    /// As found, as it was measured.
+    pub(super) fn found(&self) -> &ErrorModel {
+        self.under_tables.unwrap_or(self.before)
+    }
+
+    /// What the tables that were active while measuring added where a part looks, µm; 0 without
+    /// any.
+    pub(super) fn old_um(&self, part: &Part) -> f64 {
+        let under = self.under_tables;
+        under.map_or(0.0, |found| {
+            before_um(found, part) - before_um(self.before, part)
+        })
+    }
+
+    /// Growth of a scale that is this much warmer, µm/m.
+    pub(super) fn um_per_m(&self, axis: Axis, kelvin: f64) -> f64 {
+        kelvin * self.alpha_per_k[axis] * 1e6
+    }
+
+    /// Whether the second measurement sees the positions of an axis whose scale grows.
+    pub(super) fn shows_growth(&self, axis: Axis) -> bool {
+        self.alpha_per_k[axis] > 0.0 && self.terms().contains(&positioning(axis))
+    }
+
+    /// Where the second measurement looked along an axis, mm.
+    pub(super) fn range_mm(&self, axis: Axis) -> Option<(f64, f64)> {
+        let parts = self.seen.iter().flat_map(|o| &o.parts);
+        let along = parts.filter(|part| part.term.along == axis);
+        along.map(|part| part.at.mm()).fold(None, |range, mm| {
+            let (low, high) = range.unwrap_or((mm, mm));
+            Some((mm.min(low), mm.max(high)))
+        })
+    }
+
     pub(super) fn has_two_tables(&self) -> bool {
-        self.tabled().any(|(term, at)| {
+        ErrorTerm::ALL
+            .into_iter()
+            .any(|term| self.is_directed(term))
+    }
+
+    /// Whether the tables for + and − of a term differ.
+    fn is_directed(&self, term: ErrorTerm) -> bool {
+        self.control.nodes(term).into_iter().any(|at| {
             let um = Direction::BOTH.map(|way| self.control.tables_um(term, way, at));
             (um[0] - um[1]).abs() > SMALLEST_UM
         })
     }
 
     pub(super) fn has_parameter(&self) -> bool {
-        let ways = |term| Direction::BOTH.map(|way| self.control.constant_um(term, way));
-        let terms = ErrorTerm::ALL.into_iter().flat_map(ways);
-        terms.into_iter().any(|um| um.abs() > SMALLEST_UM)
+        ErrorTerm::ALL
+            .into_iter()
+            .any(|term| self.has_constant(term))
     }
 
-    fn tabled(&self) -> impl Iterator<Item = (ErrorTerm, Millimetres)> {
-        let nodes = |term: ErrorTerm| {
-            let nodes = self.control.nodes(term).into_iter();
-            nodes.map(move |at| (term, at))
-        };
-        ErrorTerm::ALL.into_iter().flat_map(nodes)
+    fn has_constant(&self, term: ErrorTerm) -> bool {
+        let ways = Direction::BOTH.map(|way| self.control.constant_um(term, way));
+        ways.into_iter().any(|um| um.abs() > SMALLEST_UM)
+    }
+
+    /// Whether a backlash parameter of the kit acts on an axis (`None` = on any).
+    pub(super) fn sets_parameter(&self, axis: Option<Axis>) -> bool {
+        of_any(axis, |axis| self.has_constant(positioning(axis)))
+    }
+
+    /// Whether an axis (`None` = any) has tables of its own for + and −.
+    pub(super) fn corrects_each_way(&self, axis: Option<Axis>) -> bool {
+        of_any(axis, |axis| self.is_directed(positioning(axis)))
     }
 
     /// What a backlash parameter of −B as found adds: it acts away from the reference direction.
@@ -72,39 +125,34 @@ impl Question<'_> {
 
     /// B of an axis as found, µm.
     pub(super) fn reversal_um(&self, axis: Axis) -> Option<f64> {
-        let measured = self.before.terms[ErrorTerm {
-            of: axis,
-            along: axis,
-        }]
-        .as_ref()?;
+        let measured = self.before.terms[positioning(axis)].as_ref()?;
         Some(measured.reversal()?.um())
-    }
-
-    /// Mean of both directions: the correction without its part for the reversal, µm.
-    pub(super) fn without_reversal_um(&self, part: &Part) -> f64 {
-        let way = |direction| {
-            let tables = self.control.tables_um(part.term, direction, part.at);
-            tables + self.control.constant_um(part.term, direction)
-        };
-        f64::midpoint(way(Direction::Plus), way(Direction::Minus))
     }
 
     /// Whether the data see an axis (`None` = any) in both directions, and it had a reversal.
     pub(super) fn shows_reversal(&self, axis: Option<Axis>) -> bool {
-        let of = |axis: Axis| {
-            let term = ErrorTerm {
-                of: axis,
-                along: axis,
-            };
+        of_any(axis, |axis| {
+            let term = positioning(axis);
             let sees = |way: Direction| {
                 let mut values = self.seen.iter();
                 values.any(|o| o.parts.iter().any(|p| p.term == term && p.direction == way))
             };
             self.reversal_um(axis).is_some() && Direction::BOTH.into_iter().all(sees)
-        };
-        match axis {
-            Some(axis) => of(axis),
-            None => Axis::ALL.into_iter().any(of),
-        }
+        })
+    }
+}
+
+fn positioning(axis: Axis) -> ErrorTerm {
+    ErrorTerm {
+        of: axis,
+        along: axis,
+    }
+}
+
+/// Whether it holds for this axis, or where none is named for any.
+fn of_any(axis: Option<Axis>, holds: impl Fn(Axis) -> bool) -> bool {
+    match axis {
+        Some(axis) => holds(axis),
+        None => Axis::ALL.into_iter().any(holds),
     }
 }

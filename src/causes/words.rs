@@ -1,34 +1,79 @@
 //! Causes in words for the shop floor.
 
+use super::Numbers;
 use super::fault::{Fault, Scope};
 use super::question::Question;
+use crate::after::Part;
 use crate::axis::{Axis, ErrorTerm};
-use crate::units::MM_PER_INCH;
+use crate::units::{MM_PER_INCH, Millimetres};
 
 /// How many faults of one kind are named; they look the same in the data.
 const NAMED: usize = 3;
 
-/// One sentence for a cause: what happened to which tables, and what it usually comes from.
-pub(super) fn cause(question: &Question<'_>, faults: &[Fault], fitted: &[f64]) -> String {
-    let mut which: Vec<String> = Vec::new();
+/// One sentence for a cause: what happened to which tables, and what it usually comes from. Faults
+/// of which the same can be said share it.
+pub(super) fn cause(question: &Question<'_>, faults: &[Fault], numbers: &Numbers) -> String {
+    let mut said: Vec<(Vec<String>, String)> = Vec::new();
     for fault in faults {
-        let words = subject(question, fault);
-        if !which.contains(&words) {
-            which.push(words);
+        let (subject, predicate) = (
+            subject(question, fault),
+            predicate(question, fault, numbers),
+        );
+        match said.iter_mut().find(|(_, other)| *other == predicate) {
+            Some((subjects, _)) if subjects.contains(&subject) => {}
+            Some((subjects, _)) => subjects.push(subject),
+            None => said.push((vec![subject], predicate)),
         }
     }
-    let more = which.len().saturating_sub(NAMED);
-    which.truncate(NAMED);
-    let mut which = which.join(", or ");
-    if more > 0 {
-        which = format!("{which}, or part of them");
+    let sentence = |(subjects, predicate): &(Vec<String>, String)| {
+        format!("{} {predicate}", first_few(subjects, ", or "))
+    };
+    let sentences: Vec<String> = said.iter().map(sentence).collect();
+    first_few(&sentences, "; or ")
+}
+
+/// Many that look the same in the data are cut.
+fn first_few(words: &[String], between: &str) -> String {
+    let joined = words[..words.len().min(NAMED)].join(between);
+    if words.len() > NAMED {
+        format!("{joined}{between}others like them")
+    } else {
+        joined
     }
-    format!("{which} {}", predicate(question, &faults[0], fitted))
 }
 
 /// A fault in a few words.
 pub(super) fn label(question: &Question<'_>, fault: &Fault) -> String {
-    format!("{} ({})", fault.kind(), subject(question, fault))
+    let what = match fault {
+        Fault::Times(scope, factor) if fault.kind() == "wrong unit" => {
+            format!("{}, {}", tables(*scope), inch(*factor))
+        }
+        Fault::Unit(factor) => format!("positions too, {}", inch(*factor)),
+        Fault::Exchanged(scope, map) => {
+            format!("{} on {}, {}, {}", tables(*scope), map[0], map[1], map[2])
+        }
+        Fault::OneTable(axis, way) => format!("{}: table of {way} both ways", of_axis(*axis)),
+        Fault::BacklashNot(axis) => format!("{}: no parameter", of_axis(*axis)),
+        Fault::FirstTurned => "the first".to_string(),
+        Fault::SecondTurned => "the second, and tables not active".to_string(),
+        fault => subject(question, fault),
+    };
+    format!("{} ({what})", fault.kind())
+}
+
+/// Where and by how much a term is off the forecast.
+pub(super) fn off_forecast(um: f64, part: &Part) -> String {
+    format!(
+        "{um:+.3} µm off the forecast at {} mm moving {}, ",
+        short(part.at),
+        part.direction
+    )
+}
+
+/// A position without zeros at its end.
+pub(super) fn short(at: Millimetres) -> String {
+    let text = format!("{:.3}", at.mm());
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 /// The tables of a scope.
@@ -39,7 +84,7 @@ fn tables(scope: Scope) -> String {
         Scope::Cross => "the tables of the cross terms".to_string(),
         Scope::Along(axis) => format!("the tables looked up along {axis}"),
         Scope::Of(axis) => format!("the tables that correct {axis}"),
-        Scope::Term(term) => format!("the table of {term}"),
+        Scope::Term(term) => format!("the tables of {term}"),
     }
 }
 
@@ -56,15 +101,20 @@ fn subject(question: &Question<'_>, fault: &Fault) -> String {
         Fault::Nothing => "all tables and backlash parameters".to_string(),
         Fault::Shifted(None) => "the tables of every axis".to_string(),
         Fault::Shifted(Some(axis)) => tables(Scope::Along(*axis)),
-        Fault::Exchanged(scope, _) => format!("{}, made for X, Y, Z,", tables(*scope)),
+        Fault::Exchanged(scope, _) => tables(*scope),
         Fault::Transposed => "the tables of the cross terms".to_string(),
         Fault::Pair(one, two) => format!(
             "the tables of {one} and {two}{}",
             absent(question, *one, *two)
         ),
-        Fault::BacklashTwice(axis) | Fault::BacklashNot(axis) => {
+        Fault::BacklashTwice(axis) | Fault::BacklashNot(axis) | Fault::OneTable(axis, _) => {
             format!("the reversal of {}", of_axis(*axis))
         }
+        Fault::OldTables | Fault::OldBeside => {
+            "the tables that were active while measuring".to_string()
+        }
+        Fault::FirstTurned => "the first measurement".to_string(),
+        Fault::SecondTurned => "the second measurement".to_string(),
         Fault::Temperature | Fault::TemperatureEach => "the scales of all axes".to_string(),
         Fault::TemperatureOf(axis) => format!("the scale of axis {axis}"),
     }
@@ -77,14 +127,40 @@ fn absent(question: &Question<'_>, one: ErrorTerm, two: ErrorTerm) -> String {
     without.map_or_else(String::new, |term| format!(" ({term} has none)"))
 }
 
-fn predicate(question: &Question<'_>, fault: &Fault, fitted: &[f64]) -> String {
-    let number = |at: usize| fitted.get(at).copied().unwrap_or(0.0);
-    match fault {
-        Fault::None => "act as forecast".to_string(),
-        Fault::Times(_, factor) => times(*factor),
-        Fault::Nothing => {
-            "do not act: not switched on, not loaded, or the axes were not referenced".to_string()
+fn predicate(question: &Question<'_>, fault: &Fault, numbers: &Numbers) -> String {
+    let number = |at: usize| numbers.fitted.get(at).copied().unwrap_or(0.0);
+    let fixed = match fault {
+        Fault::None => "act as forecast",
+        Fault::Nothing => NOT_ACTIVE,
+        Fault::Transposed => {
+            "act with base and corrected axis exchanged (EYX as EXY): look at input and output axis"
         }
+        Fault::Pair(..) => "are exchanged, or stand at the wrong axis",
+        Fault::DirectionsTurned(_) => "for + and - act in the other direction",
+        Fault::BacklashTwice(_) => {
+            "is counted once too often: a backlash parameter acts beside the tables"
+        }
+        Fault::BacklashNot(_) => "is not compensated: the backlash parameter is 0",
+        Fault::OldTables => "still act, the new ones do not: not loaded, or not switched on",
+        Fault::OldBeside => "act beside the new ones, which hold their values already",
+        Fault::FirstTurned => "has the wrong sign (direction of the laser), and so have the tables",
+        Fault::SecondTurned => {
+            "has the wrong sign (direction of the laser), and the tables do not act"
+        }
+        fault => return with_numbers(question, fault, numbers, number),
+    };
+    fixed.to_string()
+}
+
+/// What is said with a number or an axis in it.
+fn with_numbers(
+    question: &Question<'_>,
+    fault: &Fault,
+    numbers: &Numbers,
+    number: impl Fn(usize) -> f64,
+) -> String {
+    match fault {
+        Fault::Times(_, factor) => times(*factor),
         Fault::Factor(_) => format!(
             "act {:.3} times as strong as planned: look at magnification, detection unit, weight of the table, radius or diameter",
             number(0)
@@ -93,45 +169,33 @@ fn predicate(question: &Question<'_>, fault: &Fault, fitted: &[f64]) -> String {
             "are read in another unit: positions and values {}",
             inch(*factor)
         ),
-        Fault::Shifted(Some(_)) => shift(&[number(0)]),
-        Fault::Shifted(None) => shift(fitted),
+        Fault::Shifted(axis) => shift(*axis, numbers),
         Fault::Exchanged(_, map) => format!(
-            "act on {}, {}, {}: the control counts its axes in another order",
+            "were made for X, Y, Z and act on {}, {}, {}: the control counts its axes in another order",
             map[0], map[1], map[2]
         ),
-        Fault::Transposed => {
-            "act with base and corrected axis exchanged (EYX as EXY): look at input and output axis"
-                .to_string()
+        Fault::OneTable(_, way) => {
+            format!("is not compensated: the table for {way} acts in both directions")
         }
-        Fault::Pair(..) => "are exchanged, or stand at the wrong axis".to_string(),
-        Fault::DirectionsTurned(_) => "for + and - act in the other direction".to_string(),
-        Fault::BacklashTwice(_) => {
-            "is counted once too often: a backlash parameter acts beside the tables".to_string()
-        }
-        Fault::BacklashNot(_) => {
-            "is not compensated: the backlash parameter is 0, or one table acts in both directions"
-                .to_string()
-        }
-        Fault::Temperature => kelvin(question, Axis::X, number(0)),
-        Fault::TemperatureOf(axis) => kelvin(question, *axis, number(0)),
+        Fault::TemperatureOf(axis) => kelvin(question, &[(*axis, number(0))]),
+        Fault::Temperature => kelvin(question, &Axis::ALL.map(|axis| (axis, number(0)))),
         Fault::TemperatureEach => {
-            let each: Vec<String> = Axis::ALL
-                .into_iter()
-                .enumerate()
-                .map(|(at, axis)| format!("{axis} {}", kelvin(question, axis, number(at))))
-                .collect();
-            format!("differ each by its own: {}", each.join("; "))
+            let axes = Axis::ALL.into_iter().enumerate();
+            let each: Vec<(Axis, f64)> = axes.map(|(at, axis)| (axis, number(at))).collect();
+            kelvin(question, &each)
         }
+        _ => String::new(),
     }
 }
+
+const NOT_ACTIVE: &str = "do not act: not switched on, not loaded, or the axes were not referenced";
 
 fn times(factor: f64) -> String {
     if factor < 0.0 {
         return "act with the sign turned: they add where they should take away".to_string();
     }
     if factor == 0.0 {
-        return "do not act: not switched on, not loaded, or the axes were not referenced"
-            .to_string();
+        return NOT_ACTIVE.to_string();
     }
     if (factor - 2.0).abs() < 1e-12 {
         return "act twice: loaded beside an older compensation of the same errors, or with a doubled weight".to_string();
@@ -151,23 +215,33 @@ fn inch(factor: f64) -> String {
     }
 }
 
-fn shift(fitted: &[f64]) -> String {
-    let mm: Vec<String> = if let [only] = fitted {
-        vec![format!("{only:+.3}")]
-    } else {
-        let pairs = Axis::ALL.into_iter().zip(fitted);
-        pairs.map(|(axis, mm)| format!("{axis} {mm:+.3}")).collect()
-    };
+fn shift(axis: Option<Axis>, numbers: &Numbers) -> String {
+    let fitted = numbers.fitted.iter().zip(&numbers.uncertainty_mm);
+    let each = fitted.enumerate().map(|(at, (mm, u))| {
+        let decimals = usize::from(*u < 10.0);
+        let named = axis.map_or_else(|| format!("{} ", Axis::ALL[at]), |_| String::new());
+        format!("{named}{mm:+.decimals$} ± {u:.decimals$} mm")
+    });
     format!(
-        "act {} mm away from their place: the reference point is another one than in the job, or positions count from another zero",
-        mm.join(", ")
+        "act {} away from their place: the reference point is another one than in the job, or positions count from another zero",
+        each.collect::<Vec<String>>().join(", ")
     )
 }
 
-fn kelvin(question: &Question<'_>, axis: Axis, um_per_m: f64) -> String {
-    let alpha = question.alpha_per_k[axis] * 1e6;
+/// Warmer scales: the growth of each, and the temperature; one number where all share it.
+fn kelvin(question: &Question<'_>, axes: &[(Axis, f64)]) -> String {
+    let grows = |(axis, kelvin): &(Axis, f64)| {
+        let alpha = question.alpha_per_k[*axis] * 1e6;
+        let um_per_m = question.um_per_m(*axis, *kelvin);
+        if alpha > 0.0 {
+            format!("{axis} {um_per_m:+.2} µm/m ({kelvin:+.2} K at {alpha:.1}e-6 per K)")
+        } else {
+            format!("{axis} does not grow (0e-6 per K)")
+        }
+    };
+    let each: Vec<String> = axes.iter().map(grows).collect();
     format!(
-        "{um_per_m:+.2} um/m, as from {:+.2} K at {alpha:.1}e-6 per K: temperature of scale or workpiece, or its correction in the laser",
-        um_per_m / alpha
+        "grew: {}: temperature of scale or workpiece, or its correction in the laser",
+        each.join(", ")
     )
 }

@@ -85,6 +85,7 @@ fn read_profile(
     let files = read_files(root, base, templates);
     let program = program(root, base.and_then(|b| b.program.as_ref()), templates);
     let checklist = checklist(root, base.map(|b| b.checklist.as_slice()));
+    let display = display(root, base);
     let dialect = dialect?;
     let form = match &dialect {
         Dialect::Siemens(facts) => Some(facts.table_form.value),
@@ -105,6 +106,7 @@ fn read_profile(
             .map(|(_, file)| file)
             .collect(),
         checklist: checklist?,
+        display: display?,
         program: program?,
         statements: reader.statements.into_inner(),
     })
@@ -467,6 +469,25 @@ pub(super) fn evidence(fact: &Section<'_>) -> Option<Evidence> {
             ("executed", Evidence::Executed),
         ],
     )
+}
+
+/// `[display]`: where the control shows the correction that acts; that of the base where it is not
+/// stated.
+fn display(root: &Section<'_>, base: Option<&Profile>) -> Option<Option<Fact<String>>> {
+    let Some(section) = root.section("display") else {
+        return Some(base.and_then(|b| b.display.clone()));
+    };
+    let value = section.required_text("value", "the name of the display");
+    let source = section.required_text("source", "manual, edition and chapter, or why");
+    let evidence = evidence(&section);
+    let consequence = section.text("consequence");
+    section.refuse_unknown_keys();
+    Some(Some(Fact {
+        value: value?,
+        evidence: evidence?,
+        source: source?,
+        consequence,
+    }))
 }
 
 type FormFile = (Option<TableForm>, EmittedFile);

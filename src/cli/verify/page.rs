@@ -117,6 +117,7 @@ fn question<'a>(
     let counts = verification.compiled.placements.iter().map(|p| p.count_um);
     Question {
         before: &inputs.model,
+        under_tables: inputs.under_tables.as_ref(),
         control,
         seen,
         homing: PerAxis::from_fn(|a| axis(a).map_or(Direction::Plus, |a| a.homing())),
@@ -124,6 +125,7 @@ fn question<'a>(
         alpha_per_k: alpha_per_k(&inputs.job),
         count_um: counts.fold(0.0, f64::max),
         forecast_um: forecast.max_residual_um(),
+        display: inputs.profile.display.as_ref().map(|f| f.value.as_str()),
     }
 }
 
