@@ -277,7 +277,7 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         for (axis, lost) in [("X", 6.0), ("Y", 4.0), ("Z", 3.0)] {
             let curve = |sign: &str| &found["errors"][format!("E{axis}{axis}{sign}")];
             let b = number(&curve("-")["deviation_um"][0]) - number(&curve("+")["deviation_um"][0]);
-            assert!((b + lost).abs() < 0.6, "{axis}: {b}");
+            assert!((b - lost).abs() < 0.6, "{axis}: {b}");
         }
         assert!(
             !found["undetermined"].to_string().contains("reversal"),

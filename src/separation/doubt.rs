@@ -16,7 +16,7 @@ const NAMED: usize = 3;
 /// A mean closure that no instrument resolves contradicts nothing, µm.
 const SMALLEST_MEAN_UM: f64 = 0.02;
 /// A reversal that no instrument resolves is none, µm.
-const SMALLEST_REVERSAL_UM: f64 = 0.02;
+pub(super) const SMALLEST_REVERSAL_UM: f64 = 0.02;
 
 /// What the closure says against the nine errors.
 pub fn of_closure(

@@ -2,39 +2,53 @@
 //!
 //! The four programs are alike, so a file that was saved under another diagonal is complete and
 //! plausible. Its readings contradict the nine errors: what one diagonal saw of an axis stands at
-//! the other one's places and signs. Where a closure is in doubt, each of the six exchanges is
-//! tried; one is named if it leaves nothing to doubt and its closure scatters so much less that
-//! chance does not explain it.
+//! the other one's places and signs. Where something is in doubt, each of the six exchanges is
+//! tried; one is named if it leaves nothing to doubt and is clearly likelier than the names as read
+//! (with disturbed readings and ramps of roll left out of these).
 
 use super::campaign::{Campaign, corrected};
-use super::closure::{Closure, Known, closure};
+use super::closure::{Closure, Known, closure, spread_um};
 use super::doubt::of_closure;
-use super::noise::{known_noise, means, run_counts};
-use super::outlier::{FALSE_DOUBT, float};
+use super::increments::Means;
+use super::noise::{CorrectedRun, Noise, NoiseSource, known_noise, means, run_counts};
+use super::outlier::float;
 use super::repeats::repeats;
 use super::reversal::separable;
-use crate::axis::Axis;
-use crate::diagonal::{Diagonal, Run};
+use crate::diagonal::{Diagonal, Run, Volume};
 use crate::job::SetUp;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// A closure that no instrument resolves is in no doubt, µm.
 const SMALLEST_SPREAD_UM: f64 = 0.02;
+/// 2 ln of the odds from which an exchange is named: e¹⁵ to one, whatever the six chances are worth.
+const CLEARLY: f64 = 30.0;
+
+/// What the closure of the readings says under the names of the file.
+pub(super) struct AsRead<'a> {
+    pub(super) closure: &'a Closure,
+    /// The readings that were separated.
+    pub(super) means: &'a Means,
+    pub(super) noise: Option<Noise>,
+    pub(super) overrun: Option<bool>,
+}
 
 /// The exchange that explains the doubts best, in words; `None` where none does.
 pub(super) fn exchanged(
     campaign: &Campaign<'_>,
     runs: &[Run],
-    as_read: &Closure,
-    overrun: Option<bool>,
+    as_read: &AsRead<'_>,
 ) -> Option<String> {
-    let before = spread_um(as_read);
-    if before < SMALLEST_SPREAD_UM {
+    let volume = &campaign.measurement.volume;
+    if !is_open(as_read, volume) {
         return None;
     }
+    let before = spread_um(volume, as_read.means);
     let explains = |pair: &(Diagonal, Diagonal)| {
-        let after = spread_without_doubt(campaign, &under_names_of(runs, *pair), overrun)?;
-        is_clear(before, after, as_read.freedom).then_some((*pair, after))
+        let runs = corrected(campaign, &under_names_of(runs, *pair));
+        let measured = means(&runs);
+        let means = separable(&measured, volume, as_read.overrun == Some(false));
+        let after = spread_um(volume, &means);
+        let named = after < before && is_explanation(campaign, &runs, &means, as_read);
+        named.then_some((*pair, after))
     };
     let pairs = pairs();
     let found = pairs.iter().filter_map(explains);
@@ -42,6 +56,17 @@ pub(super) fn exchanged(
     Some(format!(
         "as if the readings of {one} and {other} were exchanged: under each other's name their closure scatters by {after:.3} µm, not {before:.3} µm, and nothing of it speaks against the nine errors; compare the names in the file with the programs that were run"
     ))
+}
+
+/// Whether something is in doubt, or could not be: where no noise is known but that of the closure, a
+/// scatter of it raises no doubt. What no instrument resolves beside roll is none.
+fn is_open(as_read: &AsRead<'_>, volume: &Volume) -> bool {
+    let left_um = as_read.closure.sigma_um().unwrap_or(0.0);
+    let doubts = of_closure(as_read.closure, as_read.noise, volume, SetUp::Solve);
+    let unknown = as_read
+        .noise
+        .is_none_or(|noise| noise.source == NoiseSource::Closure);
+    left_um > SMALLEST_SPREAD_UM && (unknown || !doubts.is_empty())
 }
 
 fn pairs() -> Vec<(Diagonal, Diagonal)> {
@@ -67,47 +92,29 @@ fn under_names_of(runs: &[Run], (one, other): (Diagonal, Diagonal)) -> Vec<Run> 
     runs
 }
 
-/// Scatter of the closure of these runs, µm; `None` where something speaks against them.
-fn spread_without_doubt(
+/// Whether nothing speaks against the nine errors of these runs, and they are so much likelier than
+/// the runs as read: 2 ln of the odds is the change of Q/σ², or ν ln of the ratio where σ is that of
+/// the closure itself.
+fn is_explanation(
     campaign: &Campaign<'_>,
-    runs: &[Run],
-    overrun: Option<bool>,
-) -> Option<f64> {
+    runs: &[CorrectedRun],
+    means: &Means,
+    as_read: &AsRead<'_>,
+) -> bool {
     let volume = &campaign.measurement.volume;
-    let runs = corrected(campaign, runs);
-    let repeats = repeats(&runs);
-    let noise = known_noise(&campaign.stated, repeats.noise);
-    let measured = means(&runs);
-    let means = separable(&measured, volume, overrun == Some(false));
+    let repeats = repeats(runs);
+    let stated = known_noise(&campaign.stated, repeats.noise);
     let known = Known {
-        noise,
+        noise: stated,
         outliers: &repeats.outliers,
-        skip_ends: means.reverse.is_some() && overrun != Some(true),
+        skip_ends: means.reverse.is_some() && as_read.overrun != Some(true),
     };
-    let closure = closure(volume, &means, &run_counts(&runs), known);
-    let noise = noise.or_else(|| closure.noise());
-    let doubts = of_closure(&closure, noise, volume, SetUp::Solve);
-    doubts.is_empty().then(|| spread_um(&closure))
-}
-
-/// Root mean square of w beside the mean of its axis, µm.
-fn spread_um(closure: &Closure) -> f64 {
-    let beside = |axis: Axis| {
-        let w = closure.by_interval[axis].iter();
-        w.map(move |w| (w - closure.mean[axis]).powi(2))
+    let closure = closure(volume, means, &run_counts(runs), known);
+    let noise = stated.or_else(|| closure.noise());
+    let before = as_read.closure;
+    let gain = match stated {
+        Some(noise) => (before.weighted_square - closure.weighted_square) / noise.sigma_um.powi(2),
+        None => float(before.freedom) * (before.weighted_square / closure.weighted_square).ln(),
     };
-    let squares: Vec<f64> = Axis::ALL.into_iter().flat_map(beside).collect();
-    (squares.iter().sum::<f64>() / float(squares.len().max(1))).sqrt()
-}
-
-/// Whether chance makes one scatter so much larger than the other; neighbouring w share readings,
-/// so that half of the degrees of freedom are counted.
-fn is_clear(before_um: f64, after_um: f64, freedom: usize) -> bool {
-    let half = float(freedom) / 2.0;
-    let Ok(spread) = FisherSnedecor::new(half, half) else {
-        return false;
-    };
-    let ratio = (before_um / after_um).powi(2);
-    // Six exchanges are tried.
-    spread.sf(ratio.min(f64::MAX)) < FALSE_DOUBT / 6.0
+    gain > CLEARLY && of_closure(&closure, noise, volume, SetUp::Solve).is_empty()
 }

@@ -10,8 +10,11 @@
 //! E is the mean curve of the separation, x0 the low end of the box. The cross terms of that axis
 //! hold the mean of both directions: nothing tells their reversal.
 
+use super::doubt::SMALLEST_REVERSAL_UM;
 use super::evidence::{Evidence, NineErrors};
 use super::lookup::at;
+use super::outlier::float;
+use super::reversal::Turn;
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::diagonal::{Diagonal, PathKind, Volume};
 use crate::error_table::ErrorTable;
@@ -58,10 +61,7 @@ pub(super) fn of_table(volume: &Volume, axis: Axis, table: &ErrorTable) -> Optio
 /// Sets the two directions of each positioning error apart by its reversal.
 pub(super) fn set_apart(errors: &mut NineErrors, reversals: &LinearReversals) {
     for axis in Axis::ALL {
-        let term = ErrorTerm {
-            of: axis,
-            along: axis,
-        };
+        let term = own_term(axis);
         let (Some(reversal), Some(mean)) = (&reversals[axis], &errors.mean[term]) else {
             continue;
         };
@@ -120,6 +120,37 @@ pub(super) fn u_along_diagonal_um(reversals: &LinearReversals, volume: &Volume) 
     };
     let squares = Axis::ALL.into_iter().filter_map(of_axis).map(|u| u * u);
     squares.sum::<f64>().sqrt()
+}
+
+/// Where the turn and the linear measurement of an axis contradict each other by more than six
+/// standard deviations, one sentence each: the axes turned otherwise than was stated, or the two were
+/// not measured in the same state.
+pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<String> {
+    let of_axis = |axis: Axis| {
+        let linear = reversals[axis].as_ref()?;
+        let of_turn = turn.reversal[own_term(axis)];
+        let um = mean(&linear.um);
+        let u_um = linear.u_um.as_ref()?.iter().copied().fold(0.0, f64::max);
+        let limit = 6.0 * of_turn.u_um?.hypot(u_um);
+        ((of_turn.um - um).abs() > limit.max(SMALLEST_REVERSAL_UM)).then(|| {
+            format!(
+                "the reversal of {axis} is {:.3} µm by the turn, {um:.3} µm by its linear measurement: check `overrun`, and whether both were measured in the same state",
+                of_turn.um
+            )
+        })
+    };
+    Axis::ALL.into_iter().filter_map(of_axis).collect()
+}
+
+const fn own_term(axis: Axis) -> ErrorTerm {
+    ErrorTerm {
+        of: axis,
+        along: axis,
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / float(values.len().max(1))
 }
 
 /// Where the reversals come from and what they leave open, in words; `None` without any.

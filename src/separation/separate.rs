@@ -7,7 +7,7 @@ use super::corrections::recorded;
 use super::curves::{Curve, with_slope};
 use super::doubt;
 use super::evidence::{Evidence, NineErrors, least_squares_squareness};
-use super::exchange;
+use super::exchange::{AsRead, exchanged};
 use super::increments::{Group, Means};
 use super::labels::labels;
 use super::linear_reversal::{self, LinearReversals, set_apart};
@@ -222,11 +222,18 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     ));
     labels.extend(solved.labels(agreement.is_some()));
     let mut doubts = doubt::of_closure(&closure, noise, volume, measurement.setup);
-    if !doubts.is_empty() || known.is_none() {
-        let exchange = exchange::exchanged(campaign, raw_runs, &closure, overrun);
-        doubts.splice(0..0, exchange);
-    }
+    let as_read = AsRead {
+        closure: &closure,
+        means: &means,
+        noise,
+        overrun,
+    };
+    doubts.splice(0..0, exchanged(campaign, raw_runs, &as_read));
     doubts.extend(agreement.as_ref().and_then(Agreement::contradiction));
+    let of_turn = turn.iter();
+    doubts.extend(
+        of_turn.flat_map(|turn| linear_reversal::contradictions(turn, &campaign.reversals)),
+    );
     let u_squareness = solved.u_squareness(&budget, &gains);
     let hidden = (overrun == Some(true) && campaign.reverse_zero_known)
         .then(|| doubt::hidden_reversal_um(&measured, noise, volume, &reversals))
