@@ -68,6 +68,7 @@ fn separation(criterion: &mut Criterion) {
         measurement: &measurement,
         stated: nonius::job::StatedUncertainty::default(),
         lines: lines(&measurement),
+        reversals: Default::default(),
         angles: None,
         reverse_zero_known: true,
     };

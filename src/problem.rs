@@ -71,7 +71,10 @@ impl Place {
     pub fn in_text(file: &str, source: &str, start: usize, end: usize) -> Place {
         let start = floor_boundary(source, start);
         let line_start = source[..start].rfind('\n').map_or(0, |at| at + 1);
-        let rest = &source[line_start..];
+        // Lines of some controls end with LF CR CR, so the next one begins with what is left.
+        let rest = source[line_start..].trim_start_matches('\r');
+        let line_start = source.len() - rest.len();
+        let start = start.max(line_start);
         let text = rest.split('\n').next().unwrap_or("").trim_end_matches('\r');
         let end = floor_boundary(
             source,

@@ -71,7 +71,7 @@ pub enum Move {
     Stop(String),
     /// A remark in the program.
     Remark(String),
-    /// To a place in machine coordinates, at rapid traverse.
+    /// To a place in machine coordinates, at rapid traverse: X and Y together, then Z alone.
     Approach(PerAxis<Digits>),
     /// By an increment, at the feed.
     Feed(PerAxis<Digits>),
@@ -176,6 +176,8 @@ pub fn plan(task: RunTask<'_>) -> Result<MeasuringRun, Problems> {
     fit::refuse_shift(job, request, &mut problems);
     fit::refuse_rest_outside(job, request, &mut problems);
     fit::refuse_outside_travel(job, request, resolution, &mut problems);
+    fit::refuse_other_turn(job, request, &mut problems);
+    fit::refuse_number(task, &mut problems);
     let scale = problems.take(places::Scale::of(job, request, resolution));
     let Some(scale) = scale else {
         return Err(problems);
@@ -184,9 +186,9 @@ pub fn plan(task: RunTask<'_>) -> Result<MeasuringRun, Problems> {
     let mirror = mirror::needed(request);
     problems.or_ok(MeasuringRun {
         resolution,
+        notes: fit::notes(task, programs.len()),
         programs,
         mirror,
-        notes: fit::notes(job, request, resolution),
     })
 }
 

@@ -9,15 +9,15 @@ use crate::claims::{Assumption, Precondition};
 use crate::controller::program::{Language, ProgramFacts};
 use crate::controller::{Evidence, Profile};
 use crate::emit::TOOL;
-use crate::emit::program::{POSITIONS, ProgramFile, positions, programs};
+use crate::emit::program::{FileRole, ProgramFile, positions, programs, readings_to_fill};
 use crate::job::{Job, ProgramRequest};
 use crate::kit::sha256;
 use crate::manifest::{HashedFile, SCHEMA};
 use crate::problem::{Problem, Problems};
 use crate::program::{MeasuringRun, MirrorSize, RunTask, SetUpProgram, plan};
-use crate::readback::program::positions::{self as readback_positions, Position};
+use crate::readback::program::positions::{self as readback_positions, Position, form_differences};
 use crate::readback::program::walk::{Bounds, Walked, walk};
-use crate::readback::program::{Cancelled, read};
+use crate::readback::program::{Cancelled, OwnWords, read};
 use serde_json::{Value, json};
 
 /// Programs and positions of a run, judged.
@@ -27,7 +27,7 @@ pub struct ProgramKit {
     pub run: MeasuringRun,
     /// What the job asks for.
     pub request: ProgramRequest,
-    /// The programs, then the positions.
+    /// The programs, the positions, the readings to be filled in.
     pub files: Vec<ProgramFile>,
     /// Facts of the profile that nobody has shown yet.
     pub assumptions: Vec<Assumption>,
@@ -43,6 +43,7 @@ pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<Progr
     let run = plan(task)?;
     let mut files = programs(task, &run)?;
     files.push(positions(&run));
+    files.extend(readings_to_fill(&run));
     let walked = judge(task, &files)?;
     let mut kit = ProgramKit {
         request: task.request.clone(),
@@ -59,13 +60,18 @@ pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<Progr
 /// Reads bytes back and walks them, whoever made them; what is wrong comes all at once.
 pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Problems> {
     let mut problems = Problems::none();
-    let rows = match files.iter().find(|file| file.path == POSITIONS) {
-        Some(file) => readback_positions::read(POSITIONS, &file.bytes)?,
+    let of_role = |role: FileRole| files.iter().filter(move |file| file.role == role);
+    let rows = match of_role(FileRole::Positions).next() {
+        Some(file) => readback_positions::read(&file.path, &file.bytes)?,
         None => Vec::new(),
     };
     let digit_mm = task.resolution().digit_mm();
     let mut wrong = readback_positions::differences(&rows, task.request, digit_mm);
-    let programs: Vec<&ProgramFile> = files.iter().filter(|f| f.path != POSITIONS).collect();
+    let forms: Vec<&[u8]> = of_role(FileRole::Readings)
+        .map(|f| f.bytes.as_slice())
+        .collect();
+    wrong.extend(form_differences(&rows, &forms));
+    let programs: Vec<&ProgramFile> = of_role(FileRole::Program).collect();
     let set_ups = by_set_up(&rows);
     if programs.len() != set_ups.len() {
         let (programs, set_ups) = (programs.len(), set_ups.len());
@@ -90,8 +96,11 @@ fn walk_file(
     rows: &[Position],
     bounds: &Bounds,
 ) -> Result<Walked, Problems> {
-    let letters = &facts.axis_letters.value;
-    let steps = read(facts.language, letters, &file.path, &file.bytes)?;
+    let words = OwnWords {
+        letters: &facts.axis_letters.value,
+        seconds: facts.dwell_address(),
+    };
+    let steps = read(facts.language, &words, &file.path, &file.bytes)?;
     let text = String::from_utf8_lossy(&file.bytes);
     walk((&file.path, &text), &steps, rows, bounds)
 }
@@ -132,12 +141,15 @@ fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
     if facts.language == Language::Fanuc {
         list.push(Assumption::of_job(
             "program.number",
-            format!("O{:04} and those that follow are free", request.number),
+            format!("O{:04} and those that follow are free", request.number_of(0)),
             "the control refuses to load a number that exists, or overwrites that program: state `number` in [program]",
         ));
     }
     list
 }
+
+/// Evidence of what no manual at hand was read for.
+const FROM_MEMORY: &str = "assumed: from memory, not in the manuals read";
 
 fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
     let mut list = vec![
@@ -160,6 +172,20 @@ fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
             "no rotation, scaling or mirroring; DRF off",
             "increments follow a rotated, scaled or mirrored frame",
             "docs/program.md §3",
+        ));
+    }
+    if facts.language == Language::Fanuc {
+        list.push(Precondition::new(
+            "mirror image of the machine",
+            "off for every axis, by setting (0012#0) and by signal",
+            "G50.1 cancels the programmed mirror image only; under another one increments go the wrong way",
+            FROM_MEMORY,
+        ));
+        list.push(Precondition::new(
+            "manual handle interruption",
+            "none, or cancelled (reference return) before cycle start",
+            "G91 counts from the commanded position: what the handle added shifts every node",
+            FROM_MEMORY,
         ));
     }
     let wanted = [
@@ -199,6 +225,7 @@ fn manifest(profile: &Profile, kit: &ProgramKit, inputs: &[HashedFile]) -> Value
         "controller": profile.id,
         "what": request.what.word(),
         "unit": run.resolution.unit.word(),
+        "overrun": request.runs_over(),
         "inputs": inputs,
         "files": files,
         "readings": readings,
@@ -211,16 +238,11 @@ fn manifest(profile: &Profile, kit: &ProgramKit, inputs: &[HashedFile]) -> Value
     })
 }
 
-/// A file of the list; the positions belong to no single program.
+/// A file of the list; positions and readings belong to no single program.
 fn file_json(file: &ProgramFile, program: Option<&SetUpProgram>) -> Value {
-    let role = if file.path == POSITIONS {
-        "positions"
-    } else {
-        "program"
-    };
     json!({
         "path": file.path,
-        "role": role,
+        "role": file.role.word(),
         "of": program.map(|program| program.subject.name()),
         "readings": program.map(|program| program.readings.len()),
         "sha256": sha256(&file.bytes),

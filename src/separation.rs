@@ -34,6 +34,7 @@ pub mod doubt;
 pub mod evidence;
 pub mod increments;
 pub mod line;
+pub mod linear_reversal;
 pub mod metric;
 pub mod monte_carlo;
 pub mod noise;
@@ -54,6 +55,7 @@ mod campaign;
 
 mod banded;
 mod beams;
+mod exchange;
 mod labels;
 mod lookup;
 mod separate;

@@ -87,6 +87,39 @@ fn a_disturbed_reading_of_three_runs_is_named_with_its_run() {
     }
 }
 
+/// The four programs are alike: a file under another diagonal's name is complete and plausible.
+#[test]
+fn readings_under_each_others_name_are_told() {
+    let pairs = [
+        (Diagonal::Pnp, Diagonal::Ppn),
+        (Diagonal::Ppp, Diagonal::Npp),
+        (Diagonal::Npp, Diagonal::Ppn),
+    ];
+    for (one, other) in pairs {
+        for (seed, count) in [(1, 3), (2, 1), (3, 3)] {
+            let mut runs = repeated(seed, count);
+            for run in &mut runs {
+                run.diagonal = match run.diagonal {
+                    diagonal if diagonal == one => other,
+                    diagonal if diagonal == other => one,
+                    diagonal => diagonal,
+                };
+            }
+            let found = naive(&box_30(), &runs);
+            let said = format!("as if the readings of {one} and {other} were exchanged");
+            assert!(found.doubts[0].starts_with(&said), "{:?}", found.doubts);
+        }
+    }
+    for seed in 0..20 {
+        let found = naive(&box_30(), &repeated(seed, 1));
+        let told = found
+            .doubts
+            .iter()
+            .any(|doubt| doubt.contains("were exchanged"));
+        assert!(!told, "{:?}", found.doubts);
+    }
+}
+
 #[test]
 fn with_two_runs_either_may_be_the_disturbed_one() {
     let mut runs = repeated(3, 2);

@@ -7,14 +7,14 @@
 )]
 
 use nonius::controller::builtin;
-use nonius::diagonal::PathKind;
 use nonius::document::Source;
-use nonius::emit::program::ProgramFile;
+use nonius::emit::program::{FileRole, ProgramFile};
 use nonius::job::{Job, MeasuredData};
 use nonius::problem::Problems;
 use nonius::program::RunTask;
 use nonius::program_kit::{ProgramKit, judge, make};
 use nonius::readings::Readings;
+use nonius::target_runs::{Runs, Stated};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -253,6 +253,21 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("G710", "", "before mm or inch is chosen"),
         ("SUPA G90 G0", "G90 G0", "this is neither"),
         ("SUPA G91 G1", "G91 G1", "this is neither"),
+        (
+            "G90 G0 X97.000 Y-77.000\nSUPA G90 G0 Z-57.000",
+            "G90 G0 X97.000 Y-77.000 Z-57.000",
+            "before X and Y are there, or with them",
+        ),
+        (
+            "SUPA G90 G0 X97.000 Y-77.000\nSUPA G90 G0 Z-57.000",
+            "SUPA G90 G0 Z-57.000\nSUPA G90 G0 X97.000 Y-77.000",
+            "before X and Y are there, or with them",
+        ),
+        (
+            "SUPA G90 G0 Z-57.000\n",
+            "",
+            "before all three axes are at machine coordinates",
+        ),
         ("SUPA G91 G1 Z55.000", "SUPA G91 G1 Z54.000", "is read at Z"),
         (
             "SUPA G91 G1 X2.000 Y-2.000 Z-2.000",
@@ -312,9 +327,17 @@ fn two_moves_for_one_step_are_found() {
 fn positions_of_another_job_are_found() {
     let case = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
     let mut files = case.kit().files;
-    let last = files.len() - 1;
-    let text = String::from_utf8(files[last].bytes.clone()).unwrap();
-    files[last].bytes = text.replace("50,-40,", "50,-41,").into_bytes();
+    let of_role = |role| files.iter().position(|file| file.role == role).unwrap();
+    let (positions, form) = (of_role(FileRole::Positions), of_role(FileRole::Readings));
+    let text = String::from_utf8(files[form].bytes.clone()).unwrap();
+    let mut other = files.clone();
+    other[form].bytes = text
+        .replacen("1,forward,2,x,", "1,forward,2,y,", 1)
+        .into_bytes();
+    let said = case.judged(&other).unwrap_err().render();
+    assert!(said.contains("has other rows than positions.csv"), "{said}");
+    let text = String::from_utf8(files[positions].bytes.clone()).unwrap();
+    files[positions].bytes = text.replace("50,-40,", "50,-41,").into_bytes();
     let said = case.judged(&files).unwrap_err().render();
     assert!(said.contains("is not where the job has it"), "{said}");
 }
@@ -328,6 +351,122 @@ fn a_turn_without_overrun_is_walked() {
         text.contains("N7 G4 F3.0\n; PPP RUN 1 REVERSE\nN8 G4 F3.0\n"),
         "{text}"
     );
+}
+
+/// A file of readings with its last column filled in, by line.
+fn filled<'a>(form: &ProgramFile, cell: impl Fn(usize) -> &'a str) -> String {
+    let text = String::from_utf8(form.bytes.clone()).unwrap();
+    let line = |(index, line): (usize, &str)| match index {
+        0 => format!("{line}\n"),
+        index => format!("{line}{}\n", cell(index)),
+    };
+    text.lines().enumerate().map(line).collect()
+}
+
+#[test]
+fn a_reading_that_is_not_filled_in_is_refused_as_missing() {
+    let case = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
+    let job = case.read();
+    let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
+        panic!()
+    };
+    let form = text(&case.kit(), "readings.csv");
+    assert!(form.starts_with("diagonal,run,direction,node,moved,displacement_mm\nPPP,1,forward,0,,\nPPP,1,forward,1,z,\n"), "{form}");
+    let source = Source::from_bytes("readings.csv", form.as_bytes()).unwrap();
+    let said = Readings::read(source, measurement).unwrap_err().render();
+    assert!(
+        said.contains("a missing reading is never filled in"),
+        "{said}"
+    );
+    let case = Case::small("fanuc-30i", "what = \"single-axis\"\nruns = 1");
+    let form = text(&case.kit(), "readings-y.csv");
+    assert!(
+        form.starts_with(
+            "target_mm,run,direction,deviation_um\n-75,1,+,\n-40,1,+,\n-5,1,+,\n-5,1,-,\n"
+        ),
+        "{form}"
+    );
+    let source = Source::from_bytes("readings-y.csv", form.as_bytes()).unwrap();
+    let said = Runs::read(&source, Stated::default()).unwrap_err().render();
+    assert!(
+        said.contains("`deviation_um` is empty, expected a number"),
+        "{said}"
+    );
+}
+
+/// A wrong reversal would follow from the readings: the section and the run turn differently.
+#[test]
+fn the_job_must_not_describe_another_turn_than_the_run() {
+    let turn = |overrun: &str, keys: &str| {
+        let case = Case::small(
+            "siemens-840d-sl",
+            &format!("what = \"step-diagonal\"\n{keys}"),
+        );
+        let stated = format!("order = \"ZXY\"\noverrun = {overrun}");
+        let text = case.job().replace("order = \"ZXY\"", &stated);
+        let job = Job::read(Source::from_bytes("job.toml", text.as_bytes()).unwrap());
+        let job = job.unwrap_or_else(|p| panic!("{}\n{text}", p.render()));
+        make(&job, &builtin::profile(case.control).unwrap(), &[])
+    };
+    let said = turn("false", "").unwrap_err().render();
+    assert!(
+        said.contains("`overrun` is false, but this run goes 2 mm over the far end"),
+        "{said}"
+    );
+    let said = turn("true", "overrun_mm = 0").unwrap_err().render();
+    assert!(
+        said.contains("`overrun` is true, but this run turns at the last node"),
+        "{said}"
+    );
+    assert_eq!(turn("true", "").unwrap().manifest["overrun"], true);
+    assert_eq!(
+        turn("false", "overrun_mm = 0").unwrap().manifest["overrun"],
+        false
+    );
+    assert!(turn("false", "bidirectional = false").unwrap().manifest["overrun"].is_null());
+    // Another box is another measurement: a note, no refusal.
+    let other = turn("false", "steps = 5").unwrap();
+    assert!(
+        other
+            .run
+            .notes
+            .iter()
+            .any(|note| note.contains("order, overrun or kind differ"))
+    );
+}
+
+#[test]
+fn a_dwell_is_read_by_the_address_of_the_profile() {
+    let mut profile = builtin::profile("fanuc-30i").unwrap();
+    let facts = profile.program.as_mut().unwrap();
+    facts.axis_letters.value = ["U", "V", "W"].map(String::from).to_vec();
+    facts.cancel.value.pop();
+    let case = Case::small("fanuc-30i", "what = \"step-diagonal\"");
+    let kit = make(&case.read(), &profile, &[]).unwrap_or_else(|p| panic!("{}", p.render()));
+    let program = text(&kit, "O1001.NC");
+    assert!(
+        program.contains("N1 G04 X3.0\n") && program.contains("G91 G01 W55.000"),
+        "{program}"
+    );
+    assert!(program.ends_with("\nG90 G64\nM30\n%\n"), "{program}");
+}
+
+#[test]
+fn numbers_that_may_be_protected_are_noted() {
+    let note = |number: &str| {
+        let keys = format!("what = \"step-diagonal\"\nnumber = {number}");
+        let notes = Case::small("fanuc-30i", &keys).kit().run.notes;
+        notes.iter().any(|note| note.contains("3202"))
+    };
+    assert!(note("7997") && note("9001") && !note("7996"));
+}
+
+#[test]
+fn the_axes_that_rest_keep_their_part_of_the_proposed_box() {
+    let mut case = Case::small("siemens-840d-sl", "what = \"single-axis\"\naxes = [\"x\"]");
+    (case.start[0], case.size[0]) = (0.0, 100.0);
+    let said = case.made().unwrap_err().render();
+    assert!(said.contains("start_mm = { x = 2.0, y = -75.0, z = -55.0 } and size_mm = { x = 96.0, y = 70.0, z = 110.0 }"), "{said}");
 }
 
 fn cases() -> impl Strategy<Value = Case> {
@@ -404,30 +543,26 @@ proptest! {
         let job = case.read();
         let MeasuredData::Diagonals(measurement) = &job.measurement.data else { panic!() };
         let kind = job.program.as_ref().unwrap().what.path();
-        if let Some(kind) = kind {
-            let mut measurement = measurement.clone();
-            measurement.kind = kind;
-            let rows = text(&kit, "positions.csv");
-            // Straight runs have no column `moved`; it is empty here.
-            let straight = kind == PathKind::Straight;
-            let rows: Vec<String> = rows
-                .lines()
-                .map(|row| {
-                    let mut cells: Vec<&str> = row.split(',').take(6).collect();
-                    if straight {
-                        cells.remove(4);
-                    }
-                    cells.join(",")
-                })
-                .collect();
-            let readings = rows.join("\n").replacen("nominal_mm", "displacement_mm", 1);
-            let source = Source::from_bytes("readings.csv", readings.as_bytes()).unwrap();
-            let read = Readings::read(source, &measurement);
-            let read = read.unwrap_or_else(|p| panic!("{}\n{}", p.render(), case.job()));
-            for run in &read.runs {
-                // Nominal displacements are no deviations; positions.csv has 1e-6 mm.
-                prop_assert!(run.deviations.iter().all(|d| d.um().abs() < 1e-3));
+        let Some(kind) = kind else {
+            for form in kit.files.iter().filter(|file| file.role == FileRole::Readings) {
+                let source = Source::from_bytes(&form.path, filled(form, |_| "0").as_bytes()).unwrap();
+                let runs = Runs::read(&source, Stated::default());
+                prop_assert!(runs.is_ok(), "{}", runs.unwrap_err().render());
             }
+            return Ok(());
+        };
+        let mut measurement = measurement.clone();
+        measurement.kind = kind;
+        let positions = text(&kit, "positions.csv");
+        let nominal: Vec<&str> = positions.lines().map(|row| row.split(',').nth(5).unwrap()).collect();
+        let form = kit.files.iter().find(|file| file.role == FileRole::Readings).unwrap();
+        let readings = filled(form, |line| nominal[line]);
+        let source = Source::from_bytes("readings.csv", readings.as_bytes()).unwrap();
+        let read = Readings::read(source, &measurement);
+        let read = read.unwrap_or_else(|p| panic!("{}\n{}", p.render(), case.job()));
+        for run in &read.runs {
+            // Nominal displacements are no deviations; positions.csv has 1e-6 mm.
+            prop_assert!(run.deviations.iter().all(|d| d.um().abs() < 1e-3));
         }
     }
 

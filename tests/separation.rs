@@ -60,6 +60,7 @@ fn separated(case: &str) -> Separation {
         measurement: &measurement,
         stated: job.measurement.uncertainty,
         lines: lines.collect(),
+        reversals: Default::default(),
         angles: None,
         reverse_zero_known: true,
     };

@@ -5,7 +5,7 @@
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
 fn fixtures(name: &str) -> PathBuf {
@@ -18,18 +18,30 @@ fn put(directory: &Path, name: &str, text: &str) {
     fs::write(directory.join(name), text).expect("a file can be written");
 }
 
-/// Runs a command; the exit status and what stands on standard output.
-fn nonius(directory: &Path, command: &str) -> (i32, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
+fn ended(directory: &Path, command: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_nonius"))
         .args(command.split_whitespace())
         .current_dir(directory)
         .stdin(Stdio::null())
         .output()
-        .expect("the program starts");
+        .expect("the program starts")
+}
+
+/// Runs a command; the exit status and what stands on standard output.
+fn nonius(directory: &Path, command: &str) -> (i32, String) {
+    let output = ended(directory, command);
     let status = output.status.code().expect("it ends by itself");
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(status < 2, "nonius {command}\n{said}");
     (status, String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// The exit status of a command and everything that it said.
+fn told(directory: &Path, command: &str) -> (i32, String) {
+    let output = ended(directory, command);
+    let said = [output.stdout, output.stderr].concat();
+    let status = output.status.code().expect("it ends by itself");
+    (status, String::from_utf8_lossy(&said).into_owned())
 }
 
 fn yes(directory: &Path, command: &str) -> String {
@@ -292,6 +304,71 @@ fn a_visit_in_both_directions_takes_the_lost_motion_away() {
     measured_again(at, "--tables kit");
     let after = json(at, "verify job.toml --tables kit --after after.toml");
     assert_eq!(after["verdict"], "pass", "{after:#}");
+}
+
+/// Neither forward runs nor runs with overrun tell the reversal of an axis; the linear axes of the
+/// same job do, and the kit takes it away.
+#[test]
+fn linear_axes_in_both_directions_tell_the_reversal() {
+    let (job, truth) = golden("siemens-840d-sl");
+    for (program, how) in [
+        ("bidirectional = false", ""),
+        ("bidirectional = true\noverrun_mm = 2.0", "overrun = true"),
+    ] {
+        let job = job.replace(
+            "travel_mm = [0.0000, 900.0000]",
+            "travel_mm = [-2.0, 902.0]",
+        );
+        let job = job.replace(
+            "travel_mm = [0.0000, 720.0000]",
+            "travel_mm = [-2.0, 722.0]",
+        );
+        let job = job.replace(
+            "travel_mm = [-720.0000, 0.0000]",
+            "travel_mm = [-722.0, 2.0]",
+        );
+        let campaign = |policy| Campaign {
+            program,
+            how,
+            policy,
+        };
+        let visit = prepared(&job, &with_lost_motion(&truth), &campaign(""));
+        let at = visit.path();
+        let found = json(at, "separate job.toml --trials 0");
+        let labels = found["labels"].to_string();
+        assert!(
+            labels.contains("reversal of single axes from their linear"),
+            "{labels}"
+        );
+        for (axis, lost) in [("X", 6.0), ("Y", 4.0), ("Z", 3.0)] {
+            let curve = |sign: &str| &found["errors"][format!("E{axis}{axis}{sign}")];
+            let b = number(&curve("-")["deviation_um"][0]) - number(&curve("+")["deviation_um"][0]);
+            assert!((b - lost).abs() < 0.6, "{axis}: {b}");
+        }
+        assert!(
+            !found["undetermined"].to_string().contains("reversal"),
+            "{found:#}"
+        );
+        // Without a word on it nothing is made: a mean would leave half of the lost motion.
+        let (status, said) = told(at, "generate job.toml -o kit");
+        assert_eq!(status, 2, "{said}");
+        assert!(said.contains("`backlash` is not stated"), "{said}");
+        let [_, stated, after] = jobs(&job, &campaign("backlash = \"two-tables\"\n"));
+        put(at, "job.toml", &stated);
+        put(at, "after.toml", &after);
+        yes(at, "generate job.toml -o kit");
+        measured_again(at, "--tables kit");
+        let after = json(at, "verify job.toml --tables kit --after after.toml");
+        assert_eq!(after["verdict"], "pass", "{after:#}");
+        let [_, mean, _] = jobs(&job, &campaign("backlash = \"mean\"\n"));
+        put(at, "job.toml", &mean);
+        let forecast = json(at, "generate job.toml -o mean");
+        let left = number(&forecast["forecast"]["terms"]["EXX"]["after_um"]);
+        assert!(
+            (left - 3.0).abs() < 0.5,
+            "half of the lost motion stays: {left}"
+        );
+    }
 }
 
 /// What a tilted mirror and slopes do beyond the first order, µm; a sign or a correction that is

@@ -5,6 +5,7 @@ mod active;
 pub(super) use self::active::read as active_control;
 
 use crate::after::{StraightRuns, Walk};
+use crate::axis::Axis;
 use crate::controller::{Origin, Profile, builtin, load};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
 use crate::document::Source;
@@ -211,7 +212,12 @@ fn separated_table(
 
 /// Readings in both directions need a word on the reversal, even where they do not determine it.
 fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
-    if separation.errors.minus.is_none() || separation.has_directed_table() {
+    let open: Vec<String> = Axis::ALL
+        .into_iter()
+        .filter(|axis| !separation.is_directed(*axis))
+        .map(|axis| axis.to_string())
+        .collect();
+    if separation.means.reverse.is_none() || open.is_empty() {
         return Ok(());
     }
     match job.compensation.backlash {
@@ -221,9 +227,9 @@ fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
         Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter) => Err(job
             .problem_at(
                 "compensation.backlash",
-                "this needs the reversal of each axis, which these readings do not determine",
+                format!("this needs the reversal of each axis, which these readings do not determine for {}", open.join(", ")),
             )
-            .help("turn once without overrun at the far end of the diagonals, or use `backlash = \"mean\"`")),
+            .help("turn once without overrun at the far end of the diagonals, or name a linear measurement of each axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]]), or use `backlash = \"mean\"`")),
         Some(BacklashPolicy::Mean | BacklashPolicy::ForwardOnly) => Ok(()),
     }
 }

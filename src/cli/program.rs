@@ -3,7 +3,7 @@
 use crate::axis::Axis;
 use crate::cli::show::{Column, table};
 use crate::cli::{Answer, Format, inputs, print, print_json, say, show, write};
-use crate::emit::program::POSITIONS;
+use crate::emit::program::FileRole;
 use crate::job::{Job, RunType, TargetGrid};
 use crate::problem::{Problem, Problems};
 use crate::program_kit::{ProgramKit, make};
@@ -77,16 +77,22 @@ fn motion(kit: &ProgramKit) -> String {
         (false, _) => format!("way back not measured ({})", request.way_back.word()),
     };
     let minutes = kit.run.duration_s(request) / 60.0;
-    [
-        format!("{} steps, {path}; {} run(s), {back}", request.volume.steps, request.runs),
+    let mut lines = vec![
+        format!(
+            "{} steps, {path}; {} run(s), {back}",
+            request.volume.steps, request.runs
+        ),
         format!(
             "feed {} mm/min, standstill {} s at every node, preload {} mm; {minutes:.0} min without set-up",
             request.feed_mm_per_min,
             request.dwell_s,
             request.preload.mm()
         ),
-    ]
-    .join("\n")
+    ];
+    lines.extend(request.runs_over().map(|over| {
+        format!("with these readings state `overrun = {over}` in [measurement.step_diagonal]")
+    }));
+    lines.join("\n")
 }
 
 fn files(kit: &ProgramKit) -> String {
@@ -158,10 +164,10 @@ fn notes(kit: &ProgramKit) -> String {
 fn next_steps(directory: &Path, kit: &ProgramKit) -> String {
     let mut lines = Vec::new();
     for file in &kit.files {
-        let purpose = if file.path == POSITIONS {
-            "where each reading is taken"
-        } else {
-            "part program, read back and walked"
+        let purpose = match file.role {
+            FileRole::Program => "part program, read back and walked",
+            FileRole::Positions => "where each reading is taken",
+            FileRole::Readings => "to be filled in: its last column is empty",
         };
         lines.push(format!(
             "wrote {} ({purpose})",

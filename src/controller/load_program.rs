@@ -3,6 +3,7 @@
 use crate::controller::load::{FactReader, TemplateFinder};
 use crate::controller::program::{Language, ProgramFacts};
 use crate::document::Section;
+use crate::problem::shown;
 use std::cell::RefCell;
 
 const MOST_DECIMALS: u32 = 6;
@@ -58,7 +59,7 @@ fn stated(
             f.text("value")
         });
     let increment = reader.fact("increment", base.map(|b| &b.increment), |f| f.text("value"));
-    let dwell = reader.fact("dwell", base.map(|b| &b.dwell), |f| f.text("value"));
+    let dwell = reader.fact("dwell", base.map(|b| &b.dwell), |f| dwell(f, language));
     let cancel = reader.fact("cancel", base.map(|b| &b.cancel), |f| f.texts("value"));
     let decimals = |f: &Section<'_>| {
         let decimals = f.whole("value")?;
@@ -114,6 +115,25 @@ fn template(
         return None;
     };
     Some((name, text))
+}
+
+/// The word of a dwell and the address of its seconds. Another address counts something else:
+/// milliseconds (Fanuc `P`) or turns of a spindle (Siemens `S`).
+fn dwell(fact: &Section<'_>, language: Option<Language>) -> Option<String> {
+    let text = fact.text("value")?;
+    let address = text.chars().last();
+    let (right, expected) = match language {
+        Some(Language::Siemens) => (address == Some('F'), "`G4 F`"),
+        _ => (matches!(address, Some('X' | 'U')), "`G04 X` or `G04 U`"),
+    };
+    if !right {
+        fact.problem(
+            "value",
+            format!("`dwell` is `{}`, expected the word of a dwell and the address of its seconds: {expected}", shown(&text)),
+            "seconds with a decimal point are written behind it",
+        );
+    }
+    Some(text)
 }
 
 /// One capital letter for each of X, Y and Z: what every control takes as an address.

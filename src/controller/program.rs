@@ -51,6 +51,11 @@ pub struct ProgramFacts {
 }
 
 impl ProgramFacts {
+    /// Address of the seconds of a dwell: the last letter of that fact.
+    pub fn dwell_address(&self) -> char {
+        self.dwell.value.chars().last().unwrap_or_default()
+    }
+
     /// The facts that matter for a control with this basic system.
     pub fn statements_of(&self, unit: LengthUnit) -> impl Iterator<Item = &Statement> {
         let other = match unit {

@@ -1,13 +1,16 @@
 //! Planned moves → part programs and the positions beside them.
 
-use crate::axis::{Axis, PerAxis};
+use crate::axis::{Axis, Direction, PerAxis};
 use crate::controller::LengthUnit;
 use crate::controller::program::Language;
+use crate::diagonal::Pass;
 use crate::emit::{COMMENT_TEXT, LONGEST_TEXT};
 use crate::emit::{TOOL, fixed, is_comment_text, render_text, with_line_ends};
-use crate::job::{RunType, TargetGrid};
+use crate::job::{Reflector, RunType, TargetGrid};
 use crate::problem::{Problem, Problems};
-use crate::program::{Digits, MeasuringRun, Move, Resolution, RunTask, SetUpProgram, Subject};
+use crate::program::{
+    Digits, MeasuringRun, Move, Reading, Resolution, RunTask, SetUpProgram, Subject,
+};
 use serde::Serialize;
 
 /// A file of a measuring run, ready to be written.
@@ -15,12 +18,35 @@ use serde::Serialize;
 pub struct ProgramFile {
     /// Its name.
     pub path: String,
+    /// What it is for.
+    pub role: FileRole,
     /// Its bytes.
     pub bytes: Vec<u8>,
 }
 
-/// Name of the file of expected positions.
-pub const POSITIONS: &str = "positions.csv";
+/// What a file of a measuring run is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileRole {
+    /// A part program.
+    Program,
+    /// Where each reading is taken.
+    Positions,
+    /// A file of readings whose last column is to be filled in.
+    Readings,
+}
+
+impl FileRole {
+    /// The word of the manifest.
+    pub const fn word(self) -> &'static str {
+        match self {
+            FileRole::Program => "program",
+            FileRole::Positions => "positions",
+            FileRole::Readings => "readings",
+        }
+    }
+}
+
+const POSITIONS: &str = "positions.csv";
 
 /// What the template of a program sees. Every number is finished text.
 #[derive(Clone, Debug, Serialize)]
@@ -58,7 +84,7 @@ pub fn programs(task: RunTask<'_>, run: &MeasuringRun) -> Result<Vec<ProgramFile
     let mut problems = Problems::none();
     let mut files = Vec::new();
     for (index, program) in run.programs.iter().enumerate() {
-        let number = task.request.number + u32::try_from(index).unwrap_or(0);
+        let number = task.request.number_of(index);
         let context = context(task, program, run.resolution, number);
         files.extend(problems.take(render(task, &context, number, program)));
     }
@@ -121,12 +147,15 @@ fn context<'a>(
         .first()
         .copied()
         .unwrap_or(PerAxis::from_fn(|_| 0));
-    let approach = words(letters, &start, resolution, true);
+    let [plane, height] = approach(letters, &start, resolution);
+    let tool_axis = letters.get(2).map_or("", String::as_str);
     ProgramContext {
         name: format!("NONIUS {name}"),
         number: format!("{number:04}"),
         header: header(task, program, unit),
-        opening: format!("{name} GOES TO{approach}: PATH FREE, NO TOOL OFFSET ACTIVE, CYCLE START"),
+        opening: format!(
+            "RETRACT {tool_axis}, NO TOOL OFFSET. {name} GOES TO{plane}, THEN{height}: PATH FREE, CYCLE START"
+        ),
         cancel: &facts.cancel.value,
         machine_position: &facts.machine_position.value,
         increment: &facts.increment.value,
@@ -167,9 +196,13 @@ fn header(task: RunTask<'_>, program: &SetUpProgram, unit: LengthUnit) -> Vec<St
         .iter()
         .map(|axis| axis.letter())
         .collect();
+    let reflector = match request.target {
+        Reflector::FlatMirror => "FLAT MIRROR",
+        Reflector::Retroreflector => "RETROREFLECTOR",
+    };
     let path = match request.what {
-        RunType::StepDiagonal => format!("ORDER OF MOVES {order}, FLAT MIRROR"),
-        RunType::StraightDiagonal => "ALL AXES TOGETHER, RETROREFLECTOR".to_string(),
+        RunType::StepDiagonal => format!("ORDER OF MOVES {order}, {reflector}"),
+        RunType::StraightDiagonal => format!("ALL AXES TOGETHER, {reflector}"),
         RunType::SingleAxis => match request.targets {
             TargetGrid::Equal => "EQUAL TARGETS".to_string(),
             TargetGrid::Offset { .. } => "OFFSET TARGETS".to_string(),
@@ -200,26 +233,35 @@ fn header(task: RunTask<'_>, program: &SetUpProgram, unit: LengthUnit) -> Vec<St
 
 fn blocks(program: &SetUpProgram, letters: &[String], resolution: Resolution) -> Vec<Block> {
     let block = |step: &Move| match step {
-        Move::Stop(text) => Block::Stop { text: text.clone() },
-        Move::Remark(text) => Block::Comment { text: text.clone() },
-        Move::Approach(place) => Block::Approach {
-            words: words(letters, place, resolution, true),
-        },
-        Move::Feed(by) => Block::Feed {
-            words: words(letters, by, resolution, false),
-        },
-        Move::Dwell(reading) => Block::Dwell {
+        Move::Stop(text) => vec![Block::Stop { text: text.clone() }],
+        Move::Remark(text) => vec![Block::Comment { text: text.clone() }],
+        Move::Approach(place) => approach(letters, place, resolution)
+            .map(|words| Block::Approach { words })
+            .into(),
+        Move::Feed(by) => vec![Block::Feed {
+            words: words(letters, by, resolution, |axis| by[axis] != 0),
+        }],
+        Move::Dwell(reading) => vec![Block::Dwell {
             number: (reading + 1).to_string(),
-        },
+        }],
     };
-    program.moves.iter().map(block).collect()
+    program.moves.iter().flat_map(block).collect()
 }
 
-/// ` X1.000 Y-2.000`; an axis that does not move is written only where `all` are.
-fn words(letters: &[String], of: &PerAxis<Digits>, resolution: Resolution, all: bool) -> String {
+/// The first place in two blocks: X and Y at the height where the operator left Z, then Z alone.
+fn approach(letters: &[String], place: &PerAxis<Digits>, resolution: Resolution) -> [String; 2] {
+    [false, true].map(|last| words(letters, place, resolution, |axis| (axis == Axis::Z) == last))
+}
+
+/// ` X1.000 Y-2.000` of the axes that are wanted.
+fn words(
+    letters: &[String],
+    of: &PerAxis<Digits>,
+    resolution: Resolution,
+    wanted: impl Fn(Axis) -> bool,
+) -> String {
     let word = |(axis, letter): (Axis, &String)| {
-        let wanted = all || of[axis] != 0;
-        wanted.then(|| format!(" {letter}{}", resolution.text(of[axis])))
+        wanted(axis).then(|| format!(" {letter}{}", resolution.text(of[axis])))
     };
     Axis::ALL
         .into_iter()
@@ -247,6 +289,7 @@ fn render(
     let text = render_text(&facts.template_name, &facts.template, &seen)?;
     Ok(ProgramFile {
         path: format!("{stem}.{}", facts.extension),
+        role: FileRole::Program,
         bytes: with_line_ends(text, profile.line_end.value.text()).into_bytes(),
     })
 }
@@ -284,7 +327,78 @@ pub fn positions(run: &MeasuringRun) -> ProgramFile {
     }
     ProgramFile {
         path: POSITIONS.to_string(),
+        role: FileRole::Positions,
         bytes: text.into_bytes(),
+    }
+}
+
+/// Files of readings with an empty last column: of diagonals one in the form of contract §2.2, of
+/// single axes one each in the form of §2.4. What stays empty is refused as missing.
+pub fn readings_to_fill(run: &MeasuringRun) -> Vec<ProgramFile> {
+    let mut files: Vec<ProgramFile> = Vec::new();
+    for program in &run.programs {
+        let (path, header) = form_of(program);
+        if files.last().is_none_or(|file| file.path != path) {
+            files.push(ProgramFile {
+                path,
+                role: FileRole::Readings,
+                bytes: header.as_bytes().to_vec(),
+            });
+        }
+        let rows = program.readings.iter();
+        let rows: String = rows
+            .map(|reading| empty_row(program, reading, run.resolution))
+            .collect();
+        if let Some(file) = files.last_mut() {
+            file.bytes.extend(rows.into_bytes());
+        }
+    }
+    files
+}
+
+/// Name and header of the file that a program's readings belong to.
+fn form_of(program: &SetUpProgram) -> (String, &'static str) {
+    let diagonals = "readings.csv".to_string();
+    match program.subject {
+        Subject::Axis(axis) => {
+            let path = format!("readings-{}.csv", axis.key());
+            (path, "target_mm,run,direction,deviation_um\n")
+        }
+        Subject::Diagonal(_) if is_stepped(program) => (
+            diagonals,
+            "diagonal,run,direction,node,moved,displacement_mm\n",
+        ),
+        Subject::Diagonal(_) => (diagonals, "diagonal,run,direction,node,displacement_mm\n"),
+    }
+}
+
+/// Straight runs have no column `moved`.
+fn is_stepped(program: &SetUpProgram) -> bool {
+    program.readings.iter().any(|r| r.moved.is_some())
+}
+
+fn empty_row(program: &SetUpProgram, reading: &Reading, resolution: Resolution) -> String {
+    let Reading {
+        run, node, pass, ..
+    } = reading;
+    match program.subject {
+        Subject::Axis(axis) => {
+            let target = shortest(resolution.mm(reading.place[axis]));
+            let direction = match pass {
+                Pass::Forward => Direction::Plus,
+                Pass::Reverse => Direction::Minus,
+            };
+            format!("{target},{run},{},\n", direction.symbol())
+        }
+        Subject::Diagonal(of) => {
+            let moved = reading.moved.map_or("", Axis::key);
+            let moved = if is_stepped(program) {
+                format!("{moved},")
+            } else {
+                String::new()
+            };
+            format!("{of},{run},{},{node},{moved}\n", pass.word())
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{PathKind, Volume};
+use crate::job::diagonals::Reflector;
 use crate::units::Millimetres;
 
 /// What the measuring run is.
@@ -99,11 +100,28 @@ pub struct ProgramRequest {
     pub targets: TargetGrid,
     /// Whether the target first goes to the far end and back, so that the beam can be aligned.
     pub alignment_pass: bool,
-    /// Fanuc: number of the first program; the others follow.
-    pub number: u32,
+    /// Fanuc: number of the first program, where it is stated.
+    pub number: Option<u32>,
+    /// What reflects the beam.
+    pub target: Reflector,
 }
 
+/// Number of the first program where none is stated.
+const DEFAULT_NUMBER: u32 = 1001;
+
 impl ProgramRequest {
+    /// Fanuc: number of the program with this index; they follow each other.
+    pub fn number_of(&self, index: usize) -> u32 {
+        self.number.unwrap_or(DEFAULT_NUMBER) + u32::try_from(index).unwrap_or(0)
+    }
+
+    /// Whether the axes run over the far end before a way back that is measured: what `overrun`
+    /// has to state with readings of this run of diagonals. `None` = no such way back.
+    pub fn runs_over(&self) -> Option<bool> {
+        let back = self.bidirectional && self.what.path().is_some();
+        back.then(|| self.overrun.mm() > 0.0)
+    }
+
     /// Where an axis rests while another one is measured.
     pub fn rest_of(&self, axis: Axis) -> Millimetres {
         let volume = &self.volume;

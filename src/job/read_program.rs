@@ -5,7 +5,8 @@ use crate::diagonal::{PathKind, Volume};
 use crate::document::Section;
 use crate::job::read_diagonals::{order, places, size, steps};
 use crate::job::{
-    DiagonalMeasurement, MeasuredData, Measurement, ProgramRequest, RunType, TargetGrid, WayBack,
+    DiagonalMeasurement, MeasuredData, Measurement, ProgramRequest, Reflector, RunType, TargetGrid,
+    WayBack,
 };
 use crate::units::Millimetres;
 
@@ -13,7 +14,6 @@ const DEFAULT_FEED_MM_PER_MIN: f64 = 1000.0; // a step of 30 mm in two seconds, 
 const DEFAULT_DWELL_S: f64 = 3.0; // 2 … 5 s is usual: to settle, and to average the laser
 const DEFAULT_OVERRUN_MM: f64 = 2.0; // a hundred times the reversal of a sound axis
 const DEFAULT_ISO_RUNS: u32 = 5; // ISO 230-2, axes up to 2 m
-const DEFAULT_NUMBER: u32 = 1001;
 const SHORTEST_DWELL_S: f64 = 0.1;
 const LONGEST_DWELL_S: f64 = 600.0;
 const SHORTEST_LENGTH_MM: f64 = 0.01;
@@ -59,7 +59,8 @@ pub(super) fn program(
         way_back,
         targets,
         alignment_pass,
-        number: number.unwrap_or(DEFAULT_NUMBER),
+        number,
+        target: target(what, measurement),
     })
 }
 
@@ -118,6 +119,7 @@ fn volume(
     } else {
         measured.map(|v| v.steps)
     };
+    refuse_order(section, what);
     let is_step = what == Some(RunType::StepDiagonal);
     let order = match measured {
         Some(volume) if !section.has("order") => Some(volume.order),
@@ -132,6 +134,33 @@ fn volume(
         order: order?,
     };
     Some((volume, size_path))
+}
+
+/// The order of single-axis moves has no effect where an axis moves alone, or all together.
+fn refuse_order(section: &Section<'_>, what: Option<RunType>) {
+    if let Some(what) = what.filter(|what| *what != RunType::StepDiagonal)
+        && section.has("order")
+    {
+        section.problem(
+            "order",
+            format!(
+                "`program.order` is stated, but runs of `{}` have no order of moves",
+                what.word()
+            ),
+            "remove it, or write `what = \"step-diagonal\"`",
+        );
+    }
+}
+
+/// What the job states for the same kind of run, else what is usual for it.
+fn target(what: RunType, measurement: Option<&Measurement>) -> Reflector {
+    match measurement.map(|m| &m.data) {
+        Some(MeasuredData::Diagonals(measured)) if Some(measured.kind) == what.path() => {
+            measured.target
+        }
+        _ if what == RunType::StepDiagonal => Reflector::FlatMirror,
+        _ => Reflector::Retroreflector,
+    }
 }
 
 type Rest = Option<PerAxis<Millimetres>>;

@@ -1,10 +1,11 @@
 //! What a run must keep: travel, feed, readings; and the largest box that would fit.
 
 use crate::axis::{Axis, PerAxis};
-use crate::job::{Job, MeasuredData, ProgramRequest, RunType, TargetGrid};
+use crate::controller::program::Language;
+use crate::job::{DiagonalMeasurement, Job, MeasuredData, ProgramRequest, RunType, TargetGrid};
 use crate::problem::Problems;
 use crate::program::route::readings_of;
-use crate::program::{MOST_READINGS, Resolution, problem};
+use crate::program::{MOST_READINGS, Resolution, RunTask, problem};
 
 pub(super) fn refuse_too_many_readings(
     job: &Job,
@@ -67,22 +68,93 @@ pub(super) fn moving(request: &ProgramRequest) -> Vec<Axis> {
 }
 
 /// What a person should know of the run, one sentence each.
-pub(super) fn notes(job: &Job, request: &ProgramRequest, resolution: Resolution) -> Vec<String> {
+pub(super) fn notes(task: RunTask<'_>, programs: usize) -> Vec<String> {
+    let RunTask { job, request, .. } = task;
     let mut notes = unchecked(job, request);
-    notes.extend(near_the_end(job, request, resolution));
+    notes.extend(near_the_end(job, request, task.resolution()));
     notes.extend(other_box(job, request));
+    notes.extend(protected_number(task, programs));
     notes
 }
 
-/// Readings of this run must be described with this box, not with that of another measurement.
-fn other_box(job: &Job, request: &ProgramRequest) -> Option<String> {
+/// The measurement that the job describes, where this run is of diagonals too; and whether it has
+/// the same nodes, so that it will describe the readings of this run.
+fn described<'a>(
+    job: &'a Job,
+    request: &ProgramRequest,
+) -> Option<(&'a DiagonalMeasurement, bool)> {
     let MeasuredData::Diagonals(measured) = &job.measurement.data else {
         return None;
     };
     let kind = request.what.path()?;
     let same = measured.volume == request.volume && measured.kind == kind;
+    Some((measured, same))
+}
+
+/// Readings of this run must be described with this box, not with that of another measurement.
+fn other_box(job: &Job, request: &ProgramRequest) -> Option<String> {
+    let (measured, same) = described(job, request)?;
+    let turn = match (measured.overrun, request.runs_over()) {
+        (Some(stated), Some(over)) if stated != over => ", overrun",
+        _ => "",
+    };
     (!same).then(|| {
-        "box, steps, order or kind differ from [measurement.step_diagonal]: change that section before the readings of this run are separated".to_string()
+        format!("box, steps, order{turn} or kind differ from [measurement.step_diagonal]: change that section before the readings of this run are separated")
+    })
+}
+
+/// The section that describes the readings of this run must not say that the axes turned in
+/// another way: the reversal would be looked for where it is not.
+pub(super) fn refuse_other_turn(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
+    let (Some((measured, true)), Some(over)) = (described(job, request), request.runs_over())
+    else {
+        return;
+    };
+    let Some(stated) = measured.overrun.filter(|stated| *stated != over) else {
+        return;
+    };
+    let (does, other) = if over {
+        let mm = request.overrun.mm();
+        (
+            format!("goes {mm} mm over the far end before the way back"),
+            "`overrun_mm = 0` in [program] for a turn without it",
+        )
+    } else {
+        (
+            "turns at the last node without overrun".to_string(),
+            "an `overrun_mm` above 0 in [program]",
+        )
+    };
+    problems.push(problem(
+        job,
+        "measurement.step_diagonal.overrun",
+        format!("`overrun` is {stated}, but this run {does}: its readings would be separated with the wrong reversal"),
+        format!("write `overrun = {over}`, or {other}"),
+    ));
+}
+
+/// Only Fanuc programs have numbers.
+pub(super) fn refuse_number(task: RunTask<'_>, problems: &mut Problems) {
+    if task.request.number.is_some() && task.facts.language != Language::Fanuc {
+        problems.push(problem(
+            task.job,
+            "program.number",
+            format!(
+                "`number` is stated, but programs of `{}` have names",
+                task.profile.id
+            ),
+            "remove it",
+        ));
+    }
+}
+
+/// Numbers from here on can be protected against loading and editing.
+const PROTECTED_FROM: u32 = 8000;
+
+fn protected_number(task: RunTask<'_>, programs: usize) -> Option<String> {
+    let last = task.request.number_of(programs.saturating_sub(1));
+    (task.facts.language == Language::Fanuc && last >= PROTECTED_FROM).then(|| {
+        format!("program numbers from O{PROTECTED_FROM} on may be protected against loading and editing (parameter 3202, NE8 and NE9; from memory, not in the manuals read): take another `number`, or see to it that they are not")
     })
 }
 
@@ -182,6 +254,9 @@ fn largest_box(job: &Job, request: &ProgramRequest, resolution: Resolution) -> S
     );
     let fitted: PerAxis<Option<(f64, f64)>> = PerAxis::from_fn(|axis| {
         let travel = job.machine.axes[axis]?;
+        if !moving(request).contains(&axis) {
+            return Some((volume.start[axis].mm(), volume.size[axis].mm()));
+        }
         let (low, high) = reach(request, resolution, axis);
         let before = volume.start[axis].mm() - low;
         let after = high - volume.start[axis].mm() - volume.size[axis].mm();

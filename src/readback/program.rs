@@ -69,17 +69,26 @@ pub struct Step {
     pub span: Range<usize>,
 }
 
-/// Reads a program. `letters` are the addresses of the axes X, Y and Z.
+/// What a machine or a control names itself.
+#[derive(Clone, Copy, Debug)]
+pub struct OwnWords<'a> {
+    /// Addresses of the axes X, Y and Z.
+    pub letters: &'a [String],
+    /// Address of the seconds of a dwell.
+    pub seconds: char,
+}
+
+/// Reads a program.
 pub fn read(
     language: Language,
-    letters: &[String],
+    words: &OwnWords<'_>,
     file: &str,
     bytes: &[u8],
 ) -> Result<Vec<Step>, Problems> {
     let text = ascii(file, bytes)?;
     let result = match language {
-        Language::Siemens => siemens::read(text, letters),
-        Language::Fanuc => fanuc::read(text, letters),
+        Language::Siemens => siemens::read(text, words),
+        Language::Fanuc => fanuc::read(text, words),
     };
     result.map_err(|complaint| complaint.at(file, text).into())
 }

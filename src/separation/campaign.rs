@@ -1,6 +1,7 @@
 //! What goes into a separation: how it was measured, the corrected readings, lines beside them.
 
 use super::corrections::{AngleEffects, without_angles, without_expansion};
+use super::linear_reversal::LinearReversals;
 use super::noise::CorrectedRun;
 use super::unmeasured::AngleEvidence;
 use crate::axis::PerAxis;
@@ -17,6 +18,8 @@ pub struct Campaign<'a> {
     pub stated: StatedUncertainty,
     /// Slopes of single axes and other beams.
     pub lines: Vec<Line>,
+    /// Reversal of single axes from linear measurements in both directions.
+    pub reversals: LinearReversals,
     /// Effects of angular errors on the readings.
     pub angles: Option<AngleEffects>,
     /// Whether reverse readings count from the forward start; else only their increments hold.

@@ -146,14 +146,8 @@ pub struct Known<'a> {
 /// The closure of mean readings.
 pub fn closure(volume: &Volume, means: &Means, runs: &RunCounts, known: Known<'_>) -> Closure {
     let groups = means.groups();
-    let all: Vec<PerAxis<Vec<f64>>> = groups
-        .iter()
-        .map(|group| closures(volume, &means.increments(volume, *group)))
-        .collect();
-    let by_interval = PerAxis::from_fn(|axis| {
-        let at = |i: usize| all.iter().map(|w| w[axis][i]).sum::<f64>() / float(all.len());
-        (0..volume.steps).map(at).collect::<Vec<f64>>()
-    });
+    let all = by_group(volume, means);
+    let by_interval = mean_of(volume, &all);
     let mean = PerAxis::from_fn(|axis| by_interval[axis].iter().sum::<f64>() / volume.steps_f64());
     let rows = rows(volume, groups, known.skip_ends);
     let values: Vec<f64> = rows
@@ -173,6 +167,33 @@ pub fn closure(volume: &Volume, means: &Means, runs: &RunCounts, known: Known<'_
         freedom: judged.freedom,
         outliers: [known.outliers, &judged.outliers].concat(),
     }
+}
+
+/// w by axis and interval of every group of readings.
+fn by_group(volume: &Volume, means: &Means) -> Vec<PerAxis<Vec<f64>>> {
+    let groups = means.groups().iter();
+    groups
+        .map(|group| closures(volume, &means.increments(volume, *group)))
+        .collect()
+}
+
+fn mean_of(volume: &Volume, all: &[PerAxis<Vec<f64>>]) -> PerAxis<Vec<f64>> {
+    PerAxis::from_fn(|axis| {
+        let at = |i: usize| all.iter().map(|w| w[axis][i]).sum::<f64>() / float(all.len());
+        (0..volume.steps).map(at).collect::<Vec<f64>>()
+    })
+}
+
+/// Root mean square of w beside the mean of its axis, µm: what tells two readings of one file apart
+/// before anything is judged.
+pub(super) fn spread_um(volume: &Volume, means: &Means) -> f64 {
+    let by_interval = mean_of(volume, &by_group(volume, means));
+    let mut squares = 0.0;
+    for (_, w) in by_interval.iter() {
+        let mean = w.iter().sum::<f64>() / volume.steps_f64();
+        squares += w.iter().map(|w| (w - mean).powi(2)).sum::<f64>();
+    }
+    (squares / (3.0 * volume.steps_f64())).sqrt()
 }
 
 #[derive(Default)]

@@ -3,6 +3,7 @@
 use super::closure::Closure;
 use super::curves::noise_gain;
 use super::increments::Means;
+use super::linear_reversal::{LinearReversals, along_diagonal_um, u_along_diagonal_um};
 use super::noise::Noise;
 use super::outlier::{FALSE_DOUBT, Outlier, float};
 use crate::axis::Axis;
@@ -15,7 +16,7 @@ const NAMED: usize = 3;
 /// A mean closure that no instrument resolves contradicts nothing, µm.
 const SMALLEST_MEAN_UM: f64 = 0.02;
 /// A reversal that no instrument resolves is none, µm.
-const SMALLEST_REVERSAL_UM: f64 = 0.02;
+pub(super) const SMALLEST_REVERSAL_UM: f64 = 0.02;
 
 /// What the closure says against the nine errors.
 pub fn of_closure(
@@ -92,20 +93,28 @@ fn set_up(closure: &Closure, noise: Noise) -> Option<String> {
 
 /// Reversal along the diagonals that passes with overrun show: the largest B at a cell end, µm;
 /// `None` where the mean of forward minus reverse readings is within their noise. The reversal of
-/// a single axis is hidden in it, so that no curve holds it.
-pub fn hidden_reversal_um(means: &Means, noise: Option<Noise>) -> Option<f64> {
+/// a single axis is hidden in it, so that no curve holds it. What linear measurements tell of
+/// single axes is taken off.
+pub fn hidden_reversal_um(
+    means: &Means,
+    noise: Option<Noise>,
+    volume: &Volume,
+    known: &LinearReversals,
+) -> Option<f64> {
     let reverse = means.reverse.as_ref()?;
     let beside = |d: Diagonal| {
-        let pairs = means.forward[d].iter().zip(&reverse[d]);
-        pairs
-            .map(|(forward, back)| forward - back)
-            .collect::<Vec<f64>>()
+        let pairs = means.forward[d].iter().zip(&reverse[d]).enumerate();
+        let left = |(node, (forward, back)): (usize, (&f64, &f64))| {
+            forward - back - along_diagonal_um(known, volume, d, node)
+        };
+        pairs.map(left).collect::<Vec<f64>>()
     };
     let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
+    let of_known = u_along_diagonal_um(known, volume);
     let shown = |b: &Vec<f64>| {
         let count = float(b.len());
         // Six standard deviations of a mean difference.
-        let limit = 6.0 * std::f64::consts::SQRT_2 * sigma / count.sqrt();
+        let limit = 6.0 * (std::f64::consts::SQRT_2 * sigma / count.sqrt()).hypot(of_known);
         (b.iter().sum::<f64>() / count).abs() > limit.max(SMALLEST_REVERSAL_UM)
     };
     let shown = Diagonal::ALL.map(beside).into_iter().filter(shown);

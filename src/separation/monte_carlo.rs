@@ -14,6 +14,7 @@ use super::campaign::Campaign;
 use super::evidence::NineErrors;
 use super::increments::{Means, PassMeans};
 use super::line::{ReferenceLine, range};
+use super::linear_reversal::LinearReversals;
 use super::metric::{PerPlane, Plane};
 use super::separate::curves_of;
 use super::uncertainty::Budget;
@@ -197,6 +198,7 @@ fn with_other_lines<'a>(campaign: &Campaign<'a>, random: &mut ChaCha8Rng) -> Cam
         measurement: campaign.measurement,
         stated: campaign.stated,
         lines,
+        reversals: LinearReversals::default(),
         angles: None,
         reverse_zero_known: campaign.reverse_zero_known,
     }

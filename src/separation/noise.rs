@@ -2,6 +2,7 @@
 
 use super::increments::{Means, PassMeans};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal};
+use crate::job::StatedUncertainty;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
 /// Share of a normal distribution within two standard deviations: what U stands for.
@@ -159,4 +160,14 @@ pub fn repeatability_um(runs: &[CorrectedRun], diagonal: Diagonal, pass: Pass) -
         (square / freedom).sqrt()
     };
     (runs.len() > 1).then(|| 4.0 * (0..nodes).map(deviation).fold(0.0, f64::max))
+}
+
+/// Repeats say most; a stated noise comes next; a single run is left with its closure.
+pub(super) fn known_noise(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<Noise> {
+    let stated = stated.noise_um.map(|sigma_um| Noise {
+        sigma_um,
+        freedom: None,
+        source: NoiseSource::Stated,
+    });
+    repeats.or(stated)
 }

@@ -2,6 +2,7 @@
 
 use super::campaign::{Campaign, Line};
 use super::corrections::{AngleEffects, AngleModel, angle_effects};
+use super::linear_reversal::{self, LinearReversals};
 use super::lookup::at;
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::Volume;
@@ -31,8 +32,15 @@ pub fn campaign<'a>(
 ) -> Result<Campaign<'a>, Problems> {
     let mut problems = Problems::none();
     let mut lines = Vec::new();
+    let mut reversals = LinearReversals::default();
     for (linear, table) in measurement.linear.iter().zip(&tables.linear) {
-        lines.extend(problems.take(linear_line(&measurement.volume, linear, table.as_ref())));
+        let table = table.as_ref();
+        lines.extend(problems.take(linear_line(&measurement.volume, linear, table)));
+        let found =
+            table.and_then(|t| linear_reversal::of_table(&measurement.volume, linear.axis, t));
+        if let Some(found) = found {
+            reversals[linear.axis].get_or_insert(found);
+        }
     }
     lines.extend(measurement.beams.iter().map(beam_line));
     let angles = match &tables.angles {
@@ -43,6 +51,7 @@ pub fn campaign<'a>(
         measurement,
         stated: job.measurement.uncertainty,
         lines,
+        reversals,
         angles,
         reverse_zero_known,
     })

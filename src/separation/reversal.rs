@@ -23,6 +23,7 @@ use super::noise::{Noise, chance_of, coverage_factor_for};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::diagonal::{Diagonal, PerDiagonal, Volume};
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 
 /// Chance that a reversal, an offset or a jump is believed where there is only noise.
 const FALSE_ALARM: f64 = 0.01;
@@ -355,5 +356,14 @@ pub fn without_jumps(means: &Means, volume: &Volume) -> Means {
     Means {
         forward: means.forward.clone(),
         reverse: Some(reverse),
+    }
+}
+
+/// The readings that are separated: without the jumps of a turn.
+pub(super) fn separable<'a>(measured: &'a Means, volume: &Volume, turned: bool) -> Cow<'a, Means> {
+    if turned {
+        Cow::Owned(without_jumps(measured, volume))
+    } else {
+        Cow::Borrowed(measured)
     }
 }

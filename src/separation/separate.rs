@@ -7,21 +7,22 @@ use super::corrections::recorded;
 use super::curves::{Curve, with_slope};
 use super::doubt;
 use super::evidence::{Evidence, NineErrors, least_squares_squareness};
+use super::exchange::{AsRead, exchanged};
 use super::increments::{Group, Means};
 use super::labels::labels;
+use super::linear_reversal::{self, LinearReversals, set_apart};
 use super::metric::{Metric, PerPlane, Plane};
-use super::noise::{CorrectedRun, Noise, NoiseSource, coverage_factor, means, run_counts};
+use super::noise::{CorrectedRun, Noise, coverage_factor, known_noise, means, run_counts};
 use super::repeats::repeats;
-use super::reversal::{Turn, ran_over, turn, without_jumps};
+use super::reversal::{Turn, ran_over, separable, turn};
 use super::solved::{naive_squareness, solve_readings};
 use super::straight::{DiagonalFigures, figures};
 use super::tilt::{Tilt, tilts};
 use super::uncertainty::Budget;
 use super::unmeasured;
-use crate::axis::{ErrorTerm, PerTerm};
+use crate::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::job::{Material, SetUp, StatedUncertainty};
-use std::borrow::Cow;
+use crate::job::{Material, SetUp};
 
 /// What a measurement of step diagonals says, and what it does not.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +65,8 @@ pub struct Separation {
     pub overrun: Option<bool>,
     /// Reversals from a turn without overrun.
     pub turn: Option<Turn>,
+    /// Reversals from linear measurements in both directions; none where the turn tells them.
+    pub linear_reversals: LinearReversals,
     /// Reversal along the diagonals that cannot be told apart by axis, µm: no curve holds it.
     pub hidden_reversal_um: Option<f64>,
     /// S, µm·mm.
@@ -86,9 +89,22 @@ pub struct Separation {
 }
 
 impl Separation {
-    /// Whether the two directions stand apart in the error table: the reversal is determined.
-    pub fn has_directed_table(&self) -> bool {
-        self.turn.is_some() && self.errors.minus.is_some()
+    /// Whether the two directions of an axis stand apart in the error table: its reversal is
+    /// determined.
+    pub fn is_directed(&self, axis: Axis) -> bool {
+        let known = self.turn.is_some() || self.linear_reversals[axis].is_some();
+        known && self.errors.minus.is_some()
+    }
+
+    /// A term of the error table, in a direction or without. Cross terms of an axis whose reversal
+    /// comes from its linear measurement are the mean of both directions.
+    pub fn of_table(&self, term: ErrorTerm, direction: Option<Direction>) -> Option<&Evidence> {
+        let cross = !term.is_positioning() && self.linear_reversals[term.along].is_some();
+        let errors = match direction.filter(|_| !cross) {
+            None => &self.errors.mean,
+            Some(direction) => self.errors.directed(direction)?,
+        };
+        errors[term].as_ref()
     }
 
     /// The terms that the readings do not determine.
@@ -130,12 +146,12 @@ impl Separation {
 }
 
 /// Separates a complete measurement of step diagonals.
-pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
+pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let measurement = campaign.measurement;
     let volume = &measurement.volume;
     let material = measurement.material;
-    let material = material.map(|material| recorded(&material, runs));
-    let runs = corrected(campaign, runs);
+    let material = material.map(|material| recorded(&material, raw_runs));
+    let runs = corrected(campaign, raw_runs);
     let counts = run_counts(&runs);
     let measured = means(&runs);
     let repeats = repeats(&runs);
@@ -178,6 +194,13 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
     let gains = solved.gains(&budget);
     let turn = turn(&measured, volume, &counts, noise).filter(|_| turned);
     let mut errors = solved.errors(&budget, &gains, &raw, turn.as_ref());
+    let reversals = campaign.reversals.clone();
+    let reversals = if turned {
+        LinearReversals::default()
+    } else {
+        reversals
+    };
+    set_apart(&mut errors, &reversals);
     unmeasured::book(
         &mut errors,
         volume,
@@ -193,12 +216,27 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         diagonals[diagonal].end_um = solved.ends_um[diagonal];
     }
     let mut labels = labels(campaign, &budget, &means, overrun, turn.as_ref());
+    labels.extend(linear_reversal::label(
+        &reversals,
+        measured.reverse.is_none(),
+    ));
     labels.extend(solved.labels(agreement.is_some()));
     let mut doubts = doubt::of_closure(&closure, noise, volume, measurement.setup);
+    let as_read = AsRead {
+        closure: &closure,
+        means: &means,
+        noise,
+        overrun,
+    };
+    doubts.splice(0..0, exchanged(campaign, raw_runs, &as_read));
     doubts.extend(agreement.as_ref().and_then(Agreement::contradiction));
+    let of_turn = turn.iter();
+    doubts.extend(
+        of_turn.flat_map(|turn| linear_reversal::contradictions(turn, &campaign.reversals)),
+    );
     let u_squareness = solved.u_squareness(&budget, &gains);
     let hidden = (overrun == Some(true) && campaign.reverse_zero_known)
-        .then(|| doubt::hidden_reversal_um(&measured, noise))
+        .then(|| doubt::hidden_reversal_um(&measured, noise, volume, &reversals))
         .flatten();
     Separation {
         volume: volume.clone(),
@@ -213,7 +251,7 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         squareness_least_squares_um_per_m: least_squares_squareness(volume, &errors.mean),
         tilts: tilts(volume, &solved.ratios, &solved.metric)
             .filter(|_| measurement.setup == SetUp::Solve && !refuted),
-        undetermined: solved.undetermined(turn.is_some()),
+        undetermined: solved.undetermined(turn.is_some(), &reversals),
         scale_sum_um_mm: solved.totals.scale_sum_um_mm,
         metric: solved.metric,
         agreement,
@@ -225,21 +263,13 @@ pub fn separate(campaign: &Campaign<'_>, runs: &[Run]) -> Separation {
         range_over_all_um,
         overrun,
         turn,
+        linear_reversals: reversals,
         hidden_reversal_um: hidden,
         doubts,
         labels,
         runs,
         zeroed_runs,
         means: measured,
-    }
-}
-
-/// The readings that are separated: without the jumps of a turn.
-fn separable<'a>(measured: &'a Means, volume: &Volume, turned: bool) -> Cow<'a, Means> {
-    if turned {
-        Cow::Owned(without_jumps(measured, volume))
-    } else {
-        Cow::Borrowed(measured)
     }
 }
 
@@ -262,14 +292,4 @@ pub fn curves_of(
         minus: None,
     };
     (errors, solved.squareness(campaign.measurement.setup))
-}
-
-/// Repeats say most; a stated noise comes next; a single run is left with its closure.
-pub(super) fn known_noise(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<Noise> {
-    let stated = stated.noise_um.map(|sigma_um| Noise {
-        sigma_um,
-        freedom: None,
-        source: NoiseSource::Stated,
-    });
-    repeats.or(stated)
 }

@@ -6,6 +6,7 @@ use super::campaign::Campaign;
 use super::curves::{Curve, curves, end_slope, mean, plus_line};
 use super::evidence::{Evidence, NineErrors};
 use super::increments::{Increments, Means, mean_increments};
+use super::linear_reversal::LinearReversals;
 use super::metric::{
     EndGains, Metric, PerPlane, Plane, StraightLine, displacement_ratios, end_gains, solve, stepped,
 };
@@ -320,15 +321,24 @@ impl Solved {
         })
     }
 
-    pub(super) fn undetermined(&self, from_turn: bool) -> Vec<String> {
+    pub(super) fn undetermined(&self, from_turn: bool, known: &LinearReversals) -> Vec<String> {
         let mut words = match self.setup {
             SetUp::Solve => self.metric.undetermined(),
             SetUp::AssumePerfect => Vec::new(),
         };
-        if self.both_ways && !from_turn {
-            words.push(
-                "reversal of each axis: with overrun (or a zero of their own) the reverse runs hold at most its sum along the diagonals; reverse once without overrun and state `overrun = false`, or measure each axis in both directions".to_string(),
-            );
+        let open: Vec<String> = Axis::ALL
+            .into_iter()
+            .filter(|axis| known[*axis].is_none())
+            .map(|axis| axis.to_string())
+            .collect();
+        if self.both_ways && !from_turn && !open.is_empty() {
+            let of = match open.len() {
+                3 => "each axis".to_string(),
+                _ => open.join(", "),
+            };
+            words.push(format!(
+                "reversal of {of}: with overrun (or a zero of their own) the reverse runs hold at most its sum along the diagonals; reverse once without overrun and state `overrun = false`, or name a linear measurement of the axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]])"
+            ));
         }
         words
     }

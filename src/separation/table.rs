@@ -14,18 +14,21 @@ pub fn draft(
     policy: Option<BacklashPolicy>,
     mut comments: Vec<String>,
 ) -> Draft {
-    let plus_only = policy == Some(BacklashPolicy::ForwardOnly) && separation.errors.plus.is_some();
-    let directions: &[Option<Direction>] = if separation.has_directed_table() {
-        &[Some(Direction::Plus), Some(Direction::Minus)]
-    } else if plus_only {
-        &[Some(Direction::Plus)]
-    } else {
-        &[None]
+    let plus_only =
+        policy == Some(BacklashPolicy::ForwardOnly) && separation.means.reverse.is_some();
+    let directions = |axis: Axis| -> &[Option<Direction>] {
+        if separation.is_directed(axis) {
+            &[Some(Direction::Plus), Some(Direction::Minus)]
+        } else if plus_only {
+            &[Some(Direction::Plus)]
+        } else {
+            &[None]
+        }
     };
     comments.extend(remarks(separation).lines());
     let mut series = Vec::new();
     for axis in Axis::ALL {
-        for direction in directions {
+        for direction in directions(axis) {
             series.push(one_series(separation, axis, *direction));
         }
     }
@@ -66,14 +69,8 @@ fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>)
         .map(|position| position.mm())
         .collect();
     let mut series = DraftSeries::new(axis, direction, positions);
-    let evidence = PerAxis::from_fn(|of| {
-        let errors = match direction {
-            None => &separation.errors.mean,
-            Some(direction) => separation.errors.directed(direction)?,
-        };
-        let term = ErrorTerm { of, along: axis };
-        errors[term].as_ref()
-    });
+    let evidence =
+        PerAxis::from_fn(|of| separation.of_table(ErrorTerm { of, along: axis }, direction));
     series.deviations_um =
         PerAxis::from_fn(|of| evidence[of].map(|found: &Evidence| written(&found.deviation_um)));
     series.uncertainties_um =

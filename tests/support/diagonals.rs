@@ -260,6 +260,7 @@ pub(crate) fn campaign(measurement: &DiagonalMeasurement, lines: Vec<Line>) -> C
         measurement,
         stated: StatedUncertainty::default(),
         lines,
+        reversals: Default::default(),
         angles: None,
         reverse_zero_known: true,
     }

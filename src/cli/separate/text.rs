@@ -165,10 +165,18 @@ fn directions(separation: &Separation) -> String {
             expanded(either),
         ])
     });
-    let zero = if separation.has_directed_table() {
-        "+ is zero at the low end, - stands beside it by the reversal there"
+    let apart = "+ is zero at the low end, - stands beside it by the reversal there";
+    let open = "each is zero at its own low end: the reversal between them is not determined";
+    let known = Axis::ALL
+        .into_iter()
+        .filter(|axis| separation.is_directed(*axis));
+    let known: Vec<String> = known.map(|axis| format!("E{axis}{axis}")).collect();
+    let zero = if separation.turn.is_some() {
+        apart.to_string()
+    } else if known.is_empty() {
+        open.to_string()
     } else {
-        "each is zero at its own low end: the reversal between them is not determined"
+        format!("{}: {apart}; others: {open}", known.join(", "))
     };
     format!(
         "The same by direction of motion; {zero}\n{}",

@@ -153,6 +153,11 @@ impl Modal {
         block: &Block,
     ) -> Result<Option<Deed>, Complaint> {
         let number = |letter: char| said.numbers.iter().find(|(known, _)| *known == letter);
+        let moves = |letter: char| letter == 'F' || is_axis(letter, rules);
+        if let Some((letter, _)) = said.numbers.iter().find(|(letter, _)| !moves(*letter)) {
+            let message = format!("`{letter}` names no axis and stands in no dwell");
+            return Err(refuse(block, &message));
+        }
         let unit_mm = self.unit.map(LengthUnit::in_mm);
         if let Some((_, feed)) = number('F') {
             let unit =
@@ -211,10 +216,13 @@ fn letter(rules: &Rules<'_>, axis: Axis) -> Option<char> {
 }
 
 fn is_number_address(letter: char, rules: &Rules<'_>) -> bool {
-    letter == 'F'
-        || Axis::ALL
-            .iter()
-            .any(|axis| self::letter(rules, *axis) == Some(letter))
+    letter == 'F' || letter == rules.seconds || is_axis(letter, rules)
+}
+
+fn is_axis(letter: char, rules: &Rules<'_>) -> bool {
+    Axis::ALL
+        .iter()
+        .any(|axis| self::letter(rules, *axis) == Some(letter))
 }
 
 fn refuse(block: &Block, message: &str) -> Complaint {

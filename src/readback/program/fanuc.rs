@@ -3,17 +3,14 @@
 use crate::controller::LengthUnit;
 use crate::readback::program::blocks::{Meaning, Modal, Motion, Rules};
 use crate::readback::program::words::{block, lines};
-use crate::readback::program::{Cancelled, Complaint, Step};
+use crate::readback::program::{Cancelled, Complaint, OwnWords, Step};
 
-pub(super) fn read(text: &str, letters: &[String]) -> Result<Vec<Step>, Complaint> {
+pub(super) fn read(text: &str, words: &OwnWords<'_>) -> Result<Vec<Step>, Complaint> {
     let rules = Rules {
         meaning,
-        seconds: letters
-            .first()
-            .and_then(|l| l.chars().next())
-            .unwrap_or('X'),
+        seconds: words.seconds,
         increments_need_machine: false,
-        letters,
+        letters: words.letters,
     };
     let mut modal = Modal::default();
     let mut steps = Vec::new();
@@ -74,13 +71,14 @@ fn without_comments(line: &str, start: usize) -> Result<String, Complaint> {
     }
 }
 
-/// B-64484EN, G-code system of a machining centre; G17 and G61 (exact stop) do not change where the axes go.
+/// B-64484EN, G-code system of a machining centre; G17, G61 and G64 (exact stop,
+/// cutting) do not change where the axes go.
 fn meaning(word: &str) -> Option<Meaning> {
     Some(match word {
         "G00" => Meaning::Motion(Motion::Rapid),
         "G01" => Meaning::Motion(Motion::Feed),
         "G04" => Meaning::Dwell,
-        "G17" | "G61" => Meaning::Neutral,
+        "G17" | "G61" | "G64" => Meaning::Neutral,
         "G94" => Meaning::FeedPerMinute,
         "G20" => Meaning::Unit(LengthUnit::Inch),
         "G21" => Meaning::Unit(LengthUnit::Millimetre),

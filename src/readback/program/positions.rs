@@ -36,6 +36,14 @@ pub struct Position {
 }
 
 impl Named {
+    /// As it stands in the files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Named::Diagonal(diagonal) => diagonal.name(),
+            Named::Axis(axis) => axis.key(),
+        }
+    }
+
     /// Direction in which an axis travels on a pass; `None` = it rests.
     pub fn travelled(self, axis: Axis, pass: Pass) -> Option<Direction> {
         match (self, pass) {
@@ -124,6 +132,71 @@ pub fn differences(rows: &[Position], request: &ProgramRequest, digit_mm: f64) -
         }
     }
     words
+}
+
+/// What the files of readings say otherwise than the positions, at most one sentence for each file.
+/// Single axes have a file each; all diagonals are in one.
+pub fn form_differences(rows: &[Position], forms: &[&[u8]]) -> Vec<String> {
+    let same_file = |a: &Position, b: &Position| match (a.of, b.of) {
+        (Named::Axis(a), Named::Axis(b)) => a == b,
+        _ => true,
+    };
+    let groups: Vec<&[Position]> = rows.chunk_by(same_file).collect();
+    if groups.len() != forms.len() {
+        return vec![format!(
+            "{} files of readings, expected {}",
+            forms.len(),
+            groups.len()
+        )];
+    }
+    let pairs = groups.into_iter().zip(forms);
+    let wrong = pairs.filter(|(group, form)| !is_form_of(group, form));
+    wrong
+        .filter_map(|(group, _)| group.first())
+        .map(|row| {
+            format!(
+                "the file of readings that begins with {} has other rows than positions.csv",
+                row.of.name()
+            )
+        })
+        .collect()
+}
+
+/// Whether a file asks for the readings of these rows, in their order, and states none of them.
+fn is_form_of(rows: &[Position], form: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(form) else {
+        return false;
+    };
+    let moved = text.lines().next().is_some_and(|l| l.contains(",moved,"));
+    let lines: Vec<&str> = text.lines().skip(1).collect();
+    lines.len() == rows.len()
+        && rows.iter().zip(lines).all(|(row, line)| {
+            let cells: Vec<&str> = line.split(',').collect();
+            asks_for(row, &cells, moved)
+        })
+}
+
+fn asks_for(row: &Position, cells: &[&str], moved: bool) -> bool {
+    let run = row.run.to_string();
+    match (row.of, cells) {
+        (Named::Axis(axis), [target, its_run, direction, ""]) => {
+            let expected = row.of.travelled(axis, row.pass).map(Direction::symbol);
+            target.parse() == Ok(row.place[axis]) && *its_run == run && expected == Some(*direction)
+        }
+        (Named::Diagonal(_), [of, its_run, pass, node, rest @ .., ""]) => {
+            let axis = row.moved.map_or("", Axis::key);
+            *of == row.of.name()
+                && *its_run == run
+                && *pass == row.pass.word()
+                && *node == row.node.to_string()
+                && (if moved {
+                    *rest == [axis]
+                } else {
+                    rest.is_empty() && row.moved.is_none()
+                })
+        }
+        _ => false,
+    }
 }
 
 type Key = (Named, u32, Pass, usize);

@@ -3,14 +3,14 @@
 use crate::controller::LengthUnit;
 use crate::readback::program::blocks::{Meaning, Modal, Motion, Rules};
 use crate::readback::program::words::{block, lines};
-use crate::readback::program::{Cancelled, Complaint, Step};
+use crate::readback::program::{Cancelled, Complaint, OwnWords, Step};
 
-pub(super) fn read(text: &str, letters: &[String]) -> Result<Vec<Step>, Complaint> {
+pub(super) fn read(text: &str, words: &OwnWords<'_>) -> Result<Vec<Step>, Complaint> {
     let rules = Rules {
         meaning,
-        seconds: 'F',
+        seconds: words.seconds,
         increments_need_machine: true,
-        letters,
+        letters: words.letters,
     };
     let mut modal = Modal::default();
     let mut steps = Vec::new();

@@ -45,6 +45,7 @@ pub fn walk(
         rows,
         bounds,
         here: None,
+        approached: PerAxis::default(),
         heading: PerAxis::default(),
         since: Vec::new(),
         turned: PerAxis::default(),
@@ -77,7 +78,10 @@ pub fn walk(
 struct Walker<'a> {
     rows: &'a [Position],
     bounds: &'a Bounds,
+    /// Where the axes are, once all three have gone to machine coordinates.
     here: Option<PerAxis<f64>>,
+    /// Axes that have gone to machine coordinates.
+    approached: PerAxis<Option<f64>>,
     /// Direction in which each axis moved last.
     heading: PerAxis<Option<Direction>>,
     /// Moves since the last standstill.
@@ -137,12 +141,20 @@ impl Walker<'_> {
                 );
             }
         }
-        match (place.x, place.y, place.z) {
-            (Some(x), Some(y), Some(z)) => self.arrive(PerAxis { x, y, z }, span),
-            _ => self.find(
-                span,
-                "the first position does not name all three axes".to_string(),
-            ),
+        let together = place.x.or(place.y).is_some();
+        if place.z.is_some() && (together || self.approached.x.and(self.approached.y).is_none()) {
+            let message = "Z goes to the first place before X and Y are there, or with them";
+            self.find(span, message.to_string());
+        }
+        for (axis, mm) in place.iter() {
+            if let Some(mm) = mm {
+                self.approached[axis] = Some(*mm);
+                self.judge_travel(axis, *mm, span);
+            }
+        }
+        let PerAxis { x, y, z } = self.approached;
+        if let (Some(x), Some(y), Some(z)) = (x, y, z) {
+            self.arrive(PerAxis { x, y, z });
         }
     }
 
@@ -150,7 +162,7 @@ impl Walker<'_> {
         let Some(here) = self.here else {
             self.find(
                 span,
-                "an increment before any position in machine coordinates".to_string(),
+                "an increment before all three axes are at machine coordinates".to_string(),
             );
             return;
         };
@@ -175,23 +187,25 @@ impl Walker<'_> {
             }
         }
         self.since.push(*by);
-        self.arrive(PerAxis::from_fn(|axis| here[axis] + by[axis]), span);
+        let place = PerAxis::from_fn(|axis| here[axis] + by[axis]);
+        for (axis, mm) in place.iter() {
+            self.judge_travel(axis, *mm, span);
+        }
+        self.arrive(place);
     }
 
-    fn arrive(&mut self, place: PerAxis<f64>, span: &Range<usize>) {
-        for axis in Axis::ALL {
-            let (low, high) = self.bounds.travel[axis];
-            let slack = self.bounds.digit_mm / 10.0;
-            if place[axis] < low - slack || place[axis] > high + slack {
-                self.find(
-                    span,
-                    format!(
-                        "{axis} is sent to {:.4} mm, outside its travel {low} … {high} mm",
-                        place[axis]
-                    ),
-                );
-            }
+    fn judge_travel(&mut self, axis: Axis, mm: f64, span: &Range<usize>) {
+        let (low, high) = self.bounds.travel[axis];
+        let slack = self.bounds.digit_mm / 10.0;
+        if mm < low - slack || mm > high + slack {
+            self.find(
+                span,
+                format!("{axis} is sent to {mm:.4} mm, outside its travel {low} … {high} mm"),
+            );
         }
+    }
+
+    fn arrive(&mut self, place: PerAxis<f64>) {
         let reach = self
             .reach
             .unwrap_or(PerAxis::from_fn(|axis| (place[axis], place[axis])));
