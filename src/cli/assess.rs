@@ -4,7 +4,7 @@ mod document;
 mod table_alone;
 mod text;
 
-use crate::assessment::{Assessment, GridChoice, Request, assess, with_tables};
+use crate::assessment::{Assessment, Grid, GridChoice, MOST_POINTS, Request, assess, with_tables};
 use crate::axis::{Axis, PerAxis};
 use crate::chain::Chain;
 use crate::cli::inputs::{self, read_argument};
@@ -18,8 +18,6 @@ use std::path::PathBuf;
 
 /// Most nodes of one axis.
 const MOST_NODES: usize = 1001;
-/// Most nodes of a grid.
-const MOST_POINTS: usize = 100_000_000;
 
 /// Options of `assess`.
 #[derive(Args, Debug)]
@@ -122,7 +120,6 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
 
 fn page(options: &Options) -> Result<Page, Problems> {
     let request = Request {
-        grid: options.grid,
         window_mm: options.window,
         histogram_um: options.histogram,
     };
@@ -138,27 +135,47 @@ fn page(options: &Options) -> Result<Page, Problems> {
         }
         let volume = table_alone::volume(&name, &bytes, options.chain)?;
         check_window(&volume, &request)?;
+        let grid = Grid::of(options.grid, &volume, &[])?;
         return Ok(Page {
             name,
-            before: assess(&volume, &request)?,
+            before: assess(&volume, &grid, &request)?,
             volume,
             after: None,
         });
     }
     let mut inputs = inputs::read_job(&options.file, &name, &bytes)?;
     inputs.job.machine.chain = options.chain.or(inputs.job.machine.chain);
-    let volume = VolumeModel::build(&inputs.job, &inputs.model)?;
+    let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     check_window(&volume, &request)?;
-    let after = match loaded(options, &inputs)? {
+    let corrected = match loaded(options, &inputs)? {
         None => None,
-        Some((from, loaded)) => Some(after(&inputs, &volume, &request, from, loaded)?),
+        Some((from, loaded)) => Some(corrected(&inputs, &volume, from, loaded)?),
+    };
+    let others: Vec<&VolumeModel> = corrected
+        .iter()
+        .map(|corrected| &corrected.volume)
+        .collect();
+    let grid = Grid::of(options.grid, &volume, &others)?;
+    let after = |corrected: Corrected| {
+        Ok::<After, Problem>(After {
+            from: corrected.from,
+            assessment: assess(&corrected.volume, &grid, &request)?,
+            disagreements: corrected.disagreements,
+        })
     };
     Ok(Page {
         name: inputs.job.machine.name.clone(),
-        before: assess(&volume, &request)?,
+        before: assess(&volume, &grid, &request)?,
+        after: corrected.map(after).transpose()?,
         volume,
-        after,
     })
+}
+
+/// The machine with tables.
+struct Corrected {
+    from: String,
+    volume: VolumeModel,
+    disagreements: Vec<String>,
 }
 
 fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedControl)>, Problems> {
@@ -178,25 +195,24 @@ fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedCo
     )))
 }
 
-fn after(
+fn corrected(
     inputs: &Inputs,
     volume: &VolumeModel,
-    request: &Request,
     from: String,
     loaded: LoadedControl,
-) -> Result<After, Problems> {
+) -> Result<Corrected, Problems> {
     let LoadedControl {
         plan,
         control,
         disagreements,
     } = loaded;
-    let corrected = with_tables(volume, &inputs.model, &plan, control.as_ref()).map_err(|e| {
+    let volume = with_tables(volume, &inputs.model, &plan, control.as_ref()).map_err(|e| {
         Problem::new(format!("the tables cannot be emulated: {}", e.0))
             .help("nothing can be said of the machine with them")
     })?;
-    Ok(After {
+    Ok(Corrected {
         from,
-        assessment: assess(&corrected, request)?,
+        volume,
         disagreements,
     })
 }

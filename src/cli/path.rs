@@ -86,7 +86,7 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
 
 fn page(options: &Options) -> Result<Page, Problems> {
     let inputs = inputs::read(&options.job)?;
-    let volume = VolumeModel::build(&inputs.job, &inputs.model)?;
+    let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = map_of(&inputs, &volume)?;
     let tables = match &options.tables {
         Some(directory) => Some(with_files(&inputs, &volume, directory)?),
