@@ -6,6 +6,12 @@
 //!               └─ + what the control adds (emulated from bytes) ─→ Assessment   with the tables
 //! ```
 
+mod baseline;
+mod exactness;
+
+pub use self::baseline::Baseline;
+pub use self::exactness::{corrects_in_steps, holds_everywhere};
+
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::curve::{ErrorCurve, Interpolation};
 use crate::definitions::{Definitions, LargestDifference, definitions, largest_difference};
@@ -14,6 +20,7 @@ use crate::model::{ErrorModel, Measured};
 use crate::plan::{Plan, axis_pairs};
 use crate::problem::Problem;
 use crate::space::diameter::Diameter;
+use crate::space::grid_map::GridMap;
 use crate::space::histogram;
 use crate::space::sample::estimate;
 use crate::space::windows::WindowMap;
@@ -38,6 +45,8 @@ pub struct Request {
     pub window_mm: Option<PerAxis<f64>>,
     /// Width of the bins of the histogram, µm.
     pub histogram_um: Option<f64>,
+    /// Angular tolerance of the grouping of paper 002, which is put beside the exact figure.
+    pub grouping: Option<f64>,
 }
 
 /// What one of the 21 errors does to the volumetric accuracy.
@@ -53,7 +62,7 @@ pub struct Contribution {
 }
 
 /// Volumetric accuracy of every sub-volume of a size.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Windows {
     /// Size, mm.
     pub size_mm: PerAxis<f64>,
@@ -65,6 +74,10 @@ pub struct Windows {
     pub worst: (f64, PerAxis<f64>),
     /// The sub-volume at the smallest coordinates of the volume, µm.
     pub corner_um: f64,
+    /// Smallest coordinates that a sub-volume has along each axis, mm.
+    pub places_mm: PerAxis<Vec<f64>>,
+    /// Figure of every sub-volume, µm: X slowest, Z fastest, over `places_mm`.
+    pub map_um: Vec<f64>,
 }
 
 /// How the differences of all pairs of nodes are distributed: bin n holds those from n to n + 1 widths.
@@ -72,12 +85,14 @@ pub struct Windows {
 pub struct Histogram {
     /// Width of a bin, µm.
     pub bin_um: f64,
-    /// Pairs in each bin; whole numbers where every pair was counted.
-    pub counts: Vec<f64>,
+    /// Pairs in each bin; whole numbers where every pair was counted. `None` = no drawn pair fell
+    /// into it, which does not say that none would.
+    pub counts: Vec<Option<f64>>,
     /// Number of all pairs.
     pub pairs: u64,
-    /// Pairs drawn, and the standard error of each count; `None` = every pair was counted.
-    pub sampled: Option<(u64, Vec<f64>)>,
+    /// Pairs drawn, and the standard error of each count (`None` = unknown); `None` = every pair
+    /// was counted.
+    pub sampled: Option<(u64, Vec<Option<f64>>)>,
 }
 
 /// What the errors of a machine do in its volume.
@@ -85,12 +100,16 @@ pub struct Histogram {
 pub struct Assessment {
     /// The figures.
     pub definitions: Definitions,
+    /// Whether the volumetric accuracy holds for every place of the volume; else for the nodes.
+    pub va_exact: bool,
     /// Every measured error, the largest part first.
     pub contributions: Vec<Contribution>,
     /// Sub-volumes, where a size is given.
     pub windows: Option<Windows>,
     /// Distribution, where a width is given.
     pub histogram: Option<Histogram>,
+    /// What the grouping of paper 002 finds, where it is asked for.
+    pub grouping: Option<Baseline>,
 }
 
 /// Judges a volume.
@@ -100,7 +119,10 @@ pub fn assess(model: &VolumeModel, request: &Request) -> Result<Assessment, Prob
     let definitions = definitions(model, &map);
     let windows = request.window_mm.map(|size| windows(&map, size));
     let histogram = request.histogram_um.map(|bin| histogram(&map, bin));
+    let grouping = request.grouping.map(|angular| Baseline::of(&map, angular));
     Ok(Assessment {
+        va_exact: holds_everywhere(model, &nodes),
+        grouping: grouping.transpose()?,
         contributions: contributions(model, &nodes, &definitions.va)?,
         definitions,
         windows: windows.transpose()?,
@@ -161,7 +183,23 @@ fn windows(map: &ErrorMap, size_mm: PerAxis<f64>) -> Result<Windows, Problem> {
         best: figure(all.best()),
         worst: figure(all.worst()),
         corner_um: all.corner().um,
+        map_um: by_axis(&all, map.vectors()),
+        places_mm: PerAxis::from_fn(|axis| {
+            let nodes = &map.nodes()[axis];
+            nodes[..=nodes.len() - counts[axis]].to_vec()
+        }),
     })
+}
+
+/// The figures of all sub-volumes, X slowest, Z fastest, whatever the chain.
+fn by_axis(all: &WindowMap, vectors: &GridMap) -> Vec<f64> {
+    let [x, y, z] = vectors.xyz(all.positions);
+    let [_, second, third] = all.positions;
+    let places = (0..x).flat_map(|x| (0..y).flat_map(move |y| (0..z).map(move |z| [x, y, z])));
+    places
+        .map(|place| vectors.along_chain(place))
+        .map(|[i, j, k]| all.figures[(i * second + j) * third + k].um)
+        .collect()
 }
 
 /// Nodes of a sub-volume along one axis, its ends among them.
@@ -219,7 +257,10 @@ fn histogram(map: &ErrorMap, bin_um: f64) -> Result<Histogram, Problem> {
             clippy::cast_precision_loss,
             reason = "at most 3·10⁹ pairs are counted"
         )]
-        let counts = counts.ok_or_else(too_fine)?.into_iter().map(|n| n as f64);
+        let counts = counts
+            .ok_or_else(too_fine)?
+            .into_iter()
+            .map(|n| Some(n as f64));
         return Ok(Histogram {
             bin_um,
             counts: counts.collect(),

@@ -1,18 +1,25 @@
 //! `nonius assess JOB|ERRORS`
 
+mod basis;
 mod document;
+mod measured;
+mod parts;
 mod table_alone;
 mod text;
 
-use crate::assessment::{Assessment, GridChoice, Request, assess, with_tables};
+use crate::assessment::{
+    Assessment, GridChoice, Request, assess, corrects_in_steps, holds_everywhere, with_tables,
+};
 use crate::axis::{Axis, PerAxis};
 use crate::chain::Chain;
 use crate::cli::inputs::{self, read_argument};
 use crate::cli::verify::read_directory;
 use crate::cli::{Answer, Format, print, print_json};
+use crate::job::UseOf;
 use crate::kit::{Inputs, LoadedControl, load, load_own};
 use crate::problem::{Problem, Problems};
 use crate::volume_model::VolumeModel;
+use basis::Basis;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -35,6 +42,9 @@ pub(super) struct Options {
     /// Distribution of all differences, in bins of this width, µm
     #[arg(long, value_name = "UM", value_parser = bin_word)]
     histogram: Option<f64>,
+    /// Also the grouping method of paper 002 with this angular tolerance, e.g. 0.1: a lower bound
+    #[arg(long, value_name = "TOL", value_parser = tolerance_word)]
+    grouping: Option<f64>,
     /// Also as the files of this directory leave the machine
     #[arg(long, value_name = "DIR", conflicts_with = "with_tables")]
     tables: Option<PathBuf>,
@@ -86,6 +96,10 @@ fn bin_word(text: &str) -> Result<f64, String> {
     positive(text).ok_or_else(|| "expected a width in µm above 0, e.g. 10".to_string())
 }
 
+fn tolerance_word(text: &str) -> Result<f64, String> {
+    positive(text).ok_or_else(|| "expected a tolerance above 0, e.g. 0.1".to_string())
+}
+
 fn chain_word(text: &str) -> Result<Chain, String> {
     Chain::parse(text).ok_or_else(|| {
         "expected each of X, Y, Z once, `w` where the workpiece is and `t` at the end, e.g. wXYZt"
@@ -98,6 +112,8 @@ struct Page {
     /// Name of the machine, or of the table.
     name: String,
     volume: VolumeModel,
+    /// What the figures rest on.
+    basis: Basis,
     /// As it is.
     before: Assessment,
     after: Option<After>,
@@ -108,6 +124,8 @@ struct After {
     /// Where the tables come from.
     from: String,
     assessment: Assessment,
+    /// Whether the control adds in jumps.
+    steps: bool,
     /// How the files differ from what the job asks for.
     disagreements: Vec<String>,
 }
@@ -125,40 +143,84 @@ fn page(options: &Options) -> Result<Page, Problems> {
         grid: options.grid,
         window_mm: options.window,
         histogram_um: options.histogram,
+        grouping: options.grouping,
     };
     let (name, bytes) = read_argument(&options.file)?;
-    let from_tables = options.tables.is_some() || options.with_tables;
     if table_alone::is_table(&bytes) {
-        if from_tables {
-            return Err(Problem::new(format!(
-                "`{name}` is an error table, which names no control: tables cannot be read or made for it"
-            ))
-            .help("give the job that names it")
-            .into());
-        }
-        let volume = table_alone::volume(&name, &bytes, options.chain)?;
-        check_window(&volume, &request)?;
-        return Ok(Page {
-            name,
-            before: assess(&volume, &request)?,
-            volume,
-            after: None,
-        });
+        return page_of_table(options, &request, name, &bytes);
     }
-    let mut inputs = inputs::read_job(&options.file, &name, &bytes)?;
-    inputs.job.machine.chain = options.chain.or(inputs.job.machine.chain);
-    let volume = VolumeModel::build(&inputs.job, &inputs.model)?;
-    check_window(&volume, &request)?;
+    let with_tables = options.tables.is_some() || options.with_tables;
+    let use_of = UseOf::with(with_tables);
+    let mut inputs = inputs::read_job(&options.file, &name, &bytes, use_of)?;
+    take_chain(&mut inputs, options.chain)?;
+    let bare = VolumeModel::build(&inputs.job, &inputs.model)?;
+    let volume = match &inputs.under_tables {
+        Some(model) => VolumeModel::build(&inputs.job, model)?,
+        None => bare.clone(),
+    };
+    check_request(&volume, &request)?;
+    let before = assess(&volume, &request)?;
+    let mut basis = Basis::of_job(&inputs, &volume);
+    if inputs.under_tables.is_some() {
+        let alone = Request {
+            window_mm: None,
+            histogram_um: None,
+            grouping: None,
+            ..request
+        };
+        basis.without_tables_um = Some(assess(&bare, &alone)?.definitions.va.um);
+    }
     let after = match loaded(options, &inputs)? {
         None => None,
-        Some((from, loaded)) => Some(after(&inputs, &volume, &request, from, loaded)?),
+        Some((from, loaded)) => Some(after(&inputs, &bare, &request, from, loaded)?),
     };
     Ok(Page {
         name: inputs.job.machine.name.clone(),
-        before: assess(&volume, &request)?,
+        basis,
+        before,
         volume,
         after,
     })
+}
+
+fn page_of_table(
+    options: &Options,
+    request: &Request,
+    name: String,
+    bytes: &[u8],
+) -> Result<Page, Problems> {
+    if options.tables.is_some() || options.with_tables {
+        return Err(Problem::new(format!(
+            "`{name}` is an error table, which names no control: tables cannot be read or made for it"
+        ))
+        .help("give the job that names it")
+        .into());
+    }
+    let (volume, basis) = table_alone::volume(&name, bytes, options.chain)?;
+    check_request(&volume, request)?;
+    Ok(Page {
+        name,
+        before: assess(&volume, request)?,
+        basis,
+        volume,
+        after: None,
+    })
+}
+
+/// `--chain` is for a job that states none.
+fn take_chain(inputs: &mut Inputs, stated: Option<Chain>) -> Result<(), Problem> {
+    let own = inputs.job.machine.chain;
+    if let (Some(own), Some(other)) = (own, stated)
+        && own != other
+    {
+        let words = format!("the job states the chain {own}, `--chain` says {other}");
+        return Err(inputs
+            .job
+            .problem_at("machine.chain", words)
+            .help("leave `--chain` out, or correct the job"));
+    }
+    inputs.job.machine.chain = own.or(stated);
+    Ok(())
 }
 
 fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedControl)>, Problems> {
@@ -178,9 +240,10 @@ fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedCo
     )))
 }
 
+/// `bare` = the machine without any tables.
 fn after(
     inputs: &Inputs,
-    volume: &VolumeModel,
+    bare: &VolumeModel,
     request: &Request,
     from: String,
     loaded: LoadedControl,
@@ -190,19 +253,36 @@ fn after(
         control,
         disagreements,
     } = loaded;
-    let corrected = with_tables(volume, &inputs.model, &plan, control.as_ref()).map_err(|e| {
+    let corrected = with_tables(bare, &inputs.model, &plan, control.as_ref()).map_err(|e| {
         Problem::new(format!("the tables cannot be emulated: {}", e.0))
             .help("nothing can be said of the machine with them")
     })?;
+    let mut assessment = assess(&corrected, request).map_err(with_their_nodes)?;
+    let steps = corrects_in_steps(bare, &plan, control.as_ref());
+    // Curves that bend between their nodes are known with tables at the nodes alone.
+    assessment.va_exact &= !steps && holds_everywhere(bare, &bare.own_nodes());
     Ok(After {
         from,
-        assessment: assess(&corrected, request)?,
+        assessment,
+        steps,
         disagreements,
     })
 }
 
-/// A sub-volume must fit into the volume.
-fn check_window(volume: &VolumeModel, request: &Request) -> Result<(), Problem> {
+/// What could be asked of the measured nodes cannot be asked of these.
+fn with_their_nodes(problem: Problem) -> Problem {
+    Problem {
+        message: format!(
+            "with the tables: {} (their nodes come in between those that were measured)",
+            problem.message
+        ),
+        ..problem
+    }
+}
+
+/// A sub-volume must fit into the volume, and one node of a length says nothing of it.
+fn check_request(volume: &VolumeModel, request: &Request) -> Result<(), Problem> {
+    check_grid(volume, request.grid)?;
     let Some(size) = request.window_mm else {
         return Ok(());
     };
@@ -212,9 +292,26 @@ fn check_window(volume: &VolumeModel, request: &Request) -> Result<(), Problem> 
             return Err(Problem::new(format!(
                 "the sub-volume is {} mm long in {axis}, but the volume only {} mm",
                 size[axis],
-                high - low
+                text::short(high - low)
             ))
             .help("give the size of a part that fits, in mm, as X,Y,Z"));
+        }
+    }
+    Ok(())
+}
+
+fn check_grid(volume: &VolumeModel, grid: GridChoice) -> Result<(), Problem> {
+    let GridChoice::Equal(counts) = grid else {
+        return Ok(());
+    };
+    for axis in Axis::ALL {
+        let (low, high) = volume.range(axis);
+        if counts[axis] == 1 && high > low {
+            return Err(Problem::new(format!(
+                "`--grid` has one node in {axis}, but {axis} is judged over {} mm, of which one place says nothing",
+                text::short(high - low)
+            ))
+            .help("give at least 2 nodes, or leave `--grid` out: the nodes are then those of the measurement"));
         }
     }
     Ok(())
