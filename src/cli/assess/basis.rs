@@ -32,7 +32,7 @@ impl Basis {
     pub(super) fn of_job(inputs: &Inputs, volume: &VolumeModel) -> Basis {
         let job = &inputs.job;
         let measurement = &job.measurement;
-        let mut labels = doubts(inputs.as_measured(), volume);
+        let mut labels = doubts(job, inputs.as_measured());
         labels.extend(volume.labels.iter().cloned());
         labels.extend(outside(job));
         let active = match &measurement.active {
@@ -57,7 +57,7 @@ impl Basis {
 
     /// Of an error table alone.
     pub(super) fn of_table(job: &Job, model: &ErrorModel, volume: &VolumeModel) -> Basis {
-        let mut labels = doubts(model, volume);
+        let mut labels = doubts(job, model);
         labels.extend(volume.labels.iter().cloned());
         labels.push("no job describes this machine: the curves are zero, and levers count from, the lowest measured position of each axis; whether a compensation was active during the measurement is not known".to_string());
         labels.extend(said(&model.remarks));
@@ -105,7 +105,7 @@ fn said(remarks: &Remarks) -> Vec<String> {
 }
 
 /// Values that no machine tool has, which are more often a slip of the unit.
-fn doubts(model: &ErrorModel, volume: &VolumeModel) -> Vec<String> {
+fn doubts(job: &Job, model: &ErrorModel) -> Vec<String> {
     let deviations = model
         .measured()
         .map(|(term, measured)| (term.to_string(), measured.largest_um(), "µm", UNLIKELY_UM));
@@ -115,7 +115,7 @@ fn doubts(model: &ErrorModel, volume: &VolumeModel) -> Vec<String> {
         let largest = curve.largest_magnitude(from, to);
         Some((rotation.to_string(), largest, "µrad", UNLIKELY_URAD))
     });
-    let squareness = volume.squareness().iter().map(|(term, slope)| {
+    let squareness = job.measurement.squareness.iter().map(|(term, slope)| {
         let name = Component::Squareness(*term).to_string();
         (name, slope.abs(), "µm/m", UNLIKELY_URAD)
     });
