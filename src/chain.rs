@@ -99,12 +99,6 @@ impl Chain {
         self.letters[..self.carrying_workpiece].contains(&axis)
     }
 
-    /// The axis that a machine's own datum takes as the primary one (1), and the secondary one (2).
-    pub fn datum(self) -> (Axis, Axis) {
-        let [primary, secondary, _] = self.order();
-        (primary, secondary)
-    }
-
     /// What a rotation does through the positions of the axes after it: r × a, without tool offset.
     /// Empty for the rotations that have no effect (all of axis 3, and of axis 2 about axis 3).
     pub fn effects(self, rotation: Rotation) -> Vec<LeverEffect> {

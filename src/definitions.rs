@@ -16,7 +16,8 @@ pub use self::length::{LengthError, length_error};
 use crate::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
 use crate::diagonal::PerDiagonal;
 use crate::space::diameter::diameter;
-use crate::volume_model::{ErrorMap, Nodes, VolumeModel};
+use crate::units::Millimetres;
+use crate::volume_model::{Component, ErrorMap, VolumeModel};
 
 /// Largest and smallest value of each of the nine deviations, µm (or any one unit of length).
 pub type Extremes = PerTerm<Option<(f64, f64)>>;
@@ -96,7 +97,9 @@ pub struct Definitions {
     /// From the nine deviations, squareness in them.
     pub by_component: ByComponent,
     /// Paper 000's proposed definition with the whole error vector in place of the nine:
-    /// |max e| + |min e|, each taken direction by direction, µm.
+    /// |max e| + |min e|, each taken direction by direction, µm. It moves with the zero of e. As in
+    /// paper 002 the arms of squareness, like those of angles, count from the offsets; of a
+    /// term that a table corrects no squareness is left apart, and it is zero at the reference.
     pub proposed_um: f64,
     /// Volumetric accuracy.
     pub va: LargestDifference,
@@ -129,10 +132,12 @@ pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
         from_origin_um = from_origin_um.max(error.minus(at_origin).length());
     }
     let ranges_um = high.minus(low);
+    let squareness = |component| matches!(component, Component::Squareness(_));
+    let squareness_um = model.part_at(origin_mm, squareness);
     Definitions {
         grid: map.counts(),
-        by_component: ByComponent::of(&extremes(model, map.nodes())),
-        proposed_um: high.length() + low.length(),
+        by_component: ByComponent::of(&extremes(model)),
+        proposed_um: high.minus(squareness_um).length() + low.minus(squareness_um).length(),
         va: largest_difference(map),
         ranges_um,
         box_um: ranges_um.length(),
@@ -143,22 +148,14 @@ pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
     }
 }
 
-/// Largest and smallest value of each deviation at the nodes, stated squareness in it.
-fn extremes(model: &VolumeModel, nodes: &Nodes) -> Extremes {
+/// Largest and smallest value of each deviation over the judged range, squareness in it, zero at
+/// the reference (between nodes too: a curve is known there).
+fn extremes(model: &VolumeModel) -> Extremes {
     PerTerm::from_fn(|term: ErrorTerm| {
-        let curve = model.deviation(term)?;
-        let slopes = model.squareness().iter().filter(|(of, _)| *of == term);
-        let slope: f64 = slopes.map(|(_, slope)| slope / 1000.0).sum();
-        let origin = model.lever_origin()[term.along];
-        let at = |place: &f64| {
-            let place = crate::units::Millimetres::new(*place);
-            curve.at(place).um() + slope * (place.mm() - origin)
-        };
-        let values = nodes[term.along].iter().map(at);
-        values.fold(None, |ends: Option<(f64, f64)>, value| {
-            let (low, high) = ends.unwrap_or((value, value));
-            Some((low.min(value), high.max(value)))
-        })
+        let (low, high) = model.range(term.along);
+        let (from, to) = (Millimetres::new(low), Millimetres::new(high));
+        let curve = model.from_reference(term)?;
+        Some(curve.extremes_against_line(from, to, 0.0, 0.0))
     })
 }
 

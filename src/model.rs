@@ -166,6 +166,7 @@ impl ErrorModel {
         for axis in Axis::ALL {
             check_axis(job, table, axis, &mut problems);
         }
+        angles::check_zeros(job, table, &mut problems);
         let mut terms = PerTerm::from_fn(|_| None);
         for term in ErrorTerm::ALL {
             if let Some(machine) = job.machine.axes[term.along] {

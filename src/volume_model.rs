@@ -11,25 +11,34 @@
 //! The same formula holds for every chain, because all errors are those of the tool relative to the
 //! workpiece; products of two small angles are left out (under 0.12 µm for 100 µrad on 12 m).
 //! **Squareness** φ is a straight line in one deviation of one axis, so it needs no term of its own:
-//! φxy is a slope of EXY, and so on (contract §2.3). Its lever is counted from the offset too.
+//! φxy is a slope of EXY, φ·(position − reference), held where the curve is held (contract §2.3). It
+//! tilts the way that the axis goes, not what the axis carries: a tool that is longer by ΔL moves
+//! along the same tilted line, so its error differs by nothing. (How the spindle is aligned to
+//! the axis is none of the 21 errors.) So a slope in the table and a stated φ are the same machine,
+//! with every tool.
+//!
+//! **An optic on the table** (`straightness_optic_mm`): r × (own travel) is added once, to the
+//! straightness at the positions where it was measured; between them the curve runs as chosen.
 //!
 //! An error that was not measured is left out and *named* ([`VolumeModel::missing`]).
 
 mod component;
 mod map;
 mod missing;
+mod optic;
+mod range;
 
 pub use self::component::Component;
 pub use self::map::{ErrorMap, Nodes};
 pub use self::missing::Missing;
 
-use crate::axis::{Axis, ErrorTerm, PerAxis, PerTerm, Rotation};
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::chain::{Chain, unit};
-use crate::curve::ErrorCurve;
-use crate::job::{Job, Levers};
+use crate::curve::{ErrorCurve, Interpolation};
+use crate::job::{Job, Levers, MachineAxis};
 use crate::model::{ErrorModel, Measured};
 use crate::problem::Problems;
-use crate::units::Millimetres;
+use crate::units::{Deviation, Millimetres};
 
 /// mm in a metre: µrad × mm = 10⁻³ µm, and slopes are in µm/m.
 const MM_PER_M: f64 = 1000.0;
@@ -43,17 +52,30 @@ pub struct VolumeModel {
     pub chain_is_stated: bool,
     /// The nine deviations without stated squareness, zero at the reference; mean of the directions.
     deviations: PerTerm<Option<ErrorCurve>>,
+    /// What the lever of an optic on the table adds to the straightness of its axis.
+    optics: PerTerm<Option<ErrorCurve>>,
     /// The nine rotations, µrad; mean of the directions.
     rotations: PerTerm<Option<ErrorCurve>>,
-    /// Stated squareness: slope in µm/m of one term.
-    squareness: Vec<(ErrorTerm, f64)>,
+    /// Stated squareness.
+    squareness: Vec<Squareness>,
     levers: Levers,
     /// Where levers count from: the stated offsets, else the reference.
     origin: PerAxis<f64>,
+    /// Where the deviations of an axis are zero.
+    machine: PerAxis<Option<MachineAxis>>,
     /// The range of each axis that the model holds for, mm; a single place where nothing is known.
     ranges: PerAxis<(f64, f64)>,
     /// What whoever reads a figure of this model has to know, one sentence each.
     pub labels: Vec<String>,
+}
+
+/// Stated squareness: the slope of one term.
+#[derive(Clone, Debug, PartialEq)]
+struct Squareness {
+    term: ErrorTerm,
+    um_per_m: f64,
+    /// φ·(position − reference) over the measured range, held beyond it.
+    line: ErrorCurve,
 }
 
 /// What one axis contributes where it stands: a deviation, a rotation and a lever for the rotations
@@ -62,7 +84,7 @@ pub struct VolumeModel {
 pub struct AxisState {
     /// Machine coordinate, mm.
     pub position_mm: f64,
-    /// Its deviation with squareness, and its own rotation × tool offset, µm.
+    /// Its deviation with squareness, and its rotation × tool offset, µm.
     pub deviation_um: PerAxis<f64>,
     /// Its rotation, µrad.
     pub rotation_urad: PerAxis<f64>,
@@ -86,54 +108,53 @@ impl VolumeModel {
         };
         let levers = job.measurement.levers;
         check_optics(job, chain, levers)?;
-        let squareness = job.measurement.squareness.clone();
-        let reference = PerAxis::from_fn(|axis| job.machine.axes[axis].map(|a| a.reference.mm()));
-        let origin = PerAxis::from_fn(|axis| {
-            let offset = levers.offsets[axis].map(Millimetres::mm);
-            offset.or(reference[axis]).unwrap_or(0.0)
-        });
         let mut built = VolumeModel {
             chain,
             chain_is_stated: job.machine.chain.is_some(),
-            deviations: PerTerm::from_fn(|term: ErrorTerm| {
-                let curve = model.terms[term].as_ref()?.measured.mean();
-                Some(without_squareness(job, &squareness, term, curve))
-            }),
+            deviations: PerTerm::from_fn(|_| None),
+            optics: PerTerm::from_fn(|_| None),
             rotations: PerTerm::from_fn(|term: ErrorTerm| {
                 model.rotations[term].as_ref().map(Measured::mean)
             }),
-            squareness,
+            squareness: squareness(job, model),
             levers,
-            origin,
+            origin: levers.origin(&job.machine.axes),
+            machine: job.machine.axes,
             ranges: PerAxis::default(),
             labels: Vec::new(),
         };
-        built.ranges = PerAxis::from_fn(|axis| built.range_of(job, axis));
+        built.optics = built.optics(model, job.compensation.curve);
+        built.deviations = built.deviations(model);
+        built.ranges = built.common_ranges(job)?;
         built.labels = built.statements(job, model);
         Ok(built)
     }
 
-    /// The range of an axis: what all of its curves cover; of an axis without curves its travel,
-    /// because the rotations of others swing it all the same.
-    fn range_of(&self, job: &Job, axis: Axis) -> (f64, f64) {
-        let covered = self.curves_along(axis).map(|curve| {
-            let (low, high) = curve.measured_range();
-            (low.mm(), high.mm())
-        });
-        let travel = job.machine.axes[axis].map(|a| (a.low.mm(), a.high.mm()));
-        covered
-            .reduce(|a, b| (a.0.max(b.0), a.1.min(b.1)))
-            .filter(|(low, high)| low <= high)
-            .or(travel)
-            .unwrap_or((self.origin[axis], self.origin[axis]))
+    /// The same machine with the deviations of another model (without the tables that were active
+    /// while measuring); judged over the range that was measured.
+    #[must_use]
+    pub fn with_errors_of(&self, model: &ErrorModel) -> VolumeModel {
+        VolumeModel {
+            deviations: self.deviations(model),
+            ..self.clone()
+        }
     }
 
-    fn curves_along(&self, axis: Axis) -> impl Iterator<Item = &ErrorCurve> {
-        let deviations =
-            Axis::ALL.map(|of| self.deviations[ErrorTerm { of, along: axis }].as_ref());
-        let rotations =
-            Axis::ALL.map(|about| self.rotations[Rotation { about, along: axis }].as_ref());
-        deviations.into_iter().chain(rotations).flatten()
+    /// The curves of a model without stated squareness, with the levers of optics. The mean of two
+    /// directions is zero at the reference: which direction a return to it takes is no error
+    /// of the volume.
+    fn deviations(&self, model: &ErrorModel) -> PerTerm<Option<ErrorCurve>> {
+        PerTerm::from_fn(|term: ErrorTerm| {
+            let measured = &model.terms[term].as_ref()?.measured;
+            let mut curve = measured.mean();
+            if let (true, Some(machine)) = (measured.has_both_ways(), self.machine[term.along]) {
+                curve = curve.rezeroed_at(machine.reference);
+            }
+            let stated = self.squareness.iter().filter(|s| s.term == term);
+            let lines = stated.map(|s| line(&s.line, -s.um_per_m, self.machine[term.along]));
+            let optic = self.optics[term].iter().cloned();
+            Some(lines.chain(optic).fold(curve, |sum, more| sum.plus(&more)))
+        })
     }
 
     /// Every position where a curve of an axis bends or ends, mm, ascending; where it has none, the
@@ -159,7 +180,7 @@ impl VolumeModel {
         self.ranges[axis]
     }
 
-    /// Where the levers of angles and squareness count from, mm: there they have no effect.
+    /// Where the levers of the angles count from, mm: there they have no effect.
     pub fn lever_origin(&self) -> PerAxis<f64> {
         self.origin
     }
@@ -173,31 +194,29 @@ impl VolumeModel {
     ) -> AxisState {
         let at = Millimetres::new(position_mm);
         let tool = PerAxis::from_fn(|axis| self.levers.tool.map_or(0.0, |tool| tool[axis].mm()));
-        let arm = position_mm - self.origin[axis];
         let rotation_urad = PerAxis::from_fn(|about| {
             let rotation = Rotation { about, along: axis };
             let curve = self.rotations[rotation].as_ref();
             let kept = curve.filter(|_| keep(Component::Rotation(rotation)));
             kept.map_or(0.0, |curve| curve.at(at).um())
         });
-        let measured = PerAxis::from_fn(|of| {
+        let deviation = PerAxis::from_fn(|of| {
             let term = ErrorTerm { of, along: axis };
             let curve = self.deviations[term].as_ref();
             let kept = curve.filter(|_| keep(Component::Deviation(term)));
-            let lines = self
-                .squareness
-                .iter()
-                .filter(|(sloped, _)| *sloped == term && keep(Component::Squareness(term)));
-            let slope: f64 = lines.map(|(_, slope)| slope).sum();
-            kept.map_or(0.0, |curve| curve.at(at).um()) + slope * (arm + tool[axis]) / MM_PER_M
+            let stated = self.squareness.iter();
+            let lines = stated.filter(|s| s.term == term && keep(Component::Squareness(term)));
+            let lines = lines.map(|s| &s.line);
+            kept.into_iter()
+                .chain(lines)
+                .map(|curve| curve.at(at).um())
+                .sum()
         });
-        let optic = self.levers.straightness_optic[axis];
-        let own = unit(axis).times(optic.map_or(0.0, |optic| position_mm - optic.mm()));
         AxisState {
             position_mm,
-            deviation_um: measured.plus(rotation_urad.cross(tool.plus(own)).times(1.0 / MM_PER_M)),
+            deviation_um: deviation.plus(rotation_urad.cross(tool).times(1.0 / MM_PER_M)),
             rotation_urad,
-            arm_mm: unit(axis).times(arm),
+            arm_mm: unit(axis).times(position_mm - self.origin[axis]),
         }
     }
 
@@ -230,27 +249,49 @@ impl VolumeModel {
                 Component::Rotation(rotation) => self.rotations[*rotation].is_some(),
                 Component::Squareness(_) => false,
             })
-            .chain(squareness.map(|(term, _)| Component::Squareness(*term)))
+            .chain(squareness.map(|s| Component::Squareness(s.term)))
             .collect()
     }
 
-    /// The machine with other deviations (as tables leave them); the rest stays.
-    #[must_use]
-    pub fn with_deviations(&self, deviations: PerTerm<Option<ErrorCurve>>) -> VolumeModel {
-        VolumeModel {
-            deviations,
-            ..self.clone()
-        }
+    /// Adds what a control adds to one term. Squareness of this term is from now on part of it: a
+    /// table takes off the sum, and what the two would contribute apart is nothing that is left.
+    ///
+    /// `at_reference`: what the control adds at the reference where the axis came there as it
+    /// homes; the mean of two corrections that differ by a reversal is shifted to it, as that of
+    /// the measured curves is.
+    pub fn correct(
+        &mut self,
+        term: ErrorTerm,
+        correction: &ErrorCurve,
+        at_reference: Option<Deviation>,
+    ) {
+        let Some(curve) = self.deviation(term) else {
+            return;
+        };
+        let homing = self.homing(term.along).zip(at_reference);
+        let reversal = homing.map(|((reference, _), um)| correction.at(reference) - um);
+        let mean = reversal.map_or(correction.clone(), |um| correction.less(um));
+        self.deviations[term] = Some(curve.plus(&mean));
+        self.squareness.retain(|stated| stated.term != term);
     }
 
-    /// The deviation of a term without stated squareness.
-    pub fn deviation(&self, term: ErrorTerm) -> Option<&ErrorCurve> {
-        self.deviations[term].as_ref()
+    /// The reference of an axis, and the direction in which it comes there.
+    pub fn homing(&self, axis: Axis) -> Option<(Millimetres, Direction)> {
+        self.machine[axis].map(|machine| (machine.reference, machine.homing()))
     }
 
-    /// Stated squareness, µm/m, by the term that it is a slope of.
-    pub fn squareness(&self) -> &[(ErrorTerm, f64)] {
-        &self.squareness
+    /// The deviation of a term with stated squareness.
+    pub fn deviation(&self, term: ErrorTerm) -> Option<ErrorCurve> {
+        let curve = self.deviations[term].clone()?;
+        let stated = self.squareness.iter().filter(|s| s.term == term);
+        Some(stated.fold(curve, |sum, s| sum.plus(&s.line)))
+    }
+
+    /// The deviation of a term with stated squareness, zero at the reference.
+    pub fn from_reference(&self, term: ErrorTerm) -> Option<ErrorCurve> {
+        let curve = self.deviation(term)?;
+        let machine = self.machine[term.along];
+        Some(machine.map_or(curve.clone(), |m| curve.rezeroed_at(m.reference)))
     }
 }
 
@@ -263,20 +304,28 @@ pub fn error_of(first: &AxisState, second: &AxisState, third: &AxisState) -> Per
         .plus(swung.times(1.0 / MM_PER_M))
 }
 
-/// The curve less the slope that the job added to it (contract §2.3, squareness).
-fn without_squareness(
-    job: &Job,
-    squareness: &[(ErrorTerm, f64)],
-    term: ErrorTerm,
-    curve: ErrorCurve,
-) -> ErrorCurve {
-    let stated = squareness.iter().find(|(sloped, _)| *sloped == term);
-    let (Some((_, slope)), Some(machine)) = (stated, job.machine.axes[term.along]) else {
-        return curve;
-    };
+/// The lines of stated squareness, each over the range in which its term was measured.
+fn squareness(job: &Job, model: &ErrorModel) -> Vec<Squareness> {
+    let stated = job.measurement.squareness.iter();
+    let lines = stated.filter_map(|(term, um_per_m)| {
+        let measured = model.terms[*term].as_ref()?.measured.mean();
+        Some(Squareness {
+            term: *term,
+            um_per_m: *um_per_m,
+            line: line(&measured, *um_per_m, job.machine.axes[term.along]),
+        })
+    });
+    lines.collect()
+}
+
+/// φ·(position − reference) over the range of a curve, held beyond it; with the reference outside
+/// the range the line is zero at its nearer end, which is what is held there.
+fn line(curve: &ErrorCurve, um_per_m: f64, machine: Option<MachineAxis>) -> ErrorCurve {
     let (low, high) = curve.measured_range();
-    let zero = machine.reference.mm().clamp(low.mm(), high.mm());
-    curve.plus_slope(-slope, Millimetres::new(zero))
+    let reference = machine.map_or(low.mm(), |machine| machine.reference.mm());
+    let zero = reference.clamp(low.mm(), high.mm());
+    let at = |place: Millimetres| Deviation::from_um(um_per_m * (place.mm() - zero) / MM_PER_M);
+    ErrorCurve::through(&[low, high], &[at(low), at(high)], Interpolation::Linear)
 }
 
 /// An optic can ride on a table only.

@@ -1,9 +1,6 @@
 //! Whether the largest difference of the nodes is that of the whole volume.
 
-use crate::axis::{Axis, Direction, ErrorTerm};
-use crate::emulate::{Emulator, Response};
-use crate::plan::{Plan, axis_pairs};
-use crate::units::Millimetres;
+use crate::axis::Axis;
 use crate::volume_model::{AxisState, Nodes, VolumeModel};
 
 /// Rounding of a curve between two nodes, in parts of its values (and µm near 0).
@@ -44,31 +41,4 @@ fn is_straight(model: &VolumeModel, axis: Axis, [from, to]: [f64; 2]) -> bool {
             (value - (a + (b - a) * part)).abs() <= room
         })
     })
-}
-
-/// Whether a control adds anything in jumps where the deviations were measured: then a place
-/// beside a node may differ by more than the nodes do, by the size of a jump.
-pub fn corrects_in_steps(volume: &VolumeModel, plan: &Plan, control: &dyn Emulator) -> bool {
-    ErrorTerm::ALL.into_iter().any(|term| {
-        let Some(curve) = volume.deviation(term) else {
-            return false;
-        };
-        let (from, to) = curve.measured_range();
-        let mut pairs = axis_pairs(&plan.names, term).into_iter();
-        pairs.any(|(base, output)| {
-            let responses = Direction::BOTH
-                .into_iter()
-                .filter_map(|direction| control.response(base, output, direction).ok());
-            responses
-                .into_iter()
-                .any(|response: Response| jumps(&response, from, to))
-        })
-    })
-}
-
-fn jumps(response: &Response, from: Millimetres, to: Millimetres) -> bool {
-    let stretches = response.stretches(from, to);
-    stretches
-        .windows(2)
-        .any(|pair| (pair[0].at_to.um() - pair[1].at_from.um()).abs() > ROUNDING)
 }

@@ -7,9 +7,7 @@ mod parts;
 mod table_alone;
 mod text;
 
-use crate::assessment::{
-    Assessment, GridChoice, Request, assess, corrects_in_steps, holds_everywhere, with_tables,
-};
+use crate::assessment::{Assessment, Grid, GridChoice, MOST_POINTS, Request, assess, with_tables};
 use crate::axis::{Axis, PerAxis};
 use crate::chain::Chain;
 use crate::cli::inputs::{self, read_argument};
@@ -25,8 +23,6 @@ use std::path::PathBuf;
 
 /// Most nodes of one axis.
 const MOST_NODES: usize = 1001;
-/// Most nodes of a grid.
-const MOST_POINTS: usize = 100_000_000;
 
 /// Options of `assess`.
 #[derive(Args, Debug)]
@@ -124,8 +120,6 @@ struct After {
     /// Where the tables come from.
     from: String,
     assessment: Assessment,
-    /// Whether the control adds in jumps.
-    steps: bool,
     /// How the files differ from what the job asks for.
     disagreements: Vec<String>,
 }
@@ -140,7 +134,6 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
 
 fn page(options: &Options) -> Result<Page, Problems> {
     let request = Request {
-        grid: options.grid,
         window_mm: options.window,
         histogram_um: options.histogram,
         grouping: options.grouping,
@@ -149,38 +142,48 @@ fn page(options: &Options) -> Result<Page, Problems> {
     if table_alone::is_table(&bytes) {
         return page_of_table(options, &request, name, &bytes);
     }
-    let with_tables = options.tables.is_some() || options.with_tables;
-    let use_of = UseOf::with(with_tables);
+    let use_of = UseOf::with(options.tables.is_some() || options.with_tables);
     let mut inputs = inputs::read_job(&options.file, &name, &bytes, use_of)?;
     take_chain(&mut inputs, options.chain)?;
-    let bare = VolumeModel::build(&inputs.job, &inputs.model)?;
-    let volume = match &inputs.under_tables {
-        Some(model) => VolumeModel::build(&inputs.job, model)?,
-        None => bare.clone(),
-    };
-    check_request(&volume, &request)?;
-    let before = assess(&volume, &request)?;
-    let mut basis = Basis::of_job(&inputs, &volume);
-    if inputs.under_tables.is_some() {
-        let alone = Request {
-            window_mm: None,
-            histogram_um: None,
-            grouping: None,
-            ..request
-        };
-        basis.without_tables_um = Some(assess(&bare, &alone)?.definitions.va.um);
-    }
-    let after = match loaded(options, &inputs)? {
+    page_of_job(options, &request, &inputs)
+}
+
+fn page_of_job(options: &Options, request: &Request, inputs: &Inputs) -> Result<Page, Problems> {
+    let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
+    check(&volume, options)?;
+    let bare = inputs.under_tables.as_ref();
+    let bare = bare.map(|_| volume.with_errors_of(&inputs.model));
+    let corrected = match loaded(options, inputs)? {
         None => None,
-        Some((from, loaded)) => Some(after(&inputs, &bare, &request, from, loaded)?),
+        Some((from, loaded)) => Some(corrected(inputs, &volume, from, loaded)?),
     };
+    let others: Vec<&VolumeModel> = corrected
+        .iter()
+        .map(|corrected| &corrected.volume)
+        .chain(&bare)
+        .collect();
+    let grid = Grid::of(options.grid, &volume, &others)?;
+    let after = |corrected: Corrected| {
+        Ok::<After, Problem>(After {
+            from: corrected.from,
+            assessment: assess(&corrected.volume, &grid, request)?,
+            disagreements: corrected.disagreements,
+        })
+    };
+    let mut basis = Basis::of_job(inputs, &volume);
+    basis.without_tables_um = bare.map(|bare| va_um(&bare, &grid)).transpose()?;
     Ok(Page {
         name: inputs.job.machine.name.clone(),
         basis,
-        before,
+        before: assess(&volume, &grid, request)?,
+        after: corrected.map(after).transpose()?,
         volume,
-        after,
     })
+}
+
+fn va_um(volume: &VolumeModel, grid: &Grid) -> Result<f64, Problem> {
+    let alone = Request::default();
+    Ok(assess(volume, grid, &alone)?.definitions.va.um)
 }
 
 fn page_of_table(
@@ -197,10 +200,11 @@ fn page_of_table(
         .into());
     }
     let (volume, basis) = table_alone::volume(&name, bytes, options.chain)?;
-    check_request(&volume, request)?;
+    check(&volume, options)?;
+    let grid = Grid::of(options.grid, &volume, &[])?;
     Ok(Page {
         name,
-        before: assess(&volume, request)?,
+        before: assess(&volume, &grid, request)?,
         basis,
         volume,
         after: None,
@@ -223,6 +227,13 @@ fn take_chain(inputs: &mut Inputs, stated: Option<Chain>) -> Result<(), Problem>
     Ok(())
 }
 
+/// The machine with tables.
+struct Corrected {
+    from: String,
+    volume: VolumeModel,
+    disagreements: Vec<String>,
+}
+
 fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedControl)>, Problems> {
     if options.with_tables {
         let from = format!("the tables of the job for {}", inputs.profile.name);
@@ -240,50 +251,32 @@ fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedCo
     )))
 }
 
-/// `bare` = the machine without any tables.
-fn after(
+fn corrected(
     inputs: &Inputs,
-    bare: &VolumeModel,
-    request: &Request,
+    volume: &VolumeModel,
     from: String,
     loaded: LoadedControl,
-) -> Result<After, Problems> {
+) -> Result<Corrected, Problems> {
     let LoadedControl {
         plan,
         control,
         disagreements,
     } = loaded;
-    let corrected = with_tables(bare, &inputs.model, &plan, control.as_ref()).map_err(|e| {
+    let volume = with_tables(volume, &inputs.model, &plan, control.as_ref()).map_err(|e| {
         Problem::new(format!("the tables cannot be emulated: {}", e.0))
             .help("nothing can be said of the machine with them")
     })?;
-    let mut assessment = assess(&corrected, request).map_err(with_their_nodes)?;
-    let steps = corrects_in_steps(bare, &plan, control.as_ref());
-    // Curves that bend between their nodes are known with tables at the nodes alone.
-    assessment.va_exact &= !steps && holds_everywhere(bare, &bare.own_nodes());
-    Ok(After {
+    Ok(Corrected {
         from,
-        assessment,
-        steps,
+        volume,
         disagreements,
     })
 }
 
-/// What could be asked of the measured nodes cannot be asked of these.
-fn with_their_nodes(problem: Problem) -> Problem {
-    Problem {
-        message: format!(
-            "with the tables: {} (their nodes come in between those that were measured)",
-            problem.message
-        ),
-        ..problem
-    }
-}
-
 /// A sub-volume must fit into the volume, and one node of a length says nothing of it.
-fn check_request(volume: &VolumeModel, request: &Request) -> Result<(), Problem> {
-    check_grid(volume, request.grid)?;
-    let Some(size) = request.window_mm else {
+fn check(volume: &VolumeModel, options: &Options) -> Result<(), Problem> {
+    check_grid(volume, options.grid)?;
+    let Some(size) = options.window else {
         return Ok(());
     };
     for axis in Axis::ALL {

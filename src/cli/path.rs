@@ -88,7 +88,7 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
 fn page(options: &Options) -> Result<Page, Problems> {
     let use_of = UseOf::with(options.tables.is_some());
     let inputs = inputs::read_for(&options.job, use_of)?;
-    let volume = VolumeModel::build(&inputs.job, &inputs.model)?;
+    let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = map_of(&inputs, &volume)?;
     let tables = match &options.tables {
         Some(directory) => Some(with_files(&inputs, &volume, directory)?),

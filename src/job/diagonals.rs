@@ -2,6 +2,7 @@
 
 use crate::axis::{Axis, Direction, PerAxis};
 use crate::diagonal::{PathKind, Volume};
+use crate::job::MachineAxis;
 use crate::units::Millimetres;
 
 /// A measurement of the four body diagonals.
@@ -148,4 +149,17 @@ pub struct Levers {
     /// `straightness_optic_mm`: of an axis that carries the workpiece, the place on its table where
     /// the optic of its straightness measurement rode; `None` = it was measured at the tool point.
     pub straightness_optic: PerAxis<Option<Millimetres>>,
+}
+
+impl Levers {
+    /// Where the levers of the angles count from: the stated `offsets_mm`, else the reference
+    /// (machine zero of an axis that the job does not have). One rule for everyone: curves that
+    /// were separated with one origin and judged with another are those of no machine.
+    pub fn origin(&self, axes: &PerAxis<Option<MachineAxis>>) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| {
+            let reference = axes[axis].map(|machine| machine.reference);
+            let place = self.offsets[axis].or(reference);
+            place.map_or(0.0, Millimetres::mm)
+        })
+    }
 }

@@ -29,6 +29,32 @@ fn of_rotation(job: &Job, series: &[Series], rotation: Rotation) -> Option<Measu
     Measured::of(curves)
 }
 
+/// Places where angles are to be zero and were not measured: nothing is known of them there.
+pub(super) fn check_zeros(job: &Job, table: &ErrorTable, problems: &mut Problems) {
+    for (axis, place) in job.measurement.levers.angles_zero.iter() {
+        let Some(place) = *place else { continue };
+        let has_angles = |s: &&Series| s.angles_urad.iter().any(|(_, angles)| angles.is_some());
+        let series = table.series(axis).iter().filter(has_angles);
+        let ends = series.filter_map(|s| s.positions.first().zip(s.positions.last()));
+        let outside = ends
+            .into_iter()
+            .find(|(low, high)| place < **low || place > **high);
+        if let Some((low, high)) = outside {
+            let key = format!("measurement.angles_zero_mm.{}", axis.key());
+            let words = format!(
+                "the angles of {axis} are to be zero at {} mm, but they were measured from {} to {} mm only",
+                place.mm(),
+                low.mm(),
+                high.mm()
+            );
+            problems.push(
+                job.problem_at(&key, words)
+                    .help("give a place where they were measured: nothing is extrapolated"),
+            );
+        }
+    }
+}
+
 /// Both tables' rotations as one.
 pub(super) fn added(
     job: &Job,
@@ -39,6 +65,7 @@ pub(super) fn added(
     for axis in Axis::ALL {
         check_axis(job, table, axis, &mut problems);
     }
+    check_zeros(job, table, &mut problems);
     let refuse = |message: String, help: &str| {
         let problem = Problem::new(message).at(table.header.clone());
         problem.help(help)

@@ -9,7 +9,7 @@ use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::error_table::{ErrorTable, Series};
 use crate::job::{AxisMaterial, Levers, Material, Reflector};
 use crate::problem::{Problem, Problems};
-use crate::units::{Deviation, Millimetres};
+use crate::units::Deviation;
 
 /// Reference temperature of ISO 1, °C.
 pub const REFERENCE_C: f64 = 20.0;
@@ -85,6 +85,8 @@ pub struct AngleModel<'a> {
     rotations: Rotations<'a>,
     chain: [Axis; 3],
     levers: Levers,
+    /// Where the levers count from, mm.
+    origin: PerAxis<f64>,
     reflector: Reflector,
 }
 
@@ -101,17 +103,19 @@ enum Rotations<'a> {
 }
 
 impl<'a> AngleModel<'a> {
-    /// The model of a job's angles. `chain` is that of contract §1, e.g. `wXYZt`.
+    /// The model of a job's angles. `chain` is that of contract §1, e.g. `wXYZt`; `origin` =
+    /// [`Levers::origin`].
     pub fn new(
         table: &'a ErrorTable,
         chain: Chain,
-        levers: &Levers,
+        (levers, origin): (&Levers, PerAxis<f64>),
         reflector: Reflector,
     ) -> AngleModel<'a> {
         AngleModel {
             rotations: Rotations::Measured(table),
             chain: chain.order(),
             levers: *levers,
+            origin,
             reflector,
         }
     }
@@ -134,10 +138,8 @@ impl<'a> AngleModel<'a> {
                 length_mm: volume.size[rotation.along].mm(),
             },
             chain,
-            levers: Levers {
-                offsets: PerAxis::from_fn(|axis| Some(Millimetres::new(middle[axis]))),
-                ..Levers::default()
-            },
+            levers: Levers::default(),
+            origin: middle,
             reflector,
         }
     }
@@ -196,6 +198,7 @@ impl<'a> AngleModel<'a> {
             missing: missing.collect(),
             order: Some(self.chain),
             levers: self.levers,
+            origin: self.origin,
             largest_urad,
         }
     }
@@ -248,11 +251,11 @@ impl<'a> AngleModel<'a> {
             let carried = &self.chain[index + 1..];
             let arm = PerAxis::from_fn(|other| {
                 let own = if carried.contains(&other) {
-                    place[other] - lever_mm(self.levers.offsets[other])
+                    place[other] - self.origin[other]
                 } else {
                     0.0
                 };
-                own + lever_mm(self.levers.tool.map(|tool| tool[other]))
+                own + self.levers.tool.map_or(0.0, |tool| tool[other].mm())
             });
             let lever = rotation.cross(arm);
             error = PerAxis::from_fn(|axis| error[axis] + lever[axis] / 1000.0);
@@ -295,11 +298,6 @@ impl<'a> AngleModel<'a> {
         }
         problems.or_ok(())
     }
-}
-
-/// A place of the job, mm; 0 where it states none (a label says so).
-fn lever_mm(place: Option<Millimetres>) -> f64 {
-    place.map_or(0.0, Millimetres::mm)
 }
 
 /// Rotation by the angles of a table, µrad.

@@ -146,7 +146,9 @@ pub fn angles(
             .help("state it, e.g. `chain = \"wXYZt\"`")
             .into());
     };
-    let model = AngleModel::new(table, chain, &job.measurement.levers, measurement.target);
+    let levers = &job.measurement.levers;
+    let origin = levers.origin(&job.machine.axes);
+    let model = AngleModel::new(table, chain, (levers, origin), measurement.target);
     if model.is_empty() {
         return Err(Problem::new(format!(
             "`{}` holds no angles, expected columns such as `ea_urad`",

@@ -28,6 +28,8 @@ pub struct AngleEvidence {
     pub order: Option<[Axis; 3]>,
     /// Places that the lever arms count from.
     pub levers: Levers,
+    /// Where the lever arms count from, mm ([`Levers::origin`]).
+    pub origin: PerAxis<f64>,
     /// Largest change of a measured rotation over the box, µrad.
     pub largest_urad: f64,
 }
@@ -39,6 +41,7 @@ impl AngleEvidence {
             missing: Rotation::all().collect(),
             order,
             levers: Levers::default(),
+            origin: PerAxis::default(),
             largest_urad: 0.0,
         }
     }
@@ -59,15 +62,12 @@ impl AngleEvidence {
         let unstated: Vec<String> = Axis::ALL
             .into_iter()
             .filter(|axis| self.levers.offsets[*axis].is_none())
-            .map(|axis| axis.to_string())
+            .map(|axis| format!("{axis} {} mm", self.origin[axis]))
             .collect();
         if !unstated.is_empty() {
-            let of = match unstated.len() {
-                3 => String::new(),
-                _ => format!(" for {}", unstated.join(", ")),
-            };
             said.push(format!(
-                "offsets_mm is not stated{of}: the levers of the measured angles count from machine zero; each 100 mm of lever that is really there falsifies deviations by up to {far:.3} µm"
+                "offsets_mm is not stated: the levers of the measured angles count from the reference ({}), as in `assess`; each 100 mm of lever that is really there falsifies deviations by up to {far:.3} µm",
+                unstated.join(", ")
             ));
         }
         if self.levers.tool.is_none() {

@@ -54,6 +54,14 @@ impl WindowMap {
         [line / second, line % second, number % third]
     }
 
+    /// The figure of the window whose lowest node is `low`.
+    ///
+    /// Panics where there is no such window.
+    pub fn at(&self, low: Node) -> Diameter {
+        let [_, second, third] = self.positions;
+        self.figures[(low[0] * second + low[1]) * third + low[2]]
+    }
+
     /// Number and figure of the worst window, the first of several.
     pub fn worst(&self) -> (usize, Diameter) {
         self.first_with(|candidate, best| candidate > best)

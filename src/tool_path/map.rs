@@ -27,7 +27,9 @@ struct AxisPieces {
 /// ```text
 ///   e = Σ dᵢ + r₁ × (a₂ + a₃) + r₂ × a₃ + (r₁ + r₂ + r₃) × t           1, 2, 3: workpiece → tool
 /// ```
-/// t is what the tool is longer than the one that was measured with: (0, 0, −ΔL).
+/// t is what the tool is longer than the one that was measured with: (0, 0, −ΔL). Rotations swing it;
+/// squareness, a slope of dᵢ, tilts the way of an axis and not what it carries
+/// ([`crate::volume_model`]), so ΔL adds nothing to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathMap {
     /// Numbers of the axes from the workpiece to the tool.
@@ -184,8 +186,7 @@ fn value(piece: &Piece, s: f64, degree: usize) -> [f64; 6] {
 }
 
 /// The cubics of an axis, through two or four values of each piece. Before the first node and
-/// behind the last one the axis goes on as it does over one more millimetre: what was measured is
-/// held, stated squareness goes on.
+/// behind the last one the axis goes on as it does over one more millimetre: it is held.
 fn pieces(nodes: &[f64], cubic: bool, part: impl Fn(f64) -> AxisPart) -> Vec<Piece> {
     let at = |position: f64| {
         let (deviation, rotation) = part(position);

@@ -7,6 +7,26 @@ use crate::space::grid_map::{AxisNodes, GridMap, Node};
 /// The positions of each axis, mm, ascending.
 pub type Nodes = PerAxis<Vec<f64>>;
 
+impl Nodes {
+    /// Number of nodes of each axis.
+    pub fn counts(&self) -> PerAxis<usize> {
+        PerAxis::from_fn(|axis| self[axis].len())
+    }
+
+    /// The nodes of both.
+    #[must_use]
+    pub fn and(&self, other: &Nodes) -> Nodes {
+        PerAxis::from_fn(|axis| ascending(self[axis].iter().chain(&other[axis]).copied()))
+    }
+}
+
+fn ascending(nodes: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut nodes: Vec<f64> = nodes.collect();
+    nodes.sort_by(f64::total_cmp);
+    nodes.dedup_by(|next, kept| *next - *kept < SAME_MM);
+    nodes
+}
+
 /// Two nodes nearer than this are one (a picometre: rounding of positions), mm.
 const SAME_MM: f64 = 1e-9;
 
@@ -25,11 +45,8 @@ impl VolumeModel {
         PerAxis::from_fn(|axis| {
             let (low, high) = self.range(axis);
             let knots = self.curves_along(axis).flat_map(|curve| curve.knots());
-            let mut nodes: Vec<f64> = knots.map(|knot| knot.mm()).chain([low, high]).collect();
-            nodes.retain(|node| *node >= low && *node <= high);
-            nodes.sort_by(f64::total_cmp);
-            nodes.dedup_by(|next, kept| *next - *kept < SAME_MM);
-            nodes
+            let nodes = knots.map(|knot| knot.mm()).chain([low, high]);
+            ascending(nodes.filter(|node| *node >= low && *node <= high))
         })
     }
 
@@ -101,7 +118,7 @@ impl ErrorMap {
 
     /// Number of nodes of each axis.
     pub fn counts(&self) -> PerAxis<usize> {
-        PerAxis::from_fn(|axis| self.nodes[axis].len())
+        self.nodes.counts()
     }
 
     /// Every node with its error vector, µm; X slowest, Z fastest, whatever the chain.

@@ -81,7 +81,7 @@ impl VolumeModel {
                     along: of,
                 },
             );
-            let stated = self.squareness.iter().any(|(sloped, _)| *sloped == term);
+            let stated = self.squareness.iter().any(|s| s.term == term);
             let both = self.deviations[term].is_some() && self.deviations[turned].is_some();
             !stated && !both
         });
@@ -116,7 +116,14 @@ impl VolumeModel {
         let stated: Vec<String> = self
             .squareness
             .iter()
-            .map(|(term, slope)| format!("{}{} {slope:+} µm/m", term.of.key(), term.along.key()))
+            .map(|s| {
+                format!(
+                    "{}{} {:+} µm/m",
+                    s.term.of.key(),
+                    s.term.along.key(),
+                    s.um_per_m
+                )
+            })
             .collect();
         Some(if stated.is_empty() {
             "squareness is not stated apart: it counts as far as the slopes of the straightness curves hold it".to_string()

@@ -75,7 +75,6 @@ fn of_after(page: &Page, after: &After) -> Value {
     let mut document = Map::new();
     document.insert("tables".to_string(), json!(after.from));
     document.extend(figures(page, &after.assessment));
-    document.insert("steps".to_string(), json!(after.steps));
     document.insert("disagreements".to_string(), json!(after.disagreements));
     Value::Object(document)
 }
@@ -110,6 +109,7 @@ fn windows(windows: &Windows) -> Value {
     json!({
         "size_mm": vector(windows.size_mm),
         "count": windows.count,
+        "grid": [windows.grid.x, windows.grid.y, windows.grid.z],
         "min_um": picometres(windows.best.0),
         "max_um": picometres(windows.worst.0),
         "corner_um": picometres(windows.corner_um),
@@ -122,13 +122,13 @@ fn windows(windows: &Windows) -> Value {
 /// Every sub-volume: its smallest coordinates along each axis, and the figures `um[x][y][z]`.
 fn map(windows: &Windows) -> Value {
     let mut document = Map::new();
-    for (axis, places) in windows.places_mm.iter() {
+    for (axis, places) in windows.low_mm.iter() {
         let places: Vec<f64> = places.iter().copied().map(picometres).collect();
         document.insert(format!("{}_mm", axis.key()), json!(places));
     }
-    let [_, y, z] = [Axis::X, Axis::Y, Axis::Z].map(|axis| windows.places_mm[axis].len());
+    let [_, y, z] = [Axis::X, Axis::Y, Axis::Z].map(|axis| windows.low_mm[axis].len());
     let line = |line: &[f64]| line.iter().copied().map(picometres).collect::<Vec<f64>>();
-    let slices = windows.map_um.chunks(y * z);
+    let slices = windows.figures_um.chunks(y * z);
     let figures: Vec<Vec<Vec<f64>>> = slices.map(|s| s.chunks(z).map(line).collect()).collect();
     document.insert("um".to_string(), json!(figures));
     Value::Object(document)

@@ -139,15 +139,9 @@ pub(super) fn histogram(before: &Assessment, after: Option<&Assessment>) -> Stri
         return String::new();
     };
     let after = after.and_then(|after| after.histogram.as_ref());
-    // Numbers of pairs of different grids cannot be compared, their shares can.
-    let shares = after.is_some_and(|after| after.pairs != found.pairs);
-    let (own, other) = match shares {
-        true => ("% of pairs", "with tables/%"),
-        false => ("pairs", "with tables"),
-    };
-    let mut columns = vec![Column::Left("differences/µm"), Column::Right(own)];
+    let mut columns = vec![Column::Left("differences/µm"), Column::Right("pairs")];
     if after.is_some() {
-        columns.push(Column::Right(other));
+        columns.push(Column::Right("with tables"));
     }
     let bins = found.counts.len().max(after.map_or(0, |a| a.counts.len()));
     let rows = (0..bins).map(|bin| {
@@ -155,22 +149,22 @@ pub(super) fn histogram(before: &Assessment, after: Option<&Assessment>) -> Stri
         let from = bin as f64 * found.bin_um;
         let mut row = vec![
             format!("{} … {}", short(from), short(from + found.bin_um)),
-            in_bin(found, bin, shares),
+            in_bin(found, bin),
         ];
-        row.extend(after.map(|h| in_bin(h, bin, shares)));
+        row.extend(after.map(|h| in_bin(h, bin)));
         row
     });
     let mut lines = vec![table(&columns, rows), format!("  {}", how(found))];
     lines.extend(
         after
-            .filter(|after| shares || after.sampled != found.sampled)
+            .filter(|after| after.sampled != found.sampled)
             .map(|after| format!("  with the tables {}", how(after))),
     );
     lines.join("\n")
 }
 
-/// Pairs of a bin, or their share; behind the last bin there are none for certain.
-fn in_bin(histogram: &Histogram, bin: usize, share: bool) -> String {
+/// Pairs of a bin; behind the last bin there are none for certain.
+fn in_bin(histogram: &Histogram, bin: usize) -> String {
     let Some(count) = histogram.counts.get(bin) else {
         return "0".to_string();
     };
@@ -179,12 +173,8 @@ fn in_bin(histogram: &Histogram, bin: usize, share: bool) -> String {
     };
     let errors = histogram.sampled.as_ref().map(|(_, errors)| errors);
     let unknown = errors.is_some_and(|errors| errors.get(bin).copied().flatten().is_none());
-    #[allow(clippy::cast_precision_loss, reason = "a share")]
-    let text = match share {
-        true => format!("{:.4}", 100.0 * count / histogram.pairs as f64),
-        false => format!("{count:.0}"),
-    };
-    if unknown { format!("≥ {text}") } else { text }
+    let at_least = if unknown { "≥ " } else { "" };
+    format!("{at_least}{count:.0}")
 }
 
 fn how(histogram: &Histogram) -> String {

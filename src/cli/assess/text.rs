@@ -55,9 +55,6 @@ fn heading(page: &Page) -> String {
             grid(page.before.definitions.grid)
         ),
     ];
-    let other = page.after.as_ref().map(|a| a.assessment.definitions.grid);
-    let other = other.filter(|grid| *grid != page.before.definitions.grid);
-    lines.extend(other.map(|n| format!("with the tables {}: theirs come in between", grid(n))));
     lines.extend(places(&page.basis.levers));
     lines.join("\n")
 }
@@ -101,7 +98,7 @@ fn headline(page: &Page) -> String {
         "volumetric accuracy {:.3} µm: {claim}",
         before.definitions.va.um
     )];
-    lines.extend(page.after.as_ref().map(|after| with_tables(before, after)));
+    lines.extend(page.after.as_ref().map(with_tables));
     let measured = count(&page.volume);
     if measured < ERRORS {
         lines.push(format!(
@@ -119,14 +116,11 @@ fn headline(page: &Page) -> String {
     lines.join("\n")
 }
 
-fn with_tables(before: &Assessment, after: &After) -> String {
-    let hedge = match (after.assessment.va_exact, after.steps) {
-        (true, _) => "",
-        (false, true) => {
-            " at these nodes: the control corrects in steps, places beside a node may differ by more"
-        }
-        (false, false) if before.va_exact => " at the nodes",
-        (false, false) => " at these nodes; other places may differ by more",
+fn with_tables(after: &After) -> String {
+    let hedge = if after.assessment.va_exact {
+        ""
+    } else {
+        " at these nodes; other places may differ by more"
     };
     format!(
         "with the tables {:.3} µm{hedge}",
