@@ -17,7 +17,10 @@ const SAME_MM: f64 = 1e-9;
 pub fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
     let own = model.own_nodes();
     Axis::ALL.into_iter().all(|axis| {
-        let among = |place: &f64| nodes[axis].iter().any(|n| (n - place).abs() <= SAME_MM);
+        let among = |place: &f64| {
+            let next = nodes[axis].partition_point(|node| *node < place - SAME_MM);
+            nodes[axis].get(next).is_some_and(|n| *n <= place + SAME_MM)
+        };
         let straight = |ends: &[f64]| is_straight(model, axis, [ends[0], ends[1]]);
         own[axis].iter().all(among) && own[axis].windows(2).all(straight)
     })

@@ -108,6 +108,7 @@ struct Page {
     /// Name of the machine, or of the table.
     name: String,
     volume: VolumeModel,
+    grid: GridChoice,
     /// What the figures rest on.
     basis: Basis,
     /// As it is.
@@ -174,6 +175,7 @@ fn page_of_job(options: &Options, request: &Request, inputs: &Inputs) -> Result<
     basis.without_tables_um = bare.map(|bare| va_um(&bare, &grid)).transpose()?;
     Ok(Page {
         name: inputs.job.machine.name.clone(),
+        grid: options.grid,
         basis,
         before: assess(&volume, &grid, request)?,
         after: corrected.map(after).transpose()?,
@@ -204,6 +206,7 @@ fn page_of_table(
     let grid = Grid::of(options.grid, &volume, &[])?;
     Ok(Page {
         name,
+        grid: options.grid,
         before: assess(&volume, &grid, request)?,
         basis,
         volume,

@@ -45,15 +45,12 @@ pub(super) fn shows(volume: &VolumeModel, levers: &Levers, direction: Axis) -> b
         })
 }
 
-/// Whether a rotation moves the tool point, or an optic that rides along, in a direction.
+/// Whether a rotation moves the tool point in a direction, by the stated tool offset.
 fn swings(levers: &Levers, rotation: Rotation, direction: Axis) -> bool {
     let tool = levers.tool.map_or(PerAxis::default(), |tool| {
         PerAxis::from_fn(|axis| tool[axis].mm())
     });
-    let rides = levers.straightness_optic[rotation.along].is_some();
-    let own = unit(rotation.along).times(f64::from(rides));
-    let moved = unit(rotation.about);
-    moved.cross(tool)[direction].abs() + moved.cross(own)[direction].abs() > 0.0
+    unit(rotation.about).cross(tool)[direction].abs() > 0.0
 }
 
 /// Whether an error is a rotation whose every lever stands at one place because nobody states the

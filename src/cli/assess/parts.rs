@@ -122,11 +122,14 @@ pub(super) fn windows(before: &Assessment, after: Option<&Assessment>) -> String
         )
     };
     let mut lines = vec![format!(
-        "volumetric accuracy of the {} sub-volumes of {} x {} x {} mm (places: corner with the smallest coordinates)",
+        "volumetric accuracy of the {} sub-volumes of {} x {} x {} mm between {} x {} x {} nodes (places: corner with the smallest coordinates)",
         found.count,
         short(size.x),
         short(size.y),
-        short(size.z)
+        short(size.z),
+        found.grid.x,
+        found.grid.y,
+        found.grid.z
     )];
     lines.push(line("  as it is", found));
     let after = after.and_then(|after| after.windows.as_ref());

@@ -3,7 +3,7 @@
 use super::measured::{ERRORS, count, shows, unknown_axes};
 use super::parts::{contributions, grouping, histogram, windows};
 use super::{After, Page};
-use crate::assessment::Assessment;
+use crate::assessment::{Assessment, GridChoice};
 use crate::axis::{Axis, PerAxis};
 use crate::cli::show::{self, Column, table};
 use crate::definitions::Definitions;
@@ -49,18 +49,21 @@ fn heading(page: &Page) -> String {
     };
     let mut lines = vec![
         format!("{}, chain {chain}", page.name),
-        format!(
-            "volume {}; {}",
-            ends.join(", "),
-            grid(page.before.definitions.grid)
-        ),
+        format!("volume {}; {}", ends.join(", "), nodes(page)),
     ];
     lines.extend(places(&page.basis.levers));
     lines.join("\n")
 }
 
-fn grid(n: PerAxis<usize>) -> String {
-    format!("{} x {} x {} nodes", n.x, n.y, n.z)
+fn nodes(page: &Page) -> String {
+    let n = page.before.definitions.grid;
+    let own = page.volume.own_nodes().counts();
+    let more = if page.grid == GridChoice::OwnNodes && n != own {
+        ", those of the tables among them"
+    } else {
+        ""
+    };
+    format!("{} x {} x {} nodes{more}", n.x, n.y, n.z)
 }
 
 /// The stated places that levers depend on.
@@ -250,7 +253,7 @@ pub(super) fn place(place: PerAxis<f64>) -> String {
 
 /// Without the dust of binary fractions.
 pub(super) fn short(mm: f64) -> f64 {
-    (mm * 1000.0).round() / 1000.0 + 0.0
+    Millimetres::new(mm).shown()
 }
 
 /// A figure with the digits of the page.
