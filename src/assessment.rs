@@ -6,10 +6,14 @@
 //!               └─ + what the control adds (emulated from bytes) ─→ Assessment   with the tables
 //! ```
 
+mod baseline;
+mod exactness;
 mod grid;
 mod tables;
 mod windows;
 
+pub use self::baseline::Baseline;
+pub use self::exactness::holds_everywhere;
 pub use self::grid::{Grid, GridChoice, MOST_POINTS};
 pub use self::tables::with_tables;
 pub use self::windows::Windows;
@@ -21,13 +25,15 @@ use crate::space::histogram;
 use crate::space::sample::estimate;
 use crate::volume_model::{Component, ErrorMap, Nodes, VolumeModel};
 
-/// What is asked of a volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What is asked of a volume beside its figures.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Request {
     /// Size of a sub-volume, mm.
     pub window_mm: Option<PerAxis<f64>>,
     /// Width of the bins of the histogram, µm.
     pub histogram_um: Option<f64>,
+    /// Angular tolerance of the grouping of paper 002, which is put beside the exact figure.
+    pub grouping: Option<f64>,
 }
 
 /// What one of the 21 errors does to the volumetric accuracy.
@@ -47,12 +53,14 @@ pub struct Contribution {
 pub struct Histogram {
     /// Width of a bin, µm.
     pub bin_um: f64,
-    /// Pairs in each bin; whole numbers where every pair was counted.
-    pub counts: Vec<f64>,
+    /// Pairs in each bin; whole numbers where every pair was counted. `None` = no drawn pair fell
+    /// into it, which does not say that none would.
+    pub counts: Vec<Option<f64>>,
     /// Number of all pairs.
     pub pairs: u64,
-    /// Pairs drawn, and the standard error of each count; `None` = every pair was counted.
-    pub sampled: Option<(u64, Vec<f64>)>,
+    /// Pairs drawn, and the standard error of each count (`None` = unknown); `None` = every pair
+    /// was counted.
+    pub sampled: Option<(u64, Vec<Option<f64>>)>,
 }
 
 /// What the errors of a machine do in its volume.
@@ -60,12 +68,16 @@ pub struct Histogram {
 pub struct Assessment {
     /// The figures.
     pub definitions: Definitions,
+    /// Whether the volumetric accuracy holds for every place of the volume; else for the nodes.
+    pub va_exact: bool,
     /// Every measured error, the largest part first.
     pub contributions: Vec<Contribution>,
     /// Sub-volumes, where a size is given.
     pub windows: Option<Windows>,
     /// Distribution, where a width is given.
     pub histogram: Option<Histogram>,
+    /// What the grouping of paper 002 finds, where it is asked for.
+    pub grouping: Option<Baseline>,
 }
 
 /// Judges a volume at the nodes of a grid, the same for all machines that are to be compared.
@@ -77,7 +89,10 @@ pub fn assess(model: &VolumeModel, grid: &Grid, request: &Request) -> Result<Ass
         .window_mm
         .map(|size| windows::windows(model, grid, size));
     let histogram = request.histogram_um.map(|bin| histogram(&map, bin));
+    let grouping = request.grouping.map(|angular| Baseline::of(&map, angular));
     Ok(Assessment {
+        va_exact: holds_everywhere(model, nodes),
+        grouping: grouping.transpose()?,
         contributions: contributions(model, nodes, &definitions.va)?,
         definitions,
         windows: windows.transpose()?,
@@ -133,7 +148,10 @@ fn histogram(map: &ErrorMap, bin_um: f64) -> Result<Histogram, Problem> {
             clippy::cast_precision_loss,
             reason = "at most 3·10⁹ pairs are counted"
         )]
-        let counts = counts.ok_or_else(too_fine)?.into_iter().map(|n| n as f64);
+        let counts = counts
+            .ok_or_else(too_fine)?
+            .into_iter()
+            .map(|n| Some(n as f64));
         return Ok(Histogram {
             bin_um,
             counts: counts.collect(),

@@ -59,8 +59,13 @@ pub struct Job {
 impl Job {
     /// Reads and checks a job; all problems of the page are given at once.
     pub fn read(source: Source) -> Result<Job, Problems> {
+        Job::read_for(source, UseOf::Tables)
+    }
+
+    /// Reads and checks a job for what is asked of it: figures need no `[compensation]`.
+    pub fn read_for(source: Source, use_of: UseOf) -> Result<Job, Problems> {
         refuse_table(&source)?;
-        let (parts, source) = read_page(source, read::job)?;
+        let (parts, source) = read_page(source, |root| read::job(root, use_of))?;
         let (machine, measurement, compensation, limits, acceptance, program, path) = parts;
         Ok(Job {
             source,
@@ -77,6 +82,27 @@ impl Job {
     /// A problem at a key of the job, by its dotted path.
     pub fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
         self.source.problem_at(path, message)
+    }
+}
+
+/// What is asked of a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UseOf {
+    /// Tables for a control.
+    Tables,
+    /// Figures of the machine as it was measured: `[compensation]` may be absent, and of two
+    /// directions the mean counts.
+    Figures,
+}
+
+impl UseOf {
+    /// Figures, with tables beside them or without.
+    pub const fn with(tables: bool) -> UseOf {
+        if tables {
+            UseOf::Tables
+        } else {
+            UseOf::Figures
+        }
     }
 }
 
@@ -294,6 +320,25 @@ pub struct Compensation {
     pub reserved_points: Vec<[u32; 2]>,
     /// Settings of each axis.
     pub axes: PerAxis<Option<AxisSettings>>,
+}
+
+impl Compensation {
+    /// What a job without `[compensation]` stands for: no control, straight lines between the
+    /// measured points.
+    pub(crate) fn none() -> Compensation {
+        Compensation {
+            controller: "generic".to_string(),
+            control_unit: LengthUnit::Millimetre,
+            terms: WantedTerms::All,
+            backlash: None,
+            curve: Interpolation::Linear,
+            fit: Fit::Sample,
+            first_table: None,
+            first_set: None,
+            reserved_points: Vec::new(),
+            axes: PerAxis::default(),
+        }
+    }
 }
 
 /// `[limits]`: refuse rather than emit nonsense.

@@ -61,7 +61,22 @@ impl Inputs {
         hashes: Vec<HashedFile>,
     ) -> Result<Inputs, Problems> {
         let model = ErrorModel::build(&job, table)?;
-        Ok(Inputs {
+        Ok(Inputs::of(job, profile, model, hashes))
+    }
+
+    /// The same for figures of the volume, where angles alone will do.
+    pub fn for_figures(
+        job: Job,
+        profile: Profile,
+        table: &ErrorTable,
+        hashes: Vec<HashedFile>,
+    ) -> Result<Inputs, Problems> {
+        let model = ErrorModel::for_figures(&job, table)?;
+        Ok(Inputs::of(job, profile, model, hashes))
+    }
+
+    fn of(job: Job, profile: Profile, model: ErrorModel, hashes: Vec<HashedFile>) -> Inputs {
+        Inputs {
             job,
             profile,
             model,
@@ -69,7 +84,7 @@ impl Inputs {
             hashes,
             active: None,
             active_notes: Vec::new(),
-        })
+        }
     }
 
     /// Adds the angular errors of a table of their own (`measurement.angles`).

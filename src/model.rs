@@ -149,8 +149,18 @@ pub struct ErrorModel {
 }
 
 impl ErrorModel {
-    /// Curves from a table and a job. All problems of both are given at once.
+    /// Curves from a table and a job. All problems of both are given at once; a table without any
+    /// deviation is refused.
     pub fn build(job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
+        ErrorModel::of(job, table, true)
+    }
+
+    /// The same for figures of the volume, where angles alone will do.
+    pub fn for_figures(job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
+        ErrorModel::of(job, table, false)
+    }
+
+    fn of(job: &Job, table: &ErrorTable, deviations: bool) -> Result<ErrorModel, Problems> {
         let mut problems = Problems::none();
         let ranges = PerAxis::from_fn(|axis| measured_range(table.series(axis)));
         for axis in Axis::ALL {
@@ -166,7 +176,10 @@ impl ErrorModel {
         for (term, slope) in &job.measurement.squareness {
             add_squareness(job, &mut terms, *term, *slope, &mut problems);
         }
-        if terms.iter().all(|(_, term)| term.is_none()) && problems.is_empty() {
+        let rotations = angles::rotations(job, table);
+        let angles_do = !deviations && rotations.iter().any(|(_, angle)| angle.is_some());
+        let nothing = terms.iter().all(|(_, term)| term.is_none()) && !angles_do;
+        if nothing && problems.is_empty() {
             problems.push(
                 Problem::new("the table holds no deviation, expected ex, ey or ez of an axis")
                     .at(table.header.clone())
@@ -175,7 +188,7 @@ impl ErrorModel {
         }
         problems.or_ok(ErrorModel {
             terms,
-            rotations: angles::rotations(job, table),
+            rotations,
             ranges,
             unused: angles::not_compensated(table).into_iter().collect(),
             remarks: table.remarks.clone(),

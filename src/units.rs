@@ -28,6 +28,11 @@ impl Millimetres {
     pub const fn mm(self) -> f64 {
         self.0
     }
+
+    /// The number as a sentence shows it: to the micrometre, without the dust of binary fractions.
+    pub fn shown(self) -> f64 {
+        (self.0 * 1000.0).round() / 1000.0 + 0.0
+    }
 }
 
 impl Add for Millimetres {

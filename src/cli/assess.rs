@@ -1,6 +1,9 @@
 //! `nonius assess JOB|ERRORS`
 
+mod basis;
 mod document;
+mod measured;
+mod parts;
 mod table_alone;
 mod text;
 
@@ -10,9 +13,11 @@ use crate::chain::Chain;
 use crate::cli::inputs::{self, read_argument};
 use crate::cli::verify::read_directory;
 use crate::cli::{Answer, Format, print, print_json};
+use crate::job::UseOf;
 use crate::kit::{Inputs, LoadedControl, load, load_own};
 use crate::problem::{Problem, Problems};
 use crate::volume_model::VolumeModel;
+use basis::Basis;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -33,6 +38,9 @@ pub(super) struct Options {
     /// Distribution of all differences, in bins of this width, µm
     #[arg(long, value_name = "UM", value_parser = bin_word)]
     histogram: Option<f64>,
+    /// Also the grouping method of paper 002 with this angular tolerance, e.g. 0.1: a lower bound
+    #[arg(long, value_name = "TOL", value_parser = tolerance_word)]
+    grouping: Option<f64>,
     /// Also as the files of this directory leave the machine
     #[arg(long, value_name = "DIR", conflicts_with = "with_tables")]
     tables: Option<PathBuf>,
@@ -84,6 +92,10 @@ fn bin_word(text: &str) -> Result<f64, String> {
     positive(text).ok_or_else(|| "expected a width in µm above 0, e.g. 10".to_string())
 }
 
+fn tolerance_word(text: &str) -> Result<f64, String> {
+    positive(text).ok_or_else(|| "expected a tolerance above 0, e.g. 0.1".to_string())
+}
+
 fn chain_word(text: &str) -> Result<Chain, String> {
     Chain::parse(text).ok_or_else(|| {
         "expected each of X, Y, Z once, `w` where the workpiece is and `t` at the end, e.g. wXYZt"
@@ -96,6 +108,9 @@ struct Page {
     /// Name of the machine, or of the table.
     name: String,
     volume: VolumeModel,
+    grid: GridChoice,
+    /// What the figures rest on.
+    basis: Basis,
     /// As it is.
     before: Assessment,
     after: Option<After>,
@@ -122,53 +137,97 @@ fn page(options: &Options) -> Result<Page, Problems> {
     let request = Request {
         window_mm: options.window,
         histogram_um: options.histogram,
+        grouping: options.grouping,
     };
     let (name, bytes) = read_argument(&options.file)?;
-    let from_tables = options.tables.is_some() || options.with_tables;
     if table_alone::is_table(&bytes) {
-        if from_tables {
-            return Err(Problem::new(format!(
-                "`{name}` is an error table, which names no control: tables cannot be read or made for it"
-            ))
-            .help("give the job that names it")
-            .into());
-        }
-        let volume = table_alone::volume(&name, &bytes, options.chain)?;
-        check_window(&volume, &request)?;
-        let grid = Grid::of(options.grid, &volume, &[])?;
-        return Ok(Page {
-            name,
-            before: assess(&volume, &grid, &request)?,
-            volume,
-            after: None,
-        });
+        return page_of_table(options, &request, name, &bytes);
     }
-    let mut inputs = inputs::read_job(&options.file, &name, &bytes)?;
-    inputs.job.machine.chain = options.chain.or(inputs.job.machine.chain);
+    let use_of = UseOf::with(options.tables.is_some() || options.with_tables);
+    let mut inputs = inputs::read_job(&options.file, &name, &bytes, use_of)?;
+    take_chain(&mut inputs, options.chain)?;
+    page_of_job(options, &request, &inputs)
+}
+
+fn page_of_job(options: &Options, request: &Request, inputs: &Inputs) -> Result<Page, Problems> {
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
-    check_window(&volume, &request)?;
-    let corrected = match loaded(options, &inputs)? {
+    check(&volume, options)?;
+    let bare = inputs.under_tables.as_ref();
+    let bare = bare.map(|_| volume.with_errors_of(&inputs.model));
+    let corrected = match loaded(options, inputs)? {
         None => None,
-        Some((from, loaded)) => Some(corrected(&inputs, &volume, from, loaded)?),
+        Some((from, loaded)) => Some(corrected(inputs, &volume, from, loaded)?),
     };
     let others: Vec<&VolumeModel> = corrected
         .iter()
         .map(|corrected| &corrected.volume)
+        .chain(&bare)
         .collect();
     let grid = Grid::of(options.grid, &volume, &others)?;
     let after = |corrected: Corrected| {
         Ok::<After, Problem>(After {
             from: corrected.from,
-            assessment: assess(&corrected.volume, &grid, &request)?,
+            assessment: assess(&corrected.volume, &grid, request)?,
             disagreements: corrected.disagreements,
         })
     };
+    let mut basis = Basis::of_job(inputs, &volume);
+    basis.without_tables_um = bare.map(|bare| va_um(&bare, &grid)).transpose()?;
     Ok(Page {
         name: inputs.job.machine.name.clone(),
-        before: assess(&volume, &grid, &request)?,
+        grid: options.grid,
+        basis,
+        before: assess(&volume, &grid, request)?,
         after: corrected.map(after).transpose()?,
         volume,
     })
+}
+
+fn va_um(volume: &VolumeModel, grid: &Grid) -> Result<f64, Problem> {
+    let alone = Request::default();
+    Ok(assess(volume, grid, &alone)?.definitions.va.um)
+}
+
+fn page_of_table(
+    options: &Options,
+    request: &Request,
+    name: String,
+    bytes: &[u8],
+) -> Result<Page, Problems> {
+    if options.tables.is_some() || options.with_tables {
+        return Err(Problem::new(format!(
+            "`{name}` is an error table, which names no control: tables cannot be read or made for it"
+        ))
+        .help("give the job that names it")
+        .into());
+    }
+    let (volume, basis) = table_alone::volume(&name, bytes, options.chain)?;
+    check(&volume, options)?;
+    let grid = Grid::of(options.grid, &volume, &[])?;
+    Ok(Page {
+        name,
+        grid: options.grid,
+        before: assess(&volume, &grid, request)?,
+        basis,
+        volume,
+        after: None,
+    })
+}
+
+/// `--chain` is for a job that states none.
+fn take_chain(inputs: &mut Inputs, stated: Option<Chain>) -> Result<(), Problem> {
+    let own = inputs.job.machine.chain;
+    if let (Some(own), Some(other)) = (own, stated)
+        && own != other
+    {
+        let words = format!("the job states the chain {own}, `--chain` says {other}");
+        return Err(inputs
+            .job
+            .problem_at("machine.chain", words)
+            .help("leave `--chain` out, or correct the job"));
+    }
+    inputs.job.machine.chain = own.or(stated);
+    Ok(())
 }
 
 /// The machine with tables.
@@ -217,9 +276,10 @@ fn corrected(
     })
 }
 
-/// A sub-volume must fit into the volume.
-fn check_window(volume: &VolumeModel, request: &Request) -> Result<(), Problem> {
-    let Some(size) = request.window_mm else {
+/// A sub-volume must fit into the volume, and one node of a length says nothing of it.
+fn check(volume: &VolumeModel, options: &Options) -> Result<(), Problem> {
+    check_grid(volume, options.grid)?;
+    let Some(size) = options.window else {
         return Ok(());
     };
     for axis in Axis::ALL {
@@ -228,9 +288,26 @@ fn check_window(volume: &VolumeModel, request: &Request) -> Result<(), Problem> 
             return Err(Problem::new(format!(
                 "the sub-volume is {} mm long in {axis}, but the volume only {} mm",
                 size[axis],
-                high - low
+                text::short(high - low)
             ))
             .help("give the size of a part that fits, in mm, as X,Y,Z"));
+        }
+    }
+    Ok(())
+}
+
+fn check_grid(volume: &VolumeModel, grid: GridChoice) -> Result<(), Problem> {
+    let GridChoice::Equal(counts) = grid else {
+        return Ok(());
+    };
+    for axis in Axis::ALL {
+        let (low, high) = volume.range(axis);
+        if counts[axis] == 1 && high > low {
+            return Err(Problem::new(format!(
+                "`--grid` has one node in {axis}, but {axis} is judged over {} mm, of which one place says nothing",
+                text::short(high - low)
+            ))
+            .help("give at least 2 nodes, or leave `--grid` out: the nodes are then those of the measurement"));
         }
     }
     Ok(())

@@ -13,7 +13,7 @@ use crate::emit::TOOL;
 use crate::error_table::{self, Draft, ErrorTable};
 use crate::import::source_of;
 use crate::job::ahead::ahead;
-use crate::job::{BacklashPolicy, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use crate::job::{BacklashPolicy, DiagonalMeasurement, Job, LinearSlope, MeasuredData, UseOf};
 use crate::kit::{Inputs, hashed};
 use crate::manifest::HashedFile;
 use crate::problem::{Problem, Problems};
@@ -29,22 +29,35 @@ use std::path::{Path, PathBuf};
 /// Files larger than this are no job, table or profile (an error table of 10 000 points has 1 MB).
 const LARGEST_INPUT_BYTES: u64 = 64 * 1024 * 1024;
 
-/// Reads a job and everything it names.
+/// Reads a job and everything it names, for tables.
 pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
+    read_for(job_path, UseOf::Tables)
+}
+
+/// Reads a job and everything it names, for what is asked of it.
+pub(super) fn read_for(job_path: &Path, use_of: UseOf) -> Result<Inputs, Problems> {
     let (name, bytes) = read_argument(job_path)?;
-    read_job(job_path, &name, &bytes)
+    read_job(job_path, &name, &bytes, use_of)
 }
 
 /// Reads everything that a job names; `bytes` are those of the job.
-pub(super) fn read_job(job_path: &Path, name: &str, bytes: &[u8]) -> Result<Inputs, Problems> {
+pub(super) fn read_job(
+    job_path: &Path,
+    name: &str,
+    bytes: &[u8],
+    use_of: UseOf,
+) -> Result<Inputs, Problems> {
     let mut hashes = vec![hashed(&file_name(job_path), bytes)];
     let folder = job_path.parent().unwrap_or(Path::new(""));
     let source = Source::from_bytes(name, bytes)?;
-    let job = Job::read(source.clone()).map_err(|mut problems| {
+    let mut job = Job::read_for(source.clone(), use_of).map_err(|mut problems| {
         let find = |word: &str| profile(word, folder, &mut Vec::new());
         problems.extend(ahead(source, find));
         problems
     })?;
+    if use_of == UseOf::Figures {
+        job.compensation.backlash = job.compensation.backlash.or(Some(BacklashPolicy::Mean));
+    }
     let mut problems = Problems::none();
     let profile = problems.take(
         profile(&job.compensation.controller, folder, &mut hashes)
@@ -55,7 +68,10 @@ pub(super) fn read_job(job_path: &Path, name: &str, bytes: &[u8]) -> Result<Inpu
         (Some(profile), Some(table)) if problems.is_empty() => {
             let angles = angles_table(&job, folder, &mut hashes)?;
             let active = active::read(&job, &profile, folder, &mut hashes)?;
-            let mut inputs = Inputs::new(job, profile, &table, hashes)?;
+            let mut inputs = match use_of {
+                UseOf::Tables => Inputs::new(job, profile, &table, hashes)?,
+                UseOf::Figures => Inputs::for_figures(job, profile, &table, hashes)?,
+            };
             if let Some(angles) = angles {
                 inputs = inputs.with_angles(&angles)?;
             }

@@ -7,6 +7,7 @@ mod show_path;
 use crate::assessment::with_tables;
 use crate::cli::verify::read_directory;
 use crate::cli::{Answer, Format, inputs, print, print_json, say, write};
+use crate::job::UseOf;
 use crate::kit::{Inputs, LoadedControl, load};
 use crate::nc::{Ran, run as run_program};
 use crate::problem::{Problem, Problems};
@@ -85,7 +86,8 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
 }
 
 fn page(options: &Options) -> Result<Page, Problems> {
-    let inputs = inputs::read(&options.job)?;
+    let use_of = UseOf::with(options.tables.is_some());
+    let inputs = inputs::read_for(&options.job, use_of)?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = map_of(&inputs, &volume)?;
     let tables = match &options.tables {

@@ -9,7 +9,7 @@ use crate::job::read_path::path;
 use crate::job::read_program::program;
 use crate::job::{
     Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis,
-    Measurement, PathRequest, ProgramRequest,
+    Measurement, PathRequest, ProgramRequest, UseOf,
 };
 use crate::problem::shown;
 use crate::units::Millimetres;
@@ -33,7 +33,7 @@ type Parts = (
     PathRequest,
 );
 
-pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
+pub(super) fn job(root: &Section<'_>, use_of: UseOf) -> Option<Parts> {
     match root.whole("schema") {
         Some(1) => {}
         Some(other) => root.problem(
@@ -53,9 +53,12 @@ pub(super) fn job(root: &Section<'_>) -> Option<Parts> {
     let measurement = root
         .required_section("measurement")
         .and_then(|s| measurement(&s, &axes));
-    let compensation = root
-        .required_section("compensation")
-        .and_then(|s| compensation(&s));
+    let compensation = if use_of == UseOf::Figures && !root.has("compensation") {
+        Some(Compensation::none())
+    } else {
+        root.required_section("compensation")
+            .and_then(|s| compensation(&s))
+    };
     let limits = limits(root);
     let acceptance = acceptance(root);
     let program = root

@@ -378,7 +378,7 @@ fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
             "executed"
         };
         notes.push(format!(
-            "{deletable} lines begin with `/` and were {what}; see `block_delete` in [path]"
+            "lines that begin with `/` were {what} ({deletable}); see `block_delete` in [path]"
         ));
     }
     if !tally.m.is_empty() {

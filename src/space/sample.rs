@@ -2,7 +2,7 @@
 //!
 //! The grid is cut into blocks of neighbouring nodes; every two blocks are a stratum, from which
 //! pairs are drawn in proportion to its size. The counts add up to the number of pairs, and
-//! every bin has a standard error. Drawing is seeded: the same seed gives the same figures.
+//! every bin in which drawn pairs fell has a standard error. Drawing is seeded: the same seed gives the same figures.
 
 use super::diameter::diameter;
 use super::grid_map::{GridMap, Node};
@@ -26,11 +26,13 @@ const BINS: usize = 1 << 20;
 pub struct Estimate {
     /// Width of a bin, µm; bin n as in [`super::histogram::exact`].
     pub bin_um: f64,
-    /// Estimated number of pairs of each bin.
-    pub counts: Vec<f64>,
-    /// Standard error of each count. 0 where no drawn pair, or every one of a stratum, fell into
-    /// the bin: then up to about 3/`drawn` of all pairs may be missing or too many (95 %).
-    pub standard_errors: Vec<f64>,
+    /// Estimated number of pairs of each bin. `None` where no drawn pair fell into it: up to about
+    /// 3/`drawn` of all pairs may be there (95 %). The last bin holds the largest difference, so
+    /// never less than 1.
+    pub counts: Vec<Option<f64>>,
+    /// Standard error of each count. `None` where the drawn pairs show no scatter, because none,
+    /// or every one of a stratum, fell into the bin: it is not 0 but unknown.
+    pub standard_errors: Vec<Option<f64>>,
     /// Pairs drawn.
     pub drawn: u64,
     /// Seed of the generator.
@@ -78,10 +80,14 @@ pub fn estimate(map: &GridMap, bin_um: f64, draws: u64, seed: u64) -> Option<Est
         }
         sums.close(size, number);
     }
+    let above_zero = |value: f64| (value > 0.0).then_some(value);
+    let mut counts: Vec<Option<f64>> = sums.counts.into_iter().map(above_zero).collect();
+    counts[last] = Some(counts[last].unwrap_or(1.0).max(1.0));
+    let errors = sums.variances.into_iter().map(f64::sqrt);
     Some(Estimate {
         bin_um,
-        counts: sums.counts,
-        standard_errors: sums.variances.into_iter().map(f64::sqrt).collect(),
+        counts,
+        standard_errors: errors.map(above_zero).collect(),
         drawn: sums.drawn,
         seed,
     })

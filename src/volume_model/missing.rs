@@ -5,6 +5,7 @@ use crate::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use crate::chain::LeverEffect;
 use crate::job::Job;
 use crate::model::{ErrorModel, Measured};
+use crate::units::Millimetres;
 
 /// An error that was not measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,12 +60,19 @@ impl VolumeModel {
 
     fn at_far_end(&self, effect: LeverEffect) -> String {
         let (low, high) = self.ranges[effect.arm];
+        if high <= low && !self.is_measured(effect.arm) {
+            return format!(
+                "its effect in {} is not known: the lever is the travel of {}, which is not stated",
+                effect.direction, effect.arm
+            );
+        }
         let origin = self.origin[effect.arm];
         let arm = (low - origin).abs().max((high - origin).abs());
         format!(
-            "up to {:.3} µm in {} for each µrad (lever {arm} mm in {})",
+            "up to {:.3} µm in {} for each µrad (lever {} mm in {})",
             arm / super::MM_PER_M,
             effect.direction,
+            Millimetres::new(arm).shown(),
             effect.arm
         )
     }
@@ -175,7 +183,8 @@ impl VolumeModel {
                 Some(_) => "stated",
                 None => "assumed: the reference",
             };
-            format!("{axis} {} mm ({word})", self.origin[axis])
+            let mm = Millimetres::new(self.origin[axis]).shown();
+            format!("{axis} {mm} mm ({word})")
         };
         format!(
             "levers of the angles count from {}, {} (`offsets_mm`: where these axes rested while the others were measured)",
@@ -189,6 +198,7 @@ impl VolumeModel {
             let machine = job.machine.axes[axis]?;
             let (low, high) = self.ranges[axis];
             let beyond = low > machine.low.mm() + EDGE_MM || high < machine.high.mm() - EDGE_MM;
+            let [low, high] = [low, high].map(|mm| Millimetres::new(mm).shown());
             beyond.then(|| format!("{axis} is judged from {low} to {high} mm, where it was measured; its travel is {} … {} mm", machine.low.mm(), machine.high.mm()))
         };
         Axis::ALL.into_iter().filter_map(shorter).collect()

@@ -1,10 +1,11 @@
 //! An error table that no job describes: the machine is what was measured.
 
+use super::basis::Basis;
 use crate::axis::{Axis, PerAxis};
 use crate::chain::Chain;
 use crate::document::Source;
 use crate::error_table::ErrorTable;
-use crate::job::Job;
+use crate::job::{Job, UseOf};
 use crate::model::ErrorModel;
 use crate::problem::{Problem, Problems};
 use crate::volume_model::VolumeModel;
@@ -19,17 +20,17 @@ pub(super) fn is_table(bytes: &[u8]) -> bool {
     head.is_some_and(|head| !head.contains(['=', '[']) && head.contains([',', ';', '\t']))
 }
 
-/// The model of a table: each axis travels where it was measured, its reference is its lowest
+/// The model of a table and what it rests on: each axis travels where it was measured, its reference is its lowest
 /// measured position.
 pub(super) fn volume(
     name: &str,
     bytes: &[u8],
     chain: Option<Chain>,
-) -> Result<VolumeModel, Problems> {
+) -> Result<(VolumeModel, Basis), Problems> {
     let table = ErrorTable::read(Source::from_bytes(name, bytes)?)?;
     let page = page(&table, chain);
-    let job = Job::read(Source::from_bytes(name, page.as_bytes())?)?;
-    let model = ErrorModel::build(&job, &table)?;
+    let job = Job::read_for(Source::from_bytes(name, page.as_bytes())?, UseOf::Figures)?;
+    let model = ErrorModel::for_figures(&job, &table)?;
     if chain.is_none() && model.rotations.iter().any(|(_, angle)| angle.is_some()) {
         return Err(Problem::new(
             "the table holds angles, which act through levers: the order of the axes is missing",
@@ -38,9 +39,9 @@ pub(super) fn volume(
         .help("state it, e.g. `--chain wXYZt`, or give a job with `machine.chain`")
         .into());
     }
-    let mut volume = VolumeModel::build(&job, &model)?;
-    volume.labels.push("no job describes this machine: the curves are zero, and levers count from, the lowest measured position of each axis".to_string());
-    Ok(volume)
+    let volume = VolumeModel::build(&job, &model)?;
+    let basis = Basis::of_table(&job, &model, &volume);
+    Ok((volume, basis))
 }
 
 /// The least job that such a table needs.
@@ -67,6 +68,6 @@ fn page(table: &ErrorTable, chain: Option<Chain>) -> String {
             line(format!("reference_mm = {low:?}"));
         }
     }
-    line("[measurement]\nerrors = \"-\"\n[compensation]\ncontroller = \"generic\"".to_string());
+    line("[measurement]\nerrors = \"-\"".to_string());
     page
 }

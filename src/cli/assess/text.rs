@@ -1,24 +1,28 @@
 //! The page of `nonius assess` for people.
 
-use super::Page;
-use crate::assessment::{Assessment, Contribution, Histogram, Windows};
+use super::measured::{ERRORS, count, shows, unknown_axes};
+use super::parts::{contributions, grouping, histogram, windows};
+use super::{After, Page};
+use crate::assessment::{Assessment, GridChoice};
 use crate::axis::{Axis, PerAxis};
 use crate::cli::show::{self, Column, table};
 use crate::definitions::Definitions;
 use crate::diagonal::Diagonal;
-use crate::volume_model::Component;
+use crate::job::Levers;
+use crate::units::Millimetres;
 
 pub(super) fn text(page: &Page) -> String {
     let before = &page.before;
     let after = page.after.as_ref().map(|after| &after.assessment);
     show::paragraphs(&[
         heading(page),
-        headline(before, after),
-        figures(&before.definitions, after.map(|a| &a.definitions)),
-        worst_pair(&before.definitions),
-        contributions(before, after),
+        headline(page),
+        figures(page),
+        worst_pairs(before, after),
+        contributions(page),
         windows(before, after),
         histogram(before, after),
+        grouping(before, after),
         tables(page),
         missing(page),
         labels(page),
@@ -26,51 +30,117 @@ pub(super) fn text(page: &Page) -> String {
 }
 
 fn heading(page: &Page) -> String {
+    let unknown = unknown_axes(&page.volume);
     let ends = Axis::ALL.map(|axis| {
         let (low, high) = page.volume.range(axis);
-        format!("{axis} {low} … {high}")
+        if unknown.contains(&axis) {
+            return format!("{axis} not measured and its travel not stated");
+        }
+        let bare = if page.volume.is_measured(axis) {
+            ""
+        } else {
+            " (not measured)"
+        };
+        format!("{axis} {} … {} mm{bare}", short(low), short(high))
     });
-    let n = page.before.definitions.grid;
     let chain = match page.volume.chain_is_stated {
         true => page.volume.chain.to_string(),
         false => "not stated".to_string(),
     };
-    format!(
-        "{}, chain {}\nvolume {} mm; {} x {} x {} nodes",
-        page.name,
-        chain,
-        ends.join(", "),
-        n.x,
-        n.y,
-        n.z
-    )
+    let mut lines = vec![
+        format!("{}, chain {chain}", page.name),
+        format!("volume {}; {}", ends.join(", "), nodes(page)),
+    ];
+    lines.extend(places(&page.basis.levers));
+    lines.join("\n")
+}
+
+fn nodes(page: &Page) -> String {
+    let n = page.before.definitions.grid;
+    let own = page.volume.own_nodes().counts();
+    let more = if page.grid == GridChoice::OwnNodes && n != own {
+        ", those of the tables among them"
+    } else {
+        ""
+    };
+    format!("{} x {} x {} nodes{more}", n.x, n.y, n.z)
+}
+
+/// The stated places that levers depend on.
+fn places(levers: &Levers) -> Option<String> {
+    let tool = levers.tool.map(|tool| {
+        let mm = PerAxis::from_fn(|axis| tool[axis].mm());
+        format!("tool offset {}", place(mm))
+    });
+    let some = |what: &str, places: PerAxis<Option<Millimetres>>| {
+        let stated = places.iter();
+        let stated: Vec<String> = stated
+            .filter_map(|(axis, at)| Some(format!("{axis} {}", short((*at)?.mm()))))
+            .collect();
+        (!stated.is_empty()).then(|| format!("{what} {} mm", stated.join(", ")))
+    };
+    let all = [
+        tool,
+        some("offsets", levers.offsets),
+        some("angles zero at", levers.angles_zero),
+        some("straightness optic at", levers.straightness_optic),
+    ];
+    let all: Vec<String> = all.into_iter().flatten().collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 /// The answer in one sentence.
-fn headline(before: &Assessment, after: Option<&Assessment>) -> String {
-    let d = &before.definitions;
-    let mut line = format!(
-        "volumetric accuracy {:.3} µm: no two places of the volume differ by more in their error",
-        d.va.um
-    );
-    if let Some(after) = after {
-        line.push_str(&format!(
-            "\nwith the tables {:.3} µm",
-            after.definitions.va.um
+fn headline(page: &Page) -> String {
+    let before = &page.before;
+    let claim = if before.va_exact {
+        "no two places of the volume differ by more in their error"
+    } else {
+        "no two of these nodes differ by more in their error; other places may"
+    };
+    let mut lines = vec![format!(
+        "volumetric accuracy {:.3} µm: {claim}",
+        before.definitions.va.um
+    )];
+    lines.extend(page.after.as_ref().map(with_tables));
+    let measured = count(&page.volume);
+    if measured < ERRORS {
+        lines.push(format!(
+            "{measured} of the {ERRORS} errors were measured: every figure is without the others"
         ));
     }
-    line.push_str("\nframe: as given, nothing was rotated. All figures but the length error change with the alignment of the axes");
-    line
+    let alone = page.basis.active.as_ref().zip(page.basis.without_tables_um);
+    lines.extend(alone.map(|(path, um)| {
+        format!("as measured, with the tables of `{path}` active; without any tables {um:.3} µm")
+    }));
+    lines.push(format!(
+        "frame: {}. ELv, the diagonals and, to second order, the length error stay when the axes are aligned differently; the other figures change",
+        page.basis.frame_words()
+    ));
+    lines.join("\n")
 }
 
-fn figures(before: &Definitions, after: Option<&Definitions>) -> String {
+fn with_tables(after: &After) -> String {
+    let hedge = if after.assessment.va_exact {
+        ""
+    } else {
+        " at these nodes; other places may differ by more"
+    };
+    format!(
+        "with the tables {:.3} µm{hedge}",
+        after.assessment.definitions.va.um
+    )
+}
+
+fn figures(page: &Page) -> String {
+    let before = &page.before.definitions;
+    let after = page.after.as_ref().map(|a| &a.assessment.definitions);
     let mut columns = vec![Column::Left("figure"), Column::Right("µm")];
     if after.is_some() {
         columns.push(Column::Right("with tables/µm"));
     }
     columns.push(Column::Left("what it is"));
-    let first = rows(before);
-    let second = after.map(rows);
+    let first = rows(page, before);
+    let second = after.map(|after| rows(page, after));
     let rows = first.into_iter().enumerate().map(|(index, row)| {
         let mut cells = vec![row.0, row.1];
         if let Some(other) = second.as_ref().and_then(|rows| rows.get(index)) {
@@ -79,27 +149,41 @@ fn figures(before: &Definitions, after: Option<&Definitions>) -> String {
         cells.push(row.2);
         cells
     });
-    table(&columns, rows)
+    let mut text = table(&columns, rows);
+    if [Some(before), after]
+        .into_iter()
+        .flatten()
+        .any(|d| !d.length.exact)
+    {
+        text.push_str(
+            "\n  ≥: not every pair of nodes was compared for the length error; it is VA at most",
+        );
+    }
+    text
 }
 
 /// Name, value and meaning of every figure.
-fn rows(d: &Definitions) -> Vec<(String, String, String)> {
+fn rows(page: &Page, d: &Definitions) -> Vec<(String, String, String)> {
     let some = |value: Option<f64>| value.map_or_else(|| "not measured".to_string(), um);
     let mut rows = Vec::new();
     let mut row = |name: &str, value: String, what: &str| {
         rows.push((name.to_string(), value, what.to_string()));
     };
-    row("VA", um(d.va.um), "largest difference of two error vectors");
-    let length = if d.length.exact {
-        "largest error of a distance of two nodes; independent of the alignment of the axes"
-    } else {
-        "largest error of a distance that was found (at least; VA at most); independent of the alignment"
-    };
-    row("length error", um(d.length.um), length);
+    row(
+        "VA",
+        um(d.va.um),
+        "largest difference of two error vectors (paper 002)",
+    );
+    let at_least = if d.length.exact { "" } else { "≥ " };
+    row(
+        "length error",
+        format!("{at_least}{}", um(d.length.um)),
+        "largest error of a distance of two nodes",
+    );
     for axis in Axis::ALL {
         row(
             &format!("range {axis}"),
-            um(d.ranges_um[axis]),
+            some(shows(&page.volume, &page.basis.levers, axis).then_some(d.ranges_um[axis])),
             &format!("max - min of the error in {axis}"),
         );
     }
@@ -109,12 +193,12 @@ fn rows(d: &Definitions) -> Vec<(String, String, String)> {
     row(
         "proposed",
         um(d.proposed_um),
-        "paper 000 §II with the whole vector: |max e| + |min e|",
+        "root of the squared maxima of X, Y and Z + the same of the minima (paper 000 §II, whole vector)",
     );
     row(
         "existing",
         some(d.by_component.existing),
-        "paper 000 §I: nine maxima and nine minima, each as root of squares",
+        "nine maxima and nine minima, each as root of squares (paper 000 §I)",
     );
     row(
         "ELSv",
@@ -124,7 +208,7 @@ fn rows(d: &Definitions) -> Vec<(String, String, String)> {
     row(
         "ELv",
         some(d.by_component.elv),
-        "ranges of EXX, EYY, EZZ, root of squares: positioning alone",
+        "ranges of EXX, EYY, EZZ, root of squares: positioning alone (paper 001)",
     );
     for diagonal in Diagonal::ALL {
         row(
@@ -134,6 +218,12 @@ fn rows(d: &Definitions) -> Vec<(String, String, String)> {
         );
     }
     rows
+}
+
+fn worst_pairs(before: &Assessment, after: Option<&Assessment>) -> String {
+    let mut lines = vec![worst_pair(&before.definitions)];
+    lines.extend(after.map(|a| format!("with the tables:\n{}", worst_pair(&a.definitions))));
+    lines.join("\n")
 }
 
 fn worst_pair(d: &Definitions) -> String {
@@ -152,7 +242,7 @@ fn worst_pair(d: &Definitions) -> String {
     )
 }
 
-fn place(place: PerAxis<f64>) -> String {
+pub(super) fn place(place: PerAxis<f64>) -> String {
     format!(
         "({}, {}, {}) mm",
         short(place.x),
@@ -161,134 +251,14 @@ fn place(place: PerAxis<f64>) -> String {
     )
 }
 
-fn short(mm: f64) -> f64 {
-    (mm * 1000.0).round() / 1000.0 + 0.0
-}
-
-/// Parts and changes of VA below the last digit that is shown are none, µm.
-const SHOWN_UM: f64 = 0.000_5;
-
-fn contributions(before: &Assessment, after: Option<&Assessment>) -> String {
-    let mut columns = vec![
-        Column::Left("error"),
-        Column::Right("part of VA/µm"),
-        Column::Right("%"),
-        Column::Right("VA without it/µm"),
-    ];
-    if after.is_some() {
-        columns.push(Column::Right("part with tables/µm"));
-    }
-    let va = before.definitions.va.um;
-    let with = |component: Component| {
-        let mut parts = after?.contributions.iter();
-        let part = parts.find(|part| part.component == component)?;
-        Some(um(part.um))
-    };
-    let row = |part: &Contribution| {
-        let share = if va > 0.0 { 100.0 * part.um / va } else { 0.0 };
-        let mut cells = vec![
-            error_name(part.component),
-            um(part.um),
-            format!("{:.2}", share + 0.0),
-            um(part.va_without_um),
-        ];
-        cells.extend(after.map(|_| with(part.component).unwrap_or_default()));
-        cells
-    };
-    let acts = |part: &&Contribution| {
-        part.um.abs() >= SHOWN_UM || (part.va_without_um - va).abs() >= SHOWN_UM
-    };
-    let (acting, idle): (Vec<&Contribution>, Vec<&Contribution>) =
-        before.contributions.iter().partition(acts);
-    let mut text = format!(
-        "{}\n  the parts add up to VA; a negative one works against the others",
-        table(&columns, acting.into_iter().map(row))
-    );
-    if !idle.is_empty() {
-        let names: Vec<String> = idle.iter().map(|part| part.component.to_string()).collect();
-        text.push_str(&format!(
-            "\n  measured, without effect on VA: {}",
-            names.join(", ")
-        ));
-    }
-    text
+/// Without the dust of binary fractions.
+pub(super) fn short(mm: f64) -> f64 {
+    Millimetres::new(mm).shown()
 }
 
 /// A figure with the digits of the page.
-fn um(um: f64) -> String {
+pub(super) fn um(um: f64) -> String {
     format!("{:.3}", um + 0.0)
-}
-
-/// Its name, and that of ISO 230-1 where it is another.
-fn error_name(component: Component) -> String {
-    let (name, iso) = (component.to_string(), component.iso_name());
-    if name == iso {
-        name
-    } else {
-        format!("{name} ({iso})")
-    }
-}
-
-fn windows(before: &Assessment, after: Option<&Assessment>) -> String {
-    let Some(found) = &before.windows else {
-        return String::new();
-    };
-    let size = found.size_mm;
-    let line = |what: &str, w: &Windows| {
-        format!(
-            "{what}: best {:.3} µm at {}, worst {:.3} µm at {}, corner {:.3} µm",
-            w.best.0,
-            place(w.best.1),
-            w.worst.0,
-            place(w.worst.1),
-            w.corner_um
-        )
-    };
-    let mut lines = vec![format!(
-        "volumetric accuracy of the {} sub-volumes of {} x {} x {} mm (places: corner with the smallest coordinates)",
-        found.count,
-        short(size.x),
-        short(size.y),
-        short(size.z)
-    )];
-    lines.push(line("  as it is", found));
-    let after = after.and_then(|after| after.windows.as_ref());
-    lines.extend(after.map(|w| line("  with the tables", w)));
-    lines.join("\n")
-}
-
-fn histogram(before: &Assessment, after: Option<&Assessment>) -> String {
-    let Some(found) = &before.histogram else {
-        return String::new();
-    };
-    let after = after.and_then(|after| after.histogram.as_ref());
-    let mut columns = vec![Column::Left("differences/µm"), Column::Right("pairs")];
-    if after.is_some() {
-        columns.push(Column::Right("with tables"));
-    }
-    let bins = found.counts.len().max(after.map_or(0, |a| a.counts.len()));
-    let rows = (0..bins).map(|bin| {
-        #[allow(clippy::cast_precision_loss, reason = "few bins")]
-        let from = bin as f64 * found.bin_um;
-        let count = |h: &Histogram| format!("{:.0}", h.counts.get(bin).copied().unwrap_or(0.0));
-        let mut row = vec![
-            format!("{} … {}", short(from), short(from + found.bin_um)),
-            count(found),
-        ];
-        row.extend(after.map(count));
-        row
-    });
-    let how = match &found.sampled {
-        None => format!("all {} pairs of nodes were counted", found.pairs),
-        Some((drawn, errors)) => {
-            let largest = errors.iter().copied().fold(0.0, f64::max);
-            format!(
-                "estimated from {drawn} of {} pairs; largest standard error of a bin {largest:.0}",
-                found.pairs
-            )
-        }
-    };
-    format!("{}\n  {how}", table(&columns, rows))
 }
 
 fn tables(page: &Page) -> String {
@@ -326,12 +296,12 @@ fn missing(page: &Page) -> String {
     )
 }
 
+/// Doubts first.
 fn labels(page: &Page) -> String {
-    let lines: Vec<String> = page
-        .volume
-        .labels
-        .iter()
-        .map(|label| format!("note: {label}"))
-        .collect();
+    let labels = page.basis.labels.iter();
+    let (doubts, notes): (Vec<&String>, Vec<&String>) =
+        labels.partition(|label| label.starts_with("doubt: "));
+    let notes = notes.into_iter().map(|label| format!("note: {label}"));
+    let lines: Vec<String> = doubts.into_iter().cloned().chain(notes).collect();
     lines.join("\n")
 }

@@ -26,14 +26,14 @@ pub(super) fn text(page: &Page) -> String {
 fn heading(page: &Page) -> String {
     let s = &page.before.summary;
     let mut counts = vec![
-        format!("{} straight moves", s.lines),
-        format!("{} arcs", s.arcs),
+        counted(s.lines, "straight move", ""),
+        counted(s.arcs, "arc", ""),
     ];
     if page.ran.holes > 0 {
-        counts.push(format!("{} holes", page.ran.holes));
+        counts.push(counted(page.ran.holes, "hole", ""));
     }
     if s.rapids_left_out > 0 {
-        counts.push(format!("{} rapid moves left out", s.rapids_left_out));
+        counts.push(counted(s.rapids_left_out, "rapid move", " left out"));
     }
     format!(
         "{} on {}\npath {:.3} mm: {}",
@@ -42,6 +42,11 @@ fn heading(page: &Page) -> String {
         s.length_mm,
         counts.join(", ")
     )
+}
+
+fn counted(count: u64, one: &str, more: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {one}{plural}{more}")
 }
 
 fn headline(before: &Followed, after: Option<&Followed>) -> String {
