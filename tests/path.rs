@@ -27,6 +27,10 @@ fn job(path: &str) -> String {
             format!("[machine.axes.{axis}]\ntravel_mm = [0.0, 100.0]\nreference_mm = 0.0\n")
         })
         .collect();
+    let grids: String = ["x", "y", "z"]
+        .iter()
+        .map(|axis| format!("[compensation.axes.{axis}]\nspacing_mm = 50.0\n"))
+        .collect();
     let offsets: String = [("G54", 0.0), ("G55", 30.0)]
         .iter()
         .map(|(name, z)| {
@@ -34,7 +38,7 @@ fn job(path: &str) -> String {
         })
         .collect();
     format!(
-        "schema = 1\n[machine]\nname = \"M\"\n{axes}[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[compensation]\ncontroller = \"generic\"\n[path]\n{path}\n{offsets}[[path.tool]]\nnumber = 1\nlength_mm = 12.5\n"
+        "schema = 1\n[machine]\nname = \"M\"\n{axes}[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[compensation]\ncontroller = \"generic\"\n{grids}[path]\n{path}\n{offsets}[[path.tool]]\nnumber = 1\nlength_mm = 12.5\n"
     )
 }
 
@@ -125,15 +129,16 @@ fn refused(path: &str, program: &str) -> String {
 
 const PART: &str = "%\nO1 (PART)\nG54 G0 X0 Y0 Z0\nG1 X10. F100\nG3 X20. Y10. I0 J10.\nG99 G81 X50. Y50. Z10. R20.\nX40. Y100.\nG80\nM30\n%\n";
 
-/// By hand: e = (x/10, y/5, z/2). The holes' bottoms (50, 50, 10) and (40, 100, 10): (5, 10, 5), (4, 20, 5).
+/// By hand: e = (x/10, y/5, z/2). The holes' bottoms (50, 50, 10) and (40, 100, 10): (5, 10, 5),
+/// (4, 20, 5); the largest above the second one, at R = 20: (4, 20, 10).
 #[test]
 fn the_page_says_what_was_calculated_by_hand() {
     let directory = prepared("sample_mm = 5.0", PART);
     let page = done(directory.path(), "path job.toml part.nc");
     for words in [
-        "path 49.5",
-        "1 arc, 2 holes, 8 rapid moves left out; places in machine coordinates",
-        "largest error 21.000 µm",
+        "path 45.70",
+        "3 straight moves, 1 arc, 2 holes, 5 rapid moves left out; places in machine coordinates",
+        "largest error 22.716 µm",
         "holes, the worst first",
     ] {
         assert!(page.contains(words), "{words}: {page}");
@@ -197,7 +202,7 @@ fn pipes_carry_program_and_samples() {
     let output = nonius(directory.path(), "path job.toml - -o -", PART);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     assert_eq!(output.stdout, file);
-    assert!(said(&output).contains("largest error 21.000 µm"));
+    assert!(said(&output).contains("largest error 22.716 µm"));
     assert!(!directory.path().join("-").exists());
     for (arguments, words) in [
         ("path - -", "cannot both come from standard input"),
@@ -311,9 +316,9 @@ fn the_smallest_error_is_exact() {
 #[test]
 fn a_cycle_follows_zero_and_length() {
     let start = "G54 G0 X0 Y0 Z50.\nG99 G81 X10. Y10. Z5. R20.\n";
-    let hole = |change: &str| ends(&format!("{start}{change} X20.\nG80\n"))[4..].to_vec();
+    let hole = |change: &str| ends(&format!("{start}{change} X20.\nG80\n"))[5..].to_vec();
     assert_eq!(hole(""), ["20 10 20", "20 10 5", "20 10 20"]);
-    assert_eq!(hole("G55")[2..], ["20 10 50", "20 10 35", "20 10 50"]);
+    assert_eq!(hole("G55")[1..], ["20 10 50", "20 10 35", "20 10 50"]);
     let length = ends("G54 G0 X0 Y0 Z50.\nG43 H0\nG99 G81 X10. Y10. Z5. R20.\nH1 X20.\nG80\n");
     assert_eq!(length[length.len() - 2..], ["20 10 17.5", "20 10 32.5"]);
     for program in [

@@ -132,7 +132,9 @@ impl<'s> Interpreter<'s> {
         let flow = self.programs(block);
         match (done, flow) {
             (Err(wrong), _) | (Ok(()), Err(wrong)) => {
-                block.wrong.push(wrong);
+                if block.wrong.is_empty() {
+                    block.wrong.push(wrong); // else it may follow from what is wrong already
+                }
                 Flow::Next
             }
             (Ok(()), Ok(flow)) => {

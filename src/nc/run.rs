@@ -1,6 +1,7 @@
 //! A whole program: lines, subprograms, and the end.
 //!
-//! The main program begins with the text and ends with M2, M30, M99, a second `%` or the text.
+//! The main program begins with the text and ends with M2, M30, M99, a second `%` or the text; a
+//! subprogram that `%` or the end of the text breaks off is a problem.
 //! Subprograms follow it, each from `O…` to M99; an index of the `O` words is made when the first
 //! one is called.
 

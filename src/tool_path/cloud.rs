@@ -77,49 +77,44 @@ impl Cloud {
         let Some(mut hull) = self.hull.take().or_else(|| Hull::around(&self.vectors)) else {
             return;
         };
-        let mut distances = Vec::new();
         for _ in 0..ROUNDS {
-            let furthest = self.drop_inside(&hull, &mut distances);
+            let furthest = self.drop_inside(&hull);
             if self.vectors.len() <= self.most / PART_OUTSIDE || !hull.grow(&furthest) {
                 break;
             }
         }
-        self.drop_nearest(&distances);
+        self.drop_nearest(&hull);
         self.hull = Some(hull);
     }
 
-    /// Of more vectors than half of the room those that lie least outside are dropped.
-    fn drop_nearest(&mut self, distances: &[f64]) {
+    /// Of more vectors than half of the room those nearest to the hull are dropped.
+    fn drop_nearest(&mut self, hull: &Hull) {
         let Some(surplus) = self.vectors.len().checked_sub(self.most / 2 + 1) else {
             return;
         };
-        let mut sorted = distances.to_vec();
+        let distances = self.vectors.iter().map(|vector| hull.distance(vector));
+        let distances: Vec<f64> = distances.collect();
+        let mut sorted = distances.clone();
         let bound = *sorted.select_nth_unstable_by(surplus, f64::total_cmp).1;
         let mut kept = distances.iter().map(|distance| *distance > bound);
         self.vectors.retain(|_| kept.next().unwrap_or(true));
         self.room_um = self.room_um.max(bound);
     }
 
-    /// Drops the vectors inside; `distances` are those of the others. Gives the furthest one of
-    /// each facet.
-    fn drop_inside(&mut self, hull: &Hull, distances: &mut Vec<f64>) -> Vec<Vector> {
-        distances.clear();
+    /// Drops the vectors inside, and gives the furthest of the others at each facet.
+    fn drop_inside(&mut self, hull: &Hull) -> Vec<Vector> {
         let mut furthest: Vec<(f64, Vector)> = vec![(0.0, [0.0; 3]); hull.facets()];
         self.vectors.retain(|vector| {
             if hull.depth(vector) > 0.0 {
                 return false;
             }
-            let (distance, facet) = hull.beyond(vector);
-            if distance <= hull.start_um() {
-                return false;
+            let (beyond, facet) = hull.beyond(vector);
+            if beyond > furthest[facet].0 {
+                furthest[facet] = (beyond, *vector);
             }
-            if distance > furthest[facet].0 {
-                furthest[facet] = (distance, *vector);
-            }
-            distances.push(distance);
-            true
+            beyond > hull.start_um()
         });
-        furthest.retain(|(distance, _)| *distance > 0.0);
+        furthest.retain(|(beyond, _)| *beyond > 0.0);
         furthest.sort_by(|a, b| b.0.total_cmp(&a.0));
         furthest.into_iter().map(|(_, vector)| vector).collect()
     }

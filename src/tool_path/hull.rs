@@ -73,9 +73,11 @@ impl Hull {
         Some(hull)
     }
 
-    /// The vectors at its corners.
+    /// The vectors at its corners, and the middle: within [`Hull::start_um`] all that lies inside
+    /// is a mean of them.
     pub(super) fn corners(&self) -> impl Iterator<Item = Vector> + '_ {
-        let corners = self.corners.iter().skip(6);
+        let corners = self.corners.iter().skip(6).copied();
+        let corners = corners.chain([[0.0; 3]]);
         corners.map(|corner| [0, 1, 2].map(|k| corner[k] + self.middle[k]))
     }
 
@@ -110,6 +112,13 @@ impl Hull {
         let (times, facet) = found;
         let part = if times > 1.0 { 1.0 - 1.0 / times } else { 0.0 };
         (dot(way, way).sqrt() * part, facet)
+    }
+
+    /// At most so far is a vector from the hull, µm.
+    pub(super) fn distance(&self, vector: &Vector) -> f64 {
+        let ways = self.corners().map(|corner| minus(*vector, corner));
+        let nearest = ways.map(|way| dot(way, way)).fold(f64::INFINITY, f64::min);
+        self.beyond(vector).0.min(nearest.sqrt())
     }
 
     /// Takes vectors as corners; whether there is a new one.

@@ -192,7 +192,7 @@ pub(super) fn outside_sentences(page: &Page) -> Vec<String> {
         let above = (o.reached_mm.1 > high).then(|| format!("{:.3} mm", o.reached_mm.1));
         let reached: Vec<String> = below.into_iter().chain(above).collect();
         format!(
-            "not measured: the path reaches {} = {}, first in line {}, measured is {low} … {high} mm; beyond it what was measured at the end is held, stated squareness goes on",
+            "not measured: the path reaches {} = {}, first in line {}, measured is {low} … {high} mm; beyond it each curve, squareness included, is held at its end",
             Axis::ALL[o.axis],
             reached.join(" and "),
             o.line,
