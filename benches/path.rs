@@ -111,6 +111,7 @@ fn points(criterion: &mut Criterion) {
                 plane: Plane::Xy,
                 tool_mm: None,
                 line: 1,
+                hole: None,
             };
             let length = step.length_mm();
             let mut profile = Profile::new(&map, limits(length / f64::from(POINTS)));

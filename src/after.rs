@@ -222,7 +222,7 @@ fn not_evaluated(reason: CannotEmulate) -> Problems {
 
 /// The deviation as found where a part of an observation looks, µm; `None` = not measured in this
 /// direction.
-fn before_um(before: &ErrorModel, part: &Part) -> Option<f64> {
+pub fn before_um(before: &ErrorModel, part: &Part) -> Option<f64> {
     let measured = before.terms[part.term].as_ref()?;
     Some(measured.measured.curve(part.direction)?.at(part.at).um())
 }

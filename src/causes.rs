@@ -89,8 +89,8 @@ pub struct Diagnosis {
 /// only: a slip of 1000.
 pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
     let known = |o: &&Observation| {
-        o.predicted(|part| before_um(question.before, part))
-            .is_some()
+        let in_model = |model| o.predicted(|part| before_um(model, part)).is_some();
+        in_model(question.before) && in_model(question.found())
     };
     let seen: Vec<Observation> = question.seen.iter().filter(known).cloned().collect();
     let question = &Question {

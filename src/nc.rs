@@ -93,6 +93,8 @@ pub struct Move {
     pub tool_mm: Option<f64>,
     /// Line of the program, from 1.
     pub line: usize,
+    /// Number of the hole, from 1, at whose bottom the move ends.
+    pub hole: Option<u64>,
 }
 
 impl Move {

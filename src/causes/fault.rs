@@ -2,8 +2,8 @@
 
 use super::MOST_KELVIN;
 use super::data::Fit;
-use super::question::Question;
-use crate::after::{Part, before_um};
+use super::question::{Question, seen_um};
+use crate::after::Part;
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::units::Millimetres;
 
@@ -284,9 +284,9 @@ impl Fault {
         let number = |at: usize| fitted.get(at).copied().unwrap_or(0.0);
         let along = part.term.along;
         match self {
-            Fault::FirstTurned => -2.0 * before_um(question.found(), part),
+            Fault::FirstTurned => -2.0 * seen_um(question.found(), part),
             // The opposite of what is there: as found, and what acts beside the tables.
-            Fault::SecondTurned => -2.0 * (before_um(question.before, part) + planned.constant),
+            Fault::SecondTurned => -2.0 * (seen_um(question.before, part) + planned.constant),
             Fault::Temperature => expansion(question, part, number(0)),
             Fault::TemperatureOf(axis) if along == *axis => expansion(question, part, number(0)),
             Fault::TemperatureEach => {

@@ -34,6 +34,12 @@ pub struct Question<'a> {
     pub display: Option<&'a str>,
 }
 
+/// The deviation of a machine where a part looks, µm. Only values whose parts are all known are
+/// asked for (`diagnose` leaves out the others); anything else would spoil the sum visibly.
+pub(super) fn seen_um(machine: &ErrorModel, part: &Part) -> f64 {
+    before_um(machine, part).unwrap_or(f64::NAN)
+}
+
 impl Question<'_> {
     /// The terms that the second measurement sees.
     pub fn terms(&self) -> Vec<ErrorTerm> {
@@ -54,7 +60,7 @@ impl Question<'_> {
     pub(super) fn old_um(&self, part: &Part) -> f64 {
         let under = self.under_tables;
         under.map_or(0.0, |found| {
-            before_um(found, part) - before_um(self.before, part)
+            seen_um(found, part) - seen_um(self.before, part)
         })
     }
 

@@ -1,5 +1,7 @@
 //! `nonius path JOB PROGRAM`
 
+mod document;
+mod holes;
 mod points;
 mod program_text;
 mod show_path;
@@ -8,16 +10,17 @@ use crate::assessment::with_tables;
 use crate::cli::verify::read_directory;
 use crate::cli::{Answer, Format, inputs, print, print_json, say, write};
 use crate::job::UseOf;
-use crate::kit::{Inputs, LoadedControl, load};
+use crate::kit::{Inputs, LoadedControl, load, load_own};
 use crate::nc::{Ran, run as run_program};
 use crate::problem::{Problem, Problems};
 use crate::space::cloud::longest;
 use crate::tool_path::{PathMap, Profile, Summary, limits, path_map, setup};
 use crate::volume_model::VolumeModel;
 use clap::Args;
+use holes::Holes;
 use points::Points;
 use program_text::ProgramText;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of `path`.
 #[derive(Args, Debug)]
@@ -26,15 +29,18 @@ pub(super) struct Options {
     job: PathBuf,
     /// The part program; `-` = standard input
     program: PathBuf,
-    /// Also write the error at every sample to this file (CSV)
+    /// Also write the error at every sample to this file (CSV); `-` = standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Replace an existing file
     #[arg(long, requires = "output")]
     force: bool,
     /// Also as the files of this directory leave the machine
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with = "with_tables")]
     tables: Option<PathBuf>,
+    /// Also as the tables that the job asks for would leave the machine
+    #[arg(long)]
+    with_tables: bool,
     /// What to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -54,8 +60,17 @@ struct Page {
     volume: VolumeModel,
     ran: Ran,
     before: Followed,
-    /// With the tables, and how these differ from what the job asks for.
-    after: Option<(String, Followed, Vec<String>)>,
+    after: Option<After>,
+    holes: Holes,
+}
+
+/// The path with tables.
+struct After {
+    /// Where they come from.
+    from: String,
+    followed: Followed,
+    /// How they differ from what the job asks for.
+    disagreements: Vec<String>,
 }
 
 /// The machine with tables.
@@ -66,16 +81,73 @@ struct WithTables {
     disagreements: Vec<String>,
 }
 
+impl Options {
+    /// The file of the samples; `None` = none, or standard output.
+    fn file(&self) -> Option<&Path> {
+        self.output.as_deref().filter(|_| !self.to_stdout())
+    }
+
+    fn to_stdout(&self) -> bool {
+        self.output.as_deref() == Some(Path::new("-"))
+    }
+
+    fn refuse_doubles(&self) -> Result<(), Problem> {
+        if self.to_stdout() && self.format == Format::Json {
+            return Err(Problem::new(
+                "the samples and the summary cannot both go to standard output",
+            )
+            .help("name a file with `-o`, or leave `--format json` out"));
+        }
+        if self.job == Path::new("-") && self.program == Path::new("-") {
+            return Err(Problem::new(
+                "the job and the program cannot both come from standard input",
+            )
+            .help("name a file for one of them"));
+        }
+        Ok(())
+    }
+
+    /// `--force` must not replace what is read.
+    fn refuse_itself(&self, inputs: &Inputs) -> Result<(), Problem> {
+        let Some(output) = self.file().and_then(|file| file.canonicalize().ok()) else {
+            return Ok(());
+        };
+        let folder = self.job.parent().unwrap_or(Path::new(""));
+        let mut read = vec![self.job.clone(), self.program.clone()];
+        read.extend(inputs.hashes.iter().map(|hash| folder.join(&hash.path)));
+        let tables = self
+            .tables
+            .iter()
+            .filter_map(|tables| tables.read_dir().ok());
+        read.extend(tables.flatten().flatten().map(|entry| entry.path()));
+        let itself = read
+            .iter()
+            .find(|file| file.canonicalize().is_ok_and(|file| file == output));
+        itself.map_or(Ok(()), |file| {
+            let message = format!(
+                "the samples would replace `{}`, which is read",
+                file.display()
+            );
+            Err(Problem::new(message).help("choose another name for `-o`"))
+        })
+    }
+}
+
 pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
-    if let Some(file) = &options.output {
+    options.refuse_doubles()?;
+    if let Some(file) = options.file() {
         write::ensure_new(file, options.force)?;
     }
     let page = page(options)?;
     match options.format {
-        Format::Json => print_json(&show_path::document(&page))?,
+        Format::Json => print_json(&document::document(&page))?,
+        Format::Text if options.to_stdout() => {
+            say(&show_path::text(&page));
+            Answer::Yes
+        }
         Format::Text => print(&show_path::text(&page))?,
     };
-    if let Some(file) = &options.output {
+    if let Some(file) = options.file() {
         say(&format!(
             "wrote {} ({} samples)",
             file.display(),
@@ -86,14 +158,14 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
 }
 
 fn page(options: &Options) -> Result<Page, Problems> {
-    let use_of = UseOf::with(options.tables.is_some());
+    let use_of = UseOf::with(options.tables.is_some() || options.with_tables);
     let inputs = inputs::read_for(&options.job, use_of)?;
+    options.refuse_itself(&inputs)?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = map_of(&inputs, &volume)?;
-    let tables = match &options.tables {
-        Some(directory) => Some(with_files(&inputs, &volume, directory)?),
-        None => None,
-    };
+    let tables = loaded(options, &inputs)?
+        .map(|(from, loaded)| corrected(&inputs, &volume, from, loaded))
+        .transpose()?;
     let mut text = ProgramText::open(&options.program)?;
     let program = text.name().to_string();
     let setup = setup(&inputs.job);
@@ -103,11 +175,13 @@ fn page(options: &Options) -> Result<Page, Problems> {
         .map(|t| Profile::new(&t.map, limits(&inputs.job, &t.volume)));
     let after_map = tables.as_ref().map(|t| &t.map);
     let mut points = match &options.output {
-        Some(file) => Some(Points::create(file, after_map.is_some())?),
+        Some(_) => Some(Points::create(options.file(), after_map.is_some())?),
         None => None,
     };
+    let mut holes = Holes::default();
     let ran = run_program(&mut text, &program, &setup, |step| {
         before.follow(step, &mut |sample| {
+            holes.take(sample, after_map);
             if let Some(points) = &mut points {
                 points.write(sample, after_map);
             }
@@ -119,11 +193,11 @@ fn page(options: &Options) -> Result<Page, Problems> {
     })?;
     let before = followed(before, &program)?;
     let after = match (after, &tables) {
-        (Some(after), Some(tables)) => Some((
-            tables.from.clone(),
-            followed(after, &program)?,
-            tables.disagreements.clone(),
-        )),
+        (Some(after), Some(tables)) => Some(After {
+            followed: followed(after, &program)?,
+            from: tables.from.clone(),
+            disagreements: tables.disagreements.clone(),
+        }),
         _ => None,
     };
     if let Some(points) = points {
@@ -136,6 +210,7 @@ fn page(options: &Options) -> Result<Page, Problems> {
         ran,
         before,
         after,
+        holes,
     })
 }
 
@@ -147,27 +222,38 @@ fn map_of(inputs: &Inputs, volume: &VolumeModel) -> Result<PathMap, Problem> {
     })
 }
 
-fn with_files(
+/// The tables that are asked for, and where they come from.
+fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedControl)>, Problems> {
+    if options.with_tables {
+        let from = format!("the tables of the job for {}", inputs.profile.name);
+        return Ok(Some((from, load_own(inputs)?)));
+    }
+    let Some(directory) = &options.tables else {
+        return Ok(None);
+    };
+    let found = read_directory(inputs, directory)?;
+    let mut loaded = load(inputs, &found.kit_files(), found.state.as_ref())?;
+    loaded.disagreements.extend(found.remarks);
+    let from = format!("the files of {}", directory.display());
+    Ok(Some((from, loaded)))
+}
+
+fn corrected(
     inputs: &Inputs,
     volume: &VolumeModel,
-    directory: &std::path::Path,
+    from: String,
+    loaded: LoadedControl,
 ) -> Result<WithTables, Problems> {
-    let found = read_directory(inputs, directory)?;
-    let LoadedControl {
-        plan,
-        control,
-        mut disagreements,
-    } = load(inputs, &found.kit_files(), found.state.as_ref())?;
-    disagreements.extend(found.remarks);
-    let volume = with_tables(volume, &inputs.model, &plan, control.as_ref()).map_err(|e| {
+    let control = loaded.control.as_ref();
+    let volume = with_tables(volume, &inputs.model, &loaded.plan, control).map_err(|e| {
         Problem::new(format!("the tables cannot be emulated: {}", e.0))
             .help("nothing can be said of the machine with them")
     })?;
     Ok(WithTables {
-        from: format!("the files of {}", directory.display()),
+        from,
         map: map_of(inputs, &volume)?,
         volume,
-        disagreements,
+        disagreements: loaded.disagreements,
     })
 }
 

@@ -14,6 +14,7 @@ use crate::problem::{Problem, Problems};
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// A file to be written: name and bytes.
 pub(super) type NamedBytes<'a> = (&'a str, &'a [u8]);
@@ -104,9 +105,19 @@ pub(super) fn ensure_new(file: &Path, force: bool) -> Result<(), Problems> {
 
 /// Completes a file beside its place, then renames it: whole or not at all.
 pub(super) fn write_file(file: &Path, bytes: &[u8], force: bool) -> Result<(), Problems> {
-    let parent = parent_of(file);
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
     let failed = |error: std::io::Error| not_written("cannot write", file, &error);
+    let mut partial = partial_file(file).map_err(failed)?;
+    partial.write_all(bytes).map_err(failed)?;
+    if fs::read(partial.path()).map_err(failed)? != bytes {
+        let other = "the bytes in the file are not those that were written";
+        return Err(failed(std::io::Error::other(other)));
+    }
+    put(partial, file, force).map_err(failed)
+}
+
+/// A new file beside a place, with the usual permissions.
+pub(super) fn partial_file(file: &Path) -> std::io::Result<NamedTempFile> {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
     let mut partial = tempfile::Builder::new();
     let prefix = format!("{name}.partial-");
     partial.prefix(&prefix);
@@ -115,24 +126,23 @@ pub(super) fn write_file(file: &Path, bytes: &[u8], force: bool) -> Result<(), P
         use std::os::unix::fs::PermissionsExt;
         partial.permissions(fs::Permissions::from_mode(0o666)); // less what the umask takes
     }
-    let mut partial = partial.tempfile_in(&parent).map_err(failed)?;
-    partial.write_all(bytes).map_err(failed)?;
-    partial.as_file().sync_all().map_err(failed)?;
-    if fs::read(partial.path()).map_err(failed)? != bytes {
-        let other = "the bytes in the file are not those that were written";
-        return Err(failed(std::io::Error::other(other)));
-    }
+    partial.tempfile_in(parent_of(file))
+}
+
+/// Puts a complete file into its place.
+pub(super) fn put(partial: NamedTempFile, file: &Path, force: bool) -> std::io::Result<()> {
+    partial.as_file().sync_all()?;
     let placed = if force {
         partial.persist(file)
     } else {
         partial.persist_noclobber(file)
     };
-    placed.map_err(|error| failed(error.error))?;
-    sync_directory(&parent);
+    placed.map_err(|error| error.error)?;
+    sync_directory(&parent_of(file));
     Ok(())
 }
 
-fn not_written(what: &str, path: &Path, error: &std::io::Error) -> Problems {
+pub(super) fn not_written(what: &str, path: &Path, error: &std::io::Error) -> Problems {
     Problem::new(format!(
         "{what} `{}`: {}; nothing was written",
         path.display(),

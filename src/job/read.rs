@@ -64,7 +64,7 @@ pub(super) fn job(root: &Section<'_>, use_of: UseOf) -> Option<Parts> {
     let program = root
         .section("program")
         .map(|s| program(&s, measurement.as_ref()));
-    let path = root.section("path").map(|s| path(&s));
+    let path = root.section("path").map(|s| path(&s, &axes));
     let path = path.unwrap_or_default();
     let program = match program {
         Some(program) => Some(program?),

@@ -1,9 +1,9 @@
 //! `[path]` of a job.
 
-use crate::axis::PerAxis;
+use crate::axis::{Axis, PerAxis};
 use crate::document::Section;
-use crate::job::PathRequest;
 use crate::job::read_diagonals::{all_of, places};
+use crate::job::{MachineAxis, PathRequest};
 use crate::nc::{WithoutPoint, system_number};
 use crate::problem::shown;
 use crate::units::Millimetres;
@@ -16,11 +16,27 @@ const COARSEST_CHORD_MM: f64 = 1.0;
 const FINEST_SAMPLE_MM: f64 = 1e-3;
 const COARSEST_SAMPLE_MM: f64 = 1e4;
 
-pub(super) fn path(section: &Section<'_>) -> PathRequest {
+/// A place so near to the travel is inside (rounding), mm.
+const TRAVEL_TOLERANCE_MM: f64 = 1e-4;
+
+const COORDINATES: PerAxis<&str> = PerAxis {
+    x: "x_mm",
+    y: "y_mm",
+    z: "z_mm",
+};
+
+pub(super) fn path(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> PathRequest {
     let usual = PathRequest::default();
+    let inside = |key: &'static str| {
+        let place = places(section, key)?;
+        for axis in Axis::ALL {
+            check_travel(section, key, (axis, place[axis]), axes);
+        }
+        Some(place)
+    };
     let request = PathRequest {
-        start: places(section, "start_mm"),
-        second_reference: places(section, "second_reference_mm"),
+        start: inside("start_mm"),
+        second_reference: inside("second_reference_mm"),
         systems: systems(section),
         tools: tools(section),
         measured_tool_mm: section.within("measured_tool_mm", 0.0, LONGEST_TOOL_MM, "mm"),
@@ -51,7 +67,7 @@ pub(super) fn path(section: &Section<'_>) -> PathRequest {
         refuse_outside: section
             .choice("outside", &[("hold", false), ("refuse", true)])
             .unwrap_or(usual.refuse_outside),
-        datum: datum(section),
+        datum: datum(section, axes),
     };
     section.refuse_unknown_keys();
     request
@@ -124,28 +140,52 @@ fn tools(section: &Section<'_>) -> BTreeMap<u32, f64> {
 }
 
 /// `[[path.datum]]`.
-fn datum(section: &Section<'_>) -> Vec<PerAxis<Millimetres>> {
+fn datum(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Vec<PerAxis<Millimetres>> {
     let entries = section.sections("datum");
     let read = entries.iter().filter_map(|entry| {
         let place = place(entry);
         entry.refuse_unknown_keys();
+        for (axis, mm) in place
+            .iter()
+            .flat_map(|p| Axis::ALL.map(|axis| (axis, p[axis])))
+        {
+            check_travel(entry, COORDINATES[axis], (axis, mm), axes);
+        }
         place
     });
     read.collect()
 }
 
+/// A place where the machine cannot be.
+fn check_travel(
+    section: &Section<'_>,
+    key: &'static str,
+    (axis, at): (Axis, Millimetres),
+    axes: &PerAxis<Option<MachineAxis>>,
+) {
+    let Some(travel) = axes[axis] else { return };
+    let (low, high) = (travel.low.mm(), travel.high.mm());
+    let room = low - TRAVEL_TOLERANCE_MM..=high + TRAVEL_TOLERANCE_MM;
+    if !room.contains(&at.mm()) {
+        section.problem(
+            key,
+            format!(
+                "`{}` puts {axis} at {} mm, outside the travel {low} … {high} mm",
+                section.path_of(key),
+                at.mm()
+            ),
+            "machine coordinates are meant: check them, and `travel_mm`",
+        );
+    }
+}
+
 /// `x_mm`, `y_mm`, `z_mm`.
 fn place(entry: &Section<'_>) -> Option<PerAxis<Millimetres>> {
-    let keys = PerAxis {
-        x: "x_mm",
-        y: "y_mm",
-        z: "z_mm",
-    };
     let read = PerAxis::from_fn(|axis| {
-        if !entry.has(keys[axis]) {
-            entry.missing(keys[axis], "a machine coordinate, mm");
+        if !entry.has(COORDINATES[axis]) {
+            entry.missing(COORDINATES[axis], "a machine coordinate, mm");
         }
-        entry.millimetres(keys[axis])
+        entry.millimetres(COORDINATES[axis])
     });
     all_of(read)
 }

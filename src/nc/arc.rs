@@ -9,8 +9,12 @@ const TOLERANCE_MM: f64 = 0.01;
 const LARGEST_RADIUS_MM: f64 = 1e7;
 /// Below this the radius is no circle, mm.
 const SMALLEST_RADIUS_MM: f64 = 1e-6;
+/// Start and end that lie no further apart along the circle are in the same direction from the
+/// centre, mm: a thousandth of what a program can say.
+const SAME_DIRECTION_MM: f64 = 1e-6;
 
-/// The arc around a centre. `None`-free: what is wrong comes back in words.
+/// The arc around a centre; a full circle where the end lies in the direction of the start. What is
+/// wrong comes back in words.
 pub(super) fn around(
     plane: Plane,
     clockwise: bool,
@@ -31,12 +35,12 @@ pub(super) fn around(
         ));
     }
     let from_rad = start[1].atan2(start[0]);
-    let closed = (end[0] - start[0]).abs() < 1e-9 && (end[1] - start[1]).abs() < 1e-9;
-    let turn = if closed {
-        TAU
-    } else {
-        let forward = (end[1].atan2(end[0]) - from_rad).rem_euclid(TAU);
-        if clockwise { TAU - forward } else { forward }
+    let forward = (end[1].atan2(end[0]) - from_rad).rem_euclid(TAU);
+    let closed = forward.min(TAU - forward) * radius[0] < SAME_DIRECTION_MM;
+    let turn = match (closed, clockwise) {
+        (true, _) => TAU,
+        (false, true) => TAU - forward,
+        (false, false) => forward,
     };
     Ok(Arc {
         centre,
@@ -56,7 +60,7 @@ pub(super) fn centre_of_radius(
     let [first, second, _] = plane.axes();
     let chord = [to[first] - from[first], to[second] - from[second]];
     let length = chord[0].hypot(chord[1]);
-    if length < 1e-9 {
+    if length < SAME_DIRECTION_MM {
         return Err("the arc with a radius ends where it begins".to_string());
     }
     let half = length / 2.0;

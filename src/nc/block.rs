@@ -5,6 +5,8 @@ use crate::nc::scan::{Word, Wrong, words};
 /// First and last byte (exclusive) in the line.
 pub(super) type Span = (usize, usize);
 
+/// M98.
+pub(super) const CALL: u16 = 980;
 /// G or M words in one block; a control takes fewer.
 const MOST_CODES: usize = 16;
 
@@ -70,6 +72,15 @@ impl Block {
         self.m.clear();
         self.wrong.clear();
         (self.percent, self.delete) = (false, false);
+        let line = line.strip_suffix(b"\r").unwrap_or(line);
+        if let Some(at) = line.iter().position(|byte| *byte == b'\r') {
+            self.wrong.push(Wrong::new(
+                (at, at + 1),
+                "a carriage return inside a line: blocks have to end with a line feed",
+                "save the program with line ends LF or CR LF",
+            ));
+            return;
+        }
         for word in words(line) {
             match word {
                 Ok(word) => self.take(word),
@@ -82,7 +93,12 @@ impl Block {
         let span = (word.start, word.end);
         match word.letter {
             b'G' | b'M' => self.take_code(word, span),
-            b'%' => self.percent = true,
+            b'%' if self.is_empty() && self.present == 0 => self.percent = true,
+            b'%' => self.wrong.push(Wrong::new(
+                span,
+                "`%` inside a block, expected it at the beginning of a line",
+                "put it into a line of its own",
+            )),
             b'/' if self.is_empty() => self.delete = true,
             b'/' => self.wrong.push(Wrong::new(
                 span,
@@ -201,8 +217,11 @@ impl Block {
 
     /// The same of a letter that an M98 of the block does not need for itself.
     pub(super) fn whole_if_free(&mut self, letter: u8) -> Result<Option<u32>, Wrong> {
-        let called = self.m.iter().any(|word| word.tenths == 980);
-        if called { Ok(None) } else { self.whole(letter) }
+        if self.m_word(CALL).is_some() {
+            Ok(None)
+        } else {
+            self.whole(letter)
+        }
     }
 
     /// Words that nobody asked for.
@@ -211,6 +230,11 @@ impl Block {
         (b'A'..=b'Z')
             .filter(move |letter| left & bit(*letter) != 0)
             .map(|letter| (char::from(letter), self.span(letter)))
+    }
+
+    /// The first of the M words with this number.
+    pub(super) fn m_word(&self, tenths: u16) -> Option<CodeWord> {
+        self.m.iter().find(|word| word.tenths == tenths).copied()
     }
 
     pub(super) fn nothing_unused(&self) -> bool {

@@ -13,8 +13,8 @@ pub(super) enum Motion {
     },
     /// G81 … G89 by its number.
     Cycle(u16),
-    /// G80.
-    Cancelled,
+    /// None: G80 ended it.
+    Ended,
 }
 
 /// Where a canned cycle ends.
@@ -36,12 +36,15 @@ pub(super) enum Once {
     Local,
     Shift,
     CancelShift,
+    LookAhead,
 }
 
 /// What a G word does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Code {
     Motion(Motion),
+    /// G80.
+    EndCycle,
     Plane(Plane),
     Inch(bool),
     Incremental(bool),
@@ -70,6 +73,7 @@ impl Code {
             Code::Level(_) => 7,
             Code::Once(_) => 8,
             Code::MachineCoordinates => 9,
+            Code::EndCycle => 10,
             Code::Harmless(group) => group,
         }
     }
@@ -83,6 +87,7 @@ pub(super) fn code(tenths: u16) -> Option<Code> {
         20 => Code::Motion(Motion::Arc { clockwise: true }),
         30 => Code::Motion(Motion::Arc { clockwise: false }),
         40 => Code::Once(Once::Dwell),
+        50 | 51 | 80 => Code::Once(Once::LookAhead),
         90 => Code::Harmless(20), // exact stop in this block
         100 => Code::Once(Once::SetOffset),
         170 => Code::Plane(Plane::Xy),
@@ -103,7 +108,7 @@ pub(super) fn code(tenths: u16) -> Option<Code> {
         591..=593 => Code::System(Some(u32::from(tenths) - 591 + 7)),
         610 | 640 => Code::Harmless(23), // exact stop, continuous path
         690 => Code::Harmless(24),       // no rotation
-        800 => Code::Motion(Motion::Cancelled),
+        800 => Code::EndCycle,
         810 | 820 | 830 | 840 | 850 | 860 | 880 | 890 => Code::Motion(Motion::Cycle(tenths / 10)),
         900 => Code::Incremental(false),
         901 => Code::AbsoluteCentre(true),
@@ -134,7 +139,7 @@ pub(super) fn why_not(tenths: u16) -> &'static str {
         650 | 660 | 670 => "macros are not executed: let the CAM system write moves",
         680 | 681 => "let the CAM system write the turned path",
         510 => "let the CAM system write the scaled path",
-        50 | 51 | 61 | 430..=435 => "path modes and compensation of several axes are not executed",
+        61 | 431..=435 => "path modes and compensation of several axes are not executed",
         700 | 710 => "write G20 for inches, G21 for millimetres",
         _ => "docs/path.md lists the words that are executed",
     }

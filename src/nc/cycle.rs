@@ -15,19 +15,30 @@ use crate::nc::{Move, Place, Refused, Shape};
 /// Holes of one block.
 const MOST_REPEATS: u32 = 9999;
 
-/// Modal values of a cycle, machine coordinates along the third axis, mm.
+/// A depth as it is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Depth {
+    mm: f64,
+    incremental: bool,
+}
+
+/// Modal values of a cycle. Its depths are kept as they are written: a change of zero or length
+/// inside the cycle moves them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cycle {
-    /// Where the tool stood when the cycle was called.
+    /// Where the tool stood along the third axis when the cycle was called, machine coordinate, mm.
     initial: f64,
-    retract: Option<f64>,
-    bottom: Option<f64>,
+    /// The program's zero there at that time.
+    zero: Option<f64>,
+    retract: Option<Depth>,
+    bottom: Option<Depth>,
 }
 
 impl Cycle {
-    pub(super) fn new(initial: f64) -> Cycle {
+    pub(super) fn new(initial: f64, zero: Option<f64>) -> Cycle {
         Cycle {
             initial,
+            zero,
             retract: None,
             bottom: None,
         }
@@ -89,36 +100,56 @@ impl Interpreter<'_> {
     /// R, Z and the initial level in machine coordinates.
     fn depths(&mut self, block: &mut Block, span: Span) -> Result<(f64, f64, f64), Wrong> {
         let third = self.plane.axes()[2];
-        let base = if self.incremental {
-            0.0
-        } else {
-            self.base(span)?[third]
-        };
-        let retract = self.length(block, b'R');
-        let bottom = self.length(block, AXES[third]);
+        let incremental = self.incremental;
+        let depth = |mm| Depth { mm, incremental };
+        let written = (
+            self.length(block, b'R').map(depth),
+            self.length(block, AXES[third]).map(depth),
+        );
         let Some(cycle) = self.cycle.as_mut() else {
             return Err(Wrong::new(span, "no cycle is active", "write G81 … G89"));
         };
-        if let Some(value) = retract {
-            let zero = if self.incremental {
-                cycle.initial
-            } else {
-                base
-            };
-            cycle.retract = Some(zero + value);
-        }
-        if let (Some(value), Some(retract)) = (bottom, cycle.retract) {
-            let zero = if self.incremental { retract } else { base };
-            cycle.bottom = Some(zero + value);
-        }
-        match (cycle.retract, cycle.bottom) {
-            (Some(retract), Some(bottom)) => Ok((retract, bottom, cycle.initial)),
-            _ => Err(Wrong::new(
+        cycle.retract = written.0.or(cycle.retract);
+        cycle.bottom = written.1.or(cycle.bottom);
+        let cycle = *cycle;
+        let (Some(retract), Some(bottom)) = (cycle.retract, cycle.bottom) else {
+            return Err(Wrong::new(
                 span,
                 "the cycle has no R level or no bottom",
                 "write R and the depth in the block that calls the cycle",
-            )),
+            ));
+        };
+        self.check_initial(&cycle, retract, span)?;
+        let retract = self.level_of(retract, cycle.initial, span)?;
+        let bottom = self.level_of(bottom, retract, span)?;
+        Ok((retract, bottom, cycle.initial))
+    }
+
+    /// The machine coordinate of a depth; an incremental one counts from a level.
+    fn level_of(&mut self, depth: Depth, from: f64, span: Span) -> Result<f64, Wrong> {
+        let third = self.plane.axes()[2];
+        let zero = if depth.incremental {
+            from
+        } else {
+            self.base(span)?[third]
+        };
+        Ok(zero + depth.mm)
+    }
+
+    /// Controls differ in where the initial level is after a change of zero or length.
+    fn check_initial(&self, cycle: &Cycle, retract: Depth, span: Span) -> Result<(), Wrong> {
+        let third = self.plane.axes()[2];
+        let zero = self.offsets.base().map(|base| base[third]);
+        let counts = self.level == Level::Initial || retract.incremental;
+        let pending = self.incremental && third == 2 && self.offsets.pending_z.abs() > 0.0;
+        if !pending && (!counts || zero == cycle.zero) {
+            return Ok(());
         }
+        Err(Wrong::new(
+            span,
+            "the zero or the tool length changed, and the cycle counts from the initial level: controls differ in where that is now",
+            "end the cycle with G80, position with G0 in G90, and call it again",
+        ))
     }
 
     /// Where the hole is, and the step from one repeat to the next.
@@ -165,16 +196,22 @@ impl Interpreter<'_> {
         };
         let feeds_out = matches!(number, 84 | 85 | 89);
         let levels = [
-            (Some(retract), true),
-            (Some(bottom), false),
-            (Some(retract), !feeds_out),
-            (back, true),
+            (Some(retract), true, None),
+            (Some(bottom), false, Some(self.tally.holes)),
+            (Some(retract), !feeds_out, None),
+            (back, true, None),
         ];
-        for (level, rapid) in levels {
+        for (level, rapid, hole) in levels {
             if let Some(level) = level {
                 to[third] = level;
-                self.go(to, Shape::Line, rapid, span, follow)?;
+                self.hole = hole;
+                let gone = self.go(to, Shape::Line, rapid, span, follow);
+                self.hole = None;
+                gone?;
             }
+        }
+        if third == 2 {
+            self.offsets.pending_z = 0.0; // Z stands where the depths say
         }
         Ok(())
     }

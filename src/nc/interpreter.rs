@@ -1,7 +1,7 @@
 //! The modal state of a control, and what one block makes of it.
 
 use crate::nc::arc::{around, centre_of_radius};
-use crate::nc::block::{Block, CodeWord, Span};
+use crate::nc::block::{Block, CALL, CodeWord, Span};
 use crate::nc::codes::{Code, Level, Motion, Once, code, is_call, why_not};
 use crate::nc::cycle::Cycle;
 use crate::nc::offsets::Offsets;
@@ -36,12 +36,26 @@ pub(super) struct Tally {
     pub(super) without_point: u64,
     pub(super) first_without_point: usize,
     pub(super) holes: u64,
+    /// G5, G5.1, G8.
+    pub(super) look_ahead: u64,
+}
+
+/// Where the axis words of a block count from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reach {
+    /// The program's zero.
+    Program,
+    /// G53: the machine's.
+    Machine,
+    /// The program's, on the way to a reference point (G28, G30).
+    Home,
 }
 
 /// Words of a block beside the axes.
 #[derive(Clone, Copy, Default)]
 struct Asked {
     motion: Option<Motion>,
+    end_cycle: Option<CodeWord>,
     machine: Option<Span>,
     once: Option<(Once, CodeWord)>,
     system: Option<(Option<u32>, Span)>,
@@ -62,7 +76,10 @@ pub(super) struct Interpreter<'s> {
     motion: Option<Motion>,
     inch: bool,
     absolute_centre: bool,
-    tool_number: u32,
+    /// The last H.
+    tool_number: Option<u32>,
+    /// Number of the hole that the next move drills.
+    pub(super) hole: Option<u64>,
     /// A zero or a length is not known: moves are judged as words only.
     is_lost: bool,
 }
@@ -82,7 +99,8 @@ impl<'s> Interpreter<'s> {
             motion: None,
             inch: setup.inch,
             absolute_centre: false,
-            tool_number: 0,
+            tool_number: None,
+            hole: None,
             is_lost: false,
         }
     }
@@ -114,11 +132,13 @@ impl<'s> Interpreter<'s> {
         let flow = self.programs(block);
         match (done, flow) {
             (Err(wrong), _) | (Ok(()), Err(wrong)) => {
-                block.wrong.push(wrong);
+                if block.wrong.is_empty() {
+                    block.wrong.push(wrong); // else it may follow from what is wrong already
+                }
                 Flow::Next
             }
             (Ok(()), Ok(flow)) => {
-                if !block.nothing_unused() {
+                if !block.nothing_unused() && block.wrong.is_empty() {
                     refuse_unused(block, self.motion);
                 }
                 flow
@@ -155,12 +175,20 @@ impl<'s> Interpreter<'s> {
             *group = Some(word);
             self.mode(code, word, &mut asked);
         }
+        if let (Some(end), Some(Motion::Cycle(_))) = (asked.end_cycle, asked.motion) {
+            block.wrong.push(Wrong::new(
+                end.span,
+                "`G80` ends a cycle that the same block begins",
+                "split the block",
+            ));
+        }
         asked
     }
 
     fn mode(&mut self, code: Code, word: CodeWord, asked: &mut Asked) {
         match code {
             Code::Motion(motion) => asked.motion = Some(motion),
+            Code::EndCycle => asked.end_cycle = Some(word),
             Code::Plane(plane) => self.plane = plane,
             Code::Inch(inch) => self.inch = inch,
             Code::Incremental(incremental) => self.incremental = incremental,
@@ -187,7 +215,7 @@ impl<'s> Interpreter<'s> {
             self.offsets.select(number);
         }
         let number = block.whole(b'H')?;
-        self.tool_number = number.unwrap_or(self.tool_number);
+        self.tool_number = number.or(self.tool_number);
         match (asked.tool, number) {
             (Some((false, _)), _) => self.offsets.no_tool(),
             (Some((true, span)), _) => self.use_tool(if number.is_some() {
@@ -202,20 +230,22 @@ impl<'s> Interpreter<'s> {
     }
 
     fn use_tool(&mut self, span: Span) -> Result<(), Wrong> {
-        if self.offsets.use_tool(self.tool_number) {
+        let Some(number) = self.tool_number else {
+            self.is_lost = true;
+            return Err(Wrong::new(
+                span,
+                "`G43` without H: no tool offset was named yet",
+                "write H with the number of the tool offset, e.g. `G43 H1`",
+            ));
+        };
+        if self.offsets.use_tool(number) {
             return Ok(());
         }
         self.is_lost = true;
         Err(Wrong::new(
             span,
-            format!(
-                "the length of tool offset H{} is not known",
-                self.tool_number
-            ),
-            format!(
-                "add `[[path.tool]]` with `number = {}` and `length_mm` to the job",
-                self.tool_number
-            ),
+            format!("the length of tool offset H{number} is not known"),
+            format!("add `[[path.tool]]` with `number = {number}` and `length_mm` to the job"),
         ))
     }
 
@@ -234,9 +264,7 @@ impl<'s> Interpreter<'s> {
                 "split the block",
             ));
         }
-        if let Some(motion) = asked.motion {
-            self.set_motion(motion);
-        }
+        self.choose_motion(asked);
         match once {
             Once::Dwell => ["P", "X", "U"]
                 .iter()
@@ -247,8 +275,34 @@ impl<'s> Interpreter<'s> {
             Once::Local => self.local(block)?,
             Once::Shift => self.shift(block, word.span)?,
             Once::CancelShift => self.offsets.cancel_shift(),
+            Once::LookAhead => self.look_ahead(block, word)?,
         }
         Ok(true)
+    }
+
+    /// G5 P10000, G5.1 Q1, G8 P1 and their ends: the path stays.
+    fn look_ahead(&mut self, block: &mut Block, word: CodeWord) -> Result<(), Wrong> {
+        let (letter, on) = match word.tenths {
+            50 => (b'P', 10_000),
+            51 => (b'Q', 1),
+            _ => (b'P', 1),
+        };
+        block.value(b'R');
+        match named(block, letter, word.span, &word.name('G'))? {
+            0 => {}
+            number if number == on => self.tally.look_ahead += 1,
+            number => {
+                let (name, letter) = (word.name('G'), char::from(letter));
+                return Err(Wrong::new(
+                    word.span,
+                    format!(
+                        "`{name} {letter}{number}` is not executed, expected {letter}{on} or {letter}0 (look-ahead)"
+                    ),
+                    "splines and smoothing change the path: let the CAM system write short lines without them",
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// G10 L2 P… X… Y… Z…
@@ -261,14 +315,18 @@ impl<'s> Interpreter<'s> {
             ));
         }
         let number = match named(block, b'P', span, "G10 L2")? {
-            0 => self.offsets.active(),
+            0 => {
+                return Err(Wrong::new(
+                    block.span(b'P'),
+                    "`G10 L2 P0` is not executed: on some controls it moves all systems (external offset), on others the active one",
+                    "write the number of the system, P1 (G54) … P9 (G59.3), or state its zero in the job",
+                ));
+            }
             number @ 1..=9 => number,
             number => {
                 return Err(Wrong::new(
                     block.span(b'P'),
-                    format!(
-                        "`P{number}` is no coordinate system, expected 1 (G54) … 9 (G59.3), 0 = the active one"
-                    ),
+                    format!("`P{number}` is no coordinate system, expected 1 (G54) … 9 (G59.3)"),
                     "write the number of the system",
                 ));
             }
@@ -339,19 +397,28 @@ impl<'s> Interpreter<'s> {
             ));
         }
         let named = AXES.map(|letter| block.has(letter));
-        let through = self.target(block, span, false)?;
+        let through = self.target(block, span, Reach::Home)?;
         self.go(through, Shape::Line, true, span, follow)?;
         let end = std::array::from_fn(|k| if named[k] { home[k] } else { self.at[k] });
         self.go(end, Shape::Line, true, span, follow)
+    }
+
+    /// G80, then the motion word of the block.
+    fn choose_motion(&mut self, asked: Asked) {
+        let motions = [asked.end_cycle.map(|_| Motion::Ended), asked.motion];
+        motions
+            .into_iter()
+            .flatten()
+            .for_each(|motion| self.set_motion(motion));
     }
 
     fn set_motion(&mut self, motion: Motion) {
         let was_cycle = matches!(self.motion, Some(Motion::Cycle(_)));
         if matches!(motion, Motion::Cycle(_)) {
             let third = self.plane.axes()[2];
-            let initial = self.at[third];
             if !was_cycle {
-                self.cycle = Some(Cycle::new(initial));
+                let zero = self.offsets.base().map(|base| base[third]);
+                self.cycle = Some(Cycle::new(self.at[third], zero));
             }
         } else {
             self.cycle = None;
@@ -363,9 +430,7 @@ impl<'s> Interpreter<'s> {
     where
         F: FnMut(&Move) -> Result<(), Refused>,
     {
-        if let Some(motion) = asked.motion {
-            self.set_motion(motion);
-        }
+        self.choose_motion(asked);
         if let Some(Motion::Cycle(number)) = self.motion {
             return self.cycle_block(block, number, asked.machine, follow);
         }
@@ -390,7 +455,12 @@ impl<'s> Interpreter<'s> {
         }
         match self.motion {
             Some(motion @ (Motion::Rapid | Motion::Straight)) => {
-                let to = self.target(block, span, asked.machine.is_some())?;
+                let reach = if asked.machine.is_some() {
+                    Reach::Machine
+                } else {
+                    Reach::Program
+                };
+                let to = self.target(block, span, reach)?;
                 self.go(to, Shape::Line, motion == Motion::Rapid, span, follow)
             }
             Some(Motion::Arc { clockwise }) => {
@@ -403,24 +473,24 @@ impl<'s> Interpreter<'s> {
                 }
                 self.arc(block, clockwise, span, follow)
             }
+            Some(Motion::Ended) => Err(Wrong::new(
+                span,
+                "axis words after `G80`: controls differ in which motion is active then",
+                "write G0 or G1 before the coordinates",
+            )),
             _ => Err(Wrong::new(
                 span,
                 "axis words, but no motion is active",
-                "write G0, G1, G2 or G3 before the first coordinates, and after G80",
+                "write G0, G1, G2 or G3 before the first coordinates",
             )),
         }
     }
 
     /// Where the axis words of a block lead.
     #[inline]
-    pub(super) fn target(
-        &mut self,
-        block: &mut Block,
-        span: Span,
-        machine: bool,
-    ) -> Result<Place, Wrong> {
+    fn target(&mut self, block: &mut Block, span: Span, reach: Reach) -> Result<Place, Wrong> {
         let words = self.axis_words(block)?;
-        let base = if machine || self.incremental {
+        let base = if reach == Reach::Machine || self.incremental {
             [0.0; 3]
         } else {
             self.base(span)?
@@ -433,11 +503,11 @@ impl<'s> Interpreter<'s> {
             } else {
                 base[axis] + value
             };
-            if axis == 2 && !machine {
-                if self.incremental {
+            if axis == 2 {
+                if self.incremental && reach == Reach::Program {
                     to[2] += self.offsets.pending_z;
                 }
-                self.offsets.pending_z = 0.0;
+                self.offsets.pending_z = 0.0; // what G43 or G49 left is made up for
             }
         }
         if to.iter().all(|mm| mm.abs() <= FARTHEST_MM) {
@@ -502,7 +572,7 @@ impl<'s> Interpreter<'s> {
     where
         F: FnMut(&Move) -> Result<(), Refused>,
     {
-        let ends = (self.at, self.target(block, span, false)?);
+        let ends = (self.at, self.target(block, span, Reach::Program)?);
         let in_words = |message| {
             Wrong::new(
                 span,
@@ -579,6 +649,7 @@ impl<'s> Interpreter<'s> {
             plane: self.plane,
             tool_mm: self.offsets.tool(),
             line: self.line,
+            hole: self.hole,
         };
         self.at = to;
         let stays = (0..3).all(|k| (to[k] - step.from[k]).abs() <= 0.0);
@@ -598,7 +669,7 @@ impl<'s> Interpreter<'s> {
             let word = block.m[index];
             let next = match word.tenths {
                 20 | 300 => Flow::End,
-                980 => call(block, word.span)?,
+                CALL => call(block, word.span)?,
                 990 => Flow::Return,
                 tenths if is_call(tenths) || tenths % 10 != 0 => {
                     return Err(Wrong::new(

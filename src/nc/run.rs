@@ -1,15 +1,16 @@
 //! A whole program: lines, subprograms, and the end.
 //!
-//! The main program begins with the text and ends with M2, M30, M99, a second `%` or the text.
+//! The main program begins with the text and ends with M2, M30, M99, a second `%` or the text; a
+//! subprogram that `%` or the end of the text breaks off is a problem.
 //! Subprograms follow it, each from `O…` to M99; an index of the `O` words is made when the first
 //! one is called.
 
-use crate::nc::block::Block;
+use crate::nc::block::{Block, CALL};
 use crate::nc::interpreter::{Flow, Interpreter, Tally};
 use crate::nc::scan::{Wrong, words};
 use crate::nc::{Move, Setup};
 use crate::problem::{Place, Problem, Problems};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Problems that are told of one program.
 const MOST_PROBLEMS: usize = 20;
@@ -78,13 +79,14 @@ where
     let mut control = Control {
         interpreter: Interpreter::new(setup),
         problems: Problems::none(),
-        found: 0,
+        found: BTreeSet::new(),
         calls: Vec::new(),
         index: None,
         ran: Ran::default(),
         deletable: 0,
         percent: false,
         begun: false,
+        entered: false,
     };
     control.execute(text, name, setup, &mut follow)?;
     control.close(setup)
@@ -102,13 +104,16 @@ struct Call {
 struct Control<'s> {
     interpreter: Interpreter<'s>,
     problems: Problems,
-    found: usize,
+    /// Lines and bytes at which something is wrong.
+    found: BTreeSet<(usize, usize)>,
     calls: Vec<Call>,
     index: Option<BTreeMap<u32, Mark>>,
     ran: Ran,
     deletable: u64,
     percent: bool,
     begun: bool,
+    /// The next line is that of a subprogram's `O`.
+    entered: bool,
 }
 
 /// What a line asks of the text.
@@ -120,7 +125,10 @@ enum Next {
         place: Place,
     },
     Return,
+    /// M2, M30.
     End,
+    /// The second `%`.
+    TextEnd,
 }
 
 impl Control<'_> {
@@ -136,15 +144,11 @@ impl Control<'_> {
         F: FnMut(&Move) -> Result<(), Refused>,
     {
         let mut block = Block::new();
-        while self.found < MOST_PROBLEMS {
+        while self.found.len() < MOST_PROBLEMS {
             let Some(line) = text.next_line()? else {
-                if let Some(call) = self.calls.last() {
-                    let message = format!("subprogram O{} ends without M99", call.program);
-                    return Err(self.all(Problem::new(message).help("end it with M99")));
-                }
-                return Ok(());
+                return self.ended();
             };
-            let next = self.line(line, &mut block, name, setup, follow);
+            let next = self.line(without_mark(line), &mut block, name, setup, follow);
             if self.ran.blocks > MOST_BLOCKS {
                 let message = format!("the program executes more than {MOST_BLOCKS} blocks");
                 return Err(self.all(Problem::new(message).help("check the numbers of repeats")));
@@ -152,6 +156,7 @@ impl Control<'_> {
             match next {
                 Next::Line => {}
                 Next::End => return Ok(()),
+                Next::TextEnd => return self.ended(),
                 Next::Return if self.calls.is_empty() => return Ok(()),
                 Next::Return => self.go_back(text)?,
                 Next::Call {
@@ -162,6 +167,15 @@ impl Control<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The text is over.
+    fn ended(&mut self) -> Result<(), Problems> {
+        let Some(call) = self.calls.last() else {
+            return Ok(());
+        };
+        let message = format!("subprogram O{} ends without M99", call.program);
+        Err(self.all(Problem::new(message).help("end it with M99, before the text or `%` ends it")))
     }
 
     /// The problems so far, and one that ends the run.
@@ -194,15 +208,17 @@ impl Control<'_> {
                 return Next::Line;
             }
         }
+        if std::mem::take(&mut self.entered) {
+            block.value(b'O');
+        }
         if !self.begun && block.wrong.is_empty() {
             // The first O word names the main program.
             self.begun =
                 block.value(b'O').is_some() || block.has_any(b"XYZ") || !block.g.is_empty();
         }
         let flow = self.interpreter.block(block, line.number, follow);
-        if !block.wrong.is_empty() {
-            for wrong in &block.wrong {
-                self.found += 1;
+        for wrong in &block.wrong {
+            if self.found.insert((line.number, wrong.start)) {
                 self.problems.push(problem(name, line, wrong));
             }
         }
@@ -211,7 +227,7 @@ impl Control<'_> {
             Flow::Return => Next::Return,
             Flow::End => Next::End,
             Flow::Call { program, times } => {
-                let span = block.m.first().map_or((0, 1), |word| word.span);
+                let span = block.m_word(CALL).map_or((0, 1), |word| word.span);
                 Next::Call {
                     program,
                     times,
@@ -224,7 +240,7 @@ impl Control<'_> {
     /// The first `%` begins the text, the next one ends it.
     fn percent(&mut self) -> Next {
         if self.percent || self.begun {
-            return Next::End;
+            return Next::TextEnd;
         }
         self.percent = true;
         Next::Line
@@ -258,15 +274,17 @@ impl Control<'_> {
             .copied();
         let Some(begin) = begin else {
             text.go_to(back)?;
-            self.found += 1;
-            self.problems.push(
-                Problem::new(format!("there is no subprogram O{program} in the file"))
-                    .at(place)
-                    .help("put the subprograms behind the main program, each from `O…` to M99"),
-            );
+            if self.found.insert((place.line, place.column)) {
+                self.problems.push(
+                    Problem::new(format!("there is no subprogram O{program} in the file"))
+                        .at(place)
+                        .help("put the subprograms behind the main program, each from `O…` to M99"),
+                );
+            }
             return Ok(());
         };
         text.go_to(begin)?;
+        self.entered = true;
         self.calls.push(Call {
             program,
             begin,
@@ -282,6 +300,7 @@ impl Control<'_> {
         };
         if call.left > 0 {
             call.left -= 1;
+            self.entered = true;
             return text.go_to(call.begin);
         }
         let back = call.back;
@@ -293,7 +312,7 @@ impl Control<'_> {
         self.ran.holes = self.interpreter.tally.holes;
         self.ran.notes = notes(&self.interpreter.tally, self.deletable, setup);
         let mut problems = self.problems;
-        if self.found >= MOST_PROBLEMS {
+        if self.found.len() >= MOST_PROBLEMS {
             problems.push(Problem::new(format!(
                 "reading stopped after {MOST_PROBLEMS} problems; there may be more"
             )));
@@ -302,13 +321,29 @@ impl Control<'_> {
     }
 }
 
-/// The lines behind each `O` word at the beginning of a line.
+/// The bytes that some editors put before a text (UTF-8).
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+fn without_mark(line: Line<'_>) -> Line<'_> {
+    let first = line.number == 1;
+    let bytes = line.bytes.strip_prefix(BYTE_ORDER_MARK).filter(|_| first);
+    Line {
+        bytes: bytes.unwrap_or(line.bytes),
+        ..line
+    }
+}
+
+/// The lines that begin with `O`, by its number.
 fn index<T: Text>(text: &mut T) -> Result<BTreeMap<u32, Mark>, Problem> {
     text.go_to(Mark::default())?;
     let mut index = BTreeMap::new();
-    while let Some(line) = text.next_line()? {
+    loop {
+        let mark = text.mark();
+        let Some(line) = text.next_line()? else {
+            return Ok(index);
+        };
         let number = line.number;
-        let Some(program) = program_number(line.bytes) else {
+        let Some(program) = program_number(without_mark(line).bytes) else {
             continue;
         };
         if index.len() == MOST_PROGRAMS {
@@ -316,14 +351,13 @@ fn index<T: Text>(text: &mut T) -> Result<BTreeMap<u32, Mark>, Problem> {
                 "the file holds more than {MOST_PROGRAMS} programs"
             )));
         }
-        if index.insert(program, text.mark()).is_some() {
+        if index.insert(program, mark).is_some() {
             return Err(Problem::new(format!(
                 "program O{program} stands twice in the file, again in line {number}"
             ))
             .help("give one of them another number"));
         }
     }
-    Ok(index)
 }
 
 #[allow(
@@ -367,7 +401,7 @@ fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
             crate::nc::WithoutPoint::Increment => "least input increments (`X100` = 0.1 mm)",
         };
         notes.push(format!(
-            "{} coordinates have no decimal point, the first in line {}: taken as {meaning}; see `without_point` in [path]",
+            "coordinates without a decimal point: {}, the first in line {}; taken as {meaning}; see `without_point` in [path]",
             tally.without_point, tally.first_without_point
         ));
     }
@@ -378,7 +412,13 @@ fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
             "executed"
         };
         notes.push(format!(
-            "lines that begin with `/` were {what} ({deletable}); see `block_delete` in [path]"
+            "lines with `/`: {deletable}, {what}; see `block_delete` in [path]"
+        ));
+    }
+    if tally.look_ahead > 0 {
+        notes.push(format!(
+            "look-ahead (G5, G5.1, G8) is switched on {} times: taken not to change the path",
+            tally.look_ahead
         ));
     }
     if !tally.m.is_empty() {

@@ -58,7 +58,7 @@ pub struct Words<'a> {
     at: usize,
 }
 
-/// The words of a line.
+/// The words of a line, which may still have its `\r`.
 pub fn words(line: &[u8]) -> Words<'_> {
     Words { line, at: 0 }
 }
@@ -219,7 +219,8 @@ impl Words<'_> {
     /// A sign that begins no word. The rest of the line is passed over.
     fn unknown(&mut self, byte: u8) -> Wrong {
         let start = self.at;
-        let skip_rest = matches!(byte, b'#' | b'[' | b']' | b'=') || !byte.is_ascii_graphic();
+        let skip_rest =
+            matches!(byte, b'#' | b'[' | b']' | b'=' | b',') || !byte.is_ascii_graphic();
         self.at = if skip_rest {
             self.line.len()
         } else {
@@ -235,6 +236,10 @@ impl Words<'_> {
                 "let the CAM system write numbers",
             ),
             b')' => ("`)` closes no comment", "open it with `(`, or remove it"),
+            b',' => (
+                "a comma, expected a point before decimals",
+                "write numbers like `X10.5`",
+            ),
             _ => (
                 "a sign that begins no word, expected a letter",
                 "text belongs into `( … )`",

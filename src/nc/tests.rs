@@ -312,7 +312,9 @@ fn coordinates_without_a_point_are_told() {
     };
     let (steps, ran) = run_with(&increments, "G1 X100\nY1.").expect("a program");
     assert!(near(steps[1].to, [0.1, 1.0, 0.0]));
-    assert!(ran.notes[0].starts_with("1 coordinates have no decimal point, the first in line 1"));
+    assert!(
+        ran.notes[0].starts_with("coordinates without a decimal point: 1, the first in line 1; ")
+    );
 }
 
 proptest! {

@@ -1,12 +1,11 @@
 //! Following the moves of a program: extremes, samples, and what lies outside.
 
+use super::cloud::Cloud;
 use super::extremes::{Channel, Range};
 use super::map::PathMap;
 use super::polynomial::{squares, through, turning_points};
 use crate::nc::{Move, Place, Plane, Refused, Shape};
 
-/// Samples that the profile accuracy is made of; from there on every second one is left out.
-const MOST_SAMPLES: usize = 1 << 20;
 /// Samples of one move: a kilometre in steps of a micrometre.
 const MOST_STEPS: f64 = 2e9;
 /// A move that ends so near to the travel keeps it (rounding of inch programs), mm.
@@ -40,16 +39,19 @@ pub struct Sample {
     pub place: Place,
     /// Error vector, µm.
     pub error_um: [f64; 3],
-    /// Its part along the path, µm.
-    pub tangent_um: f64,
-    /// Its part across the path in the plane, µm; `None` where the path runs along the third axis.
-    pub normal_um: Option<f64>,
     /// What the tool is longer than the one measured with, mm.
     pub longer_mm: f64,
     /// Line of the program.
     pub line: usize,
     /// Whether the place lies outside the measured range, so that end values are held.
     pub is_held: bool,
+    /// Along the path, unit vector.
+    pub ahead: [f64; 3],
+    /// Across it to the left in the plane, unit vector; `None` where the path runs along the third
+    /// axis.
+    pub left: Option<[f64; 3]>,
+    /// Number of the hole whose bottom this is.
+    pub hole: Option<u64>,
 }
 
 /// Where a path leaves the measured range of an axis.
@@ -80,10 +82,11 @@ pub struct Summary {
     pub ranges: [Option<Range>; 6],
     /// Number of samples.
     pub samples: u64,
-    /// Every so many samples one was kept for [`Summary::vectors`].
-    pub kept_every: u64,
-    /// Error vectors of the kept samples, µm.
+    /// Error vectors of samples, µm: those among which the ends of the largest difference are.
     pub vectors: Vec<[f64; 3]>,
+    /// What the largest difference of all samples may be longer than that of these, µm; 0 = it is
+    /// theirs.
+    pub room_um: f64,
     /// Where the path leaves the measured range.
     pub outside: Vec<Outside>,
     /// Whether a tool length was used.
@@ -101,8 +104,7 @@ pub struct Profile<'m> {
     length_mm: f64,
     counts: [u64; 3],
     samples: u64,
-    kept_every: u64,
-    vectors: Vec<[f64; 3]>,
+    cloud: Cloud,
     with_tool: bool,
 }
 
@@ -116,6 +118,7 @@ struct Stretch {
     tangent: [f64; 3],
     normal: Option<[f64; 3]>,
     begins: bool,
+    hole: Option<u64>,
 }
 
 impl<'m> Profile<'m> {
@@ -131,8 +134,7 @@ impl<'m> Profile<'m> {
             length_mm: 0.0,
             counts: [0; 3],
             samples: 0,
-            kept_every: 1,
-            vectors: Vec::new(),
+            cloud: Cloud::new(),
             with_tool: false,
         }
     }
@@ -155,6 +157,7 @@ impl<'m> Profile<'m> {
             tangent: [0.0; 3],
             normal: None,
             begins: true,
+            hole: step.hole,
         };
         match step.shape {
             Shape::Line => {
@@ -200,7 +203,7 @@ impl<'m> Profile<'m> {
             self.cell = self.map.cell(stretch.from, self.cell);
             let error = self.map.error_in(self.cell, stretch.from, stretch.longer);
             self.take(&stretch, stretch.from, error);
-            self.sample(&stretch, stretch.from, error, 0.0, sample);
+            self.sample(&stretch, (stretch.from, error, None), 0.0, sample);
         }
         let cuts = std::mem::take(&mut self.cuts);
         let mut done = 0.0;
@@ -265,7 +268,8 @@ impl<'m> Profile<'m> {
             if step == steps || !self.map.is_linear() {
                 self.take(stretch, place, error);
             } // else the ends and the turning points hold the extremes
-            self.sample(stretch, place, error, part * length, sample);
+            let hole = stretch.hole.filter(|_| part >= 1.0);
+            self.sample(stretch, (place, error, hole), part * length, sample);
         }
     }
 
@@ -293,11 +297,15 @@ impl<'m> Profile<'m> {
         let inner: [f64; 5] =
             std::array::from_fn(|k| 2.0 * values[1][k] - f64::midpoint(values[0][k], values[2][k]));
         let square = |v: &[f64; 5]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        let longest = self.ranges[5].max.um;
+        let length = self.ranges[5];
+        let points = [&values[0], &inner, &values[2]];
+        // A vector is at least as long as its part along the one in the middle.
+        let middle = &values[1];
+        let along = |v: &[f64; 5]| v[0] * middle[0] + v[1] * middle[1] + v[2] * middle[2];
+        let least = length.min.um * square(middle).sqrt();
         (0..5).any(|k| self.ranges[k].is_passed_by(inner[k]))
-            || [&values[0], &inner, &values[2]]
-                .iter()
-                .any(|v| square(v).sqrt() > longest)
+            || points.iter().any(|v| square(v).sqrt() > length.max.um)
+            || length.min.um > 0.0 && points.iter().any(|v| along(v) < least)
     }
 
     fn take_turns(
@@ -335,41 +343,23 @@ impl<'m> Profile<'m> {
     fn sample(
         &mut self,
         stretch: &Stretch,
-        place: Place,
-        error: [f64; 3],
+        (place, error, hole): (Place, [f64; 3], Option<u64>),
         done: f64,
         sample: &mut impl FnMut(&Sample),
     ) {
-        if self.samples.is_multiple_of(self.kept_every) {
-            self.keep(error);
-        }
+        self.cloud.take(error);
         self.samples += 1;
-        let values = channels(stretch, error);
         sample(&Sample {
             s_mm: self.length_mm + done,
             place,
             error_um: error,
-            tangent_um: values[3],
-            normal_um: stretch.normal.map(|_| values[4]),
             longer_mm: stretch.longer,
             line: stretch.line,
             is_held: self.is_held(place),
+            ahead: stretch.tangent,
+            left: stretch.normal,
+            hole,
         });
-    }
-
-    fn keep(&mut self, error: [f64; 3]) {
-        if self.vectors.len() == MOST_SAMPLES {
-            let mut number = 0_usize;
-            self.vectors.retain(|_| {
-                number += 1;
-                number % 2 == 1
-            });
-            self.kept_every *= 2;
-            if !self.samples.is_multiple_of(self.kept_every) {
-                return;
-            }
-        }
-        self.vectors.push(error);
     }
 
     fn is_held(&self, place: Place) -> bool {
@@ -429,6 +419,7 @@ impl<'m> Profile<'m> {
 
     /// What was found.
     pub fn summary(self) -> Summary {
+        let (vectors, room_um) = self.cloud.ends();
         Summary {
             length_mm: self.length_mm,
             lines: self.counts[0],
@@ -436,8 +427,8 @@ impl<'m> Profile<'m> {
             rapids_left_out: self.counts[2],
             ranges: self.ranges.map(Range::found),
             samples: self.samples,
-            kept_every: self.kept_every,
-            vectors: self.vectors,
+            vectors,
+            room_um,
             outside: self.outside.into_iter().flatten().collect(),
             with_tool: self.with_tool,
         }

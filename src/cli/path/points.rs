@@ -1,32 +1,37 @@
 //! The samples of a path as CSV, written as they come: whole or not at all.
 
+use super::holes::length;
 use crate::cli::inputs::plain_words;
-use crate::problem::Problem;
+use crate::cli::write;
+use crate::problem::{Problem, Problems};
 use crate::tool_path::{PathMap, Sample};
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A file that is being written beside its place.
+/// A file that is being written beside its place; that of standard output is a temporary one.
 pub(super) struct Points {
-    path: PathBuf,
+    /// `None` = standard output.
+    path: Option<PathBuf>,
     writer: BufWriter<NamedTempFile>,
     failed: Option<std::io::Error>,
 }
 
-const COLUMNS: &str = "line,s_mm,x_mm,y_mm,z_mm,ex_um,ey_um,ez_um,e_um,tangent_um,normal_um,held";
-const AFTER: &str = ",after_ex_um,after_ey_um,after_ez_um,after_e_um";
+const COLUMNS: &str =
+    "line,s_mm,x_mm,y_mm,z_mm,ex_um,ey_um,ez_um,e_um,tangent_um,normal_um,held,hole";
+const AFTER: &str =
+    ",after_ex_um,after_ey_um,after_ez_um,after_e_um,after_tangent_um,after_normal_um";
 
 impl Points {
-    pub(super) fn create(path: &Path, has_after: bool) -> Result<Points, Problem> {
-        let folder = path.parent().filter(|folder| *folder != Path::new(""));
-        let file = tempfile::Builder::new()
-            .prefix(".points.partial-")
-            .tempfile_in(folder.unwrap_or(Path::new(".")))
-            .map_err(|error| not_written(path, &error))?;
+    /// `None` = standard output.
+    pub(super) fn create(path: Option<&Path>, has_after: bool) -> Result<Points, Problems> {
+        let file = match path {
+            Some(path) => write::partial_file(path),
+            None => NamedTempFile::new(),
+        };
         let mut points = Points {
-            path: path.to_path_buf(),
-            writer: BufWriter::with_capacity(1 << 18, file),
+            path: path.map(Path::to_path_buf),
+            writer: BufWriter::with_capacity(1 << 18, file.map_err(|e| not_written(path, &e))?),
             failed: None,
         };
         let after = if has_after { AFTER } else { "" };
@@ -50,61 +55,68 @@ impl Points {
     }
 
     /// Puts the file into place.
-    pub(super) fn finish(mut self, force: bool) -> Result<(), Problem> {
+    pub(super) fn finish(mut self, force: bool) -> Result<(), Problems> {
         let flushed = self.writer.flush();
         self.note(flushed);
+        let failed = |error: &std::io::Error| not_written(self.path.as_deref(), error);
         if let Some(error) = &self.failed {
-            return Err(not_written(&self.path, error));
+            return Err(failed(error));
         }
-        let file = self
-            .writer
-            .into_inner()
-            .map_err(|error| not_written(&self.path, error.error()))?;
-        file.as_file()
-            .sync_all()
-            .map_err(|error| not_written(&self.path, &error))?;
-        let placed = if force {
-            file.persist(&self.path)
-        } else {
-            file.persist_noclobber(&self.path)
-        };
-        placed
-            .map(|_| ())
-            .map_err(|error| not_written(&self.path, &error.error))
+        let file = self.writer.into_inner().map_err(|e| failed(e.error()))?;
+        match &self.path {
+            Some(path) => write::put(file, path, force).map_err(|error| failed(&error)),
+            None => to_stdout(file).map_err(|error| failed(&error)),
+        }
+    }
+}
+
+/// A reader that went away (`| head`) is no failure.
+fn to_stdout(mut file: NamedTempFile) -> std::io::Result<()> {
+    file.rewind()?;
+    let mut out = std::io::stdout().lock();
+    match std::io::copy(&mut file, &mut out).and_then(|_| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error),
+        _ => Ok(()),
     }
 }
 
 fn row(out: &mut impl Write, sample: &Sample, after: Option<&PathMap>) -> std::io::Result<()> {
-    let ([x, y, z], [ex, ey, ez]) = (sample.place, sample.error_um);
+    let [x, y, z] = sample.place;
     write!(
         out,
-        "{},{:.4},{x:.4},{y:.4},{z:.4},{ex:.6},{ey:.6},{ez:.6},{:.6},{:.6},",
-        sample.line,
-        sample.s_mm,
-        length(sample.error_um),
-        sample.tangent_um
+        "{},{:.4},{x:.4},{y:.4},{z:.4},",
+        sample.line, sample.s_mm
     )?;
-    if let Some(normal) = sample.normal_um {
-        write!(out, "{normal:.6}")?;
+    error(out, sample, sample.error_um)?;
+    write!(out, ",{},", if sample.is_held { "yes" } else { "no" })?;
+    if let Some(hole) = sample.hole {
+        write!(out, "{hole}")?;
     }
-    write!(out, ",{}", if sample.is_held { "yes" } else { "no" })?;
     if let Some(map) = after {
-        let error = map.error_at(sample.place, sample.longer_mm);
-        let [ex, ey, ez] = error;
-        write!(out, ",{ex:.6},{ey:.6},{ez:.6},{:.6}", length(error))?;
+        write!(out, ",")?;
+        error(out, sample, map.error_at(sample.place, sample.longer_mm))?;
     }
     writeln!(out)
 }
 
-fn length([x, y, z]: [f64; 3]) -> f64 {
-    (x * x + y * y + z * z).sqrt()
+/// The vector, its length, its parts along the path and across it.
+fn error(out: &mut impl Write, sample: &Sample, error: [f64; 3]) -> std::io::Result<()> {
+    let [ex, ey, ez] = error;
+    let along = |way: [f64; 3]| way[0] * ex + way[1] * ey + way[2] * ez;
+    let (size, tangent) = (length(error), along(sample.ahead));
+    write!(out, "{ex:.6},{ey:.6},{ez:.6},{size:.6},{tangent:.6},")?;
+    match sample.left {
+        Some(left) => write!(out, "{:.6}", along(left)),
+        None => Ok(()),
+    }
 }
 
-fn not_written(path: &Path, error: &std::io::Error) -> Problem {
-    Problem::new(format!(
-        "cannot write `{}`: {}; nothing was written",
-        path.display(),
-        plain_words(error)
-    ))
-    .help("check the place and its free space, then run the command again")
+fn not_written(path: Option<&Path>, error: &std::io::Error) -> Problems {
+    match path {
+        Some(path) => write::not_written("cannot write", path, error),
+        None => {
+            let words = plain_words(error);
+            Problem::new(format!("standard output cannot be written: {words}")).into()
+        }
+    }
 }

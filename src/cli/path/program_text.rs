@@ -70,8 +70,14 @@ fn spooled() -> Result<File, Problem> {
         ))
     };
     let mut file = tempfile::tempfile().map_err(refuse)?;
-    let mut input = std::io::stdin().lock().take(LARGEST_PIPE_BYTES);
-    std::io::copy(&mut input, &mut file).map_err(refuse)?;
+    let mut input = std::io::stdin().lock().take(LARGEST_PIPE_BYTES + 1);
+    if std::io::copy(&mut input, &mut file).map_err(refuse)? > LARGEST_PIPE_BYTES {
+        let message = format!(
+            "standard input holds more than {} GiB, too much for a part program",
+            LARGEST_PIPE_BYTES >> 30
+        );
+        return Err(Problem::new(message).help("name the file in place of `-`"));
+    }
     file.rewind().map_err(refuse)?;
     Ok(file)
 }
@@ -97,7 +103,7 @@ impl Text for ProgramText {
                 "line {number} of `{}` has more than {LONGEST_LINE} characters, expected the blocks of a part program",
                 self.name
             ))
-            .help("check that the file is a part program with one block in each line"));
+            .help("check that the file is a part program with one block in each line, ended by LF or CR LF"));
         }
         self.mark.bytes += read as u64;
         self.mark.lines += 1;

@@ -1,42 +1,46 @@
-//! What `nonius path` prints, for people and for scripts.
+//! The page of `nonius path` for people.
 
+use super::holes::{Hole, length};
 use super::{Followed, Page};
 use crate::axis::Axis;
 use crate::cli::show::{self, Column, table};
-use crate::manifest::picometres;
-use crate::tool_path::{Channel, Extreme};
-use serde_json::{Map, Value, json};
+use crate::tool_path::{Channel, Extreme, Outside};
 
 pub(super) fn text(page: &Page) -> String {
-    let after = page.after.as_ref().map(|(_, after, _)| after);
     show::paragraphs(&[
         heading(page),
-        headline(&page.before, after),
+        headline(page),
+        warnings(page).join("\n"),
+        disagreements(page),
         extremes("as it is", &page.before),
-        page.after
-            .as_ref()
-            .map_or_else(String::new, |(from, after, _)| {
-                extremes(&format!("with {from}"), after)
-            }),
-        outside(page),
+        page.after.as_ref().map_or_else(String::new, |after| {
+            extremes(&format!("with {}", after.from), &after.followed)
+        }),
+        holes(page),
+        outside_sentences(page).join("\n"),
         notes(page),
     ])
 }
 
+/// A number of things.
+fn counted(number: u64, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
 fn heading(page: &Page) -> String {
     let s = &page.before.summary;
-    let mut counts = vec![
-        counted(s.lines, "straight move", ""),
-        counted(s.arcs, "arc", ""),
-    ];
+    let mut counts = vec![counted(s.lines, "straight move"), counted(s.arcs, "arc")];
     if page.ran.holes > 0 {
-        counts.push(counted(page.ran.holes, "hole", ""));
+        counts.push(counted(page.ran.holes, "hole"));
     }
     if s.rapids_left_out > 0 {
-        counts.push(counted(s.rapids_left_out, "rapid move", " left out"));
+        counts.push(format!(
+            "{} left out",
+            counted(s.rapids_left_out, "rapid move")
+        ));
     }
     format!(
-        "{} on {}\npath {:.3} mm: {}",
+        "{} on {}\npath {:.3} mm: {}; places in machine coordinates",
         page.program,
         page.inputs.job.machine.name,
         s.length_mm,
@@ -44,33 +48,68 @@ fn heading(page: &Page) -> String {
     )
 }
 
-fn counted(count: u64, one: &str, more: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {one}{plural}{more}")
-}
-
-fn headline(before: &Followed, after: Option<&Followed>) -> String {
-    let longest = |followed: &Followed| {
-        followed
-            .summary
-            .range(Channel::Length)
-            .map_or(0.0, |r| r.max.um)
-    };
+fn headline(page: &Page) -> String {
+    let (before, after) = (&page.before, page.after.as_ref());
     let mut lines = vec![
-        format!("largest error {:.3} µm", longest(before)),
+        format!("largest error {:.3} µm", largest(before)),
         format!(
-            "profile accuracy {:.3} µm: no two samples of the path differ by more in their error",
-            before.accuracy_um
+            "profile accuracy {}: no two samples of the path differ by more in their error",
+            accuracy(before)
         ),
     ];
     if let Some(after) = after {
         lines.push(format!(
-            "with the tables: largest error {:.3} µm, profile accuracy {:.3} µm",
-            longest(after),
-            after.accuracy_um
+            "with the tables: largest error {:.3} µm, profile accuracy {}",
+            largest(&after.followed),
+            accuracy(&after.followed)
+        ));
+    }
+    let datum = &page.inputs.job.path.datum;
+    if !datum.is_empty() {
+        lines.push(format!(
+            "all of them less the mean error at {} ([[path.datum]])",
+            counted(datum.len() as u64, "probed place")
         ));
     }
     lines.join("\n")
+}
+
+fn largest(followed: &Followed) -> f64 {
+    let range = followed.summary.range(Channel::Length);
+    range.map_or(0.0, |range| range.max.um)
+}
+
+/// The figure, or what it lies between.
+fn accuracy(followed: &Followed) -> String {
+    let (least, room) = (followed.accuracy_um, followed.summary.room_um);
+    if room > 0.0 {
+        format!(
+            "between {least:.3} and {:.3} µm (too many samples to keep all that count)",
+            least + room
+        )
+    } else {
+        format!("{least:.3} µm")
+    }
+}
+
+/// What may make the figures those of another machine.
+pub(super) fn warnings(page: &Page) -> Vec<String> {
+    let tool = page.inputs.job.measurement.levers.tool;
+    let stated = tool.is_some_and(|tool| Axis::ALL.iter().any(|axis| tool[*axis].mm().abs() > 0.0));
+    if stated && page.before.summary.with_tool {
+        vec!["CHECK: `tool_offset_mm` of [measurement] and the tool length of G43 both move the tool point; state the way to the tool in one of them only".to_string()]
+    } else {
+        Vec::new()
+    }
+}
+
+fn disagreements(page: &Page) -> String {
+    let found = page.after.iter().flat_map(|after| &after.disagreements);
+    let lines: Vec<String> = found.map(|words| format!("  - {words}")).collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    format!("job and tables DISAGREE:\n{}", lines.join("\n"))
 }
 
 fn extremes(name: &str, followed: &Followed) -> String {
@@ -104,73 +143,106 @@ fn extremes(name: &str, followed: &Followed) -> String {
     format!("{name}\n{}", table(&columns, rows))
 }
 
-fn outside(page: &Page) -> String {
-    let lines = outside_sentences(page);
-    lines.join("\n")
+fn holes(page: &Page) -> String {
+    let worst = page.holes.worst();
+    if worst.is_empty() {
+        return String::new();
+    }
+    let mut columns = vec![
+        Column::Right("hole"),
+        Column::Right("line"),
+        Column::Left("bottom at x, y, z/mm"),
+        Column::Right("ex/µm"),
+        Column::Right("ey/µm"),
+        Column::Right("ez/µm"),
+        Column::Right("|e|/µm"),
+    ];
+    if page.after.is_some() {
+        columns.push(Column::Right("with tables |e|/µm"));
+    }
+    let shown = worst.len() as u64;
+    let what = if shown < page.ran.holes {
+        format!(
+            "the {shown} worst of {} holes (`-o` writes all)",
+            page.ran.holes
+        )
+    } else {
+        "holes, the worst first".to_string()
+    };
+    format!("{what}\n{}", table(&columns, worst.iter().map(hole)))
 }
 
-fn outside_sentences(page: &Page) -> Vec<String> {
-    let outside = page.before.summary.outside.iter();
-    let sentence = |o: &crate::tool_path::Outside| {
+fn hole(hole: &Hole) -> Vec<String> {
+    let [x, y, z] = hole.place.map(|mm| mm + 0.0);
+    let mut cells = vec![
+        hole.number.to_string(),
+        hole.line.to_string(),
+        format!("{x:.3}, {y:.3}, {z:.3}"),
+    ];
+    cells.extend(hole.error_um.map(|um| format!("{:+.3}", um + 0.0)));
+    cells.push(format!("{:.3}", length(hole.error_um)));
+    cells.extend(hole.after_um.map(|after| format!("{:.3}", length(after))));
+    cells
+}
+
+pub(super) fn outside_sentences(page: &Page) -> Vec<String> {
+    let sentence = |o: &Outside| {
+        let (low, high) = o.measured_mm;
+        let below = (o.reached_mm.0 < low).then(|| format!("{:.3} mm", o.reached_mm.0));
+        let above = (o.reached_mm.1 > high).then(|| format!("{:.3} mm", o.reached_mm.1));
+        let reached: Vec<String> = below.into_iter().chain(above).collect();
         format!(
-            "not measured: the path reaches {} {:.3} … {:.3} mm from line {} on, measured is {} … {} mm; beyond it the end values are held",
+            "not measured: the path reaches {} = {}, first in line {}, measured is {low} … {high} mm; beyond it each curve, squareness included, is held at its end",
             Axis::ALL[o.axis],
-            o.reached_mm.0,
-            o.reached_mm.1,
+            reached.join(" and "),
             o.line,
-            o.measured_mm.0,
-            o.measured_mm.1
         )
     };
-    outside.map(sentence).collect()
+    page.before.summary.outside.iter().map(sentence).collect()
 }
 
 /// What a reader of the figures has to know.
-fn remarks(page: &Page) -> Vec<String> {
+pub(super) fn remarks(page: &Page) -> Vec<String> {
     let path = &page.inputs.job.path;
     let s = &page.before.summary;
     let mut notes = page.ran.notes.clone();
-    notes.push("the machine is taken to be where the program sends it: no following error, no reversal (mean of the directions), no temperature".to_string());
+    let mut unstated = Vec::new();
     if path.start.is_none() {
-        notes.push(
-            "the axes start at the reference: `start_mm` is not stated in [path]".to_string(),
-        );
+        unstated.push("`start_mm` (the axes start at the reference)");
     }
     if s.with_tool && path.measured_tool_mm.is_none() {
-        notes.push("the errors are taken as measured with a tool of length 0: `measured_tool_mm` is not stated in [path]".to_string());
+        unstated
+            .push("`measured_tool_mm` (the errors are taken as measured with a tool of length 0)");
     }
-    if s.arcs > 0 {
-        notes.push(format!("arcs are followed on chords within {} mm; their tangent and normal are those of the chords", path.chord_mm));
+    if !unstated.is_empty() {
+        notes.push(format!("not stated in [path]: {}", unstated.join(", ")));
     }
-    let every = if s.kept_every > 1 {
-        format!(
-            "every {}th of them makes the profile accuracy",
-            s.kept_every
-        )
-    } else {
-        "all of them make the profile accuracy".to_string()
-    };
-    notes.push(format!(
-        "{} samples at most {} mm apart: {every}",
-        s.samples, path.sample_mm
-    ));
-    if !path.datum.is_empty() {
-        notes.push(format!(
-            "the mean error at {} probed places is subtracted",
-            path.datum.len()
-        ));
+    if s.with_tool && !path.datum.is_empty() {
+        notes.push("the datum is taken as probed with a tool of the measured length".to_string());
     }
     let doubts = page.inputs.model.doubts(|_| true);
     notes.extend(doubts.into_iter().map(|doubt| format!("doubtful: {doubt}")));
     notes.extend(page.volume.labels.iter().cloned());
-    if let Some((_, _, disagreements)) = &page.after {
-        notes.extend(
-            disagreements
-                .iter()
-                .map(|words| format!("the tables: {words}")),
-        );
-    }
+    notes.push(how(page));
     notes
+}
+
+/// What holds for every path.
+fn how(page: &Page) -> String {
+    let path = &page.inputs.job.path;
+    let s = &page.before.summary;
+    let mut parts = vec![format!(
+        "{} at most {} mm apart",
+        counted(s.samples, "sample"),
+        path.sample_mm
+    )];
+    if s.arcs > 0 {
+        parts.push(format!("arcs on chords within {} mm", path.chord_mm));
+    }
+    parts.push(
+        "without following errors, reversal (mean of the directions) and temperature".to_string(),
+    );
+    parts.join("; ")
 }
 
 fn notes(page: &Page) -> String {
@@ -184,57 +256,4 @@ fn notes(page: &Page) -> String {
         lines.push(format!("not measured, so left out: {}", names.join(", ")));
     }
     lines.join("\n")
-}
-
-pub(super) fn document(page: &Page) -> Value {
-    let mut document = Map::new();
-    document.insert("schema".to_string(), json!(1));
-    document.insert("machine".to_string(), json!(page.inputs.job.machine.name));
-    document.insert("program".to_string(), json!(page.program));
-    document.insert("blocks".to_string(), json!(page.ran.blocks));
-    document.insert("holes".to_string(), json!(page.ran.holes));
-    document.extend(figures(&page.before));
-    document.insert("outside".to_string(), json!(outside_sentences(page)));
-    let missing: Vec<String> = page.volume.missing().into_iter().map(|m| m.name).collect();
-    document.insert("missing".to_string(), json!(missing));
-    document.insert("notes".to_string(), json!(remarks(page)));
-    let after = page.after.as_ref().map(|(from, after, disagreements)| {
-        let mut map = Map::new();
-        map.insert("tables".to_string(), json!(from));
-        map.extend(figures(after));
-        map.insert("disagreements".to_string(), json!(disagreements));
-        Value::Object(map)
-    });
-    document.insert("after".to_string(), json!(after));
-    Value::Object(document)
-}
-
-fn figures(followed: &Followed) -> Map<String, Value> {
-    let s = &followed.summary;
-    let extreme = |e: &Extreme| json!({"um": picometres(e.um), "at_mm": e.place, "line": e.line});
-    let mut ranges = Map::new();
-    for channel in Channel::ALL {
-        let range = s.range(channel);
-        let key = if channel == Channel::Length {
-            "e"
-        } else {
-            channel.name()
-        };
-        let value = range.map(|r| json!({"min": extreme(&r.min), "max": extreme(&r.max)}));
-        ranges.insert(key.to_string(), json!(value));
-    }
-    let mut figures = Map::new();
-    figures.insert("length_mm".to_string(), json!(s.length_mm));
-    figures.insert(
-        "moves".to_string(),
-        json!({"straight": s.lines, "arcs": s.arcs, "rapid_left_out": s.rapids_left_out}),
-    );
-    figures.insert("extremes".to_string(), Value::Object(ranges));
-    figures.insert(
-        "profile_accuracy_um".to_string(),
-        json!(picometres(followed.accuracy_um)),
-    );
-    figures.insert("samples".to_string(), json!(s.samples));
-    figures.insert("samples_kept_every".to_string(), json!(s.kept_every));
-    figures
 }
