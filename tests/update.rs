@@ -874,7 +874,7 @@ mod siemens_control {
     use nonius::readback::kit::{ReadBack, read, read_apart};
     use nonius::readback::siemens::MachineValue;
     use nonius::table::Tables;
-    use nonius::table::siemens::SiemensTables;
+    use nonius::table::siemens::{CecDirection, LecTable, SiemensTables};
     use std::collections::BTreeMap;
 
     /// What lies in a control: its tables, and machine data by name and indices.
@@ -890,10 +890,8 @@ mod siemens_control {
                 panic!("it is a Siemens control")
             };
             for new in tables.lec {
-                let other = |t: &_| (&new.axis, new.encoder) != (&t.axis, t.encoder);
-                self.tables
-                    .lec
-                    .retain(|t: &nonius::table::siemens::LecTable| other(t));
+                let same = |t: &LecTable| t.axis == new.axis && t.encoder == new.encoder;
+                self.tables.lec.retain(|t| !same(t));
                 self.tables.lec.push(new);
             }
             for new in tables.cec {
@@ -967,9 +965,9 @@ mod siemens_control {
                 let (g, direction) = (
                     t.grid,
                     match t.direction {
-                        nonius::table::siemens::CecDirection::Both => 0,
-                        nonius::table::siemens::CecDirection::Plus => 1,
-                        nonius::table::siemens::CecDirection::Minus => -1,
+                        CecDirection::Both => 0,
+                        CecDirection::Plus => 1,
+                        CecDirection::Minus => -1,
                     },
                 );
                 writeln!(text, "$AN_CEC_INPUT_AXIS[{n}]=({})\n$AN_CEC_OUTPUT_AXIS[{n}]=({})\n$AN_CEC_STEP[{n}]={}\n$AN_CEC_MIN[{n}]={}\n$AN_CEC_MAX[{n}]={}\n$AN_CEC_DIRECTION[{n}]={direction}", t.input_axis, t.output_axis, g.step, g.min, g.max).unwrap();
@@ -984,20 +982,9 @@ mod siemens_control {
     fn before(old: &Kit, policy: &str) -> Control {
         let profile = nonius::controller::builtin::profile("siemens-840d-sl").unwrap();
         let mut control = Control::default();
-        let (_, mean, _) = (
-            "",
-            generate(
-                &small(
-                    "siemens-840d-sl",
-                    "active_while_measuring = \"none\"",
-                    "backlash = \"mean\"",
-                    SIEMENS_AXES,
-                ),
-                BOTH_WAYS,
-            )
-            .1,
-            "",
-        );
+        let none = "active_while_measuring = \"none\"";
+        let mean = small("siemens-840d-sl", none, "backlash = \"mean\"", SIEMENS_AXES);
+        let (_, mean) = generate(&mean, BOTH_WAYS);
         control.load(read(&profile, &files_of(&mean, Role::Table)).unwrap());
         control.load(read(&profile, &files_of(old, Role::Table)).unwrap());
         // The numbers of the CEC tables that other policies use: there, and switched off.
