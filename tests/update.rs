@@ -1155,7 +1155,7 @@ mod siemens_control {
         let found = read_out(&job, &left, &before.archive("")).unwrap_or_else(|p| panic!("{p}"));
         let new = kit::generate(&found).unwrap();
         let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
-        let words = "at the reference point X (AX1) moves by 7.500 µm towards −X when the old tables act again";
+        let words = "at the reference point X (AX1) moves by 5.000 µm towards −X when the old tables act again";
         assert!(page.contains(words), "{page}");
         for file in files_of(&new, Role::Rollback) {
             let text = String::from_utf8_lossy(file.bytes);
