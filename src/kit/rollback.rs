@@ -174,7 +174,7 @@ impl Unknown {
             ChangedBy::Precondition | ChangedBy::Nobody => "A precondition may make you change it",
         };
         format!(
-            "{}: not in the rollback files. {changes}, and no file that was read out holds it (in one way only). Look at it now and note it",
+            "{}: not in the rollback files. {changes}, and the files that were read out hold it not at all or with several values. Look at it now and note it",
             self.what
         )
     }

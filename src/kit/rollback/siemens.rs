@@ -50,7 +50,7 @@ pub(super) fn old(
         let found = held.cec.iter().find(|t| t.number == table.number);
         let off = || {
             before.held.is_off(TABLE_ON, &[table.number.to_string()])
-                || before.held.is_off(CEC_ON, &[table.output_axis.clone()])
+                || before.held.is_off(CEC_ON, std::slice::from_ref(&table.output_axis))
         };
         let (name, variable) = (cec_name(table), format!("AN_CEC[{}]", table.number));
         let values = found.map(|found| found.values.as_slice());
