@@ -105,6 +105,8 @@ pub struct Instead<'a> {
     pub notice: &'a str,
     /// Whether the places are those of the kit, so that their terms may be named.
     pub names_terms: bool,
+    /// Whether numbers keep the digits they were read with, also beyond those of the profile.
+    pub as_read: bool,
     /// Machine data that it restores (Siemens).
     pub switches: Vec<Switch>,
 }
@@ -146,7 +148,8 @@ fn context_of(
     };
     let tables = match (tables, &task.profile.dialect) {
         (Tables::Siemens(tables), Dialect::Siemens(facts)) => {
-            let mut context = siemens::context(task, placements, tables, facts, &compiled.state);
+            let (state, as_read) = (&compiled.state, instead.as_read);
+            let mut context = siemens::context(task, placements, tables, facts, state, as_read);
             context.switches.clone_from(&instead.switches);
             TablesContext::Siemens(context)
         }
@@ -156,14 +159,14 @@ fn context_of(
         (Tables::Generic(table), _) => TablesContext::Generic(generic::context(table)),
         _ => return Err(Problem::new("the tables are not of the profile's dialect").into()),
     };
-    Ok(with_header(task, placements, tables, instead.notice))
+    Ok(with_header(task, placements, tables, instead))
 }
 
 fn with_header(
     task: Task<'_>,
     placements: &[Placement],
     tables: TablesContext,
-    notice: &str,
+    instead: &Instead<'_>,
 ) -> Context {
     let machine = &task.job.machine;
     let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "not stated".to_string());
@@ -186,7 +189,7 @@ fn with_header(
             serial: text(&machine.serial),
             chain: text(&machine.chain.map(|chain| chain.to_string())),
         },
-        header: header(task, &measurement, notice),
+        header: header(task, &measurement, instead.notice),
         measurement,
         unit: task.job.compensation.control_unit.word(),
         terms: placements.iter().map(term_context).collect(),

@@ -34,19 +34,23 @@ pub enum List {
     SignProofs,
     /// One place of each table, and what the file holds there.
     Display,
-    /// Why there is no sign proof of a mechanism, or no rollback file.
+    /// Why there is no sign proof of a mechanism or no rollback file, and what the rollback files
+    /// do not hold.
     NotWritten,
+    /// What the rollback files leave to a person, and what moves.
+    WayBack,
 }
 
 impl List {
     /// The words of profiles (`list = "…"`).
-    pub const WORDS: [(&'static str, List); 6] = [
+    pub const WORDS: [(&'static str, List); 7] = [
         ("places", List::Places),
         ("preconditions", List::Preconditions),
         ("movement", List::Movement),
         ("sign-proofs", List::SignProofs),
         ("display", List::Display),
         ("not-written", List::NotWritten),
+        ("way-back", List::WayBack),
     ];
 }
 

@@ -81,10 +81,9 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let mut files = Vec::new();
     let shown = prove(made, proofs, &mut files)?;
     let mut not_written = missing.clone();
-    match rollback::files(made) {
-        Ok(rollback) => files.extend(rollback?),
-        Err(why) => not_written.extend(why),
-    }
+    let rollback = rollback::make(made)?;
+    files.extend(rollback.files);
+    not_written.extend(rollback.not_written);
     let movement = movement::movement(made).map_err(|reason| cannot_emulate(&reason))?;
     let lists = |list: List| match list {
         List::Places => lists::places(made),
@@ -93,6 +92,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         List::SignProofs => shown.iter().flat_map(|s| reading::items(made, s)).collect(),
         List::Display => lists::display(made),
         List::NotWritten => not_written.clone(),
+        List::WayBack => rollback.by_hand.clone(),
     };
     let (task, compiled) = (made.task(), made.compiled);
     let facts = KitFacts {

@@ -3,7 +3,7 @@
 use super::{backlash_text, encoder, is_lec, largest_sum_um, reference_text};
 use crate::axis::{Axis, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
-use crate::compensation::backlash_why;
+use crate::compensation::{backlash_why, two_tables_why};
 use crate::job::ActiveTables;
 use crate::plan::{Plan, PlannedTable, Task};
 use crate::table::siemens::SiemensTables;
@@ -161,14 +161,8 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
         return Vec::new();
     }
     let (value, why) = match plan.backlash_um[axis] {
-        Some(um) => (
-            backlash_text(task, um).0,
-            backlash_why(&task.job.measurement.active),
-        ),
-        None if has_two_tables(plan, axis) => (
-            "0".to_string(),
-            "the reversal is in the two tables; counted twice it would turn round",
-        ),
+        Some(um) => (backlash_text(task, um).0, backlash_why(task.job, axis)),
+        None if has_two_tables(plan, axis) => ("0".to_string(), two_tables_why(task.job, axis)),
         _ => (
             "as during the measurement".to_string(),
             "backlash acts beside the table and adds to it",
