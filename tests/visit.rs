@@ -287,7 +287,8 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         let (status, said) = told(at, "generate job.toml -o kit");
         assert_eq!(status, 2, "{said}");
         assert!(said.contains("`backlash` is not stated"), "{said}");
-        let [_, stated, after] = jobs(&job, &campaign("backlash = \"two-tables\"\n"));
+        let [machine, stated, after] = jobs(&job, &campaign("backlash = \"two-tables\"\n"));
+        put(at, "machine.toml", &machine);
         put(at, "job.toml", &stated);
         put(at, "after.toml", &after);
         yes(at, "generate job.toml -o kit");
