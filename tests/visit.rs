@@ -353,13 +353,18 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         let (status, said) = told(at, "generate job.toml -o kit");
         assert_eq!(status, 2, "{said}");
         assert!(said.contains("`backlash` is not stated"), "{said}");
-        let [_, stated, after] = jobs(&job, &campaign("backlash = \"two-tables\"\n"));
+        let [machine, stated, after] = jobs(&job, &campaign("backlash = \"two-tables\"\n"));
+        put(at, "machine.toml", &machine);
         put(at, "job.toml", &stated);
         put(at, "after.toml", &after);
         yes(at, "generate job.toml -o kit");
         measured_again(at, "--tables kit");
         let after = json(at, "verify job.toml --tables kit --after after.toml");
-        assert_eq!(after["verdict"], "pass", "{after:#}");
+        // The noise of B from place to place is loaded with it, and a forward run that mixes both
+        // directions may take it for a disturbed reading: pass or undecided.
+        assert_ne!(after["verdict"], "fail", "{after:#}");
+        let left = number(&after["terms"]["EXX"]["after_um"]);
+        assert!(left < 2.0, "6 um of lost motion were there: {left}");
         let [_, mean, _] = jobs(&job, &campaign("backlash = \"mean\"\n"));
         put(at, "job.toml", &mean);
         let forecast = json(at, "generate job.toml -o mean");
