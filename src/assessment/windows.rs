@@ -24,9 +24,9 @@ pub struct Windows {
     /// The sub-volume at the smallest coordinates of the volume, µm.
     pub corner_um: f64,
     /// The map: where the corners with the smallest coordinates lie along each axis, mm.
-    pub low_mm: Nodes,
+    pub places_mm: Nodes,
     /// The figures of the map, µm; X slowest, Z fastest.
-    pub figures_um: Vec<f64>,
+    pub map_um: Vec<f64>,
 }
 
 /// Part of a node distance by which a size may miss a whole number of them.
@@ -43,11 +43,11 @@ pub(super) fn windows(
     let size = map.vectors().along_chain([counts.x, counts.y, counts.z]);
     let all = WindowMap::of(map.vectors(), size).ok_or_else(no_map)?;
     let figure = |(number, figure): (usize, Diameter)| (figure.um, map.place(all.low(number)));
-    let low_mm = PerAxis::from_fn(|axis| {
+    let places_mm = PerAxis::from_fn(|axis| {
         let last = nodes[axis].len() + 1 - counts[axis];
         nodes[axis][..last].to_vec()
     });
-    let corners = low_mm.counts();
+    let corners = places_mm.counts();
     let places = (0..corners.x)
         .flat_map(|x| (0..corners.y).flat_map(move |y| (0..corners.z).map(move |z| [x, y, z])));
     let at = |xyz| all.at(map.vectors().along_chain(xyz)).um;
@@ -58,8 +58,8 @@ pub(super) fn windows(
         best: figure(all.best()),
         worst: figure(all.worst()),
         corner_um: all.corner().um,
-        figures_um: places.map(at).collect(),
-        low_mm,
+        map_um: places.map(at).collect(),
+        places_mm,
     })
 }
 
