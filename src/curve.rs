@@ -23,6 +23,11 @@ use pieces::{Cubic, value_of};
 /// Micrometres per metre in one micrometre per millimetre.
 const MM_PER_M: f64 = 1000.0;
 
+/// A curve has one value at a place. Where a control adds a whole step at once, the step is written
+/// as a straight line over this nanometre, mm: the value before it stands so far below the place,
+/// the value behind it at the place. No measured curve moves by more than 10⁻⁶ µm over it.
+pub const JUMP_MM: f64 = 1e-6;
+
 /// How the curve runs between the measured positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {

@@ -117,13 +117,14 @@ fn what_is_left_along_one_axis_is_what_the_forecast_says() {
                 let manifest = std::fs::read(at.join("kit/manifest.json")).unwrap();
                 let manifest: Value = serde_json::from_slice(&manifest).unwrap();
                 let forecast = number(&manifest["forecast"]["terms"]["EXX"]["after_um"]);
+                let straight = shape == shapes[0] && !id.starts_with("fanuc");
                 assert!(
-                    forecast > 0.01,
-                    "{what}: the test must see something, {forecast}"
+                    straight || forecast > 0.01,
+                    "{what}: {forecast} is too easy"
                 );
 
                 let path = json(at, "path job.toml p.nc --tables kit");
-                let largest = number(&path["after"]["extremes"]["e"]["max"]);
+                let largest = number(&path["after"]["extremes"]["e"]["max"]["um"]);
                 near(
                     &format!("{what}, path"),
                     largest,
@@ -138,8 +139,8 @@ fn what_is_left_along_one_axis_is_what_the_forecast_says() {
                 if curve == "linear" {
                     near(&format!("{what}, assess"), from, forecast, 2.0 * LAST_DIGIT);
                 }
-                let range = number(&path["after"]["extremes"]["x"]["max"])
-                    - number(&path["after"]["extremes"]["x"]["min"]);
+                let range = number(&path["after"]["extremes"]["ex"]["max"]["um"])
+                    - number(&path["after"]["extremes"]["ex"]["min"]["um"]);
                 let accuracy = number(&path["after"]["profile_accuracy_um"]);
                 assert!(accuracy <= range + 2.0 * LAST_DIGIT, "{what}");
                 if curve == "linear" {
@@ -265,8 +266,8 @@ fn nothing_left_is_nothing_in_every_definition() {
     near(
         "before",
         number(&found["definitions"]["va_um"]),
-        40.311,
-        0.001,
+        45.0,
+        LAST_DIGIT,
     );
     let after = &found["after"];
     for key in [

@@ -1,17 +1,13 @@
 //! The machine as the tables of a control leave it.
 
 use crate::axis::Direction;
-use crate::curve::{ErrorCurve, Interpolation};
+use crate::curve::{ErrorCurve, Interpolation, JUMP_MM};
 use crate::emulate::{CannotEmulate, Emulator, NodeTable, Response, Stretch};
 use crate::model::{ErrorModel, Measured};
 use crate::plan::{Plan, axis_pairs};
 use crate::units::{Deviation, Millimetres};
 use crate::volume_model::VolumeModel;
 
-/// A jump of a correction is a straight line over so many mm: the value before it stands this much
-/// below the place of the jump, the value after it at the place. No curve moves by more than
-/// 10⁻⁸ µm over it, so extremes and differences hold both values.
-const JUMP_MM: f64 = 1e-8;
 /// Places of jumps count on a raster of a picometre, so those of several tables are one.
 const PER_MM: f64 = 1e9;
 /// Corrections and jumps below it are none: rounding, µm.

@@ -1,6 +1,7 @@
 //! The error vector at any place, in a form that is cheap along a path: polynomials between the
 //! nodes of each axis.
 
+use crate::curve::JUMP_MM;
 use crate::nc::Place;
 
 /// µrad × mm = 10⁻³ µm.
@@ -66,7 +67,7 @@ impl PathMap {
         }
         let mut axis = 0;
         let axes = nodes.map(|nodes| {
-            let pieces = pieces(&nodes, cubic, |at| part(axis, at));
+            let (nodes, pieces) = pieces(&nodes, cubic, |at| part(axis, at));
             let origin = origins[axis];
             axis += 1;
             AxisPieces {
@@ -186,8 +187,11 @@ fn value(piece: &Piece, s: f64, degree: usize) -> [f64; 6] {
 }
 
 /// The cubics of an axis, through two or four values of each piece. Before the first node and
-/// behind the last one the axis goes on as it does over one more millimetre: it is held.
-fn pieces(nodes: &[f64], cubic: bool, part: impl Fn(f64) -> AxisPart) -> Vec<Piece> {
+/// behind the last one the axis goes on as it does over one more millimetre: it is held. A jump
+/// ([`JUMP_MM`]) is two pieces, the value before it and the value behind it: whichever way a path
+/// goes, it meets both, and where exactly it is there does not matter. Gives the nodes between the
+/// pieces too.
+fn pieces(nodes: &[f64], cubic: bool, part: impl Fn(f64) -> AxisPart) -> (Vec<f64>, Vec<Piece>) {
     let at = |position: f64| {
         let (deviation, rotation) = part(position);
         let mut six = [0.0; 6];
@@ -197,19 +201,24 @@ fn pieces(nodes: &[f64], cubic: bool, part: impl Fn(f64) -> AxisPart) -> Vec<Pie
     };
     let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
     let (before, behind) = (at(first - 1.0), at(last + 1.0));
+    let mut split = vec![first];
     let mut pieces = vec![straight(at(first), slopes(before, at(first), 1.0))];
     for pair in nodes.windows(2) {
         let (left, width) = (pair[0], pair[1] - pair[0]);
         let ends = (at(left), at(pair[1]));
-        pieces.push(if cubic {
+        if width < 2.0 * JUMP_MM {
+            split.push(f64::midpoint(left, pair[1]));
+            pieces.extend([straight(ends.0, [0.0; 6]), straight(ends.1, [0.0; 6])]);
+        } else if cubic {
             let inner = [1.0 / 3.0, 2.0 / 3.0].map(|part| at(left + width * part));
-            through_four(ends.0, inner[0], inner[1], ends.1, width)
+            pieces.push(through_four(ends.0, inner[0], inner[1], ends.1, width));
         } else {
-            straight(ends.0, slopes(ends.0, ends.1, width))
-        });
+            pieces.push(straight(ends.0, slopes(ends.0, ends.1, width)));
+        }
+        split.push(pair[1]);
     }
     pieces.push(straight(at(last), slopes(at(last), behind, 1.0)));
-    pieces
+    (split, pieces)
 }
 
 fn slopes(from: [f64; 6], to: [f64; 6], width: f64) -> [f64; 6] {
