@@ -3,8 +3,9 @@
 
 #![allow(
     clippy::expect_used,
+    clippy::float_cmp,
     clippy::unwrap_used,
-    reason = "a test that cannot go on has to stop"
+    reason = "a test that cannot go on has to stop; figures of one document are rounded alike"
 )]
 
 use serde_json::{Value, json};
@@ -356,9 +357,9 @@ fn the_map_of_sub_volumes_holds_the_extremes() {
     assert_eq!(worst.0, um(&windows["max_um"]));
     assert_eq!(worst.1, windows["max_at_mm"]);
     assert_eq!(all[0].0, um(&windows["corner_um"]));
-    // The method of paper 002 keeps 240 records with 0.1 (docs/volumetric.md §9).
+    // docs/volumetric.md §9: with another zero of the squareness 240.
     let grouping = &found["grouping"];
-    assert_eq!(grouping["records"], 240);
+    assert_eq!(grouping["records"], 168);
     assert_eq!(grouping["exact"], false);
     assert!(um(&grouping["um"]) <= um(&found["definitions"]["va_um"]));
 }

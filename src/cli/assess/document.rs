@@ -122,13 +122,13 @@ fn windows(windows: &Windows) -> Value {
 /// Every sub-volume: its smallest coordinates along each axis, and the figures `um[x][y][z]`.
 fn map(windows: &Windows) -> Value {
     let mut document = Map::new();
-    for (axis, places) in windows.low_mm.iter() {
+    for (axis, places) in windows.places_mm.iter() {
         let places: Vec<f64> = places.iter().copied().map(picometres).collect();
         document.insert(format!("{}_mm", axis.key()), json!(places));
     }
-    let [_, y, z] = [Axis::X, Axis::Y, Axis::Z].map(|axis| windows.low_mm[axis].len());
+    let [_, y, z] = [Axis::X, Axis::Y, Axis::Z].map(|axis| windows.places_mm[axis].len());
     let line = |line: &[f64]| line.iter().copied().map(picometres).collect::<Vec<f64>>();
-    let slices = windows.figures_um.chunks(y * z);
+    let slices = windows.map_um.chunks(y * z);
     let figures: Vec<Vec<Vec<f64>>> = slices.map(|s| s.chunks(z).map(line).collect()).collect();
     document.insert("um".to_string(), json!(figures));
     Value::Object(document)

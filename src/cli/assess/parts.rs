@@ -62,10 +62,13 @@ fn acts(of: &Assessment, part: &Contribution) -> bool {
     part.um.abs() >= SHOWN_UM || change >= SHOWN_UM
 }
 
+/// A table takes off squareness and straightness as one: what is left of both stands at the latter.
 fn with_tables(after: &Assessment, component: Component) -> [String; 2] {
-    find(after, component).map_or_else(<[String; 2]>::default, |part| {
-        [um(part.um), um(part.va_without_um)]
-    })
+    match (find(after, component), component) {
+        (Some(part), _) => [um(part.um), um(part.va_without_um)],
+        (None, Component::Squareness(term)) => [format!("in {term}"), String::new()],
+        (None, _) => <[String; 2]>::default(),
+    }
 }
 
 /// Errors that change nothing, and angles of which nobody can say what they change.

@@ -258,7 +258,7 @@ pub(super) fn short(mm: f64) -> f64 {
 
 /// A figure with the digits of the page.
 pub(super) fn um(um: f64) -> String {
-    format!("{:.3}", um + 0.0)
+    format!("{:.3}", (um * 1000.0).round() / 1000.0 + 0.0)
 }
 
 fn tables(page: &Page) -> String {
