@@ -13,15 +13,20 @@
 //! A backlash parameter that the new tables do not replace acts before and after alike and is
 //! left out of both; with `two-tables` and `curve-and-parameter`, which set it, it is part of the
 //! old correction and has to be known.
+//!
+//! What acted is one thing, what a read-out holds another: [`Held`] keeps all of it for the way
+//! back, with the tables that were switched off and the parameters that no table needs.
 
 mod beside;
 mod fanuc;
+mod held;
 mod kit;
 mod machine;
 mod read_out;
 mod siemens;
 
 pub use self::beside::{collisions, left_over};
+pub use self::held::Held;
 pub use self::kit::from_kit;
 pub use self::machine::uncompensated;
 pub use self::read_out::from_read_out;
@@ -63,7 +68,7 @@ pub struct ActiveControl {
 }
 
 /// Where the files of the active tables come from.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Origin {
     /// A kit of this program: the bytes of its manifest, and the version that made it.
     Kit {
@@ -72,8 +77,8 @@ pub enum Origin {
         /// Name and version of the program.
         tool: String,
     },
-    /// Files that were read out of the control.
-    ReadOut,
+    /// Files that were read out of the control, with everything that they hold.
+    ReadOut(Held),
 }
 
 /// What a read-out holds for axes that the job does not have, or in a form that is not ours.

@@ -104,6 +104,8 @@ pub struct Instead<'a> {
     pub notice: &'a str,
     /// Whether the places are those of the kit, so that their terms may be named.
     pub names_terms: bool,
+    /// Whether numbers keep the digits they were read with, also beyond those of the profile.
+    pub as_read: bool,
     /// Machine data that it restores (Siemens).
     pub switches: Vec<Switch>,
 }
@@ -145,7 +147,7 @@ fn context_of(
     };
     let tables = match (tables, &task.profile.dialect) {
         (Tables::Siemens(tables), Dialect::Siemens(facts)) => {
-            let mut context = siemens::context(task, placements, tables, facts);
+            let mut context = siemens::context(task, placements, tables, facts, instead.as_read);
             context.switches.clone_from(&instead.switches);
             TablesContext::Siemens(context)
         }
@@ -155,14 +157,14 @@ fn context_of(
         (Tables::Generic(table), _) => TablesContext::Generic(generic::context(table)),
         _ => return Err(Problem::new("the tables are not of the profile's dialect").into()),
     };
-    Ok(with_header(task, placements, tables, instead.notice))
+    Ok(with_header(task, placements, tables, instead))
 }
 
 fn with_header(
     task: Task<'_>,
     placements: &[Placement],
     tables: TablesContext,
-    notice: &str,
+    instead: &Instead<'_>,
 ) -> Context {
     let machine = &task.job.machine;
     let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "not stated".to_string());
@@ -180,13 +182,14 @@ fn with_header(
         measurement: MeasurementContext {
             date: text(&task.job.measurement.date),
             active: match &task.job.measurement.active {
+                _ if !instead.notice.is_empty() => "", // not the kit's own tables
                 ActiveTables::None => "none",
                 ActiveTables::NotStated => "not stated",
                 ActiveTables::Path(_) => "yes, its tables are contained in these",
             },
         },
         unit: task.job.compensation.control_unit.word(),
-        notice: notice.to_string(),
+        notice: instead.notice.to_string(),
         terms: placements.iter().map(term_context).collect(),
         tables,
     }

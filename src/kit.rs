@@ -22,7 +22,7 @@ use crate::job::Job;
 pub use crate::manifest::hashed;
 use crate::manifest::{self, HashedFile, Manifest, Predecessor, SCHEMA};
 use crate::model::ErrorModel;
-use crate::plan::{Plan, PlannedTable, Task, plan};
+use crate::plan::{Plan, Task, plan};
 use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::target::wants;
@@ -351,10 +351,7 @@ fn build_manifest(
 fn named_backlash(inputs: &Inputs, plan: &Plan, compiled: &Compiled, name: &str) -> Option<f64> {
     let has = |axis: &Axis| plan.names[*axis].iter().any(|own| own == name);
     let axis = Axis::ALL.into_iter().find(has)?;
-    let two_tables =
-        |t: &PlannedTable| t.term.is_positioning() && t.term.of == axis && t.direction.is_some();
-    let sets = plan.backlash_um[axis].is_some() || plan.tables.iter().any(two_tables);
-    if sets {
+    if plan.sets_backlash(axis) {
         return Some(compiled.state.axis(name)?.backlash_um);
     }
     inputs.active.as_ref()?.backlash_um[axis]

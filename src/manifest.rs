@@ -61,7 +61,7 @@ impl Predecessor {
     pub fn of(active: &ActiveControl, controller: &str) -> Predecessor {
         let (manifest_sha256, tool) = match &active.origin {
             Origin::Kit { manifest, tool } => (Some(sha256(manifest)), Some(tool.clone())),
-            Origin::ReadOut => (None, None),
+            Origin::ReadOut(_) => (None, None),
         };
         let files = active.files.iter();
         Predecessor {

@@ -54,6 +54,16 @@ pub struct Plan {
     pub notes: Vec<String>,
 }
 
+impl Plan {
+    /// Whether the tables name the backlash parameter of an axis: 0 with two tables, else −B.
+    pub fn sets_backlash(&self, axis: Axis) -> bool {
+        let two_tables = |t: &PlannedTable| {
+            t.term.is_positioning() && t.term.of == axis && t.direction.is_some()
+        };
+        self.backlash_um[axis].is_some() || self.tables.iter().any(two_tables)
+    }
+}
+
 /// What a plan is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct Task<'a> {

@@ -9,8 +9,8 @@
 
 mod support;
 
-use nonius::active::{ActiveControl, Origin, Others};
-use nonius::axis::{Direction, ErrorTerm, PerAxis};
+use nonius::active::{Origin, from_read_out};
+use nonius::axis::{Direction, ErrorTerm};
 use nonius::controller::{Dialect, Profile, Role, TableSign, builtin};
 use nonius::document::Source;
 use nonius::emulate::Emulator;
@@ -261,22 +261,13 @@ fn with_read_out(id: &str) -> (Inputs, Tables) {
     let tables = support::loaded(&profile, &before);
     let kept = |file: &&nonius::emit::RenderedFile| {
         matches!(file.role, Role::Table | Role::Enable)
-            || matches!(profile.dialect, Dialect::Fanuc(_))
+            || matches!(profile.dialect, Dialect::Fanuc(_)) && file.role == Role::Parameters
     };
     let files = before.files.iter().filter(kept);
-    let active = ActiveControl {
-        tables: tables.clone(),
-        files: files.map(|f| (f.path.clone(), f.bytes.clone())).collect(),
-        state: before.compiled.state.clone(),
-        path: "read-out".to_string(),
-        origin: Origin::ReadOut,
-        backlash_um: PerAxis::from_fn(|_| Some(0.0)),
-        others: Others::default(),
-        assumptions: Vec::new(),
-        notes: Vec::new(),
-    };
+    let files = files.map(|f| (f.path.clone(), f.bytes.clone())).collect();
     let mut inputs = support::inputs(&job, &errors);
-    inputs.active = Some(active);
+    let active = from_read_out(&inputs.job, &profile, "read-out", files);
+    inputs.active = Some(active.unwrap_or_else(|p| panic!("{}", p.render())));
     (inputs, tables)
 }
 
@@ -316,8 +307,12 @@ fn rollback_is_what_was_read_out() {
 #[test]
 fn an_incomplete_read_out_gives_no_rollback() {
     let (mut inputs, _) = with_read_out("siemens-840d-sl");
-    match inputs.active.as_mut().map(|active| &mut active.tables) {
-        Some(Tables::Siemens(tables)) => tables.cec[3].values[2] = None,
+    let Some(Origin::ReadOut(held)) = inputs.active.as_mut().map(|active| &mut active.origin)
+    else {
+        unreachable!("it was read out");
+    };
+    match &mut held.tables {
+        Tables::Siemens(tables) => tables.cec[3].values[2] = None,
         _ => unreachable!("it is a Siemens control"),
     }
     let kit = kit::generate(&inputs).unwrap();

@@ -1,7 +1,7 @@
 //! Pitch, straightness and backlash parameters of a Fanuc read-out.
 
 use super::read_out::{Found, Text};
-use super::{Others, axis_of, different_backlash, problem};
+use super::{Held, Others, axis_of, different_backlash, problem};
 use crate::axis::{Axis, PerAxis};
 use crate::controller::{FanucFacts, NumberRange, StraightnessForm};
 use crate::job::Job;
@@ -42,6 +42,7 @@ pub(super) fn read(
         }
     }
     let memory = merge(problems.or_ok(memories)?)?;
+    let held = Held::plain(Tables::Fanuc(memory.clone()));
     let mut sorted = Sorted {
         job,
         names,
@@ -58,6 +59,7 @@ pub(super) fn read(
     sorted.take_what_is_no_table();
     sorted.problems.or_ok(Found {
         tables: Tables::Fanuc(sorted.memory),
+        held,
         backlash_um,
         others: sorted.others,
         assumptions: Vec::new(),

@@ -1,6 +1,6 @@
 //! Files that were read out of the control: what concerns the job's axes, through the readers.
 
-use super::{ActiveControl, Origin, Others, backlash_of, problem, stated};
+use super::{ActiveControl, Held, Origin, Others, backlash_of, problem, stated};
 use crate::axis::PerAxis;
 use crate::claims::Assumption;
 use crate::controller::{Dialect, LengthUnit, Profile, Role};
@@ -12,7 +12,10 @@ use crate::table::Tables;
 
 /// What the reader of a dialect found.
 pub(super) struct Found {
+    /// What acted on the job's axes.
     pub(super) tables: Tables,
+    /// What the files hold.
+    pub(super) held: Held,
     pub(super) backlash_um: PerAxis<Option<f64>>,
     pub(super) others: Others,
     pub(super) assumptions: Vec<Assumption>,
@@ -84,7 +87,7 @@ pub fn from_read_out(
         tables: found.tables,
         state,
         path: path.to_string(),
-        origin: Origin::ReadOut,
+        origin: Origin::ReadOut(found.held),
         backlash_um,
         others: found.others,
         assumptions: found.assumptions,
@@ -99,9 +102,10 @@ fn generic_tables(texts: &[Text<'_>]) -> Result<Found, Problems> {
     for (name, text) in texts {
         tables.extend(problems.take(generic::read(name, text)));
     }
-    let tables = problems.or_ok(tables)?;
+    let tables = Tables::Generic(generic::merge(problems.or_ok(tables)?)?);
     Ok(Found {
-        tables: Tables::Generic(generic::merge(tables)?),
+        held: Held::plain(tables.clone()),
+        tables,
         backlash_um: PerAxis::default(),
         others: Others::default(),
         assumptions: Vec::new(),

@@ -1,7 +1,8 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
+use super::held::agreed;
 use super::read_out::{Found, Text};
-use super::{Others, axis_of, different_backlash, problem};
+use super::{Held, Others, axis_of, different_backlash, problem};
 use crate::axis::{Axis, PerAxis};
 use crate::claims::Assumption;
 use crate::controller::LengthUnit;
@@ -23,6 +24,7 @@ pub(super) fn read(job: &Job, names: &Names, texts: &[Text<'_>]) -> Result<Found
     let mut contents = Vec::new();
     let mut notes = Vec::new();
     let mut unit = None;
+    let mut without_grid = Vec::new();
     for (name, text) in texts {
         let cut = control_data::siemens(text);
         for part in [&cut.tables, &cut.data] {
@@ -34,12 +36,13 @@ pub(super) fn read(job: &Job, names: &Names, texts: &[Text<'_>]) -> Result<Found
                 cut.passed_over
             ));
         }
-        if cut.empty_tables > 0 {
+        if !cut.without_grid.is_empty() {
             notes.push(format!(
                 "`{name}`: {} reserved tables without a grid were passed over",
-                cut.empty_tables
+                cut.without_grid.len()
             ));
         }
+        without_grid.extend(cut.without_grid);
         unit = unit.or(cut.is_metric.map(|metric| {
             if metric {
                 LengthUnit::Millimetre
@@ -49,8 +52,15 @@ pub(super) fn read(job: &Job, names: &Names, texts: &[Text<'_>]) -> Result<Found
         }));
     }
     let contents = problems.or_ok(contents)?;
+    let (data, contrary) = agreed(&contents);
     let all = merge(contents)?;
     notes.extend(all.notes.iter().cloned());
+    notes.extend(contrary.iter().map(several_values));
+    let held = Held {
+        tables: Tables::Siemens(all.tables.clone()),
+        data,
+        without_grid,
+    };
     let mut sorted = Sorted {
         job,
         names,
@@ -65,12 +75,21 @@ pub(super) fn read(job: &Job, names: &Names, texts: &[Text<'_>]) -> Result<Found
     let backlash_um = PerAxis::from_fn(|axis| sorted.backlash(axis));
     sorted.problems.or_ok(Found {
         tables: Tables::Siemens(SiemensTables { lec, cec }),
+        held,
         backlash_um,
         others: sorted.others,
         assumptions: sorted.assumptions,
         notes: sorted.notes,
         unit,
     })
+}
+
+fn several_values(datum: &MachineDatum) -> String {
+    format!(
+        "${}[{}] has several values in the files: the last of them, by the names of the files, counts as active, and the way back leaves it to a person",
+        datum.name,
+        datum.indices.join(",")
+    )
 }
 
 struct Sorted<'a> {

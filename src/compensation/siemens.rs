@@ -72,7 +72,8 @@ pub(crate) fn is_lec(planned: &PlannedTable) -> bool {
     planned.term.is_positioning() && planned.direction.is_none()
 }
 
-fn encoder(task: Task<'_>, axis: Axis) -> u32 {
+/// Index of the measuring system of an axis in the files: 0 = the first.
+pub(crate) fn encoder(task: Task<'_>, axis: Axis) -> u32 {
     let system = task.job.compensation.axes[axis]
         .as_ref()
         .and_then(|s| s.measuring_system);

@@ -32,18 +32,22 @@ pub enum List {
     Movement,
     /// Bumps, and what has to be seen.
     SignProofs,
-    /// Why there is no sign proof of a mechanism, or no rollback file.
+    /// Why there is no sign proof of a mechanism or no rollback file, and what the rollback files
+    /// do not hold.
     NotWritten,
+    /// What the rollback files leave to a person, and what moves.
+    WayBack,
 }
 
 impl List {
     /// The words of profiles (`list = "…"`).
-    pub const WORDS: [(&'static str, List); 5] = [
+    pub const WORDS: [(&'static str, List); 6] = [
         ("places", List::Places),
         ("preconditions", List::Preconditions),
         ("movement", List::Movement),
         ("sign-proofs", List::SignProofs),
         ("not-written", List::NotWritten),
+        ("way-back", List::WayBack),
     ];
 }
 

@@ -64,7 +64,9 @@ pub(super) fn context(
     placements: &[Placement],
     tables: &SiemensTables,
     facts: &SiemensFacts,
+    as_read: bool,
 ) -> SiemensContext {
+    let digits = Digits { facts, as_read };
     let mut cec_outputs: Vec<String> = tables.cec.iter().map(|t| t.output_axis.clone()).collect();
     cec_outputs.sort_unstable();
     cec_outputs.dedup();
@@ -72,12 +74,12 @@ pub(super) fn context(
         lec: tables
             .lec
             .iter()
-            .map(|table| lec(table, placements, facts))
+            .map(|table| lec(table, placements, digits))
             .collect(),
         cec: tables
             .cec
             .iter()
-            .map(|table| cec(table, placements, facts))
+            .map(|table| cec(table, placements, digits))
             .collect(),
         lec_sense: sense(facts.lec_sign.value),
         cec_sense: sense(facts.cec_sign.value),
@@ -94,7 +96,7 @@ pub(super) fn context(
     }
 }
 
-fn lec(table: &LecTable, placements: &[Placement], facts: &SiemensFacts) -> Lec {
+fn lec(table: &LecTable, placements: &[Placement], digits: Digits<'_>) -> Lec {
     Lec {
         encoder: table.encoder.to_string(),
         axis: table.axis.clone(),
@@ -102,22 +104,22 @@ fn lec(table: &LecTable, placements: &[Placement], facts: &SiemensFacts) -> Lec 
             placements,
             &format!("ENC_COMP[{},{}]", table.encoder, table.axis),
         ),
-        grid: grid(&table.grid, facts),
+        grid: digits.grid(&table.grid),
         memory: table.values.len().to_string(),
-        points: points(&table.values, &table.grid, facts),
+        points: digits.points(&table.values, &table.grid),
     }
 }
 
-fn cec(table: &CecTable, placements: &[Placement], facts: &SiemensFacts) -> Cec {
+fn cec(table: &CecTable, placements: &[Placement], digits: Digits<'_>) -> Cec {
     Cec {
         number: table.number.to_string(),
         input_axis: table.input_axis.clone(),
         output_axis: table.output_axis.clone(),
         title: title(placements, &format!("CEC table {}", table.number)),
-        grid: grid(&table.grid, facts),
+        grid: digits.grid(&table.grid),
         direction: direction(table.direction),
         memory: table.values.len().to_string(),
-        points: points(&table.values, &table.grid, facts),
+        points: digits.points(&table.values, &table.grid),
     }
 }
 
@@ -167,29 +169,47 @@ fn direction(direction: CecDirection) -> &'static str {
     }
 }
 
-fn grid(grid: &SiemensGrid, facts: &SiemensFacts) -> Grid {
-    let decimals = facts.position_decimals.value;
-    Grid {
-        min: fixed(grid.min, decimals),
-        step: fixed(grid.step, decimals),
-        max: fixed(grid.max, decimals),
-    }
+/// How numbers become text.
+#[derive(Clone, Copy)]
+struct Digits<'a> {
+    facts: &'a SiemensFacts,
+    /// All digits of a number that has more than the profile writes.
+    as_read: bool,
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a table has few thousand points"
-)]
-fn points(values: &[Option<f64>], grid: &SiemensGrid, facts: &SiemensFacts) -> Vec<Point> {
-    let of_point = |(index, value): (usize, &Option<f64>)| {
-        Some(Point {
-            index: index.to_string(),
-            position: fixed(
-                grid.min + index as f64 * grid.step,
-                facts.position_decimals.value,
-            ),
-            value: fixed((*value)?, facts.value_decimals.value),
-        })
-    };
-    values.iter().enumerate().filter_map(of_point).collect()
+impl Digits<'_> {
+    fn text(self, number: f64, decimals: u32) -> String {
+        let text = fixed(number, decimals);
+        if self.as_read && text.parse() != Ok(number) {
+            return number.to_string();
+        }
+        text
+    }
+
+    fn grid(self, grid: &SiemensGrid) -> Grid {
+        let decimals = self.facts.position_decimals.value;
+        Grid {
+            min: self.text(grid.min, decimals),
+            step: self.text(grid.step, decimals),
+            max: self.text(grid.max, decimals),
+        }
+    }
+
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "a table has few thousand points"
+    )]
+    fn points(self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Point> {
+        let of_point = |(index, value): (usize, &Option<f64>)| {
+            Some(Point {
+                index: index.to_string(),
+                position: fixed(
+                    grid.min + index as f64 * grid.step,
+                    self.facts.position_decimals.value,
+                ),
+                value: self.text((*value)?, self.facts.value_decimals.value),
+            })
+        };
+        values.iter().enumerate().filter_map(of_point).collect()
+    }
 }

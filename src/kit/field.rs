@@ -67,16 +67,16 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let mut files = Vec::new();
     let shown = prove(made, proofs, &mut files)?;
     let mut not_written = missing.clone();
-    match rollback::files(made) {
-        Ok(rollback) => files.extend(rollback?),
-        Err(why) => not_written.extend(why),
-    }
+    let rollback = rollback::make(made)?;
+    files.extend(rollback.files);
+    not_written.extend(rollback.not_written);
     let lists = |list: List| match list {
         List::Places => places(made),
         List::Preconditions => preconditions(made.compiled),
         List::Movement => movement(made).unwrap_or_default(),
         List::SignProofs => shown.iter().flat_map(|s| sentences(made, s)).collect(),
         List::NotWritten => not_written.clone(),
+        List::WayBack => rollback.by_hand.clone(),
     };
     let (task, compiled) = (made.task(), made.compiled);
     let facts = KitFacts {

@@ -16,16 +16,17 @@ pub struct SiemensText {
     pub data: String,
     /// Statements that were passed over.
     pub passed_over: usize,
-    /// Tables that are reserved but hold no grid (STEP 0).
-    pub empty_tables: usize,
+    /// Tables that are reserved but hold no grid (STEP 0), such as `AN_CEC[3]`.
+    pub without_grid: Vec<String>,
     /// `$MN_SCALING_SYSTEM_IS_METRIC` (MD10240), where the file holds it.
     pub is_metric: Option<bool>,
 }
 
 /// The data that are read beside tables.
-const DATA: [&str; 6] = [
+const DATA: [&str; 7] = [
     "MA_ENC_COMP_ENABLE",
     "MA_CEC_ENABLE",
+    "MA_CEC_MAX_SUM",
     "MA_BACKLASH",
     "MN_MM_CEC_MAX_POINTS",
     "SN_CEC_TABLE_ENABLE",
@@ -63,15 +64,15 @@ fn line(text: &str) -> Option<Line> {
 
 impl Line {
     /// The table it belongs to.
-    fn table(&self) -> Option<(String, String)> {
-        let first = self.indices.first()?.clone();
+    fn table(&self) -> Option<String> {
+        let first = self.indices.first()?;
         if self.name.starts_with("AN_CEC") {
-            return Some(("AN_CEC".to_string(), first));
+            return Some(format!("AN_CEC[{first}]"));
         }
         let last = self.indices.last()?;
         self.name
             .starts_with("AA_ENC_COMP")
-            .then(|| ("AA_ENC_COMP".to_string(), format!("{first},{last}")))
+            .then(|| format!("AA_ENC_COMP[{first},{last}]"))
     }
 
     /// A step of 0: the control reserves memory for the table and nobody filled it.
@@ -118,7 +119,7 @@ pub fn siemens(text: &str) -> SiemensText {
         tables: tables.join("\n"),
         data: data.join("\n"),
         passed_over,
-        empty_tables: empty.len(),
+        without_grid: empty.into_iter().collect(),
         is_metric,
     }
 }
@@ -227,7 +228,8 @@ mod tests {
             1,
             "the last end word only"
         );
-        assert_eq!((cut.passed_over, cut.empty_tables), (1, 1));
+        assert_eq!(cut.passed_over, 1);
+        assert_eq!(cut.without_grid, ["AN_CEC[3]"]);
         assert_eq!(cut.is_metric, Some(true));
     }
 }

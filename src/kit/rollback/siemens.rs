@@ -1,0 +1,224 @@
+//! What a kit changes on a Siemens control: tables, their switches, weights and limit, MD32450.
+
+use super::{Before, ChangedBy, Old, Unknown};
+use crate::axis::Axis;
+use crate::compensation::siemens::encoder;
+use crate::table::Tables;
+use crate::table::siemens::{CecTable, LecTable, SiemensTables};
+use ChangedBy::{File, Nobody, Precondition};
+
+const BACKLASH: &str = "MA_BACKLASH";
+const LIMIT: &str = "MA_CEC_MAX_SUM";
+const WEIGHT: &str = "SN_CEC_TABLE_WEIGHT";
+const LEC_ON: &str = "MA_ENC_COMP_ENABLE";
+const TABLE_ON: &str = "SN_CEC_TABLE_ENABLE";
+const CEC_ON: &str = "MA_CEC_ENABLE";
+
+/// Number and name of the machine data, in the order in which the way back sets them: what makes
+/// tables act comes last.
+const ORDER: [(&str, &str); 6] = [
+    ("MD32450", BACKLASH),
+    ("MD32720", LIMIT),
+    ("SD41310", WEIGHT),
+    ("MD32700", LEC_ON),
+    ("SD41300", TABLE_ON),
+    ("MD32710", CEC_ON),
+];
+
+/// A machine or setting datum that a kit changes.
+struct Changed {
+    name: &'static str,
+    indices: Vec<String>,
+    by: ChangedBy,
+}
+
+pub(super) fn old(
+    before: &Before<'_>,
+    kit: &SiemensTables,
+    held: &SiemensTables,
+) -> Result<Old, Vec<String>> {
+    let mut gathered = Gathered::default();
+    for table in &kit.lec {
+        let found = held.lec.iter().find(|t| is_place(t, table));
+        let off = || before.held.is_off(LEC_ON, &lec_indices(table));
+        let values = found.map(|found| found.values.as_slice());
+        if gathered.takes(before, &lec_name(table), lec_variable(table), values, off) {
+            gathered.tables.lec.extend(found.cloned());
+        }
+    }
+    for table in &kit.cec {
+        let found = held.cec.iter().find(|t| t.number == table.number);
+        let off = || {
+            before.held.is_off(TABLE_ON, &[table.number.to_string()])
+                || before
+                    .held
+                    .is_off(CEC_ON, std::slice::from_ref(&table.output_axis))
+        };
+        let (name, variable) = (cec_name(table), format!("AN_CEC[{}]", table.number));
+        let values = found.map(|found| found.values.as_slice());
+        if gathered.takes(before, &name, variable, values, off) {
+            gathered.tables.cec.extend(found.cloned());
+        }
+    }
+    if !gathered.missing.is_empty() {
+        return Err(gathered.missing);
+    }
+    Ok(gathered.with_data(before, changed(before, kit)))
+}
+
+/// Old tables, and what of them is missing.
+#[derive(Default)]
+struct Gathered {
+    tables: SiemensTables,
+    missing: Vec<String>,
+    stays: Vec<String>,
+}
+
+impl Gathered {
+    /// Whether a table that was read out is whole. One that was reserved without a grid and is off
+    /// may keep the values of the kit.
+    fn takes(
+        &mut self,
+        before: &Before<'_>,
+        name: &str,
+        variable: String,
+        values: Option<&[Option<f64>]>,
+        is_off: impl Fn() -> bool,
+    ) -> bool {
+        match values {
+            Some(values) if values.iter().all(Option::is_some) => return true,
+            None if before.held.without_grid.contains(&variable) => {
+                if is_off() {
+                    self.stays.push(format!("{name} was reserved without a grid: the values of this kit stay in it, switched off as it was"));
+                } else {
+                    self.missing.push(format!(
+                        "{name} (read out without a grid, and not as switched off)"
+                    ));
+                }
+            }
+            _ => self.missing.push(name.to_string()),
+        }
+        false
+    }
+
+    fn with_data(self, before: &Before<'_>, changed: Vec<Changed>) -> Old {
+        let found = |c: &Changed| before.held.datum(c.name, &c.indices).cloned();
+        let lacks = |c: &&Changed| c.by != Nobody && found(c).is_none();
+        Old {
+            tables: Tables::Siemens(self.tables),
+            data: changed.iter().filter_map(found).collect(),
+            unknown: named(changed.iter().filter(lacks)),
+            stays: self.stays,
+        }
+    }
+}
+
+fn is_place(one: &LecTable, other: &LecTable) -> bool {
+    one.axis == other.axis && one.encoder == other.encoder
+}
+
+fn lec_indices(table: &LecTable) -> [String; 2] {
+    [table.encoder.to_string(), table.axis.clone()]
+}
+
+fn lec_name(table: &LecTable) -> String {
+    format!("ENC_COMP[{},{}]", table.encoder, table.axis)
+}
+
+fn lec_variable(table: &LecTable) -> String {
+    format!("AA_{}", lec_name(table))
+}
+
+fn cec_name(table: &CecTable) -> String {
+    format!("CEC table {}", table.number)
+}
+
+/// All machine data that change when the kit is loaded as its checklist says, each once.
+fn changed(before: &Before<'_>, kit: &SiemensTables) -> Vec<Changed> {
+    let mut all: Vec<Changed> = Vec::new();
+    let mut add = |name: &'static str, indices: Vec<String>, by: ChangedBy| {
+        let known = |c: &&mut Changed| c.name == name && c.indices == indices;
+        match all.iter_mut().find(known) {
+            Some(known) if known.by == Nobody => known.by = by,
+            Some(_) => {}
+            None => all.push(Changed { name, indices, by }),
+        }
+    };
+    for table in &kit.lec {
+        add(LEC_ON, lec_indices(table).to_vec(), File);
+    }
+    for table in &kit.cec {
+        let number = vec![table.number.to_string()];
+        add(TABLE_ON, number.clone(), File);
+        add(CEC_ON, vec![table.output_axis.clone()], File);
+        add(LIMIT, vec![table.output_axis.clone()], Precondition);
+        add(WEIGHT, number, Precondition);
+    }
+    if let Tables::Siemens(acted) = &before.active.tables {
+        // Old tables that would act beside the new ones have to be switched off.
+        for table in acted
+            .lec
+            .iter()
+            .filter(|t| !kit.lec.iter().any(|n| is_place(n, t)))
+        {
+            add(LEC_ON, lec_indices(table).to_vec(), Precondition);
+        }
+        for table in &acted.cec {
+            add(TABLE_ON, vec![table.number.to_string()], Precondition);
+        }
+    }
+    for axis in Axis::ALL {
+        for (name, system, by) in of_axis(before, axis) {
+            for own in &before.plan.names[axis] {
+                add(name, vec![system.to_string(), own.clone()], by);
+            }
+        }
+    }
+    let place = |c: &Changed| ORDER.iter().position(|(_, name)| *name == c.name);
+    all.sort_by_key(place);
+    all
+}
+
+/// What the positioning tables of an axis change beside their switches: name, measuring system, by
+/// whom.
+fn of_axis(before: &Before<'_>, axis: Axis) -> Vec<(&'static str, u32, ChangedBy)> {
+    let own = |t: &&crate::plan::PlannedTable| t.term.is_positioning() && t.term.of == axis;
+    let mut tables = before.plan.tables.iter().filter(own).peekable();
+    if tables.peek().is_none() {
+        return Vec::new();
+    }
+    let system = encoder(before.task, axis);
+    let parameter = if before.plan.sets_backlash(axis) {
+        Precondition
+    } else {
+        Nobody
+    };
+    let mut list = vec![(BACKLASH, system, parameter)];
+    if tables.any(|t| t.direction.is_some()) {
+        // The error is in CEC tables: no ENC_COMP table of the axis may act.
+        list.push((LEC_ON, system, Precondition));
+        list.push((LEC_ON, 1 - system.min(1), Nobody));
+    }
+    list
+}
+
+/// One name for all data of a kind: `MD32700 $MA_ENC_COMP_ENABLE[0,AX1], [0,AX2]`.
+fn named<'a>(lacking: impl Iterator<Item = &'a Changed>) -> Vec<Unknown> {
+    let mut groups: Vec<(&str, ChangedBy, Vec<String>)> = Vec::new();
+    for changed in lacking {
+        let index = format!("[{}]", changed.indices.join(","));
+        match groups
+            .iter_mut()
+            .find(|g| g.0 == changed.name && g.1 == changed.by)
+        {
+            Some(group) => group.2.push(index),
+            None => groups.push((changed.name, changed.by, vec![index])),
+        }
+    }
+    let number = |name: &str| ORDER.iter().find(|o| o.1 == name).map_or("", |o| o.0);
+    let named = |(name, by, indices): (&str, ChangedBy, Vec<String>)| Unknown {
+        what: format!("{} ${name}{}", number(name), indices.join(", ")),
+        by,
+    };
+    groups.into_iter().map(named).collect()
+}
