@@ -1330,3 +1330,53 @@ mod fanuc_control {
         }
     }
 }
+
+#[test]
+fn a_kit_of_another_machine_is_refused() {
+    let job = |machine: &str| {
+        let page = small("siemens-840d-sl", ACTIVE, "", SIEMENS_AXES);
+        page.replace("name = \"M\"", machine)
+    };
+    let read = |kit_of: &str, job_of: &str| {
+        let (_, old) = generate(&job(kit_of).replace("\"old\"", "\"none\""), FULL);
+        let found = inputs(&job(job_of), FULL);
+        let files = old.files.iter().map(|f| (f.path.clone(), f.bytes.clone()));
+        let manifest = old.manifest_bytes().unwrap();
+        from_kit(
+            &found.job,
+            &found.profile,
+            "old",
+            &manifest,
+            files.collect(),
+        )
+        .map(|active| active.notes.join("\n"))
+        .map_err(|problems| problems.render())
+    };
+    let one = "name = \"M\"\nserial = \"1\"\nchain = \"wXYZt\"";
+    assert_eq!(read(one, one).unwrap(), "");
+    let other = read(&one.replace("\"1\"", "\"999\""), one).unwrap_err();
+    assert!(
+        other.contains("its serial number is `999`, that of the job `1`"),
+        "{other}"
+    );
+    let renamed = read(&one.replace("\"M\"", "\"other mill\""), one).unwrap();
+    assert!(
+        renamed.contains("the machine name `other mill`, the job `M`"),
+        "{renamed}"
+    );
+    let unsure = read("name = \"other mill\"", one).unwrap_err();
+    assert!(
+        unsure.contains("its name is `other mill`, that of the job `M`"),
+        "{unsure}"
+    );
+    let chain = read("name = \"M\"\nchain = \"XwYZt\"", one).unwrap_err();
+    assert!(
+        chain.contains("its chain is `XwYZt`, that of the job `wXYZt`"),
+        "{chain}"
+    );
+    assert_eq!(
+        read("name = \"M\"", one).unwrap(),
+        "",
+        "what is not stated does not contradict"
+    );
+}

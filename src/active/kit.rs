@@ -2,7 +2,7 @@
 //!
 //! The files that the manifest lists as `table`, `parameters` and `enable` were loaded; every
 //! listed file has to be the one that was made. The manifest's `state` says for which reference,
-//! unit and axes, and which backlash parameter was named.
+//! unit and axes, and which backlash parameter was named; its `machine` for which machine.
 
 use super::{ActiveControl, Origin, Others, backlash_of, problem, stated};
 use crate::axis::{Axis, PerAxis};
@@ -36,6 +36,7 @@ pub fn from_kit(
     let files = listed(job, path, &document, files)?;
     let mut problems = Problems::none();
     check_controller(job, profile, &document, &mut problems);
+    let notes = check_machine(job, &document["machine"], &mut problems);
     let state = &document["state"];
     let found = backlash(job, profile, state)?;
     let backlash_um = backlash_of(job, &found, &mut problems);
@@ -71,7 +72,7 @@ pub fn from_kit(
             format!("the kit `{path}` was loaded and switched on as it was made"),
             "the new tables would hold corrections that were not active: read the tables out of the control and name them instead",
         )],
-        notes: Vec::new(),
+        notes,
     })
 }
 
@@ -131,6 +132,48 @@ fn check_controller(job: &Job, profile: &Profile, document: &Value, problems: &m
             "name the kit that was loaded into this control",
         ));
     }
+}
+
+/// Serial number, name and chain of the machine of the kit against those of the job: another
+/// serial number is another machine; another name or chain is one too, unless the serial numbers
+/// are the same. Gives what is to be told.
+fn check_machine(job: &Job, machine: &Value, problems: &mut Problems) -> Vec<String> {
+    let own = &job.machine;
+    let serials = (machine["serial"].as_str(), own.serial.as_deref());
+    if let (Some(kit), Some(job_has)) = serials
+        && kit != job_has
+    {
+        let help = "name the kit that was loaded into this machine";
+        problems.push(other_machine(job, "serial number", kit, job_has, help));
+        return Vec::new();
+    }
+    let is_same = serials.0.is_some() && serials.0 == serials.1;
+    let chain = own.chain.map(|chain| chain.to_string());
+    let asked = [("name", Some(own.name.clone())), ("chain", chain)];
+    let mut notes = Vec::new();
+    for (key, job_has) in asked {
+        let (Some(kit), Some(job_has)) = (machine[key].as_str(), job_has) else {
+            continue;
+        };
+        if kit == job_has {
+            continue;
+        }
+        if is_same {
+            notes.push(format!("the kit of the active tables has the machine {key} `{}`, the job `{job_has}`; the serial number is the same, so it counts as the same machine", shown(kit)));
+        } else {
+            let help = "name the kit that was loaded into this machine; if it is the same machine, write `name` and `chain` as the manifest of the kit has them (the same `serial` in both would tell, too)";
+            problems.push(other_machine(job, key, kit, &job_has, help));
+        }
+    }
+    notes
+}
+
+fn other_machine(job: &Job, what: &str, kit: &str, job_has: &str, help: &str) -> Problem {
+    let message = format!(
+        "the active tables were made for another machine: its {what} is `{}`, that of the job `{job_has}`",
+        shown(kit)
+    );
+    problem(job, message, help)
 }
 
 /// The backlash parameters that the kit named; the axes of a gantry have the same one.
