@@ -1380,3 +1380,27 @@ fn a_kit_of_another_machine_is_refused() {
         "what is not stated does not contradict"
     );
 }
+
+#[test]
+fn tables_that_a_kit_contains_are_not_removed_by_force() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let job = |active: &str| {
+        let measurement = format!("active_while_measuring = \"{active}\"");
+        small("siemens-840d-sl", &measurement, "", SIEMENS_AXES)
+    };
+    std::fs::write(at.join("errors.csv"), FULL).unwrap();
+    std::fs::write(at.join("1.toml"), job("none")).unwrap();
+    std::fs::write(at.join("2.toml"), job("kit.previous")).unwrap();
+    for kit in ["kit.previous", "kit"] {
+        assert_eq!(nonius(at, &format!("generate 1.toml -o {kit}")).0, 0);
+    }
+    let read = || std::fs::read(at.join("kit.previous/manifest.json")).unwrap();
+    let before = read();
+    for kit in ["kit", "kit/", "kit.previous"] {
+        let (status, _) = nonius(at, &format!("generate 2.toml -o {kit} --force"));
+        assert_eq!(status, 2, "{kit}");
+        assert_eq!(read(), before, "{kit}");
+    }
+    assert_eq!(nonius(at, "generate 2.toml -o other --force").0, 0);
+}

@@ -1,11 +1,13 @@
 //! `nonius generate JOB -o DIR`
 
+use crate::cli::inputs::with_suffix;
 use crate::cli::{Answer, Format, inputs, print, print_json, say, show, write};
 use crate::controller::{Dialect, Role};
 use crate::forecast::Verdict;
+use crate::job::ActiveTables;
 use crate::kit::{Inputs, Kit, generate};
 use crate::problem::Problems;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub(super) fn run(
     job: &Path,
@@ -36,24 +38,35 @@ pub(super) fn run(
     })
 }
 
-/// A kit in the place of the tables that it adds to: the job would then name the kit itself.
+/// Refuses a kit in the place of the tables that it adds to (the job would then name the kit
+/// itself), and one whose `--force` would remove them from `DIR.previous`.
 fn keep_predecessor(job: &Path, directory: &Path, inputs: &Inputs) -> Result<(), Problems> {
-    let Some(active) = &inputs.active else {
+    let ActiveTables::Path(path) = &inputs.job.measurement.active else {
         return Ok(());
     };
     let folder = job.parent().unwrap_or(Path::new(""));
-    let (old, new) = (folder.join(&active.path), directory);
-    match (old.canonicalize(), new.canonicalize()) {
-        (Ok(old), Ok(new)) if old == new => Err(inputs
-            .job
-            .problem_at(
-                "measurement.active_while_measuring",
-                "the new kit would take the place of the tables that it contains, and the job would then name the new kit",
-            )
-            .help("write the new kit into another directory and keep the old one")
-            .into()),
-        _ => Ok(()),
-    }
+    let Ok(old) = folder.join(path).canonicalize() else {
+        return Ok(());
+    };
+    let lies_in = |place: &Path| {
+        place
+            .canonicalize()
+            .is_ok_and(|place| old.starts_with(place))
+    };
+    let trimmed: PathBuf = directory.components().collect(); // `kit/` and `kit` are the same
+    let previous = with_suffix(&trimmed, ".previous");
+    let message = if lies_in(directory) {
+        "the new kit would take the place of the tables that it contains, and the job would then name the new kit"
+    } else if directory.exists() && lies_in(&previous) {
+        "the tables that the new kit contains lie where the kit that it replaces would be moved, and would be removed"
+    } else {
+        return Ok(());
+    };
+    Err(inputs
+        .job
+        .problem_at("measurement.active_while_measuring", message)
+        .help("write the new kit into another directory and keep the old one")
+        .into())
 }
 
 fn report(inputs: &Inputs, kit: &Kit) -> String {
@@ -105,6 +118,14 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
         "wrote {}",
         directory.join("manifest.json").display()
     ));
+    let checklist = kit.files.iter().find(|file| file.role == Role::Checklist);
+    lines.extend(checklist.map(|file| {
+        let path = directory.join(&file.path);
+        format!(
+            "read first: {}, step by step what to do at the machine",
+            path.display()
+        )
+    }));
     lines.push(before_loading(inputs, kit));
     lines.push(format!(
         "check what lies on the stick with: nonius verify {} --tables {}",

@@ -233,8 +233,9 @@ fn compare_origin(found: &mut Found, document: &Value, inputs: &Inputs) {
         .collect();
     if !names.is_empty() {
         found.notes.push(format!(
-            "the kit was made from other inputs: {} differ from those in manifest.json",
-            names.join(", ")
+            "the kit was made from other inputs: {} differ{} from what manifest.json has",
+            names.join(", "),
+            if names.len() == 1 { "s" } else { "" }
         ));
     }
 }
