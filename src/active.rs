@@ -24,12 +24,14 @@ mod kit;
 mod machine;
 mod read_out;
 mod siemens;
+mod without_tables;
 
 pub use self::beside::{collisions, left_over};
 pub use self::held::Held;
 pub use self::kit::from_kit;
 pub use self::machine::uncompensated;
 pub use self::read_out::from_read_out;
+pub use self::without_tables::without_tables;
 
 use crate::axis::{Axis, PerAxis};
 use crate::claims::Assumption;
@@ -79,6 +81,8 @@ pub enum Origin {
     },
     /// Files that were read out of the control, with everything that they hold.
     ReadOut(Held),
+    /// No files: no table was active, and the job states the backlash parameters that were.
+    NoTables,
 }
 
 /// What a read-out holds for axes that the job does not have, or in a form that is not ours.

@@ -16,7 +16,7 @@ use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
 use crate::control_state::{AxisState, ControlState};
 use crate::controller::{Dialect, Evidence, LengthUnit, Mechanism, StraightnessForm};
-use crate::job::{ActiveTables, AxisSettings, BacklashPolicy};
+use crate::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
 use crate::plan::{Plan, Task};
 use crate::problem::Problems;
 use crate::table::Tables;
@@ -77,6 +77,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(unlikely_reversals(task));
     notes.append(&mut compiled.notes);
     notes.extend(active_note(&task.job.measurement.active));
+    notes.extend(parameter_note(task.job, plan));
     compiled.notes = notes;
     Ok(compiled)
 }
@@ -95,15 +96,49 @@ fn active_note(active: &ActiveTables) -> Option<String> {
     }
 }
 
-/// The note on a backlash parameter that the tables set.
-pub(crate) fn backlash_why(active: &ActiveTables) -> &'static str {
-    match active {
-        ActiveTables::Path(_) => {
-            "−B of the machine without compensation: the parameter that was active while measuring is contained in it; the table holds the curve of the reference direction"
-        }
-        _ => {
-            "−B of the measurement, which counts the backlash parameter as 0 while measuring (else add it to the value it had); the table holds the curve of the reference direction"
-        }
+/// Whether the backlash parameter of an axis counts as 0 while measuring because nothing says what
+/// it was. Where files are named it has to be known (`active`).
+fn counts_as_zero(job: &Job, axis: Axis) -> bool {
+    let measurement = &job.measurement;
+    let stated = measurement.active_settings.backlash_um[axis];
+    !matches!(measurement.active, ActiveTables::Path(_)) && stated.is_none()
+}
+
+/// Axes of which the tables replace a backlash parameter that counts as 0 while measuring.
+fn counted_as_zero(job: &Job, plan: &Plan) -> Vec<Axis> {
+    let axes = Axis::ALL.into_iter();
+    axes.filter(|axis| plan.sets_backlash(*axis) && counts_as_zero(job, *axis))
+        .collect()
+}
+
+/// What `"none"` says of the backlash parameters that the tables replace.
+fn parameter_note(job: &Job, plan: &Plan) -> Option<String> {
+    let axes = counted_as_zero(job, plan);
+    if axes.is_empty() || job.measurement.active != ActiveTables::None {
+        return None;
+    }
+    let axes: Vec<String> = axes.iter().map(Axis::to_string).collect();
+    Some(format!(
+        "the tables replace the backlash parameter of {} (MD32450, 1851), which is counted as 0 while measuring; a machine normally holds one even with its tables off: look, and if it was on, state `active_backlash_um = {{ … }}` beside `active_while_measuring = \"none\"`",
+        axes.join(", ")
+    ))
+}
+
+/// Why the backlash parameter of an axis has to be −B.
+pub(crate) fn backlash_why(job: &Job, axis: Axis) -> &'static str {
+    if counts_as_zero(job, axis) {
+        "−B of the measurement, which counts the backlash parameter as 0 while measuring (else state `active_backlash_um`); the table holds the curve of the reference direction"
+    } else {
+        "−B of the machine without compensation: the parameter that was active while measuring is contained in it; the table holds the curve of the reference direction"
+    }
+}
+
+/// Why the backlash parameter of an axis with two tables has to be 0.
+pub(crate) fn two_tables_why(job: &Job, axis: Axis) -> &'static str {
+    if counts_as_zero(job, axis) {
+        "the reversal is in the two tables; counted twice it would turn round. The measurement counts the parameter as 0 while measuring (else state `active_backlash_um`)"
+    } else {
+        "the reversal is in the two tables, with the parameter that was active while measuring; counted twice it would turn round"
     }
 }
 
@@ -182,6 +217,13 @@ fn job_assumptions(task: Task<'_>, plan: &Plan) -> Vec<Assumption> {
                 ),
             ));
         }
+    }
+    for axis in counted_as_zero(task.job, plan) {
+        assumptions.push(Assumption::of_job(
+            format!("backlash_while_measuring_{}", axis.key()),
+            "0",
+            format!("the reversal of {axis} would be off by the parameter that was on (MD32450, 1851): state `active_backlash_um`"),
+        ));
     }
     let separates = task
         .job

@@ -315,7 +315,7 @@ fn build_manifest(
         predecessor: inputs
             .active
             .as_ref()
-            .map(|active| Predecessor::of(active, &inputs.profile.id)),
+            .and_then(|active| Predecessor::of(active, &inputs.profile.id)),
         files: files
             .iter()
             .map(|file| HashedFile {

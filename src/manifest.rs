@@ -57,20 +57,21 @@ pub struct Predecessor {
 }
 
 impl Predecessor {
-    /// The link to the tables that were active while measuring.
-    pub fn of(active: &ActiveControl, controller: &str) -> Predecessor {
+    /// The link to the tables that were active while measuring; `None` where none were.
+    pub fn of(active: &ActiveControl, controller: &str) -> Option<Predecessor> {
         let (manifest_sha256, tool) = match &active.origin {
             Origin::Kit { manifest, tool } => (Some(sha256(manifest)), Some(tool.clone())),
             Origin::ReadOut(_) => (None, None),
+            Origin::NoTables => return None,
         };
         let files = active.files.iter();
-        Predecessor {
+        Some(Predecessor {
             path: active.path.clone(),
             manifest_sha256,
             tool,
             controller: controller.to_string(),
             files: files.map(|(name, bytes)| hashed(name, bytes)).collect(),
-        }
+        })
     }
 }
 

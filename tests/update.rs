@@ -1382,6 +1382,70 @@ fn a_kit_of_another_machine_is_refused() {
 }
 
 #[test]
+fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
+    let job = |policy: &str, more: &str| {
+        small(
+            "siemens-840d-sl",
+            &format!("active_while_measuring = \"none\"\n{more}"),
+            &format!("backlash = \"{policy}\""),
+            SIEMENS_AXES,
+        )
+    };
+    let both = "axis,direction,position_mm,ex_um\nx,+,0,0\nx,+,100,2\nx,-,0,1\nx,-,100,3\n";
+    let with = |policy: &str, more: &str| {
+        let found = inputs(&job(policy, more), both);
+        let active = nonius::active::without_tables(&found.job, &found.profile).unwrap();
+        let found = match active {
+            Some(active) => found.with_active(active).unwrap(),
+            None => found,
+        };
+        kit::generate(&found).unwrap_or_else(|p| panic!("{}", p.render()))
+    };
+    let minus_at_reference = |kit: &Kit| match &kit.compiled.tables {
+        nonius::table::Tables::Siemens(tables) => tables.cec[1].values[0].unwrap(),
+        _ => panic!("it is a Siemens control"),
+    };
+    let (zero, four) = (
+        with("two-tables", ""),
+        with("two-tables", "active_backlash_um = { x = 4.0 }"),
+    );
+    // The laser saw 1 µm of lost motion; 4 µm more were taken up by the parameter that is now 0.
+    assert_eq!(minus_at_reference(&zero), 0.001);
+    assert_eq!(minus_at_reference(&four), 0.005);
+    assert!(four.manifest.predecessor.is_none());
+    let x = nonius::axis::Axis::X;
+    let parameter = |more: &str| with("curve-and-parameter", more).plan.backlash_um[x].unwrap();
+    assert!((parameter("") - 1.0).abs() < 1e-9);
+    assert!((parameter("active_backlash_um = { x = 4.0 }") - 5.0).abs() < 1e-9);
+    let says = |kit: &Kit| {
+        let assumed = kit
+            .manifest
+            .assumptions
+            .iter()
+            .any(|a| a.fact == "backlash_while_measuring_x");
+        let noted = kit
+            .manifest
+            .notes
+            .iter()
+            .any(|n| n.contains("counted as 0 while measuring"));
+        let demanded = kit
+            .manifest
+            .preconditions
+            .iter()
+            .any(|p| p.why.contains("as 0 while measuring"));
+        [assumed, noted, demanded]
+    };
+    assert_eq!(says(&zero), [true; 3]);
+    assert_eq!(says(&with("curve-and-parameter", "")), [true; 3]);
+    assert_eq!(says(&four), [false; 3]);
+    assert_eq!(
+        says(&with("mean", "")),
+        [false; 3],
+        "the parameter stays as it was"
+    );
+}
+
+#[test]
 fn tables_that_a_kit_contains_are_not_removed_by_force() {
     let directory = tempfile::tempdir().unwrap();
     let at = directory.path();

@@ -8,7 +8,7 @@
 //! the steps themselves are taken off, between them the straight line through the nodes, which is
 //! what the steps stand for; at the nodes both are the same.
 
-use super::{ActiveControl, KEY, problem, replaces_backlash};
+use super::{ActiveControl, KEY, Origin, problem, replaces_backlash};
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::controller::Profile;
 use crate::curve::{ErrorCurve, Interpolation};
@@ -106,6 +106,9 @@ fn check_backlash(
     measured: &ErrorModel,
     active: &ActiveControl,
 ) -> Result<(), Problems> {
+    if active.origin == Origin::NoTables {
+        return Ok(()); // what is not stated is counted as 0, and the kit says so
+    }
     let mut problems = Problems::none();
     for axis in Axis::ALL {
         if sets_backlash(job, measured, axis) && active.backlash_um[axis].is_none() {

@@ -3,7 +3,7 @@
 
 use crate::axis::Axis;
 use crate::claims::Precondition;
-use crate::compensation::{Compiled, Placement, control_state};
+use crate::compensation::{Compiled, Placement, backlash_why, control_state};
 use crate::plan::{Plan, PlannedTable, Task};
 use crate::table::Tables;
 use crate::table::generic::{GenericRow, GenericTable};
@@ -35,7 +35,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Compiled {
             plan.backlash_um[axis].map_or(0.0, tenth_of_a_micron)
         }),
         assumptions: Vec::new(),
-        preconditions: backlash(plan),
+        preconditions: backlash(task, plan),
         notes: Vec::new(),
     }
 }
@@ -107,14 +107,14 @@ fn tenth_of_a_micron(um: f64) -> f64 {
     decimals(um, 1)
 }
 
-fn backlash(plan: &Plan) -> Vec<Precondition> {
+fn backlash(task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
     plan.backlash_um
         .iter()
         .filter_map(|(axis, um)| {
             Some(Precondition::new(
                 format!("backlash parameter of {axis}"),
                 format!("{:.1} µm", tenth_of_a_micron((*um)?)),
-                "−B of the measurement; the table holds the curve of the reference direction",
+                backlash_why(task.job, axis),
                 "contract of the generic table",
             ))
         })

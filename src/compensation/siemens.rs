@@ -8,7 +8,7 @@
 
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
-use crate::compensation::{Compiled, Placement, backlash_why, control_state};
+use crate::compensation::{Compiled, Placement, backlash_why, control_state, two_tables_why};
 use crate::controller::{SiemensFacts, TableSign};
 use crate::grid::Grid;
 use crate::job::ActiveTables;
@@ -313,14 +313,8 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
         return Vec::new();
     }
     let (value, why) = match plan.backlash_um[axis] {
-        Some(um) => (
-            backlash_text(task, um).0,
-            backlash_why(&task.job.measurement.active),
-        ),
-        None if has_two_tables(plan, axis) => (
-            "0".to_string(),
-            "the reversal is in the two tables; counted twice it would turn round",
-        ),
+        Some(um) => (backlash_text(task, um).0, backlash_why(task.job, axis)),
+        None if has_two_tables(plan, axis) => ("0".to_string(), two_tables_why(task.job, axis)),
         _ => (
             "as during the measurement".to_string(),
             "backlash acts beside the table and adds to it",

@@ -30,6 +30,6 @@ pub struct ActiveSettings {
     /// `active_reference = "rezero"`: the value of an active table at the reference is taken off.
     pub rezero: bool,
     /// `active_backlash_um`: backlash parameter of each axis while measuring, µm, where no file
-    /// holds it; positive = ordinary lost motion.
+    /// holds it or no table was active; positive = ordinary lost motion.
     pub backlash_um: PerAxis<Option<f64>>,
 }

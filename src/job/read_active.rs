@@ -22,7 +22,15 @@ pub(super) fn active(section: &Section<'_>) -> (ActiveTables, ActiveSettings) {
         backlash_um: backlash(section),
     };
     if !matches!(tables, ActiveTables::Path(_)) {
-        refuse_alone(section);
+        refuse_alone(section, "active_terms_not_measured");
+        refuse_alone(section, "active_reference");
+    }
+    if tables == ActiveTables::NotStated && section.has("active_backlash_um") {
+        section.problem(
+            "active_backlash_um",
+            "`active_backlash_um` states the backlash parameters while measuring, but not whether tables were active",
+            "write `active_while_measuring = \"none\"` if none were, or name their files",
+        );
     }
     (tables, settings)
 }
@@ -36,14 +44,9 @@ fn backlash(section: &Section<'_>) -> PerAxis<Option<f64>> {
     read
 }
 
-/// Keys that speak of tables which the job does not name.
-fn refuse_alone(section: &Section<'_>) {
-    let keys = [
-        "active_terms_not_measured",
-        "active_reference",
-        "active_backlash_um",
-    ];
-    for key in keys.into_iter().filter(|key| section.has(key)) {
+/// A key that speaks of tables which the job does not name.
+fn refuse_alone(section: &Section<'_>, key: &'static str) {
+    if section.has(key) {
         section.problem(
             key,
             format!(

@@ -98,7 +98,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
             "`{}` is a kit, not files that were read out of the control; loading that kit again is the way back to it",
             active.path
         ))),
-        None => return Ok(Rollback::none(
+        Some((_, Origin::NoTables)) | None => return Ok(Rollback::none(
             "`active_while_measuring` names no files that were read out of the control, and zeros are not a way back".to_string(),
         )),
     };

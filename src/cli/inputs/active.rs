@@ -1,6 +1,6 @@
 //! `active_while_measuring`: the path of a job → the control as it was while measuring.
 
-use crate::active::{ActiveControl, from_kit, from_read_out};
+use crate::active::{ActiveControl, from_kit, from_read_out, without_tables};
 use crate::cli::inputs::{beside_job, plain_words, read_file};
 use crate::controller::Profile;
 use crate::job::{ActiveTables, Job};
@@ -22,7 +22,7 @@ pub(super) fn read(
     hashes: &mut Vec<HashedFile>,
 ) -> Result<Option<ActiveControl>, Problems> {
     let ActiveTables::Path(path) = &job.measurement.active else {
-        return Ok(None);
+        return without_tables(job, profile);
     };
     let full = folder.join(path);
     let place = |problem: Problem| match job.source.place_of(KEY) {

@@ -2,9 +2,9 @@
 
 use crate::axis::{Axis, Direction};
 use crate::claims::{Assumption, Precondition};
-use crate::compensation::backlash_why;
 use crate::compensation::fanuc::numbers::Run;
 use crate::compensation::fanuc::{detection_unit, is_four_point};
+use crate::compensation::{backlash_why, two_tables_why};
 use crate::controller::FanucFacts;
 use crate::plan::{Plan, PlannedTable, Task};
 use crate::problem::Problems;
@@ -202,12 +202,9 @@ fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
     let (value, why) = match backlash_counts(task, plan, run.axis) {
         Some((counts, unit_um)) => (
             format!("{counts} (detection units of {unit_um} µm)"),
-            backlash_why(&task.job.measurement.active),
+            backlash_why(task.job, run.axis),
         ),
-        None if run.minus_first.is_some() => (
-            "0".to_string(),
-            "the reversal is in the two tables; counted twice it would turn round",
-        ),
+        None if run.minus_first.is_some() => ("0".to_string(), two_tables_why(task.job, run.axis)),
         None => (
             "as during the measurement".to_string(),
             "backlash acts beside the table and adds to it",
