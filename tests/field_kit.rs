@@ -447,11 +447,8 @@ fn a_bump_of_four_points_rises_like_one_of_pitch_points() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
     let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     let (inputs, kit) = support::generate(&text("fanuc-0i-f.toml"), &text("errors.csv"));
-    let proofs = kit.manifest.sign_proofs.iter();
-    let proof = proofs
-        .filter(|proof| term_of(proof).is_cross())
-        .next()
-        .unwrap();
+    let mut proofs = kit.manifest.sign_proofs.iter();
+    let proof = proofs.find(|proof| term_of(proof).is_cross()).unwrap();
     assert!(
         (number(proof, "shows_um") + 20.0).abs() < DUST_UM,
         "{proof}"
