@@ -227,8 +227,8 @@ fn term_by_term(data: &Data<'_>) -> Vec<String> {
         if data.stands_alone(&forecast, term) {
             return format!("{term}: as forecast");
         }
-        let off = data.farthest(&forecast, term);
-        let off = off.map_or_else(String::new, |(um, part)| words::off_forecast(um, part));
+        let off = data.farthest_off(term);
+        let off = off.map_or_else(String::new, |(um, seen)| words::off_forecast(um, seen));
         let tried = tried::alone(data.question, term);
         let fits = tried.iter().map(|fault| (fault, data.fit(fault)));
         let mut fits: Vec<(&Fault, Fit)> = fits

@@ -82,7 +82,7 @@ fn table(rows: &[[f64; 3]], u_um: f64) -> String {
 fn figures_are_zero_at_the_reference_whatever_the_laser_counted_from() {
     let directory = visit(&table(
         &[[0.0, 7.0, -3.0], [50.0, 7.3, -3.1], [100.0, 6.5, -2.8]],
-        0.1,
+        0.15,
     ));
     let (status, document) = judged(directory.path(), "after.csv");
     assert_eq!((status, &document["verdict"]), (Some(0), &"pass".into()));
@@ -90,8 +90,8 @@ fn figures_are_zero_at_the_reference_whatever_the_laser_counted_from() {
     assert_eq!(exx["before_um"], 16.0);
     assert_eq!(exx["forecast_um"], 0.0);
     assert_eq!(exx["after_um"], 0.5, "6.5 − 7");
-    // Two values of the table, each with u = 0.1: the largest and the one at the reference.
-    assert_eq!(exx["u_um"], 0.141421);
+    // Two values of the table, each with u = 0.15: the largest and the one at the reference.
+    assert_eq!(exx["u_um"], 0.212132);
     assert_eq!(exx["difference_um"], 0.5);
     assert_eq!(document["terms"]["EYX"]["after_um"], 0.2);
     assert_eq!(document["max_residual_um"], 0.5);

@@ -265,12 +265,14 @@ impl<'a> Data<'a> {
         })
     }
 
-    /// Where a term lies farthest off a fit: the value with its place; `None` = not measured by
-    /// itself.
-    pub(super) fn farthest<'b>(&'b self, fit: &'b Fit, term: ErrorTerm) -> Option<(f64, &'b Part)> {
-        let of_term = self.left(fit).filter(|(o, ..)| o.is_of(term));
-        let most = of_term.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        most.and_then(|(observation, left, _)| Some((left, observation.parts.first()?)))
+    /// Where a term lies farthest off the forecast, zero at the reference like the page; `None` =
+    /// not measured by itself.
+    pub(super) fn farthest_off(&self, term: ErrorTerm) -> Option<(f64, &Observation)> {
+        let planned = self.effects(&Fault::None, &[]);
+        let expected = self.found_um.iter().zip(planned).map(|(a, b)| a + b);
+        let off = self.measured_um.iter().zip(expected).map(|(a, b)| a - b);
+        let of_term = off.zip(self.question.seen).filter(|(_, o)| o.is_of(term));
+        of_term.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
     }
 
     /// Terms that were measured by themselves.

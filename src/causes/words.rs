@@ -3,7 +3,7 @@
 use super::Numbers;
 use super::fault::{Fault, Scope};
 use super::question::Question;
-use crate::after::Part;
+use crate::after::Observation;
 use crate::axis::{Axis, ErrorTerm};
 use crate::units::{MM_PER_INCH, Millimetres};
 
@@ -62,12 +62,13 @@ pub(super) fn label(question: &Question<'_>, fault: &Fault) -> String {
 }
 
 /// Where and by how much a term is off the forecast.
-pub(super) fn off_forecast(um: f64, part: &Part) -> String {
-    format!(
-        "{um:+.3} µm off the forecast at {} mm moving {}, ",
-        short(part.at),
-        part.direction
-    )
+pub(super) fn off_forecast(um: f64, seen: &Observation) -> String {
+    let place = match seen.parts.as_slice() {
+        [] => String::new(),
+        [one] => format!(" at {} mm moving {}", short(one.at), one.direction),
+        [mean, ..] => format!(" at {} mm", short(mean.at)),
+    };
+    format!("{um:+.3} µm off the forecast{place}, ")
 }
 
 /// A position without zeros at its end.
