@@ -16,14 +16,14 @@ pub(super) type Vector = [f64; 3];
 /// of a number: a smaller part is lost in it, a larger one lets the hull reach further out.
 const START: f64 = 1e-8;
 /// Each costs a product for every vector.
-const MOST_FACETS: usize = 1000;
+const MOST_FACETS: usize = 500;
 
 #[derive(Clone, Copy, Debug)]
 struct Facet {
     corners: [usize; 3],
-    /// Unit vector outwards.
-    normal: Vector,
-    /// Of its plane from the middle.
+    /// Outwards; its product with a way from the middle is 1 where the way meets the plane.
+    scaled: Vector,
+    /// Of its plane from the middle, µm.
     distance: f64,
 }
 
@@ -94,7 +94,7 @@ impl Hull {
     pub(super) fn depth(&self, vector: &Vector) -> f64 {
         let way = minus(*vector, self.middle);
         let depths = self.facets.iter();
-        let depths = depths.map(|facet| facet.distance - dot(facet.normal, way));
+        let depths = depths.map(|facet| facet.distance * (1.0 - dot(facet.scaled, way)));
         depths.fold(f64::INFINITY, |a, b| if b < a { b } else { a })
     }
 
@@ -104,7 +104,7 @@ impl Hull {
         let way = minus(*vector, self.middle);
         let mut found = (0.0, 0);
         for (number, facet) in self.facets.iter().enumerate() {
-            let times = dot(facet.normal, way) / facet.distance;
+            let times = dot(facet.scaled, way);
             if times > found.0 {
                 found = (times, number);
             }
@@ -133,7 +133,7 @@ impl Hull {
     }
 
     fn insert(&mut self, corner: Vector) {
-        let sees = |facet: &Facet| dot(facet.normal, corner) > facet.distance;
+        let sees = |facet: &Facet| dot(facet.scaled, corner) > 1.0;
         let seen: Vec<Facet> = self
             .facets
             .iter()
@@ -163,9 +163,9 @@ impl Hull {
         let size = dot(across, across).sqrt();
         let normal = across.map(|part| part / size);
         let distance = dot(normal, a).min(dot(normal, b)).min(dot(normal, c));
-        (distance > self.start_um / 4.0).then_some(Facet {
+        (distance > self.start_um / 4.0).then(|| Facet {
             corners,
-            normal,
+            scaled: normal.map(|part| part / distance),
             distance,
         })
     }
