@@ -370,8 +370,8 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         let forecast = json(at, "generate job.toml -o mean");
         let left = number(&forecast["forecast"]["terms"]["EXX"]["after_um"]);
         assert!(
-            (left - 3.0).abs() < 0.5,
-            "half of the lost motion stays: {left}"
+            left > 2.5,
+            "the lost motion stays, and the forecast says so: {left}"
         );
     }
 }
