@@ -1103,7 +1103,9 @@ mod siemens_control {
             let found =
                 read_out(&job, &left, &control.archive(more)).unwrap_or_else(|p| panic!("{p}"));
             let new = kit::generate(&found).unwrap();
-            String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned()
+            let page =
+                String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
+            page + &new.manifest.notes.join("\n")
         };
         for gone in [
             "MA_ENC_COMP_ENABLE[0,AX1]",
@@ -1113,6 +1115,11 @@ mod siemens_control {
             before.data.remove(gone);
         }
         let words = page(&before, "");
+        assert_eq!(
+            words.matches("not in the rollback files").count(),
+            6,
+            "{words}"
+        );
         for lacking in [
             "MD32700 $MA_ENC_COMP_ENABLE[0,AX1]: not in the rollback files. The files of this kit switch it",
             "SD41300 $SN_CEC_TABLE_ENABLE[1]: not in the rollback files; switch on what was on",

@@ -55,3 +55,30 @@ pub(super) fn agreed(parts: &[SiemensContents]) -> (Vec<MachineDatum>, Vec<Machi
     agreed.retain(|datum| !contrary.iter().any(|other| same(other, datum)));
     (agreed, contrary)
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test that cannot go on has to stop")]
+
+    use super::{Held, agreed};
+    use crate::readback::siemens::read;
+    use crate::table::Tables;
+    use crate::table::siemens::SiemensTables;
+
+    #[test]
+    fn a_switch_with_two_values_is_not_held() {
+        let on = "$MA_CEC_ENABLE[AX1]=1\n$MA_ENC_COMP_ENABLE[0,AX1]=TRUE\nM17\n";
+        let off = "$MA_CEC_ENABLE[AX1]=0\n$MA_ENC_COMP_ENABLE[0,AX1]=1\nM17\n";
+        let parts = [on, off, on].map(|text| read("part", text).unwrap());
+        let (data, contrary) = agreed(&parts);
+        assert_eq!(contrary[0].name, "MA_CEC_ENABLE");
+        let held = Held {
+            data,
+            ..Held::plain(Tables::Siemens(SiemensTables::default()))
+        };
+        let axis = |text: &str| text.split(',').map(str::to_string).collect::<Vec<_>>();
+        assert_eq!(held.datum("MA_CEC_ENABLE", &axis("AX1")), None);
+        assert!(held.datum("MA_ENC_COMP_ENABLE", &axis("0,AX1")).is_some());
+        assert!(!held.is_off("MA_CEC_ENABLE", &axis("AX1")));
+    }
+}

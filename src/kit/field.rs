@@ -36,7 +36,7 @@ pub(super) struct FieldKit {
     pub(super) files: Vec<RenderedFile>,
     /// What each sign proof has to show, for the manifest.
     pub(super) sign_proofs: Vec<Value>,
-    /// Mechanisms without a sign proof, one sentence each.
+    /// Mechanisms without a sign proof, and a rollback that is not whole, one sentence each.
     pub(super) notes: Vec<String>,
 }
 
@@ -82,6 +82,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let shown = prove(made, proofs, &mut files)?;
     let mut not_written = missing.clone();
     let rollback = rollback::make(made)?;
+    let notes = [missing, rollback.note().into_iter().collect()].concat();
     files.extend(rollback.files);
     not_written.extend(rollback.not_written);
     let movement = movement::movement(made).map_err(|reason| cannot_emulate(&reason))?;
@@ -117,7 +118,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     Ok(FieldKit {
         files,
         sign_proofs,
-        notes: missing,
+        notes,
     })
 }
 

@@ -45,6 +45,14 @@ impl Rollback {
             ..Rollback::default()
         }
     }
+
+    /// That the files do not restore everything, for text and manifest.
+    pub(super) fn note(&self) -> Option<String> {
+        let left = self.not_written.len();
+        (!self.files.is_empty() && left > 0).then(|| {
+            format!("the rollback files leave {left} kind(s) of settings to a person, because the files that were read out do not hold them: see \"Not written\" and \"Way back\" of the checklist")
+        })
+    }
 }
 
 /// A kit, and what the control held before it.

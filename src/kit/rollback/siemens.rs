@@ -170,7 +170,7 @@ fn changed(before: &Before<'_>, kit: &SiemensTables) -> Vec<Changed> {
     for axis in Axis::ALL {
         for (name, system, by) in of_axis(before, axis) {
             for own in &before.plan.names[axis] {
-                add(name, vec![system.to_string(), own.clone()], by);
+                add(name, vec![system.to_string(), own.to_uppercase()], by);
             }
         }
     }
