@@ -466,6 +466,21 @@ fn a_bump_of_four_points_rises_like_one_of_pitch_points() {
 }
 
 #[test]
+fn a_bump_of_four_points_is_steeper_only_where_there_is_no_room() {
+    let (job, errors) = five_points("fanuc-0i-f");
+    // seven units of 0.1 µm in one of two sections would be 0.7 µm, which no gauge shows
+    let fine = job.replace("detection_unit_um = 1.0", "detection_unit_um = 0.1");
+    assert_ne!(fine, job);
+    let (_, kit) = support::generate(&fine, &errors);
+    let mut proofs = kit.manifest.sign_proofs.iter();
+    let proof = proofs.find(|proof| term_of(proof).is_cross()).unwrap();
+    assert!(
+        (number(proof, "shows_um") + 20.0).abs() < DUST_UM,
+        "{proof}"
+    );
+}
+
+#[test]
 fn headers_say_only_what_their_file_holds() {
     let (mut inputs, _) = with_read_out("siemens-840d-sl");
     inputs.job.measurement.active = ActiveTables::Path("read-out".to_string());
