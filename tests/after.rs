@@ -419,7 +419,7 @@ fn the_backlash_parameter_of_a_kit_is_the_one_of_its_manifest() {
     );
     assert_eq!(document["terms"]["EXX"]["forecast_um"], 2.0);
     let (_, said, _) = nonius(path, "simulate job.toml --tables kit --errors -o -");
-    assert!(said.contains("x,100,2,"), "{said}");
+    assert!(said.contains("x,-,100,2,"), "{said}");
     assert!(
         said.contains("3.000 µm as manifest.json of the kit names it"),
         "{said}"
