@@ -451,8 +451,10 @@ pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verif
     }
     disagreements.extend(loaded.disagreements);
     let found = with(&control.tables, &loaded.state);
+    let assumed = control.assumptions.iter();
+    let assumed = assumed.map(|a| format!("no file holds {}: it is taken to be on", a.fact));
     let verification = Verification {
-        absent: control.notes.clone(),
+        absent: control.notes.iter().cloned().chain(assumed).collect(),
         plan,
         compiled,
         found: control.tables.clone(),

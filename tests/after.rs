@@ -419,9 +419,45 @@ fn the_backlash_parameter_of_a_kit_is_the_one_of_its_manifest() {
     );
     assert_eq!(document["terms"]["EXX"]["forecast_um"], 2.0);
     let (_, said, _) = nonius(path, "simulate job.toml --tables kit --errors -o -");
-    assert!(said.contains("x,100,2,"), "{said}");
+    assert!(said.contains("x,-,100,2,"), "{said}");
     assert!(
         said.contains("3.000 µm as manifest.json of the kit names it"),
         "{said}"
     );
+}
+
+/// Files under names of the control's own, with data of no concern among them.
+#[test]
+fn a_read_out_is_judged_by_what_it_does() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
+    fs::copy(from.join("siemens-840d-sl.toml"), path.join("job.toml")).unwrap();
+    fs::copy(from.join("errors.csv"), path.join("errors.csv")).unwrap();
+    nonius(path, "generate job.toml -o kit");
+    let tables = |name: &str| {
+        let text = fs::read_to_string(path.join("kit").join(name)).unwrap();
+        let lines = text.lines().filter(|line| line.starts_with('$'));
+        lines.map(|line| format!("{line}\n")).collect::<String>()
+    };
+    let archive = [
+        tables("NONIUS_EEC.MPF"),
+        "$MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\n".to_string(),
+        tables("NONIUS_CEC.MPF"),
+        "M30\n".to_string(),
+    ]
+    .concat();
+    fs::create_dir(path.join("out")).unwrap();
+    fs::write(path.join("out/all.arc"), &archive).unwrap();
+    let (status, said, trouble) = nonius(path, "verify job.toml --tables out");
+    assert_eq!(status, Some(0), "{said}{trouble}");
+    assert!(
+        said.contains("1 other machine data were passed over"),
+        "{said}"
+    );
+    assert!(said.contains("it is taken to be on"), "{said}");
+    let backlash = archive.replace("M30", "$AA_ENC_COMP[0,3,AX1]=0.5\nM30");
+    fs::write(path.join("out/all.arc"), backlash).unwrap();
+    let (status, said, _) = nonius(path, "verify job.toml --tables out");
+    assert_ne!(status, Some(0), "{said}");
 }

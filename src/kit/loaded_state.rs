@@ -63,7 +63,7 @@ pub(super) fn read_out_state(
         let axes = loaded.state.axes.iter_mut();
         for axis in axes.filter(|axis| names.contains(&axis.name)) {
             let wanted = named_backlash(inputs, plan, compiled, &axis.name);
-            if let (Some(_), Some(_)) = (found, wanted) {
+            if wanted.is_some() && found.is_some() {
                 let words = take(axis, "the control holds", *found, wanted);
                 loaded.disagreements.extend(words);
             }

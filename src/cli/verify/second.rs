@@ -129,7 +129,7 @@ impl Second {
             return Ok(());
         }
         let mut problems = Problems::from(
-            job.problem_at(ACTIVE, "the measurement afterwards was taken with other tables active than those that are judged")
+            job.problem_at(ACTIVE, "the measurement afterwards was taken with other tables active than those that are judged; below, `the tables` are the active ones and `the job` stands for the judged ones")
                 .help("name with `--tables` what was active, or with `active_while_measuring` what was loaded"),
         );
         words
