@@ -3,7 +3,7 @@
 use super::fault::{Fault, Planned};
 use super::question::Question;
 use super::{RISK, quantile};
-use crate::after::{Observation, Part, before_um};
+use crate::after::{Observation, Part};
 use crate::axis::ErrorTerm;
 use std::collections::BTreeMap;
 
@@ -63,7 +63,6 @@ impl<'a> Data<'a> {
                 .tables_um(part.term, part.direction, part.at),
             constant: question.control.constant_um(part.term, part.direction),
         };
-        let found = |o: &Observation| o.predicted(|part| before_um(question.before, part));
         let mut curves: Vec<usize> = seen.iter().map(|o| o.curve).collect();
         curves.sort_unstable();
         curves.dedup();
@@ -77,7 +76,10 @@ impl<'a> Data<'a> {
                 words,
             },
             measured_um: seen.iter().map(|o| o.um).collect(),
-            found_um: seen.iter().map(|o| found(o).unwrap_or(0.0)).collect(),
+            found_um: seen
+                .iter()
+                .map(|o| question.found_um(o).unwrap_or(0.0))
+                .collect(),
             planned: seen
                 .iter()
                 .map(|o| o.parts.iter().map(planned).collect())
