@@ -33,7 +33,7 @@ pub use self::question::Question;
 
 use self::data::{Data, Fit};
 use self::tried::all_faults;
-use crate::after::{Observation, before_um};
+use crate::after::Observation;
 use crate::axis::ErrorTerm;
 use crate::problem::Problem;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -88,10 +88,7 @@ pub struct Diagnosis {
 /// Tries all faults on the data. Refused where the second measurement makes sense in another unit
 /// only: a slip of 1000.
 pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
-    let known = |o: &&Observation| {
-        let in_model = |model| o.predicted(|part| before_um(model, part)).is_some();
-        in_model(question.before) && in_model(question.found())
-    };
+    let known = |o: &&Observation| question.found_um(o).is_some();
     let seen: Vec<Observation> = question.seen.iter().filter(known).cloned().collect();
     let question = &Question {
         seen: &seen,

@@ -76,7 +76,10 @@ impl<'a> Data<'a> {
                 words,
             },
             measured_um: seen.iter().map(|o| o.um).collect(),
-            found_um: seen.iter().map(|o| o.found_um).collect(),
+            found_um: seen
+                .iter()
+                .map(|o| question.found_um(o).unwrap_or(0.0))
+                .collect(),
             planned: seen
                 .iter()
                 .map(|o| o.parts.iter().map(planned).collect())

@@ -109,7 +109,8 @@ fn best_look(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> Option<Look
         };
         question.control.nodes(term).into_iter().filter(within)
     };
-    let places = ErrorTerm::ALL
+    let places = question
+        .terms()
         .into_iter()
         .flat_map(|term| looked(term).map(move |at| (term, at)));
     let looks = places.map(|(term, at)| look(question, standing, term, at));

@@ -2,7 +2,7 @@
 
 use super::MOST_KELVIN;
 use super::data::Fit;
-use super::question::{Question, seen_um};
+use super::question::{Question, deviation_um};
 use crate::after::Part;
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::units::Millimetres;
@@ -267,8 +267,8 @@ impl Fault {
             Fault::OneTable(axis, way) if concerns(*axis, part.term) => {
                 question.control.tables_um(part.term, *way, part.at) + constant
             }
-            Fault::OldTables => question.old_um(part),
-            Fault::OldBeside => tables + constant + question.old_um(part),
+            Fault::OldTables => question.old_um(part).unwrap_or(0.0),
+            Fault::OldBeside => tables + constant + question.old_um(part).unwrap_or(0.0),
             _ => tables + constant,
         }
     }
@@ -283,10 +283,12 @@ impl Fault {
     ) -> f64 {
         let number = |at: usize| fitted.get(at).copied().unwrap_or(0.0);
         let along = part.term.along;
+        // What was seen was measured both times; a part of it always has a deviation.
+        let deviation = |model| deviation_um(model, part).unwrap_or(0.0);
         match self {
-            Fault::FirstTurned => -2.0 * seen_um(question.found(), part),
+            Fault::FirstTurned => -2.0 * deviation(question.found()),
             // The opposite of what is there: as found, and what acts beside the tables.
-            Fault::SecondTurned => -2.0 * (seen_um(question.before, part) + planned.constant),
+            Fault::SecondTurned => -2.0 * (deviation(question.before) + planned.constant),
             Fault::Temperature => expansion(question, part, number(0)),
             Fault::TemperatureOf(axis) if along == *axis => expansion(question, part, number(0)),
             Fault::TemperatureEach => {

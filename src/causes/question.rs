@@ -1,6 +1,6 @@
 //! What is known when a cause is asked for.
 
-use crate::after::{Control, Observation, Part, before_um};
+use crate::after::{Control, Observation, Part};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::model::ErrorModel;
 use crate::units::Deviation;
@@ -34,12 +34,6 @@ pub struct Question<'a> {
     pub display: Option<&'a str>,
 }
 
-/// The deviation of a machine where a part looks, µm. Only values whose parts are all known are
-/// asked for (`diagnose` leaves out the others); anything else would spoil the sum visibly.
-pub(super) fn seen_um(machine: &ErrorModel, part: &Part) -> f64 {
-    before_um(machine, part).unwrap_or(f64::NAN)
-}
-
 impl Question<'_> {
     /// The terms that the second measurement sees.
     pub fn terms(&self) -> Vec<ErrorTerm> {
@@ -55,13 +49,25 @@ impl Question<'_> {
         self.under_tables.unwrap_or(self.before)
     }
 
-    /// What the tables that were active while measuring added where a part looks, µm; 0 without
-    /// any.
-    pub(super) fn old_um(&self, part: &Part) -> f64 {
-        let under = self.under_tables;
-        under.map_or(0.0, |found| {
-            seen_um(found, part) - seen_um(self.before, part)
-        })
+    /// What a value of the second measurement was as found, without tables, µm; `None` = not
+    /// measured there.
+    pub(super) fn found_um(&self, observation: &Observation) -> Option<f64> {
+        let parts = observation.parts.iter();
+        let um = |part: &Part| Some(part.weight * deviation_um(self.before, part)?);
+        parts.map(um).sum()
+    }
+
+    /// What the tables that were active while measuring added where a part looks, µm; where one
+    /// way was measured only, what they added then. `None` = none were active, or the term was not
+    /// measured.
+    pub(super) fn old_um(&self, part: &Part) -> Option<f64> {
+        let under = self.under_tables?;
+        let old = |part: &Part| Some(deviation_um(under, part)? - deviation_um(self.before, part)?);
+        let other_way = Part {
+            direction: part.direction.opposite(),
+            ..*part
+        };
+        old(part).or_else(|| old(&other_way))
     }
 
     /// Growth of a scale that is this much warmer, µm/m.
@@ -146,6 +152,13 @@ impl Question<'_> {
             self.reversal_um(axis).is_some() && Direction::BOTH.into_iter().all(sees)
         })
     }
+}
+
+/// The deviation where a part looks, µm; `None` = not measured in that direction.
+pub(super) fn deviation_um(model: &ErrorModel, part: &Part) -> Option<f64> {
+    let measured = model.terms[part.term].as_ref()?;
+    let curve = measured.measured.curve(part.direction)?;
+    Some(curve.at(part.at).um())
 }
 
 fn positioning(axis: Axis) -> ErrorTerm {
