@@ -196,6 +196,15 @@ fn a_staircase_is_a_staircase() {
         10.0,
         LAST_DIGIT,
     );
+    // The same way back: both values of each jump are met again.
+    std::fs::write(at.join("p.nc"), "G0 X900.\nG1 X0.\nM30\n").unwrap();
+    let back = json(at, "path job.toml p.nc --tables kit");
+    for (end, um) in [("max", 5.0), ("min", -5.0)] {
+        for path in [&path, &back] {
+            let found = number(&path["after"]["extremes"]["ex"][end]["um"]);
+            near(end, found, um, LAST_DIGIT);
+        }
+    }
     let after = &json(at, "assess job.toml --tables kit")["after"];
     near(
         "VA",
@@ -425,4 +434,24 @@ fn one_grid_for_before_and_after() {
         found["after"]["histogram"]["pairs"]
     );
     assert_eq!(found["windows"]["count"], 3);
+}
+
+/// The lever of an optic on the table is added where the straightness was measured, so a finer grid
+/// finds nothing new.
+#[test]
+fn an_optic_on_the_table_counts_where_it_was_measured() {
+    let errors = "axis,position_mm,ex_um,ey_um,ez_um,ec_urad\nx,0,0,0,0,50\nx,900,0,0,0,0\ny,0,0,0,0,\ny,900,0,0,0,\nz,0,0,0,0,\nz,900,0,0,0,\n";
+    let page = job(
+        "straightness_optic_mm = { x = 0.0 }",
+        "controller = \"generic\"",
+    );
+    let page = page.replace("wXYZt", "XwYZt");
+    let directory = written(&[("job.toml", &page), ("errors.csv", errors)]);
+    let va = ["", " --grid 21,21,2"].map(|grid| {
+        let found = json(directory.path(), &format!("assess job.toml{grid}"));
+        number(&found["definitions"]["va_um"])
+    });
+    near("own nodes and a finer grid", va[0], va[1], LAST_DIGIT);
+    // ECX·y alone: the lever of X is zero at both measured positions.
+    near("VA", va[0], 45.0, LAST_DIGIT);
 }

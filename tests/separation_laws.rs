@@ -481,7 +481,12 @@ fn measured_angles_give_the_true_errors_back() {
         let readings =
             nonius::readings::Readings::read(golden(case, "readings.csv"), &measured).unwrap();
         let chain = nonius::chain::Chain::ALL_AXES_MOVE_THE_TOOL;
-        let model = AngleModel::new(&table, chain, &Levers::default(), reflector);
+        let model = AngleModel::new(
+            &table,
+            chain,
+            (&Levers::default(), PerAxis::default()),
+            reflector,
+        );
         let mut campaign = simulated::campaign(&measured, Vec::new());
         campaign.angles = Some(angle_effects(&model, &measured.volume, PathKind::Step));
         let found = separate(&campaign, &readings.runs);

@@ -30,29 +30,33 @@ pub fn with_tables(
         let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
             continue;
         };
-        let measured = &measured.measured;
-        let response = |direction| control.response(base, output, direction);
-        let (range, homing) = (measured.mean().measured_range(), left.homing(term.along));
-        let mut corrections = Vec::new();
-        let mut at_reference = None;
-        for direction in directions(measured) {
-            let response = response(*direction)?;
-            let (from, to) = acts_over(&response, range);
-            corrections.push(correction(&response.stretches(from, to)));
-            if let Some((reference, _)) = homing.filter(|(_, homing)| homing == direction) {
-                at_reference = Some(response.correction(reference));
-            }
+        let mut responses = Vec::new();
+        for direction in directions(&measured.measured) {
+            responses.push((*direction, control.response(base, output, *direction)?));
         }
-        let Some(mean) = mean(&corrections).filter(acts) else {
-            continue;
-        };
-        left.correct(
-            term,
-            &mean,
-            at_reference.map(|added| Deviation::from_um(added.um())),
-        );
+        let (from, to) = acts_over(&responses, measured.measured.mean().measured_range());
+        let corrections = responses
+            .iter()
+            .map(|(_, r)| correction(&r.stretches(from, to)));
+        let corrections: Vec<ErrorCurve> = corrections.collect();
+        if let Some(mean) = mean(&corrections).filter(acts) {
+            let homing = left.homing(term.along);
+            let there = homing.and_then(|homing| at_reference(&responses, homing));
+            left.correct(term, &mean, there);
+        }
     }
     Ok(left)
+}
+
+/// What is added at the reference where an axis came there as it homes.
+fn at_reference(
+    responses: &[(Direction, Response)],
+    (reference, homing): (Millimetres, Direction),
+) -> Option<Deviation> {
+    let (_, response) = responses
+        .iter()
+        .find(|(direction, _)| *direction == homing)?;
+    Some(Deviation::from_um(response.correction(reference).um()))
 }
 
 /// The directions that a term was measured in: both, if nothing is said of it.
@@ -66,11 +70,12 @@ fn directions(measured: &Measured) -> &'static [Direction] {
 
 /// The measured range with that of the tables: beyond it both are held.
 fn acts_over(
-    response: &Response,
+    responses: &[(Direction, Response)],
     (from, to): (Millimetres, Millimetres),
 ) -> (Millimetres, Millimetres) {
-    let firsts = response.tables().iter().map(NodeTable::first);
-    let lasts = response.tables().iter().map(NodeTable::last);
+    let tables = || responses.iter().flat_map(|(_, response)| response.tables());
+    let firsts = tables().map(NodeTable::first);
+    let lasts = tables().map(NodeTable::last);
     let from = firsts.fold(from, |low, first| if first < low { first } else { low });
     let to = lasts.fold(to, |high, last| if last > high { last } else { high });
     (from, to)
