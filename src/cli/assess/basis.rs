@@ -129,25 +129,16 @@ fn doubts(job: &Job, model: &ErrorModel) -> Vec<String> {
         .collect()
 }
 
-/// Places that levers depend on and that no axis reaches.
-fn outside(job: &Job) -> Vec<String> {
-    let levers = job.measurement.levers;
-    let keys = [
-        ("offsets_mm", levers.offsets),
-        ("angles_zero_mm", levers.angles_zero),
-    ];
-    let mut said = Vec::new();
-    for (key, places) in keys {
-        let beyond = |axis: Axis| not_reached(job, places, axis);
-        let words: Vec<String> = Axis::ALL.into_iter().filter_map(beyond).collect();
-        if !words.is_empty() {
-            said.push(format!(
-                "`{key}` names a place that the machine does not reach: {}; levers count from there all the same",
-                words.join(", ")
-            ));
-        }
-    }
-    said
+/// Offsets that no axis reaches.
+fn outside(job: &Job) -> Option<String> {
+    let beyond = |axis: Axis| not_reached(job, job.measurement.levers.offsets, axis);
+    let words: Vec<String> = Axis::ALL.into_iter().filter_map(beyond).collect();
+    (!words.is_empty()).then(|| {
+        format!(
+            "`offsets_mm` names a place that the machine does not reach: {}; levers count from there all the same",
+            words.join(", ")
+        )
+    })
 }
 
 fn not_reached(job: &Job, places: PerAxis<Option<Millimetres>>, axis: Axis) -> Option<String> {

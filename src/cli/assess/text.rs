@@ -149,18 +149,19 @@ fn figures(page: &Page) -> String {
         cells.push(row.2);
         cells
     });
-    let mut text = table(&columns, rows);
-    if [Some(before), after]
-        .into_iter()
-        .flatten()
-        .any(|d| !d.length.exact)
-    {
-        text.push_str(
-            "\n  ≥: not every pair of nodes was compared for the length error; it is VA at most",
+    let mut lines = vec![table(&columns, rows), PAPERS.to_string()];
+    let mut all = [Some(before), after].into_iter().flatten();
+    if all.any(|d| !d.length.exact) {
+        lines.push(
+            "  ≥: not every pair of nodes was compared for the length error; it is VA at most"
+                .to_string(),
         );
     }
-    text
+    lines.join("\n")
 }
+
+/// What the numbers of the papers mean, as far as the texts name themselves.
+const PAPERS: &str = "  paper 002: Defining and computing machine tool accuracy, University of Huddersfield; 000 and 001: docs/volumetric.md";
 
 /// Name, value and meaning of every figure.
 fn rows(page: &Page, d: &Definitions) -> Vec<(String, String, String)> {
