@@ -453,8 +453,20 @@ pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verif
     let found = with(&control.tables, &loaded.state);
     let assumed = control.assumptions.iter();
     let assumed = assumed.map(|a| format!("no file holds {}: it is taken to be on", a.fact));
+    let parameters = control.backlash_um.iter().filter_map(|(axis, found)| {
+        let um = found.filter(|um| um.abs() > 0.0)?;
+        Some(format!(
+            "the control holds a backlash parameter of {um} µm for {axis}"
+        ))
+    });
     let verification = Verification {
-        absent: control.notes.iter().cloned().chain(assumed).collect(),
+        absent: control
+            .notes
+            .iter()
+            .cloned()
+            .chain(assumed)
+            .chain(parameters)
+            .collect(),
         plan,
         compiled,
         found: control.tables.clone(),

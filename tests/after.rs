@@ -442,7 +442,7 @@ fn a_read_out_is_judged_by_what_it_does() {
     };
     let archive = [
         tables("NONIUS_EEC.MPF"),
-        "$MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\n".to_string(),
+        "$MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\n$MA_BACKLASH[0,AX1]=0.006\n".to_string(),
         tables("NONIUS_CEC.MPF"),
         "M30\n".to_string(),
     ]
@@ -456,6 +456,7 @@ fn a_read_out_is_judged_by_what_it_does() {
         "{said}"
     );
     assert!(said.contains("it is taken to be on"), "{said}");
+    assert!(said.contains("backlash parameter of 6 µm for X"), "{said}");
     let backlash = archive.replace("M30", "$AA_ENC_COMP[0,3,AX1]=0.5\nM30");
     fs::write(path.join("out/all.arc"), backlash).unwrap();
     let (status, said, _) = nonius(path, "verify job.toml --tables out");
