@@ -46,15 +46,18 @@ impl Cloud {
 
     #[inline]
     pub(super) fn take(&mut self, vector: Vector) {
-        let way = [0, 1, 2].map(|k| vector[k] - self.anchor[k]);
-        if way[0] * way[0] + way[1] * way[1] + way[2] * way[2] < self.depth_square {
-            return;
-        }
-        if self.hull.is_some() || self.vectors.len() == self.most {
-            self.sift(vector);
-        } else {
+        if self.hull.is_none() && self.vectors.len() < self.most {
             self.vectors.push(vector);
+        } else if !self.is_near_anchor(&vector) {
+            self.sift(vector);
         }
+    }
+
+    /// Whether it lies so near to a vector inside the hull that it is inside too.
+    #[inline]
+    fn is_near_anchor(&self, vector: &Vector) -> bool {
+        let way = [0, 1, 2].map(|k| vector[k] - self.anchor[k]);
+        way[0] * way[0] + way[1] * way[1] + way[2] * way[2] < self.depth_square
     }
 
     /// Keeps a vector only if it lies outside the hull.

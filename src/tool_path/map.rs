@@ -133,31 +133,78 @@ impl PathMap {
         self.error_in(self.cell(place, [0; 3]), place, longer)
     }
 
-    /// The same in a cell that is known. **The only place where an error is computed.**
+    /// The same in a cell that is known.
     #[inline]
     pub(super) fn error_in(&self, cell: [usize; 3], place: Place, longer: f64) -> [f64; 3] {
-        let parts: [[f64; 6]; 3] = std::array::from_fn(|axis| {
-            let pieces = &self.axes[axis];
-            let left = pieces.nodes[cell[axis].max(1) - 1];
-            value(&pieces.pieces[cell[axis]], place[axis] - left, self.degree)
-        });
-        let mut arm = [[0.0; 3]; 3];
-        for axis in 0..3 {
-            arm[axis][axis] = place[axis] - self.axes[axis].origin;
+        self.in_cell(cell).error_at(place, longer)
+    }
+
+    /// What the errors are made from in a cell, ready for many places.
+    #[inline]
+    pub(super) fn in_cell(&self, cell: [usize; 3]) -> Cell<'_> {
+        let [first, _, third] = self.order;
+        let pieces = |axis: usize| &self.axes[axis].pieces[cell[axis]];
+        let left = |axis: usize| self.axes[axis].nodes[cell[axis].max(1) - 1];
+        Cell {
+            order: self.order,
+            pieces: self.order.map(pieces),
+            lefts: self.order.map(left),
+            origins: [0, 1, 2].map(|axis| self.axes[axis].origin),
+            beyond_first: [0, 1, 2].map(|axis| f64::from(u8::from(axis != first))),
+            beyond_second: [0, 1, 2].map(|axis| f64::from(u8::from(axis == third))),
+            degree: self.degree,
+            zero: self.zero,
         }
-        let [first, second, third] = self.order;
+    }
+}
+
+/// The errors between neighbouring nodes of all axes.
+pub(super) struct Cell<'m> {
+    order: [usize; 3],
+    /// Of the axes from the workpiece to the tool.
+    pieces: [&'m Piece; 3],
+    lefts: [f64; 3],
+    origins: [f64; 3],
+    /// 1 for the axes whose travel is a lever of the first axis, else 0.
+    beyond_first: [f64; 3],
+    /// 1 for the axis whose travel is a lever of the second axis, else 0.
+    beyond_second: [f64; 3],
+    degree: usize,
+    zero: [f64; 3],
+}
+
+impl Cell<'_> {
+    /// The error vector at a place of the cell. **The only place where an error is computed.**
+    #[inline(always)]
+    pub(super) fn error_at(&self, place: Place, longer: f64) -> [f64; 3] {
+        if self.degree == 1 {
+            self.error_with(line_at, place, longer)
+        } else {
+            self.error_with(cubic_at, place, longer)
+        }
+    }
+
+    #[inline(always)]
+    fn error_with(
+        &self,
+        value: impl Fn(&Piece, f64) -> [f64; 6],
+        place: Place,
+        longer: f64,
+    ) -> [f64; 3] {
+        let part = |n: usize| value(self.pieces[n], place[self.order[n]] - self.lefts[n]);
+        let [first, second, third] = [part(0), part(1), part(2)];
         let tool = [0.0, 0.0, -longer];
-        let after_second = plus(arm[third], tool);
-        let after_first = plus(arm[second], after_second);
-        let rotation = |axis: usize| [parts[axis][3], parts[axis][4], parts[axis][5]];
+        let travel: [f64; 3] = std::array::from_fn(|k| place[k] - self.origins[k]);
+        let lever = |counts: &[f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|k| travel[k] * counts[k] + tool[k])
+        };
+        let rotation = |part: &[f64; 6]| [part[3], part[4], part[5]];
         let swung = plus(
-            cross(rotation(first), after_first),
-            cross(rotation(second), after_second),
+            cross(rotation(&first), lever(&self.beyond_first)),
+            cross(rotation(&second), lever(&self.beyond_second)),
         );
-        let swung = plus(swung, cross(rotation(third), tool));
-        std::array::from_fn(|k| {
-            (parts[first][k] + parts[second][k]) + parts[third][k] + swung[k] * PER_M - self.zero[k]
-        })
+        let swung = plus(swung, cross(rotation(&third), tool));
+        std::array::from_fn(|k| (first[k] + second[k]) + third[k] + swung[k] * PER_M - self.zero[k])
     }
 }
 
@@ -176,14 +223,13 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 #[inline]
-fn value(piece: &Piece, s: f64, degree: usize) -> [f64; 6] {
-    if degree == 1 {
-        std::array::from_fn(|k| piece[0][k] + piece[1][k] * s)
-    } else {
-        std::array::from_fn(|k| {
-            piece[0][k] + s * (piece[1][k] + s * (piece[2][k] + s * piece[3][k]))
-        })
-    }
+fn line_at(piece: &Piece, s: f64) -> [f64; 6] {
+    std::array::from_fn(|k| piece[0][k] + piece[1][k] * s)
+}
+
+#[inline]
+fn cubic_at(piece: &Piece, s: f64) -> [f64; 6] {
+    std::array::from_fn(|k| piece[0][k] + s * (piece[1][k] + s * (piece[2][k] + s * piece[3][k])))
 }
 
 /// The cubics of an axis, through two or four values of each piece. Before the first node and

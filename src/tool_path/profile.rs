@@ -257,20 +257,21 @@ impl<'m> Profile<'m> {
         self.cell = self.map.cell(at(f64::midpoint(from, to)), self.cell);
         self.turns(stretch, &at, (from, to));
         let steps = steps((to - from) * length, self.limits.sample_mm);
-        for step in 1..=steps {
-            let part = if step == steps {
-                to
-            } else {
-                from + (to - from) * f64::from(step) / f64::from(steps)
-            };
+        let cell = self.map.in_cell(self.cell);
+        for step in 1..steps {
+            let part = from + (to - from) * f64::from(step) / f64::from(steps);
             let place = at(part);
-            let error = self.map.error_in(self.cell, place, stretch.longer);
-            if step == steps || !self.map.is_linear() {
+            let error = cell.error_at(place, stretch.longer);
+            if !self.map.is_linear() {
                 self.take(stretch, place, error);
             } // else the ends and the turning points hold the extremes
-            let hole = stretch.hole.filter(|_| part >= 1.0);
-            self.sample(stretch, (place, error, hole), part * length, sample);
+            self.sample(stretch, (place, error, None), part * length, sample);
         }
+        let place = at(to);
+        let error = cell.error_at(place, stretch.longer);
+        self.take(stretch, place, error);
+        let hole = stretch.hole.filter(|_| to >= 1.0);
+        self.sample(stretch, (place, error, hole), to * length, sample);
     }
 
     /// The extremes inside a part.
