@@ -8,9 +8,7 @@
 )]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use std::fs::File;
 use std::process::{Command, Stdio};
-use tempfile::TempDir;
 
 fn run(command: &mut Command) {
     let status = command
@@ -21,17 +19,10 @@ fn run(command: &mut Command) {
     assert!(status.is_ok_and(|status| status.success()));
 }
 
-/// Waits until the disk has taken what earlier rounds left: their kits are removed between
-/// rounds, and that is no work of the program that is timed.
-fn settled(place: TempDir) -> TempDir {
-    let handle = File::open(place.path()).and_then(|directory| directory.sync_all());
-    handle.expect("a directory that can be synced");
-    place
-}
-
 fn processes(criterion: &mut Criterion) {
     let nonius = || Command::new(env!("CARGO_BIN_EXE_nonius"));
     let folder = tempfile::tempdir().expect("a place to write to");
+    let mut kits = 0_u32;
     let mut group = criterion.benchmark_group("process");
     group.sample_size(60);
     if Command::new("true").status().is_ok() {
@@ -46,13 +37,11 @@ fn processes(criterion: &mut Criterion) {
         let job = format!("fixtures/nine_errors_900/{controller}.toml");
         group.bench_function(format!("generate {controller}"), |bencher| {
             bencher.iter_batched(
-                || settled(tempfile::tempdir_in(folder.path()).expect("a new directory")),
-                |place| {
-                    run(nonius()
-                        .args(["generate", &job, "-o"])
-                        .arg(place.path().join("kit")));
-                    place
+                || {
+                    kits += 1; // every kit stays until the end: removing them is no work of the program
+                    folder.path().join(format!("kit-{kits}"))
                 },
+                |kit| run(nonius().args(["generate", &job, "-o"]).arg(kit)),
                 criterion::BatchSize::PerIteration,
             );
         });

@@ -170,26 +170,36 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     }
 }
 
-/// Waits until all files are on the disk: at the same time, because a disk takes them together
-/// in little more time than one.
+/// Waits until all files are on the disk. A few at a time: a disk takes them together in little
+/// more time than one, and a thread for each costs more than it saves.
 fn sync_all(files: &[(PathBuf, File)], directory: &Path) -> Result<(), Problems> {
+    const TOGETHER: usize = 3;
     std::thread::scope(|scope| {
+        let share = files.len().div_ceil(TOGETHER).max(1);
         let waits: Vec<_> = files
-            .iter()
-            .map(|(path, file)| (path, scope.spawn(|| file.sync_all())))
+            .chunks(share)
+            .map(|files| scope.spawn(move || sync_in_turn(files)))
             .collect();
         sync_directory(directory);
         let mut problems = Problems::none();
-        for (path, wait) in waits {
-            let outcome = wait
-                .join()
-                .unwrap_or_else(|_| Err(std::io::Error::other("writing was broken off")));
-            if let Err(error) = outcome {
-                problems.extend(not_written("cannot write", path, &error));
+        for wait in waits {
+            match wait.join() {
+                Ok(outcome) => problems.extend(outcome.err().unwrap_or_default()),
+                Err(reason) => std::panic::resume_unwind(reason),
             }
         }
         problems.or_ok(())
     })
+}
+
+fn sync_in_turn(files: &[(PathBuf, File)]) -> Result<(), Problems> {
+    let mut problems = Problems::none();
+    for (path, file) in files {
+        if let Err(error) = file.sync_all() {
+            problems.extend(not_written("cannot write", path, &error));
+        }
+    }
+    problems.or_ok(())
 }
 
 /// A temporary directory is closed to others; a kit has the usual permissions.
