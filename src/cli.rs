@@ -7,6 +7,7 @@
 mod assess;
 mod context;
 mod controllers;
+mod corrected;
 mod generate;
 mod history;
 mod import;

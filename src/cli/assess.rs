@@ -7,14 +7,13 @@ mod parts;
 mod table_alone;
 mod text;
 
-use crate::assessment::{Assessment, Grid, GridChoice, MOST_POINTS, Request, assess, with_tables};
+use crate::assessment::{Assessment, Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::axis::{Axis, PerAxis};
 use crate::chain::Chain;
+use crate::cli::corrected::{AskedTables, Corrected};
 use crate::cli::inputs::{self, read_argument};
-use crate::cli::verify::read_directory;
 use crate::cli::{Answer, Format, print, print_json};
-use crate::job::UseOf;
-use crate::kit::{Inputs, LoadedControl, load, load_own};
+use crate::kit::Inputs;
 use crate::problem::{Problem, Problems};
 use crate::volume_model::VolumeModel;
 use basis::Basis;
@@ -41,12 +40,8 @@ pub(super) struct Options {
     /// Also the grouping method of paper 002 with this angular tolerance, e.g. 0.1: a lower bound
     #[arg(long, value_name = "TOL", value_parser = tolerance_word)]
     grouping: Option<f64>,
-    /// Also as the files of this directory leave the machine
-    #[arg(long, value_name = "DIR", conflicts_with = "with_tables")]
-    tables: Option<PathBuf>,
-    /// Also as the tables that the job asks for would leave the machine
-    #[arg(long)]
-    with_tables: bool,
+    #[command(flatten)]
+    tables: AskedTables,
     /// Chain of the machine, for an error table with angles that no job describes, e.g. wXYZt
     #[arg(long, value_parser = chain_word)]
     chain: Option<Chain>,
@@ -143,7 +138,7 @@ fn page(options: &Options) -> Result<Page, Problems> {
     if table_alone::is_table(&bytes) {
         return page_of_table(options, &request, name, &bytes);
     }
-    let use_of = UseOf::with(options.tables.is_some() || options.with_tables);
+    let use_of = options.tables.use_of();
     let mut inputs = inputs::read_job(&options.file, &name, &bytes, use_of)?;
     take_chain(&mut inputs, options.chain)?;
     page_of_job(options, &request, &inputs)
@@ -154,10 +149,7 @@ fn page_of_job(options: &Options, request: &Request, inputs: &Inputs) -> Result<
     check(&volume, options)?;
     let bare = inputs.under_tables.as_ref();
     let bare = bare.map(|_| volume.with_errors_of(&inputs.model));
-    let corrected = match loaded(options, inputs)? {
-        None => None,
-        Some((from, loaded)) => Some(corrected(inputs, &volume, from, loaded)?),
-    };
+    let corrected = options.tables.corrected(inputs, &volume)?;
     let others: Vec<&VolumeModel> = corrected
         .iter()
         .map(|corrected| &corrected.volume)
@@ -194,7 +186,7 @@ fn page_of_table(
     name: String,
     bytes: &[u8],
 ) -> Result<Page, Problems> {
-    if options.tables.is_some() || options.with_tables {
+    if options.tables.is_any() {
         return Err(Problem::new(format!(
             "`{name}` is an error table, which names no control: tables cannot be read or made for it"
         ))
@@ -228,52 +220,6 @@ fn take_chain(inputs: &mut Inputs, stated: Option<Chain>) -> Result<(), Problem>
     }
     inputs.job.machine.chain = own.or(stated);
     Ok(())
-}
-
-/// The machine with tables.
-struct Corrected {
-    from: String,
-    volume: VolumeModel,
-    disagreements: Vec<String>,
-}
-
-fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedControl)>, Problems> {
-    if options.with_tables {
-        let from = format!("the tables of the job for {}", inputs.profile.name);
-        return Ok(Some((from, load_own(inputs)?)));
-    }
-    let Some(directory) = &options.tables else {
-        return Ok(None);
-    };
-    let found = read_directory(inputs, directory)?;
-    let mut loaded = load(inputs, &found.kit_files(), found.state.as_ref())?;
-    loaded.disagreements.extend(found.remarks);
-    Ok(Some((
-        format!("the files of {}", directory.display()),
-        loaded,
-    )))
-}
-
-fn corrected(
-    inputs: &Inputs,
-    volume: &VolumeModel,
-    from: String,
-    loaded: LoadedControl,
-) -> Result<Corrected, Problems> {
-    let LoadedControl {
-        plan,
-        control,
-        disagreements,
-    } = loaded;
-    let volume = with_tables(volume, &inputs.model, &plan, control.as_ref()).map_err(|e| {
-        Problem::new(format!("the tables cannot be emulated: {}", e.0))
-            .help("nothing can be said of the machine with them")
-    })?;
-    Ok(Corrected {
-        from,
-        volume,
-        disagreements,
-    })
 }
 
 /// A sub-volume must fit into the volume, and one node of a length says nothing of it.

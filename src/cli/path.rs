@@ -6,11 +6,9 @@ mod points;
 mod program_text;
 mod show_path;
 
-use crate::assessment::with_tables;
-use crate::cli::verify::read_directory;
+use crate::cli::corrected::AskedTables;
 use crate::cli::{Answer, Format, inputs, print, print_json, say, write};
-use crate::job::UseOf;
-use crate::kit::{Inputs, LoadedControl, load, load_own};
+use crate::kit::Inputs;
 use crate::nc::{Ran, run as run_program};
 use crate::problem::{Problem, Problems};
 use crate::space::cloud::longest;
@@ -35,12 +33,8 @@ pub(super) struct Options {
     /// Replace an existing file
     #[arg(long, requires = "output")]
     force: bool,
-    /// Also as the files of this directory leave the machine
-    #[arg(long, value_name = "DIR", conflicts_with = "with_tables")]
-    tables: Option<PathBuf>,
-    /// Also as the tables that the job asks for would leave the machine
-    #[arg(long)]
-    with_tables: bool,
+    #[command(flatten)]
+    tables: AskedTables,
     /// What to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -70,14 +64,6 @@ struct After {
     from: String,
     followed: Followed,
     /// How they differ from what the job asks for.
-    disagreements: Vec<String>,
-}
-
-/// The machine with tables.
-struct WithTables {
-    from: String,
-    map: PathMap,
-    volume: VolumeModel,
     disagreements: Vec<String>,
 }
 
@@ -115,10 +101,8 @@ impl Options {
         let folder = self.job.parent().unwrap_or(Path::new(""));
         let mut read = vec![self.job.clone(), self.program.clone()];
         read.extend(inputs.hashes.iter().map(|hash| folder.join(&hash.path)));
-        let tables = self
-            .tables
-            .iter()
-            .filter_map(|tables| tables.read_dir().ok());
+        let tables = self.tables.directory().into_iter();
+        let tables = tables.filter_map(|tables| tables.read_dir().ok());
         read.extend(tables.flatten().flatten().map(|entry| entry.path()));
         let itself = read
             .iter()
@@ -158,22 +142,20 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
 }
 
 fn page(options: &Options) -> Result<Page, Problems> {
-    let use_of = UseOf::with(options.tables.is_some() || options.with_tables);
-    let inputs = inputs::read_for(&options.job, use_of)?;
+    let inputs = inputs::read_for(&options.job, options.tables.use_of())?;
     options.refuse_itself(&inputs)?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = map_of(&inputs, &volume)?;
-    let tables = loaded(options, &inputs)?
-        .map(|(from, loaded)| corrected(&inputs, &volume, from, loaded))
-        .transpose()?;
+    let tables = options.tables.corrected(&inputs, &volume)?;
+    let after_map = tables.as_ref().map(|t| map_of(&inputs, &t.volume));
+    let after_map = after_map.transpose()?;
+    let after_map = after_map.as_ref();
     let mut text = ProgramText::open(&options.program)?;
     let program = text.name().to_string();
     let setup = setup(&inputs.job);
     let mut before = Profile::new(&map, limits(&inputs.job, &volume));
-    let mut after = tables
-        .as_ref()
-        .map(|t| Profile::new(&t.map, limits(&inputs.job, &t.volume)));
-    let after_map = tables.as_ref().map(|t| &t.map);
+    let with_map = tables.as_ref().zip(after_map);
+    let mut after = with_map.map(|(t, map)| Profile::new(map, limits(&inputs.job, &t.volume)));
     let mut points = match &options.output {
         Some(_) => Some(Points::create(options.file(), after_map.is_some())?),
         None => None,
@@ -219,41 +201,6 @@ fn map_of(inputs: &Inputs, volume: &VolumeModel) -> Result<PathMap, Problem> {
         Problem::new(
             "the error curves have no ascending positions, so no error can be told along a path",
         )
-    })
-}
-
-/// The tables that are asked for, and where they come from.
-fn loaded(options: &Options, inputs: &Inputs) -> Result<Option<(String, LoadedControl)>, Problems> {
-    if options.with_tables {
-        let from = format!("the tables of the job for {}", inputs.profile.name);
-        return Ok(Some((from, load_own(inputs)?)));
-    }
-    let Some(directory) = &options.tables else {
-        return Ok(None);
-    };
-    let found = read_directory(inputs, directory)?;
-    let mut loaded = load(inputs, &found.kit_files(), found.state.as_ref())?;
-    loaded.disagreements.extend(found.remarks);
-    let from = format!("the files of {}", directory.display());
-    Ok(Some((from, loaded)))
-}
-
-fn corrected(
-    inputs: &Inputs,
-    volume: &VolumeModel,
-    from: String,
-    loaded: LoadedControl,
-) -> Result<WithTables, Problems> {
-    let control = loaded.control.as_ref();
-    let volume = with_tables(volume, &inputs.model, &loaded.plan, control).map_err(|e| {
-        Problem::new(format!("the tables cannot be emulated: {}", e.0))
-            .help("nothing can be said of the machine with them")
-    })?;
-    Ok(WithTables {
-        from,
-        map: map_of(inputs, &volume)?,
-        volume,
-        disagreements: loaded.disagreements,
     })
 }
 
