@@ -1,0 +1,301 @@
+//! The way back on a Siemens control, from what was read out of it.
+
+use super::*;
+use nonius::controller::{Profile, Role};
+use nonius::readback::kit::{ReadBack, read, read_apart};
+use nonius::readback::siemens::MachineValue;
+use nonius::table::Tables;
+use nonius::table::siemens::{CecDirection, LecTable, SiemensTables};
+use std::collections::BTreeMap;
+
+/// What lies in a control: its tables, and machine data by name and indices.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Control {
+    tables: SiemensTables,
+    data: BTreeMap<String, f64>,
+}
+
+impl Control {
+    fn load(&mut self, files: ReadBack) {
+        let Tables::Siemens(tables) = files.tables else {
+            panic!("it is a Siemens control")
+        };
+        for new in tables.lec {
+            let same = |t: &LecTable| t.axis == new.axis && t.encoder == new.encoder;
+            self.tables.lec.retain(|t| !same(t));
+            self.tables.lec.push(new);
+        }
+        for new in tables.cec {
+            self.tables.cec.retain(|t| t.number != new.number);
+            self.tables.cec.push(new);
+        }
+        self.tables.lec.sort_by_key(|t| t.axis.clone());
+        self.tables.cec.sort_by_key(|t| t.number);
+        for datum in files.machine_data.into_iter().flat_map(|file| file.data) {
+            let MachineValue::Number(value) = datum.value else {
+                panic!("a number")
+            };
+            let key = format!("{}[{}]", datum.name, datum.indices.join(","));
+            self.data.insert(key, value);
+        }
+    }
+
+    fn is_on(&self, switch: String) -> bool {
+        self.data.get(&switch).is_some_and(|value| *value > 0.0)
+    }
+
+    /// What acts on AX1 and AX2.
+    fn acts(&self, profile: &Profile, state: &nonius::control_state::ControlState) -> Vec<f64> {
+        let mut on = self.tables.clone();
+        on.lec.retain(|t| {
+            t.axis != "AX4" && self.is_on(format!("MA_ENC_COMP_ENABLE[{},{}]", t.encoder, t.axis))
+        });
+        on.cec.retain(|t| {
+            t.output_axis != "AX5"
+                && self.is_on(format!("SN_CEC_TABLE_ENABLE[{}]", t.number))
+                && self.is_on(format!("MA_CEC_ENABLE[{}]", t.output_axis))
+        });
+        let mut state = state.clone();
+        for axis in &mut state.axes {
+            let key = format!("MA_BACKLASH[0,{}]", axis.name);
+            axis.backlash_um = self.data.get(&key).map_or(0.0, |mm| mm * 1000.0);
+        }
+        let control = kit::emulator(profile, &Tables::Siemens(on), &state)
+            .unwrap_or_else(|reason| panic!("{}", reason.0));
+        super::acts(control.as_ref(), ["AX1", "AX2"])
+    }
+
+    /// The control as an archive writes it, with what has nothing to do with it.
+    fn archive(&self, more: &str) -> String {
+        let mut text = "%_N_COMPLETE_TEA_INI\n;$PATH=/_N_NC_ACT_DIR\nCHANDATA(1)\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\nN20050 $MC_AXCONF_GEOAX_ASSIGN_TAB[0]=1\nN32000 $MA_MAX_AX_VELO[AX1]=10000\n$MN_HEX='H1F'\n".to_string();
+        for (key, value) in &self.data {
+            writeln!(text, "N1 ${key}={value}").unwrap();
+        }
+        text.push_str(more);
+        text.push_str("M17\n%_N_NC_EEC_INI\nCHANDATA(1)\n");
+        for t in &self.tables.lec {
+            let place = format!("{},{}", t.encoder, t.axis);
+            for (index, value) in t.values.iter().enumerate() {
+                let value = value.unwrap();
+                writeln!(
+                    text,
+                    "$AA_ENC_COMP[{},{index},{}]={value}",
+                    t.encoder, t.axis
+                )
+                .unwrap();
+            }
+            let g = t.grid;
+            writeln!(text, "$AA_ENC_COMP_STEP[{place}]={}\n$AA_ENC_COMP_MIN[{place}]={}\n$AA_ENC_COMP_MAX[{place}]={}", g.step, g.min, g.max).unwrap();
+        }
+        for t in &self.tables.cec {
+            let n = t.number;
+            for (index, value) in t.values.iter().enumerate() {
+                writeln!(text, "$AN_CEC[{n},{index}]={}", value.unwrap()).unwrap();
+            }
+            let (g, direction) = (
+                t.grid,
+                match t.direction {
+                    CecDirection::Both => 0,
+                    CecDirection::Plus => 1,
+                    CecDirection::Minus => -1,
+                },
+            );
+            writeln!(text, "$AN_CEC_INPUT_AXIS[{n}]=({})\n$AN_CEC_OUTPUT_AXIS[{n}]=({})\n$AN_CEC_STEP[{n}]={}\n$AN_CEC_MIN[{n}]={}\n$AN_CEC_MAX[{n}]={}\n$AN_CEC_DIRECTION[{n}]={direction}", t.input_axis, t.output_axis, g.step, g.min, g.max).unwrap();
+        }
+        text.push_str("M17\n");
+        text
+    }
+}
+
+/// A control that holds the tables of `old`, ENC_COMP and CEC tables that are switched off, tables
+/// of other axes, and its machine data.
+fn before(old: &Kit, policy: &str) -> Control {
+    let profile = nonius::controller::builtin::profile("siemens-840d-sl").unwrap();
+    let mut control = Control::default();
+    let none = "active_while_measuring = \"none\"";
+    let mean = small("siemens-840d-sl", none, "backlash = \"mean\"", SIEMENS_AXES);
+    let (_, mean) = generate(&mean, BOTH_WAYS);
+    control.load(read(&profile, &files_of(&mean, Role::Table)).unwrap());
+    control.load(read(&profile, &files_of(old, Role::Table)).unwrap());
+    // The numbers of the CEC tables that other policies use: there, and switched off.
+    for number in 0..8 {
+        if !control.tables.cec.iter().any(|t| t.number == number) {
+            let mut spare = control.tables.cec[0].clone();
+            (spare.number, spare.input_axis) = (number, "AX1".to_string());
+            control.tables.cec.push(spare);
+            control
+                .data
+                .insert(format!("SN_CEC_TABLE_ENABLE[{number}]"), 0.0);
+        } else {
+            control
+                .data
+                .insert(format!("SN_CEC_TABLE_ENABLE[{number}]"), 1.0);
+        }
+    }
+    let mut foreign = control.tables.cec[0].clone();
+    (foreign.number, foreign.input_axis, foreign.output_axis) = (9, "AX4".into(), "AX5".into());
+    control.tables.cec.push(foreign);
+    let mut foreign = control.tables.lec[0].clone();
+    foreign.axis = "AX4".into();
+    control.tables.lec.push(foreign);
+    control.tables.lec[0].values[1] = Some(0.004_123_456_78); // more digits than a profile writes
+    let lec_on = f64::from(u8::from(policy == "mean"));
+    for axis in ["AX1", "AX2"] {
+        control
+            .data
+            .insert(format!("MA_ENC_COMP_ENABLE[0,{axis}]"), lec_on);
+        control.data.insert(format!("MA_CEC_ENABLE[{axis}]"), 1.0);
+        control.data.insert(format!("MA_CEC_MAX_SUM[{axis}]"), 0.5);
+        control.data.insert(format!("MA_BACKLASH[0,{axis}]"), 0.003);
+    }
+    control.data.insert("MA_ENC_COMP_ENABLE[0,AX4]".into(), 1.0);
+    control.data.insert("MA_CEC_ENABLE[AX5]".into(), 1.0);
+    for number in 0..10 {
+        control
+            .data
+            .insert(format!("SN_CEC_TABLE_WEIGHT[{number}]"), 1.0);
+    }
+    control.data.insert("SN_CEC_TABLE_ENABLE[9]".into(), 1.0);
+    control
+}
+
+/// What the person does whom the preconditions of the kit tell so.
+fn do_by_hand(control: &mut Control, new: &Kit) {
+    for precondition in &new.compiled.preconditions {
+        let Some((_, rest)) = precondition.what.split_once(" $") else {
+            continue;
+        };
+        let value: Option<f64> = precondition.value.split(' ').next().unwrap().parse().ok();
+        let Some(value) = value.filter(|_| !precondition.value.contains("while")) else {
+            continue;
+        };
+        let key = rest.split(" and ").next().unwrap().to_string();
+        if !key.contains(", ") && control.data.contains_key(&key) {
+            control.data.insert(key, value);
+        }
+    }
+}
+
+#[test]
+fn the_way_back_on_siemens_brings_back_what_acted() {
+    let profile = nonius::controller::builtin::profile("siemens-840d-sl").unwrap();
+    for way in WAYS
+        .into_iter()
+        .filter(|way| *way != ("mean", "two-tables"))
+    {
+        let (old, job, left) = old_and_new("siemens-840d-sl", SIEMENS_AXES, way);
+        let before = before(&old, way.0);
+        let found =
+            read_out(&job, &left, &before.archive("")).unwrap_or_else(|p| panic!("{way:?}\n{p}"));
+        let new = kit::generate(&found).unwrap_or_else(|p| panic!("{way:?}\n{}", p.render()));
+        let state = &found.active.as_ref().unwrap().state;
+        let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
+        assert!(
+            !page.contains("not in the rollback files"),
+            "{way:?}\n{page}"
+        );
+        let mut control = before.clone();
+        for role in [Role::Disable, Role::Table, Role::Enable] {
+            control.load(read(&profile, &files_of(&new, role)).unwrap());
+        }
+        do_by_hand(&mut control, &new);
+        assert_ne!(
+            control.acts(&profile, state),
+            before.acts(&profile, state),
+            "{way:?}"
+        );
+        control.load(read(&profile, &files_of(&new, Role::Disable)).unwrap());
+        let files = files_of(&new, Role::Rollback);
+        control.load(read_apart(&profile, &files, Role::Rollback).unwrap());
+        assert_eq!(control, before, "{way:?}");
+        assert_eq!(
+            control.acts(&profile, state),
+            before.acts(&profile, state),
+            "{way:?}"
+        );
+    }
+}
+
+#[test]
+fn what_no_file_holds_is_left_to_a_person_and_named() {
+    let (old, job, left) = old_and_new(
+        "siemens-840d-sl",
+        SIEMENS_AXES,
+        ("mean", "curve-and-parameter"),
+    );
+    let mut before = before(&old, "mean");
+    let job = job.replace(
+        ACTIVE,
+        &format!("{ACTIVE}\nactive_backlash_um = {{ x = 3.0, y = 3.0 }}"),
+    );
+    let page = |control: &Control, more: &str| {
+        let found = read_out(&job, &left, &control.archive(more)).unwrap_or_else(|p| panic!("{p}"));
+        let new = kit::generate(&found).unwrap();
+        let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
+        page + &new.manifest.notes.join("\n")
+    };
+    for gone in [
+        "MA_ENC_COMP_ENABLE[0,AX1]",
+        "SN_CEC_TABLE_ENABLE[1]",
+        "MA_BACKLASH[0,AX2]",
+    ] {
+        before.data.remove(gone);
+    }
+    let words = page(&before, "");
+    assert_eq!(
+        words.matches("not in the rollback files").count(),
+        6,
+        "{words}"
+    );
+    for lacking in [
+        "MD32700 $MA_ENC_COMP_ENABLE[0,AX1]: not in the rollback files. The files of this kit switch it",
+        "SD41300 $SN_CEC_TABLE_ENABLE[1]: not in the rollback files; switch on what was on",
+        "MD32450 $MA_BACKLASH[0,AX2]: not in the rollback files. A precondition may make you change it",
+    ] {
+        assert!(words.contains(lacking), "{lacking}\n{words}");
+    }
+    assert!(
+        !words.contains("[0,AX2]: not in the rollback files. The files"),
+        "{words}"
+    );
+    // A table that the control only reserves: off, it may keep the new values; on, it may not.
+    before.tables.lec.retain(|t| t.axis != "AX2");
+    let reserved = "$AA_ENC_COMP_STEP[0,AX2]=0\n$AA_ENC_COMP[0,0,AX2]=0\n";
+    let on = page(&before, reserved);
+    assert!(
+        on.contains("missing: ENC_COMP[0,AX2] (read out without a grid, and not as switched off)"),
+        "{on}"
+    );
+    before.data.insert("MA_ENC_COMP_ENABLE[0,AX2]".into(), 0.0);
+    let off = page(&before, reserved);
+    assert!(
+        off.contains(
+            "ENC_COMP[0,AX2] was reserved without a grid: the values of this kit stay in it"
+        ),
+        "{off}"
+    );
+}
+
+#[test]
+fn a_way_back_that_moves_an_axis_at_its_reference_says_so() {
+    let (old, job, left) = old_and_new("siemens-840d-sl", SIEMENS_AXES, ("mean", "mean"));
+    let mut before = before(&old, "mean");
+    for value in before.tables.lec[0].values.iter_mut().flatten() {
+        *value += 0.005;
+    }
+    let job = job.replace(ACTIVE, &format!("{ACTIVE}\nactive_reference = \"rezero\""));
+    let found = read_out(&job, &left, &before.archive("")).unwrap_or_else(|p| panic!("{p}"));
+    let new = kit::generate(&found).unwrap();
+    let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
+    let words =
+        "at the reference point X (AX1) moves by 5.000 µm towards −X when the old tables act again";
+    assert!(page.contains(words), "{page}");
+    for file in files_of(&new, Role::Rollback) {
+        let text = String::from_utf8_lossy(file.bytes);
+        assert!(!text.contains("contained in these"), "{text}");
+        if text.contains("$AA_ENC_COMP") {
+            let held = ", but for\n;   ENC_COMP[0,AX1]: 0.005000 mm\n";
+            assert!(text.contains(held), "{text}");
+        }
+    }
+}
