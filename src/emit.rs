@@ -8,6 +8,7 @@ mod fanuc;
 mod generic;
 pub mod program;
 mod siemens;
+mod templates;
 
 use crate::axis::Direction;
 use crate::checklist::Part;
@@ -16,9 +17,10 @@ use crate::controller::{Dialect, EmittedFile, Role};
 use crate::error_table::SIMULATED;
 use crate::job::ActiveTables;
 use crate::plan::Task;
-use crate::problem::{Place, Problem, Problems};
+use crate::problem::{Problem, Problems};
 use crate::table::Tables;
 use serde::Serialize;
+pub use templates::Templates;
 
 /// A file of the kit, ready to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -265,8 +267,12 @@ const COMMENT_TEXT: &str =
     "up to 60 printable ASCII characters without line breaks, `%`, `;` or brackets";
 
 /// The tables, parameters and switches of the kit, with the control's line ends.
-pub fn render(task: Task<'_>, context: &Context) -> Result<Vec<RenderedFile>, Problems> {
-    render_those(task, context, |file| {
+pub fn render(
+    task: Task<'_>,
+    templates: &Templates,
+    context: &Context,
+) -> Result<Vec<RenderedFile>, Problems> {
+    render_those(task, templates, context, |file| {
         !file.role.stands_apart() && file.role != Role::Checklist
     })
 }
@@ -274,6 +280,7 @@ pub fn render(task: Task<'_>, context: &Context) -> Result<Vec<RenderedFile>, Pr
 /// Files that stand apart, from tables of their own: rollback, or the sign proof of a mechanism.
 pub fn render_apart(
     task: Task<'_>,
+    templates: &Templates,
     compiled: &Compiled,
     tables: &Tables,
     instead: &Instead<'_>,
@@ -281,6 +288,7 @@ pub fn render_apart(
 ) -> Result<Vec<RenderedFile>, Problems> {
     render_those(
         task,
+        templates,
         &context_of(task, compiled, tables, instead)?,
         is_wanted,
     )
@@ -290,6 +298,7 @@ pub fn render_apart(
 /// the steps, one paragraph each.
 pub fn render_checklist(
     task: Task<'_>,
+    templates: &Templates,
     context: &Context,
     head: &[String],
     parts: &[Part],
@@ -307,7 +316,9 @@ pub fn render_checklist(
         rendered.push(RenderedFile {
             path: file.path.clone(),
             role: file.role,
-            bytes: render_text(&file.template_name, &file.template, &seen)?.into_bytes(),
+            bytes: templates
+                .text(&file.template_name, &file.template, &seen)?
+                .into_bytes(),
         });
     }
     Ok(rendered)
@@ -315,6 +326,7 @@ pub fn render_checklist(
 
 fn render_those(
     task: Task<'_>,
+    templates: &Templates,
     context: &Context,
     is_own: impl Fn(&EmittedFile) -> bool,
 ) -> Result<Vec<RenderedFile>, Problems> {
@@ -329,7 +341,7 @@ fn render_those(
         |file: &EmittedFile| file.when.as_deref().is_none_or(|list| context.holds(list));
     let files_of_profile = task.profile.files.iter();
     for file in files_of_profile.filter(|file| is_own(file) && is_wanted(file)) {
-        match render_text(&file.template_name, &file.template, &seen) {
+        match templates.text(&file.template_name, &file.template, &seen) {
             Ok(text) => files.push(RenderedFile {
                 path: file.path.clone(),
                 role: file.role,
@@ -339,41 +351,6 @@ fn render_those(
         }
     }
     problems.or_ok(files)
-}
-
-/// One file as text with `\n` line ends.
-fn render_text(name: &str, template: &str, context: &tera::Context) -> Result<String, Problem> {
-    let mut tera = tera::Tera::default();
-    tera.autoescape_on(Vec::<&'static str>::new());
-    let refuse = |error: tera::Error| template_problem(name, template, &error);
-    tera.add_raw_template(name, template).map_err(refuse)?;
-    tera.render(name, context).map_err(refuse)
-}
-
-/// A problem of a template at its place in the template.
-fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem {
-    let (message, place) = match error.kind() {
-        tera::ErrorKind::SyntaxError(report) | tera::ErrorKind::RenderingError(report) => {
-            let span = report.span();
-            let text = template.lines().nth(span.start_line.max(1) - 1);
-            let place = Place {
-                file: name.to_string(),
-                line: span.start_line,
-                column: span.start_col + 1,
-                width: span.end_col.saturating_sub(span.start_col).max(1),
-                text: text.unwrap_or_default().to_string(),
-                skipped: 0,
-            };
-            (report.message().to_string(), Some(place))
-        }
-        _ => (error.to_string(), None),
-    };
-    let problem = Problem::new(format!("template `{name}` cannot be rendered: {message}"))
-        .help("`nonius context JOB` prints what a template sees");
-    match place {
-        Some(place) => problem.at(place),
-        None => problem,
-    }
 }
 
 fn with_line_ends(text: String, line_end: &str) -> String {
@@ -404,7 +381,7 @@ fn fixed(number: f64, decimals: u32) -> String {
 }
 
 /// The same text from whole counts of the last decimal, where the number is one but for rounding
-/// in its last bits, as nearly every number of a table is; four times as fast.
+/// in its last bits, as nearly every number of a table is; many times as fast.
 fn counted(number: f64, decimals: u32) -> Option<String> {
     const LARGEST: f64 = 1e12; // the product below is then off by less than 1e-3
     let scaled = number * 10_f64.powi(i32::try_from(decimals).ok()?);
@@ -414,17 +391,21 @@ fn counted(number: f64, decimals: u32) -> Option<String> {
     }
     #[allow(clippy::cast_possible_truncation, reason = "below LARGEST")]
     let count = count as i64;
-    let (digits, sign) = (count.unsigned_abs(), if count < 0 { "-" } else { "" });
-    let unit = 10_u64.checked_pow(decimals)?;
-    Some(match decimals {
-        0 => format!("{sign}{digits}"),
-        _ => format!(
-            "{sign}{}.{:0width$}",
-            digits / unit,
-            digits % unit,
-            width = decimals as usize
-        ),
-    })
+    let digits = count.unsigned_abs().to_string();
+    let places = decimals as usize;
+    let whole = digits.len().saturating_sub(places);
+    let mut text = String::with_capacity(digits.len() + places + "-0.".len());
+    text.push_str(if count < 0 { "-" } else { "" });
+    text.push_str(if whole == 0 { "0" } else { &digits[..whole] });
+    if places > 0 {
+        text.push('.');
+        text.extend(std::iter::repeat_n(
+            '0',
+            places.saturating_sub(digits.len()),
+        ));
+        text.push_str(&digits[whole..]);
+    }
+    Some(text)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::control_state::ControlState;
 use crate::controller::Profile;
 use crate::disagreement;
 pub use crate::document::sha256;
-use crate::emit::{self, RenderedFile, TOOL};
+use crate::emit::{self, RenderedFile, TOOL, Templates};
 pub use crate::emulate::emulator;
 use crate::emulate::{CannotEmulate, Emulator};
 use crate::error_table::ErrorTable;
@@ -183,7 +183,8 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let plan = plan(task)?;
     let mut compiled = inputs.compile(&plan)?;
     let context = emit::context(task, &compiled)?;
-    let mut files = emit::render(task, &context)?;
+    let templates = Templates::default();
+    let mut files = emit::render(task, &templates, &context)?;
     let read = read_back(&inputs.profile, &files)?;
     ensure_same(inputs, &plan, &compiled, &read)?;
     let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
@@ -199,6 +200,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         plan: &plan,
         compiled: &compiled,
         context: &context,
+        templates: &templates,
         files: &files,
         read: &read,
         verdict,

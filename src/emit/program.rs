@@ -5,7 +5,7 @@ use crate::controller::LengthUnit;
 use crate::controller::program::Language;
 use crate::diagonal::Pass;
 use crate::emit::{COMMENT_TEXT, LONGEST_TEXT};
-use crate::emit::{TOOL, fixed, is_comment_text, render_text, with_line_ends};
+use crate::emit::{TOOL, Templates, fixed, is_comment_text, with_line_ends};
 use crate::job::{Reflector, RunType, TargetGrid};
 use crate::problem::{Problem, Problems};
 use crate::program::{
@@ -81,12 +81,13 @@ const TIME_DECIMALS: u32 = 3;
 /// The programs of a run as files, in the order of the plan.
 pub fn programs(task: RunTask<'_>, run: &MeasuringRun) -> Result<Vec<ProgramFile>, Problems> {
     refuse_unsafe_text(task)?;
+    let templates = Templates::default();
     let mut problems = Problems::none();
     let mut files = Vec::new();
     for (index, program) in run.programs.iter().enumerate() {
         let number = task.request.number_of(index);
         let context = context(task, program, run.resolution, number);
-        files.extend(problems.take(render(task, &context, number, program)));
+        files.extend(problems.take(render(task, &templates, &context, number, program)));
     }
     problems.or_ok(files)
 }
@@ -272,6 +273,7 @@ fn words(
 
 fn render(
     task: RunTask<'_>,
+    templates: &Templates,
     context: &ProgramContext<'_>,
     number: u32,
     program: &SetUpProgram,
@@ -286,7 +288,7 @@ fn render(
             "the context of the program cannot be made: {error}"
         ))
     })?;
-    let text = render_text(&facts.template_name, &facts.template, &seen)?;
+    let text = templates.text(&facts.template_name, &facts.template, &seen)?;
     Ok(ProgramFile {
         path: format!("{stem}.{}", facts.extension),
         role: FileRole::Program,

@@ -19,7 +19,7 @@ use crate::compensation::siemens::reference_text;
 use crate::compensation::{Compiled, uses};
 use crate::controller::checklist::List;
 use crate::controller::{Mechanism, Role};
-use crate::emit::{self, Context, Instead, RenderedFile};
+use crate::emit::{self, Context, Instead, RenderedFile, Templates};
 use crate::emulate::{CannotEmulate, Emulator};
 use crate::forecast::Verdict;
 use crate::plan::{Plan, Task, axis_pairs};
@@ -46,6 +46,7 @@ pub(super) struct Made<'a> {
     pub(super) plan: &'a Plan,
     pub(super) compiled: &'a Compiled,
     pub(super) context: &'a Context,
+    pub(super) templates: &'a Templates,
     /// The files of the kit itself.
     pub(super) files: &'a [RenderedFile],
     /// What was read back from them.
@@ -111,6 +112,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let sign_proofs = shown.iter().map(document).collect();
     files.extend(emit::render_checklist(
         task,
+        made.templates,
         made.context,
         &head::lines(made),
         &parts,
@@ -181,6 +183,7 @@ fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, 
     let wanted = Some(proof.mechanism);
     emit::render_apart(
         made.task(),
+        made.templates,
         made.compiled,
         &proof.tables,
         &instead,

@@ -21,7 +21,7 @@ use super::field::{Made, as_kit_file};
 use crate::active::{ActiveControl, Held, Origin};
 use crate::compensation::Compiled;
 use crate::controller::Role;
-use crate::emit::{self, Instead, RenderedFile, Switch};
+use crate::emit::{self, Instead, RenderedFile, Switch, Templates};
 use crate::plan::{Plan, Task};
 use crate::problem::Problems;
 use crate::readback::kit::{KitFile, ReadBack, read_apart};
@@ -121,7 +121,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
         Ok(old) => old,
         Err(missing) => return Ok(Rollback::none(incomplete(&missing))),
     };
-    before.written(&old)
+    before.written(&old, made.templates)
 }
 
 fn incomplete(missing: &[String]) -> String {
@@ -149,7 +149,7 @@ impl Before<'_> {
     }
 
     /// The files, read back, with what they do not do.
-    fn written(&self, old: &Old) -> Result<Rollback, Problems> {
+    fn written(&self, old: &Old, templates: &Templates) -> Result<Rollback, Problems> {
         let instead = Instead {
             notice: "ROLLBACK: values as read out of the control before this kit",
             names_terms: false,
@@ -157,7 +157,14 @@ impl Before<'_> {
             switches: old.data.iter().map(switch).collect(),
         };
         let is_own = |file: &crate::controller::EmittedFile| file.role == Role::Rollback;
-        let files = emit::render_apart(self.task, self.compiled, &old.tables, &instead, is_own)?;
+        let files = emit::render_apart(
+            self.task,
+            templates,
+            self.compiled,
+            &old.tables,
+            &instead,
+            is_own,
+        )?;
         let read_files: Vec<KitFile<'_>> = files.iter().map(as_kit_file).collect();
         let read = read_apart(self.task.profile, &read_files, Role::Rollback);
         if !read.is_ok_and(|read| is_same(old, &read)) {

@@ -1,0 +1,55 @@
+//! The templates of a profile, each parsed once. The only user of Tera beside its contexts.
+
+use crate::problem::{Place, Problem};
+use std::cell::RefCell;
+
+/// The templates of one profile, in which a name always means the same text.
+#[derive(Default)]
+pub struct Templates {
+    /// Those that were asked for.
+    parsed: RefCell<tera::Tera>,
+}
+
+impl Templates {
+    /// One file as text with `\n` line ends.
+    pub(super) fn text(
+        &self,
+        name: &str,
+        template: &str,
+        context: &tera::Context,
+    ) -> Result<String, Problem> {
+        let refuse = |error: tera::Error| template_problem(name, template, &error);
+        let mut parsed = self.parsed.borrow_mut();
+        if !parsed.get_template_names().any(|known| known == name) {
+            parsed.autoescape_on(Vec::<&'static str>::new());
+            parsed.add_raw_template(name, template).map_err(refuse)?;
+        }
+        parsed.render(name, context).map_err(refuse)
+    }
+}
+
+/// A problem of a template at its place in the template.
+fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem {
+    let (message, place) = match error.kind() {
+        tera::ErrorKind::SyntaxError(report) | tera::ErrorKind::RenderingError(report) => {
+            let span = report.span();
+            let text = template.lines().nth(span.start_line.max(1) - 1);
+            let place = Place {
+                file: name.to_string(),
+                line: span.start_line,
+                column: span.start_col + 1,
+                width: span.end_col.saturating_sub(span.start_col).max(1),
+                text: text.unwrap_or_default().to_string(),
+                skipped: 0,
+            };
+            (report.message().to_string(), Some(place))
+        }
+        _ => (error.to_string(), None),
+    };
+    let problem = Problem::new(format!("template `{name}` cannot be rendered: {message}"))
+        .help("`nonius context JOB` prints what a template sees");
+    match place {
+        Some(place) => problem.at(place),
+        None => problem,
+    }
+}
