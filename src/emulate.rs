@@ -258,6 +258,15 @@ impl Response {
     /// The correction over `from..to` as straight stretches; jumps lie between two stretches.
     /// Exact: no position is skipped, so extremes found on the stretches are the extremes.
     pub fn stretches(&self, from: Millimetres, to: Millimetres) -> Vec<Stretch> {
+        self.breaks(from, to)
+            .windows(2)
+            .map(|pair| self.stretch(pair[0], pair[1]))
+            .collect()
+    }
+
+    /// `from`, `to` and every place between them where the correction bends or jumps, mm,
+    /// ascending.
+    pub fn breaks(&self, from: Millimetres, to: Millimetres) -> Vec<f64> {
         let mut breaks = Vec::new();
         for table in &self.tables {
             table.breaks(from.mm(), to.mm(), &mut breaks);
@@ -267,9 +276,6 @@ impl Response {
         breaks.sort_by(f64::total_cmp);
         breaks.dedup_by(|a, b| (*a - *b).abs() < SAME_PLACE_MM);
         breaks
-            .windows(2)
-            .map(|pair| self.stretch(pair[0], pair[1]))
-            .collect()
     }
 
     fn stretch(&self, from: f64, to: f64) -> Stretch {

@@ -1,0 +1,274 @@
+//! What the tables leave along the four body diagonals of the measured box.
+//!
+//! The deviation along the beam is a sum over the nine terms. Between two places where a curve or
+//! a correction bends, it is a cubic of the way, so its extremes are found without sampling.
+
+use super::{DiagonalForecast, Machine};
+use crate::axis::{Axis, Direction, ErrorTerm};
+use crate::curve::ErrorCurve;
+use crate::emulate::{CannotEmulate, Emulator, Response};
+use crate::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::plan::{Plan, axis_pairs};
+use crate::units::Millimetres;
+
+/// Sign of travel of X, Y, Z on the forward run of each diagonal (contract §2.2).
+const DIAGONALS: [(&str, [f64; 3]); 4] = [
+    ("PPP", [1.0, 1.0, 1.0]),
+    ("NPP", [-1.0, 1.0, 1.0]),
+    ("PNP", [1.0, -1.0, 1.0]),
+    ("PPN", [1.0, 1.0, -1.0]),
+];
+
+/// The measured box: low corner and size of each axis, mm.
+struct MeasuredBox {
+    low: [f64; 3],
+    size: [f64; 3],
+}
+
+impl MeasuredBox {
+    fn of(model: &ErrorModel) -> Option<MeasuredBox> {
+        let ends: Option<Vec<(f64, f64)>> = Axis::ALL
+            .iter()
+            .map(|axis| model.ranges[*axis].map(|(low, high)| (low.mm(), high.mm())))
+            .collect();
+        let ends = ends?;
+        Some(MeasuredBox {
+            low: [ends[0].0, ends[1].0, ends[2].0],
+            size: [
+                ends[0].1 - ends[0].0,
+                ends[1].1 - ends[1].0,
+                ends[2].1 - ends[2].0,
+            ],
+        })
+    }
+
+    fn length(&self) -> f64 {
+        self.size.iter().map(|s| s * s).sum::<f64>().sqrt()
+    }
+}
+
+/// The four diagonals; none where a term or a direction of it was not measured.
+pub(super) fn forecast(
+    machine: Machine<'_>,
+    plan: &Plan,
+    control: &dyn Emulator,
+) -> Result<Vec<DiagonalForecast>, CannotEmulate> {
+    let model = machine.as_measured;
+    let Some(measured_box) = MeasuredBox::of(model) else {
+        return Ok(Vec::new());
+    };
+    let one_way = |(_, m): (ErrorTerm, &MeasuredTerm)| matches!(m.measured, Measured::OneWay(..));
+    if model.measured().count() < ErrorTerm::ALL.len() || model.measured().any(one_way) {
+        // A diagonal travels some axis in the direction that was not measured.
+        return Ok(Vec::new());
+    }
+    let u_um = diagonal_uncertainty(model, &measured_box);
+    DIAGONALS
+        .iter()
+        .map(|(name, signs)| {
+            let mut before = Extent::default();
+            let mut after = Extent::default();
+            let walk = |reverse| Walk::new(machine, plan, control, &measured_box, *signs, reverse);
+            let (forward, reverse) = (walk(false)?, walk(true)?);
+            forward.extremes(&mut before, &mut after);
+            if reverse.parts != forward.parts {
+                reverse.extremes(&mut before, &mut after);
+            }
+            Ok(DiagonalForecast {
+                name,
+                before_um: before.size(),
+                after_um: after.size(),
+                u_um,
+            })
+        })
+        .collect()
+}
+
+/// u of max − min along a diagonal: two readings, each the sum of three terms per direction
+/// weighted with the direction cosine; the largest u of each term is taken everywhere.
+fn diagonal_uncertainty(model: &ErrorModel, measured_box: &MeasuredBox) -> Option<f64> {
+    let mut variance = 0.0;
+    for (term, measured) in model.measured() {
+        let cosine = measured_box.size[index(term.of)] / measured_box.length();
+        variance += (cosine * measured.u_um?).powi(2);
+    }
+    Some((2.0 * variance).sqrt())
+}
+
+const fn index(axis: Axis) -> usize {
+    match axis {
+        Axis::X => 0,
+        Axis::Y => 1,
+        Axis::Z => 2,
+    }
+}
+
+/// Smallest and largest value met.
+#[derive(Default)]
+struct Extent {
+    ends: Option<(f64, f64)>,
+}
+
+impl Extent {
+    fn meet(&mut self, value: f64) {
+        let (low, high) = self.ends.unwrap_or((value, value));
+        self.ends = Some((low.min(value), high.max(value)));
+    }
+
+    fn size(&self) -> f64 {
+        self.ends.map_or(0.0, |(low, high)| high - low)
+    }
+}
+
+/// One run along a diagonal, t from 0 to 1.
+struct Walk<'a> {
+    parts: Vec<Part<'a>>,
+    measured_box: &'a MeasuredBox,
+    signs: [f64; 3],
+}
+
+/// One term on the way: its curves, its correction, and the cosine of the beam to its direction.
+#[derive(PartialEq)]
+struct Part<'a> {
+    measured: &'a ErrorCurve,
+    /// Without tables; absent where none was active while measuring.
+    uncompensated: Option<&'a ErrorCurve>,
+    response: Response,
+    along: usize,
+    cosine: f64,
+}
+
+impl<'a> Walk<'a> {
+    fn new(
+        machine: Machine<'a>,
+        plan: &Plan,
+        control: &dyn Emulator,
+        measured_box: &'a MeasuredBox,
+        signs: [f64; 3],
+        reverse: bool,
+    ) -> Result<Walk<'a>, CannotEmulate> {
+        let mut parts = Vec::new();
+        for (term, _) in machine.as_measured.measured() {
+            let forward = (signs[index(term.along)] > 0.0) != reverse;
+            let direction = if forward {
+                Direction::Plus
+            } else {
+                Direction::Minus
+            };
+            let Some((measured, uncompensated)) = machine.curves(term, direction) else {
+                continue;
+            };
+            let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
+                continue;
+            };
+            parts.push(Part {
+                measured,
+                uncompensated: (!std::ptr::eq(measured, uncompensated)).then_some(uncompensated),
+                response: control.response(base, output, direction)?,
+                along: index(term.along),
+                cosine: signs[index(term.of)] * measured_box.size[index(term.of)]
+                    / measured_box.length(),
+            });
+        }
+        Ok(Walk {
+            parts,
+            measured_box,
+            signs,
+        })
+    }
+
+    fn position(&self, axis: usize, t: f64) -> Millimetres {
+        let travelled = if self.signs[axis] > 0.0 { t } else { 1.0 - t };
+        Millimetres::new(self.measured_box.low[axis] + travelled * self.measured_box.size[axis])
+    }
+
+    /// Places t where a curve or a correction bends or jumps.
+    fn breaks(&self) -> Vec<f64> {
+        let mut breaks = vec![0.0, 1.0];
+        for axis in 0..self.signs.len() {
+            let (low, size) = (self.measured_box.low[axis], self.measured_box.size[axis]);
+            let travelled = |x: &f64| (x - low) / size;
+            for bends in self.bends(axis) {
+                let forward = self.signs[axis] > 0.0;
+                let places = bends.iter().map(travelled);
+                breaks.extend(places.map(|t| if forward { t } else { 1.0 - t }));
+            }
+        }
+        breaks.retain(|t| (0.0..=1.0).contains(t));
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-12);
+        breaks
+    }
+
+    /// Where the curves and corrections along an axis bend, mm; the terms of an axis mostly share
+    /// their places.
+    fn bends(&self, axis: usize) -> Vec<Vec<f64>> {
+        let (low, size) = (self.measured_box.low[axis], self.measured_box.size[axis]);
+        let mut all: Vec<Vec<f64>> = Vec::new();
+        for part in self.parts.iter().filter(|part| part.along == axis) {
+            let curves = [Some(part.measured), part.uncompensated];
+            let knots = |curve: &ErrorCurve| curve.knots().iter().map(|x| x.mm()).collect();
+            let (from, to) = (Millimetres::new(low), Millimetres::new(low + size));
+            let of_part = curves.into_iter().flatten().map(knots);
+            for bends in of_part.chain([part.response.breaks(from, to)]) {
+                if !all.contains(&bends) {
+                    all.push(bends);
+                }
+            }
+        }
+        all
+    }
+
+    /// Deviation along the beam at t, as measured and with the tables, µm.
+    fn deviation(&self, t: f64) -> (f64, f64) {
+        let mut before = 0.0;
+        let mut after = 0.0;
+        for part in &self.parts {
+            let at = self.position(part.along, t);
+            let measured = part.measured.at(at);
+            let bare = part.uncompensated.map_or(measured, |curve| curve.at(at));
+            before += part.cosine * measured.um();
+            after += part.cosine * (bare + part.response.correction(at)).um();
+        }
+        (before, after)
+    }
+
+    /// Between two breaks both sums are cubics in t; four places determine each.
+    fn extremes(&self, before: &mut Extent, after: &mut Extent) {
+        const PLACES: [f64; 4] = [0.125, 0.375, 0.625, 0.875];
+        for pair in self.breaks().windows(2) {
+            let values = PLACES.map(|s| self.deviation(pair[0] + s * (pair[1] - pair[0])));
+            cubic_extremes(values.map(|v| v.0), before);
+            cubic_extremes(values.map(|v| v.1), after);
+        }
+        for corner in [0.0, 1.0] {
+            let (measured, left) = self.deviation(corner); // a correction can jump just here
+            before.meet(measured);
+            after.meet(left);
+        }
+    }
+}
+
+/// Meets the extremes on 0…1 of the cubic through values at 1/8, 3/8, 5/8, 7/8.
+fn cubic_extremes(values: [f64; 4], extent: &mut Extent) {
+    // Newton's forward differences with u = (s − 1/8) / (1/4), so s = 0 and 1 are u = −½ and 3½.
+    let d1 = values[1] - values[0];
+    let d2 = values[2] - 2.0 * values[1] + values[0];
+    let d3 = values[3] - 3.0 * values[2] + 3.0 * values[1] - values[0];
+    let at = |u: f64| {
+        values[0] + u * d1 + u * (u - 1.0) / 2.0 * d2 + u * (u - 1.0) * (u - 2.0) / 6.0 * d3
+    };
+    const FIRST: f64 = -0.5;
+    const LAST: f64 = 3.5;
+    extent.meet(at(FIRST));
+    extent.meet(at(LAST));
+    // derivative: d3/2·u² + (d2 − d3)·u + (d1 − d2/2 + d3/3)
+    let (a, b, c) = (d3 / 2.0, d2 - d3, d1 - d2 / 2.0 + d3 / 3.0);
+    let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
+    let q = -0.5 * (b + root.copysign(b));
+    for u in [q / a, c / q] {
+        if u > FIRST && u < LAST {
+            extent.meet(at(u));
+        }
+    }
+}
