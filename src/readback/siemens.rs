@@ -105,7 +105,7 @@ fn read_lines(text: &str, memory: &mut Memory, complaints: &mut Vec<Complaint>) 
                 memory.note("M0: the program waits for cycle start before it goes on");
                 Ok(())
             }
-            Ok(Statement::Set(set)) => memory.set(set),
+            Ok(Statement::Set(set)) => memory.set(&set),
             Err(complaint) => Err(complaint),
         };
         complaints.extend(result.err());

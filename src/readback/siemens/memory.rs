@@ -8,6 +8,7 @@ use super::statement::{Assignment, Complaint, Value};
 use super::variable::{self, Key, number_of};
 use super::{MachineDatum, MachineValue, SiemensContents};
 use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -38,6 +39,13 @@ struct Draft {
     points: BTreeMap<u32, Placed>,
 }
 
+#[derive(Debug)]
+struct LecDraft {
+    axis: String,
+    encoder: u32,
+    draft: Draft,
+}
+
 #[derive(Debug, Default)]
 struct CecDraft {
     draft: Draft,
@@ -50,7 +58,7 @@ struct CecDraft {
 /// The tables and machine data of one file while it is being read.
 #[derive(Debug, Default)]
 pub(super) struct Memory {
-    lec: BTreeMap<(String, u32), Draft>,
+    lec: Vec<LecDraft>,
     cec: BTreeMap<u32, CecDraft>,
     machine: Vec<MachineDatum>,
     notes: Vec<String>,
@@ -58,12 +66,12 @@ pub(super) struct Memory {
 
 impl Memory {
     /// Carries out one assignment.
-    pub(super) fn set(&mut self, set: Assignment) -> Result<(), Complaint> {
-        let key = variable::key(&set)?;
+    pub(super) fn set(&mut self, set: &Assignment<'_>) -> Result<(), Complaint> {
+        let key = variable::key(set)?;
         if set.name.starts_with("AA_") {
-            self.set_lec(&key, set)
+            self.set_lec(key, set)
         } else if set.name.starts_with("AN_") {
-            self.set_cec(&key, set)
+            self.set_cec(key, set)
         } else {
             self.set_machine(set)
         }
@@ -74,24 +82,39 @@ impl Memory {
         self.notes.push(note.into());
     }
 
-    fn set_lec(&mut self, key: &Key, set: Assignment) -> Result<(), Complaint> {
+    fn set_lec(&mut self, key: Key<'_>, set: &Assignment<'_>) -> Result<(), Complaint> {
         let encoder = |text: &String| text.parse() == Ok(key.encoder);
         let enabled = is_on(
             &self.machine,
             "MA_ENC_COMP_ENABLE",
             |indices| matches!(indices, [number, axis] if encoder(number) && *axis == key.axis),
         );
-        let draft = self.lec.entry((key.axis.clone(), key.encoder)).or_default();
-        let head = draft.begin(&set);
-        let result = draft.set("AA_ENC_COMP", key.point, &set);
+        let draft = self.lec_of(key);
+        let head = draft.begin(set);
+        let result = draft.set("AA_ENC_COMP", key.point, set);
         draft.unreadable |= result.is_err();
         result.and_then(|()| draft.refuse_if(enabled, head, "MA_ENC_COMP_ENABLE"))
     }
 
-    fn set_cec(&mut self, key: &Key, set: Assignment) -> Result<(), Complaint> {
+    /// The table of an axis and an encoder; a new one where it was not met before.
+    fn lec_of(&mut self, key: Key<'_>) -> &mut Draft {
+        let is_it = |known: &LecDraft| known.encoder == key.encoder && known.axis == key.axis;
+        let known = self.lec.iter().position(is_it);
+        let place = known.unwrap_or_else(|| {
+            self.lec.push(LecDraft {
+                axis: key.axis.to_string(),
+                encoder: key.encoder,
+                draft: Draft::default(),
+            });
+            self.lec.len() - 1
+        });
+        &mut self.lec[place].draft
+    }
+
+    fn set_cec(&mut self, key: Key<'_>, set: &Assignment<'_>) -> Result<(), Complaint> {
         let table = self.cec.entry(key.table).or_default();
-        let head = table.draft.begin(&set);
-        let result = table.set(key.point, &set);
+        let head = table.draft.begin(set);
+        let result = table.set(key.point, set);
         table.draft.unreadable |= result.is_err();
         let output = table.output.as_ref();
         let enabled = output.is_some_and(|output| {
@@ -104,11 +127,11 @@ impl Memory {
         result.and_then(|()| table.draft.refuse_if(enabled, head, "MA_CEC_ENABLE"))
     }
 
-    fn set_machine(&mut self, set: Assignment) -> Result<(), Complaint> {
+    fn set_machine(&mut self, set: &Assignment<'_>) -> Result<(), Complaint> {
         if set.name == "SN_CEC_TABLE_WEIGHT" {
-            variable::only_one(&set)?;
+            variable::only_one(set)?;
         }
-        let value = match set.value? {
+        let value = match set.value.clone()? {
             Value::Number(number) => MachineValue::Number(number),
             Value::Truth(truth) => MachineValue::Number(f64::from(u8::from(truth))),
             Value::Name(name) => MachineValue::Text(name),
@@ -122,7 +145,7 @@ impl Memory {
             return Ok(());
         }
         self.machine.push(MachineDatum {
-            name: set.name,
+            name: set.name.to_string(),
             indices: set.indices.iter().map(|index| plain(index)).collect(),
             value,
         });
@@ -132,7 +155,14 @@ impl Memory {
     /// The tables, if nothing is missing; complaints are added to `complaints`.
     pub(super) fn finish(mut self, complaints: &mut Vec<Complaint>) -> SiemensContents {
         let mut tables = SiemensTables::default();
-        for ((axis, encoder), draft) in self.lec {
+        self.lec
+            .sort_by(|a, b| (&a.axis, a.encoder).cmp(&(&b.axis, b.encoder)));
+        for LecDraft {
+            axis,
+            encoder,
+            draft,
+        } in self.lec
+        {
             let name = format!("$AA_ENC_COMP[{encoder},{axis}]");
             draft.note_default(&name, &mut self.notes);
             if let Some((grid, values)) = draft.finish(&name, complaints) {
@@ -160,7 +190,7 @@ impl Memory {
 
 impl Draft {
     /// Notes where the table begins; gives the place of this assignment.
-    fn begin(&mut self, set: &Assignment) -> Range<usize> {
+    fn begin(&mut self, set: &Assignment<'_>) -> Range<usize> {
         if self.head.is_empty() {
             self.head = set.head.clone();
         }
@@ -194,7 +224,7 @@ impl Draft {
     }
 
     /// Carries out `set`, whose variable is `family` or one of its parameters.
-    fn set(&mut self, family: &str, point: u32, set: &Assignment) -> Result<(), Complaint> {
+    fn set(&mut self, family: &str, point: u32, set: &Assignment<'_>) -> Result<(), Complaint> {
         match set.name.strip_prefix(family).unwrap_or_default() {
             "_IS_MODULO" => self.modulo = Some(variable::modulo(set)?),
             "_STEP" => self.step = Some(placed(set)?),
@@ -271,7 +301,7 @@ impl Draft {
 }
 
 impl CecDraft {
-    fn set(&mut self, point: u32, set: &Assignment) -> Result<(), Complaint> {
+    fn set(&mut self, point: u32, set: &Assignment<'_>) -> Result<(), Complaint> {
         const FAMILY: &str = "AN_CEC";
         match set.name.strip_prefix(FAMILY).unwrap_or_default() {
             "_INPUT_AXIS" => self.input = Some(variable::axis(set)?),
@@ -353,14 +383,14 @@ fn last_point(name: &str, grid: SiemensGrid, step: &Placed) -> Result<u32, Compl
     Ok(last as u32)
 }
 
-fn placed(set: &Assignment) -> Result<Placed, Complaint> {
+fn placed(set: &Assignment<'_>) -> Result<Placed, Complaint> {
     Ok(Placed {
         number: number_of(set)?,
         span: set.value_span.clone(),
     })
 }
 
-fn same_indices(plain_indices: &[String], indices: &[String]) -> bool {
+fn same_indices(plain_indices: &[String], indices: &[Cow<'_, str>]) -> bool {
     plain_indices.len() == indices.len()
         && plain_indices
             .iter()

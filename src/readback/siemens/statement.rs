@@ -10,6 +10,7 @@
 //! program does not know could move the machine.
 
 use crate::problem::nearest;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// What is wrong with a piece of the text; becomes a `Problem` once the file's name is known.
@@ -40,7 +41,7 @@ impl Complaint {
 
 /// What a line says.
 #[derive(Debug)]
-pub(super) enum Statement {
+pub(super) enum Statement<'a> {
     /// Nothing that changes a table: blank, comment, header, `CHANDATA`, `NEWCONF`, `STOPRE`.
     Nothing,
     /// `M0`: the program waits for cycle start.
@@ -48,18 +49,18 @@ pub(super) enum Statement {
     /// `M17`, `M30`, `M2` or `M02`.
     End,
     /// An assignment to a `$` variable.
-    Set(Assignment),
+    Set(Assignment<'a>),
 }
 
 /// `$NAME[index,…]=value`.
 #[derive(Debug)]
-pub(super) struct Assignment {
+pub(super) struct Assignment<'a> {
     /// Name without `$`, upper case.
-    pub(super) name: String,
+    pub(super) name: Cow<'a, str>,
     /// Name and indices in the text.
     pub(super) head: Range<usize>,
     /// The indices, upper case.
-    pub(super) indices: Vec<String>,
+    pub(super) indices: Vec<Cow<'a, str>>,
     /// Where the value stands.
     pub(super) value_span: Range<usize>,
     /// The value; a complaint if it cannot be read.
@@ -78,7 +79,7 @@ pub(super) enum Value {
 }
 
 /// Reads the line `line` (bytes of `source`, without its line end).
-pub(super) fn statement(source: &str, line: Range<usize>) -> Result<Statement, Complaint> {
+pub(super) fn statement(source: &str, line: Range<usize>) -> Result<Statement<'_>, Complaint> {
     let code = line.start
         ..source[line.clone()]
             .find(';')
@@ -141,7 +142,7 @@ fn check_characters(
 
 /// `%_N_<name>_<ext>` in column 1 of the first line; name up to 24 letters, digits and `_`
 /// (HMI Advanced Operator's Guide 03.04, archive formats).
-fn header(cursor: &Cursor<'_>) -> Result<Statement, Complaint> {
+fn header<'a>(cursor: &Cursor<'a>) -> Result<Statement<'a>, Complaint> {
     const LONGEST_NAME: usize = 24;
     let span = cursor.rest();
     if span.start != 0 {
@@ -170,13 +171,13 @@ fn header(cursor: &Cursor<'_>) -> Result<Statement, Complaint> {
     ))
 }
 
-fn word(cursor: &mut Cursor<'_>) -> Result<Statement, Complaint> {
+fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
     const WORDS: [&str; 8] = [
         "M17", "M30", "M2", "M02", "M0", "NEWCONF", "STOPRE", "CHANDATA",
     ];
     let line = cursor.rest();
     let word = cursor.take_word();
-    match word.as_str() {
+    match &*word {
         "NEWCONF" | "STOPRE" => return Ok(Statement::Nothing),
         "M17" | "M30" | "M2" | "M02" => return Ok(Statement::End),
         "M0" | "M00" => return Ok(Statement::Stop),
@@ -193,7 +194,7 @@ fn word(cursor: &mut Cursor<'_>) -> Result<Statement, Complaint> {
     Err(Complaint::new(line, message, help))
 }
 
-fn channel_data(cursor: &mut Cursor<'_>) -> Result<Statement, Complaint> {
+fn channel_data<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
     let opened = cursor.eat('(');
     cursor.skip_blanks();
     let number = cursor.take_word();
@@ -207,7 +208,7 @@ fn channel_data(cursor: &mut Cursor<'_>) -> Result<Statement, Complaint> {
     ))
 }
 
-fn assignment(cursor: &mut Cursor<'_>) -> Result<Assignment, Complaint> {
+fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> {
     let start = cursor.at;
     cursor.at += 1;
     let name = cursor.take_word();
@@ -232,7 +233,7 @@ fn assignment(cursor: &mut Cursor<'_>) -> Result<Assignment, Complaint> {
     })
 }
 
-fn indices(cursor: &mut Cursor<'_>, name: &str) -> Result<Vec<String>, Complaint> {
+fn indices<'a>(cursor: &mut Cursor<'a>, name: &str) -> Result<Vec<Cow<'a, str>>, Complaint> {
     let wrong = |cursor: &Cursor<'_>, expected: &str| {
         Complaint::new(
             cursor.here(),
@@ -281,7 +282,7 @@ fn name_between(cursor: &mut Cursor<'_>, open: char, close: char) -> Result<Valu
     let name = cursor.take_word();
     let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic());
     if is_name && cursor.eat(close) {
-        return Ok(Value::Name(name));
+        return Ok(Value::Name(name.into_owned()));
     }
     let message = format!("`{}` is not an axis name", &cursor.source[span.clone()]);
     Err(Complaint::new(span, message, "write `(AX1)` or `\"AX1\"`"))
@@ -289,7 +290,7 @@ fn name_between(cursor: &mut Cursor<'_>, open: char, close: char) -> Result<Valu
 
 fn truth(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
     let span = cursor.rest();
-    match cursor.take_word().as_str() {
+    match &*cursor.take_word() {
         "TRUE" => Ok(Value::Truth(true)),
         "FALSE" => Ok(Value::Truth(false)),
         _ => Err(Complaint::new(
@@ -345,9 +346,10 @@ struct Cursor<'a> {
     end: usize,
 }
 
-impl Cursor<'_> {
+impl<'a> Cursor<'a> {
     fn peek(&self) -> Option<char> {
-        self.source[self.at..self.end].chars().next()
+        let rest = &self.source.as_bytes()[self.at..self.end];
+        rest.first().copied().map(char::from)
     }
 
     fn skip_blanks(&mut self) {
@@ -370,12 +372,16 @@ impl Cursor<'_> {
     }
 
     /// Letters, digits and `_`, in upper case.
-    fn take_word(&mut self) -> String {
+    fn take_word(&mut self) -> Cow<'a, str> {
         let rest = &self.source.as_bytes()[self.at..self.end];
         let length = rest.iter().take_while(|byte| is_word_byte(**byte)).count();
-        let word = self.source[self.at..self.at + length].to_ascii_uppercase();
+        let word = &self.source[self.at..self.at + length];
         self.at += length;
-        word
+        if word.bytes().any(|byte| byte.is_ascii_lowercase()) {
+            Cow::Owned(word.to_ascii_uppercase())
+        } else {
+            Cow::Borrowed(word)
+        }
     }
 
     fn take_digits(&mut self) -> usize {

@@ -63,8 +63,8 @@ const VARIABLES: [(&str, Shape); 26] = [
 ];
 
 /// The indices, told apart.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Key {
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Key<'a> {
     /// Measuring system, 0 or 1.
     pub(super) encoder: u32,
     /// CEC table.
@@ -72,11 +72,11 @@ pub(super) struct Key {
     /// Point of the table.
     pub(super) point: u32,
     /// Axis.
-    pub(super) axis: String,
+    pub(super) axis: &'a str,
 }
 
 /// The indices of an assignment; a complaint if the variable is unknown or they do not fit it.
-pub(super) fn key(set: &Assignment) -> Result<Key, Complaint> {
+pub(super) fn key<'a>(set: &'a Assignment<'_>) -> Result<Key<'a>, Complaint> {
     let Some((_, shape)) = VARIABLES.iter().find(|(name, _)| *name == set.name) else {
         return Err(unknown_variable(set));
     };
@@ -120,12 +120,12 @@ fn put(place: &mut u32, index: &str, largest: u32) -> bool {
     number.is_some() && is_digits(index)
 }
 
-fn put_axis(place: &mut String, index: &str) -> bool {
-    *place = index.to_string();
+fn put_axis<'a>(place: &mut &'a str, index: &'a str) -> bool {
+    *place = index;
     index.starts_with(|c: char| c.is_ascii_alphabetic())
 }
 
-fn unknown_variable(set: &Assignment) -> Complaint {
+fn unknown_variable(set: &Assignment<'_>) -> Complaint {
     let known = VARIABLES.iter().map(|(name, _)| *name);
     let help = match nearest(&set.name, known) {
         Some(known) => format!("did you mean `${known}`?"),
@@ -136,7 +136,7 @@ fn unknown_variable(set: &Assignment) -> Complaint {
 }
 
 /// The number assigned.
-pub(super) fn number_of(set: &Assignment) -> Result<f64, Complaint> {
+pub(super) fn number_of(set: &Assignment<'_>) -> Result<f64, Complaint> {
     match &set.value {
         Ok(Value::Number(number)) => Ok(*number),
         Ok(_) => Err(not_allowed(set, "a number")),
@@ -145,7 +145,7 @@ pub(super) fn number_of(set: &Assignment) -> Result<f64, Complaint> {
 }
 
 /// The axis assigned, upper case.
-pub(super) fn axis(set: &Assignment) -> Result<String, Complaint> {
+pub(super) fn axis(set: &Assignment<'_>) -> Result<String, Complaint> {
     match set.value.clone()? {
         Value::Name(name) => Ok(name),
         _ => Err(not_allowed(set, "an axis name such as `(AX1)`")),
@@ -153,7 +153,7 @@ pub(super) fn axis(set: &Assignment) -> Result<String, Complaint> {
 }
 
 /// The whole number `set` assigns, if it is one of `0..=largest` or −1.
-fn whole(set: &Assignment, allowed: &str, largest: i32) -> Result<i32, Complaint> {
+fn whole(set: &Assignment<'_>, allowed: &str, largest: i32) -> Result<i32, Complaint> {
     let number = number_of(set)?;
     (-1..=largest)
         .find(|whole| (number - f64::from(*whole)).abs() <= 0.0)
@@ -161,7 +161,7 @@ fn whole(set: &Assignment, allowed: &str, largest: i32) -> Result<i32, Complaint
 }
 
 /// `IS_MODULO`: 0 or 1.
-pub(super) fn modulo(set: &Assignment) -> Result<bool, Complaint> {
+pub(super) fn modulo(set: &Assignment<'_>) -> Result<bool, Complaint> {
     const ALLOWED: &str = "0 or 1";
     if let Value::Truth(truth) = set.value.clone()? {
         return Ok(truth);
@@ -174,7 +174,7 @@ pub(super) fn modulo(set: &Assignment) -> Result<bool, Complaint> {
 }
 
 /// `DIRECTION`: −1, 0 or 1.
-pub(super) fn direction(set: &Assignment) -> Result<CecDirection, Complaint> {
+pub(super) fn direction(set: &Assignment<'_>) -> Result<CecDirection, Complaint> {
     match whole(set, "-1, 0 or 1", 1)? {
         0 => Ok(CecDirection::Both),
         1 => Ok(CecDirection::Plus),
@@ -183,7 +183,7 @@ pub(super) fn direction(set: &Assignment) -> Result<CecDirection, Complaint> {
 }
 
 /// `MULT_BY_TABLE`: index + 1 of a table, or 0.
-pub(super) fn table_number(set: &Assignment) -> Result<u32, Complaint> {
+pub(super) fn table_number(set: &Assignment<'_>) -> Result<u32, Complaint> {
     const ALLOWED: &str = "0 or the number of a table (its index + 1)";
     const LARGEST_NUMBER: i32 = 1000; // far above the 62 tables of an 840D sl
     let number = whole(set, ALLOWED, LARGEST_NUMBER)?;
@@ -191,7 +191,7 @@ pub(super) fn table_number(set: &Assignment) -> Result<u32, Complaint> {
 }
 
 /// Refuses every value but 0, where the effect of others is not documented.
-pub(super) fn only_zero(set: &Assignment, why: &str) -> Result<(), Complaint> {
+pub(super) fn only_zero(set: &Assignment<'_>, why: &str) -> Result<(), Complaint> {
     if number_of(set)?.abs() > 0.0 {
         let mut complaint = not_allowed(set, "0");
         complaint.help = format!("remove the line or write 0: {why}");
@@ -201,7 +201,7 @@ pub(super) fn only_zero(set: &Assignment, why: &str) -> Result<(), Complaint> {
 }
 
 /// Refuses a table weight other than 1: the manuals at hand do not say how it acts.
-pub(super) fn only_one(set: &Assignment) -> Result<(), Complaint> {
+pub(super) fn only_one(set: &Assignment<'_>) -> Result<(), Complaint> {
     if (number_of(set)? - 1.0).abs() > 0.0 {
         return Err(not_allowed(
             set,
@@ -211,7 +211,7 @@ pub(super) fn only_one(set: &Assignment) -> Result<(), Complaint> {
     Ok(())
 }
 
-fn not_allowed(set: &Assignment, expected: &str) -> Complaint {
+fn not_allowed(set: &Assignment<'_>, expected: &str) -> Complaint {
     Complaint::new(
         set.value_span.clone(),
         format!("`${}` cannot have this value", set.name),
