@@ -8,6 +8,7 @@ use crate::problem::{Place, Problem, Problems, nearest, shown};
 use sha2::{Digest, Sha256};
 use std::cell::RefCell;
 use std::ops::Range;
+use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -18,8 +19,8 @@ pub struct Source {
     pub name: String,
     /// The text, without byte order mark.
     pub text: String,
-    /// Dotted path and place of each value that was read; looked through only for problems.
-    spans: Vec<(String, Range<usize>)>,
+    /// The place of each value that was read; looked through only for problems.
+    spots: Vec<Spot>,
 }
 
 impl Source {
@@ -32,7 +33,7 @@ impl Source {
         Ok(Source {
             name: name.to_string(),
             text: text.strip_prefix('\u{feff}').unwrap_or(text).to_string(),
-            spans: Vec::new(),
+            spots: Vec::new(),
         })
     }
 
@@ -43,8 +44,8 @@ impl Source {
 
     /// The place of a key's value, by its dotted path, e.g. `compensation.axes.x.spacing_mm`.
     pub fn place_of(&self, path: &str) -> Option<Place> {
-        let (_, span) = self.spans.iter().find(|(known, _)| known == path)?;
-        Some(self.place(span))
+        let spot = self.spots.iter().find(|spot| spot.is_at(path))?;
+        Some(self.place(&spot.span))
     }
 
     /// A problem at a key, or at the nearest section above it that exists.
@@ -60,6 +61,26 @@ impl Source {
                 None => return problem.at(self.place(&(0..0))),
             }
         }
+    }
+}
+
+/// Where the value of a key stands.
+#[derive(Clone, Debug, PartialEq)]
+struct Spot {
+    /// Dotted path of its section, with the number of each entry of a list (`linear[1]`).
+    section: Arc<str>,
+    key: &'static str,
+    span: Range<usize>,
+}
+
+impl Spot {
+    /// Whether a dotted path leads here.
+    fn is_at(&self, path: &str) -> bool {
+        let section = path.strip_suffix(self.key);
+        section.is_some_and(|section| match section.strip_suffix('.') {
+            Some(section) => *self.section == *section,
+            None => section.is_empty() && self.section.is_empty(),
+        })
     }
 }
 
@@ -96,17 +117,17 @@ pub fn read_page<T>(
         table: root.get_ref(),
         span: 0..0,
         path: String::new(),
-        spot: String::new(),
+        spot: Arc::from(""),
         asked: RefCell::default(),
         notes: &notes,
     };
     let value = read(&section);
     section.refuse_unknown_keys();
-    let spans = notes.spans.into_inner();
+    let spots = notes.spots.into_inner();
     let problems = notes.problems.into_inner();
     match value {
         Some(value) if problems.is_empty() => {
-            source.spans = spans;
+            source.spots = spots;
             Ok((value, source))
         }
         None if problems.is_empty() => {
@@ -141,7 +162,7 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
 #[derive(Default)]
 struct Notes {
     problems: RefCell<Problems>,
-    spans: RefCell<Vec<(String, Range<usize>)>>,
+    spots: RefCell<Vec<Spot>>,
 }
 
 /// A table of the page, e.g. `[machine.axes.x]`.
@@ -151,7 +172,7 @@ pub struct Section<'a> {
     span: Range<usize>,
     path: String,
     /// The path with the number of each entry of a list (`linear[1]`), by which places are kept.
-    spot: String,
+    spot: Arc<str>,
     asked: RefCell<Vec<&'static str>>,
     notes: &'a Notes,
 }
@@ -187,8 +208,11 @@ impl<'a> Section<'a> {
     fn value(&self, key: &'static str) -> Option<&'a DeValue<'a>> {
         self.asked.borrow_mut().push(key);
         let value = self.table.get(key)?;
-        let place = (joined(&self.spot, key), value.span());
-        self.notes.spans.borrow_mut().push(place);
+        self.notes.spots.borrow_mut().push(Spot {
+            section: Arc::clone(&self.spot),
+            key,
+            span: value.span(),
+        });
         Some(value.get_ref())
     }
 
@@ -490,7 +514,7 @@ impl<'a> Section<'a> {
         match entry.get_ref() {
             DeValue::Table(table) => {
                 let spot = joined(&self.spot, key);
-                Some(self.child(table, entry.span(), key, spot))
+                Some(self.child(table, entry.span(), key, &spot))
             }
             _ => {
                 self.wrong_type(key, "a section");
@@ -511,7 +535,7 @@ impl<'a> Section<'a> {
                     .filter_map(|(index, item)| {
                         let table = item.get_ref().as_table()?;
                         let spot = format!("{}[{index}]", joined(&self.spot, key));
-                        Some(self.child(table, item.span(), key, spot))
+                        Some(self.child(table, item.span(), key, &spot))
                     })
                     .collect()
             }
@@ -527,14 +551,14 @@ impl<'a> Section<'a> {
         table: &'a DeTable<'a>,
         span: Range<usize>,
         key: &str,
-        spot: String,
+        spot: &str,
     ) -> Section<'a> {
         Section {
             source: self.source,
             table,
             span,
             path: self.path_of(key),
-            spot,
+            spot: Arc::from(spot),
             asked: RefCell::default(),
             notes: self.notes,
         }
@@ -625,10 +649,12 @@ fn whole_pair(value: &DeValue<'_>) -> Option<[u32; 2]> {
         .collect();
     numbers?.try_into().ok()
 }
+
 /// SHA-256 in hexadecimal digits.
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    const DIGITS: &[u8; 16] = b"0123456789abcdef";
+    let digit = |half: u8| char::from(DIGITS[usize::from(half)]);
+    let digest = Sha256::digest(bytes);
+    let digits = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
+    digits.map(digit).collect()
 }
