@@ -12,6 +12,7 @@ mod generate;
 mod history;
 mod import;
 mod inputs;
+mod later;
 mod path;
 mod program;
 mod separate;
@@ -23,10 +24,10 @@ mod write;
 
 use crate::problem::Problems;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
+use later::Later;
 use serde::Serialize;
 use std::ffi::OsString;
 use std::io::Write;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Turns laser measurements of a machine tool into the compensation files its control loads,
@@ -49,80 +50,32 @@ Exit status: 0 done and within limits · 1 the answer is no · 2 could not do it
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Make the compensation files of a job, with a forecast of what they leave
-    Generate {
-        /// The job (TOML); `-` = standard input
-        job: PathBuf,
-        /// Directory of the kit; must not exist yet, or must be empty
-        #[arg(short, long, value_name = "DIR")]
-        output: PathBuf,
-        /// Replace an existing directory; the old one is kept as DIR.previous
-        #[arg(long)]
-        force: bool,
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
-    },
+    Generate(Later<generate::Options>),
     /// Read the files of a directory back and judge them against a job
-    Verify {
-        /// The job (TOML); `-` = standard input
-        job: PathBuf,
-        /// Directory with the control's files
-        #[arg(long, value_name = "DIR")]
-        tables: PathBuf,
-        /// A measurement with these tables active, against the forecast: an error table (CSV) or a job (TOML)
-        #[arg(long, value_name = "FILE|JOB")]
-        after: Option<PathBuf>,
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
-    },
+    Verify(Later<verify::Options>),
     /// Print the chain of tables that a kit stands in, back to the first one
-    History {
-        /// Directory of a kit
-        directory: PathBuf,
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
-    },
+    History(Later<history::Options>),
     /// Separate the readings of four body diagonals into the nine errors
-    Separate(separate::Options),
+    Separate(Later<separate::Options>),
     /// What the errors do in the volume: volumetric accuracy and the other definitions
-    Assess(Box<assess::Options>),
+    Assess(Later<assess::Options>),
     /// Write the part programs of a measuring run, with the expected positions
-    Program {
-        /// The job (TOML) with a section [program]; `-` = standard input
-        job: PathBuf,
-        /// Directory of the programs; must not exist yet, or must be empty
-        #[arg(short, long, value_name = "DIR")]
-        output: PathBuf,
-        /// Replace an existing directory; the old one is kept as DIR.previous
-        #[arg(long)]
-        force: bool,
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
-    },
+    Program(Later<program::Options>),
     /// Predict the readings of a measurement with the tables active: a rehearsal, no measurement
-    Simulate(Box<simulate::Options>),
+    Simulate(Later<simulate::Options>),
     /// Turn another maker's measurement into an error table
-    Import(Box<import::Options>),
+    Import(Later<import::Options>),
     /// Figures by standard: ISO 230-2 and VDI/DGQ 3441 of one axis, ISO 230-6 of the body diagonals
-    Standards(Box<standards::Options>),
+    Standards(Later<standards::Options>),
     /// Tell the machine's error along the path of a part program (G-code)
-    Path(path::Options),
+    Path(Later<path::Options>),
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
-        command: ControllersCommand,
+        command: controllers::Command,
     },
     /// Print what the templates of a job's control see (always JSON)
-    Context {
-        /// The job (TOML); `-` = standard input
-        job: PathBuf,
-        /// Both print the same JSON document
-        #[arg(long, value_enum, default_value_t = Format::Json)]
-        format: Format,
-    },
+    Context(Later<context::Options>),
     /// Print completions for a shell
     Completions {
         /// The shell
@@ -130,35 +83,6 @@ enum Command {
     },
     /// Print the manual page
     Man,
-}
-
-#[derive(Debug, Subcommand)]
-enum ControllersCommand {
-    /// List the built-in controls
-    List {
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
-    },
-    /// Show the facts of a control with their sources
-    Show {
-        /// An id of `controllers list`, or the path of a profile of your own
-        id: String,
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
-        /// Print the profile as it is, to start one of your own
-        #[arg(long, conflicts_with = "format")]
-        toml: bool,
-    },
-    /// Check a profile of your own and its templates
-    Check {
-        /// The profile (TOML)
-        file: PathBuf,
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
-    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -208,37 +132,18 @@ fn could_not() -> ExitCode {
 
 fn execute(command: Command) -> Result<Answer, Problems> {
     match command {
-        Command::Generate {
-            job,
-            output,
-            force,
-            format,
-        } => generate::run(&job, &output, force, format),
-        Command::Verify {
-            job,
-            tables,
-            after,
-            format,
-        } => verify::run(&job, &tables, after.as_deref(), format),
-        Command::Assess(options) => assess::run(&options),
-        Command::History { directory, format } => history::run(&directory, format),
+        Command::Generate(options) => generate::run(&options),
+        Command::Verify(options) => verify::run(&options),
+        Command::History(options) => history::run(&options),
         Command::Separate(options) => separate::run(&options),
-        Command::Program {
-            job,
-            output,
-            force,
-            format,
-        } => program::run(&job, &output, force, format),
+        Command::Assess(options) => assess::run(&options),
+        Command::Program(options) => program::run(&options),
         Command::Simulate(options) => simulate::run(&options),
-        Command::Path(options) => path::run(&options),
         Command::Import(options) => import::run(&options),
         Command::Standards(options) => standards::run(&options),
-        Command::Controllers { command } => match command {
-            ControllersCommand::List { format } => controllers::list(format),
-            ControllersCommand::Show { id, format, toml } => controllers::show(&id, format, toml),
-            ControllersCommand::Check { file, format } => controllers::check(&file, format),
-        },
-        Command::Context { job, format: _ } => context::run(&job),
+        Command::Path(options) => path::run(&options),
+        Command::Controllers { command } => controllers::run(&command),
+        Command::Context(options) => context::run(&options),
         Command::Completions { shell } => {
             let mut page = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "nonius", &mut page);

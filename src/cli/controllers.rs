@@ -9,10 +9,49 @@ use crate::job::Job;
 use crate::kit::{Inputs, generate};
 use crate::problem::Problems;
 use crate::program_kit;
+use clap::Subcommand;
 use serde_json::{Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-pub(super) fn list(format: Format) -> Result<Answer, Problems> {
+/// What `controllers` does.
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// List the built-in controls
+    List {
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
+    /// Show the facts of a control with their sources
+    Show {
+        /// An id of `controllers list`, or the path of a profile of your own
+        id: String,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+        /// Print the profile as it is, to start one of your own
+        #[arg(long, conflicts_with = "format")]
+        toml: bool,
+    },
+    /// Check a profile of your own and its templates
+    Check {
+        /// The profile (TOML)
+        file: PathBuf,
+        /// What to print
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
+}
+
+pub(super) fn run(command: &Command) -> Result<Answer, Problems> {
+    match command {
+        Command::List { format } => list(*format),
+        Command::Show { id, format, toml } => show(id, *format, *toml),
+        Command::Check { file, format } => check(file, *format),
+    }
+}
+
+fn list(format: Format) -> Result<Answer, Problems> {
     let profiles: Vec<Profile> = builtin::ids()
         .into_iter()
         .map(builtin::profile)
@@ -61,7 +100,7 @@ fn summary_json(profile: &Profile) -> Value {
     })
 }
 
-pub(super) fn show(id: &str, format: Format, toml: bool) -> Result<Answer, Problems> {
+fn show(id: &str, format: Format, toml: bool) -> Result<Answer, Problems> {
     let profile = inputs::profile(id, Path::new(""), &mut Vec::new())?;
     if toml {
         let page = match builtin::page(id) {
@@ -169,7 +208,7 @@ fn statement_lines(statement: &Statement) -> Vec<String> {
 
 /// Checks a profile and renders its templates with a small machine that has everything: nine
 /// errors, X in both directions.
-pub(super) fn check(file: &Path, format: Format) -> Result<Answer, Problems> {
+fn check(file: &Path, format: Format) -> Result<Answer, Problems> {
     let path = file.display().to_string();
     // A bare name is still a path here, so it gets a folder in front.
     let reference = if path.contains(['/', '\\']) {

@@ -7,14 +7,27 @@ use crate::forecast::Verdict;
 use crate::job::ActiveTables;
 use crate::kit::{Inputs, Kit, generate};
 use crate::problem::Problems;
+use clap::Args;
 use std::path::{Path, PathBuf};
 
-pub(super) fn run(
-    job: &Path,
-    directory: &Path,
+/// Options of `generate`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The job (TOML); `-` = standard input
+    job: PathBuf,
+    /// Directory of the kit; must not exist yet, or must be empty
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Replace an existing directory; the old one is kept as DIR.previous
+    #[arg(long)]
     force: bool,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-) -> Result<Answer, Problems> {
+}
+
+pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+    let (job, directory, force) = (&options.job, &options.output, options.force);
     write::ensure_free(directory, force)?;
     let inputs = inputs::read(job)?;
     keep_predecessor(job, directory, &inputs)?;
@@ -26,7 +39,7 @@ pub(super) fn run(
         .map(|file| (file.path.as_str(), file.bytes.as_slice()))
         .collect();
     write::write_kit(directory, &files, ("manifest.json", &manifest), force)?;
-    match format {
+    match options.format {
         Format::Json => print_json(&kit.manifest)?,
         Format::Text => print(&report(&inputs, &kit))?,
     };

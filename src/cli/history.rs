@@ -11,6 +11,7 @@ use crate::cli::inputs::{read_file, with_suffix};
 use crate::cli::{Answer, Format, print, print_json};
 use crate::kit::sha256;
 use crate::problem::{Problem, Problems, shown};
+use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -18,9 +19,19 @@ const MANIFEST: &str = "manifest.json";
 /// A chain of hashes cannot close to a ring; this bounds one of damaged links.
 const LONGEST_CHAIN: usize = 1000;
 
-pub(super) fn run(directory: &Path, format: Format) -> Result<Answer, Problems> {
-    let chain = follow(directory)?;
-    match format {
+/// Options of `history`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// Directory of a kit
+    directory: PathBuf,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+    let chain = follow(&options.directory)?;
+    match options.format {
         Format::Json => print_json(&document(&chain))?,
         Format::Text => print(&text(&chain))?,
     };

@@ -7,18 +7,31 @@ use crate::emit::program::FileRole;
 use crate::job::{Job, RunType, TargetGrid};
 use crate::problem::{Problem, Problems};
 use crate::program_kit::{ProgramKit, make};
-use std::path::Path;
+use clap::Args;
+use std::path::{Path, PathBuf};
 
 const MANIFEST: &str = "manifest.json";
 
-pub(super) fn run(
-    job: &Path,
-    directory: &Path,
+/// Options of `program`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The job (TOML) with a section [program]; `-` = standard input
+    job: PathBuf,
+    /// Directory of the programs; must not exist yet, or must be empty
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Replace an existing directory; the old one is kept as DIR.previous
+    #[arg(long)]
     force: bool,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-) -> Result<Answer, Problems> {
+}
+
+pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+    let (directory, force) = (&options.output, options.force);
     write::ensure_free(directory, force)?;
-    let (job, profile, hashes) = inputs::read_job_and_profile(job)?;
+    let (job, profile, hashes) = inputs::read_job_and_profile(&options.job)?;
     let kit = make(&job, &profile, &hashes)?;
     let manifest = serde_json::to_string_pretty(&kit.manifest)
         .map_err(|error| Problem::new(format!("the manifest cannot be written: {error}")))?;
@@ -29,7 +42,7 @@ pub(super) fn run(
         .map(|file| (file.path.as_str(), file.bytes.as_slice()))
         .collect();
     write::write_kit(directory, &files, (MANIFEST, &manifest), force)?;
-    match format {
+    match options.format {
         Format::Json => print_json(&kit.manifest)?,
         Format::Text => print(&report(&job, &profile.name, &kit))?,
     };

@@ -12,17 +12,32 @@ use crate::kit::{Inputs, Verification, sha256, verify, verify_read_out};
 use crate::manifest::{HashedFile, diagonals, picometres};
 use crate::problem::{Problem, Problems, shown};
 use crate::readback::kit::{KitFile, may_be_meant_for};
+use clap::Args;
 use serde_json::{Map, Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-pub(super) fn run(
-    job: &Path,
-    directory: &Path,
-    after: Option<&Path>,
+/// Options of `verify`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The job (TOML); `-` = standard input
+    job: PathBuf,
+    /// Directory with the control's files
+    #[arg(long, value_name = "DIR")]
+    tables: PathBuf,
+    /// A measurement with these tables active, against the forecast: an error table (CSV) or a job (TOML)
+    #[arg(long, value_name = "FILE|JOB")]
+    after: Option<PathBuf>,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-) -> Result<Answer, Problems> {
-    let inputs = inputs::read(job)?;
-    let second = after
+}
+
+pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+    let (directory, format) = (options.tables.as_path(), options.format);
+    let inputs = inputs::read(&options.job)?;
+    let second = options
+        .after
+        .as_deref()
         .map(|path| second::read(&inputs, path, directory))
         .transpose()?;
     let found = read_directory(&inputs, directory)?;
