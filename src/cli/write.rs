@@ -170,36 +170,38 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     }
 }
 
-/// Waits until all files are on the disk. A few at a time: a disk takes them together in little
-/// more time than one, and a thread for each costs more than it saves.
+/// Waits until all files are on the disk, then their directory. Two files at a time are waited for
+/// in turn: a disk takes many together in little more time than one, and a thread for each costs
+/// more than it saves.
 fn sync_all(files: &[(PathBuf, File)], directory: &Path) -> Result<(), Problems> {
-    const TOGETHER: usize = 3;
+    const IN_TURN: usize = 2;
+    let mut shares = files.chunks(IN_TURN);
+    let own = shares.next().unwrap_or_default();
+    let mut problems = Problems::none();
     std::thread::scope(|scope| {
-        let share = files.len().div_ceil(TOGETHER).max(1);
-        let waits: Vec<_> = files
-            .chunks(share)
-            .map(|files| scope.spawn(move || sync_in_turn(files)))
+        let waits: Vec<_> = shares
+            .map(|share| scope.spawn(move || sync_in_turn(share)))
             .collect();
-        sync_directory(directory);
-        let mut problems = Problems::none();
+        problems.extend(sync_in_turn(own));
         for wait in waits {
             match wait.join() {
-                Ok(outcome) => problems.extend(outcome.err().unwrap_or_default()),
+                Ok(found) => problems.extend(found),
                 Err(reason) => std::panic::resume_unwind(reason),
             }
         }
-        problems.or_ok(())
-    })
+    });
+    sync_directory(directory);
+    problems.or_ok(())
 }
 
-fn sync_in_turn(files: &[(PathBuf, File)]) -> Result<(), Problems> {
+fn sync_in_turn(files: &[(PathBuf, File)]) -> Problems {
     let mut problems = Problems::none();
     for (path, file) in files {
         if let Err(error) = file.sync_all() {
             problems.extend(not_written("cannot write", path, &error));
         }
     }
-    problems.or_ok(())
+    problems
 }
 
 /// A temporary directory is closed to others; a kit has the usual permissions.
