@@ -1,0 +1,288 @@
+//! Blocks that move: where their words lead, lines, arcs and the start of cycles.
+
+use super::{AXES, Asked, Interpreter, Reach, first_span, unknown_system};
+use crate::nc::arc::{around, centre_of_radius};
+use crate::nc::block::{Block, Span};
+use crate::nc::codes::Motion;
+use crate::nc::cycle::Cycle;
+use crate::nc::scan::Wrong;
+use crate::nc::{Move, Place, Refused, Shape, WithoutPoint, system_name};
+use crate::units::MM_PER_INCH;
+
+const CENTRES: [u8; 3] = *b"IJK";
+/// No machine has a kilometre of travel.
+const FARTHEST_MM: f64 = 1e6;
+/// Least input increment without a decimal point (IS-B).
+const INCREMENT_MM: f64 = 0.001;
+const INCREMENT_IN: f64 = 0.0001;
+
+impl Interpreter<'_> {
+    /// G80, then the motion word of the block.
+    pub(super) fn choose_motion(&mut self, asked: Asked) {
+        let motions = [asked.end_cycle.map(|_| Motion::Ended), asked.motion];
+        motions
+            .into_iter()
+            .flatten()
+            .for_each(|motion| self.set_motion(motion));
+    }
+
+    fn set_motion(&mut self, motion: Motion) {
+        let was_cycle = matches!(self.motion, Some(Motion::Cycle(_)));
+        if matches!(motion, Motion::Cycle(_)) {
+            let third = self.plane.axes()[2];
+            if !was_cycle {
+                let zero = self.offsets.base().map(|base| base[third]);
+                self.cycle = Some(Cycle::new(self.at[third], zero));
+            }
+        } else {
+            self.cycle = None;
+        }
+        self.motion = Some(motion);
+    }
+
+    pub(super) fn motion<F>(
+        &mut self,
+        block: &mut Block,
+        asked: Asked,
+        follow: &mut F,
+    ) -> Result<(), Wrong>
+    where
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        self.choose_motion(asked);
+        if let Some(Motion::Cycle(number)) = self.motion {
+            return self.cycle_block(block, number, asked.machine, follow);
+        }
+        let is_arc = matches!(self.motion, Some(Motion::Arc { .. }));
+        if !(block.has_any(&AXES) || is_arc && block.has_any(b"IJKR")) {
+            return match asked.machine {
+                Some(span) => Err(Wrong::new(
+                    span,
+                    "`G53` without an axis",
+                    "name the axes and their machine coordinates",
+                )),
+                None => Ok(()),
+            };
+        }
+        let span = first_span(block);
+        if asked.machine.is_some() && self.incremental {
+            return Err(Wrong::new(
+                span,
+                "`G53` takes machine coordinates, but G91 is active",
+                "write G90 before",
+            ));
+        }
+        match self.motion {
+            Some(motion @ (Motion::Rapid | Motion::Straight)) => {
+                let reach = if asked.machine.is_some() {
+                    Reach::Machine
+                } else {
+                    Reach::Program
+                };
+                let to = self.target(block, span, reach)?;
+                self.go(to, Shape::Line, motion == Motion::Rapid, span, follow)
+            }
+            Some(Motion::Arc { clockwise }) => {
+                if let Some(span) = asked.machine {
+                    return Err(Wrong::new(
+                        span,
+                        "`G53` with an arc",
+                        "position with G0 or G1 first",
+                    ));
+                }
+                self.arc(block, clockwise, span, follow)
+            }
+            Some(Motion::Ended) => Err(Wrong::new(
+                span,
+                "axis words after `G80`: controls differ in which motion is active then",
+                "write G0 or G1 before the coordinates",
+            )),
+            _ => Err(Wrong::new(
+                span,
+                "axis words, but no motion is active",
+                "write G0, G1, G2 or G3 before the first coordinates",
+            )),
+        }
+    }
+
+    /// Where the axis words of a block lead.
+    #[inline]
+    pub(super) fn target(
+        &mut self,
+        block: &mut Block,
+        span: Span,
+        reach: Reach,
+    ) -> Result<Place, Wrong> {
+        let words = self.axis_words(block)?;
+        let base = if reach == Reach::Machine || self.incremental {
+            [0.0; 3]
+        } else {
+            self.base(span)?
+        };
+        let mut to = self.at;
+        for axis in 0..3 {
+            let Some(value) = words[axis] else { continue };
+            to[axis] = if self.incremental {
+                self.at[axis] + value
+            } else {
+                base[axis] + value
+            };
+            if axis == 2 {
+                if self.incremental && reach == Reach::Program {
+                    to[2] += self.offsets.pending_z;
+                }
+                self.offsets.pending_z = 0.0; // what G43 or G49 left is made up for
+            }
+        }
+        if to.iter().all(|mm| mm.abs() <= FARTHEST_MM) {
+            return Ok(to);
+        }
+        Err(Wrong::new(
+            span,
+            "the move leads farther than a kilometre",
+            "check the coordinate and its decimal point",
+        ))
+    }
+
+    pub(in crate::nc) fn base(&mut self, span: Span) -> Result<Place, Wrong> {
+        match self.offsets.base() {
+            Some(base) => Ok(base),
+            None => Err(self.lose(span, self.offsets.active())),
+        }
+    }
+
+    /// A coordinate system whose zero is not known: told once, and no move is followed any more.
+    pub(super) fn lose(&mut self, span: Span, system: u32) -> Wrong {
+        self.is_lost = true;
+        self.offsets.set_system(system, [Some(0.0); 3], false);
+        self.offsets.select(system);
+        unknown_system(span, &system_name(system))
+    }
+
+    pub(super) fn axis_words(&mut self, block: &mut Block) -> Result<[Option<f64>; 3], Wrong> {
+        Ok([
+            self.length(block, b'X'),
+            self.length(block, b'Y'),
+            self.length(block, b'Z'),
+        ])
+    }
+
+    /// A length word in mm, as the units and the decimal point say.
+    #[inline]
+    pub(in crate::nc) fn length(&mut self, block: &mut Block, letter: u8) -> Option<f64> {
+        let value = block.value(letter)?;
+        let unit = if self.inch { MM_PER_INCH } else { 1.0 };
+        if block.has_point(letter) {
+            return Some(value * unit);
+        }
+        self.tally.without_point += u64::from(value != 0.0);
+        if self.tally.first_without_point == 0 && value != 0.0 {
+            self.tally.first_without_point = self.line;
+        }
+        Some(match (self.setup.without_point, self.inch) {
+            (WithoutPoint::Unit, _) => value * unit,
+            (WithoutPoint::Increment, false) => value * INCREMENT_MM,
+            (WithoutPoint::Increment, true) => value * INCREMENT_IN * MM_PER_INCH,
+        })
+    }
+
+    fn arc<F>(
+        &mut self,
+        block: &mut Block,
+        clockwise: bool,
+        span: Span,
+        follow: &mut F,
+    ) -> Result<(), Wrong>
+    where
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        let ends = (self.at, self.target(block, span, Reach::Program)?);
+        let in_words = |message| {
+            Wrong::new(
+                span,
+                message,
+                "check end, centre and plane (G17, G18, G19) of the arc",
+            )
+        };
+        let centre = if block.has(b'R') {
+            let radius = self.length(block, b'R').unwrap_or(0.0);
+            if block.has_any(&CENTRES) {
+                return Err(Wrong::new(
+                    block.span(b'R'),
+                    "the arc has a radius and a centre",
+                    "keep one of them",
+                ));
+            }
+            centre_of_radius(self.plane, clockwise, ends, radius).map_err(in_words)?
+        } else {
+            self.centre(block, span)?
+        };
+        let arc = around(self.plane, clockwise, ends, centre);
+        match arc {
+            Ok(arc) => self.go(ends.1, Shape::Arc(arc), false, span, follow),
+            Err(message) => {
+                self.at = ends.1; // what follows is judged from where the program means to be
+                Err(in_words(message))
+            }
+        }
+    }
+
+    /// The centre by I, J, K: those of the plane.
+    fn centre(&mut self, block: &mut Block, span: Span) -> Result<[f64; 2], Wrong> {
+        let [first, second, _] = self.plane.axes();
+        let words = [first, second].map(|axis| (axis, self.length(block, CENTRES[axis])));
+        if words.iter().all(|(_, word)| word.is_none()) {
+            return Err(Wrong::new(
+                span,
+                "the arc has neither a centre in its plane nor a radius",
+                "write two of I, J, K, or R",
+            ));
+        }
+        let base = if self.absolute_centre {
+            self.base(span)?
+        } else {
+            self.at
+        };
+        if self.absolute_centre && words.iter().any(|(_, word)| word.is_none()) {
+            return Err(Wrong::new(
+                span,
+                "with G90.1 both centre words are needed",
+                "write both",
+            ));
+        }
+        Ok(words.map(|(axis, word)| base[axis] + word.unwrap_or(0.0)))
+    }
+
+    /// Makes a move, and stands at its end.
+    pub(in crate::nc) fn go<F>(
+        &mut self,
+        to: Place,
+        shape: Shape,
+        rapid: bool,
+        span: Span,
+        follow: &mut F,
+    ) -> Result<(), Wrong>
+    where
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        let step = Move {
+            from: self.at,
+            to,
+            shape,
+            rapid,
+            plane: self.plane,
+            tool_mm: self.offsets.tool(),
+            line: self.line,
+            hole: self.hole,
+        };
+        self.at = to;
+        let stays = (0..3).all(|k| (to[k] - step.from[k]).abs() <= 0.0);
+        if matches!(step.shape, Shape::Line) && stays {
+            return Ok(());
+        }
+        if self.is_lost {
+            return Ok(());
+        }
+        follow(&step).map_err(|refused| Wrong::new(span, refused.message, refused.help))
+    }
+}
