@@ -8,7 +8,10 @@
 pub mod builtin;
 pub mod checklist;
 pub mod load;
+mod load_check;
 mod load_checklist;
+mod load_facts;
+mod load_files;
 mod load_program;
 pub mod program;
 

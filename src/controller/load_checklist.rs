@@ -1,7 +1,7 @@
 //! `[[checklist]]` of a profile.
 
 use crate::controller::checklist::{List, ROLES, Step, Subject, When, is_placeholder, pieces};
-use crate::controller::load::evidence;
+use crate::controller::load_facts::evidence;
 use crate::controller::{Evidence, Mechanism};
 use crate::document::Section;
 use crate::problem::shown;

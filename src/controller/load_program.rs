@@ -1,6 +1,7 @@
 //! `[program]` of a profile.
 
-use crate::controller::load::{FactReader, TemplateFinder};
+use crate::controller::load::TemplateFinder;
+use crate::controller::load_facts::FactReader;
 use crate::controller::program::{Language, ProgramFacts};
 use crate::document::Section;
 use crate::problem::shown;
