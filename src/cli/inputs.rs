@@ -1,33 +1,26 @@
 //! Files of a user → checked inputs.
 
 mod active;
+mod campaign;
+mod files;
 
 pub(super) use self::active::read as active_control;
+pub(super) use campaign::{CampaignFiles, campaign_files, read_campaign};
+pub(super) use files::{beside_job, file_name, plain_words, read_argument, read_file, with_suffix};
 
-use crate::after::{StraightRuns, Walk};
 use crate::axis::Axis;
 use crate::controller::{Origin, Profile, builtin, load};
-use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
+use crate::diagonal::PathKind;
 use crate::document::Source;
-use crate::emit::TOOL;
-use crate::error_table::{self, Draft, ErrorTable};
+use crate::error_table::{self, ErrorTable};
 use crate::import::source_of;
 use crate::job::ahead::ahead;
-use crate::job::{BacklashPolicy, DiagonalMeasurement, Job, LinearSlope, MeasuredData, UseOf};
+use crate::job::{BacklashPolicy, DiagonalMeasurement, Job, MeasuredData, UseOf};
 use crate::kit::{Inputs, hashed};
 use crate::manifest::HashedFile;
 use crate::problem::{Problem, Problems};
-use crate::readings::Readings;
-use crate::separation::noise::{means, run_counts};
-use crate::separation::prepare::{self, NamedTables};
-use crate::separation::repeats::repeats;
-use crate::separation::straight::{StraightResult, straight};
-use crate::separation::{self, Campaign, Separation, table};
-use std::io::Read;
-use std::path::{Path, PathBuf};
-
-/// Files larger than this are no job, table or profile (an error table of 10 000 points has 1 MB).
-const LARGEST_INPUT_BYTES: u64 = 64 * 1024 * 1024;
+use crate::separation::Separation;
+use std::path::Path;
 
 /// Reads a job and everything it names, for tables.
 pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
@@ -250,181 +243,6 @@ fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
     }
 }
 
-/// A measurement of diagonals with everything that its job names.
-pub(super) struct CampaignFiles {
-    job: Job,
-    /// How it was measured.
-    pub(super) measurement: DiagonalMeasurement,
-    readings: Readings,
-    tables: NamedTables,
-    closure_errors: Option<ErrorTable>,
-    readings_sha256: String,
-}
-
-impl CampaignFiles {
-    /// What goes into a separation beside the readings.
-    pub(super) fn campaign(&self) -> Result<Campaign<'_>, Problems> {
-        let known = |run| self.readings.offset_known(run);
-        let reverse_zero_known = self.readings.runs.iter().all(known);
-        prepare::campaign(
-            &self.job,
-            &self.measurement,
-            &self.tables,
-            reverse_zero_known,
-        )
-    }
-
-    /// The nine errors.
-    pub(super) fn separate(&self) -> Result<Separation, Problems> {
-        self.check_turn()?;
-        let mut separation = separation::separate(&self.campaign()?, &self.readings.runs);
-        separation.labels.splice(0..0, self.readings.notes());
-        Ok(separation)
-    }
-
-    /// Reverse runs with a zero of their own hide where the axes reversed.
-    fn check_turn(&self) -> Result<(), Problems> {
-        let back = |run: &&Run| run.pass == Pass::Reverse && !self.readings.offset_known(run);
-        let hidden = self.readings.runs.iter().find(back);
-        match hidden.filter(|_| self.measurement.overrun.is_none()) {
-            None => Ok(()),
-            Some(run) => Err(self
-                .job
-                .problem_at(
-                    "measurement.step_diagonal",
-                    format!(
-                        "the runs under the name {} count from their own start, so the readings do not tell whether the axes ran over the far end: `overrun` is missing",
-                        run.diagonal.reverse_name()
-                    ),
-                )
-                .help("state `overrun = true` or `overrun = false` as it was measured; without overrun the first moves back hold the lost motion of the axes")
-                .into()),
-        }
-    }
-
-    /// What straight runs say.
-    pub(super) fn straight(&self) -> Result<StraightResult, Problems> {
-        let mut result = straight(
-            &self.campaign()?,
-            &self.readings.runs,
-            self.closure_errors.as_ref(),
-        )?;
-        result.labels.splice(0..0, self.readings.notes());
-        Ok(result)
-    }
-
-    /// Means and figures of straight runs, for a comparison with a forecast.
-    pub(super) fn straight_runs(&self) -> Result<StraightRuns, Problems> {
-        let result = self.straight()?;
-        let counts = run_counts(&result.runs);
-        let means = means(&result.runs);
-        let mut walks = Vec::new();
-        for diagonal in Diagonal::ALL {
-            let passes = [
-                (Pass::Forward, Some(&means.forward)),
-                (Pass::Reverse, means.reverse.as_ref()),
-            ];
-            for (pass, readings) in passes {
-                walks.extend(readings.map(|of| Walk {
-                    diagonal,
-                    pass,
-                    readings_um: of[diagonal].clone(),
-                }));
-            }
-        }
-        let fewest = counts.iter().flat_map(|(_, both)| both).copied();
-        let fewest = fewest
-            .filter(|count| *count > 0.0)
-            .fold(f64::INFINITY, f64::min);
-        let stated = self.job.measurement.uncertainty.noise_um;
-        let sigma_um = repeats(&result.runs)
-            .noise
-            .map(|noise| noise.sigma_um)
-            .or(stated);
-        Ok(StraightRuns {
-            volume: self.measurement.volume.clone(),
-            walks,
-            range_um: PerDiagonal::from_fn(|d| result.diagonals[d].range_um),
-            u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
-            scale_um_per_m: self.job.measurement.uncertainty.laser_ppm.unwrap_or(0.0),
-            labels: result.labels,
-            one_zero: self
-                .readings
-                .runs
-                .iter()
-                .all(|run| self.readings.offset_known(run)),
-        })
-    }
-
-    /// The error table, with where it comes from and what it rests on.
-    pub(super) fn draft(&self, separation: &Separation) -> Draft {
-        let comments = vec![
-            format!("nine errors separated from step diagonals by {TOOL}"),
-            format!(
-                "source: {} sha256 {}",
-                self.measurement.readings, self.readings_sha256
-            ),
-        ];
-        table::draft(separation, self.job.compensation.backlash, comments)
-    }
-}
-
-/// Reads a job with readings and everything it names.
-pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> {
-    let (name, bytes) = read_argument(job_path)?;
-    let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
-    let folder = job_path.parent().unwrap_or(Path::new(""));
-    let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
-        return Err(job
-            .problem_at(
-                "measurement.errors",
-                "this job gives `errors`, which are separated already",
-            )
-            .help("a job with `readings` is needed here")
-            .into());
-    };
-    campaign_files(&job, measurement, folder, &mut Vec::new())
-}
-
-pub(super) fn campaign_files(
-    job: &Job,
-    measurement: &DiagonalMeasurement,
-    folder: &Path,
-    hashes: &mut Vec<HashedFile>,
-) -> Result<CampaignFiles, Problems> {
-    let mut read = |path: &str, key: &str| read_named(job, folder, path, key, hashes);
-    let (source, readings_sha256) = read(&measurement.readings, "measurement.readings")?;
-    let readings = Readings::read(source, measurement)?;
-    let mut tables = NamedTables::default();
-    for (index, linear) in measurement.linear.iter().enumerate() {
-        tables.linear.push(match &linear.slope {
-            LinearSlope::Stated(_) => None,
-            LinearSlope::Errors(path) => {
-                let key = format!("measurement.step_diagonal.linear[{index}].errors");
-                Some(ErrorTable::read(read(path, &key)?.0)?)
-            }
-        });
-    }
-    if let Some(path) = &job.measurement.angles {
-        tables.angles = Some(ErrorTable::read(read(path, "measurement.angles")?.0)?);
-    }
-    let closure_errors = match &measurement.closure_errors {
-        None => None,
-        Some(path) => {
-            let key = "measurement.step_diagonal.closure_errors";
-            Some(ErrorTable::read(read(path, key)?.0)?)
-        }
-    };
-    Ok(CampaignFiles {
-        job: job.clone(),
-        measurement: measurement.clone(),
-        readings,
-        tables,
-        closure_errors,
-        readings_sha256,
-    })
-}
-
 /// A built-in profile by id, or a user's own by path (relative to `folder`).
 pub(super) fn profile(
     reference: &str,
@@ -468,80 +286,4 @@ fn own_template(
         hashes.push(hashed(name, text.as_bytes()));
     }
     Some(text)
-}
-
-/// The next step for a file that a job names.
-pub(super) fn beside_job(problem: Problem) -> Problem {
-    or_help(
-        problem,
-        "relative paths in a job are relative to the job file",
-    )
-}
-
-fn or_help(problem: Problem, help: &str) -> Problem {
-    match problem.help {
-        Some(_) => problem,
-        None => problem.help(help),
-    }
-}
-
-pub(super) fn file_name(path: &Path) -> String {
-    path.file_name().map_or_else(
-        || "-".to_string(),
-        |name| name.to_string_lossy().into_owned(),
-    )
-}
-
-/// A file argument: `-` is standard input.
-pub(super) fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Problems> {
-    if path != Path::new("-") {
-        let bytes = read_file(path).map_err(|p| or_help(p, "check the path"))?;
-        return Ok((path.display().to_string(), bytes));
-    }
-    let mut bytes = Vec::new();
-    std::io::stdin()
-        .take(LARGEST_INPUT_BYTES)
-        .read_to_end(&mut bytes)
-        .map_err(|error| Problem::new(format!("standard input cannot be read: {error}")))?;
-    Ok(("standard input".to_string(), bytes))
-}
-
-/// The bytes of a file.
-pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
-    let name = path.display();
-    let refuse = |error: std::io::Error| {
-        Problem::new(format!("`{name}` cannot be read: {}", plain_words(&error)))
-    };
-    let length = std::fs::metadata(path).map_err(refuse)?;
-    if length.is_dir() {
-        return Err(
-            Problem::new(format!("`{name}` is a directory, expected a file"))
-                .help("name a file in it"),
-        );
-    }
-    if length.len() > LARGEST_INPUT_BYTES {
-        return Err(Problem::new(format!(
-            "`{name}` has {} bytes, too many for an input",
-            length.len()
-        )));
-    }
-    std::fs::read(path).map_err(refuse)
-}
-
-/// What went wrong, the same on every operating system where it is common.
-pub(super) fn plain_words(error: &std::io::Error) -> String {
-    match error.kind() {
-        std::io::ErrorKind::NotFound => "it does not exist".to_string(),
-        std::io::ErrorKind::NotADirectory => "a part of its path is a file".to_string(),
-        std::io::ErrorKind::PermissionDenied => "permission denied".to_string(),
-        std::io::ErrorKind::StorageFull => "no space left".to_string(),
-        _ => error.to_string(),
-    }
-}
-
-/// A path beside another one: the same name with something added.
-pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = path.as_os_str().to_os_string();
-    name.push(suffix);
-    PathBuf::from(name)
 }

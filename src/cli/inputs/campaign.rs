@@ -1,0 +1,193 @@
+//! A measurement of body diagonals with everything that its job names.
+
+use super::{read_argument, read_named};
+use crate::after::{StraightRuns, Walk};
+use crate::diagonal::{Diagonal, Pass, PerDiagonal, Run};
+use crate::document::Source;
+use crate::emit::TOOL;
+use crate::error_table::{Draft, ErrorTable};
+use crate::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use crate::manifest::HashedFile;
+use crate::problem::Problems;
+use crate::readings::Readings;
+use crate::separation::noise::{means, run_counts};
+use crate::separation::prepare::{self, NamedTables};
+use crate::separation::repeats::repeats;
+use crate::separation::straight::{StraightResult, straight};
+use crate::separation::{self, Campaign, Separation, table};
+use std::path::Path;
+
+/// A measurement of diagonals with everything that its job names.
+pub(in crate::cli) struct CampaignFiles {
+    job: Job,
+    /// How it was measured.
+    pub(in crate::cli) measurement: DiagonalMeasurement,
+    readings: Readings,
+    tables: NamedTables,
+    closure_errors: Option<ErrorTable>,
+    readings_sha256: String,
+}
+
+impl CampaignFiles {
+    /// What goes into a separation beside the readings.
+    pub(in crate::cli) fn campaign(&self) -> Result<Campaign<'_>, Problems> {
+        let known = |run| self.readings.offset_known(run);
+        let reverse_zero_known = self.readings.runs.iter().all(known);
+        prepare::campaign(
+            &self.job,
+            &self.measurement,
+            &self.tables,
+            reverse_zero_known,
+        )
+    }
+
+    /// The nine errors.
+    pub(in crate::cli) fn separate(&self) -> Result<Separation, Problems> {
+        self.check_turn()?;
+        let mut separation = separation::separate(&self.campaign()?, &self.readings.runs);
+        separation.labels.splice(0..0, self.readings.notes());
+        Ok(separation)
+    }
+
+    /// Reverse runs with a zero of their own hide where the axes reversed.
+    fn check_turn(&self) -> Result<(), Problems> {
+        let back = |run: &&Run| run.pass == Pass::Reverse && !self.readings.offset_known(run);
+        let hidden = self.readings.runs.iter().find(back);
+        match hidden.filter(|_| self.measurement.overrun.is_none()) {
+            None => Ok(()),
+            Some(run) => Err(self
+                .job
+                .problem_at(
+                    "measurement.step_diagonal",
+                    format!(
+                        "the runs under the name {} count from their own start, so the readings do not tell whether the axes ran over the far end: `overrun` is missing",
+                        run.diagonal.reverse_name()
+                    ),
+                )
+                .help("state `overrun = true` or `overrun = false` as it was measured; without overrun the first moves back hold the lost motion of the axes")
+                .into()),
+        }
+    }
+
+    /// What straight runs say.
+    pub(in crate::cli) fn straight(&self) -> Result<StraightResult, Problems> {
+        let mut result = straight(
+            &self.campaign()?,
+            &self.readings.runs,
+            self.closure_errors.as_ref(),
+        )?;
+        result.labels.splice(0..0, self.readings.notes());
+        Ok(result)
+    }
+
+    /// Means and figures of straight runs, for a comparison with a forecast.
+    pub(in crate::cli) fn straight_runs(&self) -> Result<StraightRuns, Problems> {
+        let result = self.straight()?;
+        let counts = run_counts(&result.runs);
+        let means = means(&result.runs);
+        let mut walks = Vec::new();
+        for diagonal in Diagonal::ALL {
+            let passes = [
+                (Pass::Forward, Some(&means.forward)),
+                (Pass::Reverse, means.reverse.as_ref()),
+            ];
+            for (pass, readings) in passes {
+                walks.extend(readings.map(|of| Walk {
+                    diagonal,
+                    pass,
+                    readings_um: of[diagonal].clone(),
+                }));
+            }
+        }
+        let fewest = counts.iter().flat_map(|(_, both)| both).copied();
+        let fewest = fewest
+            .filter(|count| *count > 0.0)
+            .fold(f64::INFINITY, f64::min);
+        let stated = self.job.measurement.uncertainty.noise_um;
+        let sigma_um = repeats(&result.runs)
+            .noise
+            .map(|noise| noise.sigma_um)
+            .or(stated);
+        Ok(StraightRuns {
+            volume: self.measurement.volume.clone(),
+            walks,
+            range_um: PerDiagonal::from_fn(|d| result.diagonals[d].range_um),
+            u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
+            scale_um_per_m: self.job.measurement.uncertainty.laser_ppm.unwrap_or(0.0),
+            labels: result.labels,
+            one_zero: self
+                .readings
+                .runs
+                .iter()
+                .all(|run| self.readings.offset_known(run)),
+        })
+    }
+
+    /// The error table, with where it comes from and what it rests on.
+    pub(in crate::cli) fn draft(&self, separation: &Separation) -> Draft {
+        let comments = vec![
+            format!("nine errors separated from step diagonals by {TOOL}"),
+            format!(
+                "source: {} sha256 {}",
+                self.measurement.readings, self.readings_sha256
+            ),
+        ];
+        table::draft(separation, self.job.compensation.backlash, comments)
+    }
+}
+
+/// Reads a job with readings and everything it names.
+pub(in crate::cli) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> {
+    let (name, bytes) = read_argument(job_path)?;
+    let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
+    let folder = job_path.parent().unwrap_or(Path::new(""));
+    let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
+        return Err(job
+            .problem_at(
+                "measurement.errors",
+                "this job gives `errors`, which are separated already",
+            )
+            .help("a job with `readings` is needed here")
+            .into());
+    };
+    campaign_files(&job, measurement, folder, &mut Vec::new())
+}
+
+pub(in crate::cli) fn campaign_files(
+    job: &Job,
+    measurement: &DiagonalMeasurement,
+    folder: &Path,
+    hashes: &mut Vec<HashedFile>,
+) -> Result<CampaignFiles, Problems> {
+    let mut read = |path: &str, key: &str| read_named(job, folder, path, key, hashes);
+    let (source, readings_sha256) = read(&measurement.readings, "measurement.readings")?;
+    let readings = Readings::read(source, measurement)?;
+    let mut tables = NamedTables::default();
+    for (index, linear) in measurement.linear.iter().enumerate() {
+        tables.linear.push(match &linear.slope {
+            LinearSlope::Stated(_) => None,
+            LinearSlope::Errors(path) => {
+                let key = format!("measurement.step_diagonal.linear[{index}].errors");
+                Some(ErrorTable::read(read(path, &key)?.0)?)
+            }
+        });
+    }
+    if let Some(path) = &job.measurement.angles {
+        tables.angles = Some(ErrorTable::read(read(path, "measurement.angles")?.0)?);
+    }
+    let closure_errors = match &measurement.closure_errors {
+        None => None,
+        Some(path) => {
+            let key = "measurement.step_diagonal.closure_errors";
+            Some(ErrorTable::read(read(path, key)?.0)?)
+        }
+    };
+    Ok(CampaignFiles {
+        job: job.clone(),
+        measurement: measurement.clone(),
+        readings,
+        tables,
+        closure_errors,
+        readings_sha256,
+    })
+}
