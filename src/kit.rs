@@ -5,137 +5,31 @@
 //! went in.
 
 mod field;
+mod inputs;
 mod loaded_state;
 mod rollback;
+mod verification;
 
-use crate::active::{self, ActiveControl};
 use crate::axis::Axis;
-use crate::compensation::{Compiled, compile};
-use crate::control_state::ControlState;
+use crate::compensation::Compiled;
 use crate::controller::Profile;
 use crate::disagreement;
 pub use crate::document::sha256;
 use crate::emit::{self, RenderedFile, TOOL, Templates};
 pub use crate::emulate::emulator;
 use crate::emulate::{CannotEmulate, Emulator};
-use crate::error_table::ErrorTable;
-use crate::forecast::{Forecast, Machine, Verdict, forecast};
-use crate::job::Job;
+use crate::forecast::{Forecast, Verdict, forecast};
 pub use crate::manifest::hashed;
 use crate::manifest::{self, HashedFile, Manifest, Predecessor, SCHEMA};
-use crate::model::ErrorModel;
-use crate::plan::{Plan, Task, plan};
+use crate::plan::{Plan, plan};
 use crate::problem::{Problem, Problems};
 use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::target::wants;
 use field::{Made, as_kit_file};
-use loaded_state::read_out_state;
+pub use inputs::Inputs;
 pub use loaded_state::{LoadedState, loaded_state};
 use serde_json::json;
-
-/// The inputs of a kit, read and checked.
-#[derive(Clone, Debug)]
-pub struct Inputs {
-    /// The job.
-    pub job: Job,
-    /// The control.
-    pub profile: Profile,
-    /// The errors of the machine without compensation as curves: what the tables are made for.
-    pub model: ErrorModel,
-    /// The errors as they were measured, where tables were active meanwhile.
-    pub under_tables: Option<ErrorModel>,
-    /// Every file that went in, with its hash.
-    pub hashes: Vec<HashedFile>,
-    /// The control as it was while measuring, where the job names its files.
-    pub active: Option<ActiveControl>,
-    /// What the sum of old tables and residual has to say, one sentence each.
-    pub active_notes: Vec<String>,
-}
-
-impl Inputs {
-    /// Puts checked files together.
-    pub fn new(
-        job: Job,
-        profile: Profile,
-        table: &ErrorTable,
-        hashes: Vec<HashedFile>,
-    ) -> Result<Inputs, Problems> {
-        let model = ErrorModel::build(&job, table)?;
-        Ok(Inputs::of(job, profile, model, hashes))
-    }
-
-    /// The same for figures of the volume, where angles alone will do.
-    pub fn for_figures(
-        job: Job,
-        profile: Profile,
-        table: &ErrorTable,
-        hashes: Vec<HashedFile>,
-    ) -> Result<Inputs, Problems> {
-        let model = ErrorModel::for_figures(&job, table)?;
-        Ok(Inputs::of(job, profile, model, hashes))
-    }
-
-    fn of(job: Job, profile: Profile, model: ErrorModel, hashes: Vec<HashedFile>) -> Inputs {
-        Inputs {
-            job,
-            profile,
-            model,
-            under_tables: None,
-            hashes,
-            active: None,
-            active_notes: Vec::new(),
-        }
-    }
-
-    /// Adds the angular errors of a table of their own (`measurement.angles`).
-    pub fn with_angles(mut self, table: &ErrorTable) -> Result<Inputs, Problems> {
-        self.model.add_angles(&self.job, table)?;
-        Ok(self)
-    }
-
-    /// The same inputs, measured while these tables were active: new = old + residual.
-    pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
-        let (model, notes) = active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
-        self.under_tables = Some(std::mem::replace(&mut self.model, model));
-        self.active_notes = [active.notes.clone(), notes].concat();
-        self.active = Some(active);
-        Ok(self)
-    }
-
-    /// The errors as they were measured.
-    pub fn as_measured(&self) -> &ErrorModel {
-        self.under_tables.as_ref().unwrap_or(&self.model)
-    }
-
-    /// The machine as measured and without compensation.
-    pub fn machine(&self) -> Machine<'_> {
-        Machine {
-            as_measured: self.as_measured(),
-            uncompensated: &self.model,
-        }
-    }
-
-    /// The plan in the control's numbers, beside the tables that were active.
-    fn compile(&self, plan: &Plan) -> Result<Compiled, Problems> {
-        let mut compiled = compile(self.task(), plan)?;
-        if let Some(active) = &self.active {
-            active::collisions(&self.job, active, &compiled.tables)?;
-            let stale = active::left_over(active, &compiled.tables);
-            compiled.preconditions.extend(stale);
-            compiled.assumptions.extend(active.assumptions.clone());
-            compiled.notes.extend(self.active_notes.clone());
-        }
-        Ok(compiled)
-    }
-
-    fn task(&self) -> Task<'_> {
-        Task {
-            job: &self.job,
-            profile: &self.profile,
-            model: &self.model,
-        }
-    }
-}
+pub use verification::{Verification, verify, verify_read_out};
 
 /// A complete kit.
 #[derive(Clone, Debug)]
@@ -377,124 +271,6 @@ fn named_backlash(inputs: &Inputs, plan: &Plan, compiled: &Compiled, name: &str)
         return Some(compiled.state.axis(name)?.backlash_um);
     }
     inputs.active.as_ref()?.backlash_um[axis]
-}
-
-/// What `verify` finds.
-#[derive(Clone, Debug)]
-pub struct Verification {
-    /// The plan of the job.
-    pub plan: Plan,
-    /// What the job compiles to (assumptions, preconditions, notes).
-    pub compiled: Compiled,
-    /// What the files of the directory hold.
-    pub found: crate::table::Tables,
-    /// The control outside the files, as they go with it.
-    pub state: ControlState,
-    /// What the tables will leave; absent where they cannot be emulated.
-    pub forecast: Option<Forecast>,
-    /// How the tables differ from what the job asks for, one sentence each.
-    pub disagreements: Vec<String>,
-    /// What no file of the directory does, and what to see to on the control instead.
-    pub absent: Vec<String>,
-    /// Why the measured errors are doubtful, one sentence each.
-    pub doubts: Vec<String>,
-    /// Forecast against the acceptance; a disagreement fails, a doubt leaves it undecided.
-    pub verdict: Verdict,
-}
-
-/// Judges the bytes of a directory against a job. Only these bytes and the state of the control
-/// outside them go into the forecast: `state` of the kit's manifest, else what the job states.
-pub fn verify(
-    inputs: &Inputs,
-    files: &[KitFile<'_>],
-    named: Option<&serde_json::Value>,
-    mut disagreements: Vec<String>,
-) -> Result<Verification, Problems> {
-    let task = inputs.task();
-    let plan = plan(task)?;
-    let compiled = inputs.compile(&plan)?;
-    let loaded = loaded_state(inputs, &plan, &compiled, named);
-    let read = read(&inputs.profile, files)?;
-    emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
-    let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
-    disagreements.extend(words);
-    disagreements.extend(loaded.disagreements);
-    disagreements.extend(field::differences(inputs, &plan, &compiled, files)?);
-    let found = found.and_then(|_| emulator(&inputs.profile, &read.tables, &loaded.state));
-    let verification = Verification {
-        absent: disagreement::absent(&inputs.profile, &compiled.tables, &read),
-        plan,
-        compiled,
-        found: read.tables,
-        state: loaded.state,
-        forecast: None,
-        disagreements,
-        doubts: doubts(inputs),
-        verdict: Verdict::Fail,
-    };
-    Ok(verification.forecast_with(inputs, found.ok().as_deref()))
-}
-
-/// Judges what was read out of a control by what it does to the job's axes: whatever else it holds
-/// was passed over, and its notes say so.
-pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verification, Problems> {
-    let plan = plan(inputs.task())?;
-    let compiled = inputs.compile(&plan)?;
-    let loaded = read_out_state(inputs, &plan, &compiled, control);
-    let with = |tables, state| emulator(&inputs.profile, tables, state);
-    let wanted = with(&compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
-    let mut disagreements = disagreement::measuring_systems(&compiled.tables, &control.tables);
-    match with(&control.tables, &compiled.state) {
-        Ok(found) => {
-            let differs = disagreement::compare(&plan, wanted.as_ref(), found.as_ref());
-            disagreements.extend(differs.words);
-        }
-        Err(reason) => disagreements.push(reason.0),
-    }
-    disagreements.extend(loaded.disagreements);
-    let found = with(&control.tables, &loaded.state);
-    let assumed = control.assumptions.iter();
-    let assumed = assumed.map(|a| format!("no file holds {}: it is taken to be on", a.fact));
-    let parameters = control.backlash_um.iter().filter_map(|(axis, found)| {
-        let um = found.filter(|um| um.abs() > 0.0)?;
-        Some(format!(
-            "the control holds a backlash parameter of {um} µm for {axis}"
-        ))
-    });
-    let verification = Verification {
-        absent: control
-            .notes
-            .iter()
-            .cloned()
-            .chain(assumed)
-            .chain(parameters)
-            .collect(),
-        plan,
-        compiled,
-        found: control.tables.clone(),
-        state: loaded.state,
-        forecast: None,
-        disagreements,
-        doubts: doubts(inputs),
-        verdict: Verdict::Fail,
-    };
-    Ok(verification.forecast_with(inputs, found.ok().as_deref()))
-}
-
-impl Verification {
-    /// The forecast of a control, and the verdict.
-    fn forecast_with(mut self, inputs: &Inputs, control: Option<&dyn Emulator>) -> Verification {
-        match control.map(|control| forecast(inputs.machine(), &self.plan, control)) {
-            Some(Ok(forecast)) => self.forecast = Some(forecast),
-            Some(Err(reason)) => self.disagreements.push(reason.0),
-            None => {}
-        }
-        self.disagreements.dedup();
-        if let (Some(forecast), true) = (&self.forecast, self.disagreements.is_empty()) {
-            self.verdict = judged(forecast, inputs, &self.doubts);
-        }
-        self
-    }
 }
 
 /// A control with tables in it, and the plan that names its axes.

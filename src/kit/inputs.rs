@@ -1,0 +1,116 @@
+//! What a kit is made from.
+
+use crate::active::{self, ActiveControl};
+use crate::compensation::{Compiled, compile};
+use crate::controller::Profile;
+use crate::error_table::ErrorTable;
+use crate::forecast::Machine;
+use crate::job::Job;
+use crate::manifest::HashedFile;
+use crate::model::ErrorModel;
+use crate::plan::{Plan, Task};
+use crate::problem::Problems;
+
+/// The inputs of a kit, read and checked.
+#[derive(Clone, Debug)]
+pub struct Inputs {
+    /// The job.
+    pub job: Job,
+    /// The control.
+    pub profile: Profile,
+    /// The errors of the machine without compensation as curves: what the tables are made for.
+    pub model: ErrorModel,
+    /// The errors as they were measured, where tables were active meanwhile.
+    pub under_tables: Option<ErrorModel>,
+    /// Every file that went in, with its hash.
+    pub hashes: Vec<HashedFile>,
+    /// The control as it was while measuring, where the job names its files.
+    pub active: Option<ActiveControl>,
+    /// What the sum of old tables and residual has to say, one sentence each.
+    pub active_notes: Vec<String>,
+}
+
+impl Inputs {
+    /// Puts checked files together.
+    pub fn new(
+        job: Job,
+        profile: Profile,
+        table: &ErrorTable,
+        hashes: Vec<HashedFile>,
+    ) -> Result<Inputs, Problems> {
+        let model = ErrorModel::build(&job, table)?;
+        Ok(Inputs::of(job, profile, model, hashes))
+    }
+
+    /// The same for figures of the volume, where angles alone will do.
+    pub fn for_figures(
+        job: Job,
+        profile: Profile,
+        table: &ErrorTable,
+        hashes: Vec<HashedFile>,
+    ) -> Result<Inputs, Problems> {
+        let model = ErrorModel::for_figures(&job, table)?;
+        Ok(Inputs::of(job, profile, model, hashes))
+    }
+
+    fn of(job: Job, profile: Profile, model: ErrorModel, hashes: Vec<HashedFile>) -> Inputs {
+        Inputs {
+            job,
+            profile,
+            model,
+            under_tables: None,
+            hashes,
+            active: None,
+            active_notes: Vec::new(),
+        }
+    }
+
+    /// Adds the angular errors of a table of their own (`measurement.angles`).
+    pub fn with_angles(mut self, table: &ErrorTable) -> Result<Inputs, Problems> {
+        self.model.add_angles(&self.job, table)?;
+        Ok(self)
+    }
+
+    /// The same inputs, measured while these tables were active: new = old + residual.
+    pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
+        let (model, notes) = active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
+        self.under_tables = Some(std::mem::replace(&mut self.model, model));
+        self.active_notes = [active.notes.clone(), notes].concat();
+        self.active = Some(active);
+        Ok(self)
+    }
+
+    /// The errors as they were measured.
+    pub fn as_measured(&self) -> &ErrorModel {
+        self.under_tables.as_ref().unwrap_or(&self.model)
+    }
+
+    /// The machine as measured and without compensation.
+    pub fn machine(&self) -> Machine<'_> {
+        Machine {
+            as_measured: self.as_measured(),
+            uncompensated: &self.model,
+        }
+    }
+
+    /// The plan in the control's numbers, beside the tables that were active.
+    pub(super) fn compile(&self, plan: &Plan) -> Result<Compiled, Problems> {
+        let mut compiled = compile(self.task(), plan)?;
+        if let Some(active) = &self.active {
+            active::collisions(&self.job, active, &compiled.tables)?;
+            let stale = active::left_over(active, &compiled.tables);
+            compiled.preconditions.extend(stale);
+            compiled.assumptions.extend(active.assumptions.clone());
+            compiled.notes.extend(self.active_notes.clone());
+        }
+        Ok(compiled)
+    }
+
+    pub(super) fn task(&self) -> Task<'_> {
+        Task {
+            job: &self.job,
+            profile: &self.profile,
+            model: &self.model,
+        }
+    }
+}
