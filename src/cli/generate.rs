@@ -167,12 +167,20 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
         }
         (None, _) => "no file of this kit switches off what is there, see to it by hand".to_string(),
     };
-    let order = match &inputs.profile.dialect {
-        Dialect::Siemens(_) => "; order of loading: docs/siemens.md §4.2",
-        Dialect::Fanuc(_) => "; order of loading and way back: docs/fanuc.md §4.2",
-        Dialect::Generic(_) => "",
+    let explained = match &inputs.profile.dialect {
+        Dialect::Siemens(_) => "docs/siemens.md §4.2",
+        Dialect::Fanuc(_) => "docs/fanuc.md §4.2",
+        Dialect::Generic(_) => "the control's manual",
     };
-    format!("before loading: archive the control; {off}{order}")
+    let checklist = kit.files.iter().find(|file| file.role == Role::Checklist);
+    let order = match checklist {
+        Some(file) => format!(
+            "order of loading and way back: {}, why: {explained}",
+            file.path
+        ),
+        None => format!("order of loading and way back: {explained}"),
+    };
+    format!("before loading: archive the control; {off}; {order}")
 }
 
 fn purpose(role: Role) -> &'static str {
