@@ -5,10 +5,13 @@
     reason = "a test may stop at what it did not expect"
 )]
 
+#[path = "support/run.rs"]
+mod run;
+
+use run::ended;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 const JOB: &str = r#"schema = 1
 [machine]
@@ -34,20 +37,6 @@ const ERRORS: &str = "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,6,3\nx,100,16,
 const NONE_ACTIVE: &str = "active_while_measuring = \"none\"";
 const KIT_ACTIVE: &str = "active_while_measuring = \"kit\"";
 
-fn nonius(directory: &Path, arguments: &str) -> (Option<i32>, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(arguments.split_whitespace())
-        .current_dir(directory)
-        .output()
-        .unwrap();
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace('\r', "");
-    (
-        output.status.code(),
-        text(&output.stdout),
-        text(&output.stderr),
-    )
-}
-
 /// A directory with the job, its kit and the second measurement.
 fn visit(after: &str) -> tempfile::TempDir {
     let directory = tempfile::tempdir().unwrap();
@@ -55,14 +44,14 @@ fn visit(after: &str) -> tempfile::TempDir {
     fs::write(path.join("job.toml"), JOB).unwrap();
     fs::write(path.join("errors.csv"), ERRORS).unwrap();
     fs::write(path.join("after.csv"), after).unwrap();
-    let (_, _, said) = nonius(path, "generate job.toml -o kit");
+    let (_, _, said) = ended(path, "generate job.toml -o kit");
     assert!(path.join("kit/manifest.json").is_file(), "{said}");
     directory
 }
 
 fn judged(directory: &Path, after: &str) -> (Option<i32>, Value) {
     let command = format!("verify job.toml --tables kit --after {after} --format json");
-    let (status, text, said) = nonius(directory, &command);
+    let (status, text, said) = ended(directory, &command);
     (
         status,
         serde_json::from_str(&text).unwrap_or_else(|_| panic!("{said}")),
@@ -166,7 +155,7 @@ fn tables_that_do_not_act_are_named_with_the_look_that_decides() {
         &[[0.0, 0.0, 0.0], [50.0, 6.0, 3.0], [100.0, 16.0, -4.0]],
         0.1,
     ));
-    let (status, page, _) = nonius(
+    let (status, page, _) = ended(
         directory.path(),
         "verify job.toml --tables kit --after after.csv",
     );
@@ -183,8 +172,8 @@ fn a_job_with_readings_gives_what_its_separated_table_gives() {
     for name in ["job.toml", "readings.csv"] {
         fs::copy(start.join(name), directory.path().join(name)).unwrap();
     }
-    nonius(directory.path(), "generate job.toml -o kit");
-    nonius(directory.path(), "separate job.toml -o after.csv");
+    ended(directory.path(), "generate job.toml -o kit");
+    ended(directory.path(), "separate job.toml -o after.csv");
     let job = fs::read_to_string(directory.path().join("job.toml")).unwrap();
     let after = job.replace(NONE_ACTIVE, KIT_ACTIVE);
     fs::write(directory.path().join("after.toml"), after).unwrap();
@@ -238,7 +227,7 @@ fn a_second_job_that_does_not_say_what_was_active_is_warned_about() {
 fn a_second_job_may_name_the_same_tables_elsewhere() {
     let directory = visit(LEFT);
     let path = directory.path();
-    nonius(path, "generate job.toml -o archive");
+    ended(path, "generate job.toml -o archive");
     let archive = after_job("active_while_measuring = \"archive\"", "");
     fs::write(path.join("after.toml"), archive).unwrap();
     let (status, document) = judged(path, "after.toml");
@@ -272,7 +261,7 @@ fn far_fewer_positions_leave_it_undecided() {
     let directory = visit(LEFT);
     let path = directory.path();
     fs::write(path.join("errors.csv"), rows(10)).unwrap();
-    nonius(path, "generate job.toml -o kit --force");
+    ended(path, "generate job.toml -o kit --force");
     for (step, verdict) in [(20, "pass"), (25, "undecided"), (100, "undecided")] {
         fs::write(path.join("after.csv"), rows(step)).unwrap();
         let (_, document) = judged(path, "after.csv");
@@ -294,7 +283,7 @@ fn both_ways(policy: &str, lost_um: f64) -> tempfile::TempDir {
         &format!("[compensation]\nbacklash = \"{policy}\"\n"),
     );
     fs::write(path.join("job.toml"), job).unwrap();
-    nonius(path, "generate job.toml -o kit --force");
+    ended(path, "generate job.toml -o kit --force");
     directory
 }
 
@@ -407,10 +396,10 @@ fn another_frame_leaves_it_undecided() {
 fn the_backlash_parameter_of_a_kit_is_the_one_of_its_manifest() {
     let directory = both_ways("curve-and-parameter", 3.0);
     let path = directory.path();
-    let (status, said, _) = nonius(path, "verify job.toml --tables kit");
+    let (status, said, _) = ended(path, "verify job.toml --tables kit");
     assert_eq!(status, Some(0), "{said}");
     fs::write(path.join("errors.csv"), directed(["0", "6", "16"], 5.0)).unwrap();
-    let (status, said, _) = nonius(path, "verify job.toml --tables kit --format json");
+    let (status, said, _) = ended(path, "verify job.toml --tables kit --format json");
     let document: Value = serde_json::from_str(&said).unwrap();
     assert_eq!((status, &document["verdict"]), (Some(1), &"fail".into()));
     assert!(
@@ -418,7 +407,7 @@ fn the_backlash_parameter_of_a_kit_is_the_one_of_its_manifest() {
         "{document:#}"
     );
     assert_eq!(document["terms"]["EXX"]["forecast_um"], 2.0);
-    let (_, said, _) = nonius(path, "simulate job.toml --tables kit --errors -o -");
+    let (_, said, _) = ended(path, "simulate job.toml --tables kit --errors -o -");
     assert!(said.contains("x,-,100,2,"), "{said}");
     assert!(
         said.contains("3.000 µm as manifest.json of the kit names it"),
@@ -434,7 +423,7 @@ fn a_read_out_is_judged_by_what_it_does() {
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
     fs::copy(from.join("siemens-840d-sl.toml"), path.join("job.toml")).unwrap();
     fs::copy(from.join("errors.csv"), path.join("errors.csv")).unwrap();
-    nonius(path, "generate job.toml -o kit");
+    ended(path, "generate job.toml -o kit");
     let tables = |name: &str| {
         let text = fs::read_to_string(path.join("kit").join(name)).unwrap();
         let lines = text.lines().filter(|line| line.starts_with('$'));
@@ -449,7 +438,7 @@ fn a_read_out_is_judged_by_what_it_does() {
     .concat();
     fs::create_dir(path.join("out")).unwrap();
     fs::write(path.join("out/all.arc"), &archive).unwrap();
-    let (status, said, trouble) = nonius(path, "verify job.toml --tables out");
+    let (status, said, trouble) = ended(path, "verify job.toml --tables out");
     assert_eq!(status, Some(0), "{said}{trouble}");
     assert!(
         said.contains("1 other machine data were passed over"),
@@ -459,6 +448,6 @@ fn a_read_out_is_judged_by_what_it_does() {
     assert!(said.contains("backlash parameter of 6 µm for X"), "{said}");
     let backlash = archive.replace("M30", "$AA_ENC_COMP[0,3,AX1]=0.5\nM30");
     fs::write(path.join("out/all.arc"), backlash).unwrap();
-    let (status, said, _) = nonius(path, "verify job.toml --tables out");
+    let (status, said, _) = ended(path, "verify job.toml --tables out");
     assert_ne!(status, Some(0), "{said}");
 }

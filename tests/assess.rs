@@ -6,6 +6,9 @@
     reason = "a test that cannot go on has to stop"
 )]
 
+#[path = "support/run.rs"]
+mod run;
+
 use nonius::axis::{Axis, ErrorTerm, PerTerm};
 use nonius::definitions::ByComponent;
 use nonius::document::Source;
@@ -14,18 +17,9 @@ use nonius::job::Job;
 use nonius::model::ErrorModel;
 use nonius::space::cloud::longest;
 use nonius::volume_model::VolumeModel;
+use run::nonius;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
-
-fn nonius(directory: &Path, arguments: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(arguments.split_whitespace())
-        .current_dir(directory)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts")
-}
 
 fn fixtures(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))

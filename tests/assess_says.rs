@@ -8,18 +8,12 @@
     reason = "a test that cannot go on has to stop; figures of one document are rounded alike"
 )]
 
+#[path = "support/run.rs"]
+mod run;
+
+use run::nonius;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-
-fn nonius(directory: &Path, arguments: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(arguments.split_whitespace())
-        .current_dir(directory)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts")
-}
 
 fn page(directory: &Path, arguments: &str) -> String {
     let output = nonius(directory, arguments);

@@ -8,11 +8,14 @@
 
 mod support;
 
+#[path = "support/run.rs"]
+mod run;
+
+use run::ended;
 use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use support::Random;
 
 /// Noise of both measurements, µm.
@@ -141,20 +144,6 @@ fn job(machine: &Machine, errors: &str, active: &str) -> String {
     text + "[acceptance]\nmax_deviation_um = 10.0\n"
 }
 
-fn nonius(directory: &Path, command: &str) -> (Option<i32>, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(command.split_whitespace())
-        .current_dir(directory)
-        .output()
-        .unwrap();
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace('\r', "");
-    (
-        output.status.code(),
-        text(&output.stdout),
-        text(&output.stderr),
-    )
-}
-
 /// The machine measured and its kit made.
 fn visit(machine: &Machine) -> tempfile::TempDir {
     let directory = tempfile::tempdir().unwrap();
@@ -170,14 +159,14 @@ fn visit(machine: &Machine) -> tempfile::TempDir {
 }
 
 fn made(path: &Path, job: &str, kit: &str) {
-    let (_, _, said) = nonius(path, &format!("generate {job} -o {kit}"));
+    let (_, _, said) = ended(path, &format!("generate {job} -o {kit}"));
     assert!(path.join(kit).join("manifest.json").is_file(), "{said}");
 }
 
 /// The diagnosis of a second measurement.
 fn diagnosis(path: &Path, job: &str, kit: &str, after: &str) -> Value {
     let command = format!("verify {job} --tables {kit} --after {after} --format json");
-    let (_, text, said) = nonius(path, &command);
+    let (_, text, said) = ended(path, &command);
     let document: Value = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{said}"));
     document["diagnosis"].clone()
 }
@@ -463,7 +452,7 @@ fn millimetres_under_a_heading_for_micrometres_are_refused() {
         // The noise, too, is in mm.
         let text = table(&SIEMENS, 2, |row| 1000.0 * left(row));
         fs::write(path.join("after.csv"), in_mm(&text)).unwrap();
-        let (status, _, said) = nonius(path, "verify job.toml --tables kit --after after.csv");
+        let (status, _, said) = ended(path, "verify job.toml --tables kit --after after.csv");
         assert_eq!(status, Some(2), "{said}");
         assert!(said.contains("a slip of their unit"), "{said}");
     }
@@ -581,7 +570,7 @@ fn a_machine_that_became_warmer_by_one_kelvin_is_named() {
         "simulate machine.toml --tables kit --noise-um 0.3 --seed 13 --scale-um-per-m 11.5 -o after.csv",
         "simulate machine.toml --tables kit --noise-um 0.3 --seed 14 --scale-um-per-m 11.5 --errors -o linear-after.csv",
     ] {
-        let (status, _, said) = nonius(path, command);
+        let (status, _, said) = ended(path, command);
         assert!(status < Some(2), "{command}: {said}");
     }
     let found = diagnosis(path, "job.toml", "kit", "after.toml");

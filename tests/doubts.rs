@@ -9,6 +9,9 @@
 #[path = "support/diagonals.rs"]
 mod simulated;
 
+#[path = "support/run.rs"]
+mod run;
+
 use nonius::axis::{Axis, PerAxis};
 use nonius::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use nonius::job::{Frame, SetUp};
@@ -18,11 +21,12 @@ use nonius::separation::{Separation, separate};
 use nonius::units::Deviation;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use run::nonius;
 use serde_json::Value;
 use simulated::{Machine, naive, runs, volume, with_noise};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 
 const SIGMA_UM: f64 = 0.3;
 
@@ -320,15 +324,6 @@ fn copy(
     put("readings.csv", readings(read("readings.csv")));
     put("job.toml", job(read("job.toml")));
     directory
-}
-
-fn nonius(directory: &Path, command: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(command.split_whitespace())
-        .current_dir(directory)
-        .stdin(Stdio::null())
-        .output()
-        .unwrap()
 }
 
 fn said(output: &Output, status: i32) -> String {

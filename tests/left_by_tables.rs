@@ -7,19 +7,13 @@
     reason = "a test that cannot go on has to stop"
 )]
 
+#[path = "support/run.rs"]
+mod run;
+
+use run::nonius;
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
-
-fn nonius(directory: &Path, arguments: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(arguments.split_whitespace())
-        .current_dir(directory)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts")
-}
 
 fn json(directory: &Path, arguments: &str) -> Value {
     let output = nonius(directory, &format!("{arguments} --format json"));

@@ -6,10 +6,14 @@
     reason = "a test may stop at what it did not expect"
 )]
 
+#[path = "support/run.rs"]
+mod run;
+
+use run::nonius;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 
 fn fixture(case: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -26,15 +30,6 @@ fn copy(case: &str, change: impl Fn(String) -> String) -> tempfile::TempDir {
     put("truth.csv", read("truth.csv"));
     put("job.toml", change(read("job.toml")));
     directory
-}
-
-fn nonius(directory: &Path, command: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(command.split_whitespace())
-        .current_dir(directory)
-        .stdin(Stdio::null())
-        .output()
-        .unwrap()
 }
 
 fn stdout(output: &Output) -> String {
