@@ -2,12 +2,14 @@
 
 use crate::problem::{Place, Problem};
 use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// The templates of one profile, in which a name always means the same text.
 #[derive(Default)]
 pub struct Templates {
-    /// Those that were asked for.
-    parsed: RefCell<tera::Tera>,
+    /// Those that were asked for; each stands alone and sees nothing of the others.
+    parsed: RefCell<BTreeMap<String, tera::Tera>>,
 }
 
 impl Templates {
@@ -20,12 +22,19 @@ impl Templates {
     ) -> Result<String, Problem> {
         let refuse = |error: tera::Error| template_problem(name, template, &error);
         let mut parsed = self.parsed.borrow_mut();
-        if !parsed.get_template_names().any(|known| known == name) {
-            parsed.autoescape_on(Vec::<&'static str>::new());
-            parsed.add_raw_template(name, template).map_err(refuse)?;
-        }
-        parsed.render(name, context).map_err(refuse)
+        let alone = match parsed.entry(name.to_string()) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => new.insert(alone(name, template).map_err(refuse)?),
+        };
+        alone.render(name, context).map_err(refuse)
     }
+}
+
+fn alone(name: &str, template: &str) -> Result<tera::Tera, tera::Error> {
+    let mut tera = tera::Tera::default();
+    tera.autoescape_on(Vec::<&'static str>::new());
+    tera.add_raw_template(name, template)?;
+    Ok(tera)
 }
 
 /// A problem of a template at its place in the template.
@@ -51,5 +60,22 @@ fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem 
     match place {
         Some(place) => problem.at(place),
         None => problem,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Templates;
+
+    #[test]
+    #[allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+    fn a_template_sees_nothing_of_those_rendered_before() {
+        let (templates, nothing) = (Templates::default(), tera::Context::new());
+        let first = templates.text("first", "one line\n", &nothing);
+        assert_eq!(first.expect("it is text"), "one line\n");
+        let including = "{% include \"first\" %}";
+        assert!(templates.text("second", including, &nothing).is_err());
+        let again = templates.text("first", "one line\n", &nothing);
+        assert_eq!(again.expect("it is text"), "one line\n");
     }
 }
