@@ -170,12 +170,14 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     }
 }
 
-/// Waits until all files are on the disk, then their directory. Two files at a time are waited for
-/// in turn: a disk takes many together in little more time than one, and a thread for each costs
-/// more than it saves.
+/// Waits until all files are on the disk, then their directory. At least two files are waited for
+/// in turn: a disk takes several together in little more time than one, and a thread for each
+/// costs more than it saves.
 fn sync_all(files: &[(PathBuf, File)], directory: &Path) -> Result<(), Problems> {
-    const IN_TURN: usize = 2;
-    let mut shares = files.chunks(IN_TURN);
+    const LEAST_IN_TURN: usize = 2;
+    const MOST_TOGETHER: usize = 5;
+    let in_turn = files.len().div_ceil(MOST_TOGETHER).max(LEAST_IN_TURN);
+    let mut shares = files.chunks(in_turn);
     let own = shares.next().unwrap_or_default();
     let mut problems = Problems::none();
     std::thread::scope(|scope| {
