@@ -28,6 +28,8 @@ pub enum List {
     Places,
     /// Preconditions with their values.
     Preconditions,
+    /// What is assumed of the control, with the consequence.
+    Assumptions,
     /// The largest movement of each axis when the tables are switched.
     Movement,
     /// Bumps, and what has to be seen.
@@ -43,9 +45,10 @@ pub enum List {
 
 impl List {
     /// The words of profiles (`list = "…"`).
-    pub const WORDS: [(&'static str, List); 7] = [
+    pub const WORDS: [(&'static str, List); 8] = [
         ("places", List::Places),
         ("preconditions", List::Preconditions),
+        ("assumptions", List::Assumptions),
         ("movement", List::Movement),
         ("sign-proofs", List::SignProofs),
         ("display", List::Display),

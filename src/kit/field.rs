@@ -80,6 +80,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let lists = |list: List| match list {
         List::Places => lists::places(made),
         List::Preconditions => lists::preconditions(made.compiled),
+        List::Assumptions => lists::assumptions(made.compiled),
         List::Movement => movement.clone(),
         List::SignProofs => shown.iter().flat_map(|s| reading::items(made, s)).collect(),
         List::Display => lists::display(made),

@@ -21,6 +21,14 @@ pub(super) fn preconditions(compiled: &Compiled) -> Vec<String> {
         .collect()
 }
 
+/// What is assumed of the control and matters for this kit.
+pub(super) fn assumptions(compiled: &Compiled) -> Vec<String> {
+    let list = compiled.assumptions.iter();
+    list.filter(|a| a.without_effect.is_none())
+        .map(|a| format!("{} = {}; if wrong: {}", a.fact, a.value, a.consequence))
+        .collect()
+}
+
 /// One place of each table with what the file holds there: where that is largest. Siemens only,
 /// no display of another control is known.
 pub(super) fn display(made: &Made<'_>) -> Vec<String> {
