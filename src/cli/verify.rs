@@ -45,7 +45,8 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     if found.names_missing {
         verification.absent.clear(); // a listed file that is missing was named
     }
-    verification.absent.extend(found.notes.iter().cloned());
+    let notes = found.notes.iter().chain(&found.other_inputs);
+    verification.absent.extend(notes.cloned());
     if let Some(second) = second {
         return page::answer(&inputs, directory, &verification, &second, format);
     }
@@ -95,6 +96,8 @@ pub(super) struct Found {
     pub(super) remarks: Vec<String>,
     /// What was passed over, and what may explain a disagreement.
     pub(super) notes: Vec<String>,
+    /// Inputs of the job that differ from those the kit was made from, in a sentence.
+    other_inputs: Option<String>,
     /// A listed file that is missing is among the remarks.
     names_missing: bool,
     /// The kit was made for another control.
@@ -275,7 +278,7 @@ fn compare_origin(found: &mut Found, document: &Value, inputs: &Inputs) {
         .map(|i| format!("`{}`", shown(&i.path)))
         .collect();
     if !names.is_empty() {
-        found.notes.push(format!(
+        found.other_inputs = Some(format!(
             "the kit was made from other inputs: {} differ{} from what manifest.json has",
             names.join(", "),
             if names.len() == 1 { "s" } else { "" }
