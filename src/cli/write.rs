@@ -13,7 +13,9 @@ use crate::cli::inputs::{plain_words, with_suffix};
 use crate::problem::{Problem, Problems};
 use std::fs::{self, File};
 use std::io::Write;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::thread::Builder;
 use tempfile::NamedTempFile;
 
 /// A file to be written: name and bytes.
@@ -170,9 +172,10 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     }
 }
 
-/// Waits until all files are on the disk, then their directory. At least two files are waited for
-/// in turn: a disk takes several together in little more time than one, and a thread for each
-/// costs more than it saves.
+/// Waits until all files are on the disk, then their directory. A few threads share them, the main
+/// thread takes the first share, and each syncs its files one after the other: a disk takes
+/// several together in little more time than one, and a thread for each costs more than it saves.
+/// Where no thread can be started the main thread does its share too.
 fn sync_all(files: &[(PathBuf, File)], directory: &Path) -> Result<(), Problems> {
     const LEAST_IN_TURN: usize = 2;
     const MOST_TOGETHER: usize = 5;
@@ -181,15 +184,17 @@ fn sync_all(files: &[(PathBuf, File)], directory: &Path) -> Result<(), Problems>
     let own = shares.next().unwrap_or_default();
     let mut problems = Problems::none();
     std::thread::scope(|scope| {
-        let waits: Vec<_> = shares
-            .map(|share| scope.spawn(move || sync_in_turn(share)))
-            .collect();
+        let start = |share| {
+            let thread = Builder::new().spawn_scoped(scope, move || sync_in_turn(share));
+            (share, thread)
+        };
+        let waits: Vec<_> = shares.map(start).collect();
         problems.extend(sync_in_turn(own));
-        for wait in waits {
-            match wait.join() {
-                Ok(found) => problems.extend(found),
-                Err(reason) => std::panic::resume_unwind(reason),
-            }
+        for (share, thread) in waits {
+            problems.extend(match thread {
+                Ok(thread) => thread.join().unwrap_or_else(|reason| resume_unwind(reason)),
+                Err(_) => sync_in_turn(share),
+            });
         }
     });
     sync_directory(directory);
