@@ -168,19 +168,22 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
         (None, _) => "no file of this kit switches off what is there, see to it by hand".to_string(),
     };
     let explained = match &inputs.profile.dialect {
-        Dialect::Siemens(_) => "docs/siemens.md §4.2",
-        Dialect::Fanuc(_) => "docs/fanuc.md §4.2",
-        Dialect::Generic(_) => "the control's manual",
+        Dialect::Siemens(_) => Some("docs/siemens.md §4.2"),
+        Dialect::Fanuc(_) => Some("docs/fanuc.md §4.2"),
+        Dialect::Generic(_) => None,
     };
     let checklist = kit.files.iter().find(|file| file.role == Role::Checklist);
-    let order = match checklist {
-        Some(file) => format!(
-            "order of loading and way back: {}, why: {explained}",
-            file.path
-        ),
-        None => format!("order of loading and way back: {explained}"),
+    let order = match (checklist.map(|file| &file.path), explained) {
+        (Some(file), Some(page)) => {
+            format!("; order of loading and way back: {file}, why: {page}")
+        }
+        (Some(file), None) => format!("; order of loading and way back: {file}"),
+        (None, Some(page)) => {
+            format!("; order of loading: {page}, as this kit has no checklist")
+        }
+        (None, None) => String::new(),
     };
-    format!("before loading: archive the control; {off}; {order}")
+    format!("before loading: archive the control; {off}{order}")
 }
 
 fn purpose(role: Role) -> &'static str {
