@@ -126,7 +126,7 @@ impl<'a> Line<'a> {
         columns: usize,
         problems: &mut Problems,
     ) -> Option<Vec<Cow<'a, str>>> {
-        if self.text.matches('"').count() % 2 == 1 {
+        if self.text.bytes().filter(|byte| *byte == b'"').count() % 2 == 1 {
             problems.push(
                 Problem::new("a quotation mark is opened but not closed in this row")
                     .at(self.whole())
@@ -215,8 +215,8 @@ fn number_of(cell: &str, decimal_comma: bool) -> Option<f64> {
 /// A number of digits, signs, a decimal point and an exponent; no words such as `inf` and `NaN`.
 pub fn plain_number(text: &str) -> Option<f64> {
     let plain = text
-        .chars()
-        .all(|c| c.is_ascii_digit() || "+-.eE".contains(c));
+        .bytes()
+        .all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
     text.parse::<f64>().ok().filter(|_| plain)
 }
 

@@ -19,6 +19,7 @@ use crate::job::ActiveTables;
 use crate::plan::Task;
 use crate::problem::{Problem, Problems};
 use crate::table::Tables;
+use compact_str::{CompactString, format_compact};
 use serde::Serialize;
 pub use templates::Templates;
 
@@ -367,14 +368,14 @@ fn with_line_ends(text: String, line_end: &str) -> String {
 }
 
 /// A number with a fixed number of decimals, never `-0`.
-fn fixed(number: f64, decimals: u32) -> String {
+fn fixed(number: f64, decimals: u32) -> CompactString {
     if let Some(text) = counted(number, decimals) {
         return text;
     }
-    let text = format!("{number:.*}", decimals as usize);
+    let text = format_compact!("{number:.*}", decimals as usize);
     let zero = text.chars().all(|c| "-0.".contains(c));
     if zero {
-        text.trim_start_matches('-').to_string()
+        text.trim_start_matches('-').into()
     } else {
         text
     }
@@ -382,31 +383,43 @@ fn fixed(number: f64, decimals: u32) -> String {
 
 /// The same text from whole counts of the last decimal, where the number is one but for rounding
 /// in its last bits, as nearly every number of a table is; the formatter takes several times as long.
-fn counted(number: f64, decimals: u32) -> Option<String> {
+fn counted(number: f64, decimals: u32) -> Option<CompactString> {
     const LARGEST: f64 = 1e12; // the product below is then off by less than 1e-3
+    const MOST_DECIMALS: u32 = 12;
     let scaled = number * 10_f64.powi(i32::try_from(decimals).ok()?);
     let count = scaled.round();
     let is_count = count.abs() <= LARGEST && (scaled - count).abs() <= 1e-3;
-    if !is_count {
+    if !is_count || decimals > MOST_DECIMALS {
         return None; // NaN too: it must not become a zero
     }
     #[allow(clippy::cast_possible_truncation, reason = "below LARGEST")]
     let count = count as i64;
-    let digits = count.unsigned_abs().to_string();
-    let places = decimals as usize;
-    let whole = digits.len().saturating_sub(places);
-    let mut text = String::with_capacity(digits.len() + places + "-0.".len());
-    text.push_str(if count < 0 { "-" } else { "" });
-    text.push_str(if whole == 0 { "0" } else { &digits[..whole] });
-    if places > 0 {
-        text.push('.');
-        text.extend(std::iter::repeat_n(
-            '0',
-            places.saturating_sub(digits.len()),
-        ));
-        text.push_str(&digits[whole..]);
+    Some(pointed(count, decimals))
+}
+
+/// A whole number of up to 13 digits with a point before the last `decimals` ≤ 12 of them.
+fn pointed(count: i64, decimals: u32) -> CompactString {
+    const MOST_BYTES: usize = "-1000000000000.".len();
+    let mut text = [b'0'; MOST_BYTES];
+    let mut start = text.len();
+    let mut put_before = |byte| {
+        start -= 1;
+        text[start] = byte;
+    };
+    let mut rest = count.unsigned_abs();
+    let mut place = 0;
+    while place <= decimals || rest > 0 {
+        if place == decimals && place > 0 {
+            put_before(b'.');
+        }
+        put_before(b"0123456789"[(rest % 10) as usize]);
+        rest /= 10;
+        place += 1;
     }
-    Some(text)
+    if count < 0 {
+        put_before(b'-');
+    }
+    CompactString::from_utf8_lossy(&text[start..])
 }
 
 #[cfg(test)]
@@ -420,6 +433,8 @@ mod tests {
         assert_eq!(fixed(-0.012, 3), "-0.012");
         assert_eq!(fixed(1234.5, 0), "1234"); // half to even, as the formatter of numbers does
         assert_eq!(fixed(-0.3, 1), "-0.3");
+        assert_eq!(fixed(-1e12, 0), "-1000000000000");
+        assert_eq!(fixed(-1.0, 12), "-1.000000000000");
         assert_eq!(fixed(f64::NAN, 3), "NaN"); // no input brings one here; a control would refuse it
     }
 
@@ -430,7 +445,7 @@ mod tests {
             let number = count as f64 / 10_f64.powi(decimals as i32) * (1.0 + f64::from(off) * f64::EPSILON);
             let text = format!("{number:.*}", decimals as usize);
             let text = if count == 0 { text.trim_start_matches('-').to_string() } else { text };
-            prop_assert_eq!(counted(number, decimals), Some(text));
+            prop_assert_eq!(counted(number, decimals), Some(text.into()));
         }
     }
 }

@@ -267,7 +267,8 @@ impl Response {
     /// `from`, `to` and every place between them where the correction bends or jumps, mm,
     /// ascending.
     pub fn breaks(&self, from: Millimetres, to: Millimetres) -> Vec<f64> {
-        let mut breaks = Vec::new();
+        let nodes: usize = self.tables.iter().map(|table| table.values_um.len()).sum();
+        let mut breaks = Vec::with_capacity(nodes + 2);
         for table in &self.tables {
             table.breaks(from.mm(), to.mm(), &mut breaks);
         }

@@ -38,12 +38,17 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
         .iter()
         .map(|file| (file.path.as_str(), file.bytes.as_slice()))
         .collect();
-    write::write_kit(directory, &files, ("manifest.json", &manifest), force)?;
-    match options.format {
-        Format::Json => print_json(&kit.manifest)?,
-        Format::Text => print(&report(&inputs, &kit))?,
+    let talk = || {
+        let report = (options.format == Format::Text).then(|| report(&inputs, &kit));
+        (report, next_steps(job, directory, &inputs, &kit))
     };
-    say(&next_steps(job, directory, &inputs, &kit));
+    let manifest = ("manifest.json", manifest.as_slice());
+    let (report, next_steps) = write::write_kit(directory, &files, manifest, force, talk)?;
+    match report {
+        None => print_json(&kit.manifest)?,
+        Some(report) => print(&report)?,
+    };
+    say(&next_steps);
     Ok(if kit.verdict == Verdict::Pass {
         Answer::Yes
     } else {

@@ -41,12 +41,18 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
         .iter()
         .map(|file| (file.path.as_str(), file.bytes.as_slice()))
         .collect();
-    write::write_kit(directory, &files, (MANIFEST, &manifest), force)?;
-    match options.format {
-        Format::Json => print_json(&kit.manifest)?,
-        Format::Text => print(&report(&job, &profile.name, &kit))?,
+    let talk = || {
+        let wanted = options.format == Format::Text;
+        let report = wanted.then(|| report(&job, &profile.name, &kit));
+        (report, next_steps(directory, &kit))
     };
-    say(&next_steps(directory, &kit));
+    let manifest = (MANIFEST, manifest.as_slice());
+    let (report, next_steps) = write::write_kit(directory, &files, manifest, force, talk)?;
+    match report {
+        None => print_json(&kit.manifest)?,
+        Some(report) => print(&report)?,
+    };
+    say(&next_steps);
     Ok(Answer::Yes)
 }
 

@@ -12,7 +12,7 @@
 use crate::cli::inputs::{plain_words, with_suffix};
 use crate::problem::{Problem, Problems};
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{Read, Seek, Write};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread::Builder;
@@ -48,13 +48,15 @@ pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems>
     }
 }
 
-/// Writes all files, then `manifest`, then puts the directory into place.
-pub(super) fn write_kit(
+/// Writes all files, then `manifest`, then puts the directory into place. While the disk works
+/// on it the program does `meanwhile`, whose result it gives.
+pub(super) fn write_kit<T>(
     directory: &Path,
     files: &[NamedBytes<'_>],
     manifest: NamedBytes<'_>,
     force: bool,
-) -> Result<(), Problems> {
+    meanwhile: impl FnOnce() -> T,
+) -> Result<T, Problems> {
     let directory = trimmed(directory);
     if directory.file_name().is_none() {
         let message = format!("`{}` is no name for a new directory", directory.display());
@@ -74,7 +76,7 @@ pub(super) fn write_kit(
         written.push((path, handle));
     }
     open_to_others(partial.path());
-    sync_all(&written, partial.path())?;
+    let done = sync_all(&written, partial.path(), meanwhile)?;
     let previous = make_room(&directory, force)?;
     if let Err(error) = fs::rename(partial.path(), &directory) {
         // Put the old kit back; if that fails too, it is complete at DIR.previous.
@@ -84,7 +86,7 @@ pub(super) fn write_kit(
     sync_directory(&parent);
     // The directory has its final name now; there is nothing left to remove.
     let _ = partial.keep();
-    Ok(())
+    Ok(done)
 }
 
 /// Refuses a file that exists, before any work is done.
@@ -163,7 +165,10 @@ fn trimmed(directory: &Path) -> PathBuf {
 fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     let mut file = File::create_new(path)?;
     file.write_all(bytes)?;
-    if fs::read(path)? == bytes {
+    file.rewind()?;
+    let mut found = Vec::with_capacity(bytes.len() + 1);
+    file.read_to_end(&mut found)?;
+    if found == bytes {
         Ok(file)
     } else {
         Err(std::io::Error::other(
@@ -172,23 +177,28 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     }
 }
 
-/// Waits until all files are on the disk, then their directory. A few threads share them, the main
-/// thread takes the first share, and each syncs its files one after the other: a disk takes
-/// several together in little more time than one, and a thread for each costs more than it saves.
-/// Where no thread can be started the main thread does its share too.
-fn sync_all(files: &[(PathBuf, File)], directory: &Path) -> Result<(), Problems> {
+/// Waits until all files are on the disk, then their directory. A few threads share them and each
+/// syncs its files one after the other: a disk takes several together in little more time than one,
+/// and a thread for each costs more than it saves. The main thread does `meanwhile`, then the first
+/// share; where no thread can be started it does its share too.
+fn sync_all<T>(
+    files: &[(PathBuf, File)],
+    directory: &Path,
+    meanwhile: impl FnOnce() -> T,
+) -> Result<T, Problems> {
     const LEAST_IN_TURN: usize = 2;
     const MOST_TOGETHER: usize = 5;
     let in_turn = files.len().div_ceil(MOST_TOGETHER).max(LEAST_IN_TURN);
     let mut shares = files.chunks(in_turn);
     let own = shares.next().unwrap_or_default();
     let mut problems = Problems::none();
-    std::thread::scope(|scope| {
+    let done = std::thread::scope(|scope| {
         let start = |share| {
             let thread = Builder::new().spawn_scoped(scope, move || sync_in_turn(share));
             (share, thread)
         };
         let waits: Vec<_> = shares.map(start).collect();
+        let done = meanwhile();
         problems.extend(sync_in_turn(own));
         for (share, thread) in waits {
             problems.extend(match thread {
@@ -196,9 +206,10 @@ fn sync_all(files: &[(PathBuf, File)], directory: &Path) -> Result<(), Problems>
                 Err(_) => sync_in_turn(share),
             });
         }
+        done
     });
     sync_directory(directory);
-    problems.or_ok(())
+    problems.or_ok(done)
 }
 
 fn sync_in_turn(files: &[(PathBuf, File)]) -> Problems {

@@ -63,8 +63,8 @@ fn table_rows(
         let at = planned.grid.first + i64::try_from(index).unwrap_or(0);
         rows.push(GenericRow {
             term: planned.term,
-            base_axis: base.to_string(),
-            output_axis: output.to_string(),
+            base_axis: base.into(),
+            output_axis: output.into(),
             direction: planned.direction,
             index: u32::try_from(index).unwrap_or(u32::MAX),
             position_mm: decimals(planned.grid.position(at).mm(), POSITION_DECIMALS),

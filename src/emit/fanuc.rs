@@ -2,6 +2,7 @@
 
 use crate::controller::FanucFacts;
 use crate::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use compact_str::{CompactString, ToCompactString, format_compact};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -14,30 +15,30 @@ pub(super) struct FanucContext {
 /// One parameter with all its axes.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Block {
-    number: String,
+    number: CompactString,
     identifier: &'static str,
     segments: Vec<Segment>,
 }
 
 #[derive(Clone, Debug, Serialize)]
 struct Segment {
-    axis: String,
-    value: String,
+    axis: CompactString,
+    value: CompactString,
 }
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Point {
-    number: String,
-    point: String,
+    number: CompactString,
+    point: CompactString,
     identifier: &'static str,
-    value: String,
+    value: CompactString,
 }
 
 pub(super) fn context(memory: &FanucMemory, facts: &FanucFacts) -> FanucContext {
     let identifier = |q: &'static str| if facts.q_identifier.value { q } else { "" };
     let mut blocks: BTreeMap<u32, Vec<Segment>> = BTreeMap::new();
     for (ParameterKey { number, axis }, value) in &memory.parameters {
-        let axis = axis.map_or_else(String::new, |axis| format!("A{axis}"));
+        let axis = axis.map_or_else(CompactString::default, |axis| format_compact!("A{axis}"));
         let segment = Segment {
             axis,
             value: text(*value),
@@ -57,31 +58,31 @@ pub(super) fn context(memory: &FanucMemory, facts: &FanucFacts) -> FanucContext 
         .iter()
         .map(|(point, increment)| Point {
             number: digits(point + facts.point_offset.value, facts),
-            point: point.to_string(),
+            point: point.to_compact_string(),
             identifier: identifier("Q0"),
-            value: increment.to_string(),
+            value: increment.to_compact_string(),
         })
         .collect();
     FanucContext { parameters, points }
 }
 
-fn digits(number: u32, facts: &FanucFacts) -> String {
-    format!(
+fn digits(number: u32, facts: &FanucFacts) -> CompactString {
+    format_compact!(
         "{number:0width$}",
         width = facts.number_digits.value as usize
     )
 }
 
-fn text(value: ParameterValue) -> String {
+fn text(value: ParameterValue) -> CompactString {
     match value {
-        ParameterValue::Integer(whole) => whole.to_string(),
-        ParameterValue::Bits(bits) => format!("{bits:08b}"),
+        ParameterValue::Integer(whole) => whole.to_compact_string(),
+        ParameterValue::Bits(bits) => format_compact!("{bits:08b}"),
         ParameterValue::Real(real) => {
-            let text = format!("{}", real + 0.0);
+            let text = format_compact!("{}", real + 0.0);
             if text.contains('.') {
                 text
             } else {
-                format!("{text}.0")
+                format_compact!("{text}.0")
             }
         }
     }

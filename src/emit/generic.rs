@@ -2,6 +2,7 @@
 
 use crate::axis::Direction;
 use crate::table::generic::{GenericRow, GenericTable};
+use compact_str::{CompactString, ToCompactString, format_compact};
 use serde::Serialize;
 
 #[derive(Clone, Debug, Serialize)]
@@ -11,17 +12,17 @@ pub(super) struct GenericContext {
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Row {
-    term: String,
-    base_axis: String,
-    output_axis: String,
+    term: CompactString,
+    base_axis: CompactString,
+    output_axis: CompactString,
     direction: &'static str,
     direction_json: &'static str,
-    index: String,
-    position_mm: String,
-    deviation_um: String,
-    correction_um: String,
-    increment_um: String,
-    increment_um_json: String,
+    index: CompactString,
+    position_mm: CompactString,
+    deviation_um: CompactString,
+    correction_um: CompactString,
+    increment_um: CompactString,
+    increment_um_json: CompactString,
     comma: &'static str,
 }
 
@@ -38,7 +39,7 @@ pub(super) fn context(table: &GenericTable) -> GenericContext {
 fn row_context(row: &GenericRow, is_last: bool) -> Row {
     let increment = row.increment_um.map(number);
     Row {
-        term: row.term.to_string(),
+        term: format_compact!("{}", row.term),
         base_axis: row.base_axis.clone(),
         output_axis: row.output_axis.clone(),
         direction: row.direction.map_or("", Direction::symbol),
@@ -47,17 +48,17 @@ fn row_context(row: &GenericRow, is_last: bool) -> Row {
             Some(Direction::Plus) => "\"+\"",
             Some(Direction::Minus) => "\"-\"",
         },
-        index: row.index.to_string(),
+        index: row.index.to_compact_string(),
         position_mm: number(row.position_mm),
         deviation_um: number(row.deviation_um),
         correction_um: number(row.correction_um),
         increment_um: increment.clone().unwrap_or_default(),
-        increment_um_json: increment.unwrap_or_else(|| "null".to_string()),
+        increment_um_json: increment.unwrap_or_else(|| "null".into()),
         comma: if is_last { "" } else { "," },
     }
 }
 
 /// The shortest decimal text that reads back as the same number; no exponent, no `-0`.
-fn number(value: f64) -> String {
-    format!("{}", value + 0.0)
+fn number(value: f64) -> CompactString {
+    format_compact!("{}", value + 0.0)
 }

@@ -8,6 +8,7 @@ use crate::controller::{Evidence, SiemensFacts, TableSign};
 use crate::emit::{Switch, fixed};
 use crate::plan::Task;
 use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
+use compact_str::{CompactString, ToCompactString, format_compact};
 use serde::Serialize;
 
 #[derive(Clone, Debug, Serialize)]
@@ -28,38 +29,38 @@ pub(super) struct SiemensContext {
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Lec {
-    encoder: String,
+    encoder: CompactString,
     axis: String,
     title: String,
     grid: Grid,
-    memory: String,
+    memory: CompactString,
     points: Vec<Point>,
 }
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Cec {
-    number: String,
+    number: CompactString,
     input_axis: String,
     output_axis: String,
     title: String,
     grid: Grid,
     direction: &'static str,
-    memory: String,
+    memory: CompactString,
     points: Vec<Point>,
 }
 
 #[derive(Clone, Debug, Serialize)]
 struct Grid {
-    min: String,
-    step: String,
-    max: String,
+    min: CompactString,
+    step: CompactString,
+    max: CompactString,
 }
 
 #[derive(Clone, Debug, Serialize)]
 struct Point {
-    index: String,
-    position: String,
-    value: String,
+    index: CompactString,
+    position: CompactString,
+    value: CompactString,
 }
 
 pub(super) fn context(
@@ -159,27 +160,27 @@ fn cec_held(table: &CecTable, facts: &SiemensFacts, state: &ControlState) -> Opt
 
 fn lec(table: &LecTable, placements: &[Placement], digits: Digits<'_>) -> Lec {
     Lec {
-        encoder: table.encoder.to_string(),
+        encoder: table.encoder.to_compact_string(),
         axis: table.axis.clone(),
         title: title(
             placements,
             &format!("ENC_COMP[{},{}]", table.encoder, table.axis),
         ),
         grid: digits.grid(&table.grid),
-        memory: table.values.len().to_string(),
+        memory: table.values.len().to_compact_string(),
         points: digits.points(&table.values, &table.grid),
     }
 }
 
 fn cec(table: &CecTable, placements: &[Placement], digits: Digits<'_>) -> Cec {
     Cec {
-        number: table.number.to_string(),
+        number: table.number.to_compact_string(),
         input_axis: table.input_axis.clone(),
         output_axis: table.output_axis.clone(),
         title: title(placements, &format!("CEC table {}", table.number)),
         grid: digits.grid(&table.grid),
         direction: direction(table.direction),
-        memory: table.values.len().to_string(),
+        memory: table.values.len().to_compact_string(),
         points: digits.points(&table.values, &table.grid),
     }
 }
@@ -239,10 +240,10 @@ struct Digits<'a> {
 }
 
 impl Digits<'_> {
-    fn text(self, number: f64, decimals: u32) -> String {
+    fn text(self, number: f64, decimals: u32) -> CompactString {
         let text = fixed(number, decimals);
         if self.as_read && text.parse() != Ok(number) {
-            return number.to_string();
+            return format_compact!("{number}");
         }
         text
     }
@@ -259,7 +260,7 @@ impl Digits<'_> {
     fn points(self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Point> {
         let of_point = |(index, value): (usize, &Option<f64>)| {
             Some(Point {
-                index: index.to_string(),
+                index: index.to_compact_string(),
                 position: fixed(grid.position(index), self.facts.position_decimals.value),
                 value: self.text((*value)?, self.facts.value_decimals.value),
             })

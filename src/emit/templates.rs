@@ -6,10 +6,22 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 /// The templates of one profile, in which a name always means the same text.
-#[derive(Default)]
 pub struct Templates {
+    /// What all of them have: the filters and functions of Tera.
+    without_any: tera::Tera,
     /// Those that were asked for; each stands alone and sees nothing of the others.
     parsed: RefCell<BTreeMap<String, tera::Tera>>,
+}
+
+impl Default for Templates {
+    fn default() -> Templates {
+        let mut without_any = tera::Tera::default();
+        without_any.autoescape_on(Vec::<&'static str>::new());
+        Templates {
+            without_any,
+            parsed: RefCell::default(),
+        }
+    }
 }
 
 impl Templates {
@@ -24,17 +36,14 @@ impl Templates {
         let mut parsed = self.parsed.borrow_mut();
         let alone = match parsed.entry(name.to_string()) {
             Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(new) => new.insert(alone(name, template).map_err(refuse)?),
+            Entry::Vacant(new) => {
+                let mut alone = self.without_any.clone();
+                alone.add_raw_template(name, template).map_err(refuse)?;
+                new.insert(alone)
+            }
         };
         alone.render(name, context).map_err(refuse)
     }
-}
-
-fn alone(name: &str, template: &str) -> Result<tera::Tera, tera::Error> {
-    let mut tera = tera::Tera::default();
-    tera.autoescape_on(Vec::<&'static str>::new());
-    tera.add_raw_template(name, template)?;
-    Ok(tera)
 }
 
 /// A problem of a template at its place in the template.

@@ -142,8 +142,8 @@ fn load(rows: &[&GenericRow], state: &ControlState) -> Result<LoadedBlock, Canno
             ))
         })?;
     Ok(LoadedBlock {
-        base: first.base_axis.clone(),
-        output: first.output_axis.clone(),
+        base: first.base_axis.to_string(),
+        output: first.output_axis.to_string(),
         direction: first.direction,
         corrections,
     })

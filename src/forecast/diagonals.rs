@@ -42,6 +42,12 @@ impl MeasuredBox {
         })
     }
 
+    /// Low and high end of an axis.
+    fn ends(&self, axis: usize) -> (Millimetres, Millimetres) {
+        let (low, size) = (self.low[axis], self.size[axis]);
+        (Millimetres::new(low), Millimetres::new(low + size))
+    }
+
     fn length(&self) -> f64 {
         self.size.iter().map(|s| s * s).sum::<f64>().sqrt()
     }
@@ -63,25 +69,74 @@ pub(super) fn forecast(
         return Ok(Vec::new());
     }
     let u_um = diagonal_uncertainty(model, &measured_box);
-    DIAGONALS
-        .iter()
-        .map(|(name, signs)| {
-            let mut before = Extent::default();
-            let mut after = Extent::default();
-            let walk = |reverse| Walk::new(machine, plan, control, &measured_box, *signs, reverse);
-            let (forward, reverse) = (walk(false)?, walk(true)?);
-            forward.extremes(&mut before, &mut after);
-            if reverse.parts != forward.parts {
-                reverse.extremes(&mut before, &mut after);
-            }
-            Ok(DiagonalForecast {
-                name,
-                before_um: before.size(),
-                after_um: after.size(),
-                u_um,
-            })
-        })
-        .collect()
+    let travels = travels(machine, plan, control, &measured_box)?;
+    let of_diagonal = |(name, signs): &(&'static str, [f64; 3])| {
+        let mut before = Extent::default();
+        let mut after = Extent::default();
+        let walk = |reverse| Walk::new(&travels, &measured_box, *signs, reverse);
+        let (forward, reverse) = (walk(false), walk(true));
+        forward.extremes(&mut before, &mut after);
+        if reverse.parts != forward.parts {
+            reverse.extremes(&mut before, &mut after);
+        }
+        DiagonalForecast {
+            name,
+            before_um: before.size(),
+            after_um: after.size(),
+            u_um,
+        }
+    };
+    Ok(DIAGONALS.iter().map(of_diagonal).collect())
+}
+
+/// One term while its axis travels one way: its curves, its correction and where they bend.
+struct Travel<'a> {
+    term: ErrorTerm,
+    direction: Direction,
+    measured: &'a ErrorCurve,
+    /// Without tables; absent where none was active while measuring.
+    uncompensated: Option<&'a ErrorCurve>,
+    response: Response,
+    /// Places inside the measured box where a curve or the correction bends or jumps, mm.
+    bends: Vec<Vec<f64>>,
+}
+
+/// Every measured term both ways; the four diagonals share them.
+fn travels<'a>(
+    machine: Machine<'a>,
+    plan: &Plan,
+    control: &dyn Emulator,
+    measured_box: &MeasuredBox,
+) -> Result<Vec<Travel<'a>>, CannotEmulate> {
+    let mut travels = Vec::new();
+    for (term, _) in machine.as_measured.measured() {
+        for direction in Direction::BOTH {
+            let Some((measured, uncompensated)) = machine.curves(term, direction) else {
+                continue;
+            };
+            let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
+                continue;
+            };
+            let uncompensated = (!std::ptr::eq(measured, uncompensated)).then_some(uncompensated);
+            let response = control.response(base, output, direction)?;
+            let (low, high) = measured_box.ends(index(term.along));
+            let knots = |curve: &ErrorCurve| curve.knots().iter().map(|x| x.mm()).collect();
+            let of_curves = [Some(measured), uncompensated]
+                .into_iter()
+                .flatten()
+                .map(knots);
+            let bends = of_curves.chain([response.breaks(low, high)]).collect();
+            travels.push(Travel {
+                term,
+                direction,
+                measured,
+                uncompensated,
+                response,
+                bends,
+            });
+        }
+    }
+    Ok(travels)
 }
 
 /// u of max − min along a diagonal: two readings, each the sum of three terms per direction
@@ -131,50 +186,40 @@ struct Walk<'a> {
 #[derive(PartialEq)]
 struct Part<'a> {
     measured: &'a ErrorCurve,
-    /// Without tables; absent where none was active while measuring.
     uncompensated: Option<&'a ErrorCurve>,
-    response: Response,
+    response: &'a Response,
+    bends: &'a [Vec<f64>],
     along: usize,
     cosine: f64,
 }
 
 impl<'a> Walk<'a> {
     fn new(
-        machine: Machine<'a>,
-        plan: &Plan,
-        control: &dyn Emulator,
+        travels: &'a [Travel<'a>],
         measured_box: &'a MeasuredBox,
         signs: [f64; 3],
         reverse: bool,
-    ) -> Result<Walk<'a>, CannotEmulate> {
-        let mut parts = Vec::new();
-        for (term, _) in machine.as_measured.measured() {
-            let forward = (signs[index(term.along)] > 0.0) != reverse;
-            let direction = if forward {
-                Direction::Plus
-            } else {
-                Direction::Minus
-            };
-            let Some((measured, uncompensated)) = machine.curves(term, direction) else {
-                continue;
-            };
-            let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
-                continue;
-            };
-            parts.push(Part {
-                measured,
-                uncompensated: (!std::ptr::eq(measured, uncompensated)).then_some(uncompensated),
-                response: control.response(base, output, direction)?,
-                along: index(term.along),
-                cosine: signs[index(term.of)] * measured_box.size[index(term.of)]
-                    / measured_box.length(),
-            });
-        }
-        Ok(Walk {
-            parts,
+    ) -> Walk<'a> {
+        let is_travelled = |travel: &&Travel<'_>| {
+            let forward = (signs[index(travel.term.along)] > 0.0) != reverse;
+            forward == (travel.direction == Direction::Plus)
+        };
+        let part = |travel: &'a Travel<'a>| {
+            let of = index(travel.term.of);
+            Part {
+                measured: travel.measured,
+                uncompensated: travel.uncompensated,
+                response: &travel.response,
+                bends: &travel.bends,
+                along: index(travel.term.along),
+                cosine: signs[of] * measured_box.size[of] / measured_box.length(),
+            }
+        };
+        Walk {
+            parts: travels.iter().filter(is_travelled).map(part).collect(),
             measured_box,
             signs,
-        })
+        }
     }
 
     fn position(&self, axis: usize, t: f64) -> Millimetres {
@@ -202,16 +247,11 @@ impl<'a> Walk<'a> {
 
     /// Where the curves and corrections along an axis bend, mm; the terms of an axis mostly share
     /// their places.
-    fn bends(&self, axis: usize) -> Vec<Vec<f64>> {
-        let (low, size) = (self.measured_box.low[axis], self.measured_box.size[axis]);
-        let mut all: Vec<Vec<f64>> = Vec::new();
+    fn bends(&self, axis: usize) -> Vec<&'a [f64]> {
+        let mut all: Vec<&[f64]> = Vec::new();
         for part in self.parts.iter().filter(|part| part.along == axis) {
-            let curves = [Some(part.measured), part.uncompensated];
-            let knots = |curve: &ErrorCurve| curve.knots().iter().map(|x| x.mm()).collect();
-            let (from, to) = (Millimetres::new(low), Millimetres::new(low + size));
-            let of_part = curves.into_iter().flatten().map(knots);
-            for bends in of_part.chain([part.response.breaks(from, to)]) {
-                if !all.contains(&bends) {
+            for bends in part.bends {
+                if !all.contains(&bends.as_slice()) {
                     all.push(bends);
                 }
             }
@@ -223,8 +263,9 @@ impl<'a> Walk<'a> {
     fn deviation(&self, t: f64) -> (f64, f64) {
         let mut before = 0.0;
         let mut after = 0.0;
+        let places = [0, 1, 2].map(|axis| self.position(axis, t));
         for part in &self.parts {
-            let at = self.position(part.along, t);
+            let at = places[part.along];
             let measured = part.measured.at(at);
             let bare = part.uncompensated.map_or(measured, |curve| curve.at(at));
             before += part.cosine * measured.um();

@@ -150,8 +150,8 @@ fn texts(row: &GenericRow) -> [String; 9] {
     let number = |value: f64| (value + 0.0).to_string(); // −0 is 0
     [
         row.term.to_string(),
-        row.base_axis.clone(),
-        row.output_axis.clone(),
+        row.base_axis.to_string(),
+        row.output_axis.to_string(),
         row.direction
             .map_or(String::new(), |direction| direction.symbol().to_string()),
         row.index.to_string(),

@@ -18,6 +18,7 @@ mod variable;
 
 use crate::problem::{Place, Problem, Problems};
 use crate::table::siemens::{CecTable, LecTable, SiemensGrid, SiemensTables};
+use memchr::memchr_iter;
 use memory::Memory;
 use statement::{Complaint, Statement, statement};
 use std::ops::Range;
@@ -134,11 +135,13 @@ fn after_end(line: Range<usize>) -> Complaint {
 
 /// The lines as bytes of the text, without LF and the CRs before it.
 fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
-    let mut at = 0;
-    text.split('\n').map(move |line| {
-        let start = at;
-        at += line.len() + 1;
-        start..start + line.trim_end_matches('\r').len()
+    let mut start = 0;
+    let line_feeds = memchr_iter(b'\n', text.as_bytes());
+    line_feeds.chain([text.len()]).map(move |end| {
+        let line = &text[start..end];
+        let without_returns = start..start + line.trim_end_matches('\r').len();
+        start = end + 1;
+        without_returns
     })
 }
 

@@ -1,6 +1,7 @@
 //! The generic table of contract §4.1: deviation, correction and increment side by side.
 
 use crate::axis::{Direction, ErrorTerm};
+use compact_str::CompactString;
 
 /// One row: one point of one term (and direction).
 #[derive(Clone, Debug, PartialEq)]
@@ -8,9 +9,9 @@ pub struct GenericRow {
     /// Which error.
     pub term: ErrorTerm,
     /// Name of the moving axis.
-    pub base_axis: String,
+    pub base_axis: CompactString,
     /// Name of the corrected axis.
-    pub output_axis: String,
+    pub output_axis: CompactString,
     /// Direction of the moving axis the row is for; `None` = both.
     pub direction: Option<Direction>,
     /// Index of the point, from 0.

@@ -7,6 +7,7 @@ use super::MOST_COMPLAINTS;
 use super::row::{BlockKey, Column, RawRow, RowFlaw, Unusable, read_row};
 use crate::axis::Axis;
 use crate::table::generic::{GenericRow, GenericTable};
+use compact_str::CompactString;
 use std::collections::BTreeMap;
 
 /// Two increments closer than this are the same, µm: the rounding of a difference of two
@@ -28,7 +29,7 @@ pub(super) struct Reading<'a> {
     /// A row was lost, and nobody knows from which block.
     lost: bool,
     /// What each name of an axis stands for, in the order in which they were met.
-    axes: Vec<(String, Axis)>,
+    axes: Vec<(CompactString, Axis)>,
 }
 
 /// Indices into the rows that were read, in file order.

@@ -212,8 +212,8 @@ impl Numbers {
     fn of_block(self, key: &BlockKey<'_>) -> GenericRow {
         GenericRow {
             term: key.term,
-            base_axis: key.base.to_string(),
-            output_axis: key.output.to_string(),
+            base_axis: key.base.as_ref().into(),
+            output_axis: key.output.as_ref().into(),
             direction: key.direction,
             index: self.index,
             position_mm: self.position_mm,

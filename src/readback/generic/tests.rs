@@ -70,8 +70,8 @@ fn a_row_is_read_as_it_stands() {
     let rows = table(&csv_text()).rows;
     let expected = GenericRow {
         term: ErrorTerm::from_name("EYX").expect("a term"),
-        base_axis: "X".to_string(),
-        output_axis: "Y".to_string(),
+        base_axis: "X".into(),
+        output_axis: "Y".into(),
         direction: Some(Direction::Plus),
         index: 1,
         position_mm: 25.4,

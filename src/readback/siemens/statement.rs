@@ -10,6 +10,7 @@
 //! program does not know could move the machine.
 
 use crate::problem::nearest;
+use memchr::memchr;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -80,10 +81,8 @@ pub(super) enum Value {
 
 /// Reads the line `line` (bytes of `source`, without its line end).
 pub(super) fn statement(source: &str, line: Range<usize>) -> Result<Statement<'_>, Complaint> {
-    let code = line.start
-        ..source[line.clone()]
-            .find(';')
-            .map_or(line.end, |at| line.start + at);
+    let comment = memchr(b';', &source.as_bytes()[line.clone()]);
+    let code = line.start..comment.map_or(line.end, |at| line.start + at);
     check_characters(source, &line, &code)?;
     let mut cursor = Cursor {
         source,
@@ -116,8 +115,10 @@ fn check_characters(
     line: &Range<usize>,
     code: &Range<usize>,
 ) -> Result<(), Complaint> {
-    let plain = |byte: u8| byte == b'\t' || (b' '..=b'~').contains(&byte);
-    if source[line.clone()].bytes().all(plain) {
+    let plain = |byte: &u8| *byte == b'\t' || (b' '..=b'~').contains(byte);
+    let bytes = source.as_bytes()[line.clone()].iter();
+    // Every byte is looked at, which takes less time than to stop at the first that is not plain.
+    if bytes.fold(true, |all, byte| all & plain(byte)) {
         return Ok(());
     }
     for (offset, c) in source[line.clone()].char_indices() {
@@ -233,6 +234,9 @@ fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> 
     })
 }
 
+/// A measuring system, a point and an axis; more are complained of with the variable.
+const MOST_INDICES: usize = 3;
+
 fn indices<'a>(cursor: &mut Cursor<'a>, name: &str) -> Result<Vec<Cow<'a, str>>, Complaint> {
     let wrong = |cursor: &Cursor<'_>, expected: &str| {
         Complaint::new(
@@ -244,7 +248,7 @@ fn indices<'a>(cursor: &mut Cursor<'a>, name: &str) -> Result<Vec<Cow<'a, str>>,
     if !cursor.eat('[') {
         return Err(wrong(cursor, "`[`"));
     }
-    let mut indices = Vec::new();
+    let mut indices = Vec::with_capacity(MOST_INDICES);
     loop {
         cursor.skip_blanks();
         let index = cursor.take_word();
@@ -374,10 +378,14 @@ impl<'a> Cursor<'a> {
     /// Letters, digits and `_`, in upper case.
     fn take_word(&mut self) -> Cow<'a, str> {
         let rest = &self.source.as_bytes()[self.at..self.end];
-        let length = rest.iter().take_while(|byte| is_word_byte(**byte)).count();
+        let other = rest.iter().position(|byte| !is_word_byte(*byte));
+        let length = other.unwrap_or(rest.len());
         let word = &self.source[self.at..self.at + length];
         self.at += length;
-        if word.bytes().any(|byte| byte.is_ascii_lowercase()) {
+        if word
+            .bytes()
+            .fold(false, |any, byte| any | byte.is_ascii_lowercase())
+        {
             Cow::Owned(word.to_ascii_uppercase())
         } else {
             Cow::Borrowed(word)
