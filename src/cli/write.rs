@@ -13,9 +13,7 @@ use crate::cli::inputs::{plain_words, with_suffix};
 use crate::problem::{Problem, Problems};
 use std::fs::{self, File};
 use std::io::{Read, Seek, Write};
-use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::thread::Builder;
 use tempfile::NamedTempFile;
 
 /// A file to be written: name and bytes.
@@ -73,10 +71,13 @@ pub(super) fn write_kit<T>(
     for (file, bytes) in files.iter().chain([&manifest]) {
         let path = partial.path().join(file);
         let handle = write_new(&path, bytes).map_err(|e| not_written("cannot write", &path, &e))?;
+        begin_sync(&handle);
         written.push((path, handle));
     }
     open_to_others(partial.path());
-    let done = sync_all(&written, partial.path(), meanwhile)?;
+    let done = meanwhile();
+    sync_and_close(written)?;
+    sync_directory(partial.path());
     let previous = make_room(&directory, force)?;
     if let Err(error) = fs::rename(partial.path(), &directory) {
         // Put the old kit back; if that fails too, it is complete at DIR.previous.
@@ -177,49 +178,27 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     }
 }
 
-/// Waits until all files are on the disk, then their directory. A few threads share them and each
-/// syncs its files one after the other: a disk takes several together in little more time than one,
-/// and a thread for each costs more than it saves. The main thread does `meanwhile`, then the first
-/// share; where no thread can be started it does its share too.
-fn sync_all<T>(
-    files: &[(PathBuf, File)],
-    directory: &Path,
-    meanwhile: impl FnOnce() -> T,
-) -> Result<T, Problems> {
-    const LEAST_IN_TURN: usize = 2;
-    const MOST_TOGETHER: usize = 5;
-    let in_turn = files.len().div_ceil(MOST_TOGETHER).max(LEAST_IN_TURN);
-    let mut shares = files.chunks(in_turn);
-    let own = shares.next().unwrap_or_default();
-    let mut problems = Problems::none();
-    let done = std::thread::scope(|scope| {
-        let start = |share| {
-            let thread = Builder::new().spawn_scoped(scope, move || sync_in_turn(share));
-            (share, thread)
-        };
-        let waits: Vec<_> = shares.map(start).collect();
-        let done = meanwhile();
-        problems.extend(sync_in_turn(own));
-        for (share, thread) in waits {
-            problems.extend(match thread {
-                Ok(thread) => thread.join().unwrap_or_else(|reason| resume_unwind(reason)),
-                Err(_) => sync_in_turn(share),
-            });
-        }
-        done
-    });
-    sync_directory(directory);
-    problems.or_ok(done)
+/// Asks the system to begin with writing a file to the disk, and does not wait: all files are then
+/// on their way together, and waiting for one after the other takes little more than for one.
+#[cfg(target_os = "linux")]
+fn begin_sync(file: &File) {
+    // Only advice; `sync_all` waits for the bytes, and tells what failed.
+    let _ = rustix::fs::fadvise(file, 0, None, rustix::fs::Advice::DontNeed);
 }
 
-fn sync_in_turn(files: &[(PathBuf, File)]) -> Problems {
+#[cfg(not(target_os = "linux"))]
+fn begin_sync(_: &File) {}
+
+/// Waits until all files are on the disk, and closes them: Windows renames no directory that holds
+/// an open file.
+fn sync_and_close(files: Vec<(PathBuf, File)>) -> Result<(), Problems> {
     let mut problems = Problems::none();
     for (path, file) in files {
         if let Err(error) = file.sync_all() {
-            problems.extend(not_written("cannot write", path, &error));
+            problems.extend(not_written("cannot write", &path, &error));
         }
     }
-    problems
+    problems.or_ok(())
 }
 
 /// A temporary directory is closed to others; a kit has the usual permissions.
