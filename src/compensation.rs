@@ -16,7 +16,7 @@ use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
 use crate::control_state::{AxisState, ControlState};
 use crate::controller::{Dialect, Evidence, LengthUnit, Mechanism, StraightnessForm};
-use crate::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
+use crate::job::{ActiveTables, AxisSettings, BacklashPolicy, Job, Machine, MachineAxis};
 use crate::plan::{Plan, Task};
 use crate::problem::Problems;
 use crate::table::Tables;
@@ -79,7 +79,28 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(active_note(&task.job.measurement.active));
     notes.extend(parameter_note(task.job, plan));
     compiled.notes = notes;
+    let distant = references_off_the_travel(&task.job.machine);
+    compiled.preconditions.extend(distant);
     Ok(compiled)
+}
+
+/// Axes that cannot stand at their reference point by their own travel. Some machines have it just
+/// beyond; a slip of the job has it far off.
+fn references_off_the_travel(machine: &Machine) -> Vec<Precondition> {
+    let off_the_travel = |(axis, of): (Axis, &Option<MachineAxis>)| {
+        let of = of.as_ref()?;
+        let (low, high, at) = (of.low.mm(), of.high.mm(), of.reference.mm());
+        let beyond = ((low - at).max(at - high) * 1e3).round() / 1e3;
+        (beyond > 0.0).then(|| {
+            Precondition::new(
+                format!("reference point of {axis}"),
+                format!("{at} mm, though that lies {beyond} mm outside the travel from {low} to {high} mm"),
+                "every table is zero there; if it is elsewhere the axis moves when a table is switched on, so compare `reference_mm` and `travel_mm` of the job with the machine",
+                format!("`machine.axes.{}` of the job", axis.letter().to_ascii_lowercase()),
+            )
+        })
+    };
+    machine.axes.iter().filter_map(off_the_travel).collect()
 }
 
 /// What the tables suppose of the compensation that was active while measuring.

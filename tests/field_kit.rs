@@ -562,3 +562,27 @@ fn how_to_switch_off_by_hand_stands_there_without_a_sign_proof() {
         assert!(page.contains("## Way back"), "{id}: {page}");
     }
 }
+
+#[test]
+fn a_reference_point_off_the_travel_is_pointed_out() {
+    for id in builtin::ids() {
+        let (job, errors) = five_points(id);
+        for (reference, words) in [
+            ("600.0", Some("600 mm, though that lies 200 mm outside")),
+            ("-0.5", Some("-0.5 mm, though that lies 0.5 mm outside")),
+            ("400.0", None),
+        ] {
+            let line = format!("reference_mm = {reference}");
+            let (_, kit) =
+                support::generate(&job.replacen("reference_mm = 0.0", &line, 1), &errors);
+            let page = text_of(&kit, "checklist.md");
+            let told = words.map(|words| {
+                format!("reference point of X must be {words} the travel from 0 to 400 mm: every")
+            });
+            match told {
+                Some(told) => assert!(page.contains(&told), "{id}: {told}\n{page}"),
+                None => assert!(!page.contains("outside the travel"), "{id}\n{page}"),
+            }
+        }
+    }
+}

@@ -18,7 +18,6 @@ mod variable;
 
 use crate::problem::{Place, Problem, Problems};
 use crate::table::siemens::{CecTable, LecTable, SiemensGrid, SiemensTables};
-use memchr::memchr_iter;
 use memory::Memory;
 use statement::{Complaint, Statement, statement};
 use std::ops::Range;
@@ -135,14 +134,15 @@ fn after_end(line: Range<usize>) -> Complaint {
 
 /// The lines as bytes of the text, without LF and the CRs before it.
 fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
-    let mut start = 0;
-    let line_feeds = memchr_iter(b'\n', text.as_bytes());
-    line_feeds.chain([text.len()]).map(move |end| {
-        let line = &text[start..end];
-        let without_returns = start..start + line.trim_end_matches('\r').len();
-        start = end + 1;
-        without_returns
-    })
+    let mut at = 0;
+    text.as_bytes()
+        .split(|byte| *byte == b'\n')
+        .map(move |line| {
+            let start = at;
+            at += line.len() + 1;
+            let returns = line.iter().rev().take_while(|byte| **byte == b'\r');
+            start..start + line.len() - returns.count()
+        })
 }
 
 /// Puts the files of a kit into one memory, in the order in which they are loaded.

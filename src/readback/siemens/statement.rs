@@ -10,7 +10,6 @@
 //! program does not know could move the machine.
 
 use crate::problem::nearest;
-use memchr::memchr;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -81,7 +80,8 @@ pub(super) enum Value {
 
 /// Reads the line `line` (bytes of `source`, without its line end).
 pub(super) fn statement(source: &str, line: Range<usize>) -> Result<Statement<'_>, Complaint> {
-    let comment = memchr(b';', &source.as_bytes()[line.clone()]);
+    let mut bytes = source.as_bytes()[line.clone()].iter();
+    let comment = bytes.position(|byte| *byte == b';');
     let code = line.start..comment.map_or(line.end, |at| line.start + at);
     check_characters(source, &line, &code)?;
     let mut cursor = Cursor {
