@@ -16,7 +16,8 @@ use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
 use crate::control_state::{AxisState, ControlState};
 use crate::controller::{Dialect, Evidence, LengthUnit, Mechanism, StraightnessForm};
-use crate::job::{ActiveTables, AxisSettings, BacklashPolicy, Job, Machine, MachineAxis};
+use crate::grid::EDGE_MM;
+use crate::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
 use crate::plan::{Plan, Task};
 use crate::problem::Problems;
 use crate::table::Tables;
@@ -75,32 +76,30 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(task.model.remarks.notes.iter().cloned());
     notes.extend(task.model.unused.iter().cloned());
     notes.extend(unlikely_reversals(task));
+    notes.extend(references_off_the_travel(task.job, plan));
     notes.append(&mut compiled.notes);
     notes.extend(active_note(&task.job.measurement.active));
     notes.extend(parameter_note(task.job, plan));
     compiled.notes = notes;
-    let distant = references_off_the_travel(&task.job.machine);
-    compiled.preconditions.extend(distant);
     Ok(compiled)
 }
 
-/// Axes that cannot stand at their reference point by their own travel. Some machines have it just
-/// beyond; a slip of the job has it far off.
-fn references_off_the_travel(machine: &Machine) -> Vec<Precondition> {
-    let off_the_travel = |(axis, of): (Axis, &Option<MachineAxis>)| {
-        let of = of.as_ref()?;
+/// Moving axes of the tables that do not reach their reference point by the travel of the job. Some
+/// machines have it just beyond; a slip of the job has it far off.
+fn references_off_the_travel(job: &Job, plan: &Plan) -> Vec<String> {
+    let is_looked_up = |axis: Axis| plan.tables.iter().any(|table| table.term.along == axis);
+    let off_the_travel = |axis: Axis| {
+        let of = job.machine.axes[axis].as_ref()?;
         let (low, high, at) = (of.low.mm(), of.high.mm(), of.reference.mm());
-        let beyond = ((low - at).max(at - high) * 1e3).round() / 1e3;
-        (beyond > 0.0).then(|| {
-            Precondition::new(
-                format!("reference point of {axis}"),
-                format!("{at} mm, though that lies {beyond} mm outside the travel from {low} to {high} mm"),
-                "every table is zero there; if it is elsewhere the axis moves when a table is switched on, so compare `reference_mm` and `travel_mm` of the job with the machine",
-                format!("`machine.axes.{}` of the job", axis.letter().to_ascii_lowercase()),
+        let beyond = (low - at).max(at - high);
+        (beyond > EDGE_MM).then(|| {
+            format!(
+                "the reference point of {axis}, {at} mm, lies {beyond:.2} mm outside the travel of the job, {low} to {high} mm: compare `reference_mm` and `travel_mm` with the machine; if the axis has its reference point elsewhere, switching a table on moves axes"
             )
         })
     };
-    machine.axes.iter().filter_map(off_the_travel).collect()
+    let axes = Axis::ALL.into_iter().filter(|axis| is_looked_up(*axis));
+    axes.filter_map(off_the_travel).collect()
 }
 
 /// What the tables suppose of the compensation that was active while measuring.

@@ -385,21 +385,25 @@ fn fixed(number: f64, decimals: u32) -> CompactString {
 /// in its last bits, as nearly every number of a table is; the formatter takes several times as long.
 fn counted(number: f64, decimals: u32) -> Option<CompactString> {
     const LARGEST: f64 = 1e12; // the product below is then off by less than 1e-3
-    const MOST_DECIMALS: u32 = 12;
     let scaled = number * 10_f64.powi(i32::try_from(decimals).ok()?);
     let count = scaled.round();
     let is_count = count.abs() <= LARGEST && (scaled - count).abs() <= 1e-3;
-    if !is_count || decimals > MOST_DECIMALS {
+    if !is_count {
         return None; // NaN too: it must not become a zero
     }
     #[allow(clippy::cast_possible_truncation, reason = "below LARGEST")]
     let count = count as i64;
-    Some(pointed(count, decimals))
+    pointed(count, decimals)
 }
 
-/// A whole number of up to 13 digits with a point before the last `decimals` ≤ 12 of them.
-fn pointed(count: i64, decimals: u32) -> CompactString {
+/// A whole number with a point before the last `decimals` of its digits; `None` = longer than
+/// the numbers of a table are.
+fn pointed(count: i64, decimals: u32) -> Option<CompactString> {
+    const MOST_DIGITS: u32 = 13;
     const MOST_BYTES: usize = "-1000000000000.".len();
+    if decimals >= MOST_DIGITS || count.unsigned_abs() >= 10_u64.pow(MOST_DIGITS) {
+        return None;
+    }
     let mut text = [b'0'; MOST_BYTES];
     let mut start = text.len();
     let mut put_before = |byte| {
@@ -419,7 +423,7 @@ fn pointed(count: i64, decimals: u32) -> CompactString {
     if count < 0 {
         put_before(b'-');
     }
-    CompactString::from_utf8_lossy(&text[start..])
+    CompactString::from_utf8(&text[start..]).ok()
 }
 
 #[cfg(test)]
@@ -435,12 +439,13 @@ mod tests {
         assert_eq!(fixed(-0.3, 1), "-0.3");
         assert_eq!(fixed(-1e12, 0), "-1000000000000");
         assert_eq!(fixed(-1.0, 12), "-1.000000000000");
+        assert_eq!(fixed(-0.05, 13), "-0.0500000000000");
         assert_eq!(fixed(f64::NAN, 3), "NaN"); // no input brings one here; a control would refuse it
     }
 
     proptest! {
         #[test]
-        fn counts_give_the_text_of_the_number(count in -2_000_000_000_i64..2_000_000_000, decimals in 0_u32..7, off in -3..4_i8) {
+        fn counts_give_the_text_of_the_number(count in -1_000_000_000_000_i64..=1_000_000_000_000, decimals in 0_u32..=12, off in -3..4_i8) {
             #[allow(clippy::cast_precision_loss, reason = "small")]
             let number = count as f64 / 10_f64.powi(decimals as i32) * (1.0 + f64::from(off) * f64::EPSILON);
             let text = format!("{number:.*}", decimals as usize);

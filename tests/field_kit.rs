@@ -564,25 +564,34 @@ fn how_to_switch_off_by_hand_stands_there_without_a_sign_proof() {
 }
 
 #[test]
-fn a_reference_point_off_the_travel_is_pointed_out() {
+fn a_reference_point_off_the_travel_is_noted() {
+    let words = "mm outside the travel of the job";
     for id in builtin::ids() {
         let (job, errors) = five_points(id);
-        for (reference, words) in [
-            ("600.0", Some("600 mm, though that lies 200 mm outside")),
-            ("-0.5", Some("-0.5 mm, though that lies 0.5 mm outside")),
+        for (reference, beyond) in [
+            ("600.0", Some("600 mm, lies 200.00")),
+            ("-0.02", Some("-0.02 mm, lies 0.02")),
+            ("400.009", None),
             ("400.0", None),
         ] {
             let line = format!("reference_mm = {reference}");
-            let (_, kit) =
-                support::generate(&job.replacen("reference_mm = 0.0", &line, 1), &errors);
-            let page = text_of(&kit, "checklist.md");
-            let told = words.map(|words| {
-                format!("reference point of X must be {words} the travel from 0 to 400 mm: every")
+            let job = job.replacen("reference_mm = 0.0", &line, 1);
+            let (_, kit) = support::generate(&job, &errors);
+            let notes = kit.manifest.notes.join("\n");
+            let told = beyond.map(|beyond| {
+                format!("the reference point of X, {beyond} {words}, 0 to 400 mm: compare")
             });
             match told {
-                Some(told) => assert!(page.contains(&told), "{id}: {told}\n{page}"),
-                None => assert!(!page.contains("outside the travel"), "{id}\n{page}"),
+                Some(told) => assert!(notes.contains(&told), "{id}: {told}\n{notes}"),
+                None => assert!(!notes.contains(words), "{id}, {reference}\n{notes}"),
             }
+            // No table is looked up along an axis that was not measured.
+            let is_other = |line: &&str| !line.starts_with("x,");
+            let others: Vec<&str> = errors.lines().filter(is_other).collect();
+            let job = job.replace("backlash = \"two-tables\"\n", "");
+            let (_, kit) = support::generate(&job, &others.join("\n"));
+            let notes = kit.manifest.notes.join("\n");
+            assert!(!notes.contains(words), "{id}, {reference}\n{notes}");
         }
     }
 }

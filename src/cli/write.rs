@@ -1,13 +1,13 @@
 //! Writing a kit, or a single file: whole or not at all.
 //!
 //! ```text
-//!   DIR.partial-…/   all files, synced, read back; manifest.json last
+//!   DIR.partial-…/   all files, manifest.json last; each read back, then synced
 //!        │ rename (with --force: DIR → DIR.previous first)
 //!        ▼
 //!       DIR/
 //! ```
 //! Killed at any moment, what lies at DIR is the old kit, nothing, or the complete new one. A
-//! left-over `DIR.partial-…` has no manifest unless it is complete.
+//! left-over `DIR.partial-…` is no kit, whatever it holds.
 
 use crate::cli::inputs::{plain_words, with_suffix};
 use crate::problem::{Problem, Problems};
@@ -46,8 +46,8 @@ pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems>
     }
 }
 
-/// Writes all files, then `manifest`, then puts the directory into place. While the disk works
-/// on it the program does `meanwhile`, whose result it gives.
+/// Writes all files, then `manifest`, then puts the directory into place. Before it waits for the
+/// disk, which on Linux is at work already, it does `meanwhile`, whose result it gives.
 pub(super) fn write_kit<T>(
     directory: &Path,
     files: &[NamedBytes<'_>],
@@ -162,7 +162,7 @@ fn trimmed(directory: &Path) -> PathBuf {
     directory.components().collect()
 }
 
-/// Writes a new file and reads it back; its bytes may not be on the disk yet.
+/// Writes a new file and reads it back from the system; its bytes may not be on the disk yet.
 fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     let mut file = File::create_new(path)?;
     file.write_all(bytes)?;
@@ -180,6 +180,7 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
 
 /// Asks the system to begin with writing a file to the disk, and does not wait: all files are then
 /// on their way together, and waiting for one after the other takes little more than for one.
+/// Linux writes pages out that are not needed any more; elsewhere nothing is begun.
 #[cfg(target_os = "linux")]
 fn begin_sync(file: &File) {
     // Only advice; `sync_all` waits for the bytes, and tells what failed.

@@ -234,8 +234,9 @@ fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> 
     })
 }
 
-/// A measuring system, a point and an axis; more are complained of with the variable.
-const MOST_INDICES: usize = 3;
+/// Room for a measuring system, a point and an axis; what does not fit the variable is complained
+/// of there.
+const USUAL_INDICES: usize = 3;
 
 fn indices<'a>(cursor: &mut Cursor<'a>, name: &str) -> Result<Vec<Cow<'a, str>>, Complaint> {
     let wrong = |cursor: &Cursor<'_>, expected: &str| {
@@ -248,7 +249,7 @@ fn indices<'a>(cursor: &mut Cursor<'a>, name: &str) -> Result<Vec<Cow<'a, str>>,
     if !cursor.eat('[') {
         return Err(wrong(cursor, "`[`"));
     }
-    let mut indices = Vec::with_capacity(MOST_INDICES);
+    let mut indices = Vec::with_capacity(USUAL_INDICES);
     loop {
         cursor.skip_blanks();
         let index = cursor.take_word();
