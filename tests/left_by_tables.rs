@@ -248,6 +248,43 @@ fn as_it_is_means_as_it_was_measured() {
     }
 }
 
+/// Measured at its ends only, while an old table was active: what lies under that table bends where
+/// the table does, and a new one that is too coarse leaves it, along the diagonals too.
+#[test]
+fn what_lies_under_an_old_table_bends_where_the_table_does() {
+    let naked = format!("{HEADER}x,0,0,0,0\nx,270,12,0,0\nx,900,0,0,0\n{LEVEL_YZ}");
+    let left = format!("{HEADER}x,0,0,0,0\nx,900,0,0,0\n{LEVEL_YZ}");
+    let fine = control("generic", "");
+    let coarse = fine.replace("spacing_mm = 90.0", "spacing_mm = 900.0");
+    let directory = written(&[
+        ("old.toml", &job("", &fine)),
+        (
+            "job.toml",
+            &job("active_while_measuring = \"kit\"", &coarse),
+        ),
+        ("errors.csv", &naked),
+    ]);
+    let at = directory.path();
+    assert_eq!(
+        nonius(at, "generate old.toml -o kit").status.code(),
+        Some(0)
+    );
+    std::fs::write(at.join("errors.csv"), left).unwrap();
+    let forecast = &json(at, "generate job.toml -o new")["forecast"];
+    let diagonals = forecast["diagonals"].as_object().unwrap();
+    assert_eq!(diagonals.len(), 4);
+    for diagonal in diagonals.values() {
+        near(
+            "as measured",
+            number(&diagonal["before_um"]),
+            0.0,
+            LAST_DIGIT,
+        );
+        let left = number(&diagonal["after_um"]);
+        near("left", left, 12.0 / 3.0_f64.sqrt(), LAST_DIGIT); // a cube: cosine 1/√3
+    }
+}
+
 /// Figures of a machine that has no error left, or none that is not a reversal, are zero: all of
 /// them count from the reference.
 #[test]

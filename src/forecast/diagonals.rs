@@ -90,9 +90,8 @@ pub(super) fn forecast(
 }
 
 /// One term while its axis travels one way: its curves, its correction and where they bend.
+#[derive(PartialEq)]
 struct Travel<'a> {
-    term: ErrorTerm,
-    direction: Direction,
     measured: &'a ErrorCurve,
     /// Without tables; absent where none was active while measuring.
     uncompensated: Option<&'a ErrorCurve>,
@@ -107,7 +106,7 @@ fn travels<'a>(
     plan: &Plan,
     control: &dyn Emulator,
     measured_box: &MeasuredBox,
-) -> Result<Vec<Travel<'a>>, CannotEmulate> {
+) -> Result<Vec<(ErrorTerm, Direction, Travel<'a>)>, CannotEmulate> {
     let mut travels = Vec::new();
     for (term, _) in machine.as_measured.measured() {
         for direction in Direction::BOTH {
@@ -126,14 +125,13 @@ fn travels<'a>(
                 .flatten()
                 .map(knots);
             let bends = of_curves.chain([response.breaks(low, high)]).collect();
-            travels.push(Travel {
-                term,
-                direction,
+            let travel = Travel {
                 measured,
                 uncompensated,
                 response,
                 bends,
-            });
+            };
+            travels.push((term, direction, travel));
         }
     }
     Ok(travels)
@@ -182,41 +180,32 @@ struct Walk<'a> {
     signs: [f64; 3],
 }
 
-/// One term on the way: its curves, its correction, and the cosine of the beam to its direction.
+/// One term on the way, and the cosine of the beam to its direction.
 #[derive(PartialEq)]
 struct Part<'a> {
-    measured: &'a ErrorCurve,
-    uncompensated: Option<&'a ErrorCurve>,
-    response: &'a Response,
-    bends: &'a [Vec<f64>],
+    travel: &'a Travel<'a>,
     along: usize,
     cosine: f64,
 }
 
 impl<'a> Walk<'a> {
     fn new(
-        travels: &'a [Travel<'a>],
+        travels: &'a [(ErrorTerm, Direction, Travel<'a>)],
         measured_box: &'a MeasuredBox,
         signs: [f64; 3],
         reverse: bool,
     ) -> Walk<'a> {
-        let is_travelled = |travel: &&Travel<'_>| {
-            let forward = (signs[index(travel.term.along)] > 0.0) != reverse;
-            forward == (travel.direction == Direction::Plus)
-        };
-        let part = |travel: &'a Travel<'a>| {
-            let of = index(travel.term.of);
-            Part {
-                measured: travel.measured,
-                uncompensated: travel.uncompensated,
-                response: &travel.response,
-                bends: &travel.bends,
-                along: index(travel.term.along),
+        let part = |(term, direction, travel): &'a (ErrorTerm, Direction, Travel<'a>)| {
+            let (of, along) = (index(term.of), index(term.along));
+            let forward = (signs[along] > 0.0) != reverse;
+            (forward == (*direction == Direction::Plus)).then(|| Part {
+                travel,
+                along,
                 cosine: signs[of] * measured_box.size[of] / measured_box.length(),
-            }
+            })
         };
         Walk {
-            parts: travels.iter().filter(is_travelled).map(part).collect(),
+            parts: travels.iter().filter_map(part).collect(),
             measured_box,
             signs,
         }
@@ -250,7 +239,7 @@ impl<'a> Walk<'a> {
     fn bends(&self, axis: usize) -> Vec<&'a [f64]> {
         let mut all: Vec<&[f64]> = Vec::new();
         for part in self.parts.iter().filter(|part| part.along == axis) {
-            for bends in part.bends {
+            for bends in &part.travel.bends {
                 if !all.contains(&bends.as_slice()) {
                     all.push(bends);
                 }
@@ -265,11 +254,11 @@ impl<'a> Walk<'a> {
         let mut after = 0.0;
         let places = [0, 1, 2].map(|axis| self.position(axis, t));
         for part in &self.parts {
-            let at = places[part.along];
-            let measured = part.measured.at(at);
-            let bare = part.uncompensated.map_or(measured, |curve| curve.at(at));
+            let (at, travel) = (places[part.along], part.travel);
+            let measured = travel.measured.at(at);
+            let bare = travel.uncompensated.map_or(measured, |curve| curve.at(at));
             before += part.cosine * measured.um();
-            after += part.cosine * (bare + part.response.correction(at)).um();
+            after += part.cosine * (bare + travel.response.correction(at)).um();
         }
         (before, after)
     }
