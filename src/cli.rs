@@ -8,6 +8,7 @@ mod assess;
 mod context;
 mod controllers;
 mod corrected;
+mod deliver;
 mod generate;
 mod history;
 mod import;

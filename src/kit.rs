@@ -58,9 +58,7 @@ impl Kit {
 
     /// The bytes of `manifest.json`.
     pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
-        let text = serde_json::to_string_pretty(&self.manifest)
-            .map_err(|error| Problem::new(format!("the manifest cannot be written: {error}")))?;
-        Ok(format!("{text}\n").into_bytes())
+        Ok(manifest::page(&self.manifest)?)
     }
 }
 

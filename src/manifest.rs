@@ -9,12 +9,26 @@ use crate::compensation::Placement;
 use crate::control_state::{AxisState, ControlState};
 use crate::document::sha256;
 use crate::forecast::{DiagonalForecast, Forecast, TermForecast};
+use crate::problem::Problem;
 use crate::target::Omission;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 /// Version of the format.
 pub const SCHEMA: u32 = 1;
+
+/// Name of the file in a kit.
+pub const MANIFEST: &str = "manifest.json";
+
+/// The bytes of the file, laid out for people.
+pub fn page(manifest: &impl Serialize) -> Result<Vec<u8>, Problem> {
+    const USUAL_BYTES: usize = 1 << 14;
+    let mut bytes = Vec::with_capacity(USUAL_BYTES);
+    serde_json::to_writer_pretty(&mut bytes, manifest)
+        .map_err(|error| Problem::new(format!("the manifest cannot be written: {error}")))?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
 
 /// A file with its hash.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

@@ -12,7 +12,7 @@ use crate::emit::TOOL;
 use crate::emit::program::{FileRole, ProgramFile, positions, programs, readings_to_fill};
 use crate::job::{Job, ProgramRequest};
 use crate::kit::sha256;
-use crate::manifest::{HashedFile, SCHEMA};
+use crate::manifest::{self, HashedFile, SCHEMA};
 use crate::problem::{Problem, Problems};
 use crate::program::{MeasuringRun, MirrorSize, RunTask, SetUpProgram, plan};
 use crate::readback::program::positions::{self as readback_positions, Position, form_differences};
@@ -35,6 +35,13 @@ pub struct ProgramKit {
     pub preconditions: Vec<Precondition>,
     /// The document of `manifest.json` and of `--format json`.
     pub manifest: Value,
+}
+
+impl ProgramKit {
+    /// The bytes of `manifest.json`.
+    pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
+        Ok(manifest::page(&self.manifest)?)
+    }
 }
 
 /// Makes and judges the programs that a job asks for.

@@ -1,11 +1,14 @@
 //! `nonius generate JOB -o DIR`
 
+use crate::cli::deliver::Delivery;
 use crate::cli::inputs::with_suffix;
-use crate::cli::{Answer, Format, inputs, print, print_json, say, show, write};
+use crate::cli::write::{self, NamedBytes};
+use crate::cli::{Answer, Format, inputs, show};
 use crate::controller::{Dialect, Role};
 use crate::forecast::Verdict;
 use crate::job::ActiveTables;
 use crate::kit::{Inputs, Kit, generate};
+use crate::manifest::MANIFEST;
 use crate::problem::Problems;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -32,23 +35,22 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     let inputs = inputs::read(job)?;
     keep_predecessor(job, directory, &inputs)?;
     let kit = generate(&inputs)?;
-    let manifest = kit.manifest_bytes()?;
-    let files: Vec<write::NamedBytes<'_>> = kit
+    let files: Vec<NamedBytes<'_>> = kit
         .files
         .iter()
         .map(|file| (file.path.as_str(), file.bytes.as_slice()))
         .collect();
-    let talk = || {
-        let report = (options.format == Format::Text).then(|| report(&inputs, &kit));
-        (report, next_steps(job, directory, &inputs, &kit))
+    let delivery = Delivery {
+        directory,
+        force,
+        format: options.format,
     };
-    let manifest = ("manifest.json", manifest.as_slice());
-    let (report, next_steps) = write::write_kit(directory, &files, manifest, force, talk)?;
-    match report {
-        None => print_json(&kit.manifest)?,
-        Some(report) => print(&report)?,
-    };
-    say(&next_steps);
+    delivery.deliver(
+        &files,
+        &kit.manifest_bytes()?,
+        || report(&inputs, &kit),
+        || next_steps(job, directory, &inputs, &kit),
+    )?;
     Ok(if kit.verdict == Verdict::Pass {
         Answer::Yes
     } else {
@@ -132,10 +134,7 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
             purpose(file.role)
         ));
     }
-    lines.push(format!(
-        "wrote {}",
-        directory.join("manifest.json").display()
-    ));
+    lines.push(format!("wrote {}", directory.join(MANIFEST).display()));
     let checklist = kit.files.iter().find(|file| file.role == Role::Checklist);
     lines.extend(checklist.map(|file| {
         let path = directory.join(&file.path);

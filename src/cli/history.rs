@@ -10,12 +10,12 @@
 use crate::cli::inputs::{read_file, with_suffix};
 use crate::cli::{Answer, Format, print, print_json};
 use crate::kit::sha256;
+use crate::manifest::MANIFEST;
 use crate::problem::{Problem, Problems, shown};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-const MANIFEST: &str = "manifest.json";
 /// A chain of hashes cannot close to a ring; this bounds one of damaged links.
 const LONGEST_CHAIN: usize = 1000;
 

@@ -1,16 +1,17 @@
 //! `nonius program JOB -o DIR`
 
 use crate::axis::Axis;
+use crate::cli::deliver::Delivery;
 use crate::cli::show::{Column, table};
-use crate::cli::{Answer, Format, inputs, print, print_json, say, show, write};
+use crate::cli::write::{self, NamedBytes};
+use crate::cli::{Answer, Format, inputs, show};
 use crate::emit::program::FileRole;
 use crate::job::{Job, RunType, TargetGrid};
-use crate::problem::{Problem, Problems};
+use crate::manifest::MANIFEST;
+use crate::problem::Problems;
 use crate::program_kit::{ProgramKit, make};
 use clap::Args;
 use std::path::{Path, PathBuf};
-
-const MANIFEST: &str = "manifest.json";
 
 /// Options of `program`.
 #[derive(Args, Debug)]
@@ -33,26 +34,22 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     write::ensure_free(directory, force)?;
     let (job, profile, hashes) = inputs::read_job_and_profile(&options.job)?;
     let kit = make(&job, &profile, &hashes)?;
-    let manifest = serde_json::to_string_pretty(&kit.manifest)
-        .map_err(|error| Problem::new(format!("the manifest cannot be written: {error}")))?;
-    let manifest = format!("{manifest}\n").into_bytes();
-    let files: Vec<write::NamedBytes<'_>> = kit
+    let files: Vec<NamedBytes<'_>> = kit
         .files
         .iter()
         .map(|file| (file.path.as_str(), file.bytes.as_slice()))
         .collect();
-    let talk = || {
-        let wanted = options.format == Format::Text;
-        let report = wanted.then(|| report(&job, &profile.name, &kit));
-        (report, next_steps(directory, &kit))
+    let delivery = Delivery {
+        directory,
+        force,
+        format: options.format,
     };
-    let manifest = (MANIFEST, manifest.as_slice());
-    let (report, next_steps) = write::write_kit(directory, &files, manifest, force, talk)?;
-    match report {
-        None => print_json(&kit.manifest)?,
-        Some(report) => print(&report)?,
-    };
-    say(&next_steps);
+    delivery.deliver(
+        &files,
+        &kit.manifest_bytes()?,
+        || report(&job, &profile.name, &kit),
+        || next_steps(directory, &kit),
+    )?;
     Ok(Answer::Yes)
 }
 

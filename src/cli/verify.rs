@@ -9,7 +9,7 @@ use crate::cli::{Answer, Format, print, print_json, show};
 use crate::controller::{Profile, Role};
 use crate::forecast::{Forecast, Verdict};
 use crate::kit::{Inputs, Verification, sha256, verify, verify_read_out};
-use crate::manifest::{HashedFile, diagonals, picometres};
+use crate::manifest::{HashedFile, MANIFEST, diagonals, picometres};
 use crate::problem::{Problem, Problems, shown};
 use crate::readback::kit::{KitFile, may_be_meant_for};
 use clap::Args;
@@ -165,7 +165,7 @@ pub(super) fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found,
     names.sort();
     let (left, names): (Vec<String>, Vec<String>) =
         names.into_iter().partition(|n| is_left_by_a_computer(n));
-    if !names.iter().any(|name| name != "manifest.json") {
+    if !names.iter().any(|name| name != MANIFEST) {
         return Err(Problem::new(format!(
             "`{}` holds no file of a control, expected its tables",
             directory.display()
@@ -174,7 +174,7 @@ pub(super) fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found,
         .into());
     }
     let mut found = Found::default();
-    for name in names.iter().filter(|name| *name != "manifest.json") {
+    for name in names.iter().filter(|name| *name != MANIFEST) {
         let bytes = read_file(&directory.join(name))?;
         let role = role_of(&inputs.profile, name);
         found.files.push((name.clone(), role, bytes));
@@ -185,7 +185,7 @@ pub(super) fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found,
             shown(name)
         )
     }));
-    let manifest = directory.join("manifest.json");
+    let manifest = directory.join(MANIFEST);
     if manifest.is_file() {
         let document = parsed(&read_file(&manifest)?)?;
         pass_over_unlisted(&mut found, &document, &inputs.profile);

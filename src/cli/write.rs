@@ -10,6 +10,7 @@
 //! left-over `DIR.partial-…` is no kit, whatever it holds.
 
 use crate::cli::inputs::{plain_words, with_suffix};
+use crate::manifest::MANIFEST;
 use crate::problem::{Problem, Problems};
 use std::fs::{self, File};
 use std::io::{Read, Seek, Write};
@@ -245,7 +246,7 @@ fn remove_older(previous: &Path) -> Result<(), Problems> {
     if fs::symlink_metadata(previous).is_err() {
         return Ok(());
     }
-    if !previous.join("manifest.json").is_file() {
+    if !previous.join(MANIFEST).is_file() {
         return Err(Problem::new(format!(
             "`{}` exists and is no kit, so it is not removed",
             previous.display()

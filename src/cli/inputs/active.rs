@@ -5,12 +5,11 @@ use crate::cli::inputs::{beside_job, plain_words, read_file};
 use crate::controller::Profile;
 use crate::job::{ActiveTables, Job};
 use crate::kit::hashed;
-use crate::manifest::HashedFile;
+use crate::manifest::{HashedFile, MANIFEST};
 use crate::problem::{Problem, Problems};
 use std::path::Path;
 
 const KEY: &str = "measurement.active_while_measuring";
-const MANIFEST: &str = "manifest.json";
 
 type NamedBytes = (String, Vec<u8>);
 

@@ -1,0 +1,40 @@
+//! A finished kit on its way to the user: written, then shown, then what to do with it.
+
+use crate::cli::{Format, print, print_bytes, say, write};
+use crate::manifest::MANIFEST;
+use crate::problem::Problems;
+use std::path::Path;
+
+/// Where a kit goes, and what is printed of it.
+pub(super) struct Delivery<'a> {
+    pub(super) directory: &'a Path,
+    pub(super) force: bool,
+    pub(super) format: Format,
+}
+
+impl Delivery<'_> {
+    /// Writes the files and then the bytes of the manifest; prints `report` or the manifest, and
+    /// says `next_steps`. Both texts are composed while the disk works; nothing is printed of a
+    /// kit that could not be written.
+    pub(super) fn deliver(
+        &self,
+        files: &[write::NamedBytes<'_>],
+        manifest: &[u8],
+        report: impl FnOnce() -> String,
+        next_steps: impl FnOnce() -> String,
+    ) -> Result<(), Problems> {
+        let texts = || {
+            let wanted = self.format == Format::Text;
+            (wanted.then(report), next_steps())
+        };
+        let named = (MANIFEST, manifest);
+        let (report, next_steps) =
+            write::write_kit(self.directory, files, named, self.force, texts)?;
+        match report {
+            None => print_bytes(manifest)?,
+            Some(report) => print(&report)?,
+        };
+        say(&next_steps);
+        Ok(())
+    }
+}
