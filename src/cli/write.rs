@@ -72,9 +72,9 @@ pub(super) fn write_kit<T>(
     for (file, bytes) in files.iter().chain([&manifest]) {
         let path = partial.path().join(file);
         let handle = write_new(&path, bytes).map_err(|e| not_written("cannot write", &path, &e))?;
-        begin_sync(&handle);
         written.push((path, handle));
     }
+    begin_sync(&written);
     open_to_others(partial.path());
     let done = meanwhile();
     sync_and_close(written)?;
@@ -179,17 +179,20 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     }
 }
 
-/// Asks the system to begin with writing a file to the disk, and does not wait: all files are then
-/// on their way together, and waiting for one after the other takes little more than for one.
+/// Asks the system to begin with writing the files to the disk, and does not wait: all of them are
+/// then on their way together, and waiting for one after the other takes little more than for one.
+/// They are asked for in one go: between other calls each would reach the disk by itself.
 /// Linux writes pages out that are not needed any more; elsewhere nothing is begun.
 #[cfg(target_os = "linux")]
-fn begin_sync(file: &File) {
-    // Only advice; `sync_all` waits for the bytes, and tells what failed.
-    let _ = rustix::fs::fadvise(file, 0, None, rustix::fs::Advice::DontNeed);
+fn begin_sync(files: &[(PathBuf, File)]) {
+    for (_, file) in files {
+        // Only advice; `sync_all` waits for the bytes, and tells what failed.
+        let _ = rustix::fs::fadvise(file, 0, None, rustix::fs::Advice::DontNeed);
+    }
 }
 
 #[cfg(not(target_os = "linux"))]
-fn begin_sync(_: &File) {}
+fn begin_sync(_: &[(PathBuf, File)]) {}
 
 /// Waits until all files are on the disk, and closes them: Windows renames no directory that holds
 /// an open file.

@@ -8,6 +8,9 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// Room for the keys that a section is asked for.
+const USUAL_KEYS: usize = 16;
+
 /// A table of the page, e.g. `[machine.axes.x]`.
 pub struct Section<'a> {
     source: &'a Source,
@@ -29,7 +32,7 @@ impl<'a> Section<'a> {
             span: 0..0,
             path: String::new(),
             spot: Arc::from(""),
-            asked: RefCell::default(),
+            asked: RefCell::new(Vec::with_capacity(USUAL_KEYS)),
             notes,
         }
     }
@@ -415,7 +418,7 @@ impl<'a> Section<'a> {
             span,
             path: self.path_of(key),
             spot: Arc::from(spot),
-            asked: RefCell::default(),
+            asked: RefCell::new(Vec::with_capacity(USUAL_KEYS)),
             notes: self.notes,
         }
     }
