@@ -1,26 +1,50 @@
-//! The program as a process: `generate` beside an empty program in the same run.
+//! The program as a process: `generate` beside an empty program, in turns.
 //!
-//! `true` is the empty program where the system has one; elsewhere compare with `--version`. Kits
-//! are written to a disk, and to memory where the system has a folder for that: the difference is
-//! the disk's.
+//! `true` is the empty program where the system has one; elsewhere it is `--version`. Each time is
+//! that of `generate` less that of the empty program just before: a machine that changes its speed
+//! changes it for both. Kits are written to a disk, and to memory where the system has a folder
+//! for that: the difference is the disk's.
 #![allow(
     missing_docs,
     clippy::expect_used,
     reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong"
 )]
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-fn run(command: &mut Command) {
-    let status = command
+fn run(command: &mut Command) -> Duration {
+    command
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status();
+        .stderr(Stdio::null());
+    let start = Instant::now();
+    let status = command.status();
+    let time = start.elapsed();
     assert!(status.is_ok_and(|status| status.success()));
+    time
+}
+
+fn nonius() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_nonius"))
+}
+
+fn version() -> Command {
+    let mut command = nonius();
+    command.arg("--version");
+    command
+}
+
+/// What the system has for an empty program.
+fn empty_program() -> fn() -> Command {
+    let found = Command::new("true").status().is_ok();
+    if found {
+        || Command::new("true")
+    } else {
+        version
+    }
 }
 
 /// Folders to write to, with what is below them.
@@ -32,32 +56,37 @@ fn places() -> Vec<(&'static str, TempDir)> {
 }
 
 fn processes(criterion: &mut Criterion) {
-    let nonius = || Command::new(env!("CARGO_BIN_EXE_nonius"));
     let mut group = criterion.benchmark_group("process");
+    group.sampling_mode(SamplingMode::Flat);
     group.sample_size(60);
     group.warm_up_time(Duration::from_millis(500));
     group.measurement_time(Duration::from_secs(2)); // few kits: deleting thousands slows some disks down
-    if Command::new("true").status().is_ok() {
-        group.bench_function("empty program", |bencher| {
-            bencher.iter(|| run(&mut Command::new("true")))
-        });
-    }
-    group.bench_function("nonius --version", |bencher| {
-        bencher.iter(|| run(nonius().arg("--version")))
+    let empty = empty_program();
+    group.bench_function("empty program", |bencher| {
+        bencher.iter(|| run(&mut empty()))
     });
+    let mut above = |name: String, make: &mut dyn FnMut() -> Command| {
+        group.bench_function(format!("{name}, above an empty program"), |bencher| {
+            bencher.iter_custom(|times| {
+                let pair = |_| {
+                    let nothing = run(&mut empty());
+                    run(&mut make()).saturating_sub(nothing)
+                };
+                (0..times).map(pair).sum()
+            });
+        });
+    };
+    above("--version".to_string(), &mut version);
     let mut kits = 0_u32;
     for (place, folder) in &places() {
         for controller in ["siemens-840d-sl", "fanuc-30i", "generic"] {
             let job = format!("fixtures/nine_errors_900/{controller}.toml");
-            group.bench_function(format!("generate {controller}, {place}"), |bencher| {
-                bencher.iter_batched(
-                    || {
-                        kits += 1; // every kit stays until the end: removing them is no work of the program
-                        folder.path().join(format!("kit-{kits}"))
-                    },
-                    |kit| run(nonius().args(["generate", &job, "-o"]).arg(kit)),
-                    criterion::BatchSize::PerIteration,
-                );
+            above(format!("generate {controller} {place}"), &mut || {
+                kits += 1; // every kit stays until the end: removing them is no work of the program
+                let mut command = nonius();
+                command.args(["generate", &job, "-o"]);
+                command.arg(folder.path().join(format!("kit-{kits}")));
+                command
             });
         }
     }
