@@ -1,37 +1,44 @@
 //! Links the compiler's unwinder into the program, where the compiler has it as an archive.
 //!
-//! Otherwise the program loads `libgcc_s.so` at every start, whose beginning asks the processor
-//! for its features: 0.1 to 0.3 ms of a command that takes a few (docs/performance.md).
+//! Otherwise the program loads `libgcc_s.so` at every start, which costs time
+//! (docs/performance.md, docs/decisions.md). Where it is not certain that the archive fits, all
+//! stays as it was.
 
 use std::path::Path;
 use std::process::Command;
 
-const ARCHIVE: &str = "libgcc_eh.a";
-
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     if is_for_this_linux()
-        && let Some(folder) = folder_of_the_archive()
+        && is_linked_by_cc()
+        && let Some(archive) = archive()
     {
-        println!("cargo::rustc-link-search=native={folder}");
+        println!("cargo::rerun-if-changed={archive}");
         println!("cargo::rustc-link-lib=static:-bundle=gcc_eh");
     }
 }
 
 /// Whether the program is for a Linux with the GNU C library, and for this machine's.
 fn is_for_this_linux() -> bool {
-    let of_target = |name: &str| std::env::var(name).unwrap_or_default();
-    of_target("CARGO_CFG_TARGET_OS") == "linux"
-        && of_target("CARGO_CFG_TARGET_ENV") == "gnu"
-        && of_target("TARGET") == of_target("HOST")
+    variable("CARGO_CFG_TARGET_OS") == "linux"
+        && variable("CARGO_CFG_TARGET_ENV") == "gnu"
+        && variable("TARGET") == variable("HOST")
 }
 
-/// What the C compiler, which links the program, answers; the bare name where it has none.
-fn folder_of_the_archive() -> Option<String> {
-    let question = format!("-print-file-name={ARCHIVE}");
+/// Whether nobody has chosen another linker than the C compiler: its libraries may be others.
+fn is_linked_by_cc() -> bool {
+    variable("RUSTC_LINKER").is_empty() && !variable("CARGO_ENCODED_RUSTFLAGS").contains("link")
+}
+
+fn variable(name: &str) -> String {
+    std::env::var(name).unwrap_or_default()
+}
+
+/// Where the C compiler has the archive; it answers with the bare name where it has none.
+fn archive() -> Option<String> {
+    let question = "-print-file-name=libgcc_eh.a";
     let answer = Command::new("cc").arg(question).output().ok()?;
-    let path = String::from_utf8(answer.stdout).ok()?;
-    let folder = Path::new(path.trim()).parent()?;
-    let named = folder.to_str().filter(|folder| !folder.is_empty())?;
-    Path::new(path.trim()).is_file().then(|| named.to_string())
+    let path = String::from_utf8(answer.stdout).ok()?.trim().to_string();
+    let is_there = Path::new(&path).is_absolute() && Path::new(&path).is_file();
+    is_there.then_some(path)
 }

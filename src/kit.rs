@@ -58,7 +58,7 @@ impl Kit {
 
     /// The bytes of `manifest.json`.
     pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
-        Ok(manifest::page(&self.manifest)?)
+        Ok(manifest::bytes(&self.manifest)?)
     }
 }
 

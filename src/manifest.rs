@@ -21,13 +21,13 @@ pub const SCHEMA: u32 = 1;
 pub const MANIFEST: &str = "manifest.json";
 
 /// The bytes of the file, laid out for people.
-pub fn page(manifest: &impl Serialize) -> Result<Vec<u8>, Problem> {
+pub fn bytes(manifest: &impl Serialize) -> Result<Vec<u8>, Problem> {
     const USUAL_BYTES: usize = 1 << 14;
-    let mut bytes = Vec::with_capacity(USUAL_BYTES);
-    serde_json::to_writer_pretty(&mut bytes, manifest)
+    let mut page = Vec::with_capacity(USUAL_BYTES);
+    serde_json::to_writer_pretty(&mut page, manifest)
         .map_err(|error| Problem::new(format!("the manifest cannot be written: {error}")))?;
-    bytes.push(b'\n');
-    Ok(bytes)
+    page.push(b'\n');
+    Ok(page)
 }
 
 /// A file with its hash.

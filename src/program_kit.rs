@@ -40,7 +40,7 @@ pub struct ProgramKit {
 impl ProgramKit {
     /// The bytes of `manifest.json`.
     pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
-        Ok(manifest::page(&self.manifest)?)
+        Ok(manifest::bytes(&self.manifest)?)
     }
 }
 

@@ -14,8 +14,8 @@ pub(super) struct Delivery<'a> {
 
 impl Delivery<'_> {
     /// Writes the files and then the bytes of the manifest; prints `report` or the manifest, and
-    /// says `next_steps`. Both texts are composed while the disk works; nothing is printed of a
-    /// kit that could not be written.
+    /// says `next_steps`. The texts are composed before waiting for the disk; nothing is printed of a kit
+    /// that could not be written.
     pub(super) fn deliver(
         &self,
         files: &[write::NamedBytes<'_>],
@@ -30,11 +30,11 @@ impl Delivery<'_> {
         let named = (MANIFEST, manifest);
         let (report, next_steps) =
             write::write_kit(self.directory, files, named, self.force, texts)?;
-        match report {
-            None => print_bytes(manifest)?,
-            Some(report) => print(&report)?,
+        let printed = match report {
+            None => print_bytes(manifest),
+            Some(report) => print(&report),
         };
-        say(&next_steps);
-        Ok(())
+        say(&next_steps); // the kit is in its place, also where nothing can be printed
+        printed.map(|_| ())
     }
 }

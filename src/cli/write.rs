@@ -181,7 +181,8 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
 
 /// Asks the system to begin with writing the files to the disk, and does not wait: all of them are
 /// then on their way together, and waiting for one after the other takes little more than for one.
-/// They are asked for in one go: between other calls each would reach the disk by itself.
+/// They are asked for one right after the other: asked for between the writing of files they took
+/// longer (docs/performance.md).
 /// Linux writes pages out that are not needed any more; elsewhere nothing is begun.
 #[cfg(target_os = "linux")]
 fn begin_sync(files: &[(PathBuf, File)]) {

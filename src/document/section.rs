@@ -8,7 +8,7 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Room for the keys that a section is asked for.
+/// Room for the keys that a section is asked for, so that it grows only for large ones.
 const USUAL_KEYS: usize = 16;
 
 /// A table of the page, e.g. `[machine.axes.x]`.
