@@ -95,6 +95,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         templates: &templates,
         files: &files,
         read: &read,
+        forecast: &forecast,
         verdict,
         doubts: &doubts,
     })?;

@@ -528,6 +528,19 @@ fn a_rehearsal_and_doubts_are_seen_in_the_files() {
 }
 
 #[test]
+fn a_checklist_names_what_misses_the_acceptance() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
+    let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let job = text("siemens-840d-sl.toml").replace("spacing_mm = 30.0", "spacing_mm = 450.0");
+    let job = job.replace("max_deviation_um = 10.0", "max_deviation_um = 2.0");
+    let (_, kit) = support::generate(&job, &text("errors.csv"));
+    let page = text_of(&kit, "checklist.md");
+    // Points at 0, 450 and 900 mm: 3.978 µm is the largest distance of EXX from the lines between.
+    let words = "of the job: **fail**.\n- EXX leaves 3.978 µm (U not stated), the limit is 2 µm: fail\n\nMachine";
+    assert!(page.contains(words), "{page}");
+}
+
+#[test]
 fn the_display_is_asked_for_with_values_of_the_files() {
     let (job, errors) = five_points("siemens-840d-sl");
     let (_, kit) = support::generate(&job, &errors);

@@ -21,7 +21,7 @@ use crate::compensation::{Compiled, uses};
 use crate::controller::checklist::List;
 use crate::controller::{Mechanism, Role};
 use crate::emit::{self, Context, RenderedFile, Templates};
-use crate::forecast::Verdict;
+use crate::forecast::{Forecast, Verdict};
 use crate::plan::{Plan, Task};
 use crate::problem::Problems;
 use crate::readback::kit::{KitFile, ReadBack, read_apart};
@@ -49,6 +49,8 @@ pub(super) struct Made<'a> {
     pub(super) files: &'a [RenderedFile],
     /// What was read back from them.
     pub(super) read: &'a ReadBack,
+    /// What the files will leave.
+    pub(super) forecast: &'a Forecast,
     /// Forecast against the acceptance of the job.
     pub(super) verdict: Verdict,
     /// Why the measured errors are doubtful.

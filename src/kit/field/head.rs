@@ -19,9 +19,15 @@ fn verdict(made: &Made<'_>) -> String {
         Verdict::Pass if nothing_asked => {
             "Verdict: no acceptance is stated in the job, so there is nothing to judge.".to_string()
         }
-        verdict => format!(
-            "Verdict of the forecast against the acceptance of the job: **{}**.",
-            verdict.word()
-        ),
+        verdict => {
+            let sentence = format!(
+                "Verdict of the forecast against the acceptance of the job: **{}**.",
+                verdict.word()
+            );
+            let misses = made.forecast.misses(made.inputs.job.acceptance);
+            let misses = misses.iter().map(|miss| format!("- {miss}"));
+            let lines: Vec<String> = std::iter::once(sentence).chain(misses).collect();
+            lines.join("\n")
+        }
     }
 }
