@@ -1,22 +1,26 @@
 //! The program as a process: `generate` beside an empty program, in turns.
 //!
-//! `true` is the empty program where the system has one; elsewhere it is `--version`. Each figure is
-//! the time of `generate` less that of as many empty programs, run in turns: a machine that changes
-//! its speed changes it for both. The program is a copy of the one that was built, as an installed one
-//! is: what a linker leaves can lie scattered in memory, page by page, and is slower to start. Kits are
-//! written to a disk, and to memory where the system has a folder for that: the difference is the disk's.
+//! `true` is the empty program on Unix; elsewhere it is `--version`. Each figure is the time of `generate`
+//! less that of as many empty programs, half of them before it and half after it: a machine that
+//! changes its speed changes it for both. What the empty programs of a figure took is printed under
+//! it, as it tells how fast the machine was just then. Kits are written to a disk, and to memory
+//! where the system has a folder for that: the difference is that of the disk and its file system.
 #![allow(
     missing_docs,
     clippy::expect_used,
-    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong"
+    clippy::print_stdout,
+    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong; what it prints is its result"
 )]
 
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
-use std::fs;
+use std::cell::OnceCell;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
+
+const NONIUS: &str = env!("CARGO_BIN_EXE_nonius");
 
 fn run(command: &mut Command) -> Duration {
     command
@@ -30,92 +34,140 @@ fn run(command: &mut Command) -> Duration {
     time
 }
 
-/// A copy of the program, written in one piece.
-fn install(folder: &Path) -> PathBuf {
-    let built = Path::new(env!("CARGO_BIN_EXE_nonius"));
-    let copy = folder.join(built.file_name().expect("a program has a name"));
-    let bytes = fs::read(built).expect("the program was built");
-    fs::write(&copy, bytes).expect("a place for the program");
-    let permissions = fs::metadata(built).expect("it was read").permissions();
-    fs::set_permissions(&copy, permissions).expect("the copy is ours");
-    copy
-}
-
-fn version(program: &Path) -> Command {
-    let mut command = Command::new(program);
+fn version() -> Command {
+    let mut command = Command::new(NONIUS);
     command.arg("--version");
     command
 }
 
-/// What the system has for an empty program.
-fn empty_program(program: &Path) -> impl Fn() -> Command {
-    let found = Command::new("true").status().is_ok();
-    move || {
-        if found {
-            Command::new("true")
-        } else {
-            version(program)
+/// `true` by its whole path, so that nobody has to look for it; `None` where the system has none.
+fn true_of_system() -> Option<&'static str> {
+    ["/usr/bin/true", "/bin/true"]
+        .into_iter()
+        .find(|path| Path::new(path).exists())
+}
+
+fn empty_program() -> Command {
+    true_of_system().map_or_else(version, Command::new)
+}
+
+/// On Linux the system forgets what it has of the program in memory, so that the runs before the
+/// measuring load it as after switching on. Just linked or copied in one piece it lies there in
+/// other blocks, and all figures differ by some tenths of a millisecond.
+fn forget_program() {
+    let program = File::open(NONIUS).expect("the program was built");
+    program.sync_all().expect("the program was built");
+    #[cfg(target_os = "linux")]
+    rustix::fs::fadvise(&program, 0, None, rustix::fs::Advice::DontNeed).expect("only advice");
+}
+
+/// Where kits are written to.
+struct Place {
+    name: &'static str,
+    root: PathBuf,
+    /// Whether the kits are left there.
+    stays: bool,
+    folder: OnceCell<TempDir>,
+}
+
+impl Place {
+    /// A folder of its own, made for the first kit.
+    fn folder(&self) -> &Path {
+        let made = self.folder.get_or_init(|| {
+            let mut folder = tempfile::Builder::new();
+            let made = folder.prefix("nonius-kits-").tempdir_in(&self.root);
+            let mut made = made.expect("a place to write to");
+            made.disable_cleanup(self.stays);
+            made
+        });
+        made.path()
+    }
+}
+
+/// A disk, where kits stay: deleting their thousands of files slows some disks down for minutes,
+/// and with them the next run. And memory.
+fn places() -> Vec<Place> {
+    let disk = (
+        "on disk",
+        Path::new(env!("CARGO_TARGET_TMPDIR")).to_path_buf(),
+        true,
+    );
+    let memory = ("in memory", PathBuf::from("/dev/shm"), false);
+    let is_there = |(_, root, _): &(&str, PathBuf, bool)| root.is_dir();
+    let place = |(name, root, stays)| Place {
+        name,
+        root,
+        stays,
+        folder: OnceCell::new(),
+    };
+    [disk, memory]
+        .into_iter()
+        .filter(is_there)
+        .map(place)
+        .collect()
+}
+
+/// Time of a program, less that of an empty one: one run before an empty program, one after it.
+/// The second figure is what the empty ones took.
+fn above_empty(make: &mut dyn FnMut() -> Command) -> (Duration, Duration) {
+    loop {
+        let (before, own) = (run(&mut empty_program()), run(&mut make()));
+        let (own_first, after) = (run(&mut make()), run(&mut empty_program()));
+        // An empty program that took longer was interrupted.
+        if let Some(above) = (own + own_first).checked_sub(before + after) {
+            return (above / 2, (before + after) / 2);
         }
     }
 }
 
-fn folder_on_disk() -> TempDir {
-    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a place to write to")
-}
-
-/// Folders to write to, with what is below them. The one on the disk is left there: deleting its
-/// thousands of files slows some disks down for minutes, and with them the next run.
-fn places() -> Vec<(&'static str, TempDir)> {
-    let mut disk = folder_on_disk();
-    disk.disable_cleanup(true);
-    let memory = tempfile::tempdir_in("/dev/shm").ok();
-    let memory = memory.map(|folder| ("in memory", folder));
-    [("on disk", disk)].into_iter().chain(memory).collect()
+fn median(mut times: Vec<Duration>) -> Duration {
+    times.sort_unstable();
+    times.get(times.len() / 2).copied().unwrap_or_default()
 }
 
 fn processes(criterion: &mut Criterion) {
+    forget_program();
     let mut group = criterion.benchmark_group("process");
     group.sampling_mode(SamplingMode::Flat);
     group.sample_size(60);
-    // One pair a sample, as every kit stays.
-    group.warm_up_time(Duration::from_millis(100));
-    group.measurement_time(Duration::from_millis(400));
-    let installation = folder_on_disk();
-    let program = &install(installation.path());
-    let empty = empty_program(program);
+    group.warm_up_time(Duration::from_millis(200));
+    group.measurement_time(Duration::from_millis(600));
     group.bench_function("empty program", |bencher| {
-        bencher.iter(|| run(&mut empty()))
+        bencher.iter_custom(|count| (0..count).map(|_| run(&mut empty_program())).sum());
     });
-    let mut empty_first = false;
-    let mut measure_above = |name: String, make: &mut dyn FnMut() -> Command| {
+    let mut measure_beside_empty = |name: String, make: &mut dyn FnMut() -> Command| {
+        let mut empties = Vec::new();
         group.bench_function(format!("{name}, above an empty program"), |bencher| {
             bencher.iter_custom(|count| {
-                let (mut own, mut nothing) = (Duration::ZERO, Duration::ZERO);
+                let mut sum = Duration::ZERO;
                 for _ in 0..count {
-                    // What one leaves to the system to do must not always meet the other.
-                    empty_first = !empty_first;
-                    if empty_first {
-                        nothing += run(&mut empty());
-                        own += run(&mut make());
-                    } else {
-                        own += run(&mut make());
-                        nothing += run(&mut empty());
-                    }
+                    let (above, empty) = above_empty(make);
+                    sum += above;
+                    empties.push(empty);
                 }
-                own.saturating_sub(nothing)
+                sum
             });
         });
+        if !empties.is_empty() {
+            println!(
+                "  the empty program beside it: median {:?}",
+                median(empties)
+            );
+        }
     };
-    measure_above("--version".to_string(), &mut || version(program));
+    if true_of_system().is_some() {
+        measure_beside_empty("--version".to_string(), &mut version);
+    }
+    let places = places();
     let mut kits = 0_u32;
-    for (place, folder) in &places() {
-        for controller in ["siemens-840d-sl", "fanuc-30i", "generic"] {
+    for controller in ["siemens-840d-sl", "fanuc-30i", "generic"] {
+        for place in &places {
             let job = format!("fixtures/nine_errors_900/{controller}.toml");
-            measure_above(format!("generate {controller} {place}"), &mut || {
-                kits += 1; // every kit stays until the end: removing them is no work of the program
-                let mut command = Command::new(program);
+            measure_beside_empty(format!("generate {controller} {}", place.name), &mut || {
+                kits += 1; // removing a kit is no work of the program
+                let mut command = Command::new(NONIUS);
                 command.args(["generate", &job, "-o"]);
-                command.arg(folder.path().join(format!("kit-{kits}")));
+                command.arg(place.folder().join(format!("kit-{kits}")));
                 command
             });
         }
