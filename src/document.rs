@@ -142,6 +142,13 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
                 Problem::new(format!("`{}` stands twice in its section", shown(key)))
                     .help("keep one of the two")
             }
+            _ if span
+                .as_ref()
+                .is_some_and(|span| is_in_number(&source.text, span.start)) =>
+            {
+                Problem::new("`,` in a number, expected a decimal point")
+                    .help("write `0.5`; numbers of a list stand in brackets, as `[0, 500]`")
+            }
             _ => Problem::new(format!("not valid TOML: {message}"))
                 .help("see https://toml.io; strings need quotes, numbers a decimal point"),
         };
@@ -151,6 +158,15 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
         });
     }
     problems
+}
+
+/// Whether a comma stands at `at`, right between two digits.
+fn is_in_number(text: &str, at: usize) -> bool {
+    let digit = |at: Option<usize>| {
+        let byte = at.and_then(|at| text.as_bytes().get(at));
+        byte.is_some_and(u8::is_ascii_digit)
+    };
+    text.as_bytes().get(at) == Some(&b',') && digit(at.checked_sub(1)) && digit(Some(at + 1))
 }
 
 #[derive(Default)]

@@ -7,6 +7,7 @@
 mod field;
 mod inputs;
 mod loaded_state;
+mod remarks;
 mod rollback;
 mod verification;
 
@@ -28,6 +29,7 @@ use crate::target::wants;
 use field::{Made, as_kit_file};
 pub use inputs::Inputs;
 pub use loaded_state::{LoadedState, loaded_state};
+pub use remarks::remarks;
 use serde_json::json;
 pub use verification::{Verification, verify, verify_read_out};
 

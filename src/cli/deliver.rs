@@ -28,13 +28,17 @@ impl Delivery<'_> {
             (wanted.then(report), next_steps())
         };
         let named = (MANIFEST, manifest);
-        let (report, next_steps) =
+        let ((report, next_steps), previous) =
             write::write_kit(self.directory, files, named, self.force, texts)?;
         let printed = match report {
             None => print_bytes(manifest),
             Some(report) => print(&report),
         };
-        say(&next_steps); // the kit is in its place, also where nothing can be printed
+        // The kit is in its place, also where nothing can be printed.
+        if let Some(previous) = previous {
+            say(&format!("the old kit is kept as {}", previous.display()));
+        }
+        say(&next_steps);
         printed.map(|_| ())
     }
 }

@@ -5,6 +5,7 @@ use crate::claims::{Assumption, Precondition};
 use crate::compensation::{Compiled, Placement};
 use crate::forecast::{COVERAGE_FACTOR, Forecast, Verdict};
 use crate::job::Acceptance;
+use crate::kit;
 use crate::model::ErrorModel;
 use crate::plan::Plan;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
@@ -312,29 +313,7 @@ fn head_and_last(what: &str) -> (&str, &str) {
 
 /// Terms without a table, stretches that were not measured, notes.
 pub(super) fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Forecast>) -> String {
-    let mut lines = Vec::new();
-    for omission in &plan.omitted {
-        lines.push(format!(
-            "no table for {}: {}",
-            omission.term, omission.reason
-        ));
-    }
-    for axis in Axis::ALL {
-        for (from, to) in forecast
-            .map(|f| f.unmeasured[axis].as_slice())
-            .unwrap_or_default()
-        {
-            lines.push(format!(
-                "not measured: {axis} from {} to {} mm; the table holds the end value there",
-                short(from.mm()),
-                short(to.mm())
-            ));
-        }
-    }
-    let worsened = forecast.map(Forecast::worsened).unwrap_or_default();
-    lines.extend(worsened.iter().map(|words| format!("WARNING: {words}")));
-    lines.extend(compiled.notes.iter().map(|note| format!("note: {note}")));
-    lines.join("\n")
+    kit::remarks(plan, compiled, forecast).join("\n")
 }
 
 /// Paragraphs with a blank line between; empty ones are left out.

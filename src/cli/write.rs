@@ -48,14 +48,15 @@ pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems>
 }
 
 /// Writes all files, then `manifest`, then puts the directory into place. Before it waits for the
-/// disk, which on Linux is at work already, it does `meanwhile`, whose result it gives.
+/// disk, which on Linux is at work already, it does `meanwhile`, whose result it gives, with the
+/// place of the old directory if there was one.
 pub(super) fn write_kit<T>(
     directory: &Path,
     files: &[NamedBytes<'_>],
     manifest: NamedBytes<'_>,
     force: bool,
     meanwhile: impl FnOnce() -> T,
-) -> Result<T, Problems> {
+) -> Result<(T, Option<PathBuf>), Problems> {
     let directory = trimmed(directory);
     if directory.file_name().is_none() {
         let message = format!("`{}` is no name for a new directory", directory.display());
@@ -88,7 +89,7 @@ pub(super) fn write_kit<T>(
     sync_directory(&parent);
     // The directory has its final name now; there is nothing left to remove.
     let _ = partial.keep();
-    Ok(done)
+    Ok((done, previous))
 }
 
 /// Refuses a file that exists, before any work is done.
@@ -181,8 +182,6 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
 
 /// Asks the system to begin with writing the files to the disk, and does not wait: all of them are
 /// then on their way together, and waiting for one after the other takes little more than for one.
-/// They are asked for one right after the other: asked for between the writing of files they took
-/// longer (docs/performance.md).
 /// Linux writes pages out that are not needed any more; elsewhere nothing is begun.
 #[cfg(target_os = "linux")]
 fn begin_sync(files: &[(PathBuf, File)]) {
