@@ -389,6 +389,23 @@ pub enum Role {
 }
 
 impl Role {
+    /// Every role.
+    pub const ALL: [Role; 8] = [
+        Role::Table,
+        Role::Parameters,
+        Role::Enable,
+        Role::Disable,
+        Role::Rollback,
+        Role::SignProof,
+        Role::Checklist,
+        Role::Report,
+    ];
+
+    /// The role of a word in a profile or a manifest.
+    pub fn of_word(word: &str) -> Option<Role> {
+        Role::ALL.into_iter().find(|role| role.word() == word)
+    }
+
     /// The word used in profiles and manifests.
     pub const fn word(self) -> &'static str {
         match self {
@@ -409,7 +426,7 @@ impl Role {
         matches!(self, Role::Rollback | Role::SignProof)
     }
 
-    /// Whether only people read the file.
+    /// Whether only people read the file; they may write into it what they note.
     pub const fn is_for_people(self) -> bool {
         matches!(self, Role::Checklist | Role::Report)
     }

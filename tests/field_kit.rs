@@ -255,11 +255,9 @@ fn without_a_read_out_the_first_step_is_to_read_out() {
             first.contains("keep") && first.contains("way back"),
             "{id}: {first}"
         );
-        let (_, steps) = page.split_once("\n## ").unwrap();
-        assert!(
-            !steps.contains('{') && !steps.contains('}'),
-            "{id}: not filled in\n{page}"
-        );
+        // A note may show braces, as it shows what to write into a job.
+        let unfilled = |line: &str| line.contains(['{', '}']) && !line.starts_with("- note: ");
+        assert!(!page.lines().any(unfilled), "{id}: not filled in\n{page}");
     }
 }
 

@@ -136,7 +136,13 @@ fn force_keeps_the_old_kit_and_replaces_only_an_older_kit() {
     let directory = machine(JOB, TABLE.as_bytes());
     let at = |name: &str| directory.path().join(name);
     let force = || nonius(directory.path(), "generate job.toml -o kit --force");
-    expect_status(&force(), 0);
+    let kept = |output: &Output| {
+        let told = String::from_utf8_lossy(&output.stderr);
+        told.contains("the old kit is kept as kit.previous")
+    };
+    let output = force();
+    expect_status(&output, 0);
+    assert!(!kept(&output), "there was none");
     let first = files(&at("kit"));
 
     put(
@@ -144,7 +150,9 @@ fn force_keeps_the_old_kit_and_replaces_only_an_older_kit() {
         "errors.csv",
         b"axis,position_mm,ex_um\nx,0,0\nx,101.6,3\n",
     );
-    expect_status(&force(), 0);
+    let output = force();
+    expect_status(&output, 0);
+    assert!(kept(&output));
     assert_eq!(files(&at("kit.previous")), first, "the old kit is kept");
     let second = files(&at("kit"));
     assert_ne!(second, first);

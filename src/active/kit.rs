@@ -89,18 +89,17 @@ fn listed(
     let mut acting = Vec::new();
     for entry in document["files"].as_array().into_iter().flatten() {
         let name = entry["path"].as_str().unwrap_or_default();
-        let role = match entry["role"].as_str() {
-            Some("table") => Some(Role::Table),
-            Some("parameters") => Some(Role::Parameters),
-            Some("enable") => Some(Role::Enable),
-            _ => None,
-        };
+        let role = entry["role"].as_str().and_then(Role::of_word);
         match files.iter().find(|(own, _)| own == name) {
             None => problems.push(changed(job, path, name, "is missing")),
+            Some(_) if role.is_some_and(Role::is_for_people) => {}
             Some((_, bytes)) if Some(sha256(bytes).as_str()) != entry["sha256"].as_str() => {
                 problems.push(changed(job, path, name, "was changed after it was made"));
             }
             Some((name, bytes)) => {
+                let acts =
+                    |role: &Role| matches!(role, Role::Table | Role::Parameters | Role::Enable);
+                let role = role.filter(acts);
                 acting.extend(role.map(|role| (role, name.clone(), bytes.clone())))
             }
         }

@@ -9,6 +9,7 @@
 
 use crate::cli::inputs::{read_file, with_suffix};
 use crate::cli::{Answer, Format, print, print_json};
+use crate::controller::Role;
 use crate::kit::sha256;
 use crate::manifest::MANIFEST;
 use crate::problem::{Problem, Problems, shown};
@@ -114,8 +115,10 @@ fn read_link(directory: &Path) -> Result<Link, Problem> {
     let mut faults = Vec::new();
     for entry in manifest["files"].as_array().into_iter().flatten() {
         let name = entry["path"].as_str().unwrap_or_default();
+        let role = entry["role"].as_str().and_then(Role::of_word);
         match read_file(&directory.join(name)) {
             Err(_) => faults.push(format!("`{}` is missing", shown(name))),
+            Ok(_) if role.is_some_and(Role::is_for_people) => {}
             Ok(bytes) if Some(sha256(&bytes).as_str()) != entry["sha256"].as_str() => {
                 faults.push(format!("`{}` was changed after it was made", shown(name)));
             }

@@ -251,10 +251,10 @@ fn compare_hashes(found: &mut Found, document: &Value) {
                 let words = format!(
                     "`{path}` was changed after it was made: its hash is not that of manifest.json"
                 );
-                match role {
-                    // People write into it what they noted; no control reads it.
-                    Role::Checklist => found.notes.push(words),
-                    _ => found.remarks.push(words),
+                if role.is_for_people() {
+                    found.notes.push(words);
+                } else {
+                    found.remarks.push(words);
                 }
             }
             Some(_) => {}

@@ -51,19 +51,7 @@ fn refuse_shared_names(sections: &[Section<'_>], files: &[Option<FormFile>]) {
 }
 
 fn read_file(file: &Section<'_>, templates: TemplateFinder<'_>) -> Option<FormFile> {
-    let role = file.choice(
-        "role",
-        &[
-            ("table", Role::Table),
-            ("parameters", Role::Parameters),
-            ("enable", Role::Enable),
-            ("disable", Role::Disable),
-            ("rollback", Role::Rollback),
-            ("sign-proof", Role::SignProof),
-            ("checklist", Role::Checklist),
-            ("report", Role::Report),
-        ],
-    );
+    let role = file.choice("role", &Role::ALL.map(|role| (role.word(), role)));
     if !file.has("role") {
         file.missing(
             "role",

@@ -21,9 +21,14 @@ pub(super) fn lines(made: &Made<'_>) -> Vec<String> {
 
 /// What was printed when the kit was made, for the person who has only this page.
 fn known(made: &Made<'_>) -> Option<String> {
-    let remarks = remarks(made.plan, made.compiled, Some(made.forecast));
-    let lines: Vec<String> = remarks.iter().map(|words| format!("- {words}")).collect();
-    (!lines.is_empty()).then(|| format!("About these tables:\n{}", lines.join("\n")))
+    let known = remarks(made.plan, made.compiled, Some(made.forecast));
+    (!known.is_empty()).then(|| listed("About these tables:", &known))
+}
+
+/// A sentence with a list below it, as one paragraph.
+fn listed(sentence: &str, lines: &[String]) -> String {
+    let lines = lines.iter().map(|line| format!("\n- {line}"));
+    std::iter::once(sentence.to_string()).chain(lines).collect()
 }
 
 fn verdict(made: &Made<'_>) -> String {
@@ -38,9 +43,7 @@ fn verdict(made: &Made<'_>) -> String {
                 verdict.word()
             );
             let misses = made.forecast.misses(made.inputs.job.acceptance);
-            let misses = misses.iter().map(|miss| format!("- {miss}"));
-            let lines: Vec<String> = std::iter::once(sentence).chain(misses).collect();
-            lines.join("\n")
+            listed(&sentence, &misses)
         }
     }
 }
