@@ -18,6 +18,9 @@ use crate::units::{Correction, Millimetres};
 /// Two corrections closer than this are equal, µm (a picometre).
 const EQUAL_UM: f64 = 1e-6;
 
+/// Two places closer than this are one, mm.
+const EQUAL_MM: f64 = 1e-6;
+
 /// What emulation tells of two sets of tables.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnosis {
@@ -207,9 +210,11 @@ fn difference(
         .or_else(|| shifted(wanted, got))
         .or_else(|| lifted(&pairs))
         .or_else(|| points(wanted, got))
+        .or_else(|| stepped(wanted, got))
         .or_else(|| largest(&places, &pairs))
 }
 
+/// Every node of both, each place once, and the machine's zero.
 fn places(wanted: &Response, got: &Response) -> Vec<Millimetres> {
     let nodes = |r: &Response| -> Vec<Millimetres> {
         r.tables()
@@ -220,6 +225,8 @@ fn places(wanted: &Response, got: &Response) -> Vec<Millimetres> {
     let mut places = nodes(wanted);
     places.extend(nodes(got));
     places.push(Millimetres::new(0.0));
+    places.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
+    places.dedup_by(|a, b| (a.mm() - b.mm()).abs() <= EQUAL_MM);
     places
 }
 
@@ -368,6 +375,55 @@ fn points(wanted: &Response, got: &Response) -> Option<String> {
     })
 }
 
+/// One changed step: on one side of it all is as asked, beyond it all is off by the same amount.
+/// So it is with one changed increment.
+fn stepped(wanted: &Response, got: &Response) -> Option<String> {
+    let ([w], [g]) = (wanted.tables(), got.tables()) else {
+        return None;
+    };
+    let asked: Vec<(Millimetres, Correction)> = w.nodes().collect();
+    let there: Vec<(Millimetres, Correction)> = g.nodes().collect();
+    let same_place = |((a, _), (b, _)): (&(Millimetres, _), &(Millimetres, _))| {
+        (a.mm() - b.mm()).abs() <= EQUAL_MM
+    };
+    if asked.len() != there.len() || !asked.iter().zip(&there).all(same_place) {
+        return None;
+    }
+    let off: Vec<f64> = asked
+        .iter()
+        .zip(&there)
+        .map(|((_, w), (_, g))| g.um() - w.um())
+        .collect();
+    let differs = |pair: &[f64]| (pair[1] - pair[0]).abs() > EQUAL_UM;
+    let mut changed = (0..off.len().saturating_sub(1)).filter(|k| differs(&off[*k..*k + 2]));
+    let (step, None) = (changed.next()?, changed.next()) else {
+        return None;
+    };
+    let (lower, upper) = (asked[step].0.mm(), asked[step + 1].0.mm());
+    let below = off[step].abs() <= EQUAL_UM;
+    let above = off[step + 1].abs() <= EQUAL_UM;
+    let (side, by, places) = match (below, above) {
+        (true, false) => (
+            format!("from {upper:.4} mm on"),
+            off[step + 1],
+            off.len() - step - 1,
+        ),
+        (false, true) => (format!("up to {lower:.4} mm"), off[step], step + 1),
+        _ => return None,
+    };
+    let change = |nodes: &[(Millimetres, Correction)]| {
+        micrometres(nodes[step + 1].1.um() - nodes[step].1.um())
+    };
+    (places > 1).then(|| {
+        format!(
+            "one step is changed: from {lower:.4} to {upper:.4} mm the correction changes by {}, the job asks for {}; so every correction {side} is off by {}",
+            change(&there),
+            change(&asked),
+            micrometres(by)
+        )
+    })
+}
+
 fn largest(places: &[Millimetres], pairs: &[(f64, f64)]) -> Option<String> {
     let wrong = pairs
         .iter()
@@ -377,12 +433,13 @@ fn largest(places: &[Millimetres], pairs: &[(f64, f64)]) -> Option<String> {
         .iter()
         .zip(pairs)
         .max_by(|a, b| (a.1.1 - a.1.0).abs().total_cmp(&(b.1.1 - b.1.0).abs()))?;
-    Some(format!(
-        "other values: {wrong} places differ, most at {:.4} mm, where the tables correct {} and the job asks for {}",
-        at.mm(),
-        micrometres(*g),
-        micrometres(*w)
-    ))
+    let (at, tables, job) = (at.mm(), micrometres(*g), micrometres(*w));
+    let amounts =
+        format!("at {at:.4} mm, where the tables correct {tables} and the job asks for {job}");
+    Some(match wrong {
+        1 => format!("another value {amounts}"),
+        n => format!("other values: {n} places differ, most {amounts}"),
+    })
 }
 
 /// Three decimals, never `-0.000`.

@@ -217,7 +217,7 @@ fn siemens() {
                 what: "one value mistyped",
                 file: EEC,
                 line: |line| replaced(line, "=0.006464", "=0.007464"),
-                says: "other values: 2 places differ, most at 150.0000 mm",
+                says: "another value at 150.0000 mm, where the tables correct",
                 status: 1,
             },
             Change {
@@ -277,6 +277,20 @@ fn fanuc() {
                 file: parameters,
                 line: |line| replaced(line, "A1P30.0A", "A1P30000.0A"),
                 says: "other spacing: the points are 30000.0000 mm apart",
+                status: 1,
+            },
+            Change {
+                what: "one increment mistyped",
+                file: points,
+                line: |line| replaced(line, "N10010Q0P0", "N10010Q0P5"),
+                says: "EXX (1 while 1 moves): one step is changed: from 270.0000 to 300.0000 mm the correction changes by 5.000 µm, the job asks for 0.000 µm; so every correction from 300.0000 mm on is off by 5.000 µm",
+                status: 1,
+            },
+            Change {
+                what: "one increment below the reference point mistyped",
+                file: points,
+                line: |line| replaced(line, "N10090Q0P0", "N10090Q0P1"),
+                says: "EZZ (3 while 3 moves): one step is changed: from -480.0000 to -456.0000 mm the correction changes by 1.000 µm, the job asks for 0.000 µm; so every correction up to -480.0000 mm is off by -1.000 µm",
                 status: 1,
             },
             Change {
@@ -530,6 +544,53 @@ fn foreign_contents(control: &str, cases: &[Foreign]) {
         expect_verdict(directory.path(), file, 1, says);
         fs::write(&path, good).expect("the file can be written");
     }
+}
+
+/// A control itself calls its whole parameter file `CNC-PARA.TXT`, with thousands of others in it.
+#[test]
+fn a_whole_parameter_file_is_judged_by_what_concerns_the_tables() {
+    let (directory, kit) = kit("fanuc-30i");
+    fs::remove_file(kit.join("manifest.json")).expect("the file can be removed");
+    let path = kit.join("CNC-PARA.TXT");
+    let good = fs::read_to_string(&path).expect("the file is there");
+    let others = |count: usize| -> String {
+        let blocks = (0..count).map(|k| format!("N{:05}Q1P0\n", 100 + k));
+        blocks.collect()
+    };
+    for other in ["SIGN-PITCH.TXT", "SIGN-STRAIGHT.TXT", "checklist.md"] {
+        fs::remove_file(kit.join(other)).expect("the file can be removed");
+    }
+    let blocks = format!("{}N01240Q1A1P0.0A2P0.0A3P0.0A4P5.0\n", others(200));
+    let whole = behind_first_percent(&good, &blocks);
+    fs::write(&path, &whole).expect("the file can be written");
+    for says in [
+        "job and tables agree",
+        "`CNC-PARA.TXT` holds far more than a kit: judged as read out of the control",
+        "`CNC-PARA.TXT`: 200 other parameters were passed over",
+    ] {
+        expect_verdict(directory.path(), "the whole file", 0, says);
+    }
+    let moved = whole.replace("N03620Q1A1P0A", "N03620Q1A1P1A");
+    assert_ne!(moved, whole, "3620 is changed");
+    fs::write(&path, moved).expect("the file can be written");
+    let says = "EXX (1 while 1 moves): shifted reference";
+    expect_verdict(directory.path(), "the reference moved", 1, says);
+    let few = behind_first_percent(&good, &others(50));
+    fs::write(&path, few).expect("the file can be written");
+    let says = "and 44 more: the job does not write them";
+    expect_verdict(directory.path(), "a kit with others' parameters", 1, says);
+}
+
+#[test]
+fn the_verdict_stands_at_the_end_too_and_a_missing_manifest_is_told() {
+    let (directory, kit) = kit("generic");
+    fs::remove_file(kit.join("manifest.json")).expect("the file can be removed");
+    let output = nonius(directory.path(), &["verify", "job.toml", "--tables", "kit"]);
+    let page = String::from_utf8_lossy(&output.stdout);
+    assert!(page.contains("note: there is no manifest.json"), "{page}");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.starts_with("verdict: pass (asked: "), "{said}");
+    assert!(page.contains(said.trim_end()), "the same words");
 }
 
 #[test]

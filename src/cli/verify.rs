@@ -5,12 +5,13 @@ mod second;
 
 use crate::active::from_read_out;
 use crate::cli::inputs::{self, plain_words, read_file};
-use crate::cli::{Answer, Format, print, print_json, show};
+use crate::cli::{Answer, Format, print, print_json, say, show};
 use crate::controller::{Profile, Role};
 use crate::forecast::{Forecast, Verdict};
 use crate::kit::{Inputs, Verification, sha256, verify, verify_read_out};
 use crate::manifest::{HashedFile, MANIFEST, diagonals, picometres};
 use crate::problem::{Problem, Problems, shown};
+use crate::readback::control_data;
 use crate::readback::kit::{KitFile, may_be_meant_for};
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -52,7 +53,13 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     }
     match format {
         Format::Json => print_json(&document(&inputs, &verification))?,
-        Format::Text => print(&report(&inputs, directory, &verification))?,
+        Format::Text => {
+            let verdict = verdict(&inputs, &verification);
+            print_page(
+                &report(&inputs, directory, &verification, &verdict),
+                &verdict,
+            )?
+        }
     };
     Ok(if verification.verdict == Verdict::Pass {
         Answer::Yes
@@ -64,15 +71,35 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
 /// The files of a directory against the job.
 fn judged(inputs: &Inputs, directory: &Path, found: &Found) -> Result<Verification, Problems> {
     if !found.is_read_out(&inputs.profile) {
-        let named = found.state.as_ref();
-        return verify(inputs, &found.kit_files(), named, found.remarks.clone())
-            .map_err(|problems| found.instead_of(problems));
+        return judged_as_kit(inputs, found);
     }
     let files = found.files.iter();
     let files = files.map(|(name, _, bytes)| (name.clone(), bytes.clone()));
     let path = directory.display().to_string();
     let control = from_read_out(&inputs.job, &inputs.profile, &path, files.collect())?;
-    verify_read_out(inputs, &control)
+    let mut verification = verify_read_out(inputs, &control)?;
+    let whole = found.whole_file(&inputs.profile);
+    if let Some(name) = whole.filter(|_| found.is_called_as_a_kit(&inputs.profile)) {
+        let words = format!(
+            "`{}` holds far more than a kit: judged as read out of the control, not as to be loaded",
+            shown(name)
+        );
+        verification.absent.insert(0, words);
+    }
+    Ok(verification)
+}
+
+fn judged_as_kit(inputs: &Inputs, found: &Found) -> Result<Verification, Problems> {
+    let named = found.state.as_ref();
+    let mut verification = verify(inputs, &found.kit_files(), named, found.remarks.clone())
+        .map_err(|problems| found.instead_of(problems))?;
+    if named.is_none() {
+        let words = format!(
+            "there is no {MANIFEST}, so nothing tells whether all files are there and as they were made"
+        );
+        verification.absent.push(words);
+    }
+    Ok(verification)
 }
 
 /// Name, purpose and bytes of a file.
@@ -112,13 +139,30 @@ impl Found {
         self.files.iter().map(kit_file).collect()
     }
 
-    /// Files without a manifest of which none is called as in a kit: read out of the control.
+    /// Files without a manifest that were read out of the control: none is called as in a kit, or
+    /// one is the control's whole parameter file (a Fanuc control itself calls it `CNC-PARA.TXT`).
     fn is_read_out(&self, profile: &Profile) -> bool {
+        self.state.is_none()
+            && (!self.is_called_as_a_kit(profile) || self.whole_file(profile).is_some())
+    }
+
+    /// Whether a file has a name that a kit's file has.
+    fn is_called_as_a_kit(&self, profile: &Profile) -> bool {
         let own = |name: &str| {
             let mut files = profile.files.iter();
             files.any(|file| file.path.eq_ignore_ascii_case(name))
         };
-        self.state.is_none() && !self.files.iter().any(|(name, _, _)| own(name))
+        self.files.iter().any(|(name, _, _)| own(name))
+    }
+
+    /// The name of the control's whole parameter file or archive.
+    fn whole_file(&self, profile: &Profile) -> Option<&str> {
+        let is_whole = |bytes: &[u8]| {
+            std::str::from_utf8(bytes)
+                .is_ok_and(|text| control_data::is_whole(text, &profile.dialect))
+        };
+        let found = self.files.iter().find(|(_, _, bytes)| is_whole(bytes));
+        found.map(|(name, _, _)| name.as_str())
     }
 
     /// Files of another control cannot be read: that reason in place of what a reader of this
@@ -314,19 +358,30 @@ fn agreement(verification: &Verification) -> String {
     format!("job and tables DISAGREE:\n{}", lines.join("\n"))
 }
 
-fn report(inputs: &Inputs, directory: &Path, verification: &Verification) -> String {
+fn verdict(inputs: &Inputs, verification: &Verification) -> String {
+    show::verdict(
+        verification.verdict,
+        inputs.job.acceptance,
+        verification.forecast.as_ref(),
+        !verification.disagreements.is_empty(),
+        &verification.doubts,
+    )
+}
+
+/// The page, and the verdict once more after it: the page is long.
+fn print_page(page: &str, verdict: &str) -> Result<Answer, Problems> {
+    let printed = print(page)?;
+    say(verdict);
+    Ok(printed)
+}
+
+fn report(inputs: &Inputs, directory: &Path, verification: &Verification, verdict: &str) -> String {
     let forecast = verification.forecast.as_ref();
     show::paragraphs(&[
         heading(inputs, directory),
         agreement(verification),
         forecast.map(show::forecast).unwrap_or_default(),
-        show::verdict(
-            verification.verdict,
-            inputs.job.acceptance,
-            forecast,
-            !verification.disagreements.is_empty(),
-            &verification.doubts,
-        ),
+        verdict.to_string(),
         absent(&verification.absent),
         show::remarks(&verification.plan, &verification.compiled, forecast),
         show::assumptions(&verification.compiled.assumptions),

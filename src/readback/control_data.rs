@@ -4,7 +4,21 @@
 //! in forms that the readers of compensation files refuse. Here such lines are blanked out, at
 //! the same places, so that the strict readers judge what is left and their line numbers hold.
 
-use crate::controller::FanucFacts;
+use crate::controller::{Dialect, FanucFacts};
+
+/// A file with more data of no concern than this was read out of a control as a whole, which has
+/// thousands; a kit holds none.
+const READ_OUT_AS_A_WHOLE: usize = 100;
+
+/// Whether a file is a control's whole parameter file or archive.
+pub fn is_whole(text: &str, dialect: &Dialect) -> bool {
+    let passed_over = match dialect {
+        Dialect::Siemens(_) => siemens(text).passed_over,
+        Dialect::Fanuc(facts) => fanuc(text, facts).1,
+        Dialect::Generic(_) => 0,
+    };
+    passed_over > READ_OUT_AS_A_WHOLE
+}
 
 /// A Siemens read-out, cut into what the strict reader takes one after the other: a table may be
 /// written while its switch stands at 1 elsewhere in the same archive.

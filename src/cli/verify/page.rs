@@ -1,7 +1,7 @@
 //! As found, forecast, as left: the page and the document.
 
 use super::second::Second;
-use super::{absent, agreement, heading};
+use super::{absent, agreement, heading, print_page};
 use crate::after::{
     AfterMeasurement, Comparison, Control, Line, Observation, compare, observations,
     unseen_reversal,
@@ -9,7 +9,7 @@ use crate::after::{
 use crate::axis::{Direction, PerAxis};
 use crate::causes::{Cause, Diagnosis, Question, diagnose};
 use crate::cli::show::{self, Column};
-use crate::cli::{Answer, Format, print, print_json};
+use crate::cli::{Answer, Format, print_json};
 use crate::forecast::{COVERAGE_FACTOR, Forecast, Verdict};
 use crate::job::{Job, MeasuredData};
 use crate::kit::{Inputs, Verification, emulator};
@@ -41,7 +41,7 @@ pub(super) fn answer(
     let page = page(inputs, verification, second)?;
     match format {
         Format::Json => print_json(&page.document())?,
-        Format::Text => print(&page.text(directory))?,
+        Format::Text => print_page(&page.text(directory), &page.verdict_words())?,
     };
     Ok(if page.verdict == Verdict::Pass {
         Answer::Yes
@@ -183,6 +183,16 @@ impl Page<'_> {
         doubts
     }
 
+    fn verdict_words(&self) -> String {
+        show::verdict(
+            self.verdict,
+            self.inputs.job.acceptance,
+            Some(&self.comparison.as_left),
+            !self.verification.disagreements.is_empty(),
+            &self.doubts(),
+        )
+    }
+
     fn text(&self, directory: &Path) -> String {
         let verification = self.verification;
         show::paragraphs(&[
@@ -190,13 +200,7 @@ impl Page<'_> {
             self.measured_after(),
             agreement(verification),
             lines(&self.comparison),
-            show::verdict(
-                self.verdict,
-                self.inputs.job.acceptance,
-                Some(&self.comparison.as_left),
-                !verification.disagreements.is_empty(),
-                &self.doubts(),
-            ),
+            self.verdict_words(),
             self.diagnosis
                 .as_ref()
                 .map(|found| self.explained(found))
