@@ -9,6 +9,7 @@ mod context;
 mod controllers;
 mod corrected;
 mod deliver;
+mod directory;
 mod generate;
 mod history;
 mod import;

@@ -2,7 +2,7 @@
 //! they make of the model.
 
 use crate::assessment::with_tables;
-use crate::cli::verify::read_directory;
+use crate::cli::directory::read_directory;
 use crate::job::UseOf;
 use crate::kit::{Inputs, LoadedControl, load, load_own};
 use crate::problem::{Problem, Problems};

@@ -1,7 +1,7 @@
 //! `nonius simulate JOB -o readings.csv`
 
+use crate::cli::directory::read_directory;
 use crate::cli::show::{Column, paragraphs, table};
-use crate::cli::verify::read_directory;
 use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
 use crate::diagonal::{Diagonal, PathKind};
 use crate::error_table;
