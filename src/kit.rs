@@ -7,6 +7,7 @@
 mod field;
 mod inputs;
 mod loaded_state;
+mod read_out;
 mod remarks;
 mod rollback;
 mod verification;
@@ -29,6 +30,7 @@ use crate::target::wants;
 use field::{Made, as_kit_file};
 pub use inputs::Inputs;
 pub use loaded_state::{LoadedState, loaded_state};
+pub use read_out::load_read_out;
 pub use remarks::remarks;
 use serde_json::json;
 pub use verification::{Verification, verify, verify_read_out};
@@ -282,6 +284,8 @@ pub struct LoadedControl {
     pub control: Box<dyn Emulator>,
     /// How the files differ from what the job asks for, one sentence each.
     pub disagreements: Vec<String>,
+    /// What of a read-out was passed over, and what is taken for granted of it.
+    pub notes: Vec<String>,
 }
 
 /// Loads the bytes of files into the emulated control of a job; `named` = `state` of their manifest.
@@ -301,6 +305,7 @@ pub fn load(
         plan,
         control: control.map_err(|reason| cannot_emulate(&reason))?,
         disagreements: words,
+        notes: Vec::new(),
     })
 }
 

@@ -546,10 +546,23 @@ fn foreign_contents(control: &str, cases: &[Foreign]) {
     }
 }
 
+/// What the program prints of a machine with the tables in `kit`, without how they are called.
+fn figures(directory: &Path, command: &[&str]) -> String {
+    let arguments = [command, &["job.toml", "--tables", "kit"]].concat();
+    let output = nonius(directory, &arguments);
+    assert_eq!(output.status.code(), Some(0), "{command:?}");
+    let page = String::from_utf8_lossy(&output.stdout).into_owned();
+    let lines = page.lines().filter(|line| !line.starts_with("note: "));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
 /// A control itself calls its whole parameter file `CNC-PARA.TXT`, with thousands of others in it.
 #[test]
 fn a_whole_parameter_file_is_judged_by_what_concerns_the_tables() {
     let (directory, kit) = kit("fanuc-30i");
+    let assess: &[&str] = &["assess"];
+    let simulate: &[&str] = &["simulate", "--errors", "--force", "-o", "simulated.csv"];
+    let of_the_kit = [assess, simulate].map(|command| figures(directory.path(), command));
     fs::remove_file(kit.join("manifest.json")).expect("the file can be removed");
     let path = kit.join("CNC-PARA.TXT");
     let good = fs::read_to_string(&path).expect("the file is there");
@@ -570,6 +583,8 @@ fn a_whole_parameter_file_is_judged_by_what_concerns_the_tables() {
     ] {
         expect_verdict(directory.path(), "the whole file", 0, says);
     }
+    let read_out = [assess, simulate].map(|command| figures(directory.path(), command));
+    assert_eq!(read_out, of_the_kit, "the same tables, the same figures");
     let moved = whole.replace("N03620Q1A1P0A", "N03620Q1A1P1A");
     assert_ne!(moved, whole, "3620 is changed");
     fs::write(&path, moved).expect("the file can be written");

@@ -164,6 +164,11 @@ fn page_of_job(options: &Options, request: &Request, inputs: &Inputs) -> Result<
         })
     };
     let mut basis = Basis::of_job(inputs, &volume);
+    basis.labels.extend(
+        corrected
+            .iter()
+            .flat_map(|corrected| corrected.notes.clone()),
+    );
     basis.without_tables_um = bare.map(|bare| va_um(&bare, &grid)).transpose()?;
     Ok(Page {
         name: inputs.job.machine.name.clone(),

@@ -4,7 +4,7 @@
 use crate::assessment::with_tables;
 use crate::cli::directory::read_directory;
 use crate::job::UseOf;
-use crate::kit::{Inputs, LoadedControl, load, load_own};
+use crate::kit::{Inputs, LoadedControl, load, load_own, load_read_out};
 use crate::problem::{Problem, Problems};
 use crate::volume_model::VolumeModel;
 use clap::Args;
@@ -29,6 +29,8 @@ pub(super) struct Corrected {
     pub(super) volume: VolumeModel,
     /// How the files differ from what the job asks for, one sentence each.
     pub(super) disagreements: Vec<String>,
+    /// What of a read-out was passed over, and what is taken for granted of it.
+    pub(super) notes: Vec<String>,
 }
 
 impl AskedTables {
@@ -65,6 +67,7 @@ impl AskedTables {
             from,
             volume,
             disagreements: loaded.disagreements,
+            notes: loaded.notes,
         }))
     }
 
@@ -77,7 +80,10 @@ impl AskedTables {
             return Ok(None);
         };
         let found = read_directory(inputs, directory)?;
-        let mut loaded = load(inputs, &found.kit_files(), found.state.as_ref())?;
+        let mut loaded = match found.read_out(inputs, directory)? {
+            Some(control) => load_read_out(inputs, &control)?,
+            None => load(inputs, &found.kit_files(), found.state.as_ref())?,
+        };
         loaded.disagreements.extend(found.remarks);
         let from = format!("the files of {}", directory.display());
         Ok(Some((from, loaded)))

@@ -65,6 +65,8 @@ struct After {
     followed: Followed,
     /// How they differ from what the job asks for.
     disagreements: Vec<String>,
+    /// What of a read-out was passed over, and what is taken for granted of it.
+    notes: Vec<String>,
 }
 
 impl Options {
@@ -179,6 +181,7 @@ fn page(options: &Options) -> Result<Page, Problems> {
             followed: followed(after, &program)?,
             from: tables.from.clone(),
             disagreements: tables.disagreements.clone(),
+            notes: tables.notes.clone(),
         }),
         _ => None,
     };

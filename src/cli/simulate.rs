@@ -162,20 +162,22 @@ fn tables(options: &Options, inputs: &Inputs) -> Result<(Option<Loaded>, Origin)
     if options.without_tables {
         return Ok((None, origin));
     }
-    let mut load = |files: &[KitFile<'_>], named: Option<&Value>| -> Result<Loaded, Problems> {
-        origin.table_files = files.iter().map(|f| hashed(f.path, f.bytes)).collect();
-        Loaded::read(inputs, files, named)
-    };
+    let hashes = |files: &[KitFile<'_>]| files.iter().map(|f| hashed(f.path, f.bytes)).collect();
     let loaded = match &options.tables {
         None => {
-            let loaded = load(&generate(inputs)?.kit_files(), None)?;
+            let kit = generate(inputs)?;
+            origin.table_files = hashes(&kit.kit_files());
             origin.tables = "with the tables that generate makes from it".to_string();
-            loaded
+            Loaded::read(inputs, &kit.kit_files(), None)?
         }
         Some(directory) => {
             let found = read_directory(inputs, directory)?;
-            let loaded = load(&found.kit_files(), found.state.as_ref())
-                .map_err(|problems| found.instead_of(problems))?;
+            origin.table_files = hashes(&found.kit_files());
+            let loaded = match found.read_out(inputs, directory)? {
+                Some(active) => Loaded::read_out(inputs, &active)?,
+                None => Loaded::read(inputs, &found.kit_files(), found.state.as_ref())
+                    .map_err(|problems| found.instead_of(problems))?,
+            };
             origin.tables = format!("with the tables in {}", inputs::file_name(directory));
             origin.notes.extend(found.remarks);
             origin.notes.extend(found.notes);

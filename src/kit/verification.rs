@@ -1,6 +1,6 @@
 //! The bytes of a directory, judged against a job.
 
-use super::loaded_state::read_out_state;
+use super::read_out::ReadOut;
 use super::{
     Differences, Inputs, cannot_emulate, differences, doubts, field, judged, loaded_state,
 };
@@ -75,45 +75,19 @@ pub fn verify(
 pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verification, Problems> {
     let plan = plan(inputs.task())?;
     let compiled = inputs.compile(&plan)?;
-    let loaded = read_out_state(inputs, &plan, &compiled, control);
-    let with = |tables, state| emulator(&inputs.profile, tables, state);
-    let wanted = with(&compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
-    let mut disagreements = disagreement::measuring_systems(&compiled.tables, &control.tables);
-    match with(&control.tables, &compiled.state) {
-        Ok(found) => {
-            let differs = disagreement::compare(&plan, wanted.as_ref(), found.as_ref());
-            disagreements.extend(differs.words);
-        }
-        Err(reason) => disagreements.push(reason.0),
-    }
-    disagreements.extend(loaded.disagreements);
-    let found = with(&control.tables, &loaded.state);
-    let assumed = control.assumptions.iter();
-    let assumed = assumed.map(|a| format!("no file holds {}: it is taken to be on", a.fact));
-    let parameters = control.backlash_um.iter().filter_map(|(axis, found)| {
-        let um = found.filter(|um| um.abs() > 0.0)?;
-        Some(format!(
-            "the control holds a backlash parameter of {um} µm for {axis}"
-        ))
-    });
+    let found = ReadOut::of(inputs, &plan, &compiled, control)?;
     let verification = Verification {
-        absent: control
-            .notes
-            .iter()
-            .cloned()
-            .chain(assumed)
-            .chain(parameters)
-            .collect(),
+        absent: found.notes,
         plan,
         compiled,
         found: control.tables.clone(),
-        state: loaded.state,
+        state: found.state,
         forecast: None,
-        disagreements,
+        disagreements: found.disagreements,
         doubts: doubts(inputs),
         verdict: Verdict::Fail,
     };
-    Ok(verification.forecast_with(inputs, found.ok().as_deref()))
+    Ok(verification.forecast_with(inputs, found.control.ok().as_deref()))
 }
 
 impl Verification {

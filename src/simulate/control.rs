@@ -1,10 +1,12 @@
 //! The control that loaded the files of a kit.
 
-use crate::active::named_axis;
+use crate::active::{ActiveControl, named_axis};
 use crate::after::Control;
 use crate::axis::Axis;
 use crate::compensation::compile;
-use crate::kit::{Inputs, LoadedState, cannot_emulate, emulator, loaded_state};
+use crate::kit::{
+    Inputs, LoadedControl, LoadedState, cannot_emulate, emulator, load_read_out, loaded_state,
+};
 use crate::plan::{Task, plan};
 use crate::problem::Problems;
 use crate::readback::kit::{KitFile, read};
@@ -57,6 +59,19 @@ impl Loaded {
         let mut notes = read.notes;
         notes.extend(disagreements);
         notes.extend(Axis::ALL.into_iter().filter_map(parameter));
+        Ok(Loaded { control, notes })
+    }
+
+    /// What was read out of a control, in the control of the job.
+    pub fn read_out(inputs: &Inputs, active: &ActiveControl) -> Result<Loaded, Problems> {
+        let LoadedControl {
+            plan,
+            control,
+            notes,
+            ..
+        } = load_read_out(inputs, active)?;
+        let control = Control::new(&inputs.model, &plan, control.as_ref())
+            .map_err(|reason| cannot_emulate(&reason))?;
         Ok(Loaded { control, notes })
     }
 }

@@ -223,6 +223,7 @@ pub(super) fn remarks(page: &Page) -> Vec<String> {
     let doubts = page.inputs.model.doubts(|_| true);
     notes.extend(doubts.into_iter().map(|doubt| format!("doubtful: {doubt}")));
     notes.extend(page.volume.labels.iter().cloned());
+    notes.extend(page.after.iter().flat_map(|after| after.notes.clone()));
     notes.push(how(page));
     notes
 }
