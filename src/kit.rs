@@ -121,7 +121,9 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
 /// Why the measured errors that the job asks for are doubtful.
 fn doubts(inputs: &Inputs) -> Vec<String> {
     let measured = inputs.as_measured();
-    measured.doubts(|term| wants(&inputs.job, term))
+    let mut doubts = measured.doubts(|term| wants(&inputs.job, term));
+    doubts.extend(measured.unlikely_small(inputs.job.measurement.uncertainty.noise_um));
+    doubts
 }
 
 /// Forecast against the acceptance; doubtful errors decide nothing in favour.

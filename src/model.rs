@@ -17,6 +17,10 @@ use crate::job::{Job, MachineAxis};
 use crate::problem::{Problem, Problems};
 use crate::units::{Deviation, Millimetres};
 
+/// Errors that stay below this in every term are more often a slip of the unit, µm; a laser resolves
+/// a tenth of it at best.
+const UNLIKELY_SMALL_UM: f64 = 0.1;
+
 /// How a term was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measured {
@@ -214,6 +218,20 @@ impl ErrorModel {
             doubts.push(format!("the readings show a reversal of about {um:.3} µm along the diagonals, which these curves do not hold: every figure here is without it"));
         }
         doubts
+    }
+
+    /// Why the unit of errors is doubtful that are small throughout; `noise_um` = what the job states of
+    /// a reading, k = 1. Errors above a stated noise are believed, curves of zeros are no errors.
+    ///
+    /// limits  judged for all terms together, since one alone may be small; the usual cause is values
+    ///         in mm under a column in µm
+    pub fn unlikely_small(&self, noise_um: Option<f64>) -> Option<String> {
+        let largest = self.measured().map(|(_, measured)| measured.largest_um());
+        let largest = largest.fold(0.0, f64::max);
+        let is_believed = noise_um.is_some_and(|noise| noise < largest);
+        (largest > 0.0 && largest < UNLIKELY_SMALL_UM && !is_believed).then(|| {
+            format!("no error exceeds {largest:.3} µm, and a machine tool below {UNLIKELY_SMALL_UM} µm throughout is unlikely: check the unit of the columns (mm under `_um`?), or state `noise_um`")
+        })
     }
 
     /// The measured terms in the contract's order.

@@ -583,3 +583,39 @@ fn where_nothing_is_asked_nothing_is_judged_and_worse_is_said() {
     let notes = manifest(directory.path(), "kit")["notes"].to_string();
     assert!(notes.contains("diagonal PPP becomes larger"), "{notes}");
 }
+
+/// A thousandth of the golden errors: values in mm under a column in µm.
+#[test]
+fn values_in_mm_under_a_column_in_um_are_doubted() {
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
+    let table = fs::read_to_string(golden.join("errors.csv")).unwrap();
+    let thousandth = |cell: &str| cell.parse::<f64>().map(|um| (um / 1000.0).to_string());
+    let slipped = |line: &str| -> String {
+        let cells = line.split(',').enumerate().map(|(column, cell)| {
+            let is_value = column > 1;
+            thousandth(cell)
+                .ok()
+                .filter(|_| is_value)
+                .unwrap_or_else(|| cell.to_string())
+        });
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    };
+    let directory = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: String| fs::write(directory.path().join(name), text).unwrap();
+    put("errors.csv", table.lines().map(slipped).collect());
+    let job = fs::read_to_string(golden.join("generic.toml")).unwrap();
+    put("job.toml", job.clone());
+    let words = "no error exceeds 0.018 µm, and a machine tool below 0.1 µm throughout is unlikely";
+    for command in ["generate job.toml -o kit", "verify job.toml --tables kit"] {
+        let text = said(&nonius(directory.path(), command), 1);
+        assert!(text.contains("verdict: undecided"), "{text}");
+        assert!(text.contains(&format!("DOUBTFUL: {words}")), "{text}");
+    }
+    let text = said(&nonius(directory.path(), "assess job.toml"), 0);
+    assert!(text.contains(&format!("doubt: {words}")), "{text}");
+    // Whoever states a noise below the errors means them.
+    let noise = "date = \"2026-11-20\"\nuncertainty = { noise_um = 0.002 }\n";
+    put("fine.toml", job.replace("date = \"2026-11-20\"\n", noise));
+    let text = said(&nonius(directory.path(), "generate fine.toml -o fine"), 0);
+    assert!(!text.contains("DOUBTFUL"), "{text}");
+}

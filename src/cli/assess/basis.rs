@@ -119,6 +119,8 @@ fn doubts(job: &Job, model: &ErrorModel) -> Vec<String> {
         let name = Component::Squareness(*term).to_string();
         (name, slope.abs(), "µm/m", UNLIKELY_URAD)
     });
+    let small = model.unlikely_small(job.measurement.uncertainty.noise_um);
+    let small = small.map(|words| format!("doubt: {words}"));
     deviations
         .chain(angles)
         .chain(squareness)
@@ -126,6 +128,7 @@ fn doubts(job: &Job, model: &ErrorModel) -> Vec<String> {
         .map(|(name, largest, unit, limit)| {
             format!("doubt: {name} reaches {largest:.0} {unit}, and more than {limit:.0} {unit} is unlikely: check the unit of its column or key")
         })
+        .chain(small)
         .collect()
 }
 
