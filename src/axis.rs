@@ -30,6 +30,11 @@ impl Axis {
         }
     }
 
+    /// Capital letters of several axes in their order, as in `XYZ`.
+    pub fn letters(axes: &[Axis]) -> String {
+        axes.iter().map(|axis| axis.letter()).collect()
+    }
+
     /// Small letter, as in the error table and in job keys.
     pub const fn key(self) -> &'static str {
         match self {

@@ -136,8 +136,7 @@ impl Chain {
 impl fmt::Display for Chain {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (before, after) = self.letters.split_at(self.carrying_workpiece);
-        let text = |axes: &[Axis]| axes.iter().map(|axis| axis.letter()).collect::<String>();
-        write!(out, "{}w{}t", text(before), text(after))
+        write!(out, "{}w{}t", Axis::letters(before), Axis::letters(after))
     }
 }
 

@@ -3,6 +3,7 @@
 //! A reader shares nothing with the templates but the table type ([`crate::table`]). It is
 //! tolerant where a control is, and names line and column where a control would stop.
 
+mod complaint;
 pub mod control_data;
 pub mod fanuc;
 pub mod generic;

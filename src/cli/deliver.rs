@@ -3,22 +3,33 @@
 use crate::cli::{Format, print, print_bytes, say, write};
 use crate::manifest::MANIFEST;
 use crate::problem::Problems;
+use clap::Args;
 use std::path::Path;
 
-/// Where a kit goes, and what is printed of it.
-pub(super) struct Delivery<'a> {
-    pub(super) directory: &'a Path,
-    pub(super) force: bool,
-    pub(super) format: Format,
+/// Options of every command that writes a kit.
+#[derive(Args, Debug)]
+pub(super) struct Delivery {
+    /// Replace an existing directory; the old one is kept as DIR.previous
+    #[arg(long)]
+    force: bool,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
 }
 
-impl Delivery<'_> {
+impl Delivery {
+    /// Refuses a directory that is not free, before anything is computed.
+    pub(super) fn ensure_free(&self, directory: &Path) -> Result<(), Problems> {
+        write::ensure_free(directory, self.force)
+    }
+
     /// Writes the files and then the bytes of the manifest; prints `report` or the manifest, and
     /// says `next_steps`. The texts are composed before waiting for the disk; nothing is printed of a kit
     /// that could not be written.
-    pub(super) fn deliver(
+    pub(super) fn deliver<'a>(
         &self,
-        files: &[write::NamedBytes<'_>],
+        directory: &Path,
+        files: impl Iterator<Item = write::NamedBytes<'a>>,
         manifest: &[u8],
         report: impl FnOnce() -> String,
         next_steps: impl FnOnce() -> String,
@@ -28,8 +39,13 @@ impl Delivery<'_> {
             (wanted.then(report), next_steps())
         };
         let named = (MANIFEST, manifest);
-        let ((report, next_steps), previous) =
-            write::write_kit(self.directory, files, named, self.force, texts)?;
+        let ((report, next_steps), previous) = write::write_kit(
+            directory,
+            &files.collect::<Vec<_>>(),
+            named,
+            self.force,
+            texts,
+        )?;
         let printed = match report {
             None => print_bytes(manifest),
             Some(report) => print(&report),

@@ -2,8 +2,7 @@
 
 use crate::cli::deliver::Delivery;
 use crate::cli::inputs::with_suffix;
-use crate::cli::write::{self, NamedBytes};
-use crate::cli::{Answer, Format, inputs, show};
+use crate::cli::{Answer, inputs, show};
 use crate::controller::{Dialect, Role};
 use crate::forecast::Verdict;
 use crate::job::ActiveTables;
@@ -21,32 +20,20 @@ pub(super) struct Options {
     /// Directory of the kit; must not exist yet, or must be empty
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Replace an existing directory; the old one is kept as DIR.previous
-    #[arg(long)]
-    force: bool,
-    /// What to print
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[command(flatten)]
+    delivery: Delivery,
 }
 
 pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
-    let (job, directory, force) = (&options.job, &options.output, options.force);
-    write::ensure_free(directory, force)?;
+    let (job, directory) = (&options.job, &options.output);
+    options.delivery.ensure_free(directory)?;
     let inputs = inputs::read(job)?;
     keep_predecessor(job, directory, &inputs)?;
     let kit = generate(&inputs)?;
-    let files: Vec<NamedBytes<'_>> = kit
-        .files
-        .iter()
-        .map(|file| (file.path.as_str(), file.bytes.as_slice()))
-        .collect();
-    let delivery = Delivery {
+    let files = kit.files.iter();
+    options.delivery.deliver(
         directory,
-        force,
-        format: options.format,
-    };
-    delivery.deliver(
-        &files,
+        files.map(|file| (file.path.as_str(), file.bytes.as_slice())),
         &kit.manifest_bytes()?,
         || report(&inputs, &kit),
         || next_steps(job, directory, &inputs, &kit),

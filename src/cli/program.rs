@@ -3,8 +3,7 @@
 use crate::axis::Axis;
 use crate::cli::deliver::Delivery;
 use crate::cli::show::{Column, table};
-use crate::cli::write::{self, NamedBytes};
-use crate::cli::{Answer, Format, inputs, show};
+use crate::cli::{Answer, inputs, show};
 use crate::emit::program::FileRole;
 use crate::job::{Job, RunType, TargetGrid};
 use crate::manifest::MANIFEST;
@@ -21,31 +20,19 @@ pub(super) struct Options {
     /// Directory of the programs; must not exist yet, or must be empty
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Replace an existing directory; the old one is kept as DIR.previous
-    #[arg(long)]
-    force: bool,
-    /// What to print
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[command(flatten)]
+    delivery: Delivery,
 }
 
 pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
-    let (directory, force) = (&options.output, options.force);
-    write::ensure_free(directory, force)?;
+    let directory = &options.output;
+    options.delivery.ensure_free(directory)?;
     let (job, profile, hashes) = inputs::read_job_and_profile(&options.job)?;
     let kit = make(&job, &profile, &hashes)?;
-    let files: Vec<NamedBytes<'_>> = kit
-        .files
-        .iter()
-        .map(|file| (file.path.as_str(), file.bytes.as_slice()))
-        .collect();
-    let delivery = Delivery {
+    let files = kit.files.iter();
+    options.delivery.deliver(
         directory,
-        force,
-        format: options.format,
-    };
-    delivery.deliver(
-        &files,
+        files.map(|file| (file.path.as_str(), file.bytes.as_slice())),
         &kit.manifest_bytes()?,
         || report(&job, &profile.name, &kit),
         || next_steps(directory, &kit),
@@ -73,12 +60,7 @@ fn report(job: &Job, control: &str, kit: &ProgramKit) -> String {
 
 fn motion(kit: &ProgramKit) -> String {
     let request = &kit.request;
-    let order: String = request
-        .volume
-        .order
-        .iter()
-        .map(|axis| axis.letter())
-        .collect();
+    let order = Axis::letters(&request.volume.order);
     let path = match (request.what, request.targets) {
         (RunType::StepDiagonal, _) => format!("one axis at a time in the order {order}"),
         (RunType::StraightDiagonal, _) => "all axes together".to_string(),

@@ -191,12 +191,7 @@ fn header(task: RunTask<'_>, program: &SetUpProgram, unit: LengthUnit) -> Vec<St
     } else {
         "FORWARD ONLY"
     };
-    let order: String = request
-        .volume
-        .order
-        .iter()
-        .map(|axis| axis.letter())
-        .collect();
+    let order = Axis::letters(&request.volume.order);
     let reflector = match request.target {
         Reflector::FlatMirror => "FLAT MIRROR",
         Reflector::Retroreflector => "RETROREFLECTOR",

@@ -15,9 +15,10 @@ mod csv;
 mod json;
 mod row;
 
+use super::complaint::Complaint;
 use crate::problem::{Place, Problem, Problems};
 use crate::table::generic::{GenericRow, GenericTable};
-use row::{Column, Complaint};
+use row::Column;
 
 /// Nobody reads further, and a binary file has millions.
 const MOST_COMPLAINTS: usize = 200;

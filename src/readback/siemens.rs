@@ -16,10 +16,11 @@ mod memory;
 mod statement;
 mod variable;
 
+use super::complaint::Complaint;
 use crate::problem::{Place, Problem, Problems};
 use crate::table::siemens::{CecTable, LecTable, SiemensGrid, SiemensTables};
 use memory::Memory;
-use statement::{Complaint, Statement, statement};
+use statement::{Statement, statement};
 use std::ops::Range;
 
 /// What one file, or all files of a kit together, write into a control.

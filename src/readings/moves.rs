@@ -66,7 +66,7 @@ fn check_walk(
     } else {
         let found = in_words(row.moved);
         let wanted = match expected(volume, walk, row.node) {
-            Some(axis) => format!("{axis} by the order {}", letters(volume.order)),
+            Some(axis) => format!("{axis} by the order {}", Axis::letters(&volume.order)),
             None => "no axis".to_string(),
         };
         Problem::new(format!(
@@ -83,9 +83,9 @@ fn other_nodes(walk: Walk, volume: &Volume) -> Problem {
     let [first, second, third] = volume.order;
     Problem::new(format!(
         "{walk} takes the axes in the order {}, as the forward run does, so its nodes are not those of {}: walked backwards, the order is {}",
-        letters(volume.order),
+        Axis::letters(&volume.order),
         walk.diagonal,
-        letters([third, second, first])
+        Axis::letters(&[third, second, first])
     ))
     .help(format!(
         "measure the way back over the same nodes; if these are such rows with the numbers of the forward run, write `{}` and `reverse`",
@@ -115,7 +115,7 @@ fn next_step(walk: Walk, rows: &[&Row<'_>], volume: &Volume) -> String {
         && [first, second, third] != volume.order
         && follows(rows, |node| [third, first, second].get(node % 3).copied())
     {
-        let order = letters([first, second, third]);
+        let order = Axis::letters(&[first, second, third]);
         return format!(
             "the whole run follows the order {order}: write `order = \"{order}\"` in the job"
         );
@@ -126,8 +126,4 @@ fn next_step(walk: Walk, rows: &[&Row<'_>], volume: &Volume) -> String {
 
 fn in_words(axis: Option<Axis>) -> String {
     axis.map_or_else(|| "no axis".to_string(), |axis| axis.to_string())
-}
-
-fn letters(order: [Axis; 3]) -> String {
-    order.iter().map(|axis| axis.letter()).collect()
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 
 const KEY: &str = "measurement.active_while_measuring";
 
-type NamedBytes = (String, Vec<u8>);
+type OwnedFile = (String, Vec<u8>);
 
 /// Reads what the job names; every file that was read is hashed.
 pub(in crate::cli) fn read(
@@ -72,7 +72,7 @@ pub(in crate::cli) fn read(
 }
 
 /// Manifest and files of a directory, by name; what operating systems leave is passed over.
-fn directory(path: &Path) -> Result<(Option<Vec<u8>>, Vec<NamedBytes>), Problem> {
+fn directory(path: &Path) -> Result<(Option<Vec<u8>>, Vec<OwnedFile>), Problem> {
     let refuse = |error: std::io::Error| {
         Problem::new(format!(
             "`{}` cannot be read: {}",

@@ -3,7 +3,8 @@
 //! The `csv` crate is not used here: it does not tell where in the line a cell stood.
 
 use super::check::Reading;
-use super::row::{Cell, Column, Complaint, RawRow, RowFlaw};
+use super::row::{Cell, Column, RawRow, RowFlaw};
+use crate::readback::complaint::Complaint;
 use crate::table::generic::GenericTable;
 use serde_json::Number;
 use std::borrow::Cow;

@@ -5,7 +5,8 @@
 
 use super::check::Reading;
 use super::csv::trimmed;
-use super::row::{Cell, Column, Complaint, RawRow, RowFlaw};
+use super::row::{Cell, Column, RawRow, RowFlaw};
+use crate::readback::complaint::Complaint;
 use crate::table::generic::GenericTable;
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::{Number, Value};

@@ -7,7 +7,6 @@ use crate::problem::nearest;
 use crate::table::generic::GenericRow;
 use serde_json::{Number, Value};
 use std::borrow::Cow;
-use std::ops::Range;
 
 /// A column of the CSV, a key of a row of the JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,28 +70,6 @@ impl Column {
         match nearest(name, known) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("expected {}", known.join(",")),
-        }
-    }
-}
-
-/// What is wrong at some bytes of the text.
-#[derive(Clone, Debug)]
-pub(super) struct Complaint {
-    pub(super) span: Range<usize>,
-    pub(super) message: String,
-    pub(super) help: String,
-}
-
-impl Complaint {
-    pub(super) fn new(
-        span: Range<usize>,
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) -> Self {
-        Complaint {
-            span,
-            message: message.into(),
-            help: help.into(),
         }
     }
 }

@@ -4,9 +4,10 @@
 //! order and the last assignment of each counts (Function Manual Extended Functions 03/2013, K3
 //! p. 240-249: the assignments are independent statements).
 
-use super::statement::{Assignment, Complaint, Value};
+use super::statement::{Assignment, Value};
 use super::variable::{self, Key, number_of};
 use super::{MachineDatum, MachineValue, SiemensContents};
+use crate::readback::complaint::Complaint;
 use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
 use std::borrow::Cow;
 use std::collections::BTreeMap;

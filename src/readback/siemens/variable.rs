@@ -2,8 +2,9 @@
 //!
 //! Function Manual Extended Functions 03/2013, K3 p. 237-249 and 268.
 
-use super::statement::{Assignment, Complaint, Value, is_digits};
+use super::statement::{Assignment, Value, is_digits};
 use crate::problem::nearest;
+use crate::readback::complaint::Complaint;
 use crate::table::siemens::CecDirection;
 
 /// Largest table or point number that is read at all.
