@@ -6,8 +6,8 @@
 
 mod field;
 mod inputs;
+mod loaded;
 mod loaded_state;
-mod read_out;
 mod remarks;
 mod rollback;
 mod verification;
@@ -29,8 +29,8 @@ use crate::readback::kit::{KitFile, ReadBack, read};
 use crate::target::wants;
 use field::{Made, as_kit_file};
 pub use inputs::Inputs;
+pub use loaded::{LoadedControl, load, load_own, load_read_out};
 pub use loaded_state::{LoadedState, loaded_state};
-pub use read_out::load_read_out;
 pub use remarks::remarks;
 use serde_json::json;
 pub use verification::{Verification, verify, verify_read_out};
@@ -276,43 +276,4 @@ fn named_backlash(inputs: &Inputs, plan: &Plan, compiled: &Compiled, name: &str)
         return Some(compiled.state.axis(name)?.backlash_um);
     }
     inputs.active.as_ref()?.backlash_um[axis]
-}
-
-/// A control with tables in it, and the plan that names its axes.
-pub struct LoadedControl {
-    /// The plan of the job.
-    pub plan: Plan,
-    /// What the files make of the control.
-    pub control: Box<dyn Emulator>,
-    /// How the files differ from what the job asks for, one sentence each.
-    pub disagreements: Vec<String>,
-    /// What of a read-out was passed over, and what is taken for granted of it.
-    pub notes: Vec<String>,
-}
-
-/// Loads the bytes of files into the emulated control of a job; `named` = `state` of their manifest.
-pub fn load(
-    inputs: &Inputs,
-    files: &[KitFile<'_>],
-    named: Option<&serde_json::Value>,
-) -> Result<LoadedControl, Problems> {
-    let plan = plan(inputs.task())?;
-    let compiled = inputs.compile(&plan)?;
-    let loaded = loaded_state(inputs, &plan, &compiled, named);
-    let read = read(&inputs.profile, files)?;
-    let Differences { mut words, found } = differences(inputs, &plan, &compiled, &read);
-    words.extend(loaded.disagreements);
-    let control = found.and_then(|_| emulator(&inputs.profile, &read.tables, &loaded.state));
-    Ok(LoadedControl {
-        plan,
-        control: control.map_err(|reason| cannot_emulate(&reason))?,
-        disagreements: words,
-        notes: Vec::new(),
-    })
-}
-
-/// Makes the files of a job in memory and loads their bytes.
-pub fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
-    let kit = generate(inputs)?;
-    load(inputs, &kit.kit_files(), None)
 }

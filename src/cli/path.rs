@@ -65,7 +65,7 @@ struct After {
     followed: Followed,
     /// How they differ from what the job asks for.
     disagreements: Vec<String>,
-    /// What of a read-out was passed over, and what is taken for granted of it.
+    /// What no file does, what was passed over, and what is taken for granted.
     notes: Vec<String>,
 }
 

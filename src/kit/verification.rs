@@ -1,18 +1,15 @@
 //! The bytes of a directory, judged against a job.
 
-use super::read_out::ReadOut;
-use super::{
-    Differences, Inputs, cannot_emulate, differences, doubts, field, judged, loaded_state,
-};
+use super::loaded::Loaded;
+use super::{Inputs, cannot_emulate, doubts, field, judged};
 use crate::active::ActiveControl;
 use crate::compensation::Compiled;
 use crate::control_state::ControlState;
-use crate::disagreement;
-use crate::emulate::{Emulator, emulator};
+use crate::emulate::emulator;
 use crate::forecast::{Forecast, Verdict, forecast};
 use crate::plan::{Plan, plan};
 use crate::problem::Problems;
-use crate::readback::kit::{KitFile, read};
+use crate::readback::kit::KitFile;
 
 /// What `verify` finds.
 #[derive(Clone, Debug)]
@@ -39,35 +36,20 @@ pub struct Verification {
 
 /// Judges the bytes of a directory against a job. Only these bytes and the state of the control
 /// outside them go into the forecast: `state` of the kit's manifest, else what the job states.
+/// `remarks` = what was found against the directory before, for instance changed hashes.
 pub fn verify(
     inputs: &Inputs,
     files: &[KitFile<'_>],
     named: Option<&serde_json::Value>,
-    mut disagreements: Vec<String>,
+    remarks: Vec<String>,
 ) -> Result<Verification, Problems> {
-    let task = inputs.task();
-    let plan = plan(task)?;
+    let plan = plan(inputs.task())?;
     let compiled = inputs.compile(&plan)?;
-    let loaded = loaded_state(inputs, &plan, &compiled, named);
-    let read = read(&inputs.profile, files)?;
+    let mut loaded = Loaded::kit(inputs, &plan, &compiled, files, named)?;
     emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
-    let Differences { words, found } = differences(inputs, &plan, &compiled, &read);
-    disagreements.extend(words);
-    disagreements.extend(loaded.disagreements);
-    disagreements.extend(field::differences(inputs, &plan, &compiled, files)?);
-    let found = found.and_then(|_| emulator(&inputs.profile, &read.tables, &loaded.state));
-    let verification = Verification {
-        absent: disagreement::absent(&inputs.profile, &compiled.tables, &read),
-        plan,
-        compiled,
-        found: read.tables,
-        state: loaded.state,
-        forecast: None,
-        disagreements,
-        doubts: doubts(inputs),
-        verdict: Verdict::Fail,
-    };
-    Ok(verification.forecast_with(inputs, found.ok().as_deref()))
+    let field = field::differences(inputs, &plan, &compiled, files)?;
+    loaded.disagreements = [remarks, loaded.disagreements, field].concat();
+    Ok(Verification::of(inputs, plan, compiled, loaded))
 }
 
 /// Judges what was read out of a control by what it does to the job's axes: whatever else it holds
@@ -75,33 +57,39 @@ pub fn verify(
 pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verification, Problems> {
     let plan = plan(inputs.task())?;
     let compiled = inputs.compile(&plan)?;
-    let found = ReadOut::of(inputs, &plan, &compiled, control)?;
-    let verification = Verification {
-        absent: found.notes,
-        plan,
-        compiled,
-        found: control.tables.clone(),
-        state: found.state,
-        forecast: None,
-        disagreements: found.disagreements,
-        doubts: doubts(inputs),
-        verdict: Verdict::Fail,
-    };
-    Ok(verification.forecast_with(inputs, found.control.ok().as_deref()))
+    let loaded = Loaded::read_out(inputs, &plan, &compiled, control)?;
+    Ok(Verification::of(inputs, plan, compiled, loaded))
 }
 
 impl Verification {
-    /// The forecast of a control, and the verdict.
-    fn forecast_with(mut self, inputs: &Inputs, control: Option<&dyn Emulator>) -> Verification {
-        match control.map(|control| forecast(inputs.machine(), &self.plan, control)) {
-            Some(Ok(forecast)) => self.forecast = Some(forecast),
-            Some(Err(reason)) => self.disagreements.push(reason.0),
-            None => {}
+    /// The forecast of a control with the files, and the verdict.
+    fn of(inputs: &Inputs, plan: Plan, compiled: Compiled, loaded: Loaded) -> Verification {
+        let doubts = doubts(inputs);
+        let mut disagreements = loaded.disagreements;
+        let control = loaded.control.ok();
+        let forecast = control.map(|control| forecast(inputs.machine(), &plan, control.as_ref()));
+        let forecast = match forecast.transpose() {
+            Ok(forecast) => forecast,
+            Err(reason) => {
+                disagreements.push(reason.0);
+                None
+            }
+        };
+        disagreements.dedup();
+        let verdict = match &forecast {
+            Some(forecast) if disagreements.is_empty() => judged(forecast, inputs, &doubts),
+            _ => Verdict::Fail,
+        };
+        Verification {
+            plan,
+            compiled,
+            found: loaded.tables,
+            state: loaded.state,
+            forecast,
+            disagreements,
+            absent: loaded.notes,
+            doubts,
+            verdict,
         }
-        self.disagreements.dedup();
-        if let (Some(forecast), true) = (&self.forecast, self.disagreements.is_empty()) {
-            self.verdict = judged(forecast, inputs, &self.doubts);
-        }
-        self
     }
 }

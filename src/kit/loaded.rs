@@ -1,0 +1,138 @@
+//! Files in the emulated control of a job: those of a kit, or those that were read out of a
+//! control; and how they differ from what the job asks for.
+
+use super::loaded_state::{loaded_state, read_out_state};
+use super::{Differences, Inputs, cannot_emulate, differences, generate};
+use crate::active::ActiveControl;
+use crate::compensation::Compiled;
+use crate::control_state::ControlState;
+use crate::disagreement;
+use crate::emulate::{CannotEmulate, Emulator, emulator};
+use crate::plan::{Plan, plan};
+use crate::problem::Problems;
+use crate::readback::kit::{KitFile, read};
+use crate::table::Tables;
+
+/// Files against what the job asks for.
+pub(super) struct Loaded {
+    /// What the files hold.
+    pub(super) tables: Tables,
+    /// The control outside the tables, as it goes with the files.
+    pub(super) state: ControlState,
+    /// The control with the tables, or why nothing can be said of it.
+    pub(super) control: Result<Box<dyn Emulator>, CannotEmulate>,
+    /// How the files differ from what the job asks for, one sentence each.
+    pub(super) disagreements: Vec<String>,
+    /// What no file does, what was passed over, and what is taken for granted.
+    pub(super) notes: Vec<String>,
+}
+
+impl Loaded {
+    /// The files of a kit; `named` = `state` of their manifest. Everything that they hold counts.
+    pub(super) fn kit(
+        inputs: &Inputs,
+        plan: &Plan,
+        compiled: &Compiled,
+        files: &[KitFile<'_>],
+        named: Option<&serde_json::Value>,
+    ) -> Result<Loaded, Problems> {
+        let outside = loaded_state(inputs, plan, compiled, named);
+        let read = read(&inputs.profile, files)?;
+        let Differences { mut words, found } = differences(inputs, plan, compiled, &read);
+        words.extend(outside.disagreements);
+        Ok(Loaded {
+            notes: disagreement::absent(&inputs.profile, &compiled.tables, &read),
+            control: found.and_then(|_| emulator(&inputs.profile, &read.tables, &outside.state)),
+            tables: read.tables,
+            state: outside.state,
+            disagreements: words,
+        })
+    }
+
+    /// What was read out of a control, judged by what it does to the job's axes.
+    pub(super) fn read_out(
+        inputs: &Inputs,
+        plan: &Plan,
+        compiled: &Compiled,
+        active: &ActiveControl,
+    ) -> Result<Loaded, Problems> {
+        let outside = read_out_state(inputs, plan, compiled, active);
+        let with = |tables, state| emulator(&inputs.profile, tables, state);
+        let wanted =
+            with(&compiled.tables, &compiled.state).map_err(|reason| cannot_emulate(&reason))?;
+        let mut words = disagreement::measuring_systems(&compiled.tables, &active.tables);
+        match with(&active.tables, &compiled.state) {
+            Ok(found) => {
+                let differs = disagreement::compare(plan, wanted.as_ref(), found.as_ref());
+                words.extend(differs.words);
+            }
+            Err(reason) => words.push(reason.0),
+        }
+        words.extend(outside.disagreements);
+        Ok(Loaded {
+            notes: notes(active),
+            control: with(&active.tables, &outside.state),
+            tables: active.tables.clone(),
+            state: outside.state,
+            disagreements: words,
+        })
+    }
+
+    fn with(self, plan: Plan) -> Result<LoadedControl, Problems> {
+        Ok(LoadedControl {
+            plan,
+            control: self.control.map_err(|reason| cannot_emulate(&reason))?,
+            disagreements: self.disagreements,
+            notes: self.notes,
+        })
+    }
+}
+
+fn notes(active: &ActiveControl) -> Vec<String> {
+    let assumed = active.assumptions.iter();
+    let assumed = assumed.map(|a| format!("no file holds {}: it is taken to be on", a.fact));
+    let parameters = active.backlash_um.iter().filter_map(|(axis, found)| {
+        let um = found.filter(|um| um.abs() > 0.0)?;
+        Some(format!(
+            "the control holds a backlash parameter of {um} µm for {axis}"
+        ))
+    });
+    let passed_over = active.notes.iter().cloned();
+    passed_over.chain(assumed).chain(parameters).collect()
+}
+
+/// A control with tables in it, and the plan that names its axes.
+pub struct LoadedControl {
+    /// The plan of the job.
+    pub plan: Plan,
+    /// What the files make of the control.
+    pub control: Box<dyn Emulator>,
+    /// How the files differ from what the job asks for, one sentence each.
+    pub disagreements: Vec<String>,
+    /// What no file does, what was passed over, and what is taken for granted.
+    pub notes: Vec<String>,
+}
+
+/// Loads the bytes of a kit into the emulated control of a job; `named` = `state` of their manifest.
+pub fn load(
+    inputs: &Inputs,
+    files: &[KitFile<'_>],
+    named: Option<&serde_json::Value>,
+) -> Result<LoadedControl, Problems> {
+    let plan = plan(inputs.task())?;
+    let compiled = inputs.compile(&plan)?;
+    Loaded::kit(inputs, &plan, &compiled, files, named)?.with(plan)
+}
+
+/// Loads what was read out of a control into the emulated control of a job.
+pub fn load_read_out(inputs: &Inputs, active: &ActiveControl) -> Result<LoadedControl, Problems> {
+    let plan = plan(inputs.task())?;
+    let compiled = inputs.compile(&plan)?;
+    Loaded::read_out(inputs, &plan, &compiled, active)?.with(plan)
+}
+
+/// Makes the files of a job in memory and loads their bytes.
+pub fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
+    let kit = generate(inputs)?;
+    load(inputs, &kit.kit_files(), None)
+}
