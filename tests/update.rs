@@ -538,188 +538,6 @@ fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
 }
 
 #[test]
-fn what_acted_is_found_in_a_siemens_archive() {
-    let job = small(
-        "siemens-840d-sl",
-        &format!("{ACTIVE}\nactive_terms_not_measured = \"keep\""),
-        "",
-        SIEMENS_AXES,
-    );
-    let table = |number: u32, base: &str, output: &str, um: f64| {
-        format!(
-            "$AN_CEC[{number},0]=0\n$AN_CEC[{number},1]={:.6}\n$AN_CEC_INPUT_AXIS[{number}]=({base})\n$AN_CEC_OUTPUT_AXIS[{number}]=({output})\n$AN_CEC_STEP[{number}]=100\n$AN_CEC_MIN[{number}]=0\n$AN_CEC_MAX[{number}]=100\n",
-            um / 1000.0
-        )
-    };
-    let lec = "$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.010\n$AA_ENC_COMP_STEP[0,AX1]=100\n$AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\n";
-    let archive = |first: &str, switches: &str| {
-        format!(
-            "%_N_NC_TEA_INI\nN1 $MN_OTHER[0]=\"x\"\n{switches}M17\n%_N_NC_CEC_INI\nCHANDATA(1)\n{first}{}$AN_CEC_STEP[7]=0\n$AN_CEC_INPUT_AXIS[7]=()\n{lec}M17\n",
-            table(3, "AX1", "AX2", 5.0)
-        )
-    };
-    let on = read_out(&job, EXX_ONLY, &archive("", "")).unwrap_or_else(|p| panic!("{p}"));
-    let at_end = |found: &Inputs, name| {
-        let term = found.model.terms[nonius::axis::ErrorTerm::from_name(name).unwrap()].clone();
-        term.map(|t| {
-            t.measured
-                .curve(Direction::Plus)
-                .unwrap()
-                .at(nonius::units::Millimetres::new(100.0))
-                .um()
-        })
-    };
-    assert!((at_end(&on, "EXX").unwrap() - (10.0 - 1.0)).abs() < 1e-9);
-    assert!((at_end(&on, "EYX").unwrap() - 5.0).abs() < 1e-9);
-    assert!(
-        on.active
-            .as_ref()
-            .unwrap()
-            .assumptions
-            .iter()
-            .any(|a| a.fact.contains("SD41300"))
-    );
-    let off = read_out(
-        &job,
-        EXX_ONLY,
-        &archive("", "N41300 $SN_CEC_TABLE_ENABLE[3]=0\n"),
-    )
-    .unwrap();
-    assert_eq!(
-        at_end(&off, "EYX"),
-        None,
-        "a table that was off did nothing"
-    );
-    let lec_off = read_out(
-        &job,
-        EXX_ONLY,
-        &archive("", "$MA_ENC_COMP_ENABLE[0,AX1]=0\n"),
-    )
-    .unwrap();
-    assert!((at_end(&lec_off, "EXX").unwrap() + 1.0).abs() < 1e-9);
-    // A table of an axis that the job does not have lies where the new one would go.
-    let other = read_out(&job, EXX_ONLY, &archive(&table(0, "AX4", "AX5", 9.0), "")).unwrap();
-    let words = kit::generate(&other).unwrap_err().render();
-    assert!(
-        words.contains("CEC table 0 is in use in the read-out"),
-        "{words}"
-    );
-    let inch = read_out(
-        &job,
-        EXX_ONLY,
-        &archive("", "$MN_SCALING_SYSTEM_IS_METRIC=0\n"),
-    )
-    .unwrap_err();
-    assert!(inch.contains("counts in inch"), "{inch}");
-}
-
-#[test]
-fn a_backlash_parameter_that_is_replaced_has_to_be_known() {
-    let both = "axis,direction,position_mm,ex_um\nx,+,0,0\nx,+,100,2\nx,-,0,1\nx,-,100,3\n";
-    let lec = |more: &str| {
-        format!(
-            "{more}$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.010\n$AA_ENC_COMP_STEP[0,AX1]=100\n$AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\nM17\n"
-        )
-    };
-    let job = |policy: &str, more: &str| {
-        small(
-            "siemens-840d-sl",
-            &format!("{ACTIVE}\n{more}"),
-            &format!("backlash = \"{policy}\""),
-            SIEMENS_AXES,
-        )
-    };
-    let unknown = read_out(&job("curve-and-parameter", ""), both, &lec("")).unwrap_err();
-    assert!(
-        unknown.contains("replace the backlash parameter of X"),
-        "{unknown}"
-    );
-    assert!(
-        read_out(&job("mean", ""), both, &lec("")).is_ok(),
-        "mean leaves the parameter alone"
-    );
-    let parameter = |found: Inputs| {
-        kit::generate(&found).unwrap().plan.backlash_um[nonius::axis::Axis::X].unwrap()
-    };
-    // 7 µm acted and 1 µm was left: the new parameter is 8 µm.
-    let file = read_out(
-        &job("curve-and-parameter", ""),
-        both,
-        &lec("N32450 $MA_BACKLASH[0,AX1]=0.007\n"),
-    )
-    .unwrap();
-    assert!((parameter(file) - 8.0).abs() < 1e-9);
-    let stated = read_out(
-        &job("curve-and-parameter", "active_backlash_um = { x = 7.0 }"),
-        both,
-        &lec(""),
-    )
-    .unwrap();
-    assert!((parameter(stated) - 8.0).abs() < 1e-9);
-    let two = read_out(
-        &job("curve-and-parameter", "active_backlash_um = { x = 6.0 }"),
-        both,
-        &lec("$MA_BACKLASH[0,AX1]=0.007\n"),
-    )
-    .unwrap_err();
-    assert!(
-        two.contains("a backlash parameter of 7 µm for X, the job states 6 µm"),
-        "{two}"
-    );
-}
-
-#[test]
-fn what_acted_is_found_in_a_fanuc_parameter_file() {
-    let job = small(
-        "fanuc-30i",
-        &format!("{ACTIVE}\nactive_terms_not_measured = \"keep\""),
-        "",
-        FANUC_AXES,
-    );
-    let (_, old) = generate(
-        &small(
-            "fanuc-30i",
-            "active_while_measuring = \"none\"",
-            "",
-            FANUC_AXES,
-        ),
-        FULL,
-    );
-    let mut file = String::from(
-        "%\nN00010Q1L1P00000001\nN03701Q1S1P00000010\nN01240Q1A1P0.000A2P0.000A4P12.5\nN01851Q1A1P3A2P0A4P9\nN01852Q1A1P3A2P0A4P9\nN03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN10900Q1P0\n",
-    );
-    let of_the_control = |f: &&nonius::emit::RenderedFile| {
-        use nonius::controller::Role;
-        matches!(f.role, Role::Table | Role::Parameters)
-    };
-    for kit_file in old.files.iter().filter(of_the_control) {
-        let text = String::from_utf8_lossy(&kit_file.bytes).replace(['%', '\r'], "");
-        file.push_str(text.trim());
-        file.push('\n');
-    }
-    file.push_str("%\n");
-    let found = read_out(&job, EXX_ONLY, &file).unwrap_or_else(|p| panic!("{p}"));
-    let active = found.active.as_ref().unwrap();
-    assert_eq!(active.backlash_um[nonius::axis::Axis::X], Some(3.0));
-    assert_eq!(active.others.points.len(), 1, "{:?}", active.notes);
-    let new = kit::generate(&found).unwrap_or_else(|p| panic!("{}", p.render()));
-    let is = control(&found.profile, &new);
-    let at = |x| um_at(&response(is.as_ref(), "1", "1", Direction::Plus), x);
-    // 4 + 1 and 8 − 1 µm of deviation.
-    assert_eq!((at(50.0), at(100.0)), (-5.0, -7.0));
-    let shifted = file.replace("N01240Q1A1P0.000", "N01240Q1A1P1.000");
-    let refused = read_out(&job, EXX_ONLY, &shifted).unwrap_err();
-    assert!(refused.contains("1240 of axis 1 is 1 mm"), "{refused}");
-    let taken = file
-        .replace("P500\nN03622Q1A4P510", "P0\nN03622Q1A4P510")
-        .replace("N03620Q1A4P500", "N03620Q1A4P1");
-    let words = read_out(&job, EXX_ONLY, &taken)
-        .map(|found| kit::generate(&found).unwrap_err().render())
-        .unwrap_or_else(|p| p);
-    assert!(words.contains("points 0 to 510"), "{words}");
-}
-
-#[test]
 fn steps_are_taken_off_where_the_laser_stood_and_lines_between() {
     let job = small("fanuc-30i", ACTIVE, "", FANUC_AXES);
     let errors = "axis,position_mm,ex_um\nx,0,0\nx,50,4\nx,100,8\n";
@@ -756,69 +574,6 @@ fn steps_are_taken_off_where_the_laser_stood_and_lines_between() {
         let um = curve.at(nonius::units::Millimetres::new(x)).um();
         assert!((um - 0.08 * x).abs() < 1e-9, "{um} at {x}");
     }
-}
-
-/// Runs the program in a directory: exit status and standard output.
-fn nonius(directory: &std::path::Path, arguments: &str) -> (i32, String) {
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(arguments.split_whitespace())
-        .current_dir(directory)
-        .output()
-        .unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
-    (output.status.code().unwrap(), text)
-}
-
-#[test]
-fn the_history_of_a_kit_is_followed_and_its_breaks_are_named() {
-    let directory = tempfile::tempdir().unwrap();
-    let at = directory.path();
-    let job = |active: &str, errors: &str| {
-        small(
-            "siemens-840d-sl",
-            &format!("active_while_measuring = \"{active}\""),
-            "",
-            SIEMENS_AXES,
-        )
-        .replace("errors.csv", errors)
-    };
-    std::fs::write(at.join("1.toml"), job("none", "1.csv")).unwrap();
-    std::fs::write(at.join("2.toml"), job("kit1", "2.csv")).unwrap();
-    std::fs::write(at.join("1.csv"), FULL).unwrap();
-    std::fs::write(at.join("2.csv"), FULL.replace(",8,-3", ",1,1")).unwrap();
-    for number in ["1", "2"] {
-        let (status, text) = nonius(at, &format!("generate {number}.toml -o kit{number}"));
-        assert_eq!(status, 0, "{text}");
-        // What a person notes in it changes neither the update nor the chain.
-        let checklist = at.join(format!("kit{number}/checklist.md"));
-        let page = std::fs::read_to_string(&checklist).unwrap();
-        std::fs::write(&checklist, format!("{page}\nMD32450 was 0.003\n")).unwrap();
-    }
-    let (status, text) = nonius(at, "verify 2.toml --tables kit2");
-    assert!(
-        status == 0 && text.contains("job and tables agree"),
-        "{text}"
-    );
-    let (status, text) = nonius(at, "history kit2");
-    assert!(
-        status == 0 && text.contains("1  kit1") && text.contains("begins here"),
-        "{text}"
-    );
-    std::fs::rename(at.join("kit1"), at.join("kit1.previous")).unwrap();
-    assert_eq!(nonius(at, "history kit2").0, 0, "`--force` leaves it there");
-    std::fs::rename(at.join("kit1.previous"), at.join("elsewhere")).unwrap();
-    let (status, text) = nonius(at, "history kit2");
-    assert!(
-        status == 1 && text.contains("BREAKS here: the predecessor `kit1` is not found"),
-        "{text}"
-    );
-    std::fs::rename(at.join("elsewhere"), at.join("kit1")).unwrap();
-    std::fs::write(at.join("kit1/NONIUS_EEC.MPF"), "M30\n").unwrap();
-    let (status, text) = nonius(at, "history kit2 --format json");
-    assert!(
-        status == 1 && text.contains("was changed after it was made"),
-        "{text}"
-    );
 }
 
 /// Both directions, so that every policy is possible; X and Y each correct the other too.
@@ -877,6 +632,12 @@ mod siemens_control;
 
 #[path = "update/fanuc_control.rs"]
 mod fanuc_control;
+
+#[path = "update/what_acted.rs"]
+mod what_acted;
+
+#[path = "update/kits_on_disk.rs"]
+mod kits_on_disk;
 
 #[test]
 fn a_kit_of_another_machine_is_refused() {
@@ -990,28 +751,4 @@ fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
         [false; 3],
         "the parameter stays as it was"
     );
-}
-
-#[test]
-fn tables_that_a_kit_contains_are_not_removed_by_force() {
-    let directory = tempfile::tempdir().unwrap();
-    let at = directory.path();
-    let job = |active: &str| {
-        let measurement = format!("active_while_measuring = \"{active}\"");
-        small("siemens-840d-sl", &measurement, "", SIEMENS_AXES)
-    };
-    std::fs::write(at.join("errors.csv"), FULL).unwrap();
-    std::fs::write(at.join("1.toml"), job("none")).unwrap();
-    std::fs::write(at.join("2.toml"), job("kit.previous")).unwrap();
-    for kit in ["kit.previous", "kit"] {
-        assert_eq!(nonius(at, &format!("generate 1.toml -o {kit}")).0, 0);
-    }
-    let read = || std::fs::read(at.join("kit.previous/manifest.json")).unwrap();
-    let before = read();
-    for kit in ["kit", "kit/", "kit.previous"] {
-        let (status, _) = nonius(at, &format!("generate 2.toml -o {kit} --force"));
-        assert_eq!(status, 2, "{kit}");
-        assert_eq!(read(), before, "{kit}");
-    }
-    assert_eq!(nonius(at, "generate 2.toml -o other --force").0, 0);
 }
