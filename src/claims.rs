@@ -65,3 +65,26 @@ impl Precondition {
         }
     }
 }
+
+/// Preconditions that differ only in the last word of what they concern (`… of axis 1`) as one, for
+/// people: all these words, and the first of them.
+pub fn shared(preconditions: &[Precondition]) -> Vec<(String, &Precondition)> {
+    let mut shared: Vec<(String, &Precondition)> = Vec::new();
+    for p in preconditions {
+        let (head, last) = head_and_last(&p.what);
+        let same = |other: &&mut (String, &Precondition)| {
+            let o = other.1;
+            let asked = (&o.value, &o.why, &o.source) == (&p.value, &p.why, &p.source);
+            asked && !head.is_empty() && head_and_last(&o.what).0 == head
+        };
+        match shared.iter_mut().find(same) {
+            Some((words, _)) => *words = format!("{words}, {last}"),
+            None => shared.push((p.what.clone(), p)),
+        }
+    }
+    shared
+}
+
+fn head_and_last(what: &str) -> (&str, &str) {
+    what.rsplit_once(' ').unwrap_or(("", what))
+}

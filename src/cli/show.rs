@@ -1,7 +1,7 @@
 //! Tables and lines for people.
 
 use crate::axis::{Axis, Direction};
-use crate::claims::{Assumption, Precondition};
+use crate::claims::{Assumption, Precondition, shared};
 use crate::compensation::{Compiled, Placement};
 use crate::forecast::{COVERAGE_FACTOR, Forecast, Verdict};
 use crate::job::Acceptance;
@@ -286,29 +286,6 @@ pub(super) fn preconditions(preconditions: &[Precondition]) -> String {
         lines.push(format!("      {} [{}]", p.why, p.source));
     }
     lines.join("\n")
-}
-
-/// Preconditions that differ only in the last word of what they concern (`… of axis 1`) as one:
-/// all these words, and the first of them.
-fn shared(preconditions: &[Precondition]) -> Vec<(String, &Precondition)> {
-    let mut shared: Vec<(String, &Precondition)> = Vec::new();
-    for p in preconditions {
-        let (head, last) = head_and_last(&p.what);
-        let same = |other: &&mut (String, &Precondition)| {
-            let o = other.1;
-            let asked = (&o.value, &o.why, &o.source) == (&p.value, &p.why, &p.source);
-            asked && !head.is_empty() && head_and_last(&o.what).0 == head
-        };
-        match shared.iter_mut().find(same) {
-            Some((words, _)) => *words = format!("{words}, {last}"),
-            None => shared.push((p.what.clone(), p)),
-        }
-    }
-    shared
-}
-
-fn head_and_last(what: &str) -> (&str, &str) {
-    what.rsplit_once(' ').unwrap_or(("", what))
 }
 
 /// Terms without a table, stretches that were not measured, notes.

@@ -2,6 +2,7 @@
 
 use super::Made;
 use super::reading::trimmed;
+use crate::claims::shared;
 use crate::compensation::Compiled;
 use crate::compensation::siemens::at_reference;
 use crate::table::Tables;
@@ -16,8 +17,8 @@ pub(super) fn places(made: &Made<'_>) -> Vec<String> {
 }
 
 pub(super) fn preconditions(compiled: &Compiled) -> Vec<String> {
-    let list = compiled.preconditions.iter();
-    list.map(|p| format!("{} must be {}: {} *({})*", p.what, p.value, p.why, p.source))
+    let list = shared(&compiled.preconditions).into_iter();
+    list.map(|(what, p)| format!("{what} must be {}: {} *({})*", p.value, p.why, p.source))
         .collect()
 }
 
