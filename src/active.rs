@@ -30,7 +30,7 @@ pub use self::beside::{collisions, left_over};
 pub use self::held::Held;
 pub use self::kit::{from_kit, named_axis};
 pub use self::machine::uncompensated;
-pub use self::read_out::from_read_out;
+pub use self::read_out::{ReadOutFor, from_read_out};
 pub use self::without_tables::without_tables;
 
 use crate::axis::{Axis, PerAxis};
@@ -67,6 +67,11 @@ pub struct ActiveControl {
     pub assumptions: Vec<Assumption>,
     /// What the user should know.
     pub notes: Vec<String>,
+    /// How files that are judged contradict the job, one sentence each; what was active while
+    /// measuring may not contradict it at all.
+    pub disagreements: Vec<String>,
+    /// What acts on the job's axes beside their tables and is not emulated, one sentence each.
+    pub beside: Vec<String>,
 }
 
 /// Where the files of the active tables come from.
@@ -101,18 +106,6 @@ const KEY: &str = "measurement.active_while_measuring";
 
 fn problem(job: &Job, message: impl Into<String>, help: &str) -> Problem {
     job.problem_at(KEY, message).help(help)
-}
-
-/// The axes of a gantry whose backlash parameters differ; `parameter` = what the control calls it.
-fn different_backlash(job: &Job, axes: &[String], parameter: &str) -> Problem {
-    problem(
-        job,
-        format!(
-            "the axes {} have different backlash parameters",
-            axes.join(", ")
-        ),
-        &format!("bring {parameter} of a gantry's axes to one value first"),
-    )
 }
 
 /// Whether the new tables replace the backlash parameter.

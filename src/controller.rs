@@ -335,6 +335,15 @@ pub enum Dialect {
 }
 
 impl Dialect {
+    /// What its manuals call the backlash parameter.
+    pub const fn backlash_parameter(&self) -> &'static str {
+        match self {
+            Dialect::Siemens(_) => "backlash parameter (MD32450)",
+            Dialect::Fanuc(_) => "backlash parameter (1851)",
+            Dialect::Generic(_) => "backlash parameter",
+        }
+    }
+
     /// The word used in profiles.
     pub const fn word(&self) -> &'static str {
         match self {

@@ -5,8 +5,10 @@
 //! axis.
 
 mod contents;
+mod surroundings;
 
 pub use contents::{absent, contents};
+pub use surroundings::surroundings;
 
 use crate::axis::{Direction, ErrorTerm};
 use crate::emulate::{Emulator, NodeTable, Response};
@@ -260,7 +262,9 @@ fn scale(pairs: &[(f64, f64)]) -> Option<String> {
         .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
     let factor = g / w;
     let fits = |(w, g): &(f64, f64)| (g - factor * w).abs() <= EQUAL_UM;
-    (largest > EQUAL_UM && pairs.iter().all(fits)).then(|| {
+    // One value that differs is a value, not a scale.
+    let enough = pairs.iter().filter(|(w, _)| w.abs() > EQUAL_UM).count() > 1;
+    (enough && pairs.iter().all(fits)).then(|| {
         format!("wrong scale: every correction is {factor:.3} times what the job asks for")
     })
 }
@@ -320,7 +324,7 @@ fn spaced(wanted: &Response, got: &Response) -> Option<String> {
         return None;
     };
     let (expected, found) = (spacing(w)?, spacing(g)?);
-    let differs = (found - expected).abs() > EQUAL_UM;
+    let differs = (found - expected).abs() > EQUAL_MM;
     (differs && is_lifted_copy(w, g)).then(|| {
         format!(
             "other spacing: the points are {found:.4} mm apart, the job asks for {expected:.4} mm"
@@ -333,7 +337,7 @@ fn shifted(wanted: &Response, got: &Response) -> Option<String> {
         return None;
     };
     let shift = g.first().mm() - w.first().mm();
-    (is_lifted_copy(w, g) && shift.abs() > EQUAL_UM).then(|| {
+    (is_lifted_copy(w, g) && shift.abs() > EQUAL_MM).then(|| {
         format!("shifted reference: the table stands {shift:.4} mm from where the job puts it ({:.4} instead of {:.4} mm)", g.first().mm(), w.first().mm())
     })
 }

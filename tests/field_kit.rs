@@ -274,7 +274,13 @@ fn with_read_out(id: &str) -> (Inputs, Tables) {
     let files = before.files.iter().filter(kept);
     let files = files.map(|f| (f.path.clone(), f.bytes.clone())).collect();
     let mut inputs = support::inputs(&job, &errors);
-    let active = from_read_out(&inputs.job, &profile, "read-out", files);
+    let active = from_read_out(
+        &inputs.job,
+        &profile,
+        "read-out",
+        files,
+        nonius::active::ReadOutFor::OldTables,
+    );
     inputs.active = Some(active.unwrap_or_else(|p| panic!("{}", p.render())));
     (inputs, tables)
 }

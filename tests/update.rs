@@ -16,7 +16,7 @@
 
 mod support;
 
-use nonius::active::{ActiveControl, from_kit, from_read_out};
+use nonius::active::{ActiveControl, ReadOutFor, from_kit, from_read_out};
 use nonius::axis::Direction;
 use nonius::emulate::Response;
 use nonius::kit::{self, Inputs, Kit};
@@ -404,6 +404,7 @@ fn a_read_out_says_the_same_as_the_kit() {
         &plain.profile,
         "read-out",
         vec![("COMPLETE.ARC".into(), archive.into_bytes())],
+        ReadOutFor::OldTables,
     )
     .unwrap_or_else(|p| panic!("{}", p.render()));
     let by_kit = found.active.as_ref().unwrap();
@@ -457,6 +458,7 @@ fn read_out(job: &str, errors: &str, file: &str) -> Result<Inputs, String> {
         &found.profile,
         "old",
         vec![("old.txt".into(), file.into())],
+        ReadOutFor::OldTables,
     )
     .and_then(|active| found.with_active(active))
     .map_err(|p| p.render())

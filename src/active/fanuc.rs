@@ -1,13 +1,15 @@
 //! Pitch, straightness and backlash parameters of a Fanuc read-out.
 
-use super::read_out::{Found, Text};
-use super::{Held, Others, axis_of, different_backlash, problem};
+use super::read_out::{
+    Contrary, Found, NamedBacklash, ReadOutFor, Text, beside_words, one_backlash,
+};
+use super::{Held, Others, axis_of};
 use crate::axis::{Axis, PerAxis};
 use crate::controller::{FanucFacts, NumberRange, StraightnessForm};
 use crate::job::Job;
 use crate::problem::Problems;
 use crate::readback::control_data;
-use crate::readback::fanuc::{merge, read as strict};
+use crate::readback::fanuc::{merge, read_out};
 use crate::table::Tables;
 use crate::table::fanuc::{FanucMemory, ParameterValue};
 
@@ -28,13 +30,14 @@ pub(super) fn read(
     names: &Names,
     facts: &FanucFacts,
     texts: &[Text<'_>],
+    purpose: ReadOutFor,
 ) -> Result<Found, Problems> {
     let mut problems = Problems::none();
     let mut memories = Vec::new();
     let mut notes = Vec::new();
     for (name, text) in texts {
         let (kept, passed_over) = control_data::fanuc(text, facts);
-        memories.extend(problems.take(strict(name, &kept, facts)));
+        memories.extend(problems.take(read_out(name, &kept, facts)));
         if passed_over > 0 {
             notes.push(format!(
                 "`{name}`: {passed_over} other parameters were passed over"
@@ -48,16 +51,18 @@ pub(super) fn read(
         names,
         facts,
         memory,
+        purpose,
         notes,
         others: Others::default(),
-        problems: Problems::none(),
+        contrary: Vec::new(),
+        beside: Vec::new(),
     };
     sorted.take_sets();
     sorted.take_other_axes();
     let backlash_um = PerAxis::from_fn(|axis| sorted.backlash(axis));
     sorted.check_references();
     sorted.take_what_is_no_table();
-    sorted.problems.or_ok(Found {
+    Ok(Found {
         tables: Tables::Fanuc(sorted.memory),
         held,
         backlash_um,
@@ -65,6 +70,8 @@ pub(super) fn read(
         assumptions: Vec::new(),
         notes: sorted.notes,
         unit: None,
+        contrary: sorted.contrary,
+        beside: sorted.beside,
     })
 }
 
@@ -73,9 +80,11 @@ struct Sorted<'a> {
     names: &'a Names,
     facts: &'a FanucFacts,
     memory: FanucMemory,
+    purpose: ReadOutFor,
     notes: Vec<String>,
     others: Others,
-    problems: Problems,
+    contrary: Vec<Contrary>,
+    beside: Vec<String>,
 }
 
 impl Sorted<'_> {
@@ -105,9 +114,7 @@ impl Sorted<'_> {
                 continue;
             }
             if moving != 0 {
-                let set = index + 1;
-                self.others.sets.push(set);
-                self.notes.push(format!("straightness set {set} (axis {shifted} while axis {moving} moves) belongs to axes that the job does not have: left as it is"));
+                self.take_set_of_others(index + 1, moving, shifted);
                 self.reserve_set(index, moving);
             }
             let four_points =
@@ -122,6 +129,20 @@ impl Sorted<'_> {
                 numbers.extend(four_points);
             }
             self.remove(&numbers);
+        }
+    }
+
+    /// A set in use of which an axis is none of the job.
+    fn take_set_of_others(&mut self, set: u32, moving: u32, shifted: u32) {
+        self.others.sets.push(set);
+        let name = format!("straightness set {set} (axis {shifted} while axis {moving} moves)");
+        if self.purpose == ReadOutFor::Judging && self.is_own(shifted) {
+            self.beside.push(beside_words(&name, &moving.to_string()));
+        } else {
+            let left = self.purpose.leaves();
+            self.notes.push(format!(
+                "{name} belongs to axes that the job does not have: {left}"
+            ));
         }
     }
 
@@ -161,7 +182,8 @@ impl Sorted<'_> {
                     let last = start + last.saturating_sub(first);
                     self.others.points.push(NumberRange { first: start, last });
                 }
-                self.notes.push(format!("the pitch compensation of axis {axis} (points {first} to {last}) belongs to an axis that the job does not have: left as it is"));
+                let left = self.purpose.leaves();
+                self.notes.push(format!("the pitch compensation of axis {axis} (points {first} to {last}) belongs to an axis that the job does not have: {left}"));
             }
             self.memory
                 .parameters
@@ -174,7 +196,7 @@ impl Sorted<'_> {
         let unit_um = self.job.compensation.axes[axis]
             .as_ref()?
             .detection_unit_um?;
-        let mut values = Vec::new();
+        let mut held = NamedBacklash::new();
         for name in &self.names[axis] {
             let own = name.parse().ok();
             let of = |number| match self.memory.parameter(number, own) {
@@ -182,23 +204,20 @@ impl Sorted<'_> {
                 _ => None,
             };
             let (cutting, rapid) = (of(1851), of(1852));
-            if let (Some(cutting), Some(rapid)) = (cutting, rapid)
+            if let (ReadOutFor::OldTables, Some(cutting), Some(rapid)) =
+                (self.purpose, cutting, rapid)
                 && cutting != rapid
             {
                 self.notes.push(format!("axis {name}: 1851 is {cutting} and 1852 is {rapid}; 1851 (cutting feed) is taken"));
             }
-            values.extend(cutting);
+            #[allow(
+                clippy::cast_precision_loss,
+                reason = "a backlash has far fewer than 2^52 detection units"
+            )]
+            held.push((name.clone(), cutting.map(|counts| counts as f64 * unit_um)));
         }
-        let first = *values.first()?;
-        if values.iter().any(|value| *value != first) {
-            let different = different_backlash(self.job, &self.names[axis], "1851");
-            self.problems.push(different);
-        }
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "a backlash has far fewer than 2^52 detection units"
-        )]
-        Some(first as f64 * unit_um)
+        let (notes, contrary) = (&mut self.notes, &mut self.contrary);
+        one_backlash(self.purpose, &held, "1851", notes, contrary)
     }
 
     /// 1240 against the job; a whole number counts increments of a size that is not in the file.
@@ -220,8 +239,7 @@ impl Sorted<'_> {
                         self.job.compensation.control_unit.word(),
                         machine.reference.mm()
                     );
-                    self.problems.push(problem(
-                        self.job,
+                    self.contrary.push(Contrary::new(
                         message,
                         "correct `reference_mm`; tables of another reference cannot be added",
                     ));

@@ -1,6 +1,6 @@
 //! Files that were read out of the control: what concerns the job's axes, through the readers.
 
-use super::{ActiveControl, Held, Origin, Others, backlash_of, problem, stated};
+use super::{ActiveControl, Held, Origin, Others, axis_of, backlash_of, problem, stated};
 use crate::axis::PerAxis;
 use crate::claims::Assumption;
 use crate::controller::{Dialect, LengthUnit, Profile, Role};
@@ -9,6 +9,45 @@ use crate::plan::axis_names;
 use crate::problem::{Problem, Problems};
 use crate::readback::generic;
 use crate::table::Tables;
+use crate::table::generic::GenericRow;
+
+/// What files that were read out are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReadOutFor {
+    /// They were active while measuring, and the new tables build on them: what contradicts the
+    /// job is refused.
+    OldTables,
+    /// They are judged as they are now: what contradicts the job is what is looked for, and
+    /// nothing that was active while measuring stands in for what they do not hold.
+    Judging,
+}
+
+impl ReadOutFor {
+    /// What happens to what belongs to others.
+    pub(super) const fn leaves(self) -> &'static str {
+        match self {
+            ReadOutFor::OldTables => "left as it is",
+            ReadOutFor::Judging => "passed over",
+        }
+    }
+}
+
+/// Files against the job.
+pub(super) struct Contrary {
+    /// What they hold, and what the job has.
+    pub(super) words: String,
+    /// What to do.
+    pub(super) help: String,
+}
+
+impl Contrary {
+    pub(super) fn new(words: impl Into<String>, help: impl Into<String>) -> Contrary {
+        Contrary {
+            words: words.into(),
+            help: help.into(),
+        }
+    }
+}
 
 /// What the reader of a dialect found.
 pub(super) struct Found {
@@ -22,6 +61,53 @@ pub(super) struct Found {
     pub(super) notes: Vec<String>,
     /// Unit of the control, where a file holds it.
     pub(super) unit: Option<LengthUnit>,
+    /// What contradicts the job.
+    pub(super) contrary: Vec<Contrary>,
+    /// What acts on the job's axes and is not emulated.
+    pub(super) beside: Vec<String>,
+}
+
+/// The backlash parameter that an axis of the control holds, µm, by the control's name of the axis.
+pub(super) type NamedBacklash = Vec<(String, Option<f64>)>;
+
+/// One backlash parameter for an axis of the machine: the axes of a gantry have to hold the same.
+/// `parameter` = what the control calls it. What only some of them hold counts for all of them
+/// where it is judged, and is not known of the old tables.
+pub(super) fn one_backlash(
+    purpose: ReadOutFor,
+    held: &NamedBacklash,
+    parameter: &str,
+    notes: &mut Vec<String>,
+    contrary: &mut Vec<Contrary>,
+) -> Option<f64> {
+    let mut values = held.iter().filter_map(|(_, um)| *um);
+    let first = values.next()?;
+    if values.any(|um| (um - first).abs() > 0.0) {
+        let names: Vec<&str> = held.iter().map(|(name, _)| name.as_str()).collect();
+        contrary.push(Contrary::new(
+            format!(
+                "the axes {} have different backlash parameters",
+                names.join(", ")
+            ),
+            format!("bring {parameter} of a gantry's axes to one value first"),
+        ));
+    }
+    let without = held.iter().find(|(_, um)| um.is_none());
+    match (without, purpose) {
+        (None, _) => Some(first),
+        (Some((name, _)), ReadOutFor::Judging) => {
+            notes.push(format!(
+                "no file holds {parameter} of axis {name}: taken as that of the other axis of the gantry"
+            ));
+            Some(first)
+        }
+        (Some((name, _)), ReadOutFor::OldTables) => {
+            notes.push(format!(
+                "no file holds {parameter} of axis {name}, and that of the other axis of the gantry does not tell it"
+            ));
+            None
+        }
+    }
 }
 
 /// A file as text.
@@ -41,47 +127,39 @@ pub fn from_read_out(
     profile: &Profile,
     path: &str,
     files: Vec<(String, Vec<u8>)>,
+    purpose: ReadOutFor,
 ) -> Result<ActiveControl, Problems> {
     let names = axis_names(job, profile)?;
-    let mut problems = Problems::none();
-    let mut texts: Vec<Text<'_>> = Vec::new();
-    for (name, bytes) in &files {
-        if stands_apart(profile, name) {
-            problems.push(
-                Problem::new(format!(
-                    "`{name}` of `{path}` is a file of a kit that is not loaded with its tables, so it does not tell what was active"
-                ))
-                .help("name the whole kit with its manifest.json, or files that were read out of the control"),
-            );
-        }
-        match std::str::from_utf8(bytes) {
-            Ok(text) => texts.push((name, text)),
-            Err(_) => problems.push(
-                Problem::new(format!("`{name}` is not text"))
-                    .help("name the files that the control wrote as text"),
-            ),
-        }
-    }
-    problems.or_ok(())?;
-    let mut problems = Problems::none();
+    let mut notes = Vec::new();
+    let texts = texts(profile, path, &files, purpose, &mut notes)?;
     let found = match &profile.dialect {
-        Dialect::Siemens(_) => super::siemens::read(job, &names, &texts)?,
-        Dialect::Fanuc(facts) => super::fanuc::read(job, &names, facts, &texts)?,
-        Dialect::Generic(_) => generic_tables(&texts)?,
+        Dialect::Siemens(_) => super::siemens::read(job, &names, &texts, purpose)?,
+        Dialect::Fanuc(facts) => super::fanuc::read(job, &names, facts, &texts, purpose)?,
+        Dialect::Generic(_) => generic_tables(&names, &texts, purpose)?,
     };
+    notes.extend(found.notes);
+    let mut contrary = found.contrary;
     let own = job.compensation.control_unit;
-    if let Some(unit) = found.unit.filter(|unit| *unit != own) {
-        problems.push(problem(
-            job,
-            format!(
-                "the control that was read out counts in {}, the job in {}",
-                unit.word(),
-                own.word()
-            ),
-            "correct `control_unit`",
-        ));
+    contrary.extend(found.unit.filter(|unit| *unit != own).map(|unit| {
+        let words = format!(
+            "the control that was read out counts in {}, the job in {}",
+            unit.word(),
+            own.word()
+        );
+        Contrary::new(words, "correct `control_unit`")
+    }));
+    let mut problems = Problems::none();
+    let mut disagreements = Vec::new();
+    for Contrary { words, help } in contrary {
+        match purpose {
+            ReadOutFor::OldTables => problems.push(problem(job, words, &help)),
+            ReadOutFor::Judging => disagreements.push(words),
+        }
     }
-    let backlash_um = backlash_of(job, &found.backlash_um, &mut problems);
+    let backlash_um = match purpose {
+        ReadOutFor::OldTables => backlash_of(job, &found.backlash_um, &mut problems),
+        ReadOutFor::Judging => found.backlash_um,
+    };
     let state = stated(job, profile, &backlash_um)?;
     problems.or_ok(ActiveControl {
         tables: found.tables,
@@ -91,25 +169,95 @@ pub fn from_read_out(
         backlash_um,
         others: found.others,
         assumptions: found.assumptions,
-        notes: found.notes,
+        notes,
+        disagreements,
+        beside: found.beside,
         files,
     })
 }
 
-fn generic_tables(texts: &[Text<'_>]) -> Result<Found, Problems> {
+/// The files as text, but those of a kit that are never loaded with its tables.
+fn texts<'a>(
+    profile: &Profile,
+    path: &str,
+    files: &'a [(String, Vec<u8>)],
+    purpose: ReadOutFor,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Text<'a>>, Problems> {
+    let mut problems = Problems::none();
+    let mut texts = Vec::new();
+    for (name, bytes) in files {
+        match (stands_apart(profile, name), purpose) {
+            (false, _) => {}
+            (true, ReadOutFor::Judging) => {
+                notes.push(format!(
+                    "`{name}` is a file of a kit that is not loaded with its tables: passed over"
+                ));
+                continue;
+            }
+            (true, ReadOutFor::OldTables) => problems.push(
+                Problem::new(format!(
+                    "`{name}` of `{path}` is a file of a kit that is not loaded with its tables, so it does not tell what was active"
+                ))
+                .help("name the whole kit with its manifest.json, or files that were read out of the control"),
+            ),
+        }
+        match std::str::from_utf8(bytes) {
+            Ok(text) => texts.push((name.as_str(), text)),
+            Err(_) => problems.push(
+                Problem::new(format!("`{name}` is not text"))
+                    .help("name the files that the control wrote as text"),
+            ),
+        }
+    }
+    problems.or_ok(texts)
+}
+
+fn generic_tables(
+    names: &PerAxis<Vec<String>>,
+    texts: &[Text<'_>],
+    purpose: ReadOutFor,
+) -> Result<Found, Problems> {
     let mut problems = Problems::none();
     let mut tables = Vec::new();
     for (name, text) in texts {
         tables.extend(problems.take(generic::read(name, text)));
     }
-    let tables = Tables::Generic(generic::merge(problems.or_ok(tables)?)?);
+    let mut table = generic::merge(problems.or_ok(tables)?)?;
+    let held = Held::plain(Tables::Generic(table.clone()));
+    let (mut notes, mut beside) = (Vec::new(), Vec::new());
+    if purpose == ReadOutFor::Judging {
+        // Old tables of other axes are refused: the new file would take their place.
+        let has = |name: &str| axis_of(names, name).is_some();
+        let others: Vec<GenericRow> = table
+            .rows
+            .extract_if(.., |row| !has(&row.base_axis) || !has(&row.output_axis))
+            .collect();
+        for row in others.iter().filter(|row| row.index == 0) {
+            let (base, output) = (&row.base_axis, &row.output_axis);
+            if has(output) {
+                beside.push(beside_words(&format!("{} of `{output}`", row.term), base));
+            } else {
+                notes.push(format!("{} ({output} while {base} moves) belongs to axes that the job does not have: passed over", row.term));
+            }
+        }
+    }
     Ok(Found {
-        held: Held::plain(tables.clone()),
-        tables,
+        held,
+        tables: Tables::Generic(table),
         backlash_um: PerAxis::default(),
         others: Others::default(),
         assumptions: Vec::new(),
-        notes: Vec::new(),
+        notes,
         unit: None,
+        contrary: Vec::new(),
+        beside,
     })
+}
+
+/// A correction of an axis of the job that follows an axis it does not have.
+pub(super) fn beside_words(what: &str, moving: &str) -> String {
+    format!(
+        "{what} follows axis {moving}, which the job does not have: it is not in the forecast, and changes the error wherever {moving} stands elsewhere"
+    )
 }

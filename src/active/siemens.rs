@@ -1,8 +1,10 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
 use super::held::agreed;
-use super::read_out::{Found, Text};
-use super::{Held, Others, axis_of, different_backlash, problem};
+use super::read_out::{
+    Contrary, Found, NamedBacklash, ReadOutFor, Text, beside_words, one_backlash,
+};
+use super::{Held, Others, axis_of};
 use crate::axis::{Axis, PerAxis};
 use crate::claims::Assumption;
 use crate::controller::LengthUnit;
@@ -19,11 +21,15 @@ use crate::units::UM_PER_MM;
 type Names = PerAxis<Vec<String>>;
 
 /// Reads the files of a control.
-pub(super) fn read(job: &Job, names: &Names, texts: &[Text<'_>]) -> Result<Found, Problems> {
+pub(super) fn read(
+    job: &Job,
+    names: &Names,
+    texts: &[Text<'_>],
+    purpose: ReadOutFor,
+) -> Result<Found, Problems> {
     let mut problems = Problems::none();
     let mut contents = Vec::new();
     let mut notes = Vec::new();
-    let mut unit = None;
     let mut without_grid = Vec::new();
     for (name, text) in texts {
         let cut = control_data::siemens(text);
@@ -43,19 +49,11 @@ pub(super) fn read(job: &Job, names: &Names, texts: &[Text<'_>]) -> Result<Found
             ));
         }
         without_grid.extend(cut.without_grid);
-        unit = unit.or(cut.is_metric.map(|metric| {
-            if metric {
-                LengthUnit::Millimetre
-            } else {
-                LengthUnit::Inch
-            }
-        }));
     }
     let contents = problems.or_ok(contents)?;
     let (data, contrary) = agreed(&contents);
     let all = merge(contents)?;
     notes.extend(all.notes.iter().cloned());
-    notes.extend(contrary.iter().map(several_values));
     let held = Held {
         tables: Tables::Siemens(all.tables.clone()),
         data,
@@ -65,44 +63,61 @@ pub(super) fn read(job: &Job, names: &Names, texts: &[Text<'_>]) -> Result<Found
         job,
         names,
         all: &all,
+        purpose,
         notes,
         assumptions: Vec::new(),
         others: Others::default(),
-        problems: Problems::none(),
+        contrary: Vec::new(),
+        beside: Vec::new(),
     };
+    contrary
+        .iter()
+        .for_each(|datum| sorted.several_values(datum));
     let lec = sorted.lec();
     let cec = sorted.cec();
     let backlash_um = PerAxis::from_fn(|axis| sorted.backlash(axis));
-    sorted.problems.or_ok(Found {
+    let metric = sorted.value("MN_SCALING_SYSTEM_IS_METRIC", &[]);
+    Ok(Found {
         tables: Tables::Siemens(SiemensTables { lec, cec }),
         held,
         backlash_um,
         others: sorted.others,
         assumptions: sorted.assumptions,
         notes: sorted.notes,
-        unit,
+        unit: metric.map(|metric| match metric > 0.0 {
+            true => LengthUnit::Millimetre,
+            false => LengthUnit::Inch,
+        }),
+        contrary: sorted.contrary,
+        beside: sorted.beside,
     })
-}
-
-fn several_values(datum: &MachineDatum) -> String {
-    format!(
-        "${}[{}] has several values in the files: the last of them, by the names of the files, counts as active, and the way back leaves it to a person",
-        datum.name,
-        datum.indices.join(",")
-    )
 }
 
 struct Sorted<'a> {
     job: &'a Job,
     names: &'a Names,
     all: &'a SiemensContents,
+    purpose: ReadOutFor,
     notes: Vec<String>,
     assumptions: Vec<Assumption>,
     others: Others,
-    problems: Problems,
+    contrary: Vec<Contrary>,
+    beside: Vec<String>,
 }
 
 impl Sorted<'_> {
+    /// A switch that stands differently in different files.
+    fn several_values(&mut self, datum: &MachineDatum) {
+        let name = format!("${}[{}]", datum.name, datum.indices.join(","));
+        match self.purpose {
+            ReadOutFor::OldTables => self.notes.push(format!("{name} has several values in the files: the last of them, by the names of the files, counts as active, and the way back leaves it to a person")),
+            ReadOutFor::Judging => self.contrary.push(Contrary::new(
+                format!("{name} has several values in the files, so which of them the control holds is not known"),
+                "name the files of one read-out",
+            )),
+        }
+    }
+
     fn encoder(&self, axis: Axis) -> u32 {
         let settings = self.job.compensation.axes[axis].as_ref();
         settings.and_then(|s| s.measuring_system).unwrap_or(1) - 1
@@ -142,8 +157,9 @@ impl Sorted<'_> {
         for table in &self.all.tables.lec {
             let name = format!("$AA_ENC_COMP[{},{}]", table.encoder, table.axis);
             let Some(axis) = axis_of(self.names, &table.axis) else {
+                let left = self.purpose.leaves();
                 self.notes.push(format!(
-                    "{name} belongs to an axis that the job does not have: left as it is"
+                    "{name} belongs to an axis that the job does not have: {left}"
                 ));
                 continue;
             };
@@ -156,7 +172,10 @@ impl Sorted<'_> {
             ) {
                 own.push(table.clone());
             } else {
-                self.notes.push(format!("{name} was switched off (MD32700 = 0): it counts as not active, and the new table overwrites it"));
+                self.notes.push(match self.purpose {
+                    ReadOutFor::OldTables => format!("{name} was switched off (MD32700 = 0): it counts as not active, and the new table overwrites it"),
+                    ReadOutFor::Judging => format!("{name} is switched off (MD32700 = 0), so it does nothing"),
+                });
             }
         }
         own
@@ -166,17 +185,16 @@ impl Sorted<'_> {
     fn other_system(&mut self, name: &str, table: &LecTable) {
         let twin = |other: &&LecTable| other.axis == table.axis && other.encoder != table.encoder;
         if self.all.tables.lec.iter().any(|other| twin(&other)) {
-            self.notes.push(format!(
-                "{name} is for the other measuring system: left as it is"
-            ));
+            let left = self.purpose.leaves();
+            self.notes
+                .push(format!("{name} is for the other measuring system: {left}"));
             return;
         }
         let message = format!(
             "{name} is for measuring system {}, and there is none for the one of the job",
             table.encoder + 1
         );
-        self.problems.push(problem(
-            self.job,
+        self.contrary.push(Contrary::new(
             message,
             "state `measuring_system` in [compensation.axes] as it is active on the control",
         ));
@@ -185,40 +203,64 @@ impl Sorted<'_> {
     fn cec(&mut self) -> Vec<CecTable> {
         let mut own = Vec::new();
         for table in &self.all.tables.cec {
-            let name = format!("$AN_CEC[{}]", table.number);
-            let of_job = [&table.input_axis, &table.output_axis]
-                .iter()
-                .all(|axis| axis_of(self.names, axis).is_some());
-            let number = table.number.to_string();
-            if !of_job {
+            if self.is_of_others(table) {
                 self.others.cec_tables.push(table.number);
-                self.notes.push(format!(
-                    "{name} ({} → {}) belongs to axes that the job does not have: left as it is",
-                    table.input_axis, table.output_axis
-                ));
-            } else if self.is_on("SN_CEC_TABLE_ENABLE", "SD41300", &[&number])
-                && self.is_on("MA_CEC_ENABLE", "MD32710", &[&table.output_axis])
-            {
+            } else if self.acts(table) {
                 own.push(table.clone());
             } else {
                 self.others.cec_tables.push(table.number);
-                self.notes.push(format!("{name} was switched off (SD41300 or MD32710 = 0): it counts as not active and is left as it is"));
+                let name = format!("$AN_CEC[{}]", table.number);
+                self.notes.push(match self.purpose {
+                    ReadOutFor::OldTables => format!("{name} was switched off (SD41300 or MD32710 = 0): it counts as not active and is left as it is"),
+                    ReadOutFor::Judging => format!("{name} is switched off (SD41300 or MD32710 = 0), so it does nothing"),
+                });
             }
         }
         own
+    }
+
+    /// Whether SD41300 of a table and MD32710 of its output axis stand at 1.
+    fn acts(&mut self, table: &CecTable) -> bool {
+        self.is_on(
+            "SN_CEC_TABLE_ENABLE",
+            "SD41300",
+            &[&table.number.to_string()],
+        ) && self.is_on("MA_CEC_ENABLE", "MD32710", &[&table.output_axis])
+    }
+
+    /// Whether an axis of a table is none of the job; where it acts on one of the job all the
+    /// same, that is said.
+    fn is_of_others(&mut self, table: &CecTable) -> bool {
+        let has = |axis: &str| axis_of(self.names, axis).is_some();
+        let (input, output) = (has(&table.input_axis), has(&table.output_axis));
+        if input && output {
+            return false;
+        }
+        let name = format!(
+            "$AN_CEC[{}] ({} → {})",
+            table.number, table.input_axis, table.output_axis
+        );
+        if self.purpose == ReadOutFor::Judging && output && self.acts(table) {
+            self.beside.push(beside_words(&name, &table.input_axis));
+        } else {
+            let left = self.purpose.leaves();
+            self.notes.push(format!(
+                "{name} belongs to axes that the job does not have: {left}"
+            ));
+        }
+        true
     }
 
     /// MD32450 of the active measuring system, µm; the axes of a gantry have to agree.
     fn backlash(&mut self, axis: Axis) -> Option<f64> {
         let encoder = self.encoder(axis).to_string();
         let in_um = self.job.compensation.control_unit.in_mm() * UM_PER_MM;
-        let of_name = |name: &String| self.value("MA_BACKLASH", &[&encoder, &name.to_uppercase()]);
-        let values: Vec<f64> = self.names[axis].iter().filter_map(of_name).collect();
-        let first = *values.first()?;
-        if values.iter().any(|value| (value - first).abs() > 0.0) {
-            let different = different_backlash(self.job, &self.names[axis], "MD32450");
-            self.problems.push(different);
-        }
-        Some(first * in_um)
+        let of_name = |name: &String| {
+            let held = self.value("MA_BACKLASH", &[&encoder, &name.to_uppercase()]);
+            (name.clone(), held.map(|value| value * in_um))
+        };
+        let held: NamedBacklash = self.names[axis].iter().map(of_name).collect();
+        let (notes, contrary) = (&mut self.notes, &mut self.contrary);
+        one_backlash(self.purpose, &held, "MD32450", notes, contrary)
     }
 }

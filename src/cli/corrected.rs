@@ -82,9 +82,11 @@ impl AskedTables {
         let found = read_directory(inputs, directory)?;
         let mut loaded = match found.read_out(inputs, directory)? {
             Some(control) => load_read_out(inputs, &control)?,
-            None => load(inputs, &found.kit_files(), found.state.as_ref())?,
+            None => load(inputs, &found.kit_files(), found.state.as_ref())
+                .map_err(|problems| found.instead_of(problems))?,
         };
         loaded.disagreements.extend(found.remarks);
+        loaded.notes.splice(0..0, found.notes);
         let from = format!("the files of {}", directory.display());
         Ok(Some((from, loaded)))
     }

@@ -2,7 +2,7 @@
 //! its manifest says against it.
 
 use super::inputs::{plain_words, read_file};
-use crate::active::{ActiveControl, from_read_out};
+use crate::active::{ActiveControl, ReadOutFor, from_read_out};
 use crate::controller::{Profile, Role};
 use crate::kit::{Inputs, sha256};
 use crate::manifest::{HashedFile, MANIFEST};
@@ -68,7 +68,13 @@ impl Found {
         let files = self.files.iter();
         let files = files.map(|(name, _, bytes)| (name.clone(), bytes.clone()));
         let path = directory.display().to_string();
-        let mut control = from_read_out(&inputs.job, &inputs.profile, &path, files.collect())?;
+        let mut control = from_read_out(
+            &inputs.job,
+            &inputs.profile,
+            &path,
+            files.collect(),
+            ReadOutFor::Judging,
+        )?;
         if let Some(name) = whole.filter(|_| is_called_as_a_kit) {
             let words = format!(
                 "`{}` holds far more than a kit: taken as read out of the control, not as to be loaded",
@@ -169,6 +175,13 @@ pub(super) fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found,
         compare_hashes(&mut found, &document);
         compare_origin(&mut found, &document, inputs);
         found.state = Some(document["state"].clone());
+        if let Some(name) = found.whole_file(&inputs.profile) {
+            let words = format!(
+                "`{}` holds far more than a kit, so it is the control's own: put what was read out into a directory without manifest.json and name that",
+                shown(name)
+            );
+            found.notes.push(words);
+        }
     }
     Ok(found)
 }
@@ -220,9 +233,14 @@ fn compare_hashes(found: &mut Found, document: &Value) {
         );
         match found.files.iter().find(|(name, _, _)| name == path) {
             None => {
-                found.names_missing = true;
                 let words = format!("`{}` is listed in manifest.json but missing", shown(path));
-                found.remarks.push(words);
+                let role = entry["role"].as_str().and_then(Role::of_word);
+                if role.is_some_and(Role::is_for_people) {
+                    found.notes.push(words);
+                } else {
+                    found.names_missing = true;
+                    found.remarks.push(words);
+                }
             }
             Some((_, role, bytes)) if sha256(bytes) != hash => {
                 let words = format!(

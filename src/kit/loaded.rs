@@ -6,7 +6,7 @@ use super::{Differences, Inputs, cannot_emulate, differences, generate};
 use crate::active::ActiveControl;
 use crate::compensation::Compiled;
 use crate::control_state::ControlState;
-use crate::disagreement;
+use crate::disagreement::{self, surroundings};
 use crate::emulate::{CannotEmulate, Emulator, emulator};
 use crate::plan::{Plan, plan};
 use crate::problem::Problems;
@@ -25,6 +25,8 @@ pub(super) struct Loaded {
     pub(super) disagreements: Vec<String>,
     /// What no file does, what was passed over, and what is taken for granted.
     pub(super) notes: Vec<String>,
+    /// What acts on the axes of the job and is not emulated: nothing is decided in favour.
+    pub(super) beside: Vec<String>,
 }
 
 impl Loaded {
@@ -40,8 +42,11 @@ impl Loaded {
         let read = read(&inputs.profile, files)?;
         let Differences { mut words, found } = differences(inputs, plan, compiled, &read);
         words.extend(outside.disagreements);
+        let mut notes = disagreement::absent(&inputs.profile, &compiled.tables, &read);
+        notes.extend(outside.notes);
         Ok(Loaded {
-            notes: disagreement::absent(&inputs.profile, &compiled.tables, &read),
+            notes,
+            beside: Vec::new(),
             control: found.and_then(|_| emulator(&inputs.profile, &read.tables, &outside.state)),
             tables: read.tables,
             state: outside.state,
@@ -60,7 +65,8 @@ impl Loaded {
         let with = |tables, state| emulator(&inputs.profile, tables, state);
         let wanted =
             with(&compiled.tables, &compiled.state).map_err(|reason| cannot_emulate(&reason))?;
-        let mut words = disagreement::measuring_systems(&compiled.tables, &active.tables);
+        let around = surroundings(plan, compiled, active);
+        let mut words = [active.disagreements.clone(), around.disagreements].concat();
         match with(&active.tables, &compiled.state) {
             Ok(found) => {
                 let differs = disagreement::compare(plan, wanted.as_ref(), found.as_ref());
@@ -70,7 +76,8 @@ impl Loaded {
         }
         words.extend(outside.disagreements);
         Ok(Loaded {
-            notes: notes(active),
+            notes: [notes(active), around.notes, outside.notes].concat(),
+            beside: [active.beside.clone(), around.beside].concat(),
             control: with(&active.tables, &outside.state),
             tables: active.tables.clone(),
             state: outside.state,
@@ -83,7 +90,7 @@ impl Loaded {
             plan,
             control: self.control.map_err(|reason| cannot_emulate(&reason))?,
             disagreements: self.disagreements,
-            notes: self.notes,
+            notes: [self.notes, self.beside].concat(),
         })
     }
 }
@@ -91,14 +98,7 @@ impl Loaded {
 fn notes(active: &ActiveControl) -> Vec<String> {
     let assumed = active.assumptions.iter();
     let assumed = assumed.map(|a| format!("no file holds {}: it is taken to be on", a.fact));
-    let parameters = active.backlash_um.iter().filter_map(|(axis, found)| {
-        let um = found.filter(|um| um.abs() > 0.0)?;
-        Some(format!(
-            "the control holds a backlash parameter of {um} µm for {axis}"
-        ))
-    });
-    let passed_over = active.notes.iter().cloned();
-    passed_over.chain(assumed).chain(parameters).collect()
+    active.notes.iter().cloned().chain(assumed).collect()
 }
 
 /// A control with tables in it, and the plan that names its axes.
@@ -134,5 +134,5 @@ pub fn load_read_out(inputs: &Inputs, active: &ActiveControl) -> Result<LoadedCo
 /// Makes the files of a job in memory and loads their bytes.
 pub fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
     let kit = generate(inputs)?;
-    load(inputs, &kit.kit_files(), None)
+    load(inputs, &kit.kit_files(), Some(&kit.manifest.state))
 }

@@ -20,6 +20,8 @@ pub struct LoadedState {
     pub state: ControlState,
     /// Where the manifest names another one than the job, one sentence each.
     pub disagreements: Vec<String>,
+    /// Parameters that are taken as the job asks because nothing tells them, one sentence each.
+    pub notes: Vec<String>,
 }
 
 /// Puts the backlash parameters of a kit into the control of a job; `named` = `state` of its
@@ -33,13 +35,19 @@ pub fn loaded_state(
     let mut loaded = LoadedState {
         state: compiled.state.clone(),
         disagreements: Vec::new(),
+        notes: Vec::new(),
     };
     for axis in &mut loaded.state.axes {
         let entry = named.and_then(|state| named_axis(state, &axis.name));
-        let Some(parameter) = entry.and_then(|entry| entry.get("backlash_um")) else {
-            continue; // no kit, or one from before manifests held it
-        };
         let wanted = named_backlash(inputs, plan, compiled, &axis.name);
+        let Some(parameter) = entry.and_then(|entry| entry.get("backlash_um")) else {
+            let name = &axis.name;
+            // No kit, or one from before manifests held it.
+            loaded.notes.extend(wanted.map(|um| {
+                format!("no manifest names the backlash parameter of axis {name}: taken as the job asks, {um} µm")
+            }));
+            continue;
+        };
         let words = take(axis, "the kit was made for", parameter.as_f64(), wanted);
         loaded.disagreements.extend(words);
     }
@@ -57,16 +65,30 @@ pub(super) fn read_out_state(
     let mut loaded = LoadedState {
         state: compiled.state.clone(),
         disagreements: Vec::new(),
+        notes: Vec::new(),
     };
+    let parameter = inputs.profile.dialect.backlash_parameter();
     for (own, found) in control.backlash_um.iter() {
         let names = &plan.names[own];
         let axes = loaded.state.axes.iter_mut();
         for axis in axes.filter(|axis| names.contains(&axis.name)) {
             let wanted = named_backlash(inputs, plan, compiled, &axis.name);
-            if wanted.is_some() && found.is_some() {
-                let words = take(axis, "the control holds", *found, wanted);
-                loaded.disagreements.extend(words);
-            }
+            let name = &axis.name;
+            let note = match (found, wanted) {
+                (None, None) => None,
+                (None, Some(um)) => Some(format!(
+                    "no file holds the {parameter} of axis {name}: taken as the job asks, {um} µm"
+                )),
+                (Some(um), None) => (um.abs() > 0.0).then(|| {
+                    format!("the {parameter} of axis {name} is {um} µm; the job does not set it, so it counts as unchanged since the measurement")
+                }),
+                (Some(um), Some(_)) => {
+                    let words = take(axis, "the control holds", Some(*um), wanted);
+                    loaded.disagreements.extend(words);
+                    None
+                }
+            };
+            loaded.notes.extend(note);
         }
     }
     loaded

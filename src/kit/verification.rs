@@ -28,8 +28,10 @@ pub struct Verification {
     pub disagreements: Vec<String>,
     /// What no file of the directory does, and what to see to on the control instead.
     pub absent: Vec<String>,
-    /// Why the measured errors are doubtful, one sentence each.
+    /// Why the measured errors are doubtful, and what acts beside the tables, one sentence each.
     pub doubts: Vec<String>,
+    /// Those of the doubts that hold whatever is measured: what acts beside the tables.
+    pub beside: Vec<String>,
     /// Forecast against the acceptance; a disagreement fails, a doubt leaves it undecided.
     pub verdict: Verdict,
 }
@@ -64,7 +66,7 @@ pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verif
 impl Verification {
     /// The forecast of a control with the files, and the verdict.
     fn of(inputs: &Inputs, plan: Plan, compiled: Compiled, loaded: Loaded) -> Verification {
-        let doubts = doubts(inputs);
+        let doubts = [doubts(inputs), loaded.beside.clone()].concat();
         let mut disagreements = loaded.disagreements;
         let control = loaded.control.ok();
         let forecast = control.map(|control| forecast(inputs.machine(), &plan, control.as_ref()));
@@ -89,6 +91,7 @@ impl Verification {
             disagreements,
             absent: loaded.notes,
             doubts,
+            beside: loaded.beside,
             verdict,
         }
     }

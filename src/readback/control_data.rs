@@ -5,9 +5,10 @@
 //! the same places, so that the strict readers judge what is left and their line numbers hold.
 
 use crate::controller::{Dialect, FanucFacts};
+use std::borrow::Cow;
 
 /// A file with more data of no concern than this was read out of a control as a whole, which has
-/// thousands; a kit holds none.
+/// thousands. What a kit writes is of concern throughout; a person may have added a few lines.
 const READ_OUT_AS_A_WHOLE: usize = 100;
 
 /// Whether a file is a control's whole parameter file or archive.
@@ -32,22 +33,21 @@ pub struct SiemensText {
     pub passed_over: usize,
     /// Tables that are reserved but hold no grid (STEP 0), such as `AN_CEC[3]`.
     pub without_grid: Vec<String>,
-    /// `$MN_SCALING_SYSTEM_IS_METRIC` (MD10240), where the file holds it.
-    pub is_metric: Option<bool>,
 }
 
 /// The data that are read beside tables.
-const DATA: [&str; 7] = [
+const DATA: [&str; 10] = [
     "MA_ENC_COMP_ENABLE",
     "MA_CEC_ENABLE",
     "MA_CEC_MAX_SUM",
+    "MA_CEC_SCALING_SYSTEM_METRIC",
     "MA_BACKLASH",
+    "MN_CONVERT_SCALING_SYSTEM",
     "MN_MM_CEC_MAX_POINTS",
+    "MN_SCALING_SYSTEM_IS_METRIC",
     "SN_CEC_TABLE_ENABLE",
     "SN_CEC_TABLE_WEIGHT",
 ];
-const METRIC: &str = "MN_SCALING_SYSTEM_IS_METRIC";
-
 /// `NAME[indices]=value` of a line, upper case and without blanks.
 struct Line {
     name: String,
@@ -56,6 +56,7 @@ struct Line {
 }
 
 fn line(text: &str) -> Option<Line> {
+    let text = without_checksum(text);
     let code = text.split(';').next().unwrap_or_default();
     let code: String = code
         .chars()
@@ -110,7 +111,6 @@ pub fn siemens(text: &str) -> SiemensText {
         .collect();
     let (mut tables, mut data) = (Vec::new(), Vec::new());
     let mut passed_over = 0;
-    let mut is_metric = None;
     for (index, text) in lines.iter().enumerate() {
         let (mut table, mut datum) = ("", "");
         if Some(index) == end {
@@ -120,22 +120,35 @@ pub fn siemens(text: &str) -> SiemensText {
                 Some(key) if empty.contains(&key) => {}
                 Some(_) => table = text,
                 None if DATA.contains(&own.name.as_str()) => datum = text,
-                None if own.name == METRIC => {
-                    is_metric = Some(own.value != "0" && own.value != "FALSE")
-                }
                 None => passed_over += 1,
             }
         }
-        tables.push(table);
-        data.push(datum);
+        tables.push(without_checksum(table));
+        data.push(without_checksum(datum));
     }
     SiemensText {
         tables: tables.join("\n"),
         data: data.join("\n"),
         passed_over,
         without_grid: empty.into_iter().collect(),
-        is_metric,
     }
+}
+
+/// A line without the checksum that a control may write behind an assignment: blank, apostrophe,
+/// four hexadecimal digits (MD11230 `MD_FILE_STYLE`; 840D/810D Start-Up Guide 03/2006, 11.12.1).
+/// It is passed over, not checked: how it is computed is not published.
+fn without_checksum(line: &str) -> Cow<'_, str> {
+    let code = line.split(';').next().unwrap_or_default();
+    let Some((statement, sum)) = code.rsplit_once(" '") else {
+        return Cow::Borrowed(line);
+    };
+    let digits = sum.trim_end();
+    let is_sum = digits.len() == 4 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    if !is_sum || !statement.contains('=') {
+        return Cow::Borrowed(line);
+    }
+    let blanks = " ".repeat(code.len() - statement.len());
+    Cow::Owned(format!("{statement}{blanks}{}", &line[code.len()..]))
 }
 
 fn is_end(line: &str) -> bool {
@@ -244,6 +257,20 @@ mod tests {
         );
         assert_eq!(cut.passed_over, 1);
         assert_eq!(cut.without_grid, ["AN_CEC[3]"]);
-        assert_eq!(cut.is_metric, Some(true));
+        assert_eq!(place(&cut.data, "IS_METRIC"), Some(4));
+    }
+
+    #[test]
+    fn line_checksums_are_passed_over() {
+        let text = "N32450 $MA_BACKLASH[0,AX1]=0.005 '2F34\n$AN_CEC_STEP[3]=0 'ab01 ;later\n\
+                    $AN_CEC[1,0]=0.001 '00FF\r\n$AN_CEC[1,1]=0.002 '00F\nM17\n";
+        let cut = siemens(text);
+        let lines: Vec<&str> = cut.data.lines().collect();
+        assert_eq!(lines[0].trim_end(), "N32450 $MA_BACKLASH[0,AX1]=0.005");
+        assert_eq!(lines[0].len(), text.lines().next().unwrap_or("").len());
+        assert_eq!(cut.without_grid, ["AN_CEC[3]"]);
+        let lines: Vec<&str> = cut.tables.lines().collect();
+        assert_eq!(lines[2].trim_end(), "$AN_CEC[1,0]=0.001");
+        assert!(lines[3].ends_with("'00F"), "three digits are no checksum");
     }
 }

@@ -37,12 +37,37 @@ const LENGTH_PARAMETERS: [u32; 2] = [3624, 3625];
 ///
 /// All problems of the file come back together, each with its place.
 pub fn read(file_name: &str, text: &str, facts: &FanucFacts) -> Result<FanucMemory, Problems> {
+    read_from(Writer::Kit, file_name, text, facts)
+}
+
+/// Reads a file that a control wrote of itself; as [`read`], but a parameter in the number space
+/// of the points, such as 10800, is what it says it is.
+pub fn read_out(file_name: &str, text: &str, facts: &FanucFacts) -> Result<FanucMemory, Problems> {
+    read_from(Writer::Control, file_name, text, facts)
+}
+
+/// Who wrote a file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Writer {
+    /// A program or a person: `Q1` before the number of a point is a mistake.
+    Kit,
+    /// The control.
+    Control,
+}
+
+fn read_from(
+    writer: Writer,
+    file_name: &str,
+    text: &str,
+    facts: &FanucFacts,
+) -> Result<FanucMemory, Problems> {
     let source = Source::new(file_name, text);
     let mut problems = Problems::none();
     let blocks = source.blocks(&mut problems);
     let mut reader = Reader {
         source: &source,
         facts,
+        writer,
         memory: FanucMemory::default(),
         problems,
         in_program: false,
@@ -106,6 +131,7 @@ enum Target {
 struct Reader<'a> {
     source: &'a Source,
     facts: &'a FanucFacts,
+    writer: Writer,
     memory: FanucMemory,
     problems: Problems,
     /// Between a G code and `G11`; named once, not once for each of its blocks.
@@ -174,6 +200,9 @@ impl Reader<'_> {
 
     /// A `Q1` number in the space of the points that no known parameter has.
     fn means_a_point(&self, number: u32) -> bool {
+        if self.writer == Writer::Control {
+            return false;
+        }
         let facts = self.facts;
         let sets = facts.straightness_sets.value;
         let known = [

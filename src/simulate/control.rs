@@ -38,6 +38,7 @@ impl Loaded {
         let LoadedState {
             state,
             disagreements,
+            ..
         } = loaded_state(inputs, &plan, &compiled, named);
         let read = read(&inputs.profile, files)?;
         let control = emulator(&inputs.profile, &read.tables, &state)
@@ -67,9 +68,10 @@ impl Loaded {
         let LoadedControl {
             plan,
             control,
-            notes,
-            ..
+            disagreements,
+            mut notes,
         } = load_read_out(inputs, active)?;
+        notes.extend(disagreements);
         let control = Control::new(&inputs.model, &plan, control.as_ref())
             .map_err(|reason| cannot_emulate(&reason))?;
         Ok(Loaded { control, notes })

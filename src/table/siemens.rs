@@ -88,3 +88,23 @@ pub struct SiemensTables {
     /// CEC tables.
     pub cec: Vec<CecTable>,
 }
+
+impl SiemensTables {
+    /// Largest sum of CEC corrections of an output axis: the largest value of each table, the
+    /// worse direction of each base axis, added up over the base axes. A bound, not a place.
+    ///
+    /// unit   as in the file
+    pub fn largest_cec_sum(&self, output: &str) -> f64 {
+        let mut of_base: std::collections::BTreeMap<&str, f64> = Default::default();
+        for table in self.cec.iter().filter(|t| t.output_axis == output) {
+            let largest = of_base.entry(&table.input_axis).or_default();
+            *largest = table
+                .values
+                .iter()
+                .flatten()
+                .map(|value| value.abs())
+                .fold(*largest, f64::max);
+        }
+        of_base.values().sum()
+    }
+}

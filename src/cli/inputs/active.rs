@@ -1,6 +1,6 @@
 //! `active_while_measuring`: the path of a job → the control as it was while measuring.
 
-use crate::active::{ActiveControl, from_kit, from_read_out, without_tables};
+use crate::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use crate::cli::inputs::{beside_job, plain_words, read_file};
 use crate::controller::Profile;
 use crate::job::{ActiveTables, Job};
@@ -59,7 +59,7 @@ pub(in crate::cli) fn read(
         .map(|bytes| hashed(&inside(MANIFEST), bytes));
     let active = match &manifest {
         Some(manifest) => from_kit(job, profile, path, manifest, files)?,
-        None => from_read_out(job, profile, path, files)?,
+        None => from_read_out(job, profile, path, files, ReadOutFor::OldTables)?,
     };
     hashes.extend(own);
     hashes.extend(

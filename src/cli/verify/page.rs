@@ -158,16 +158,24 @@ fn judged(
     let unknown = asked.max_deviation_um.is_some() && !comparison.missing.is_empty();
     let no_limit = asked.max_deviation_um.is_none() && asked.max_diagonal_um.is_none();
     let off = no_limit && diagnosis.is_some_and(|found| !found.as_forecast);
-    if unknown || off || !comparison.doubts.is_empty() {
+    let doubtful = !comparison.doubts.is_empty() || !verification.beside.is_empty();
+    if unknown || off || doubtful {
         return verdict.max(Verdict::Undecided);
     }
     verdict
 }
 
 impl Page<'_> {
-    /// Doubts, and what the limit asks for and was not measured.
+    /// Doubts, what acts beside the tables, and what the limit asks for and was not measured.
     fn doubts(&self) -> Vec<String> {
-        let mut doubts = self.comparison.doubts.clone();
+        let beside = &self.verification.beside;
+        let mut doubts: Vec<String> = self
+            .comparison
+            .doubts
+            .iter()
+            .chain(beside)
+            .cloned()
+            .collect();
         let missing: Vec<String> = self
             .comparison
             .missing

@@ -132,6 +132,9 @@ impl Memory {
         if set.name == "SN_CEC_TABLE_WEIGHT" {
             variable::only_one(set)?;
         }
+        if variable::is_truth(&set.name) {
+            variable::truth(set)?;
+        }
         let value = match set.value.clone()? {
             Value::Number(number) => MachineValue::Number(number),
             Value::Truth(truth) => MachineValue::Number(f64::from(u8::from(truth))),
@@ -227,7 +230,7 @@ impl Draft {
     /// Carries out `set`, whose variable is `family` or one of its parameters.
     fn set(&mut self, family: &str, point: u32, set: &Assignment<'_>) -> Result<(), Complaint> {
         match set.name.strip_prefix(family).unwrap_or_default() {
-            "_IS_MODULO" => self.modulo = Some(variable::modulo(set)?),
+            "_IS_MODULO" => self.modulo = Some(variable::truth(set)?),
             "_STEP" => self.step = Some(placed(set)?),
             "_MIN" => self.min = Some(placed(set)?),
             "_MAX" => self.max = Some(placed(set)?),

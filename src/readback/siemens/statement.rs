@@ -2,13 +2,14 @@
 //!
 //! ```text
 //!   line   = ["%" name] | ["N" digits] [ assign | word ] [";" comment]
-//!   assign = "$" name "[" index {"," index} "]" "=" value
+//!   assign = "$" name ["[" index {"," index} "]"] "=" value      no index: machine data of the whole control
 //!   value  = number | "(" axis ")" | '"' axis '"' | TRUE | FALSE
 //! ```
 //! Blank, tab and `&` separate; case does not matter (SINUMERIK Programming Manual 12/2019,
 //! structure of a part program). Whatever is not in this grammar is a complaint: a word that this
 //! program does not know could move the machine.
 
+use super::variable::is_alone;
 use crate::problem::nearest;
 use crate::readback::complaint::Complaint;
 use std::borrow::Cow;
@@ -188,12 +189,15 @@ fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> 
     let start = cursor.at;
     cursor.at += 1;
     let name = cursor.take_word();
-    let indices = indices(cursor, &name)?;
+    let indices = match is_alone(&name) {
+        true => Vec::new(),
+        false => indices(cursor, &name)?,
+    };
     let head = start..cursor.at;
     if !cursor.eat('=') {
         return Err(Complaint::new(
             cursor.here(),
-            format!("`=` is missing after `${name}[{}]`", indices.join(",")),
+            format!("`=` is missing after `{}`", &cursor.source[head]),
             "write `$VARIABLE[index]=value`",
         ));
     }

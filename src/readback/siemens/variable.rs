@@ -18,6 +18,8 @@ enum Shape {
     Axis,
     TablePoint,
     Table,
+    /// No index: one value for the control.
+    Alone,
 }
 
 impl Shape {
@@ -28,13 +30,14 @@ impl Shape {
             Shape::Axis => "[AX1]",
             Shape::TablePoint => "[0,5]",
             Shape::Table => "[0]",
+            Shape::Alone => "",
         }
     }
 }
 
 /// Every variable that a compensation file may write. `$MA_`, `$MN_`, `$SN_` are closed too: a
 /// mistyped name stops a control just as an unknown one does.
-const VARIABLES: [(&str, Shape); 26] = [
+const VARIABLES: [(&str, Shape); 29] = [
     ("AA_ENC_COMP", Shape::EncoderPointAxis),
     ("AA_ENC_COMP_STEP", Shape::EncoderAxis),
     ("AA_ENC_COMP_MIN", Shape::EncoderAxis),
@@ -58,10 +61,31 @@ const VARIABLES: [(&str, Shape); 26] = [
     ("MA_CEC_ENABLE", Shape::Axis),
     ("MA_CEC_MAX_SUM", Shape::Axis),
     ("MA_CEC_MAX_VELO", Shape::Axis),
+    ("MA_CEC_SCALING_SYSTEM_METRIC", Shape::Axis),
+    ("MN_CONVERT_SCALING_SYSTEM", Shape::Alone),
     ("MN_MM_CEC_MAX_POINTS", Shape::Table),
+    ("MN_SCALING_SYSTEM_IS_METRIC", Shape::Alone),
     ("SN_CEC_TABLE_ENABLE", Shape::Table),
     ("SN_CEC_TABLE_WEIGHT", Shape::Table),
 ];
+
+/// Machine data that are 0 or 1 (TRUE, FALSE) and nothing else.
+const TRUTHS: [&str; 3] = [
+    "MA_CEC_SCALING_SYSTEM_METRIC",
+    "MN_CONVERT_SCALING_SYSTEM",
+    "MN_SCALING_SYSTEM_IS_METRIC",
+];
+
+/// Whether a variable has no index.
+pub(super) fn is_alone(name: &str) -> bool {
+    let alone = |(known, shape): &(&str, Shape)| *known == name && matches!(shape, Shape::Alone);
+    VARIABLES.iter().any(alone)
+}
+
+/// Whether a machine datum can only be 0 or 1.
+pub(super) fn is_truth(name: &str) -> bool {
+    TRUTHS.contains(&name)
+}
 
 /// The indices, told apart.
 #[derive(Clone, Copy, Debug, Default)]
@@ -96,6 +120,7 @@ pub(super) fn key<'a>(set: &'a Assignment<'_>) -> Result<Key<'a>, Complaint> {
             put(&mut key.table, table, LARGEST_INDEX) && put(&mut key.point, point, LARGEST_INDEX)
         }
         (Shape::Table, [table]) => put(&mut key.table, table, LARGEST_INDEX),
+        (Shape::Alone, []) => true,
         _ => false,
     };
     if fits {
@@ -161,8 +186,8 @@ fn whole(set: &Assignment<'_>, allowed: &str, largest: i32) -> Result<i32, Compl
         .ok_or_else(|| not_allowed(set, allowed))
 }
 
-/// `IS_MODULO`: 0 or 1.
-pub(super) fn modulo(set: &Assignment<'_>) -> Result<bool, Complaint> {
+/// 0 or 1, FALSE or TRUE.
+pub(super) fn truth(set: &Assignment<'_>) -> Result<bool, Complaint> {
     const ALLOWED: &str = "0 or 1";
     if let Value::Truth(truth) = set.value.clone()? {
         return Ok(truth);

@@ -1,0 +1,386 @@
+//! `verify` judges what was read out of a control: the tables of a kit, the state of the control
+//! around them, and much of no concern. What contradicts the job is named, what no file holds is
+//! taken as the job asks and said, and what acts unseen leaves the verdict undecided.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test may stop at what it did not expect"
+)]
+
+#[path = "support/run.rs"]
+mod run;
+
+use run::ended;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// Lost motion of X, µm: what `"curve-and-parameter"` asks of the backlash parameter.
+const LOST_UM: f64 = 4.0;
+
+const SIEMENS: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"AX1\"\n[compensation.axes.y]\nspacing_mm = 50\nid = \"AX2\"\n";
+const FANUC: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"1\"\ndetection_unit_um = 1.0\n[compensation.axes.y]\nspacing_mm = 50\nid = \"2\"\ndetection_unit_um = 1.0\n";
+
+/// A job with its kit, and a place for what is read out.
+struct Visit {
+    directory: TempDir,
+    read_out: PathBuf,
+    is_fanuc: bool,
+}
+
+impl Visit {
+    fn new(control: &str, policy: &str, axes: &str) -> Visit {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path();
+        let acted = if policy == "mean" {
+            ""
+        } else {
+            "active_backlash_um = { x = 0.0 }"
+        };
+        let measurement = format!("active_while_measuring = \"none\"\n{acted}");
+        let job = format!(
+            "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n{measurement}\n[compensation]\ncontroller = \"{control}\"\nbacklash = \"{policy}\"\n[machine.axes.x]\ntravel_mm = [0, 100]\nreference_mm = 0\n[machine.axes.y]\ntravel_mm = [0, 100]\nreference_mm = 0\n{axes}[acceptance]\nmax_deviation_um = 100\n"
+        );
+        let mut errors = "axis,direction,position_mm,ex_um,ey_um\n".to_string();
+        for (way, lost) in [("+", 0.0), ("-", LOST_UM)] {
+            for (at, ex, ey) in [(0, 0.0, 0.0), (50, 6.0, 3.0), (100, 16.0, -4.0)] {
+                errors.push_str(&format!("x,{way},{at},{},{ey}\n", ex + lost));
+            }
+        }
+        fs::write(path.join("job.toml"), job).unwrap();
+        fs::write(path.join("errors.csv"), errors).unwrap();
+        let (status, _, said) = ended(path, "generate job.toml -o kit");
+        assert_eq!(status, Some(0), "{said}");
+        let read_out = path.join("out");
+        fs::create_dir(&read_out).unwrap();
+        let is_fanuc = control.starts_with("fanuc");
+        Visit {
+            directory,
+            read_out,
+            is_fanuc,
+        }
+    }
+
+    fn of(is_fanuc: bool, policy: &str) -> Visit {
+        match is_fanuc {
+            true => Visit::new("fanuc-30i", policy, FANUC),
+            false => Visit::new("siemens-840d-sl", policy, SIEMENS),
+        }
+    }
+
+    fn kit(&self, name: &str) -> String {
+        fs::read_to_string(self.directory.path().join("kit").join(name)).unwrap()
+    }
+
+    /// The tables as the control writes them, with `more` before them.
+    fn archive(&self, more: &str) -> String {
+        if self.is_fanuc {
+            let files = ["CNC-PARA.TXT", "PITCH.TXT"].map(|name| self.kit(name));
+            let blocks = files.concat().replace(['%', '\r'], "");
+            return format!("%\n{more}\n{blocks}\n%\n");
+        }
+        let tables = ["NONIUS_EEC.MPF", "NONIUS_CEC.MPF"].map(|name| {
+            let path = self.directory.path().join("kit").join(name);
+            let text = fs::read_to_string(path).unwrap_or_default();
+            let lines = text.lines().filter(|line| line.starts_with('$'));
+            lines.map(|line| format!("{line}\n")).collect::<String>()
+        });
+        format!("{more}\n{}M30\n", tables.concat())
+    }
+
+    /// Verdict (`refused` without one) and page.
+    fn judge_bytes(&self, files: &[(&str, &str)]) -> (&'static str, String) {
+        for entry in fs::read_dir(&self.read_out).unwrap() {
+            fs::remove_file(entry.unwrap().path()).unwrap();
+        }
+        for (name, text) in files {
+            fs::write(self.read_out.join(name), text).unwrap();
+        }
+        self.verify("out")
+    }
+
+    fn verify(&self, tables: &str) -> (&'static str, String) {
+        let command = format!("verify job.toml --tables {tables}");
+        let (status, page, said) = ended(self.directory.path(), &command);
+        let is = |word: &&&str| page.contains(&format!("verdict: {word} (asked"));
+        let verdict = ["pass", "fail", "undecided"].iter().find(is);
+        let verdict = verdict.copied().unwrap_or("refused");
+        let expected = match verdict {
+            "pass" => 0,
+            "refused" => 2,
+            _ => 1,
+        };
+        assert_eq!(status, Some(expected), "{page}{said}");
+        (verdict, page + &said)
+    }
+
+    fn judge(&self, more: &str) -> (&'static str, String) {
+        self.judge_bytes(&[("all.txt", &self.archive(more))])
+    }
+
+    /// `more` beside the tables, the verdict, and words that the page has to hold.
+    #[track_caller]
+    fn expect(&self, more: &str, verdict: &str, says: &str) {
+        let (found, page) = self.judge(more);
+        assert_eq!(found, verdict, "{more}\n{page}");
+        assert!(page.contains(says), "`{says}` is not in\n{page}");
+    }
+}
+
+/// What a control holds of an axis, in µm.
+fn parameter(is_fanuc: bool, um: f64) -> String {
+    match is_fanuc {
+        true => format!("N01851Q1A1P{um:.0}A2P0\nN01852Q1A1P{um:.0}A2P0"),
+        false => format!("N32450 $MA_BACKLASH[0,AX1]={:.4}", um / 1000.0),
+    }
+}
+
+/// The job states that 0 µm acted while measuring; the parameter that is asked for is another.
+#[test]
+fn the_backlash_parameter_is_judged_as_it_is_now() {
+    for is_fanuc in [false, true] {
+        for (policy, asked) in [("curve-and-parameter", LOST_UM), ("two-tables", 0.0)] {
+            let visit = Visit::of(is_fanuc, policy);
+            visit.expect(&parameter(is_fanuc, asked), "pass", "job and tables agree");
+            let wrong = format!("the control holds 9 µm, the job asks for {asked} µm");
+            visit.expect(&parameter(is_fanuc, 9.0), "fail", &wrong);
+            let name = if is_fanuc {
+                "1851) of axis 1"
+            } else {
+                "MD32450) of axis AX1"
+            };
+            let absent = format!("{name}: taken as the job asks, {asked} µm");
+            visit.expect("", "pass", &absent);
+        }
+    }
+}
+
+#[test]
+fn a_parameter_that_the_job_does_not_set_is_told() {
+    let visit = Visit::of(false, "mean");
+    let says = "MD32450) of axis AX1 is 7 µm; the job does not set it";
+    visit.expect("$MA_BACKLASH[0,AX1]=0.007", "pass", says);
+}
+
+#[test]
+fn what_stands_around_siemens_tables_is_judged() {
+    let visit = Visit::of(false, "mean");
+    let agree = "job and tables agree";
+    // A control writes a checksum behind each machine datum, if MD11230 asks for it.
+    let sums = "N10240 $MN_SCALING_SYSTEM_IS_METRIC=1 '2F34\nN32450 $MA_BACKLASH[0,AX1]=0 'A0b1 ;x";
+    visit.expect(sums, "pass", agree);
+    visit.expect("$MN_SCALING_SYSTEM_IS_METRIC=TRUE", "pass", agree);
+    visit.expect("$MN_SCALING_SYSTEM_IS_METRIC=0", "fail", "counts in inch");
+    visit.expect("$MN_SCALING_SYSTEM_IS_METRIC=2", "refused", "write 0 or 1");
+    visit.expect("$MA_CEC_MAX_SUM[AX2]=0.1", "pass", agree);
+    visit.expect("$MA_CEC_MAX_SUM[AX1]=0.001", "pass", agree); // no CEC table corrects AX1
+    visit.expect("$MA_CEC_MAX_SUM[AX2]=0.001", "fail", "may add up to 0.0040");
+    let inch = "$MA_CEC_SCALING_SYSTEM_METRIC[AX2]=0\n";
+    visit.expect(inch, "undecided", "it counts where MD10260 = 1");
+    let with = |converts: u8| format!("{inch}$MN_CONVERT_SCALING_SYSTEM={converts}");
+    visit.expect(
+        &with(1),
+        "fail",
+        "MD32711 of AX2 is 0, the job has its CEC tables in mm",
+    );
+    visit.expect(&with(0), "pass", agree);
+}
+
+#[test]
+fn a_table_that_follows_a_foreign_axis_decides_nothing() {
+    let foreign = |input: &str, output: &str| {
+        format!(
+            "$AN_CEC[9,0]=0.1\n$AN_CEC[9,1]=0.2\n$AN_CEC_INPUT_AXIS[9]=({input})\n$AN_CEC_OUTPUT_AXIS[9]=({output})\n$AN_CEC_STEP[9]=10\n$AN_CEC_MIN[9]=0\n$AN_CEC_MAX[9]=10\n$AN_CEC_DIRECTION[9]=0"
+        )
+    };
+    let visit = Visit::of(false, "mean");
+    let says = "DOUBTFUL: $AN_CEC[9] (AX7 → AX2) follows axis AX7";
+    visit.expect(&foreign("AX7", "AX2"), "undecided", says);
+    let says = "$AN_CEC[9] (AX2 → AX7) belongs to axes that the job does not have: passed over";
+    visit.expect(&foreign("AX2", "AX7"), "pass", says);
+    let off = foreign("AX7", "AX2");
+    let (verdict, page) = visit.judge_bytes(&[
+        ("a.txt", &visit.archive(&off)),
+        ("b.txt", "$SN_CEC_TABLE_ENABLE[9]=0\nM30\n"),
+    ]);
+    assert_eq!(verdict, "pass", "{page}");
+    let visit = Visit::of(true, "mean");
+    let set = "N05712Q1P4\nN05722Q1P2";
+    visit.expect(
+        set,
+        "undecided",
+        "straightness set 2 (axis 2 while axis 4 moves) follows axis 4",
+    );
+}
+
+#[test]
+fn switches_are_named_by_what_they_do_now() {
+    let visit = Visit::of(false, "mean");
+    let off = "$MA_ENC_COMP_ENABLE[0,AX1]=0\n";
+    let (verdict, page) = visit.judge_bytes(&[
+        ("a.txt", &visit.archive("")),
+        ("b.txt", &(off.to_string() + "M30\n")),
+    ]);
+    assert_eq!(verdict, "fail", "{page}");
+    assert!(
+        page.contains("$AA_ENC_COMP[0,AX1] is switched off (MD32700 = 0), so it does nothing"),
+        "{page}"
+    );
+    let on = "$MA_ENC_COMP_ENABLE[0,AX1]=1\n";
+    let (verdict, page) = visit.judge_bytes(&[
+        ("a.txt", &visit.archive("")),
+        ("b.txt", &(off.to_string() + "M30\n")),
+        ("c.txt", &(on.to_string() + "M30\n")),
+    ]);
+    assert_eq!(verdict, "fail", "{page}");
+    assert!(
+        page.contains("$MA_ENC_COMP_ENABLE[0,AX1] has several values in the files, so which"),
+        "{page}"
+    );
+    assert!(!page.contains("the way back"), "{page}");
+}
+
+#[test]
+fn what_stands_around_fanuc_points_is_judged() {
+    let visit = Visit::of(true, "mean");
+    let agree = "job and tables agree";
+    visit.expect("", "pass", "no file holds 3605 of axis 1");
+    visit.expect("N03605Q1A1P00000000A2P00000000", "pass", agree);
+    visit.expect(
+        "N03605Q1A1P00000010A2P00000000",
+        "fail",
+        "3605#1 of axis 1 is 1, the job is for 0",
+    );
+    visit.expect("N01240Q1A1P12.0A2P0.0", "fail", "1240 of axis 1 is 12 mm");
+    let visit = Visit::of(true, "two-tables");
+    visit.expect("N03605Q1A1P00000001", "pass", agree);
+    visit.expect(
+        "N03605Q1A1P00000000",
+        "fail",
+        "3605#0 of axis 1 is 0, the job is for 1",
+    );
+    let visit = Visit::of(true, "curve-and-parameter");
+    let held = |rapid: &str| format!("N01851Q1A1P4\n{rapid}");
+    visit.expect(&held("N01852Q1A1P4"), "pass", agree);
+    visit.expect(
+        &held("N01852Q1A1P0"),
+        "undecided",
+        "1852 of axis 1 is 0, 1851 is 4",
+    );
+    visit.expect(
+        "N01852Q1A1P4",
+        "undecided",
+        "1852 of axis 1 is 4, 1851 is in no file",
+    );
+}
+
+/// A control writes every parameter it has; what does nothing must not stop the reading.
+#[test]
+fn functions_that_are_not_used_do_nothing() {
+    let visit = Visit::of(true, "mean");
+    let mut idle =
+        "N01006Q1A1P00000000A2P00000000\nN03602Q1P00000000\nN08135Q1P00000000\n".to_string();
+    let ranges = [
+        (3666, 3671, "A1P0A2P0"),
+        (3676, 3677, "A1P0A2P0"),
+        (5861, 5864, "P0"),
+        (5871, 5874, "P0"),
+        (10800, 10814, "P0"),
+        (14985, 14988, "A1P0A2P0"),
+    ];
+    for (first, last, zeros) in ranges {
+        for number in first..=last {
+            idle.push_str(&format!("N{number:05}Q1{zeros}\n"));
+        }
+    }
+    visit.expect(&idle, "pass", "job and tables agree");
+    let used = idle.replace("N10800Q1P0", "N10800Q1P5");
+    visit.expect(
+        &used,
+        "fail",
+        "three-dimensional error compensation is not emulated",
+    );
+}
+
+#[test]
+fn one_axis_of_a_gantry_does_not_speak_silently_for_both() {
+    let gantry = SIEMENS.replace("id = \"AX1\"", "ids = [\"AX1\", \"AX4\"]");
+    let visit = Visit::new("siemens-840d-sl", "curve-and-parameter", &gantry);
+    let one = "$MA_BACKLASH[0,AX1]=0.004\n";
+    visit.expect(
+        one,
+        "pass",
+        "of axis AX4: taken as that of the other axis of the gantry",
+    );
+    let both = |um: &str| format!("{one}$MA_BACKLASH[0,AX4]={um}");
+    visit.expect(&both("0.004"), "pass", "job and tables agree");
+    visit.expect(
+        &both("0"),
+        "fail",
+        "AX1, AX4 have different backlash parameters",
+    );
+}
+
+#[test]
+fn a_control_file_among_files_of_a_kit_is_judged() {
+    let visit = Visit::of(true, "mean");
+    let others: String = (0..200).map(|k| format!("N{:05}Q1P0\n", 100 + k)).collect();
+    let whole = visit.archive(&others);
+    let sign = visit.kit("checklist.md");
+    let (verdict, page) = visit.judge_bytes(&[("CNC-PARA.TXT", &whole), ("checklist.md", &sign)]);
+    assert_eq!(verdict, "pass", "{page}");
+    assert!(
+        page.contains(
+            "`checklist.md` is a file of a kit that is not loaded with its tables: passed over"
+        ),
+        "{page}"
+    );
+    let kit = visit.directory.path().join("kit");
+    fs::write(kit.join("CNC-PARA.TXT"), &whole).unwrap();
+    let (verdict, page) = visit.verify("kit");
+    assert_eq!(verdict, "fail", "{page}");
+    assert!(
+        page.contains("`CNC-PARA.TXT` holds far more than a kit, so it is the control's own"),
+        "{page}"
+    );
+    fs::remove_file(kit.join("CNC-PARA.TXT")).unwrap();
+}
+
+#[test]
+fn rows_of_a_foreign_axis_are_passed_over_or_doubted() {
+    let axes = "[compensation.axes.x]\nspacing_mm = 50\n[compensation.axes.y]\nspacing_mm = 50\n";
+    let visit = Visit::new("generic", "mean", axes);
+    let table = visit.kit("compensation.csv");
+    let rows = |row: &str| {
+        let own: Vec<String> = table
+            .lines()
+            .filter(|line| line.starts_with("EYX,"))
+            .map(|line| line.replacen("EYX,x,y", row, 1))
+            .collect();
+        assert!(own.len() > 1, "{table}");
+        format!("{}\n{}\n", table.trim_end(), own.join("\n"))
+    };
+    let (verdict, page) = visit.judge_bytes(&[("table.csv", &rows("EZX,x,a"))]);
+    assert_eq!(verdict, "pass", "{page}");
+    assert!(
+        page.contains("(a while x moves) belongs to axes that the job does not have"),
+        "{page}"
+    );
+    let (verdict, page) = visit.judge_bytes(&[("table.csv", &rows("EYZ,a,y"))]);
+    assert_eq!(verdict, "undecided", "{page}");
+}
+
+/// The checklist is for people: without it nothing is missing that the control reads.
+#[test]
+fn a_missing_checklist_is_a_note() {
+    let visit = Visit::of(true, "mean");
+    let kit: &Path = &visit.directory.path().join("kit");
+    fs::remove_file(kit.join("checklist.md")).unwrap();
+    let (verdict, page) = visit.verify("kit");
+    assert_eq!(verdict, "pass", "{page}");
+    assert!(
+        page.contains("note: `checklist.md` is listed in manifest.json but missing"),
+        "{page}"
+    );
+}
