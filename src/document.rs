@@ -133,21 +133,28 @@ pub fn read_page<T>(
 
 fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
     let mut problems = Problems::none();
+    let mut commas = Vec::new();
     for error in errors {
         let message = error.message().lines().next().unwrap_or("not TOML");
         let span = error.span();
+        if let Some(comma) = span
+            .as_ref()
+            .and_then(|s| decimal_comma(&source.text, s.start))
+        {
+            // One comma leads to several complaints.
+            if !commas.contains(&comma) {
+                commas.push(comma);
+                let problem = Problem::new("`,` in a number, expected a decimal point")
+                    .help("write `0.5`; numbers of a list stand in brackets, as `[0, 500]`");
+                problems.push(problem.at(source.place(&(comma..comma + 1))));
+            }
+            continue;
+        }
         let written = span.clone().and_then(|span| source.text.get(span));
         let problem = match (message, written) {
             ("duplicate key", Some(key)) => {
                 Problem::new(format!("`{}` stands twice in its section", shown(key)))
                     .help("keep one of the two")
-            }
-            _ if span
-                .as_ref()
-                .is_some_and(|span| is_in_number(&source.text, span.start)) =>
-            {
-                Problem::new("`,` in a number, expected a decimal point")
-                    .help("write `0.5`; numbers of a list stand in brackets, as `[0, 500]`")
             }
             _ => Problem::new(format!("not valid TOML: {message}"))
                 .help("see https://toml.io; strings need quotes, numbers a decimal point"),
@@ -160,13 +167,27 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
     problems
 }
 
-/// Whether a comma stands at `at`, right between two digits.
-fn is_in_number(text: &str, at: usize) -> bool {
-    let digit = |at: Option<usize>| {
-        let byte = at.and_then(|at| text.as_bytes().get(at));
-        byte.is_some_and(u8::is_ascii_digit)
+/// Where a decimal comma stands that a complaint at `at` follows from: there, or in braces on its
+/// line, where nothing but digits stand between a comma and the next comma or brace.
+fn decimal_comma(text: &str, at: usize) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
+    let between_digits = |at: &usize| {
+        bytes.get(*at) == Some(&b',') && at.checked_sub(1).is_some_and(is_digit) && is_digit(at + 1)
     };
-    text.as_bytes().get(at) == Some(&b',') && digit(at.checked_sub(1)) && digit(Some(at + 1))
+    if between_digits(&at) {
+        return Some(at);
+    }
+    let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
+    let line = text[start..].split('\n').next()?;
+    let open = start + line.find('{')?;
+    let ends_a_value = |comma: &usize| {
+        let rest = text[comma + 1..].trim_start_matches(|c: char| c.is_ascii_digit());
+        rest.trim_start_matches(' ').starts_with([',', '}'])
+    };
+    (open..start + line.len())
+        .filter(between_digits)
+        .find(ends_a_value)
 }
 
 #[derive(Default)]

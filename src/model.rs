@@ -230,7 +230,8 @@ impl ErrorModel {
         let largest = largest.fold(0.0, f64::max);
         let is_believed = noise_um.is_some_and(|noise| noise < largest);
         (largest > 0.0 && largest < UNLIKELY_SMALL_UM && !is_believed).then(|| {
-            format!("no error exceeds {largest:.3} µm, and a machine tool below {UNLIKELY_SMALL_UM} µm throughout is unlikely: check the unit of the columns (mm under `_um`?), or state `noise_um`")
+            let largest = two_digits(largest);
+            format!("no error exceeds {largest} µm, and a machine tool below {UNLIKELY_SMALL_UM} µm throughout is unlikely: check the unit of the columns (mm under `_um`?), or state a `noise_um` below it")
         })
     }
 
@@ -264,6 +265,12 @@ impl ErrorModel {
         };
         Some(slope(first, second)? + slope(second, first)?)
     }
+}
+
+/// A number with its first two digits that are not zero, as in `0.018`.
+fn two_digits(number: f64) -> String {
+    let rounded = format!("{number:.1e}").parse::<f64>();
+    rounded.unwrap_or(number).to_string()
 }
 
 fn measured_range(series: &[Series]) -> Option<(Millimetres, Millimetres)> {

@@ -618,4 +618,16 @@ fn values_in_mm_under_a_column_in_um_are_doubted() {
     put("fine.toml", job.replace("date = \"2026-11-20\"\n", noise));
     let text = said(&nonius(directory.path(), "generate fine.toml -o fine"), 0);
     assert!(!text.contains("DOUBTFUL"), "{text}");
+    // A noise above them says nothing of their unit.
+    let coarse = job.replace("date = \"2026-11-20\"\n", &noise.replace("0.002", "0.5"));
+    put("coarse.toml", coarse);
+    let text = said(
+        &nonius(directory.path(), "generate coarse.toml -o coarse"),
+        1,
+    );
+    assert!(text.contains("or state a `noise_um` below it"), "{text}");
+    let tiny = "axis,position_mm,ex_um\nx,0,0\nx,900,0.00042\n";
+    put("errors.csv", tiny.to_string());
+    let text = said(&nonius(directory.path(), "generate job.toml -o tiny"), 1);
+    assert!(text.contains("no error exceeds 0.00042 µm"), "{text}");
 }
