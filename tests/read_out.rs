@@ -253,6 +253,8 @@ fn what_stands_around_fanuc_points_is_judged() {
         "3605#1 of axis 1 is 1, the job is for 0",
     );
     visit.expect("N01240Q1A1P12.0A2P0.0", "fail", "1240 of axis 1 is 12 mm");
+    visit.expect("N01240Q1A1M0.0A2M0.0", "pass", agree);
+    visit.expect("N01240Q1A1I0.0A2P0.0", "refused", "has the letter `I`");
     let visit = Visit::of(true, "two-tables");
     visit.expect("N03605Q1A1P00000001", "pass", agree);
     visit.expect(

@@ -37,7 +37,8 @@ pub(super) fn read(
     let mut notes = Vec::new();
     for (name, text) in texts {
         let (kept, passed_over) = control_data::fanuc(text, facts);
-        memories.extend(problems.take(read_out(name, &kept, facts)));
+        let unit = job.compensation.control_unit;
+        memories.extend(problems.take(read_out(name, &kept, facts, unit)));
         if passed_over > 0 {
             notes.push(format!(
                 "`{name}`: {passed_over} other parameters were passed over"

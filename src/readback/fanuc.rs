@@ -14,7 +14,7 @@ mod record;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use crate::controller::{FanucFacts, NumberRange};
+use crate::controller::{FanucFacts, LengthUnit, NumberRange};
 use crate::problem::{Problem, Problems};
 use crate::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use block::{Block, Identifier, Segment};
@@ -22,8 +22,8 @@ use record::{Source, Span};
 
 /// What the data word of one point can hold (B-63330EN §3, B-63950EN §3.3: −128 to 127).
 const POINT_VALUES: std::ops::RangeInclusive<i32> = -128..=127;
-/// 3624 and 3625: lengths that depend on the unit of the machine.
-const LENGTH_PARAMETERS: [u32; 2] = [3624, 3625];
+/// 1240, 3624 and 3625: lengths that depend on the unit of the machine.
+const LENGTH_PARAMETERS: [u32; 3] = [1240, 3624, 3625];
 
 /// Reads one file of `N…P…` blocks: parameters, pitch points, or both.
 ///
@@ -32,7 +32,7 @@ const LENGTH_PARAMETERS: [u32; 2] = [3624, 3625];
 /// source grammar of B-63950EN/02 §3.3 (`Q0` point, `Q1` parameter) and B-63330EN/03 §3 (number
 ///        from [`FanucFacts::point_offset`] on: point); a later block overwrites an earlier one,
 ///        but two different values of one point are a problem
-/// limits path 1 only, no spindles, no G10 programs; `M` and `I` before an interval are refused,
+/// limits path 1 only, no spindles, no G10 programs; `M` and `I` before a length are refused,
 ///        because the memory does not keep the unit of a value
 ///
 /// All problems of the file come back together, each with its place.
@@ -41,9 +41,15 @@ pub fn read(file_name: &str, text: &str, facts: &FanucFacts) -> Result<FanucMemo
 }
 
 /// Reads a file that a control wrote of itself; as [`read`], but a parameter in the number space
-/// of the points, such as 10800, is what it says it is.
-pub fn read_out(file_name: &str, text: &str, facts: &FanucFacts) -> Result<FanucMemory, Problems> {
-    read_from(Writer::Control, file_name, text, facts)
+/// of the points, such as 10800, is what it says it is, and `M` or `I` before a length are taken
+/// where they are the control's `unit` (B-63950EN/02 §3.3.2).
+pub fn read_out(
+    file_name: &str,
+    text: &str,
+    facts: &FanucFacts,
+    unit: LengthUnit,
+) -> Result<FanucMemory, Problems> {
+    read_from(Writer::Control(unit), file_name, text, facts)
 }
 
 /// Who wrote a file.
@@ -51,8 +57,20 @@ pub fn read_out(file_name: &str, text: &str, facts: &FanucFacts) -> Result<Fanuc
 enum Writer {
     /// A program or a person: `Q1` before the number of a point is a mistake.
     Kit,
-    /// The control.
-    Control,
+    /// The control, which counts in this unit.
+    Control(LengthUnit),
+}
+
+impl Writer {
+    /// Whether a length behind this letter is in the unit of the control.
+    fn may_write(self, letter: char) -> bool {
+        let of_unit = match self {
+            Writer::Kit => None,
+            Writer::Control(LengthUnit::Millimetre) => Some('M'),
+            Writer::Control(LengthUnit::Inch) => Some('I'),
+        };
+        letter == 'P' || Some(letter) == of_unit
+    }
 }
 
 fn read_from(
@@ -200,7 +218,7 @@ impl Reader<'_> {
 
     /// A `Q1` number in the space of the points that no known parameter has.
     fn means_a_point(&self, number: u32) -> bool {
-        if self.writer == Writer::Control {
+        if self.writer != Writer::Kit {
             return false;
         }
         let facts = self.facts;
@@ -304,7 +322,7 @@ impl Reader<'_> {
     fn parameter_value(&self, number: u32, segment: &Segment) -> Result<ParameterValue, Problem> {
         let text = self.source.slice(&segment.value);
         let at = |message: String| self.source.problem(&segment.value, message);
-        if segment.letter != 'P' && LENGTH_PARAMETERS.contains(&number) {
+        if LENGTH_PARAMETERS.contains(&number) && !self.writer.may_write(segment.letter) {
             let letter = segment.letter;
             return Err(at(format!(
                 "parameter {number} has the letter `{letter}`, expected `P`"
