@@ -6,6 +6,8 @@
     reason = "a test may stop at what it did not expect"
 )]
 
+#[path = "support/skipped.rs"]
+mod skipped;
 mod support;
 
 use nonius::axis::{Axis, Direction, ErrorTerm};
@@ -99,14 +101,9 @@ fn stages() -> Option<Vec<(Axis, Stage)>> {
     let read = |axis: Axis| Some((axis, Stage::read(axis.key())?));
     let stages: Option<Vec<_>> = Axis::ALL.into_iter().map(read).collect();
     if stages.is_none() {
-        skipped();
+        skipped::skipped();
     }
     stages
-}
-
-#[allow(clippy::print_stderr, reason = "a test that was not run has to say so")]
-fn skipped() {
-    eprintln!("skipped: ../shared is not here");
 }
 
 fn errors_csv(stages: &[(Axis, Stage)]) -> String {

@@ -6,6 +6,9 @@
     reason = "a test may stop at what it did not expect"
 )]
 
+#[path = "support/skipped.rs"]
+mod skipped;
+
 use nonius::axis::Direction;
 use nonius::delimited::LengthUnit;
 use nonius::document::Source;
@@ -25,14 +28,9 @@ fn reference(path: &str) -> Option<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
     let text = std::fs::read_to_string(folder.join(path)).ok();
     if text.is_none() {
-        skipped();
+        skipped::skipped();
     }
     text
-}
-
-#[allow(clippy::print_stderr, reason = "a test that was not run has to say so")]
-fn skipped() {
-    eprintln!("skipped: ../shared is not here");
 }
 
 /// Half a unit of the last digit of a printed number, and what rounding of the inputs adds.
