@@ -52,12 +52,22 @@ Exit status: 0 done and within limits · 1 the answer is no · 2 could not do it
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Make the compensation files of a job, with a forecast of what they leave
+    #[command(
+        after_help = "Exit status: 0 made, and the forecast keeps the acceptance · 1 made, but it does not or is undecided · 2 nothing written"
+    )]
     Generate(Later<generate::Options>),
     /// Read the files of a directory back and judge them against a job
+    #[command(after_help = "Exit status: 0 pass · 1 fail or undecided · 2 could not judge")]
     Verify(Later<verify::Options>),
     /// Print the chain of tables that a kit stands in, back to the first one
+    #[command(
+        after_help = "Exit status: 0 all is as it was made · 1 the chain breaks or a file was changed · 2 could not read"
+    )]
     History(Later<history::Options>),
     /// Separate the readings of four body diagonals into the nine errors
+    #[command(
+        after_help = "Exit status: 0 separated · 1 separated, but something speaks against the result · 2 nothing written"
+    )]
     Separate(Later<separate::Options>),
     /// What the errors do in the volume: volumetric accuracy and the other definitions
     Assess(Later<assess::Options>),
