@@ -6,7 +6,8 @@ use crate::controller::{Dialect, Profile};
 use crate::job::Job;
 use crate::problem::Problems;
 
-/// How the control names the physical axes: as the job states, else the profile's default.
+/// How the control names the physical axes: as the job states, else the profile's default. An axis
+/// that the machine of the job does not have has no name: what the control calls so is another's.
 pub fn axis_names(job: &Job, profile: &Profile) -> Result<PerAxis<Vec<String>>, Problems> {
     let defaults = &profile.axis_names.value;
     let mut problems = Problems::none();
@@ -15,7 +16,9 @@ pub fn axis_names(job: &Job, profile: &Profile) -> Result<PerAxis<Vec<String>>, 
             .as_ref()
             .map(|s| s.ids.clone())
             .unwrap_or_default();
-        if stated.is_empty() {
+        if job.machine.axes[axis].is_none() {
+            Vec::new()
+        } else if stated.is_empty() {
             let index = Axis::ALL.iter().position(|a| *a == axis).unwrap_or(0);
             vec![defaults[index].clone()]
         } else {
@@ -51,17 +54,17 @@ pub fn axis_names(job: &Job, profile: &Profile) -> Result<PerAxis<Vec<String>>, 
 }
 
 /// The pairs (base, output) of physical axes that a term concerns: each axis of a gantry is
-/// corrected, the first one is looked up.
+/// corrected, the first one is looked up. None where the machine lacks one of the two axes.
 pub fn axis_pairs(names: &PerAxis<Vec<String>>, term: ErrorTerm) -> Vec<(&str, &str)> {
     names[term.of]
         .iter()
-        .map(|output| {
+        .filter_map(|output| {
             let base = if term.is_positioning() {
                 output
             } else {
-                &names[term.along][0]
+                names[term.along].first()?
             };
-            (base.as_str(), output.as_str())
+            Some((base.as_str(), output.as_str()))
         })
         .collect()
 }
@@ -93,6 +96,6 @@ pub(super) fn default_names(task: Task<'_>, names: &PerAxis<Vec<String>>) -> Vec
     names
         .iter()
         .map(|(axis, _)| axis)
-        .filter(|axis| is_default(*axis))
+        .filter(|axis| !names[*axis].is_empty() && is_default(*axis))
         .collect()
 }
