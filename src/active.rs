@@ -59,8 +59,12 @@ pub struct ActiveControl {
     pub path: String,
     /// Where the files come from.
     pub origin: Origin,
-    /// Backlash parameter of each axis, µm, where a file or the job states it.
+    /// Backlash parameter that acted while measuring, µm, where a file or the job states it; not
+    /// known of files that are judged as they are now.
     pub backlash_um: PerAxis<Option<f64>>,
+    /// What the files of a read-out hold of it, axis by axis as the control names them (of a gantry
+    /// each), µm.
+    pub held_backlash: Vec<(String, Option<f64>)>,
     /// What of the read-out belongs to others and must not be overwritten.
     pub others: Others,
     /// What the files do not say and is taken for granted.

@@ -174,6 +174,7 @@ fn what_stands_around_siemens_tables_is_judged() {
     visit.expect("$MN_SCALING_SYSTEM_IS_METRIC=0", "fail", "counts in inch");
     visit.expect("$MN_SCALING_SYSTEM_IS_METRIC=2", "refused", "write 0 or 1");
     visit.expect("$MA_CEC_MAX_SUM[AX2]=0.1", "pass", agree);
+    visit.expect("$MA_CEC_MAX_SUM[AX2]=0.004", "pass", agree); // as much as the tables hold
     visit.expect("$MA_CEC_MAX_SUM[AX1]=0.001", "pass", agree); // no CEC table corrects AX1
     visit.expect("$MA_CEC_MAX_SUM[AX2]=0.001", "fail", "may add up to 0.0040");
     let inch = "$MA_CEC_SCALING_SYSTEM_METRIC[AX2]=0\n";
@@ -189,11 +190,7 @@ fn what_stands_around_siemens_tables_is_judged() {
 
 #[test]
 fn a_table_that_follows_a_foreign_axis_decides_nothing() {
-    let foreign = |input: &str, output: &str| {
-        format!(
-            "$AN_CEC[9,0]=0.1\n$AN_CEC[9,1]=0.2\n$AN_CEC_INPUT_AXIS[9]=({input})\n$AN_CEC_OUTPUT_AXIS[9]=({output})\n$AN_CEC_STEP[9]=10\n$AN_CEC_MIN[9]=0\n$AN_CEC_MAX[9]=10\n$AN_CEC_DIRECTION[9]=0"
-        )
-    };
+    let foreign = |input: &str, output: &str| cec(input, output, "");
     let visit = Visit::of(false, "mean");
     let says = "DOUBTFUL: $AN_CEC[9] (AX7 → AX2) follows axis AX7";
     visit.expect(&foreign("AX7", "AX2"), "undecided", says);
@@ -282,14 +279,15 @@ fn what_stands_around_fanuc_points_is_judged() {
 fn functions_that_are_not_used_do_nothing() {
     let visit = Visit::of(true, "mean");
     let mut idle =
-        "N01006Q1A1P00000000A2P00000000\nN03602Q1P00000000\nN08135Q1P00000000\n".to_string();
+        "N01006Q1A1P00000000A2P00000000A3P00000000\nN03602Q1P00000000\nN08135Q1P00000000\n"
+            .to_string();
     let ranges = [
-        (3666, 3671, "A1P0A2P0"),
-        (3676, 3677, "A1P0A2P0"),
+        (3666, 3671, "A1P0A2P0A3P0"),
+        (3676, 3677, "A1P0A2P0A3P0"),
         (5861, 5864, "P0"),
         (5871, 5874, "P0"),
         (10800, 10814, "P0"),
-        (14985, 14988, "A1P0A2P0"),
+        (14985, 14988, "A1P0A2P0A3P0"),
     ];
     for (first, last, zeros) in ranges {
         for number in first..=last {
@@ -306,22 +304,176 @@ fn functions_that_are_not_used_do_nothing() {
 }
 
 #[test]
-fn one_axis_of_a_gantry_does_not_speak_silently_for_both() {
+fn each_axis_of_a_gantry_is_judged_by_its_own_parameter() {
     let gantry = SIEMENS.replace("id = \"AX1\"", "ids = [\"AX1\", \"AX4\"]");
     let visit = Visit::new("siemens-840d-sl", "curve-and-parameter", &gantry);
     let one = "$MA_BACKLASH[0,AX1]=0.004\n";
     visit.expect(
         one,
         "pass",
-        "of axis AX4: taken as that of the other axis of the gantry",
+        "MD32450) of axis AX4: taken as the job asks, 4 µm",
     );
     let both = |um: &str| format!("{one}$MA_BACKLASH[0,AX4]={um}");
     visit.expect(&both("0.004"), "pass", "job and tables agree");
+    let wrong = "axis AX4: the control holds 0 µm, the job asks for 4 µm";
+    visit.expect(&both("0"), "fail", wrong);
+    // Two screws may have two lost motions, and nothing changes them.
+    let visit = Visit::new("siemens-840d-sl", "mean", &gantry);
     visit.expect(
-        &both("0"),
-        "fail",
-        "AX1, AX4 have different backlash parameters",
+        &both("0.005"),
+        "pass",
+        "of axis AX4 is 5 µm; the job does not set it",
     );
+}
+
+/// What the profile calls Z is an axis of others where the machine of the job has none.
+#[test]
+fn an_axis_of_a_usual_name_that_the_job_does_not_have_belongs_to_others() {
+    let visit = Visit::of(true, "mean");
+    let z = "N01006Q1A1P00000000A2P00000000A3P00000000\nN03620Q1A3P500\nN03621Q1A3P500\nN03622Q1A3P510\nN03623Q1A3P1\nN03624Q1A3P10.0";
+    visit.expect(
+        z,
+        "pass",
+        "axis 3 (points 500 to 510) belongs to an axis that the job does not have",
+    );
+    let set = "N05712Q1P3\nN05722Q1P2";
+    visit.expect(set, "undecided", "follows axis 3");
+    let visit = Visit::of(false, "mean");
+    let lec = "$AA_ENC_COMP[0,0,AX3]=0\n$AA_ENC_COMP[0,1,AX3]=0.01\n$AA_ENC_COMP_STEP[0,AX3]=100\n$AA_ENC_COMP_MIN[0,AX3]=0\n$AA_ENC_COMP_MAX[0,AX3]=100";
+    visit.expect(
+        lec,
+        "pass",
+        "$AA_ENC_COMP[0,AX3] belongs to an axis that the job does not have",
+    );
+    visit.expect(&cec("AX3", "AX2", ""), "undecided", "follows axis AX3");
+    visit.expect(&cec("AX2", "AX3", ""), "pass", "passed over");
+}
+
+/// CEC table 9, and `more` of it.
+fn cec(input: &str, output: &str, more: &str) -> String {
+    format!(
+        "$AN_CEC[9,0]=0.1\n$AN_CEC[9,1]=0.2\n$AN_CEC_INPUT_AXIS[9]=({input})\n$AN_CEC_OUTPUT_AXIS[9]=({output})\n$AN_CEC_STEP[9]=10\n$AN_CEC_MIN[9]=0\n$AN_CEC_MAX[9]=10\n$AN_CEC_DIRECTION[9]=0\n{more}"
+    )
+}
+
+#[test]
+fn tables_of_others_that_reach_into_the_own_ones_are_told() {
+    let visit = Visit::of(false, "mean");
+    let factor = cec("AX2", "AX7", "$AN_CEC_MULT_BY_TABLE[9]=1");
+    visit.expect(&factor, "undecided", "multiplies by $AN_CEC[0] of the job");
+    let zeros = cec("AX7", "AX2", "")
+        .replace("=0.1", "=0")
+        .replace("=0.2", "=0");
+    visit.expect(&zeros, "pass", "passed over");
+    let weight = |table: u32| format!("$SN_CEC_TABLE_WEIGHT[{table}]=0.5");
+    visit.expect(
+        &weight(0),
+        "fail",
+        "SD41310 $SN_CEC_TABLE_WEIGHT[0] is 0.5, expected 1",
+    );
+    visit.expect(&weight(6), "pass", "job and tables agree");
+    let visit = Visit::of(true, "mean");
+    let shared = "N03620Q1A4P1\nN03621Q1A4P0\nN03622Q1A4P2\nN03623Q1A4P1\nN03624Q1A4P50.0";
+    visit.expect(
+        shared,
+        "fail",
+        "points 0 to 2 of an axis that the job does not have overlap",
+    );
+    let huge = "N05712Q1P4\nN05722Q1P4\nN13392Q1P4294967295\nN03621Q1A4P0\nN03622Q1A4P10";
+    visit.expect(huge, "pass", "belongs to axes that the job does not have");
+    let idle = "N05712Q1P4\nN05722Q1P2\nN13382Q1P0";
+    visit.expect(idle, "pass", "belongs to axes that the job does not have");
+}
+
+/// An archive holds part programs beside the active data; they do nothing before they are run.
+#[test]
+fn part_programs_in_an_archive_are_no_state() {
+    let visit = Visit::of(false, "mean");
+    let program = format!("%_N_NEW_EEC_MPF\n;$PATH=/_N_MPF_DIR\n{}", visit.archive(""));
+    let active = program
+        .replace("NEW_EEC_MPF", "AX_EEC_INI")
+        .replace("_MPF_", "_NC_ACT_");
+    let old = active.replace("=0.016", "=0.055");
+    assert_ne!(old, active);
+    let judge = |text: &str| visit.judge_bytes(&[("all.arc", text)]);
+    for text in [format!("{old}{program}"), format!("{program}{old}")] {
+        let (verdict, page) = judge(&text);
+        assert_eq!(verdict, "fail", "{page}");
+        assert!(
+            page.contains("part programs were passed over (NEW_EEC_MPF)"),
+            "{page}"
+        );
+    }
+    let off = "%_N_COMPLETE_TEA_INI\n$MA_ENC_COMP_ENABLE[0,AX1]=0\nM17\n";
+    let on = "%_N_ON_MPF\n$MA_ENC_COMP_ENABLE[0,AX1]=1\nM30\n";
+    assert_eq!(judge(&format!("{off}{active}{on}")).0, "fail");
+    assert_eq!(judge(&active).0, "pass");
+    let (verdict, page) = judge(&program);
+    assert_eq!(verdict, "pass", "{page}");
+    assert!(page.contains("acts only once it was run"), "{page}");
+    // Cut before the switch: what goes on behind the end word is not complete.
+    let cut = format!("{active}%_N_COMPLETE_TEA_INI\nN32000 $MA_MAX_AX_VELO[AX1]=10000\n");
+    assert_eq!(judge(&cut).0, "refused");
+}
+
+#[test]
+fn two_values_in_one_file_are_a_cause() {
+    let visit = Visit::of(false, "mean");
+    for (variable, one, other) in [
+        ("$MA_ENC_COMP_ENABLE[0,AX1]", "0", "1"),
+        ("$MN_SCALING_SYSTEM_IS_METRIC", "0", "1"),
+        ("$MA_BACKLASH[0,AX1]", "0.001", "0.002"),
+        ("$AA_ENC_COMP[0,1,AX1]", "9.0", "0.006"),
+    ] {
+        let says = format!("{variable} has several values in the files");
+        visit.expect(
+            &format!("{variable}={one}\n{variable}={other}"),
+            "fail",
+            &says,
+        );
+    }
+    let hidden = "IF R1==1 $MA_ENC_COMP_ENABLE[0,AX1]=0";
+    visit.expect(hidden, "refused", "does not belong here");
+}
+
+#[test]
+fn the_measuring_system_that_the_job_does_not_name_is_told() {
+    let other = "$AA_ENC_COMP[1,0,AX1]=0\n$AA_ENC_COMP[1,1,AX1]=0.066\n$AA_ENC_COMP_STEP[1,AX1]=100\n$AA_ENC_COMP_MIN[1,AX1]=0\n$AA_ENC_COMP_MAX[1,AX1]=100\n";
+    let visit = Visit::of(false, "mean");
+    visit.expect(
+        other,
+        "undecided",
+        "which of the two is active: state `measuring_system`",
+    );
+    let off = format!("{other}$MA_ENC_COMP_ENABLE[1,AX1]=0");
+    let visit = Visit::of(false, "two-tables"); // in CEC alone
+    visit.expect(
+        &off,
+        "pass",
+        "for the other measuring system and switched off: passed over",
+    );
+}
+
+#[test]
+fn the_reference_point_is_judged_within_half_a_digit() {
+    let visit = Visit::of(false, "mean");
+    let set =
+        |mm: &str| format!("N34100 $MA_REFP_SET_POS[0,AX1]={mm}\nN34100 $MA_REFP_SET_POS[1,AX1]=7");
+    visit.expect(&set("0"), "pass", "job and tables agree");
+    visit.expect(
+        &set("-25.0"),
+        "undecided",
+        "MD34100 $MA_REFP_SET_POS[0,AX1] is -25 mm",
+    );
+    let visit = Visit::of(true, "mean");
+    visit.expect("N01240Q1A1P12000A2P0", "fail", "1240 of axis 1 is 12 mm");
+    visit.expect("N01240Q1A1P0.0004A2P0", "pass", "job and tables agree");
+    let four_digits = FANUC;
+    let visit = Visit::new("fanuc-16i", "mean", four_digits);
+    visit.expect("N1240A1P12000A2P0", "fail", "1240 of axis 1 is 12 mm");
+    let visit = Visit::of(true, "curve-and-parameter");
+    let wrong = "the control holds 9 µm, the job asks for 4 µm";
+    visit.expect("N01851Q1A1P9.0", "fail", wrong);
 }
 
 #[test]

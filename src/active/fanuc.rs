@@ -1,11 +1,9 @@
 //! Pitch, straightness and backlash parameters of a Fanuc read-out.
 
-use super::read_out::{
-    Contrary, Found, NamedBacklash, ReadOutFor, Text, beside_words, one_backlash,
-};
+use super::read_out::{Contrary, Found, NamedBacklash, ReadOutFor, Text, beside_words};
 use super::{Held, Others, axis_of};
 use crate::axis::{Axis, PerAxis};
-use crate::controller::{FanucFacts, NumberRange, StraightnessForm};
+use crate::controller::{FanucFacts, LengthUnit, NumberRange, StraightnessForm};
 use crate::job::Job;
 use crate::problem::Problems;
 use crate::readback::control_data;
@@ -60,13 +58,14 @@ pub(super) fn read(
     };
     sorted.take_sets();
     sorted.take_other_axes();
-    let backlash_um = PerAxis::from_fn(|axis| sorted.backlash(axis));
+    sorted.tell_shared_points();
+    let backlash = PerAxis::from_fn(|axis| sorted.backlash(axis));
     sorted.check_references();
     sorted.take_what_is_no_table();
     Ok(Found {
         tables: Tables::Fanuc(sorted.memory),
         held,
-        backlash_um,
+        backlash,
         others: sorted.others,
         assumptions: Vec::new(),
         notes: sorted.notes,
@@ -111,7 +110,8 @@ impl Sorted<'_> {
         for index in 0..self.facts.straightness_sets.value {
             let moving = self.number(5711 + index, None).unwrap_or(0);
             let shifted = self.number(5721 + index, None).unwrap_or(0);
-            if moving != 0 && self.is_own(moving) && self.is_own(shifted) {
+            // A set without its corrected axis is not complete, which the emulation tells.
+            if moving != 0 && self.is_own(moving) && (shifted == 0 || self.is_own(shifted)) {
                 continue;
             }
             if moving != 0 {
@@ -137,7 +137,9 @@ impl Sorted<'_> {
     fn take_set_of_others(&mut self, set: u32, moving: u32, shifted: u32) {
         self.others.sets.push(set);
         let name = format!("straightness set {set} (axis {shifted} while axis {moving} moves)");
-        if self.purpose == ReadOutFor::Judging && self.is_own(shifted) {
+        let magnification = self.facts.straightness_magnification_parameter.value + set - 1;
+        let is_idle = self.number(magnification, None) == Some(0);
+        if self.purpose == ReadOutFor::Judging && self.is_own(shifted) && !is_idle {
             self.beside.push(beside_words(&name, &moving.to_string()));
         } else {
             let left = self.purpose.leaves();
@@ -155,7 +157,7 @@ impl Sorted<'_> {
         if let (StraightnessForm::PerPoint, Some(start), Some(first), Some(last)) =
             (self.facts.straightness_form.value, start, first, last)
         {
-            let last = start + last.saturating_sub(first);
+            let last = start.saturating_add(last.saturating_sub(first));
             self.others.points.push(NumberRange { first: start, last });
         }
     }
@@ -180,7 +182,7 @@ impl Sorted<'_> {
             ) {
                 self.others.points.push(NumberRange { first, last });
                 if let Some(start) = self.number(3626, Some(axis)).filter(|start| *start != 0) {
-                    let last = start + last.saturating_sub(first);
+                    let last = start.saturating_add(last.saturating_sub(first));
                     self.others.points.push(NumberRange { first: start, last });
                 }
                 let left = self.purpose.leaves();
@@ -192,60 +194,121 @@ impl Sorted<'_> {
         }
     }
 
-    /// 1851 of an axis, µm.
-    fn backlash(&mut self, axis: Axis) -> Option<f64> {
-        let unit_um = self.job.compensation.axes[axis]
-            .as_ref()?
-            .detection_unit_um?;
+    /// Points of an axis of the job that an axis of others takes too: it is corrected by errors that
+    /// are not its own. New tables at places of others are refused elsewhere.
+    fn tell_shared_points(&mut self) {
+        if self.purpose == ReadOutFor::OldTables {
+            return;
+        }
+        for (axis, own) in self.own_points() {
+            for other in self
+                .others
+                .points
+                .iter()
+                .filter(|other| other.overlaps(own))
+            {
+                self.contrary.push(Contrary::new(
+                    format!(
+                        "points {} to {} of axis {axis} and points {} to {} of an axis that the job does not have overlap: one of the two is corrected by errors of the other",
+                        own.first, own.last, other.first, other.last
+                    ),
+                    "move one of the two",
+                ));
+            }
+        }
+    }
+
+    /// The points of the job's axes in use, with the axis.
+    fn own_points(&self) -> Vec<(u32, NumberRange)> {
+        let mut own = Vec::new();
+        let names = Axis::ALL.into_iter().flat_map(|axis| &self.names[axis]);
+        for axis in names.filter_map(|name| name.parse().ok()) {
+            let number = |parameter| self.number(parameter, Some(axis));
+            let (Some(1..), Some(first), Some(last)) = (number(3623), number(3621), number(3622))
+            else {
+                continue;
+            };
+            own.push((axis, NumberRange { first, last }));
+            if let Some(first) = number(3626).filter(|first| *first != 0) {
+                let last = first.saturating_add(last.saturating_sub(own[own.len() - 1].1.first));
+                own.push((axis, NumberRange { first, last }));
+            }
+        }
+        own
+    }
+
+    /// 1851 of each axis of the control, µm.
+    fn backlash(&mut self, axis: Axis) -> NamedBacklash {
+        let settings = self.job.compensation.axes[axis].as_ref();
+        let Some(unit_um) = settings.and_then(|s| s.detection_unit_um) else {
+            return NamedBacklash::new();
+        };
         let mut held = NamedBacklash::new();
         for name in &self.names[axis] {
-            let own = name.parse().ok();
-            let of = |number| match self.memory.parameter(number, own) {
-                Some(ParameterValue::Integer(counts)) => Some(counts),
-                _ => None,
-            };
+            let of = |number| self.any_number(number, name);
             let (cutting, rapid) = (of(1851), of(1852));
             if let (ReadOutFor::OldTables, Some(cutting), Some(rapid)) =
                 (self.purpose, cutting, rapid)
-                && cutting != rapid
+                && (cutting - rapid).abs() > 0.0
             {
                 self.notes.push(format!("axis {name}: 1851 is {cutting} and 1852 is {rapid}; 1851 (cutting feed) is taken"));
             }
-            #[allow(
-                clippy::cast_precision_loss,
-                reason = "a backlash has far fewer than 2^52 detection units"
-            )]
-            held.push((name.clone(), cutting.map(|counts| counts as f64 * unit_um)));
+            held.push((name.clone(), cutting.map(|counts| counts * unit_um)));
         }
-        let (notes, contrary) = (&mut self.notes, &mut self.contrary);
-        one_backlash(self.purpose, &held, "1851", notes, contrary)
+        held
     }
 
-    /// 1240 against the job; a whole number counts increments of a size that is not in the file.
+    /// A parameter of an axis, with or without a decimal point.
+    #[allow(clippy::cast_precision_loss, reason = "parameters are far below 2^52")]
+    fn any_number(&self, parameter: u32, axis: &str) -> Option<f64> {
+        match self.memory.parameter(parameter, axis.parse().ok())? {
+            ParameterValue::Integer(whole) => Some(whole as f64),
+            ParameterValue::Real(real) => Some(real),
+            ParameterValue::Bits(_) => None,
+        }
+    }
+
+    /// 1240 against the job.
     fn check_references(&mut self) {
-        const SAME_MM: f64 = 1e-4;
-        let in_mm = self.job.compensation.control_unit.in_mm();
-        for (axis, names) in self.names.iter() {
+        for axis in Axis::ALL {
             let Some(machine) = self.job.machine.axes[axis] else {
                 continue;
             };
-            for name in names {
-                let value = self.memory.parameter(1240, name.parse().ok());
-                let Some(ParameterValue::Real(position)) = value else {
-                    continue;
-                };
-                if (position * in_mm - machine.reference.mm()).abs() > SAME_MM {
-                    let message = format!(
-                        "1240 of axis {name} is {position} {}, the job has the reference at {} mm",
-                        self.job.compensation.control_unit.word(),
-                        machine.reference.mm()
-                    );
-                    self.contrary.push(Contrary::new(
-                        message,
-                        "correct `reference_mm`; tables of another reference cannot be added",
-                    ));
-                }
+            for name in self.names[axis].clone() {
+                self.check_reference(&name, machine.reference.mm());
             }
+        }
+    }
+
+    /// 1240 of an axis, within half a digit of the control. A whole number counts these digits, as
+    /// 3624 does on the same control.
+    fn check_reference(&mut self, name: &str, reference_mm: f64) {
+        let unit = self.job.compensation.control_unit;
+        let decimals = match unit {
+            LengthUnit::Millimetre => self.facts.interval_decimals_mm.value,
+            LengthUnit::Inch => self.facts.interval_decimals_inch.value,
+        };
+        let digit = 10_f64.powi(-i32::try_from(decimals).unwrap_or(0));
+        let number = name.parse().ok();
+        let (Some(held), Some(value)) = (
+            self.memory.parameter(1240, number),
+            self.any_number(1240, name),
+        ) else {
+            return;
+        };
+        let position = match held {
+            ParameterValue::Integer(_) => value * digit,
+            _ => value,
+        };
+        let half_a_digit_mm = 0.5 * digit * unit.in_mm();
+        if (position * unit.in_mm() - reference_mm).abs() > half_a_digit_mm * 1.001 {
+            self.contrary.push(Contrary::new(
+                format!(
+                    "1240 of axis {name} is {position} {}, the job has the reference at {reference_mm} mm",
+                    unit.word()
+                ),
+                "correct `reference_mm`; tables of another reference cannot be added",
+            ));
         }
     }
 

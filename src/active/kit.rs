@@ -73,6 +73,7 @@ pub fn from_kit(
             "the new tables would hold corrections that were not active: read the tables out of the control and name them instead",
         )],
         notes,
+        held_backlash: Vec::new(),
         disagreements: Vec::new(),
         beside: Vec::new(),
     })

@@ -1,7 +1,7 @@
 //! Files that were read out of the control: what concerns the job's axes, through the readers.
 
 use super::{ActiveControl, Held, Origin, Others, axis_of, backlash_of, problem, stated};
-use crate::axis::PerAxis;
+use crate::axis::{Axis, PerAxis};
 use crate::claims::Assumption;
 use crate::controller::{Dialect, LengthUnit, Profile, Role};
 use crate::job::Job;
@@ -55,7 +55,7 @@ pub(super) struct Found {
     pub(super) tables: Tables,
     /// What the files hold.
     pub(super) held: Held,
-    pub(super) backlash_um: PerAxis<Option<f64>>,
+    pub(super) backlash: PerAxis<NamedBacklash>,
     pub(super) others: Others,
     pub(super) assumptions: Vec<Assumption>,
     pub(super) notes: Vec<String>,
@@ -67,14 +67,12 @@ pub(super) struct Found {
     pub(super) beside: Vec<String>,
 }
 
-/// The backlash parameter that an axis of the control holds, µm, by the control's name of the axis.
+/// The backlash parameters that axes of the control hold, µm, by the control's names.
 pub(super) type NamedBacklash = Vec<(String, Option<f64>)>;
 
-/// One backlash parameter for an axis of the machine: the axes of a gantry have to hold the same.
-/// `parameter` = what the control calls it. What only some of them hold counts for all of them
-/// where it is judged, and is not known of the old tables.
-pub(super) fn one_backlash(
-    purpose: ReadOutFor,
+/// One backlash parameter for an axis of the machine: the axes of a gantry have to hold the same,
+/// and what only some of them hold does not tell the others'.
+fn one_backlash(
     held: &NamedBacklash,
     parameter: &str,
     notes: &mut Vec<String>,
@@ -84,30 +82,20 @@ pub(super) fn one_backlash(
     let first = values.next()?;
     if values.any(|um| (um - first).abs() > 0.0) {
         let names: Vec<&str> = held.iter().map(|(name, _)| name.as_str()).collect();
-        contrary.push(Contrary::new(
-            format!(
-                "the axes {} have different backlash parameters",
-                names.join(", ")
-            ),
-            format!("bring {parameter} of a gantry's axes to one value first"),
-        ));
+        let words = format!(
+            "the axes {} have different backlash parameters",
+            names.join(", ")
+        );
+        let help = format!("bring the {parameter} of a gantry's axes to one value first");
+        contrary.push(Contrary::new(words, help));
     }
-    let without = held.iter().find(|(_, um)| um.is_none());
-    match (without, purpose) {
-        (None, _) => Some(first),
-        (Some((name, _)), ReadOutFor::Judging) => {
-            notes.push(format!(
-                "no file holds {parameter} of axis {name}: taken as that of the other axis of the gantry"
-            ));
-            Some(first)
-        }
-        (Some((name, _)), ReadOutFor::OldTables) => {
-            notes.push(format!(
-                "no file holds {parameter} of axis {name}, and that of the other axis of the gantry does not tell it"
-            ));
-            None
-        }
-    }
+    let Some((name, _)) = held.iter().find(|(_, um)| um.is_none()) else {
+        return Some(first);
+    };
+    notes.push(format!(
+        "no file holds the {parameter} of axis {name}, and that of the other axis of the gantry does not tell it"
+    ));
+    None
 }
 
 /// A file as text.
@@ -148,7 +136,16 @@ pub fn from_read_out(
         );
         Contrary::new(words, "correct `control_unit`")
     }));
+    let parameter = profile.dialect.backlash_parameter();
     let mut problems = Problems::none();
+    let backlash_um = match purpose {
+        ReadOutFor::Judging => PerAxis::default(),
+        ReadOutFor::OldTables => {
+            let one =
+                |axis| one_backlash(&found.backlash[axis], parameter, &mut notes, &mut contrary);
+            backlash_of(job, &PerAxis::from_fn(one), &mut problems)
+        }
+    };
     let mut disagreements = Vec::new();
     for Contrary { words, help } in contrary {
         match purpose {
@@ -156,10 +153,6 @@ pub fn from_read_out(
             ReadOutFor::Judging => disagreements.push(words),
         }
     }
-    let backlash_um = match purpose {
-        ReadOutFor::OldTables => backlash_of(job, &found.backlash_um, &mut problems),
-        ReadOutFor::Judging => found.backlash_um,
-    };
     let state = stated(job, profile, &backlash_um)?;
     problems.or_ok(ActiveControl {
         tables: found.tables,
@@ -167,6 +160,10 @@ pub fn from_read_out(
         path: path.to_string(),
         origin: Origin::ReadOut(found.held),
         backlash_um,
+        held_backlash: Axis::ALL
+            .into_iter()
+            .flat_map(|a| found.backlash[a].clone())
+            .collect(),
         others: found.others,
         assumptions: found.assumptions,
         notes,
@@ -245,7 +242,7 @@ fn generic_tables(
     Ok(Found {
         held,
         tables: Tables::Generic(table),
-        backlash_um: PerAxis::default(),
+        backlash: PerAxis::default(),
         others: Others::default(),
         assumptions: Vec::new(),
         notes,

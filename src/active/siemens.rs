@@ -1,16 +1,14 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
 use super::held::agreed;
-use super::read_out::{
-    Contrary, Found, NamedBacklash, ReadOutFor, Text, beside_words, one_backlash,
-};
+use super::read_out::{Contrary, Found, NamedBacklash, ReadOutFor, Text, beside_words};
 use super::{Held, Others, axis_of};
 use crate::axis::{Axis, PerAxis};
 use crate::claims::Assumption;
 use crate::controller::LengthUnit;
 use crate::job::Job;
 use crate::problem::Problems;
-use crate::readback::control_data;
+use crate::readback::control_data::{self, Programs};
 use crate::readback::siemens::{
     MachineDatum, MachineValue, SiemensContents, merge, read as strict,
 };
@@ -31,11 +29,14 @@ pub(super) fn read(
     let mut contents = Vec::new();
     let mut notes = Vec::new();
     let mut without_grid = Vec::new();
+    let mut twice = Vec::new();
     for (name, text) in texts {
         let cut = control_data::siemens(text);
         for part in [&cut.tables, &cut.data] {
             contents.extend(problems.take(strict(name, part)));
         }
+        notes.extend(programs(name, &cut.programs));
+        twice.extend(cut.twice);
         if cut.passed_over > 0 {
             notes.push(format!(
                 "`{name}`: {} other machine data were passed over",
@@ -70,17 +71,16 @@ pub(super) fn read(
         contrary: Vec::new(),
         beside: Vec::new(),
     };
-    contrary
-        .iter()
-        .for_each(|datum| sorted.several_values(datum));
+    twice.extend(contrary.iter().map(MachineDatum::variable));
+    twice.iter().for_each(|name| sorted.several_values(name));
     let lec = sorted.lec();
     let cec = sorted.cec();
-    let backlash_um = PerAxis::from_fn(|axis| sorted.backlash(axis));
+    let backlash = PerAxis::from_fn(|axis| sorted.backlash(axis));
     let metric = sorted.value("MN_SCALING_SYSTEM_IS_METRIC", &[]);
     Ok(Found {
         tables: Tables::Siemens(SiemensTables { lec, cec }),
         held,
-        backlash_um,
+        backlash,
         others: sorted.others,
         assumptions: sorted.assumptions,
         notes: sorted.notes,
@@ -90,6 +90,22 @@ pub(super) fn read(
         }),
         contrary: sorted.contrary,
         beside: sorted.beside,
+    })
+}
+
+/// What is told of the part programs of a file.
+fn programs(file: &str, programs: &Programs) -> Option<String> {
+    let names = programs.names.join(", ");
+    if names.is_empty() {
+        return None;
+    }
+    Some(match programs.are_read {
+        true => format!(
+            "`{file}` is a part program ({names}): what it writes acts only once it was run, and as long as nothing else was loaded"
+        ),
+        false => format!(
+            "`{file}`: part programs were passed over ({names}), they do nothing before they are run"
+        ),
     })
 }
 
@@ -106,9 +122,8 @@ struct Sorted<'a> {
 }
 
 impl Sorted<'_> {
-    /// A switch that stands differently in different files.
-    fn several_values(&mut self, datum: &MachineDatum) {
-        let name = format!("${}[{}]", datum.name, datum.indices.join(","));
+    /// A variable that the files hold with several values.
+    fn several_values(&mut self, name: &str) {
         match self.purpose {
             ReadOutFor::OldTables => self.notes.push(format!("{name} has several values in the files: the last of them, by the names of the files, counts as active, and the way back leaves it to a person")),
             ReadOutFor::Judging => self.contrary.push(Contrary::new(
@@ -164,7 +179,7 @@ impl Sorted<'_> {
                 continue;
             };
             if table.encoder != self.encoder(axis) {
-                self.other_system(&name, table);
+                self.other_system(&name, axis, table);
             } else if self.is_on(
                 "MA_ENC_COMP_ENABLE",
                 "MD32700",
@@ -182,22 +197,29 @@ impl Sorted<'_> {
     }
 
     /// A table of the measuring system that the job does not name.
-    fn other_system(&mut self, name: &str, table: &LecTable) {
+    fn other_system(&mut self, name: &str, axis: Axis, table: &LecTable) {
+        let switch = [table.encoder.to_string(), table.axis.clone()];
+        let switch = self.value("MA_ENC_COMP_ENABLE", &[&switch[0], &switch[1]]);
+        let is_off = switch.is_some_and(|value| value <= 0.0);
         let twin = |other: &&LecTable| other.axis == table.axis && other.encoder != table.encoder;
-        if self.all.tables.lec.iter().any(|other| twin(&other)) {
+        let has_twin = self.all.tables.lec.iter().any(|other| twin(&other));
+        let settings = self.job.compensation.axes[axis].as_ref();
+        let is_stated = settings.is_some_and(|s| s.measuring_system.is_some());
+        let system = table.encoder + 1;
+        if is_off || (has_twin && (is_stated || self.purpose == ReadOutFor::OldTables)) {
             let left = self.purpose.leaves();
-            self.notes
-                .push(format!("{name} is for the other measuring system: {left}"));
-            return;
+            let off = if is_off { " and switched off" } else { "" };
+            self.notes.push(format!(
+                "{name} is for the other measuring system{off}: {left}"
+            ));
+        } else if has_twin {
+            self.beside.push(format!("{name} is for measuring system {system}, and the files do not tell which of the two is active: state `measuring_system`"));
+        } else {
+            self.contrary.push(Contrary::new(
+                format!("{name} is for measuring system {system}, and there is none for the one of the job"),
+                "state `measuring_system` in [compensation.axes] as it is active on the control",
+            ));
         }
-        let message = format!(
-            "{name} is for measuring system {}, and there is none for the one of the job",
-            table.encoder + 1
-        );
-        self.contrary.push(Contrary::new(
-            message,
-            "state `measuring_system` in [compensation.axes] as it is active on the control",
-        ));
     }
 
     fn cec(&mut self) -> Vec<CecTable> {
@@ -206,6 +228,7 @@ impl Sorted<'_> {
             if self.is_of_others(table) {
                 self.others.cec_tables.push(table.number);
             } else if self.acts(table) {
+                self.weigh(table);
                 own.push(table.clone());
             } else {
                 self.others.cec_tables.push(table.number);
@@ -228,6 +251,17 @@ impl Sorted<'_> {
         ) && self.is_on("MA_CEC_ENABLE", "MD32710", &[&table.output_axis])
     }
 
+    /// A weight other than 1, which is not emulated.
+    fn weigh(&mut self, table: &CecTable) {
+        let weight = self.value("SN_CEC_TABLE_WEIGHT", &[&table.number.to_string()]);
+        if let Some(weight) = weight.filter(|weight| (weight - 1.0).abs() > 0.0) {
+            self.contrary.push(Contrary::new(
+                format!("SD41310 $SN_CEC_TABLE_WEIGHT[{}] is {weight}, expected 1: the table acts with this factor, which is not emulated", table.number),
+                "set it to 1, or measure with this table switched off",
+            ));
+        }
+    }
+
     /// Whether an axis of a table is none of the job; where it acts on one of the job all the
     /// same, that is said.
     fn is_of_others(&mut self, table: &CecTable) -> bool {
@@ -240,7 +274,16 @@ impl Sorted<'_> {
             "$AN_CEC[{}] ({} → {})",
             table.number, table.input_axis, table.output_axis
         );
-        if self.purpose == ReadOutFor::Judging && output && self.acts(table) {
+        let is_zero = table
+            .values
+            .iter()
+            .flatten()
+            .all(|value| value.abs() <= 0.0);
+        if let Some(factor) = self.own_factor(table)
+            && self.acts(table)
+        {
+            self.takes_as_factor(&name, factor);
+        } else if self.purpose == ReadOutFor::Judging && output && !is_zero && self.acts(table) {
             self.beside.push(beside_words(&name, &table.input_axis));
         } else {
             let left = self.purpose.leaves();
@@ -251,16 +294,36 @@ impl Sorted<'_> {
         true
     }
 
-    /// MD32450 of the active measuring system, µm; the axes of a gantry have to agree.
-    fn backlash(&mut self, axis: Axis) -> Option<f64> {
+    /// The table of the job that another table multiplies by.
+    fn own_factor(&self, table: &CecTable) -> Option<u32> {
+        let number = table.multiply_by.checked_sub(1)?;
+        let has = |axis: &str| axis_of(self.names, axis).is_some();
+        let mut all = self.all.tables.cec.iter();
+        let factor = all.find(|other| other.number == number)?;
+        (has(&factor.input_axis) && has(&factor.output_axis)).then_some(number)
+    }
+
+    /// Whether a factor still acts by itself is a fact that no manual at hand states.
+    fn takes_as_factor(&mut self, name: &str, factor: u32) {
+        let words = format!(
+            "{name}, of axes that the job does not have, multiplies by $AN_CEC[{factor}] of the job: whether that one still acts by itself is not known"
+        );
+        match self.purpose {
+            ReadOutFor::Judging => self.beside.push(words),
+            ReadOutFor::OldTables => self
+                .contrary
+                .push(Contrary::new(words, "measure with that table switched off")),
+        }
+    }
+
+    /// MD32450 of the active measuring system, µm.
+    fn backlash(&self, axis: Axis) -> NamedBacklash {
         let encoder = self.encoder(axis).to_string();
         let in_um = self.job.compensation.control_unit.in_mm() * UM_PER_MM;
         let of_name = |name: &String| {
             let held = self.value("MA_BACKLASH", &[&encoder, &name.to_uppercase()]);
             (name.clone(), held.map(|value| value * in_um))
         };
-        let held: NamedBacklash = self.names[axis].iter().map(of_name).collect();
-        let (notes, contrary) = (&mut self.notes, &mut self.contrary);
-        one_backlash(self.purpose, &held, "MD32450", notes, contrary)
+        self.names[axis].iter().map(of_name).collect()
     }
 }

@@ -34,6 +34,7 @@ pub fn without_tables(job: &Job, profile: &Profile) -> Result<Option<ActiveContr
         others: Others::default(),
         assumptions: Vec::new(),
         notes: Vec::new(),
+        held_backlash: Vec::new(),
         disagreements: Vec::new(),
         beside: Vec::new(),
     }))

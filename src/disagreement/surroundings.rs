@@ -32,9 +32,15 @@ pub fn surroundings(plan: &Plan, wanted: &Compiled, active: &ActiveControl) -> S
     match (&wanted.tables, &held.tables) {
         (Tables::Siemens(tables), _) => {
             for output in outputs(tables) {
-                found.disagreements.extend(max_sum(tables, &output, held));
+                found
+                    .disagreements
+                    .extend(max_sum(tables, wanted.state.unit, &output, held));
                 found.scaling(wanted.state.unit, &output, held);
             }
+            for axis in &wanted.state.axes {
+                found.reference(axis, wanted.state.unit, held);
+            }
+            found.absent(siemens_absent(tables, held));
         }
         (Tables::Fanuc(tables), Tables::Fanuc(memory)) => {
             for axis in &wanted.state.axes {
@@ -44,6 +50,7 @@ pub fn surroundings(plan: &Plan, wanted: &Compiled, active: &ActiveControl) -> S
                 }
                 found.rapid(plan, axis, memory);
             }
+            found.absent(fanuc_absent(&wanted.state.axes, tables, memory));
         }
         _ => {}
     }
@@ -65,12 +72,16 @@ fn number(held: &Held, name: &str, indices: &[String]) -> Option<f64> {
     }
 }
 
+/// The last digit of a value in a table, in the unit of the control; sums are not exact in binary.
+const LAST_DIGIT: f64 = 1e-6;
+
 /// MD32720 below what the tables of an axis may add up to. It is in the unit of the tables.
-fn max_sum(tables: &SiemensTables, output: &str, held: &Held) -> Option<String> {
+fn max_sum(tables: &SiemensTables, unit: LengthUnit, output: &str, held: &Held) -> Option<String> {
     let limit = number(held, "MA_CEC_MAX_SUM", &[output.to_string()])?;
     let sum = tables.largest_cec_sum(output);
-    (limit < sum).then(|| {
-        format!("MD32720 of {output} is {limit}, and the CEC corrections that the job asks for may add up to {sum:.4}: what is more is cut off (alarm 20124)")
+    (limit < sum - LAST_DIGIT / 2.0).then(|| {
+        let sum = (sum / LAST_DIGIT).round() * LAST_DIGIT;
+        format!("MD32720 of {output} is {limit} {unit}, and the CEC corrections that the job asks for may add up to {sum:.6} {unit}: what is more is cut off (alarm 20124)", unit = unit.word())
     })
 }
 
@@ -94,6 +105,33 @@ impl Surroundings {
             None => self.beside.push(format!(
                 "{words}; it counts where MD10260 = 1, which no file holds"
             )),
+        }
+    }
+
+    /// MD34100, the position at the reference mark of an incremental measuring system (from memory;
+    /// with an absolute one it says nothing).
+    fn reference(&mut self, axis: &AxisState, unit: LengthUnit, held: &Held) {
+        const SAME_MM: f64 = 1e-3;
+        let indices = ["0".to_string(), axis.name.clone()];
+        let Some(position) = number(held, "MA_REFP_SET_POS", &indices) else {
+            return;
+        };
+        if (position * unit.in_mm() - axis.reference.mm()).abs() > SAME_MM {
+            self.beside.push(format!(
+                "MD34100 $MA_REFP_SET_POS[0,{}] is {position} {}, the job has the reference point at {} mm: with an incremental measuring system the tables are not zero where the axis is referenced",
+                axis.name,
+                unit.word(),
+                axis.reference.mm()
+            ));
+        }
+    }
+
+    fn absent(&mut self, what: Vec<String>) {
+        if !what.is_empty() {
+            self.notes.push(format!(
+                "no file holds {}: taken as the job asks, see to the preconditions",
+                what.join(", ")
+            ));
         }
     }
 
@@ -134,20 +172,63 @@ impl Surroundings {
     fn rapid(&mut self, plan: &Plan, axis: &AxisState, held: &FanucMemory) {
         let number = axis.name.parse().ok();
         let of = |parameter| match held.parameter(parameter, number) {
-            Some(ParameterValue::Integer(counts)) => Some(counts),
+            Some(ParameterValue::Integer(counts)) => Some(counts.to_string()),
+            Some(ParameterValue::Real(counts)) => Some(counts.to_string()),
             _ => None,
         };
-        let is = |own: &Axis| plan.names[*own].contains(&axis.name) && plan.sets_backlash(*own);
-        let (cutting, rapid) = (of(1851), of(1852));
-        if rapid.is_none() || rapid == cutting || !Axis::ALL.iter().any(is) {
+        let sets = |own: &Axis| plan.names[*own].contains(&axis.name) && plan.sets_backlash(*own);
+        if !Axis::ALL.iter().any(sets) {
             return;
         }
-        let said = |counts: Option<i64>| counts.map_or("in no file".to_string(), |c| c.to_string());
-        self.beside.push(format!(
-            "1852 of axis {} is {}, 1851 is {}, and the job asks for the same in both: where the control takes 1852 in rapid traverse, the axis stands elsewhere than forecast after it",
-            axis.name,
-            said(rapid),
-            said(cutting)
-        ));
+        let name = &axis.name;
+        match (of(1851), of(1852)) {
+            (cutting, Some(rapid)) if cutting.as_ref() != Some(&rapid) => {
+                let cutting = cutting.unwrap_or("in no file".to_string());
+                self.beside.push(format!(
+                    "1852 of axis {name} is {rapid}, 1851 is {cutting}, and the job asks for the same in both: where the control takes 1852 in rapid traverse, the axis stands elsewhere than forecast after it"
+                ));
+            }
+            (Some(_), None) => self.notes.push(format!(
+                "no file holds 1852 of axis {name}: taken as its 1851"
+            )),
+            _ => {}
+        }
     }
+}
+
+/// Preconditions on machine data that no file holds.
+fn siemens_absent(tables: &SiemensTables, held: &Held) -> Vec<String> {
+    let mut absent = Vec::new();
+    if held.datum("MN_SCALING_SYSTEM_IS_METRIC", &[]).is_none() {
+        absent.push("MD10240".to_string());
+    }
+    for output in outputs(tables) {
+        for (name, number) in [
+            ("MA_CEC_MAX_SUM", "MD32720"),
+            ("MA_CEC_SCALING_SYSTEM_METRIC", "MD32711"),
+        ] {
+            if held.datum(name, std::slice::from_ref(&output)).is_none() {
+                absent.push(format!("{number} of {output}"));
+            }
+        }
+    }
+    absent
+}
+
+/// The same of Fanuc parameters, for the axes with a pitch table.
+fn fanuc_absent(axes: &[AxisState], wanted: &FanucMemory, held: &FanucMemory) -> Vec<String> {
+    let mut absent = Vec::new();
+    if held.parameters.keys().all(|key| key.number != 3602) {
+        absent.push("3602".to_string());
+    }
+    for axis in axes {
+        let number = axis.name.parse().ok();
+        let own = wanted.parameter(3623, number).is_some();
+        for parameter in [1006, 1240].into_iter().filter(|_| own) {
+            if held.parameter(parameter, number).is_none() {
+                absent.push(format!("{parameter} of axis {}", axis.name));
+            }
+        }
+    }
+    absent
 }

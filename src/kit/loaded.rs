@@ -96,9 +96,15 @@ impl Loaded {
 }
 
 fn notes(active: &ActiveControl) -> Vec<String> {
-    let assumed = active.assumptions.iter();
-    let assumed = assumed.map(|a| format!("no file holds {}: it is taken to be on", a.fact));
-    active.notes.iter().cloned().chain(assumed).collect()
+    let assumed: Vec<&str> = active.assumptions.iter().map(|a| a.fact.as_str()).collect();
+    let mut notes = active.notes.clone();
+    if !assumed.is_empty() {
+        notes.push(format!(
+            "no file holds {}: taken to be on",
+            assumed.join(", ")
+        ));
+    }
+    notes
 }
 
 /// A control with tables in it, and the plan that names its axes.

@@ -44,7 +44,7 @@ pub fn loaded_state(
             let name = &axis.name;
             // No kit, or one from before manifests held it.
             loaded.notes.extend(wanted.map(|um| {
-                format!("no manifest names the backlash parameter of axis {name}: taken as the job asks, {um} µm")
+                format!("no manifest names the backlash parameter of axis {name}: taken as the job asks, {}", micrometres(um))
             }));
             continue;
         };
@@ -68,30 +68,38 @@ pub(super) fn read_out_state(
         notes: Vec::new(),
     };
     let parameter = inputs.profile.dialect.backlash_parameter();
-    for (own, found) in control.backlash_um.iter() {
-        let names = &plan.names[own];
-        let axes = loaded.state.axes.iter_mut();
-        for axis in axes.filter(|axis| names.contains(&axis.name)) {
-            let wanted = named_backlash(inputs, plan, compiled, &axis.name);
-            let name = &axis.name;
-            let note = match (found, wanted) {
-                (None, None) => None,
-                (None, Some(um)) => Some(format!(
-                    "no file holds the {parameter} of axis {name}: taken as the job asks, {um} µm"
-                )),
-                (Some(um), None) => (um.abs() > 0.0).then(|| {
-                    format!("the {parameter} of axis {name} is {um} µm; the job does not set it, so it counts as unchanged since the measurement")
-                }),
-                (Some(um), Some(_)) => {
-                    let words = take(axis, "the control holds", Some(*um), wanted);
-                    loaded.disagreements.extend(words);
-                    None
-                }
-            };
-            loaded.notes.extend(note);
-        }
+    for axis in &mut loaded.state.axes {
+        let own = |(name, _): &&(String, Option<f64>)| *name == axis.name;
+        let found = control.held_backlash.iter().find(own);
+        let found = found.and_then(|(_, um)| *um);
+        let wanted = named_backlash(inputs, plan, compiled, &axis.name);
+        let name = &axis.name;
+        let note = match (found, wanted) {
+            (None, None) => None,
+            (None, Some(um)) => Some(format!(
+                "no file holds the {parameter} of axis {name}: taken as the job asks, {}",
+                micrometres(um)
+            )),
+            (Some(um), None) => (um.abs() > 0.0).then(|| {
+                format!(
+                    "the {parameter} of axis {name} is {}; the job does not set it, so it counts as unchanged since the measurement",
+                    micrometres(um)
+                )
+            }),
+            (Some(_), Some(_)) => {
+                let words = take(axis, "the control holds", found, wanted);
+                loaded.disagreements.extend(words);
+                None
+            }
+        };
+        loaded.notes.extend(note);
     }
     loaded
+}
+
+/// To a nanometre, without the digits that a conversion from millimetres adds.
+fn micrometres(um: f64) -> String {
+    format!("{} µm", (um * 1e3).round() / 1e3)
 }
 
 /// A parameter that the tables do not set counts from the one that acted while measuring.
@@ -104,7 +112,7 @@ fn take(
     if let Some(um) = named {
         axis.backlash_um += um - wanted.unwrap_or(0.0);
     }
-    let said = |um: Option<f64>| um.map_or_else(|| "none".to_string(), |um| format!("{um} µm"));
+    let said = |um: Option<f64>| um.map_or_else(|| "none".to_string(), micrometres);
     let same = match (named, wanted) {
         (Some(named), Some(wanted)) => (named - wanted).abs() <= SAME_UM,
         (named, wanted) => named.is_none() && wanted.is_none(),

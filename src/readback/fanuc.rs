@@ -127,10 +127,8 @@ pub fn merge(memories: Vec<FanucMemory>) -> Result<FanucMemory, Problems> {
 }
 
 fn two_files(what: &str) -> Problem {
-    Problem::new(format!(
-        "{what} has different contents in two files of the kit"
-    ))
-    .help("the control would keep whichever is loaded last; write it in one file only")
+    Problem::new(format!("{what} has different contents in two files"))
+        .help("the control would keep whichever is loaded last; write it in one file only")
 }
 
 fn parameter_name(key: ParameterKey) -> String {

@@ -45,6 +45,21 @@ pub struct MachineDatum {
     pub value: MachineValue,
 }
 
+impl MachineDatum {
+    /// As files write it: `$MA_BACKLASH[0,AX1]`.
+    pub fn variable(&self) -> String {
+        variable_text(&self.name, &self.indices)
+    }
+}
+
+/// A variable as files write it, with its indices where it has any.
+pub(super) fn variable_text(name: &str, indices: &[String]) -> String {
+    match indices.join(",") {
+        none if none.is_empty() => format!("${name}"),
+        indices => format!("${name}[{indices}]"),
+    }
+}
+
 /// Value of a machine or setting datum, in the control's own unit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MachineValue {
@@ -234,17 +249,14 @@ fn merge_datum(all: &mut Vec<MachineDatum>, datum: MachineDatum, problems: &mut 
         Some(known) if SWITCHES.contains(&datum.name.as_str()) => known.value = datum.value,
         Some(known) if known.value == datum.value => {}
         Some(_) => {
-            let name = format!("${}[{}]", datum.name, datum.indices.join(","));
-            problems.push(conflict(&name));
+            problems.push(conflict(&datum.variable()));
         }
     }
 }
 
 fn conflict(what: &str) -> Problem {
-    Problem::new(format!(
-        "two files of the kit write {what} with different values"
-    ))
-    .help("what the control holds would depend on the order of loading; remove one of the two")
+    Problem::new(format!("two files write {what} with different values"))
+        .help("what the control holds would depend on the order of loading; remove one of the two")
 }
 
 fn same_grid(a: SiemensGrid, b: SiemensGrid) -> bool {

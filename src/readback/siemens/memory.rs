@@ -129,8 +129,8 @@ impl Memory {
     }
 
     fn set_machine(&mut self, set: &Assignment<'_>) -> Result<(), Complaint> {
-        if set.name == "SN_CEC_TABLE_WEIGHT" {
-            variable::only_one(set)?;
+        if variable::is_number(&set.name) {
+            variable::number_of(set)?;
         }
         if variable::is_truth(&set.name) {
             variable::truth(set)?;

@@ -184,7 +184,7 @@ fn each_flaw_is_refused_at_its_place() {
             "alarm 17070",
         ),
         (
-            format!("$SN_CEC_TABLE_WEIGHT[0]=0.5\n{CEC}M17"),
+            format!("$SN_CEC_TABLE_WEIGHT[0]=TRUE\n{CEC}M17"),
             "1:25",
             "cannot have this value",
         ),

@@ -37,7 +37,7 @@ impl Shape {
 
 /// Every variable that a compensation file may write. `$MA_`, `$MN_`, `$SN_` are closed too: a
 /// mistyped name stops a control just as an unknown one does.
-const VARIABLES: [(&str, Shape); 29] = [
+const VARIABLES: [(&str, Shape); 30] = [
     ("AA_ENC_COMP", Shape::EncoderPointAxis),
     ("AA_ENC_COMP_STEP", Shape::EncoderAxis),
     ("AA_ENC_COMP_MIN", Shape::EncoderAxis),
@@ -62,6 +62,7 @@ const VARIABLES: [(&str, Shape); 29] = [
     ("MA_CEC_MAX_SUM", Shape::Axis),
     ("MA_CEC_MAX_VELO", Shape::Axis),
     ("MA_CEC_SCALING_SYSTEM_METRIC", Shape::Axis),
+    ("MA_REFP_SET_POS", Shape::EncoderAxis),
     ("MN_CONVERT_SCALING_SYSTEM", Shape::Alone),
     ("MN_MM_CEC_MAX_POINTS", Shape::Table),
     ("MN_SCALING_SYSTEM_IS_METRIC", Shape::Alone),
@@ -76,6 +77,15 @@ const TRUTHS: [&str; 3] = [
     "MN_SCALING_SYSTEM_IS_METRIC",
 ];
 
+/// Machine and setting data that are numbers, and neither TRUE nor an axis.
+const NUMBERS: [&str; 5] = [
+    "MA_BACKLASH",
+    "MA_CEC_MAX_SUM",
+    "MA_CEC_MAX_VELO",
+    "MA_REFP_SET_POS",
+    "SN_CEC_TABLE_WEIGHT",
+];
+
 /// Whether a variable has no index.
 pub(super) fn is_alone(name: &str) -> bool {
     let alone = |(known, shape): &(&str, Shape)| *known == name && matches!(shape, Shape::Alone);
@@ -85,6 +95,11 @@ pub(super) fn is_alone(name: &str) -> bool {
 /// Whether a machine datum can only be 0 or 1.
 pub(super) fn is_truth(name: &str) -> bool {
     TRUTHS.contains(&name)
+}
+
+/// Whether a machine or setting datum can only be a number.
+pub(super) fn is_number(name: &str) -> bool {
+    NUMBERS.contains(&name)
 }
 
 /// The indices, told apart.
@@ -222,17 +237,6 @@ pub(super) fn only_zero(set: &Assignment<'_>, why: &str) -> Result<(), Complaint
         let mut complaint = not_allowed(set, "0");
         complaint.help = format!("remove the line or write 0: {why}");
         return Err(complaint);
-    }
-    Ok(())
-}
-
-/// Refuses a table weight other than 1: the manuals at hand do not say how it acts.
-pub(super) fn only_one(set: &Assignment<'_>) -> Result<(), Complaint> {
-    if (number_of(set)? - 1.0).abs() > 0.0 {
-        return Err(not_allowed(
-            set,
-            "1.0; the effect of other weights is not documented",
-        ));
     }
     Ok(())
 }

@@ -124,10 +124,7 @@ fn foreign(file: &FileData, owned: &[Owned]) -> Option<String> {
         .data
         .iter()
         .filter(|datum| !owned.iter().any(|own| own.is(datum)))
-        .map(|datum| {
-            let indices = datum.indices.join(",");
-            format!("${}[{indices}] = {}", datum.name, text(&datum.value))
-        })
+        .map(|datum| format!("{} = {}", datum.variable(), text(&datum.value)))
         .collect();
     let (names, them) = (listed(&foreign), it(foreign.len()));
     (!foreign.is_empty()).then(|| {

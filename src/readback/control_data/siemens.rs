@@ -1,0 +1,339 @@
+//! What a Siemens archive or file of machine data says of the compensation.
+//!
+//! ```text
+//!   file ─→ sections (%_N_NAME_EXT) ─→ lines: of a table, of machine data, of no concern ─→ two texts
+//! ```
+//! An archive holds active data (`…_INI`) and part programs (`…_MPF`, `…_SPF`) one after the other. A
+//! program lies in the memory and does nothing until somebody runs it, so what it would write is no
+//! state of the control.
+
+use crate::readback::siemens::variable_text;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A Siemens read-out, cut into what the strict reader takes one after the other: a table may be
+/// written while its switch stands at 1 elsewhere in the same archive.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SiemensText {
+    /// `$AA_ENC_COMP` and `$AN_CEC` lines.
+    pub tables: String,
+    /// Machine and setting data of the compensation.
+    pub data: String,
+    /// Statements that were passed over.
+    pub passed_over: usize,
+    /// Tables that are reserved but hold no grid (STEP 0), such as `AN_CEC[3]`.
+    pub without_grid: Vec<String>,
+    /// Part programs: passed over beside active data, read where the file holds nothing else.
+    pub programs: Programs,
+    /// Variables of concern that the file holds with two values.
+    pub twice: Vec<String>,
+}
+
+/// The part programs of a file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Programs {
+    /// Their names, such as `NONIUS_EEC_MPF`.
+    pub names: Vec<String>,
+    /// Whether they were read, because the file holds nothing else.
+    pub are_read: bool,
+}
+
+/// The data that are read beside tables.
+const DATA: [&str; 11] = [
+    "MA_ENC_COMP_ENABLE",
+    "MA_CEC_ENABLE",
+    "MA_CEC_MAX_SUM",
+    "MA_CEC_SCALING_SYSTEM_METRIC",
+    "MA_BACKLASH",
+    "MA_REFP_SET_POS",
+    "MN_CONVERT_SCALING_SYSTEM",
+    "MN_MM_CEC_MAX_POINTS",
+    "MN_SCALING_SYSTEM_IS_METRIC",
+    "SN_CEC_TABLE_ENABLE",
+    "SN_CEC_TABLE_WEIGHT",
+];
+
+/// `NAME[indices]=value` of a line, upper case and without blanks.
+struct Line {
+    name: String,
+    indices: Vec<String>,
+    value: String,
+}
+
+/// The code of a line: upper case, without comment, block number, blanks and checksum.
+fn code(text: &str) -> String {
+    let text = without_checksum(text);
+    let code = text.split(';').next().unwrap_or_default();
+    let code: String = code
+        .chars()
+        .filter(|c| !c.is_whitespace() && *c != '&')
+        .collect();
+    let code = code.to_ascii_uppercase();
+    match code.strip_prefix('N') {
+        Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => rest
+            .trim_start_matches(|c: char| c.is_ascii_digit())
+            .to_string(),
+        _ => code,
+    }
+}
+
+fn line(code: &str) -> Option<Line> {
+    let (head, value) = code.strip_prefix('$')?.split_once('=')?;
+    let (name, indices) = head.split_once('[').unwrap_or((head, ""));
+    let indices = indices.trim_end_matches(']').split(',');
+    Some(Line {
+        name: name.to_string(),
+        indices: indices.map(str::to_string).collect(),
+        value: value.to_string(),
+    })
+}
+
+impl Line {
+    /// The table it belongs to.
+    fn table(&self) -> Option<String> {
+        let first = self.indices.first()?;
+        if self.name.starts_with("AN_CEC") {
+            return Some(format!("AN_CEC[{first}]"));
+        }
+        let last = self.indices.last()?;
+        self.name
+            .starts_with("AA_ENC_COMP")
+            .then(|| format!("AA_ENC_COMP[{first},{last}]"))
+    }
+
+    /// A step of 0: the control reserves memory for the table and nobody filled it.
+    fn is_without_grid(&self) -> bool {
+        self.name.ends_with("_STEP") && self.value.parse().is_ok_and(|step: f64| step.abs() <= 0.0)
+    }
+
+    /// Whether it is read beside tables. Of the reference point values the first alone: the others
+    /// are for further reference cams.
+    fn is_datum(&self) -> bool {
+        let is_other_cam = self.name == "MA_REFP_SET_POS" && self.indices[0] != "0";
+        DATA.contains(&self.name.as_str()) && !is_other_cam
+    }
+
+    fn variable(&self) -> String {
+        variable_text(&self.name, &self.indices)
+    }
+
+    /// Its value, so that equal ones are the same text.
+    fn plain_value(&self) -> String {
+        match (self.value.as_str(), self.value.parse::<f64>()) {
+            ("TRUE", _) => "1".to_string(),
+            ("FALSE", _) => "0".to_string(),
+            (_, Ok(number)) => number.to_string(),
+            (text, Err(_)) => text.to_string(),
+        }
+    }
+}
+
+/// Whether code that is no plain assignment writes data of the compensation all the same, as in
+/// `IF R1==1 $MA_CEC_ENABLE[AX1]=0`, or is a broken one.
+fn speaks_of_compensation(code: &str) -> bool {
+    let tables = ["AA_ENC_COMP", "AN_CEC"];
+    let mut names = DATA.iter().chain(&tables);
+    names.any(|name| code.contains(&format!("${name}")))
+}
+
+/// The header of a section, `%_N_NAME_EXT`: its name, and whether it is a part program.
+fn header(text: &str) -> Option<(String, bool)> {
+    let name = text.trim().to_ascii_uppercase();
+    let name = name.strip_prefix("%_N_")?;
+    let is_program = name.ends_with("_MPF") || name.ends_with("_SPF");
+    Some((name.to_string(), is_program))
+}
+
+/// Which lines belong to part programs that are to be passed over, and what is told of them.
+fn programs(lines: &[&str]) -> (Vec<bool>, Programs) {
+    let mut of_program = Vec::new();
+    let mut programs = Programs::default();
+    let mut inside = false;
+    for text in lines {
+        if let Some((name, is_program)) = header(text) {
+            inside = is_program;
+            programs.names.extend(is_program.then_some(name));
+        }
+        of_program.push(inside);
+    }
+    let has_data = |(text, inside): (&&str, &bool)| !inside && line(&code(text)).is_some();
+    if !programs.names.is_empty() && !lines.iter().zip(&of_program).any(has_data) {
+        programs.are_read = true;
+        of_program.fill(false);
+    }
+    (of_program, programs)
+}
+
+/// Cuts a Siemens read-out.
+///
+/// limits end words and headers between the parts of an archive are passed over, but the last end
+///        word stays, and what follows it: a file that goes on without one is not complete
+pub fn siemens(text: &str) -> SiemensText {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let lines: Vec<&str> = text.split('\n').collect();
+    let (of_program, programs) = programs(&lines);
+    let codes = lines.iter().zip(&of_program);
+    let codes: Vec<String> = codes
+        .map(|(text, inside)| if *inside { String::new() } else { code(text) })
+        .collect();
+    let end = codes.iter().rposition(|code| is_end(code));
+    let empty: BTreeSet<String> = codes
+        .iter()
+        .filter_map(|code| line(code))
+        .filter(Line::is_without_grid)
+        .filter_map(|line| line.table())
+        .collect();
+    let mut cut = Cut::default();
+    for (index, (text, code)) in lines.iter().zip(&codes).enumerate() {
+        let behind_end = end.is_some_and(|end| index > end);
+        match line(code) {
+            _ if Some(index) == end => cut.put(text, text),
+            Some(_) if behind_end => cut.put(text, ""),
+            Some(own) => cut.sort(text, &own, &empty),
+            None if speaks_of_compensation(code) => cut.put(text, ""),
+            None => cut.put("", ""),
+        }
+    }
+    SiemensText {
+        tables: cut.tables.join("\n"),
+        data: cut.data.join("\n"),
+        passed_over: cut.passed_over,
+        without_grid: empty.into_iter().collect(),
+        programs,
+        twice: cut.twice.into_iter().collect(),
+    }
+}
+
+/// The two texts as they grow.
+#[derive(Default)]
+struct Cut<'a> {
+    tables: Vec<Cow<'a, str>>,
+    data: Vec<Cow<'a, str>>,
+    passed_over: usize,
+    values: BTreeMap<String, String>,
+    twice: BTreeSet<String>,
+}
+
+impl<'a> Cut<'a> {
+    fn put(&mut self, table: &'a str, datum: &'a str) {
+        self.tables.push(without_checksum(table));
+        self.data.push(without_checksum(datum));
+    }
+
+    fn sort(&mut self, text: &'a str, own: &Line, empty: &BTreeSet<String>) {
+        match own.table() {
+            Some(key) if empty.contains(&key) => return self.put("", ""),
+            Some(_) => self.put(text, ""),
+            None if own.is_datum() => self.put("", text),
+            None => {
+                self.passed_over += 1;
+                return self.put("", "");
+            }
+        }
+        let (variable, value) = (own.variable(), own.plain_value());
+        match self.values.insert(variable.clone(), value.clone()) {
+            Some(old) if old != value => {
+                self.twice.insert(variable);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A line without the checksum that a control may write behind an assignment: blank, apostrophe,
+/// four hexadecimal digits (MD11230 `MD_FILE_STYLE`; 840D/810D Start-Up Guide 03/2006, 11.12.1).
+/// It is passed over, not checked: how it is computed is not published.
+fn without_checksum(line: &str) -> Cow<'_, str> {
+    let code = line.split(';').next().unwrap_or_default();
+    let Some((statement, sum)) = code.rsplit_once('\'') else {
+        return Cow::Borrowed(line);
+    };
+    let digits = sum.trim_end();
+    let is_sum = digits.len() == 4 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    if !is_sum || !statement.contains('=') || !statement.ends_with([' ', '\t']) {
+        return Cow::Borrowed(line);
+    }
+    let blanks = " ".repeat(code.len() - statement.len());
+    Cow::Owned(format!("{statement}{blanks}{}", &line[code.len()..]))
+}
+
+fn is_end(code: &str) -> bool {
+    matches!(code, "M17" | "M30" | "M2" | "M02")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_archive_keeps_its_lines_in_place() {
+        let text = "%_N_NC_TEA_INI\nCHANDATA(1)\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\n\
+                    N32450 $MA_BACKLASH[0,AX1]=0.005\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n\
+                    %_N_NC_CEC_INI\n$AN_CEC_STEP[3]=0\n$AN_CEC[3,0]=0\n$AN_CEC_STEP[1]=50\nM17\n";
+        let cut = siemens(text);
+        let place = |text: &str, word: &str| text.lines().position(|line| line.contains(word));
+        assert_eq!(place(&cut.data, "BACKLASH"), Some(3));
+        assert_eq!(place(&cut.tables, "AN_CEC_STEP[1]"), Some(9));
+        assert_eq!(
+            cut.tables.matches("M17").count(),
+            1,
+            "the last end word only"
+        );
+        assert_eq!(cut.passed_over, 1);
+        assert_eq!(cut.without_grid, ["AN_CEC[3]"]);
+        assert_eq!(place(&cut.data, "IS_METRIC"), Some(4));
+    }
+
+    #[test]
+    fn line_checksums_are_passed_over() {
+        let text = "N32450 $MA_BACKLASH[0,AX1]=0.005 '2F34\n$AN_CEC_STEP[3]=0 'ab01 ;later\n\
+                    $AN_CEC[1,0]=0.001 '00FF\r\n$AN_CEC[1,1]=0.002 '00F\nM17\n";
+        let cut = siemens(text);
+        let lines: Vec<&str> = cut.data.lines().collect();
+        assert_eq!(lines[0].trim_end(), "N32450 $MA_BACKLASH[0,AX1]=0.005");
+        assert_eq!(lines[0].len(), text.lines().next().unwrap_or("").len());
+        assert_eq!(cut.without_grid, ["AN_CEC[3]"]);
+        let lines: Vec<&str> = cut.tables.lines().collect();
+        assert_eq!(lines[2].trim_end(), "$AN_CEC[1,0]=0.001");
+        assert!(lines[3].ends_with("'00F"), "three digits are no checksum");
+    }
+
+    #[test]
+    fn a_program_in_an_archive_is_no_state() {
+        let data = "%_N_AX_EEC_INI\n$AA_ENC_COMP[0,1,AX1]=0.055\nM17\n";
+        let program = "%_N_NEW_MPF\n;$PATH=/_N_MPF_DIR\n$AA_ENC_COMP[0,1,AX1]=0.016\nM30\n";
+        for text in [format!("{data}{program}"), format!("{program}{data}")] {
+            let cut = siemens(&text);
+            assert!(cut.tables.contains("0.055") && !cut.tables.contains("0.016"));
+            assert_eq!(cut.programs.names, ["NEW_MPF"]);
+            assert!(!cut.programs.are_read && cut.twice.is_empty());
+        }
+        let alone = siemens(program);
+        assert!(alone.tables.contains("0.016") && alone.programs.are_read);
+    }
+
+    #[test]
+    fn two_values_of_one_variable_are_told() {
+        let text = "$MA_CEC_ENABLE[AX1]=0\n$MA_BACKLASH[0,AX1]=1\n$MA_CEC_ENABLE[AX1]=TRUE\n\
+                    $MA_BACKLASH[0,AX1]=1.000\n$MN_OTHER=1\n$MN_OTHER=2\nM17\n";
+        assert_eq!(siemens(text).twice, ["$MA_CEC_ENABLE[AX1]"]);
+    }
+
+    #[test]
+    fn what_is_no_plain_assignment_is_not_swallowed() {
+        let text = "IF R1==1 $MA_CEC_ENABLE[AX1]=0\n$MA_BACKLASH[0,AX1] 0.5\nG0 X1\nM17\n";
+        assert_eq!(
+            siemens(text)
+                .tables
+                .lines()
+                .filter(|l| !l.is_empty())
+                .count(),
+            3
+        );
+        let cut_off = siemens("$AN_CEC[0,0]=1\nM17\n$MN_OTHER=1\n");
+        assert!(
+            cut_off.tables.contains("$MN_OTHER"),
+            "it goes on behind the end"
+        );
+    }
+}
