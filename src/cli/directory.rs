@@ -88,7 +88,10 @@ impl Found {
     /// Whether a file has a name that a kit's file for the control has.
     fn is_called_as_a_kit(&self, profile: &Profile) -> bool {
         let own = |name: &str| {
-            let mut files = profile.files.iter().filter(|file| !file.role.is_for_people());
+            let mut files = profile
+                .files
+                .iter()
+                .filter(|file| !file.role.is_for_people());
             files.any(|file| file.path.eq_ignore_ascii_case(name))
         };
         self.files.iter().any(|(name, _, _)| own(name))

@@ -4,6 +4,7 @@ use super::{backlash_text, encoder, is_lec, largest_sum_um, reference_text};
 use crate::axis::{Axis, ErrorTerm};
 use crate::claims::{Assumption, Precondition};
 use crate::compensation::{backlash_why, two_tables_why};
+use crate::controller::LengthUnit;
 use crate::job::ActiveTables;
 use crate::plan::{Plan, PlannedTable, Task};
 use crate::table::siemens::SiemensTables;
@@ -60,7 +61,7 @@ pub(super) fn preconditions(
     list.push(Precondition::new(
         "reference points",
         reference_text(task),
-        "the tables are zero there, of two tables for the directions that of the reference return; a table that is not zero at the real reference point moves the axis when it is switched on",
+        "the tables are zero there, of two tables for the directions that of the reference return; a table that is not zero at the real reference point moves the axis when it is switched on (MD34100 holds the position where the measuring system is incremental, from memory)",
         format!("{K3} p. 238"),
     ));
     list
@@ -68,8 +69,8 @@ pub(super) fn preconditions(
 
 fn basic_system(task: Task<'_>) -> Precondition {
     let value = match task.job.compensation.control_unit {
-        crate::controller::LengthUnit::Millimetre => "1 (metric)",
-        crate::controller::LengthUnit::Inch => "0 (inch)",
+        LengthUnit::Millimetre => "1 (metric)",
+        LengthUnit::Inch => "0 (inch)",
     };
     Precondition::new(
         "MD10240 $MN_SCALING_SYSTEM_IS_METRIC",
@@ -81,8 +82,8 @@ fn basic_system(task: Task<'_>) -> Precondition {
 
 fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec<Precondition> {
     let metric = match task.job.compensation.control_unit {
-        crate::controller::LengthUnit::Millimetre => "1 (metric)",
-        crate::controller::LengthUnit::Inch => "0 (inch)",
+        LengthUnit::Millimetre => "1 (metric)",
+        LengthUnit::Inch => "0 (inch)",
     };
     let numbers: Vec<String> = tables.cec.iter().map(|t| t.number.to_string()).collect();
     let mut outputs: Vec<&str> = tables.cec.iter().map(|t| t.output_axis.as_str()).collect();
@@ -139,14 +140,28 @@ fn max_sum_precondition(task: Task<'_>, plan: &Plan) -> Precondition {
     let limits = task.job.limits;
     let bump_um = limits.max_bump_um.min(limits.max_correction_um);
     let sum_um = largest_sum_um(plan);
-    let mm = |um: f64| format!("{:.3} mm", um.ceil() / UM_PER_MM);
+    let unit = task.job.compensation.control_unit;
+    // Rounded up, so that the limit lets everything through.
+    let decimals = match unit {
+        LengthUnit::Millimetre => 3,
+        LengthUnit::Inch => 4,
+    };
+    let digits = 10_f64.powi(decimals);
+    let in_unit = |um: f64| {
+        let length = (um / (unit.in_mm() * UM_PER_MM) * digits - 1e-6).ceil() / digits;
+        format!(
+            "{length:.*} {}",
+            decimals.unsigned_abs() as usize,
+            unit.word()
+        )
+    };
     Precondition::new(
         "MD32720 $MA_CEC_MAX_SUM",
-        format!("at least {}", mm(sum_um.max(bump_um))),
+        format!("at least {}", in_unit(sum_um.max(bump_um))),
         format!(
             "the CEC corrections of this kit add up to {} at most, the bump of a sign proof to {}; more than the limit is cut off (alarm 20124)",
-            mm(sum_um),
-            mm(bump_um)
+            in_unit(sum_um),
+            in_unit(bump_um)
         ),
         "from memory, not read in a manual",
     )
