@@ -234,6 +234,7 @@ fn figures(runs: &StraightRuns) -> Forecast {
         name: diagonal.name(),
         before_um: *range,
         after_um: *range,
+        comparable_um: *range,
         u_um,
     };
     Forecast {

@@ -222,7 +222,7 @@ pub fn plain_number(text: &str) -> Option<f64> {
 
 fn wrong_length(row: &Line<'_>, found: usize, expected: usize) -> Problem {
     let help = if found > expected {
-        "remove what is too much; a decimal comma needs semicolons between the columns"
+        "a decimal comma needs semicolons between the columns, or write a decimal point; if it is none, remove what is too much"
     } else {
         "every row has as many cells as the header: a cell that may be empty keeps its separator"
     };
@@ -397,7 +397,17 @@ fn unknown_column<C>(
     }
     let help = nearest(name, names()).map_or_else(
         || expected.columns.to_string(),
-        |near| format!("did you mean `{near}`?"),
+        |near| {
+            // A quantity may stand in several units; which of them was meant nobody knows.
+            let quantity = near.rsplit_once('_').map_or(near, |(quantity, _)| quantity);
+            let in_units = with_unit(quantity);
+            let meant = if in_units.is_empty() {
+                format!("`{near}`")
+            } else {
+                in_units.join(" or ")
+            };
+            format!("did you mean {meant}?")
+        },
     );
     Problem::new(format!("unknown column `{}`", shown(name)))
         .at(header.cell_place(index))

@@ -144,8 +144,10 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
             // One comma leads to several complaints.
             if !commas.contains(&comma) {
                 commas.push(comma);
-                let problem = Problem::new("`,` in a number, expected a decimal point")
-                    .help("write `0.5`; numbers of a list stand in brackets, as `[0, 500]`");
+                let number = with_a_point(&source.text, comma);
+                let problem = Problem::new("`,` in a number, expected a decimal point").help(
+                    format!("write `{number}`; numbers of a list stand in brackets, as `[0, 500]`"),
+                );
                 problems.push(problem.at(source.place(&(comma..comma + 1))));
             }
             continue;
@@ -165,6 +167,16 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
         });
     }
     problems
+}
+
+/// The number around a decimal comma, with a point.
+fn with_a_point(text: &str, comma: usize) -> String {
+    let is_digit = |c: char| c.is_ascii_digit();
+    let whole = &text[..comma];
+    let whole = &whole[whole.trim_end_matches(is_digit).len()..];
+    let rest = &text[comma + 1..];
+    let rest = &rest[..rest.len() - rest.trim_start_matches(is_digit).len()];
+    format!("{whole}.{rest}")
 }
 
 /// Where a decimal comma stands that a complaint at `at` follows from: there, or in braces on its

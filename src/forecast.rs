@@ -14,7 +14,7 @@ mod diagonals;
 
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::curve::ErrorCurve;
-use crate::emulate::{CannotEmulate, Emulator};
+use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::grid::EDGE_MM;
 use crate::job::Acceptance;
 use crate::model::ErrorModel;
@@ -30,6 +30,9 @@ pub struct TermForecast {
     pub before_um: f64,
     /// Largest |deviation + emulated correction|, µm.
     pub after_um: f64,
+    /// The figure that compares with `before_um`: `after_um`, but with straight lines between the
+    /// points of a table where old tables were active, whose steps are not in `before_um` either.
+    pub comparable_um: f64,
     /// Largest standard uncertainty (k = 1), µm; `None` = not stated.
     pub u_um: Option<f64>,
     /// Whether a table was planned for it.
@@ -45,6 +48,8 @@ pub struct DiagonalForecast {
     pub before_um: f64,
     /// With the tables, µm.
     pub after_um: f64,
+    /// The figure that compares with `before_um`, as of a term.
+    pub comparable_um: f64,
     /// Standard uncertainty (k = 1) of the figure, µm; `None` if any of the nine is not stated.
     pub u_um: Option<f64>,
 }
@@ -77,15 +82,17 @@ impl Forecast {
     /// Figures that the tables make larger than they were measured, one sentence each.
     pub fn worsened(&self) -> Vec<String> {
         let sentence = |name: String, before_um: f64, after_um: f64| {
-            (after_um > before_um + SHOWN_UM).then(|| {
-                format!("{name} becomes larger with the tables: {before_um:.3} → {after_um:.3} µm")
-            })
+            format!("{name} becomes larger with the tables: {before_um:.3} → {after_um:.3} µm")
         };
+        let larger = |comparable_um: f64, before_um: f64| comparable_um > before_um + SHOWN_UM;
         let terms = self.terms.iter();
-        let terms = terms.filter_map(|t| sentence(t.term.to_string(), t.before_um, t.after_um));
+        let terms = terms
+            .filter(|t| larger(t.comparable_um, t.before_um))
+            .map(|t| sentence(t.term.to_string(), t.before_um, t.after_um));
         let diagonals = self.diagonals.iter();
         let diagonals = diagonals
-            .filter_map(|d| sentence(format!("diagonal {}", d.name), d.before_um, d.after_um));
+            .filter(|d| larger(d.comparable_um, d.before_um))
+            .map(|d| sentence(format!("diagonal {}", d.name), d.before_um, d.after_um));
         terms.chain(diagonals).collect()
     }
 
@@ -201,6 +208,11 @@ impl<'a> Machine<'a> {
         }
     }
 
+    /// Whether tables were active while measuring.
+    fn was_under_tables(self) -> bool {
+        !std::ptr::eq(self.as_measured, self.uncompensated)
+    }
+
     /// The curves of a term in a direction: as measured, and without tables.
     fn curves(
         self,
@@ -212,6 +224,24 @@ impl<'a> Machine<'a> {
     }
 }
 
+/// A control that plays straight lines where the real one plays steps.
+struct Straightened<'a>(&'a dyn Emulator);
+
+impl Emulator for Straightened<'_> {
+    fn connected_axes(&self) -> Vec<(String, String)> {
+        self.0.connected_axes()
+    }
+
+    fn response(
+        &self,
+        base: &str,
+        output: &str,
+        direction: Direction,
+    ) -> Result<Response, CannotEmulate> {
+        Ok(self.0.response(base, output, direction)?.straightened())
+    }
+}
+
 /// Computes the forecast from a machine and the emulated control.
 pub fn forecast(
     machine: Machine<'_>,
@@ -219,18 +249,32 @@ pub fn forecast(
     control: &dyn Emulator,
 ) -> Result<Forecast, CannotEmulate> {
     let model = machine.as_measured;
+    let lines = Straightened(control);
+    let comparable: Option<&dyn Emulator> = machine.was_under_tables().then_some(&lines);
     let mut terms = Vec::new();
     for (term, measured) in model.measured() {
+        let after_um = largest_residual(machine, plan, control, term)?;
         terms.push(TermForecast {
             term,
             before_um: measured.largest_um(),
-            after_um: largest_residual(machine, plan, control, term)?,
+            after_um,
+            comparable_um: match comparable {
+                Some(lines) => largest_residual(machine, plan, lines, term)?,
+                None => after_um,
+            },
             u_um: measured.u_um,
             compensated: plan.tables.iter().any(|t| t.term == term),
         });
     }
+    let mut diagonals = diagonals::forecast(machine, plan, control)?;
+    if let Some(lines) = comparable {
+        let compared = diagonals::forecast(machine, plan, lines)?;
+        for (own, compared) in diagonals.iter_mut().zip(compared) {
+            own.comparable_um = compared.after_um;
+        }
+    }
     Ok(Forecast {
-        diagonals: diagonals::forecast(machine, plan, control)?,
+        diagonals,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),
         not_determined: {

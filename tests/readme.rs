@@ -163,3 +163,18 @@ fn as_many_readings_can_be_off_unnoticed_as_the_readme_says() {
         assert!(readme.contains(words), "{words}");
     }
 }
+
+/// Of readings some uncertainties are known; only of the others it can be said that they are not.
+#[test]
+fn terms_without_an_uncertainty_are_named() {
+    let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/start/readings/job.toml");
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
+        .current_dir(folder.path())
+        .args(["generate", &job.display().to_string(), "-o", "kit"])
+        .output()
+        .expect("the program runs");
+    let page = String::from_utf8_lossy(&output.stdout);
+    let words = "U of EXX, EYY, EZZ is not stated and counted as 0";
+    assert!(page.contains(words), "{page}");
+}

@@ -603,9 +603,30 @@ fn the_verdict_stands_at_the_end_too_and_a_missing_manifest_is_told() {
     let output = nonius(directory.path(), &["verify", "job.toml", "--tables", "kit"]);
     let page = String::from_utf8_lossy(&output.stdout);
     assert!(page.contains("note: there is no manifest.json"), "{page}");
+    let why =
+        "judged as a kit that is to be loaded, because `compensation.csv` is called as in one";
+    assert!(page.contains(why), "{page}");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.starts_with("verdict: pass (asked: "), "{said}");
     assert!(page.contains(said.trim_end()), "the same words");
+}
+
+/// A transfer may change the line ends of a file and nothing else.
+#[test]
+fn a_file_with_other_bytes_and_the_same_values_is_told_as_such() {
+    let (directory, kit) = kit("siemens-840d-sl");
+    let path = kit.join(EEC);
+    let good = fs::read_to_string(&path).expect("the file is there");
+    let only_bytes = "read back, every value is as the job asks: only bytes differ";
+    fs::write(&path, good.replace('\n', "\r\n")).expect("the file can be written");
+    expect_verdict(directory.path(), "line ends", 1, only_bytes);
+    fs::write(&path, good.replace("=0.018", "=0.019")).expect("the file can be written");
+    let output = nonius(directory.path(), &["verify", "job.toml", "--tables", "kit"]);
+    let page = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        page.contains("another value") && !page.contains(only_bytes),
+        "{page}"
+    );
 }
 
 #[test]

@@ -37,6 +37,8 @@ pub(super) struct Found {
     pub(super) other_inputs: Option<String>,
     /// A listed file that is missing is among the remarks.
     pub(super) names_missing: bool,
+    /// How many of the remarks are files with another hash than in the manifest.
+    pub(super) changed: usize,
     /// The kit was made for another control.
     other_control: Option<Problem>,
     /// `state` of its manifest: the control outside the files.
@@ -60,7 +62,7 @@ impl Found {
         if self.state.is_some() {
             return Ok(None);
         }
-        let is_called_as_a_kit = self.is_called_as_a_kit(&inputs.profile);
+        let is_called_as_a_kit = self.called_as_a_kit(&inputs.profile).is_some();
         let whole = self.whole_file(&inputs.profile);
         if is_called_as_a_kit && whole.is_none() {
             return Ok(None);
@@ -85,16 +87,14 @@ impl Found {
         Ok(Some(control))
     }
 
-    /// Whether a file has a name that a kit's file for the control has.
-    fn is_called_as_a_kit(&self, profile: &Profile) -> bool {
+    /// A file with a name that a kit's file for the control has.
+    pub(super) fn called_as_a_kit(&self, profile: &Profile) -> Option<&str> {
         let own = |name: &str| {
-            let mut files = profile
-                .files
-                .iter()
-                .filter(|file| !file.role.is_for_people());
+            let mut files = profile.files.iter().filter(|f| !f.role.is_for_people());
             files.any(|file| file.path.eq_ignore_ascii_case(name))
         };
-        self.files.iter().any(|(name, _, _)| own(name))
+        let mut names = self.files.iter().map(|(name, _, _)| name.as_str());
+        names.find(|name| own(name))
     }
 
     /// The name of the control's whole parameter file or archive.
@@ -252,6 +252,7 @@ fn compare_hashes(found: &mut Found, document: &Value) {
                 if role.is_for_people() {
                     found.notes.push(words);
                 } else {
+                    found.changed += 1;
                     found.remarks.push(words);
                 }
             }

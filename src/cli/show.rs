@@ -202,6 +202,26 @@ pub(super) fn reversals(model: &ErrorModel) -> String {
     )
 }
 
+/// The terms whose uncertainty counts as 0 because nobody stated it.
+fn without_uncertainty(forecast: &Forecast) -> String {
+    let without: Vec<String> = forecast
+        .terms
+        .iter()
+        .filter(|t| t.u_um.is_none())
+        .map(|t| t.term.to_string())
+        .collect();
+    if without.is_empty() {
+        String::new()
+    } else if without.len() == forecast.terms.len() {
+        "; U is not stated and counted as 0".to_string()
+    } else {
+        format!(
+            "; U of {} is not stated and counted as 0",
+            without.join(", ")
+        )
+    }
+}
+
 /// Verdict with the limits it was judged by.
 /// Below it stands what does not keep them.
 pub(super) fn verdict(
@@ -223,11 +243,9 @@ pub(super) fn verdict(
     } else {
         limits.join(", ")
     };
-    let unknown = forecast.is_some_and(|f| f.terms.iter().any(|t| t.u_um.is_none()));
-    let uncertainty = if unknown && !limits.is_empty() {
-        "; U is not stated and counted as 0"
-    } else {
-        ""
+    let uncertainty = match forecast {
+        Some(forecast) if !limits.is_empty() => without_uncertainty(forecast),
+        _ => String::new(),
     };
     let short =
         acceptance.max_diagonal_um.is_some() && forecast.is_some_and(|f| f.diagonals.is_empty());
@@ -246,7 +264,7 @@ pub(super) fn verdict(
         )
     }];
     if differs {
-        lines.push("  because the files differ from the job".to_string());
+        lines.push("  because the files differ from the job, or from their manifest".to_string());
     }
     let misses = forecast.map(|f| f.misses(acceptance)).unwrap_or_default();
     lines.extend(misses.iter().map(|miss| format!("  {miss}")));

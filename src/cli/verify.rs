@@ -9,7 +9,7 @@ use crate::cli::{Answer, Format, print, print_json, say, show};
 use crate::forecast::{Forecast, Verdict};
 use crate::kit::{Inputs, Verification, verify, verify_read_out};
 use crate::manifest::{MANIFEST, diagonals, picometres};
-use crate::problem::Problems;
+use crate::problem::{Problems, shown};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -82,6 +82,18 @@ fn judged_as_kit(inputs: &Inputs, found: &Found) -> Result<Verification, Problem
             "there is no {MANIFEST}, so nothing tells whether all files are there and as they were made"
         );
         verification.absent.push(words);
+        let called = found.called_as_a_kit(&inputs.profile).map(|name| {
+            format!(
+                "judged as a kit that is to be loaded, because `{}` is called as in one: give files that were read out of the control other names",
+                shown(name)
+            )
+        });
+        verification.absent.extend(called);
+    }
+    let differences = verification.disagreements.len();
+    if differences > 0 && differences == found.changed && found.remarks.len() == differences {
+        let words = "read back, every value is as the job asks: only bytes differ (line ends, comments); copy the files from the kit again";
+        verification.absent.push(words.to_string());
     }
     Ok(verification)
 }

@@ -23,6 +23,9 @@ pub struct Section<'a> {
     notes: &'a Notes,
 }
 
+/// Endings of keys that are units of length.
+const LENGTHS: [&str; 4] = ["um", "mm", "inch", "in"];
+
 impl<'a> Section<'a> {
     /// The page itself.
     pub(super) fn root(source: &'a Source, table: &'a DeTable<'a>, notes: &'a Notes) -> Self {
@@ -448,9 +451,15 @@ impl<'a> Section<'a> {
             if known.contains(&name) {
                 continue;
             }
+            let unit = |name: &str| name.rsplit_once('_').map(|(_, unit)| unit.to_string());
             let help = nearest(name, known.iter().copied()).map_or_else(
                 || format!("keys that are known here: {}", list_of(&known)),
-                |near| format!("did you mean `{near}`?"),
+                |near| match unit(near).filter(|own| LENGTHS.contains(&own.as_str())) {
+                    Some(own) if unit(name).is_some_and(|other| other != own && LENGTHS.contains(&other.as_str())) => {
+                        format!("did you mean `{near}`? its unit is another: 1 mm = 1000 µm, 1 inch = 25.4 mm")
+                    }
+                    _ => format!("did you mean `{near}`?"),
+                },
             );
             let section = if self.path.is_empty() {
                 String::new()

@@ -83,6 +83,7 @@ pub(super) fn forecast(
             name,
             before_um: before.size(),
             after_um: after.size(),
+            comparable_um: after.size(),
             u_um,
         }
     };

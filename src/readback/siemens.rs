@@ -130,7 +130,7 @@ fn read_lines(text: &str, memory: &mut Memory, complaints: &mut Vec<Complaint>) 
         complaints.push(Complaint::new(
             text.len()..text.len(),
             "the file has no end word; it is not complete",
-            "a compensation file ends with `M17` or `M30`; transfer it again",
+            "a compensation file ends with `M17` or `M30`: transfer it again, or take it out of the directory if it is no file of the control",
         ));
     }
 }

@@ -14,7 +14,8 @@ use std::ops::Range;
 pub(super) type Span = Range<usize>;
 
 const FRAME_HELP: &str = "a record begins with `%` and ends with `%`, each on a line of its own; \
-    the file may have been cut when it was copied";
+    the file may have been cut when it was copied; if it is no file of the control, take it out of the \
+    directory";
 
 /// A file with its line ends made uniform, so that places name the line an editor shows.
 pub(super) struct Source {
