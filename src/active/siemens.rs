@@ -174,7 +174,7 @@ impl Sorted<'_> {
             let Some(axis) = axis_of(self.names, &table.axis) else {
                 let left = self.purpose.leaves();
                 self.notes.push(format!(
-                    "{name} belongs to an axis that the job does not have: {left}"
+                    "{name} belongs to an axis that the job does not have: {left} (an axis of the job under another name? state `id`)"
                 ));
                 continue;
             };
