@@ -238,7 +238,7 @@ impl Page<'_> {
     /// What the data say of the causes, one line each.
     fn explanation(&self, found: &Diagnosis) -> Vec<String> {
         let off = format!(
-            "as left is {:.3} um (root mean square) off the forecast; sigma {:.3} um, {}",
+            "as left is {:.3} µm off the forecast (root mean square, with the zero of each term left free); sigma {:.3} µm, {}",
             found.off_um, found.basis.sigma_um, found.basis.words
         );
         if found.as_forecast {
@@ -326,7 +326,7 @@ impl Page<'_> {
 
 fn said(cause: &Cause) -> String {
     format!(
-        "{}: {} (leaves {:.3} um unexplained)",
+        "{}: {} (leaves {:.3} µm unexplained)",
         cause.kind.to_uppercase(),
         cause.words,
         cause.left_um
