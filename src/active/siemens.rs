@@ -172,9 +172,14 @@ impl Sorted<'_> {
         for table in &self.all.tables.lec {
             let name = format!("$AA_ENC_COMP[{},{}]", table.encoder, table.axis);
             let Some(axis) = axis_of(self.names, &table.axis) else {
-                let left = self.purpose.leaves();
+                let left = match self.purpose {
+                    ReadOutFor::OldTables => self.purpose.leaves(),
+                    ReadOutFor::Judging => {
+                        "passed over (an axis of the job under another name? state `id`)"
+                    }
+                };
                 self.notes.push(format!(
-                    "{name} belongs to an axis that the job does not have: {left} (an axis of the job under another name? state `id`)"
+                    "{name} belongs to an axis that the job does not have: {left}"
                 ));
                 continue;
             };
