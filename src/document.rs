@@ -146,7 +146,7 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
                 commas.push(comma);
                 let number = with_a_point(&source.text, comma);
                 let problem = Problem::new("`,` in a number, expected a decimal point").help(
-                    format!("write `{number}`; numbers of a list stand in brackets, as `[0, 500]`"),
+                    format!("{number}; numbers of a list stand in brackets, as `[0, 500]`"),
                 );
                 problems.push(problem.at(source.place(&(comma..comma + 1))));
             }
@@ -169,14 +169,19 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
     problems
 }
 
-/// The number around a decimal comma, with a point.
+/// What to write in place of a number with a decimal comma: the number itself where it is plain, sign
+/// and digits, else an example.
 fn with_a_point(text: &str, comma: usize) -> String {
-    let is_digit = |c: char| c.is_ascii_digit();
+    let of_number = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '+' | '-');
     let whole = &text[..comma];
-    let whole = &whole[whole.trim_end_matches(is_digit).len()..];
+    let whole = &whole[whole.trim_end_matches(of_number).len()..];
     let rest = &text[comma + 1..];
-    let rest = &rest[..rest.len() - rest.trim_start_matches(is_digit).len()];
-    format!("{whole}.{rest}")
+    let rest = &rest[..rest.len() - rest.trim_start_matches(of_number).len()];
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    match digits(whole.strip_prefix(['-', '+']).unwrap_or(whole)) && digits(rest) {
+        true => format!("write `{whole}.{rest}`"),
+        false => "write a point, as in `0.5`".to_string(),
+    }
 }
 
 /// Where a decimal comma stands that a complaint at `at` follows from: there, or in braces on its

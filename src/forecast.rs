@@ -30,8 +30,8 @@ pub struct TermForecast {
     pub before_um: f64,
     /// Largest |deviation + emulated correction|, µm.
     pub after_um: f64,
-    /// The figure that compares with `before_um`: `after_um`, but with straight lines between the
-    /// points of a table where old tables were active, whose steps are not in `before_um` either.
+    /// `after_um`, but with straight lines between the points of a table where old tables were
+    /// active, whose steps are not in `before_um` either.
     pub comparable_um: f64,
     /// Largest standard uncertainty (k = 1), µm; `None` = not stated.
     pub u_um: Option<f64>,
@@ -48,7 +48,7 @@ pub struct DiagonalForecast {
     pub before_um: f64,
     /// With the tables, µm.
     pub after_um: f64,
-    /// The figure that compares with `before_um`, as of a term.
+    /// `after_um` with straight lines, as of a term.
     pub comparable_um: f64,
     /// Standard uncertainty (k = 1) of the figure, µm; `None` if any of the nine is not stated.
     pub u_um: Option<f64>,
@@ -80,19 +80,32 @@ impl Forecast {
     }
 
     /// Figures that the tables make larger than they were measured, one sentence each.
+    ///
+    /// limits the steps of old tables between the measured positions are not in the figures as
+    ///        measured; where only steps make a figure larger, the sentence says so
     pub fn worsened(&self) -> Vec<String> {
-        let sentence = |name: String, before_um: f64, after_um: f64| {
-            format!("{name} becomes larger with the tables: {before_um:.3} → {after_um:.3} µm")
+        let sentence = |name: String, before_um: f64, after_um: f64, comparable_um: f64| {
+            let larger = |um: f64| um > before_um + SHOWN_UM;
+            let why = match larger(comparable_um) {
+                true => "",
+                false => {
+                    ", by the steps between the points; those of the old tables are not in the figure as measured"
+                }
+            };
+            larger(after_um).then(|| {
+                format!(
+                    "{name} becomes larger with the tables: {before_um:.3} → {after_um:.3} µm{why}"
+                )
+            })
         };
-        let larger = |comparable_um: f64, before_um: f64| comparable_um > before_um + SHOWN_UM;
         let terms = self.terms.iter();
         let terms = terms
-            .filter(|t| larger(t.comparable_um, t.before_um))
-            .map(|t| sentence(t.term.to_string(), t.before_um, t.after_um));
+            .filter_map(|t| sentence(t.term.to_string(), t.before_um, t.after_um, t.comparable_um));
         let diagonals = self.diagonals.iter();
-        let diagonals = diagonals
-            .filter(|d| larger(d.comparable_um, d.before_um))
-            .map(|d| sentence(format!("diagonal {}", d.name), d.before_um, d.after_um));
+        let diagonals = diagonals.filter_map(|d| {
+            let name = format!("diagonal {}", d.name);
+            sentence(name, d.before_um, d.after_um, d.comparable_um)
+        });
         terms.chain(diagonals).collect()
     }
 

@@ -376,8 +376,32 @@ fn tables_of_others_that_reach_into_the_own_ones_are_told() {
     let shared = "N03620Q1A4P1\nN03621Q1A4P0\nN03622Q1A4P2\nN03623Q1A4P1\nN03624Q1A4P50.0";
     visit.expect(
         shared,
-        "fail",
-        "points 0 to 2 of an axis that the job does not have overlap",
+        "undecided",
+        "axis 4, which the job does not have, takes points of axis 1",
+    );
+    let of_axis_1 = |parameter: &str| -> String {
+        let text = visit.kit("CNC-PARA.TXT");
+        let block = text
+            .lines()
+            .map(str::trim)
+            .find(|line| line.starts_with(&format!("N{parameter}Q1A1P")));
+        let value = block.unwrap().split(['P', 'A']).nth(2).unwrap().to_string();
+        format!("N{parameter}Q1A4P{value}\n")
+    };
+    let slave = ["03620", "03621", "03622", "03623", "03624"]
+        .map(of_axis_1)
+        .concat();
+    visit.expect(
+        &slave,
+        "pass",
+        "takes the points of axis 1, as the slave of a gantry does",
+    );
+    let own = "N03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN03626Q1A4P1\n";
+    visit.expect(own, "undecided", "takes points of axis 1");
+    visit.expect(
+        &format!("{own}N03605Q1A4P00000000"),
+        "pass",
+        "points 500 to 510",
     );
     let huge = "N05712Q1P4\nN05722Q1P4\nN13392Q1P4294967295\nN03621Q1A4P0\nN03622Q1A4P10";
     visit.expect(huge, "pass", "belongs to axes that the job does not have");
@@ -409,8 +433,23 @@ fn part_programs_in_an_archive_are_no_state() {
     assert_eq!(judge(&format!("{off}{active}{on}")).0, "fail");
     assert_eq!(judge(&active).0, "pass");
     let (verdict, page) = judge(&program);
-    assert_eq!(verdict, "pass", "{page}");
-    assert!(page.contains("acts only once it was run"), "{page}");
+    assert_eq!(verdict, "undecided", "{page}");
+    assert!(page.contains("acts only once they were run"), "{page}");
+    // A program in a file of its own is no more a state than one in the archive.
+    let data = "%_N_COMPLETE_TEA_INI\n$MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n";
+    for name in ["P.MPF", "P"] {
+        let (verdict, page) = visit.judge_bytes(&[("TEA.INI", data), (name, &program)]);
+        assert_eq!(verdict, "fail", "{page}");
+        assert!(
+            page.contains("missing: the tables hold nothing for it"),
+            "{page}"
+        );
+        let (verdict, page) = visit.judge_bytes(&[("ALL.ARC", &active), (name, &program)]);
+        assert_eq!(verdict, "pass", "{page}");
+    }
+    let without_header = visit.archive("");
+    let files = [("ALL.ARC", old.as_str()), ("NEW.MPF", &without_header)];
+    assert_eq!(visit.judge_bytes(&files).0, "fail");
     // Cut before the switch: what goes on behind the end word is not complete.
     let cut = format!("{active}%_N_COMPLETE_TEA_INI\nN32000 $MA_MAX_AX_VELO[AX1]=10000\n");
     assert_eq!(judge(&cut).0, "refused");
@@ -432,8 +471,44 @@ fn two_values_in_one_file_are_a_cause() {
             &says,
         );
     }
+    let others = "$MA_BACKLASH[0,AX7]=1\n$MA_BACKLASH[0,AX7]=2\n$MA_BACKLASH[1,AX1]=1\n$MA_BACKLASH[1,AX1]=2";
+    visit.expect(
+        others,
+        "pass",
+        "$MA_BACKLASH[0,AX7], of others, has several values",
+    );
+    let steps = cec("AX1", "AX2", "$AN_CEC_STEP[9]=0").replace("STEP[9]=10", "STEP[9]=50");
+    let steps = steps.replace("MAX[9]=10", "MAX[9]=50");
+    visit.expect(
+        &steps,
+        "fail",
+        "$AN_CEC_STEP[9] has several values in the files",
+    );
+    let fanuc = Visit::of(true, "curve-and-parameter");
+    let twice = "N01851Q1A1P8\nN01851Q1A1P4";
+    fanuc.expect(
+        twice,
+        "refused",
+        "parameter 1851 of axis 1 has another value here",
+    );
+    let paths = "N03602Q1L1P00000000L2P00000001\nN01851Q1A1P4";
+    fanuc.expect(paths, "pass", "job and tables agree");
     let hidden = "IF R1==1 $MA_ENC_COMP_ENABLE[0,AX1]=0";
     visit.expect(hidden, "refused", "does not belong here");
+}
+
+/// Comments and messages of a control may be in one byte for each character.
+#[test]
+fn comments_in_latin_1_do_not_stop_the_reading() {
+    let visit = Visit::of(false, "mean");
+    let text = visit.archive("CHANDATA(1) ;~berwachung");
+    let bytes: Vec<u8> = text
+        .bytes()
+        .map(|b| if b == b'~' { 0xDC } else { b })
+        .collect();
+    fs::write(visit.read_out.join("all.arc"), bytes).unwrap();
+    let (verdict, page) = visit.verify("out");
+    assert_eq!(verdict, "pass", "{page}");
 }
 
 #[test]
@@ -460,6 +535,8 @@ fn the_reference_point_is_judged_within_half_a_digit() {
     let set =
         |mm: &str| format!("N34100 $MA_REFP_SET_POS[0,AX1]={mm}\nN34100 $MA_REFP_SET_POS[1,AX1]=7");
     visit.expect(&set("0"), "pass", "job and tables agree");
+    let absolute = format!("{}\nN34200 $MA_ENC_REFP_MODE[0,AX1]=0", set("-25.0"));
+    visit.expect(&absolute, "pass", "job and tables agree");
     visit.expect(
         &set("-25.0"),
         "undecided",

@@ -58,7 +58,6 @@ pub(super) fn read(
     };
     sorted.take_sets();
     sorted.take_other_axes();
-    sorted.tell_shared_points();
     let backlash = PerAxis::from_fn(|axis| sorted.backlash(axis));
     sorted.check_references();
     sorted.take_what_is_no_table();
@@ -164,77 +163,67 @@ impl Sorted<'_> {
 
     /// Parameters of axes that the job does not have; their points are theirs.
     fn take_other_axes(&mut self) {
-        let mut axes: Vec<u32> = self
-            .memory
-            .parameters
-            .keys()
-            .filter_map(|key| key.axis)
-            .collect();
+        let axes = self.memory.parameters.keys().filter_map(|key| key.axis);
+        let mut axes: Vec<u32> = axes.filter(|axis| !self.is_own(*axis)).collect();
         axes.sort_unstable();
         axes.dedup();
-        axes.retain(|axis| !self.is_own(*axis));
         for axis in axes {
-            let magnification = self.number(3623, Some(axis)).unwrap_or(0);
-            if let (true, Some(first), Some(last)) = (
-                magnification != 0,
-                self.number(3621, Some(axis)),
-                self.number(3622, Some(axis)),
-            ) {
-                self.others.points.push(NumberRange { first, last });
-                if let Some(start) = self.number(3626, Some(axis)).filter(|start| *start != 0) {
-                    let last = start.saturating_add(last.saturating_sub(first));
-                    self.others.points.push(NumberRange { first: start, last });
-                }
+            let points = self.points_of(axis);
+            self.tell_shared_points(axis, &points);
+            if let Some(NumberRange { first, last }) = points.first() {
                 let left = self.purpose.leaves();
                 self.notes.push(format!("the pitch compensation of axis {axis} (points {first} to {last}) belongs to an axis that the job does not have: {left}"));
             }
+            self.others.points.extend(points);
             self.memory
                 .parameters
                 .retain(|key, _| key.axis != Some(axis));
         }
     }
 
-    /// Points of an axis of the job that an axis of others takes too: it is corrected by errors that
-    /// are not its own. New tables at places of others are refused elsewhere.
-    fn tell_shared_points(&mut self) {
+    /// The points of an axis in use: its table, and that for travel in − where 3605#0 does not
+    /// switch it off.
+    fn points_of(&self, axis: u32) -> Vec<NumberRange> {
+        let number = |parameter| self.number(parameter, Some(axis));
+        let (Some(1..), Some(first), Some(last)) = (number(3623), number(3621), number(3622))
+        else {
+            return Vec::new();
+        };
+        let mut points = vec![NumberRange { first, last }];
+        let bits = self.memory.parameter(3605, Some(axis));
+        let is_off = matches!(bits, Some(ParameterValue::Bits(bits)) if bits & 1 == 0);
+        if let Some(minus) = number(3626).filter(|minus| *minus != 0 && !is_off) {
+            let last = minus.saturating_add(last.saturating_sub(first));
+            points.push(NumberRange { first: minus, last });
+        }
+        points
+    }
+
+    /// Points of an axis of the job that an axis of others takes too. The slave of a gantry may
+    /// take all of its master's; another axis is corrected by errors that are not its own. New
+    /// tables at places of others are refused elsewhere.
+    fn tell_shared_points(&mut self, other: u32, points: &[NumberRange]) {
         if self.purpose == ReadOutFor::OldTables {
             return;
         }
-        for (axis, own) in self.own_points() {
-            for other in self
-                .others
-                .points
-                .iter()
-                .filter(|other| other.overlaps(own))
-            {
-                self.contrary.push(Contrary::new(
-                    format!(
-                        "points {} to {} of axis {axis} and points {} to {} of an axis that the job does not have overlap: one of the two is corrected by errors of the other",
-                        own.first, own.last, other.first, other.last
-                    ),
-                    "move one of the two",
-                ));
-            }
-        }
-    }
-
-    /// The points of the job's axes in use, with the axis.
-    fn own_points(&self) -> Vec<(u32, NumberRange)> {
-        let mut own = Vec::new();
         let names = Axis::ALL.into_iter().flat_map(|axis| &self.names[axis]);
-        for axis in names.filter_map(|name| name.parse().ok()) {
-            let number = |parameter| self.number(parameter, Some(axis));
-            let (Some(1..), Some(first), Some(last)) = (number(3623), number(3621), number(3622))
-            else {
-                continue;
+        let own: Vec<u32> = names.filter_map(|name| name.parse().ok()).collect();
+        for axis in own {
+            let is_same = |number: &u32| {
+                let of = |axis| self.memory.parameter(*number, Some(axis));
+                of(axis) == of(other)
             };
-            own.push((axis, NumberRange { first, last }));
-            if let Some(first) = number(3626).filter(|first| *first != 0) {
-                let last = first.saturating_add(last.saturating_sub(own[own.len() - 1].1.first));
-                own.push((axis, NumberRange { first, last }));
+            let is_slave = [3620, 3621, 3622, 3623, 3624].iter().all(is_same);
+            let overlaps = |own: &NumberRange| points.iter().any(|other| other.overlaps(*own));
+            if !self.points_of(axis).iter().any(overlaps) {
+                continue;
+            }
+            if is_slave {
+                self.notes.push(format!("axis {other}, which the job does not have, takes the points of axis {axis}, as the slave of a gantry does"));
+            } else {
+                self.beside.push(format!("axis {other}, which the job does not have, takes points of axis {axis} in another way than it: it is corrected by errors that are not its own"));
             }
         }
-        own
     }
 
     /// 1851 of each axis of the control, µm.

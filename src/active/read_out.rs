@@ -7,9 +7,10 @@ use crate::controller::{Dialect, LengthUnit, Profile, Role};
 use crate::job::Job;
 use crate::plan::axis_names;
 use crate::problem::{Problem, Problems};
-use crate::readback::generic;
+use crate::readback::{control_data, generic};
 use crate::table::Tables;
 use crate::table::generic::GenericRow;
+use std::borrow::Cow;
 
 /// What files that were read out are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,7 +100,7 @@ fn one_backlash(
 }
 
 /// A file as text.
-pub(super) type Text<'a> = (&'a str, &'a str);
+pub(super) type Text<'a> = (&'a str, Cow<'a, str>);
 
 /// Sign proofs, rollbacks and checklists of a kit, by their names.
 fn stands_apart(profile: &Profile, name: &str) -> bool {
@@ -199,9 +200,9 @@ fn texts<'a>(
                 .help("name the whole kit with its manifest.json, or files that were read out of the control"),
             ),
         }
-        match std::str::from_utf8(bytes) {
-            Ok(text) => texts.push((name.as_str(), text)),
-            Err(_) => problems.push(
+        match control_data::text(bytes) {
+            Some(text) => texts.push((name.as_str(), text)),
+            None => problems.push(
                 Problem::new(format!("`{name}` is not text"))
                     .help("name the files that the control wrote as text"),
             ),

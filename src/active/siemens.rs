@@ -8,7 +8,7 @@ use crate::claims::Assumption;
 use crate::controller::LengthUnit;
 use crate::job::Job;
 use crate::problem::Problems;
-use crate::readback::control_data::{self, Programs};
+use crate::readback::control_data::{self, Programs, has_active_data};
 use crate::readback::siemens::{
     MachineDatum, MachineValue, SiemensContents, merge, read as strict,
 };
@@ -30,12 +30,18 @@ pub(super) fn read(
     let mut notes = Vec::new();
     let mut without_grid = Vec::new();
     let mut twice = Vec::new();
+    let reads_programs = !texts.iter().any(|(name, text)| has_active_data(name, text));
+    let mut programs = Programs::default();
     for (name, text) in texts {
-        let cut = control_data::siemens(text);
-        for part in [&cut.tables, &cut.data] {
+        let cut = control_data::siemens(name, text, reads_programs);
+        let is_passed_over =
+            !reads_programs && !cut.programs.names.is_empty() && !has_active_data(name, text);
+        let parts = [&cut.tables, &cut.data];
+        for part in parts.into_iter().filter(|_| !is_passed_over) {
             contents.extend(problems.take(strict(name, part)));
         }
-        notes.extend(programs(name, &cut.programs));
+        programs.names.extend(cut.programs.names);
+        programs.write_tables |= cut.programs.write_tables;
         twice.extend(cut.twice);
         if cut.passed_over > 0 {
             notes.push(format!(
@@ -73,6 +79,7 @@ pub(super) fn read(
     };
     twice.extend(contrary.iter().map(MachineDatum::variable));
     twice.iter().for_each(|name| sorted.several_values(name));
+    sorted.tell_programs(&programs, reads_programs);
     let lec = sorted.lec();
     let cec = sorted.cec();
     let backlash = PerAxis::from_fn(|axis| sorted.backlash(axis));
@@ -93,22 +100,6 @@ pub(super) fn read(
     })
 }
 
-/// What is told of the part programs of a file.
-fn programs(file: &str, programs: &Programs) -> Option<String> {
-    let names = programs.names.join(", ");
-    if names.is_empty() {
-        return None;
-    }
-    Some(match programs.are_read {
-        true => format!(
-            "`{file}` is a part program ({names}): what it writes acts only once it was run, and as long as nothing else was loaded"
-        ),
-        false => format!(
-            "`{file}`: part programs were passed over ({names}), they do nothing before they are run"
-        ),
-    })
-}
-
 struct Sorted<'a> {
     job: &'a Job,
     names: &'a Names,
@@ -122,15 +113,72 @@ struct Sorted<'a> {
 }
 
 impl Sorted<'_> {
-    /// A variable that the files hold with several values.
-    fn several_values(&mut self, name: &str) {
-        match self.purpose {
-            ReadOutFor::OldTables => self.notes.push(format!("{name} has several values in the files: the last of them, by the names of the files, counts as active, and the way back leaves it to a person")),
-            ReadOutFor::Judging => self.contrary.push(Contrary::new(
-                format!("{name} has several values in the files, so which of them the control holds is not known"),
-                "name the files of one read-out",
+    /// Part programs: no state beside active data, and where nothing else was read out, what they
+    /// would make of it.
+    fn tell_programs(&mut self, programs: &Programs, are_read: bool) {
+        let names = programs.names.join(", ");
+        if names.is_empty() {
+            return;
+        }
+        let has_tables = !self.all.tables.lec.is_empty() || !self.all.tables.cec.is_empty();
+        match (self.purpose, are_read) {
+            (ReadOutFor::Judging, true) => self.beside.push(format!(
+                "nothing but part programs was read out ({names}): what they write acts only once they were run, and as long as nothing else was loaded"
+            )),
+            (ReadOutFor::OldTables, false) if programs.write_tables && !has_tables => {
+                self.contrary.push(Contrary::new(
+                    format!("the read-out holds tables in part programs only ({names}), and whether they were run it does not tell"),
+                    "read out the active data (…_EEC_INI, …_CEC_INI), or name the kit that was loaded",
+                ));
+            }
+            (ReadOutFor::OldTables, true) => self.notes.push(format!(
+                "part programs ({names}) count as run and active: nothing else was read out"
+            )),
+            (_, false) => self.notes.push(format!(
+                "part programs were passed over ({names}), they do nothing before they are run"
             )),
         }
+    }
+
+    /// A variable that the files hold with several values. Switches are made for being changed.
+    fn several_values(&mut self, name: &str) {
+        const SWITCHES: [&str; 3] = ["MA_ENC_COMP_ENABLE", "MA_CEC_ENABLE", "SN_CEC_TABLE_ENABLE"];
+        let is_switch = SWITCHES
+            .iter()
+            .any(|own| name.starts_with(&format!("${own}[")));
+        if !self.concerns_the_job(name) {
+            let left = self.purpose.leaves();
+            self.notes.push(format!(
+                "{name}, of others, has several values in the files: {left}"
+            ));
+        } else if is_switch && self.purpose == ReadOutFor::OldTables {
+            self.notes.push(format!("{name} has several values in the files: the last of them, by the names of the files and by their lines, counts as active, and the way back leaves it to a person"));
+        } else {
+            self.contrary.push(Contrary::new(
+                format!("{name} has several values in the files, so which of them the control holds is not known"),
+                "name the files of one read-out",
+            ));
+        }
+    }
+
+    /// Whether a variable, as files write it, is one of an axis or table of the job.
+    fn concerns_the_job(&self, variable: &str) -> bool {
+        let Some((name, indices)) = variable.trim_end_matches(']').split_once('[') else {
+            return true; // of the whole control
+        };
+        let indices: Vec<&str> = indices.split(',').collect();
+        if name.starts_with("$AN_CEC") || name.starts_with("$SN_CEC") {
+            let has = |axis: &str| axis_of(self.names, axis).is_some();
+            let own = |table: &&CecTable| indices[0].parse() == Ok(table.number);
+            let table = self.all.tables.cec.iter().find(own);
+            return table.is_none_or(|table| has(&table.input_axis) || has(&table.output_axis));
+        }
+        let Some(axis) = indices.last().and_then(|axis| axis_of(self.names, axis)) else {
+            return false;
+        };
+        indices.len() == 1
+            || name == "$MA_REFP_SET_POS"
+            || indices[0].parse() == Ok(self.encoder(axis))
     }
 
     fn encoder(&self, axis: Axis) -> u32 {

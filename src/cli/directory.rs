@@ -100,8 +100,8 @@ impl Found {
     /// The name of the control's whole parameter file or archive.
     fn whole_file(&self, profile: &Profile) -> Option<&str> {
         let is_whole = |bytes: &[u8]| {
-            std::str::from_utf8(bytes)
-                .is_ok_and(|text| control_data::is_whole(text, &profile.dialect))
+            control_data::text(bytes)
+                .is_some_and(|text| control_data::is_whole(&text, &profile.dialect))
         };
         let found = self.files.iter().find(|(_, _, bytes)| is_whole(bytes));
         found.map(|(name, _, _)| name.as_str())

@@ -92,7 +92,7 @@ fn judged_as_kit(inputs: &Inputs, found: &Found) -> Result<Verification, Problem
     }
     let differences = verification.disagreements.len();
     if differences > 0 && differences == found.changed && found.remarks.len() == differences {
-        let words = "read back, every value is as the job asks: only bytes differ (line ends, comments); copy the files from the kit again";
+        let words = "read back, tables and switches are as the job asks: what differs is something else (line ends, comments, words such as NEWCONF, more memory); copy the files from the kit again";
         verification.absent.push(words.to_string());
     }
     Ok(verification)

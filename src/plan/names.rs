@@ -17,6 +17,18 @@ pub fn axis_names(job: &Job, profile: &Profile) -> Result<PerAxis<Vec<String>>, 
             .map(|s| s.ids.clone())
             .unwrap_or_default();
         if job.machine.axes[axis].is_none() {
+            if !stated.is_empty() {
+                problems.push(
+                    job.problem_at(
+                        &format!("compensation.axes.{}", axis.key()),
+                        format!(
+                            "[compensation.axes.{}] names an axis that [machine] does not have",
+                            axis.key()
+                        ),
+                    )
+                    .help("add it to [machine.axes], or take it out here"),
+                );
+            }
             Vec::new()
         } else if stated.is_empty() {
             let index = Axis::ALL.iter().position(|a| *a == axis).unwrap_or(0);

@@ -138,6 +138,14 @@ fn parameter_name(key: ParameterKey) -> String {
     format!("parameter {}{axis}", key.number)
 }
 
+fn value_text(value: ParameterValue) -> String {
+    match value {
+        ParameterValue::Integer(number) => number.to_string(),
+        ParameterValue::Real(number) => number.to_string(),
+        ParameterValue::Bits(bits) => format!("{bits:08b}"),
+    }
+}
+
 /// What the number of a block addresses.
 enum Target {
     Point(u32),
@@ -168,10 +176,35 @@ impl Reader<'_> {
     }
 
     fn store(&mut self, span: &Span) -> Result<(), Problem> {
-        let block = block::parse(self.source, span)?;
+        let mut block = block::parse(self.source, span)?;
+        if self.writer == Writer::Kit {
+            self.refuse_other_paths(&block)?;
+        } else {
+            // Another path has axes and parameters of its own, which are no concern of the job's.
+            block
+                .segments
+                .retain(|segment| segment.other_path.is_none());
+            if block.segments.is_empty() {
+                return Ok(());
+            }
+        }
         match self.target(&block)? {
             Target::Point(point) => self.store_point(point, &block),
             Target::Parameter(number) => self.store_parameter(number, &block),
+        }
+    }
+
+    fn refuse_other_paths(&self, block: &Block) -> Result<(), Problem> {
+        match block.segments.iter().find_map(|s| s.other_path.as_ref()) {
+            None => Ok(()),
+            Some(path) => {
+                let number = &path.word[1..];
+                let message = format!("`{}` names path {number}, expected path 1", path.word);
+                Err(self
+                    .source
+                    .problem(&path.span, message)
+                    .help("compensation data are written for path 1; split the file by path"))
+            }
         }
     }
 
@@ -312,7 +345,19 @@ impl Reader<'_> {
                 return Err(self.source.problem(&segment.value, message));
             }
             keys.push(key);
-            self.memory.parameters.insert(key, value);
+            let old = self.memory.parameters.insert(key, value);
+            if let Some(old) = old.filter(|old| self.writer != Writer::Kit && *old != value) {
+                return Err(self
+                    .at_number(
+                        block,
+                        format!(
+                            "{} has another value here than in an earlier block ({})",
+                            parameter_name(key),
+                            value_text(old)
+                        ),
+                    )
+                    .help("name the files of one read-out"));
+            }
         }
         Ok(())
     }

@@ -183,3 +183,38 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
         .unwrap_or_else(|p| p);
     assert!(words.contains("points 0 to 510"), "{words}");
 }
+
+/// Tables that lie in part programs beside active data were loaded or not: nobody knows.
+#[test]
+fn tables_in_part_programs_alone_are_no_old_tables() {
+    let job = small("siemens-840d-sl", ACTIVE, "", SIEMENS_AXES);
+    let lec = "$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.010\n$AA_ENC_COMP_STEP[0,AX1]=100\n$AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\n";
+    let program = format!("%_N_EEC_MPF\n{lec}M30\n");
+    let data = "%_N_TEA_INI\n$MA_BACKLASH[0,AX1]=0.001\nM17\n";
+    let refused = read_out(&job, EXX_ONLY, &format!("{data}{program}")).unwrap_err();
+    assert!(
+        refused.contains("holds tables in part programs only (EEC_MPF)"),
+        "{refused}"
+    );
+    let active = format!("%_N_AX_EEC_INI\n{lec}M17\n");
+    let found = read_out(&job, EXX_ONLY, &format!("{active}{program}")).unwrap();
+    let notes = &found.active.as_ref().unwrap().notes;
+    assert!(
+        notes
+            .iter()
+            .any(|n| n.contains("part programs were passed over (EEC_MPF)")),
+        "{notes:?}"
+    );
+    let alone = read_out(&job, EXX_ONLY, &program).unwrap();
+    let notes = &alone.active.as_ref().unwrap().notes;
+    assert!(
+        notes.iter().any(|n| n.contains("count as run and active")),
+        "{notes:?}"
+    );
+    let twice = active.replace("M17", "$AA_ENC_COMP[0,1,AX1]=0.012\nM17");
+    let refused = read_out(&job, EXX_ONLY, &twice).unwrap_err();
+    assert!(
+        refused.contains("$AA_ENC_COMP[0,1,AX1] has several values"),
+        "{refused}"
+    );
+}

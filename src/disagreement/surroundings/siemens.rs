@@ -42,14 +42,19 @@ impl Surroundings {
         }
     }
 
-    /// MD34100, the position at the reference mark of an incremental measuring system (from memory;
-    /// with an absolute one it says nothing).
+    /// MD34100, the position at the zero mark of an incremental measuring system. With an absolute or
+    /// a distance-coded one (MD34200 other than 1) it says nothing (both from memory).
     fn reference(&mut self, axis: &AxisState, unit: LengthUnit, held: &Held) {
         const SAME_MM: f64 = 1e-3;
+        const ZERO_MARK: f64 = 1.0;
         let indices = ["0".to_string(), axis.name.clone()];
         let Some(position) = number(held, "MA_REFP_SET_POS", &indices) else {
             return;
         };
+        let mode = number(held, "MA_ENC_REFP_MODE", &indices);
+        if mode.is_some_and(|mode| (mode - ZERO_MARK).abs() > 0.0) {
+            return;
+        }
         if (position * unit.in_mm() - axis.reference.mm()).abs() > SAME_MM {
             self.beside.push(format!(
                 "MD34100 $MA_REFP_SET_POS[0,{}] is {position} {}, the job has the reference point at {} mm: with an incremental measuring system the tables are not zero where the axis is referenced",

@@ -23,7 +23,7 @@ pub struct SiemensText {
     pub passed_over: usize,
     /// Tables that are reserved but hold no grid (STEP 0), such as `AN_CEC[3]`.
     pub without_grid: Vec<String>,
-    /// Part programs: passed over beside active data, read where the file holds nothing else.
+    /// Part programs.
     pub programs: Programs,
     /// Variables of concern that the file holds with two values.
     pub twice: Vec<String>,
@@ -34,17 +34,18 @@ pub struct SiemensText {
 pub struct Programs {
     /// Their names, such as `NONIUS_EEC_MPF`.
     pub names: Vec<String>,
-    /// Whether they were read, because the file holds nothing else.
-    pub are_read: bool,
+    /// Whether they write tables.
+    pub write_tables: bool,
 }
 
 /// The data that are read beside tables.
-const DATA: [&str; 11] = [
+const DATA: [&str; 12] = [
     "MA_ENC_COMP_ENABLE",
     "MA_CEC_ENABLE",
     "MA_CEC_MAX_SUM",
     "MA_CEC_SCALING_SYSTEM_METRIC",
     "MA_BACKLASH",
+    "MA_ENC_REFP_MODE",
     "MA_REFP_SET_POS",
     "MN_CONVERT_SCALING_SYSTEM",
     "MN_MM_CEC_MAX_POINTS",
@@ -101,9 +102,9 @@ impl Line {
             .then(|| format!("AA_ENC_COMP[{first},{last}]"))
     }
 
-    /// A step of 0: the control reserves memory for the table and nobody filled it.
+    /// Of a step, 0: the control reserves memory for the table and nobody filled it.
     fn is_without_grid(&self) -> bool {
-        self.name.ends_with("_STEP") && self.value.parse().is_ok_and(|step: f64| step.abs() <= 0.0)
+        self.value.parse().is_ok_and(|step: f64| step.abs() <= 0.0)
     }
 
     /// Whether it is read beside tables. Of the reference point values the first alone: the others
@@ -136,53 +137,101 @@ fn speaks_of_compensation(code: &str) -> bool {
     names.any(|name| code.contains(&format!("${name}")))
 }
 
-/// The header of a section, `%_N_NAME_EXT`: its name, and whether it is a part program.
-fn header(text: &str) -> Option<(String, bool)> {
-    let name = text.trim().to_ascii_uppercase();
-    let name = name.strip_prefix("%_N_")?;
-    let is_program = name.ends_with("_MPF") || name.ends_with("_SPF");
-    Some((name.to_string(), is_program))
+/// Where a file stands, by its lines: the section that the line is in is a part program or lies in
+/// a folder of programs and workpieces, or it is active data.
+struct Sections {
+    of_program: Vec<bool>,
+    /// Names of the programs.
+    programs: Vec<String>,
 }
 
-/// Which lines belong to part programs that are to be passed over, and what is told of them.
-fn programs(lines: &[&str]) -> (Vec<bool>, Programs) {
-    let mut of_program = Vec::new();
-    let mut programs = Programs::default();
-    let mut inside = false;
-    for text in lines {
-        if let Some((name, is_program)) = header(text) {
-            inside = is_program;
-            programs.names.extend(is_program.then_some(name));
+/// The sections of a file. One without headers is a program where its own name says so.
+fn sections(file: &str, lines: &[&str]) -> Sections {
+    let is_program = |name: &str| {
+        let name = name.to_ascii_uppercase().replace('.', "_");
+        name.ends_with("_MPF") || name.ends_with("_SPF")
+    };
+    let mut found = Sections {
+        of_program: Vec::with_capacity(lines.len()),
+        programs: Vec::new(),
+    };
+    let mut inside = is_program(file);
+    if inside
+        && !lines
+            .iter()
+            .any(|text| text.trim_start().starts_with("%_N_"))
+    {
+        found.programs.push(file.to_string());
+    }
+    for (index, text) in lines.iter().enumerate() {
+        if let Some(name) = text.trim().strip_prefix("%_N_") {
+            let path = lines.get(index + 1).copied().unwrap_or_default();
+            let path = path.trim().to_ascii_uppercase();
+            let lies_apart = [
+                "_N_WKS_DIR",
+                "_N_MPF_DIR",
+                "_N_SPF_DIR",
+                "_N_CST_DIR",
+                "_N_CUS_DIR",
+            ];
+            let lies_apart = path.starts_with(";$PATH=")
+                && lies_apart.iter().any(|folder| path.contains(folder));
+            inside = is_program(name) || lies_apart;
+            found.programs.extend(inside.then(|| name.to_string()));
         }
-        of_program.push(inside);
+        found.of_program.push(inside);
     }
-    let has_data = |(text, inside): (&&str, &bool)| !inside && line(&code(text)).is_some();
-    if !programs.names.is_empty() && !lines.iter().zip(&of_program).any(has_data) {
-        programs.are_read = true;
-        of_program.fill(false);
-    }
-    (of_program, programs)
+    found
 }
 
-/// Cuts a Siemens read-out.
+/// Whether a file holds active data: an assignment outside part programs.
+pub fn has_active_data(file: &str, text: &str) -> bool {
+    let lines: Vec<&str> = text.split('\n').collect();
+    let of_program = sections(file, &lines).of_program;
+    let mut data = lines
+        .iter()
+        .zip(&of_program)
+        .filter(|(_, inside)| !**inside);
+    data.any(|(text, _)| line(&code(text)).is_some())
+}
+
+/// Whether a table is written in the part programs of a file.
+fn writes_tables(lines: &[&str], of_program: &[bool]) -> bool {
+    let mut inside = lines.iter().zip(of_program).filter(|(_, inside)| **inside);
+    inside.any(|(text, _)| line(&code(text)).is_some_and(|line| line.table().is_some()))
+}
+
+/// Cuts a Siemens read-out. Part programs are read where no file of the read-out holds active data.
 ///
 /// limits end words and headers between the parts of an archive are passed over, but the last end
 ///        word stays, and what follows it: a file that goes on without one is not complete
-pub fn siemens(text: &str) -> SiemensText {
+pub fn siemens(file: &str, text: &str, reads_programs: bool) -> SiemensText {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let lines: Vec<&str> = text.split('\n').collect();
-    let (of_program, programs) = programs(&lines);
+    let Sections {
+        mut of_program,
+        programs,
+    } = sections(file, &lines);
+    let programs = Programs {
+        write_tables: writes_tables(&lines, &of_program),
+        names: programs,
+    };
+    if reads_programs {
+        of_program.fill(false);
+    }
     let codes = lines.iter().zip(&of_program);
     let codes: Vec<String> = codes
         .map(|(text, inside)| if *inside { String::new() } else { code(text) })
         .collect();
     let end = codes.iter().rposition(|code| is_end(code));
-    let empty: BTreeSet<String> = codes
-        .iter()
-        .filter_map(|code| line(code))
-        .filter(Line::is_without_grid)
-        .filter_map(|line| line.table())
-        .collect();
+    let steps = codes.iter().filter_map(|code| line(code));
+    let (empty, filled): (Vec<Line>, Vec<Line>) = steps
+        .filter(|line| line.name.ends_with("_STEP"))
+        .partition(Line::is_without_grid);
+    let table = |line: &Line| line.table();
+    let filled: BTreeSet<String> = filled.iter().filter_map(table).collect();
+    let mut empty: BTreeSet<String> = empty.iter().filter_map(table).collect();
+    empty.retain(|table| !filled.contains(table));
     let mut cut = Cut::default();
     for (index, (text, code)) in lines.iter().zip(&codes).enumerate() {
         let behind_end = end.is_some_and(|end| index > end);
@@ -223,6 +272,8 @@ impl<'a> Cut<'a> {
     fn sort(&mut self, text: &'a str, own: &Line, empty: &BTreeSet<String>) {
         match own.table() {
             Some(key) if empty.contains(&key) => return self.put("", ""),
+            // The table has another step too, which is two values of one variable.
+            Some(_) if own.name.ends_with("_STEP") && own.is_without_grid() => self.put("", ""),
             Some(_) => self.put(text, ""),
             None if own.is_datum() => self.put("", text),
             None => {
@@ -270,7 +321,7 @@ mod tests {
         let text = "%_N_NC_TEA_INI\nCHANDATA(1)\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\n\
                     N32450 $MA_BACKLASH[0,AX1]=0.005\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n\
                     %_N_NC_CEC_INI\n$AN_CEC_STEP[3]=0\n$AN_CEC[3,0]=0\n$AN_CEC_STEP[1]=50\nM17\n";
-        let cut = siemens(text);
+        let cut = siemens("all.arc", text, false);
         let place = |text: &str, word: &str| text.lines().position(|line| line.contains(word));
         assert_eq!(place(&cut.data, "BACKLASH"), Some(3));
         assert_eq!(place(&cut.tables, "AN_CEC_STEP[1]"), Some(9));
@@ -288,7 +339,7 @@ mod tests {
     fn line_checksums_are_passed_over() {
         let text = "N32450 $MA_BACKLASH[0,AX1]=0.005 '2F34\n$AN_CEC_STEP[3]=0 'ab01 ;later\n\
                     $AN_CEC[1,0]=0.001 '00FF\r\n$AN_CEC[1,1]=0.002 '00F\nM17\n";
-        let cut = siemens(text);
+        let cut = siemens("all.arc", text, false);
         let lines: Vec<&str> = cut.data.lines().collect();
         assert_eq!(lines[0].trim_end(), "N32450 $MA_BACKLASH[0,AX1]=0.005");
         assert_eq!(lines[0].len(), text.lines().next().unwrap_or("").len());
@@ -303,34 +354,50 @@ mod tests {
         let data = "%_N_AX_EEC_INI\n$AA_ENC_COMP[0,1,AX1]=0.055\nM17\n";
         let program = "%_N_NEW_MPF\n;$PATH=/_N_MPF_DIR\n$AA_ENC_COMP[0,1,AX1]=0.016\nM30\n";
         for text in [format!("{data}{program}"), format!("{program}{data}")] {
-            let cut = siemens(&text);
+            let cut = siemens("all.arc", &text, false);
             assert!(cut.tables.contains("0.055") && !cut.tables.contains("0.016"));
             assert_eq!(cut.programs.names, ["NEW_MPF"]);
-            assert!(!cut.programs.are_read && cut.twice.is_empty());
+            assert!(cut.programs.write_tables && cut.twice.is_empty());
+            assert!(has_active_data("all.arc", &text));
         }
-        let alone = siemens(program);
-        assert!(alone.tables.contains("0.016") && alone.programs.are_read);
+        assert!(!has_active_data("new", program));
+        assert!(siemens("new", program, true).tables.contains("0.016"));
+        let without_header = "$AA_ENC_COMP[0,1,AX1]=0.016\nM30\n";
+        assert!(has_active_data("eec.txt", without_header));
+        assert!(!has_active_data("EEC.MPF", without_header));
+        let workpiece = "%_N_INIT_INI\n;$PATH=/_N_WKS_DIR/_N_A_WPD\n$MA_BACKLASH[0,AX1]=1\nM17\n";
+        assert!(!has_active_data("all.arc", workpiece));
     }
 
     #[test]
     fn two_values_of_one_variable_are_told() {
         let text = "$MA_CEC_ENABLE[AX1]=0\n$MA_BACKLASH[0,AX1]=1\n$MA_CEC_ENABLE[AX1]=TRUE\n\
                     $MA_BACKLASH[0,AX1]=1.000\n$MN_OTHER=1\n$MN_OTHER=2\nM17\n";
-        assert_eq!(siemens(text).twice, ["$MA_CEC_ENABLE[AX1]"]);
+        assert_eq!(
+            siemens("all.arc", text, false).twice,
+            ["$MA_CEC_ENABLE[AX1]"]
+        );
+        let steps = siemens(
+            "all.arc",
+            "$AN_CEC_STEP[5]=0\n$AN_CEC_STEP[5]=50\nM17\n",
+            false,
+        );
+        assert_eq!(steps.twice, ["$AN_CEC_STEP[5]"]);
+        assert!(steps.without_grid.is_empty());
     }
 
     #[test]
     fn what_is_no_plain_assignment_is_not_swallowed() {
         let text = "IF R1==1 $MA_CEC_ENABLE[AX1]=0\n$MA_BACKLASH[0,AX1] 0.5\nG0 X1\nM17\n";
         assert_eq!(
-            siemens(text)
+            siemens("all.arc", text, false)
                 .tables
                 .lines()
                 .filter(|l| !l.is_empty())
                 .count(),
             3
         );
-        let cut_off = siemens("$AN_CEC[0,0]=1\nM17\n$MN_OTHER=1\n");
+        let cut_off = siemens("all.arc", "$AN_CEC[0,0]=1\nM17\n$MN_OTHER=1\n", false);
         assert!(
             cut_off.tables.contains("$MN_OTHER"),
             "it goes on behind the end"

@@ -33,12 +33,22 @@ pub(super) struct Block {
 
 /// One value of a block with the axis it belongs to.
 pub(super) struct Segment {
+    /// Path of the control, where it is not the first.
+    pub(super) other_path: Option<Path>,
     /// Controlled axis from 1.
     pub(super) axis: Option<u32>,
     /// `P`, or `M` (metric), or `I` (inch).
     pub(super) letter: char,
     /// Sign, digits and decimal point as they stand.
     pub(super) value: Span,
+}
+
+/// A path that is named, and where.
+pub(super) struct Path {
+    /// As it stands: `L2`.
+    pub(super) word: String,
+    /// Its place.
+    pub(super) span: Span,
 }
 
 /// Cuts a block into words.
@@ -133,7 +143,7 @@ impl Cursor<'_> {
     }
 
     fn segment(&mut self) -> Result<Segment, Problem> {
-        self.path()?;
+        let other_path = self.path()?;
         let axis = self.axis()?;
         let Some(letter) = self.letter("PMI") else {
             return Err(self.unexpected("`P` and a value"));
@@ -148,25 +158,24 @@ impl Cursor<'_> {
             self.digits()?;
         }
         Ok(Segment {
+            other_path,
             axis,
             letter,
             value: start..self.at,
         })
     }
 
-    /// `L1` or `T1` before the axis: path 1, the only one a kit writes.
-    fn path(&mut self) -> Result<(), Problem> {
+    /// `L1` or `T1` before the axis is path 1, the only one a kit writes.
+    fn path(&mut self) -> Result<Option<Path>, Problem> {
         let Some(letter) = self.letter("LT") else {
-            return Ok(());
+            return Ok(None);
         };
         let start = self.at - 1;
         let path = self.unsigned()?;
-        if path == 1 {
-            return Ok(());
-        }
-        let message = format!("`{letter}{path}` names path {path}, expected path 1");
-        let problem = self.source.problem(&(start..self.at), message);
-        Err(problem.help("compensation data are written for path 1; split the file by path"))
+        Ok((path != 1).then(|| Path {
+            word: format!("{letter}{path}"),
+            span: start..self.at,
+        }))
     }
 
     fn axis(&mut self) -> Result<Option<u32>, Problem> {

@@ -37,7 +37,7 @@ impl Shape {
 
 /// Every variable that a compensation file may write. `$MA_`, `$MN_`, `$SN_` are closed too: a
 /// mistyped name stops a control just as an unknown one does.
-const VARIABLES: [(&str, Shape); 30] = [
+const VARIABLES: [(&str, Shape); 31] = [
     ("AA_ENC_COMP", Shape::EncoderPointAxis),
     ("AA_ENC_COMP_STEP", Shape::EncoderAxis),
     ("AA_ENC_COMP_MIN", Shape::EncoderAxis),
@@ -62,6 +62,7 @@ const VARIABLES: [(&str, Shape); 30] = [
     ("MA_CEC_MAX_SUM", Shape::Axis),
     ("MA_CEC_MAX_VELO", Shape::Axis),
     ("MA_CEC_SCALING_SYSTEM_METRIC", Shape::Axis),
+    ("MA_ENC_REFP_MODE", Shape::EncoderAxis),
     ("MA_REFP_SET_POS", Shape::EncoderAxis),
     ("MN_CONVERT_SCALING_SYSTEM", Shape::Alone),
     ("MN_MM_CEC_MAX_POINTS", Shape::Table),
@@ -78,8 +79,9 @@ const TRUTHS: [&str; 3] = [
 ];
 
 /// Machine and setting data that are numbers, and neither TRUE nor an axis.
-const NUMBERS: [&str; 5] = [
+const NUMBERS: [&str; 6] = [
     "MA_BACKLASH",
+    "MA_ENC_REFP_MODE",
     "MA_CEC_MAX_SUM",
     "MA_CEC_MAX_VELO",
     "MA_REFP_SET_POS",
