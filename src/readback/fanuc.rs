@@ -198,11 +198,11 @@ impl Reader<'_> {
         match block.segments.iter().find_map(|s| s.other_path.as_ref()) {
             None => Ok(()),
             Some(path) => {
-                let number = &path.word[1..];
-                let message = format!("`{}` names path {number}, expected path 1", path.word);
+                let word = self.source.slice(path);
+                let message = format!("`{word}` names path {}, expected path 1", &word[1..]);
                 Err(self
                     .source
-                    .problem(&path.span, message)
+                    .problem(path, message)
                     .help("compensation data are written for path 1; split the file by path"))
             }
         }

@@ -33,22 +33,14 @@ pub(super) struct Block {
 
 /// One value of a block with the axis it belongs to.
 pub(super) struct Segment {
-    /// Path of the control, where it is not the first.
-    pub(super) other_path: Option<Path>,
+    /// Where a path of the control is named that is not the first: `L2`.
+    pub(super) other_path: Option<Span>,
     /// Controlled axis from 1.
     pub(super) axis: Option<u32>,
     /// `P`, or `M` (metric), or `I` (inch).
     pub(super) letter: char,
     /// Sign, digits and decimal point as they stand.
     pub(super) value: Span,
-}
-
-/// A path that is named, and where.
-pub(super) struct Path {
-    /// As it stands: `L2`.
-    pub(super) word: String,
-    /// Its place.
-    pub(super) span: Span,
 }
 
 /// Cuts a block into words.
@@ -166,16 +158,13 @@ impl Cursor<'_> {
     }
 
     /// `L1` or `T1` before the axis is path 1, the only one a kit writes.
-    fn path(&mut self) -> Result<Option<Path>, Problem> {
-        let Some(letter) = self.letter("LT") else {
+    fn path(&mut self) -> Result<Option<Span>, Problem> {
+        if self.letter("LT").is_none() {
             return Ok(None);
-        };
+        }
         let start = self.at - 1;
         let path = self.unsigned()?;
-        Ok((path != 1).then(|| Path {
-            word: format!("{letter}{path}"),
-            span: start..self.at,
-        }))
+        Ok((path != 1).then(|| start..self.at))
     }
 
     fn axis(&mut self) -> Result<Option<u32>, Problem> {

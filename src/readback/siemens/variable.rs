@@ -88,8 +88,11 @@ const NUMBERS: [&str; 6] = [
     "SN_CEC_TABLE_WEIGHT",
 ];
 
-/// Whether a variable has no index.
+/// Whether a variable has no index; only machine data of the whole control have none.
 pub(super) fn is_alone(name: &str) -> bool {
+    if !name.starts_with("MN_") {
+        return false; // of thousands of points, without a look at the list
+    }
     let alone = |(known, shape): &(&str, Shape)| *known == name && matches!(shape, Shape::Alone);
     VARIABLES.iter().any(alone)
 }
