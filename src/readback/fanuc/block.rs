@@ -164,7 +164,7 @@ impl Cursor<'_> {
         }
         let start = self.at - 1;
         let path = self.unsigned()?;
-        Ok((path != 1).then(|| start..self.at))
+        Ok((path != 1).then_some(start..self.at))
     }
 
     fn axis(&mut self) -> Result<Option<u32>, Problem> {
