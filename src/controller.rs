@@ -167,6 +167,23 @@ impl LengthUnit {
         }
     }
 
+    /// The unit that machine data such as MD10240 and MD32711 stand for: 1 = metric, 0 = inch.
+    pub fn of_metric(value: f64) -> LengthUnit {
+        if value > 0.0 {
+            LengthUnit::Millimetre
+        } else {
+            LengthUnit::Inch
+        }
+    }
+
+    /// The other way: `1 (metric)` or `0 (inch)`.
+    pub const fn as_metric(self) -> &'static str {
+        match self {
+            LengthUnit::Millimetre => "1 (metric)",
+            LengthUnit::Inch => "0 (inch)",
+        }
+    }
+
     /// `mm` or `inch`.
     pub const fn word(self) -> &'static str {
         match self {

@@ -499,7 +499,7 @@ fn two_values_in_one_file_are_a_cause() {
 
 /// Comments and messages of a control may be in one byte for each character.
 #[test]
-fn comments_in_latin_1_do_not_stop_the_reading() {
+fn latin_1_and_a_byte_order_mark_do_not_stop_the_reading() {
     let visit = Visit::of(false, "mean");
     let text = visit.archive("CHANDATA(1) ;~berwachung");
     let bytes: Vec<u8> = text
@@ -509,6 +509,10 @@ fn comments_in_latin_1_do_not_stop_the_reading() {
     fs::write(visit.read_out.join("all.arc"), bytes).unwrap();
     let (verdict, page) = visit.verify("out");
     assert_eq!(verdict, "pass", "{page}");
+    // An editor may have put its mark before the header of a program.
+    let program = format!("\u{feff}%_N_NEW_MPF\n{}", visit.archive(""));
+    let (verdict, page) = visit.judge_bytes(&[("all.arc", &program)]);
+    assert_eq!(verdict, "undecided", "{page}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::job::Job;
 use crate::problem::Problems;
 use crate::readback::control_data::{self, Programs, has_active_data};
 use crate::readback::siemens::{
-    MachineDatum, MachineValue, SiemensContents, merge, read as strict,
+    MachineDatum, MachineValue, SiemensContents, is_switch, merge, read as strict,
 };
 use crate::table::Tables;
 use crate::table::siemens::{CecTable, LecTable, SiemensTables};
@@ -30,12 +30,13 @@ pub(super) fn read(
     let mut notes = Vec::new();
     let mut without_grid = Vec::new();
     let mut twice = Vec::new();
-    let reads_programs = !texts.iter().any(|(name, text)| has_active_data(name, text));
+    let are_active = texts.iter().map(|(name, text)| has_active_data(name, text));
+    let are_active: Vec<bool> = are_active.collect();
+    let reads_programs = !are_active.contains(&true);
     let mut programs = Programs::default();
-    for (name, text) in texts {
+    for ((name, text), is_active) in texts.iter().zip(are_active) {
         let cut = control_data::siemens(name, text, reads_programs);
-        let is_passed_over =
-            !reads_programs && !cut.programs.names.is_empty() && !has_active_data(name, text);
+        let is_passed_over = !reads_programs && !is_active && !cut.programs.names.is_empty();
         let parts = [&cut.tables, &cut.data];
         for part in parts.into_iter().filter(|_| !is_passed_over) {
             contents.extend(problems.take(strict(name, part)));
@@ -91,10 +92,7 @@ pub(super) fn read(
         others: sorted.others,
         assumptions: sorted.assumptions,
         notes: sorted.notes,
-        unit: metric.map(|metric| match metric > 0.0 {
-            true => LengthUnit::Millimetre,
-            false => LengthUnit::Inch,
-        }),
+        unit: metric.map(LengthUnit::of_metric),
         contrary: sorted.contrary,
         beside: sorted.beside,
     })
@@ -142,10 +140,8 @@ impl Sorted<'_> {
 
     /// A variable that the files hold with several values. Switches are made for being changed.
     fn several_values(&mut self, name: &str) {
-        const SWITCHES: [&str; 3] = ["MA_ENC_COMP_ENABLE", "MA_CEC_ENABLE", "SN_CEC_TABLE_ENABLE"];
-        let is_switch = SWITCHES
-            .iter()
-            .any(|own| name.starts_with(&format!("${own}[")));
+        let bare = name.trim_start_matches('$').split('[').next();
+        let is_switch = bare.is_some_and(is_switch);
         if !self.concerns_the_job(name) {
             let left = self.purpose.leaves();
             self.notes.push(format!(

@@ -8,7 +8,7 @@
 
 mod requirements;
 
-use crate::axis::{Axis, Direction, ErrorTerm};
+use crate::axis::{Axis, Direction};
 use crate::compensation::{Compiled, Placement, control_state};
 use crate::control_state::ControlState;
 use crate::controller::{SiemensFacts, TableSign};
@@ -21,7 +21,6 @@ use crate::units::{Deviation, UM_PER_MM};
 
 /// Puts a plan into ENC_COMP and CEC tables.
 pub fn compile(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<Compiled, Problems> {
-    check_sum(task, plan, facts)?;
     let mut tables = SiemensTables::default();
     let mut placements = Vec::new();
     let mut number = task.job.compensation.first_table.unwrap_or(0);
@@ -53,6 +52,7 @@ pub fn compile(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<Comp
     tables
         .lec
         .sort_by(|a, b| (&a.axis, a.encoder).cmp(&(&b.axis, b.encoder)));
+    check_sum(task, &tables, facts)?;
     let state = control_state(task, plan, |axis| {
         backlash_um(task, plan, axis).unwrap_or(0.0)
     });
@@ -176,28 +176,17 @@ fn backlash_um(task: Task<'_>, plan: &Plan, axis: Axis) -> Option<f64> {
     plan.backlash_um[axis].map(|um| backlash_text(task, um).1)
 }
 
-/// Largest sum of CEC corrections of an output axis, µm: the largest value of each table, the
-/// worse direction of each base axis, added up over the base axes. A bound, not a place.
-fn largest_sum_um(plan: &Plan) -> f64 {
-    let of_term = |term: ErrorTerm| {
-        let tables = plan.tables.iter().filter(|t| t.term == term && !is_lec(t));
-        tables
-            .flat_map(|t| &t.values)
-            .map(|value| value.um().abs())
-            .fold(0.0, f64::max)
-    };
-    let of_output = |of: Axis| {
-        Axis::ALL
-            .iter()
-            .map(|along| of_term(ErrorTerm { of, along: *along }))
-            .sum::<f64>()
-    };
-    Axis::ALL.into_iter().map(of_output).fold(0.0, f64::max)
+/// Largest sum of CEC corrections of any output axis, µm ([`SiemensTables::largest_cec_sum`]).
+fn largest_sum_um(task: Task<'_>, tables: &SiemensTables) -> f64 {
+    let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
+    let outputs = tables.cec.iter().map(|table| table.output_axis.as_str());
+    let sums = outputs.map(|output| tables.largest_cec_sum(output));
+    sums.fold(0.0, f64::max) * um_per_unit
 }
 
 /// What the control would cut off is refused before it is written.
-fn check_sum(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<(), Problems> {
-    let (sum, limit) = (largest_sum_um(plan), facts.cec_max_sum_um.value);
+fn check_sum(task: Task<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Result<(), Problems> {
+    let (sum, limit) = (largest_sum_um(task, tables), facts.cec_max_sum_um.value);
     if sum <= limit {
         return Ok(());
     }

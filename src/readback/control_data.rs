@@ -27,11 +27,11 @@ pub fn is_whole(text: &str, dialect: &Dialect) -> bool {
     passed_over > READ_OUT_AS_A_WHOLE
 }
 
-/// A file as text: UTF-8, or one byte for each character (Latin-1), as older controls write comments
-/// and messages. `None` where it is neither.
+/// A file as text: UTF-8 without its byte order mark, or one byte for each character (Latin-1), as
+/// older controls write comments and messages. `None` where it is neither.
 pub fn text(bytes: &[u8]) -> Option<Cow<'_, str>> {
     match std::str::from_utf8(bytes) {
-        Ok(text) => Some(Cow::Borrowed(text)),
+        Ok(text) => Some(Cow::Borrowed(text.strip_prefix('\u{feff}').unwrap_or(text))),
         Err(_) if bytes.contains(&0) => None,
         Err(_) => Some(bytes.iter().map(|byte| char::from(*byte)).collect()),
     }

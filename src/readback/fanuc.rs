@@ -110,7 +110,7 @@ pub fn merge(memories: Vec<FanucMemory>) -> Result<FanucMemory, Problems> {
                 .insert(key, value)
                 .is_some_and(|old| old != value)
             {
-                problems.push(two_files(&parameter_name(key)));
+                problems.push(two_files(&key.to_string()));
             }
         }
         for (point, value) in memory.points {
@@ -129,21 +129,6 @@ pub fn merge(memories: Vec<FanucMemory>) -> Result<FanucMemory, Problems> {
 fn two_files(what: &str) -> Problem {
     Problem::new(format!("{what} has different contents in two files"))
         .help("the control would keep whichever is loaded last; write it in one file only")
-}
-
-fn parameter_name(key: ParameterKey) -> String {
-    let axis = key
-        .axis
-        .map_or(String::new(), |axis| format!(" of axis {axis}"));
-    format!("parameter {}{axis}", key.number)
-}
-
-fn value_text(value: ParameterValue) -> String {
-    match value {
-        ParameterValue::Integer(number) => number.to_string(),
-        ParameterValue::Real(number) => number.to_string(),
-        ParameterValue::Bits(bits) => format!("{bits:08b}"),
-    }
 }
 
 /// What the number of a block addresses.
@@ -341,7 +326,7 @@ impl Reader<'_> {
             let key = ParameterKey { number, axis };
             let value = self.parameter_value(number, segment)?;
             if keys.contains(&key) {
-                let message = format!("{} has two values in one block", parameter_name(key));
+                let message = format!("{key} has two values in one block");
                 return Err(self.source.problem(&segment.value, message));
             }
             keys.push(key);
@@ -350,11 +335,7 @@ impl Reader<'_> {
                 return Err(self
                     .at_number(
                         block,
-                        format!(
-                            "{} has another value here than in an earlier block ({})",
-                            parameter_name(key),
-                            value_text(old)
-                        ),
+                        format!("{key} has another value here than in an earlier block ({old})"),
                     )
                     .help("name the files of one read-out"));
             }

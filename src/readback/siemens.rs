@@ -240,13 +240,20 @@ fn merge_values(
     }
 }
 
+/// Whether a machine or setting datum switches tables on and off, and so is made for being changed.
+pub fn is_switch(name: &str) -> bool {
+    matches!(
+        name,
+        "MA_ENC_COMP_ENABLE" | "MA_CEC_ENABLE" | "SN_CEC_TABLE_ENABLE"
+    )
+}
+
 fn merge_datum(all: &mut Vec<MachineDatum>, datum: MachineDatum, problems: &mut Problems) {
-    const SWITCHES: [&str; 3] = ["MA_ENC_COMP_ENABLE", "MA_CEC_ENABLE", "SN_CEC_TABLE_ENABLE"];
     let same =
         |known: &&mut MachineDatum| known.name == datum.name && known.indices == datum.indices;
     match all.iter_mut().find(same) {
         None => all.push(datum),
-        Some(known) if SWITCHES.contains(&datum.name.as_str()) => known.value = datum.value,
+        Some(known) if is_switch(&datum.name) => known.value = datum.value,
         Some(known) if known.value == datum.value => {}
         Some(_) => {
             problems.push(conflict(&datum.variable()));

@@ -3,6 +3,7 @@
 //! Point numbers stand here without the offset of the file (+10000).
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// Name of a parameter: its number, and the controlled axis it belongs to (axis type).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -11,6 +12,16 @@ pub struct ParameterKey {
     pub number: u32,
     /// Controlled axis from 1; `None` for parameters that no axis owns.
     pub axis: Option<u32>,
+}
+
+impl fmt::Display for ParameterKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "parameter {}", self.number)?;
+        match self.axis {
+            Some(axis) => write!(f, " of axis {axis}"),
+            None => Ok(()),
+        }
+    }
 }
 
 /// Content of a parameter.
@@ -22,6 +33,17 @@ pub enum ParameterValue {
     Real(f64),
     /// Eight bits; bit 7 stands leftmost in the file.
     Bits(u8),
+}
+
+/// For messages; what a file gets is decided where it is written.
+impl fmt::Display for ParameterValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ParameterValue::Integer(whole) => write!(f, "{whole}"),
+            ParameterValue::Real(real) => write!(f, "{real}"),
+            ParameterValue::Bits(bits) => write!(f, "{bits:08b}"),
+        }
+    }
 }
 
 /// Parameters and points that a kit writes.

@@ -32,7 +32,7 @@ pub(in crate::cli) fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Pr
 pub(in crate::cli) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     let name = path.display().to_string();
     if name.chars().any(char::is_control) {
-        let plain: String = name.chars().flat_map(named).collect();
+        let plain = name.escape_debug();
         return Err(Problem::new(format!("`{plain}` is no path of a file"))
             .help("between double quotes a backslash begins a control character: write `/`, or single quotes around the path"));
     }
@@ -53,14 +53,6 @@ pub(in crate::cli) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
         )));
     }
     std::fs::read(path).map_err(refuse)
-}
-
-/// A character as it can be shown: a control character by its escape.
-fn named(c: char) -> Vec<char> {
-    match c.is_control() {
-        true => c.escape_default().collect(),
-        false => vec![c],
-    }
 }
 
 /// What went wrong, the same on every operating system where it is common.

@@ -53,7 +53,7 @@ pub(super) fn preconditions(
         ));
     }
     if !tables.cec.is_empty() {
-        list.extend(cec_preconditions(task, plan, tables));
+        list.extend(cec_preconditions(task, tables));
     }
     for axis in Axis::ALL {
         list.extend(backlash_precondition(task, plan, axis));
@@ -68,23 +68,16 @@ pub(super) fn preconditions(
 }
 
 fn basic_system(task: Task<'_>) -> Precondition {
-    let value = match task.job.compensation.control_unit {
-        LengthUnit::Millimetre => "1 (metric)",
-        LengthUnit::Inch => "0 (inch)",
-    };
     Precondition::new(
         "MD10240 $MN_SCALING_SYSTEM_IS_METRIC",
-        value,
+        task.job.compensation.control_unit.as_metric(),
         "positions and values of the tables are in the basic system",
         "802D sl Function Manual 11/2012 p. 222",
     )
 }
 
-fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec<Precondition> {
-    let metric = match task.job.compensation.control_unit {
-        LengthUnit::Millimetre => "1 (metric)",
-        LengthUnit::Inch => "0 (inch)",
-    };
+fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition> {
+    let metric = task.job.compensation.control_unit.as_metric();
     let numbers: Vec<String> = tables.cec.iter().map(|t| t.number.to_string()).collect();
     let mut outputs: Vec<&str> = tables.cec.iter().map(|t| t.output_axis.as_str()).collect();
     outputs.sort_unstable();
@@ -102,7 +95,7 @@ fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec
             "unit system of the CEC data where MD10260 = 1",
             "802D sl Function Manual 11/2012 p. 222",
         ),
-        max_sum_precondition(task, plan),
+        max_sum_precondition(task, tables),
         Precondition::new(
             format!("MD32710 $MA_CEC_ENABLE[{}]", outputs.join(", ")),
             "0 while the tables are loaded",
@@ -136,10 +129,10 @@ fn cec_preconditions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec
 }
 
 /// MD32720 must let through what the kit holds and the bump of its sign proof.
-fn max_sum_precondition(task: Task<'_>, plan: &Plan) -> Precondition {
+fn max_sum_precondition(task: Task<'_>, tables: &SiemensTables) -> Precondition {
     let limits = task.job.limits;
     let bump_um = limits.max_bump_um.min(limits.max_correction_um);
-    let sum_um = largest_sum_um(plan);
+    let sum_um = largest_sum_um(task, tables);
     let unit = task.job.compensation.control_unit;
     // Rounded up, so that the limit lets everything through.
     let decimals = match unit {

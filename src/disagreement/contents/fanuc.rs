@@ -31,7 +31,7 @@ fn surplus(wanted: &FanucMemory, found: &FanucMemory) -> Vec<String> {
         .parameters
         .iter()
         .filter(|(key, _)| !wanted.parameters.contains_key(key))
-        .map(|(key, value)| format!("{} = {}", name(*key), text(*value)))
+        .map(|(key, value)| format!("{key} = {value}"))
         .collect();
     if !parameters.is_empty() {
         let (names, them) = (listed(&parameters), it(parameters.len()));
@@ -73,13 +73,11 @@ fn points(wanted: &FanucMemory, found: &FanucMemory, diagnosis: &Diagnosis) -> V
 
 /// Parameters of the job that are not there or hold something else without a known effect.
 fn parameters(wanted: &FanucMemory, found: &FanucMemory, diagnosis: &Diagnosis) -> Vec<String> {
-    let sentence = |(key, value): (&ParameterKey, &ParameterValue)| {
-        let (name, wanted) = (name(*key), text(*value));
-        match found.parameters.get(key) {
-            None => Some(format!("{name}: missing, the job writes {wanted}")),
-            Some(got) if equal(*got, *value) => None,
-            Some(got) => Some(format!("{name} is {}, the job writes {wanted}", text(*got))),
-        }
+    let sentence = |(key, value): (&ParameterKey, &ParameterValue)| match found.parameters.get(key)
+    {
+        None => Some(format!("{key}: missing, the job writes {value}")),
+        Some(got) if equal(*got, *value) => None,
+        Some(got) => Some(format!("{key} is {got}, the job writes {value}")),
     };
     wanted
         .parameters
@@ -105,20 +103,5 @@ fn equal(a: ParameterValue, b: ParameterValue) -> bool {
         (Real(a), Real(b)) => same(a, b),
         (Real(a), Integer(b)) | (Integer(b), Real(a)) => same(a, b as f64),
         _ => a == b,
-    }
-}
-
-fn name(key: ParameterKey) -> String {
-    let axis = key
-        .axis
-        .map_or(String::new(), |axis| format!(" of axis {axis}"));
-    format!("parameter {}{axis}", key.number)
-}
-
-fn text(value: ParameterValue) -> String {
-    match value {
-        ParameterValue::Integer(whole) => whole.to_string(),
-        ParameterValue::Real(real) => real.to_string(),
-        ParameterValue::Bits(bits) => format!("{bits:08b}"),
     }
 }

@@ -26,7 +26,7 @@ impl Surroundings {
         else {
             return;
         };
-        if (metric > 0.0) == (unit == LengthUnit::Millimetre) {
+        if LengthUnit::of_metric(metric) == unit {
             return;
         }
         let words = format!(

@@ -206,7 +206,6 @@ fn writes_tables(lines: &[&str], of_program: &[bool]) -> bool {
 /// limits end words and headers between the parts of an archive are passed over, but the last end
 ///        word stays, and what follows it: a file that goes on without one is not complete
 pub fn siemens(file: &str, text: &str, reads_programs: bool) -> SiemensText {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let lines: Vec<&str> = text.split('\n').collect();
     let Sections {
         mut of_program,
