@@ -14,43 +14,34 @@ mod ground;
 mod machine;
 mod observation;
 mod reversal;
-mod uncertainty;
 
 pub use self::machine::ensure_same_machine;
 pub use self::observation::{Control, Observation, Part, observations};
 pub use self::reversal::{UnseenReversal, unseen_reversal};
-pub use self::uncertainty::measured_curves;
 
 use self::doubts::{doubts, notes};
 use self::ground::ensure_common_ground;
-use crate::axis::{Axis, Direction, ErrorTerm, PerTerm};
+use crate::axis::{Axis, Direction, ErrorTerm};
+use crate::conformity::Sigma;
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::emulate::{CannotEmulate, Emulator, Response};
-use crate::forecast::{DiagonalForecast, Forecast, Machine, forecast};
+use crate::error_table::SIMULATED;
+use crate::forecast::{
+    Basis, DiagonalForecast, Forecast, Machine, TermForecast, forecast, judged_ranges, range_of,
+};
+use crate::job::Job;
 use crate::model::ErrorModel;
 use crate::plan::Plan;
 use crate::problem::{Problem, Problems};
+use crate::units::Millimetres;
 
 /// A measurement of the machine with its tables active.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AfterMeasurement {
     /// Error curves, zero at the reference.
-    Errors(Box<MeasuredCurves>),
+    Errors(Box<ErrorModel>),
     /// Straight runs along the body diagonals.
     Diagonals(StraightRuns),
-}
-
-/// Error curves of a second measurement, zero at the reference, with the uncertainty of their
-/// figures ([`measured_curves`]).
-#[derive(Clone, Debug, PartialEq)]
-pub struct MeasuredCurves {
-    /// The curves.
-    pub model: ErrorModel,
-    /// Standard uncertainty (k = 1) of the largest |d(x) − d(reference)| of each term, µm; `None`
-    /// = not stated.
-    pub u_um: PerTerm<Option<f64>>,
-    /// Standard uncertainty of the laser's scale that is counted in beside the table, µm/m.
-    pub scale_um_per_m: f64,
 }
 
 /// Straight runs along the body diagonals: their means and figures.
@@ -64,12 +55,37 @@ pub struct StraightRuns {
     pub range_um: PerDiagonal<f64>,
     /// Standard uncertainty (k = 1) of a mean reading, µm; `None` = neither stated nor repeated.
     pub u_um: Option<f64>,
+    /// Degrees of freedom of the estimate behind it; `None` = it is stated.
+    pub degrees_of_freedom: Option<f64>,
     /// Standard uncertainty of the laser's scale, µm/m; 0 = not stated.
     pub scale_um_per_m: f64,
     /// The reverse passes count from the forward start.
     pub one_zero: bool,
     /// What the readings say of themselves and what their evaluation rests on, one sentence each.
     pub labels: Vec<String>,
+}
+
+impl AfterMeasurement {
+    /// Whether the values say of themselves that they were simulated.
+    pub fn is_simulated(&self) -> bool {
+        match self {
+            AfterMeasurement::Errors(model) => model.remarks.simulated().next().is_some(),
+            AfterMeasurement::Diagonals(runs) => {
+                let mut labels = runs.labels.iter();
+                labels.any(|label| label.starts_with(SIMULATED))
+            }
+        }
+    }
+
+    /// Whether every value is zero.
+    fn is_zero(&self) -> bool {
+        match self {
+            AfterMeasurement::Errors(model) => model
+                .measured()
+                .all(|(_, measured)| measured.largest_um() <= 0.0),
+            AfterMeasurement::Diagonals(runs) => runs.range_um.iter().all(|(_, um)| *um <= 0.0),
+        }
+    }
 }
 
 impl StraightRuns {
@@ -109,8 +125,10 @@ pub struct Line {
     pub forecast_um: Option<f64>,
     /// As left, measured, µm.
     pub after_um: Option<f64>,
-    /// Standard uncertainty (k = 1) of the as-left figure, µm; `None` = not stated.
+    /// Standard uncertainty (k = 1) of an as-left value, µm; `None` = not stated.
     pub u_um: Option<f64>,
+    /// U of the as-left figure, the largest of its values, with 95 %, µm; `None` = not stated.
+    pub expanded_um: Option<f64>,
     /// Largest |as left − forecast| over the positions measured afterwards, µm.
     pub difference_um: Option<f64>,
 }
@@ -153,14 +171,22 @@ pub fn compare(
     control: Option<&Control>,
     expected: Option<&Forecast>,
     after: &AfterMeasurement,
+    job: &Job,
 ) -> Result<Comparison, Problems> {
     let before = machine.uncompensated;
     ensure_common_ground(before, after)?;
-    let bare = |model| forecast(Machine::alone(model), plan, &Bare).map_err(not_evaluated);
+    let bare = |model: &ErrorModel| {
+        let ranges = judged_ranges(job, model);
+        forecast(Machine::alone(model), plan, &Bare, &ranges).map_err(not_evaluated)
+    };
     let found = bare(machine.as_measured)?;
     let as_left = match after {
-        AfterMeasurement::Errors(curves) => uncertainty::counted(bare(&curves.model)?, curves),
-        AfterMeasurement::Diagonals(runs) => figures(runs),
+        AfterMeasurement::Errors(model) => bare(model)?,
+        AfterMeasurement::Diagonals(runs) => figures(runs, job),
+    };
+    let as_left = Forecast {
+        basis: Basis::Measured,
+        ..as_left
     };
     let seen = observations(before, after);
     let left = |observation: &&Observation| {
@@ -174,7 +200,7 @@ pub fn compare(
     });
     let diagonals = match after {
         AfterMeasurement::Errors(_) => model_diagonals(&found, expected, &as_left),
-        AfterMeasurement::Diagonals(runs) => run_diagonals(machine, control, runs, &seen),
+        AfterMeasurement::Diagonals(runs) => run_diagonals(machine, control, runs, &seen, &as_left),
     };
     let measured: Vec<ErrorTerm> = before.measured().map(|(term, _)| term).collect();
     let missing: Vec<ErrorTerm> = measured
@@ -182,35 +208,42 @@ pub fn compare(
         .filter(|term| !as_left.terms.iter().any(|line| line.term == *term))
         .collect();
     let mut notes = notes(before, after);
-    notes.extend(off_forecast(before, &terms));
+    notes.extend(off_forecast(before, &as_left, &terms));
     Ok(Comparison {
         terms,
         diagonals,
         as_left,
-        doubts: doubts(before, control, after),
+        doubts: doubts(machine, control, after),
         notes,
         missing,
     })
 }
 
-/// Standard uncertainties beyond which one position among many is off: one in 370 by chance.
-const OFF: f64 = 3.0;
+/// Probability with which no value of a right kit is named as off its forecast.
+const NOT_OFF: f64 = 0.99;
 
 /// Terms that are off the forecast at some position by more than both measurements explain,
-/// u² = u²(as left) + u²(as found); where one of the two is not stated, the other is taken for it.
-fn off_forecast(before: &ErrorModel, terms: &[Line]) -> Option<String> {
+/// u² = u²(as left) + u²(as found), each against its reference, with 99 % over all values. Only
+/// where both uncertainties are stated.
+fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[Line]) -> Option<String> {
+    let values: usize = as_left.terms.iter().map(|term| term.figures.len()).sum();
+    let fewest = [before.remarks.degrees_of_freedom, as_left.sigma.freedom()];
+    let fewest = fewest
+        .into_iter()
+        .flatten()
+        .reduce(|a, b| if b < a { b } else { a });
+    let factor = Sigma::with_freedom(fewest).joint_at(values, NOT_OFF);
     let off = terms.iter().filter_map(|line| {
         let term = ErrorTerm::from_name(&line.name)?;
-        let found = before.terms[term].as_ref()?.u_um;
-        let (own, found) = (line.u_um.or(found)?, found.or(line.u_um)?);
-        let u_um = own.hypot(found);
-        let um = line.difference_um.filter(|um| *um > OFF * u_um)?;
-        Some(format!("{term} {um:.3} µm (u = {u_um:.3} µm)"))
+        let found = before.terms[term].as_ref()?.u_um()?;
+        let u_um = factor * line.u_um?.hypot(found);
+        let um = line.difference_um.filter(|um| *um > u_um)?;
+        Some(format!("{term} {um:.3} µm (U = {u_um:.3} µm)"))
     });
     let off: Vec<String> = off.collect();
     (!off.is_empty()).then(|| {
         format!(
-            "off the forecast at some position by more than three standard uncertainties of both measurements: {}",
+            "off the forecast at some position by more than both measurements explain (99 %, all positions together): {}",
             off.join(", ")
         )
     })
@@ -228,16 +261,23 @@ pub fn before_um(before: &ErrorModel, part: &Part) -> Option<f64> {
 }
 
 /// Measured figures of straight runs.
-fn figures(runs: &StraightRuns) -> Forecast {
-    let u_um = runs.u_range_um();
-    let line = |(diagonal, range): (Diagonal, &f64)| DiagonalForecast {
-        name: diagonal.name(),
-        before_um: *range,
-        after_um: *range,
-        comparable_um: *range,
-        u_um,
+fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
+    let sigma = Sigma::with_freedom(runs.degrees_of_freedom);
+    let value_um = runs.u_range_um().map(|u| u / std::f64::consts::SQRT_2);
+    let line = |(diagonal, range): (Diagonal, &f64)| {
+        let own = runs.walks.iter().filter(|walk| walk.diagonal == diagonal);
+        let values: usize = own.map(|walk| walk.readings_um.len()).sum();
+        let u_um = value_um.map_or_else(Vec::new, |u| vec![u; values]);
+        DiagonalForecast::new(diagonal.name(), *range, *range, sigma, &u_um)
+    };
+    let walked = |axis| {
+        let (low, high) = runs.range_mm(axis);
+        range_of(job, axis, (Millimetres::new(low), Millimetres::new(high)))
     };
     Forecast {
+        basis: Basis::Measured,
+        sigma,
+        ranges: Axis::ALL.into_iter().filter_map(walked).collect(),
         terms: Vec::new(),
         diagonals: runs.range_um.iter().map(line).collect(),
         unmeasured: crate::axis::PerAxis::default(),
@@ -252,9 +292,9 @@ fn term_lines(
     as_left: &Forecast,
     difference: impl Fn(ErrorTerm) -> Option<f64>,
 ) -> Vec<Line> {
-    let of = |forecast: &Forecast, term: ErrorTerm| {
-        forecast.terms.iter().find(|t| t.term == term).copied()
-    };
+    fn of(forecast: &Forecast, term: ErrorTerm) -> Option<&TermForecast> {
+        forecast.terms.iter().find(|t| t.term == term)
+    }
     let line = |term: ErrorTerm| {
         let before_um = of(found, term).map(|t| t.before_um);
         let after = of(as_left, term);
@@ -264,6 +304,7 @@ fn term_lines(
             forecast_um: expected.and_then(|e| of(e, term)).map(|t| t.after_um),
             after_um: after.map(|t| t.after_um),
             u_um: after.and_then(|t| t.u_um),
+            expanded_um: after.and_then(|t| t.expanded_um),
             difference_um: difference(term),
         })
     };
@@ -271,9 +312,9 @@ fn term_lines(
 }
 
 fn model_diagonals(found: &Forecast, expected: Option<&Forecast>, as_left: &Forecast) -> Vec<Line> {
-    let of = |forecast: &Forecast, name: &str| {
-        forecast.diagonals.iter().find(|d| d.name == name).copied()
-    };
+    fn of<'a>(forecast: &'a Forecast, name: &str) -> Option<&'a DiagonalForecast> {
+        forecast.diagonals.iter().find(|d| d.name == name)
+    }
     let line = |diagonal: Diagonal| {
         let name = diagonal.name();
         let (before, after) = (of(found, name), of(as_left, name));
@@ -283,6 +324,7 @@ fn model_diagonals(found: &Forecast, expected: Option<&Forecast>, as_left: &Fore
             forecast_um: expected.and_then(|e| of(e, name)).map(|d| d.after_um),
             after_um: after.map(|d| d.after_um),
             u_um: after.and_then(|d| d.u_um),
+            expanded_um: after.and_then(|d| d.expanded_um),
             difference_um: None,
         })
     };
@@ -295,6 +337,7 @@ fn run_diagonals(
     control: Option<&Control>,
     runs: &StraightRuns,
     seen: &[Observation],
+    as_left: &Forecast,
 ) -> Vec<Line> {
     let span = |diagonal: Diagonal, of: &dyn Fn(&Part) -> Option<f64>| {
         let along = seen.iter().filter(|o| o.diagonal == Some(diagonal));
@@ -309,6 +352,11 @@ fn run_diagonals(
         }),
         after_um: Some(runs.range_um[diagonal]),
         u_um: runs.u_range_um(),
+        expanded_um: as_left
+            .diagonals
+            .iter()
+            .find(|d| d.name == diagonal.name())
+            .and_then(|d| d.expanded_um),
         difference_um: None,
     };
     Diagonal::ALL.into_iter().map(line).collect()

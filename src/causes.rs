@@ -101,7 +101,8 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
             .help("measure the same range of the same axes again"));
     }
     // Equal weights leave the fits as they are, whatever the uncertainty turns out to be.
-    let early: Option<Vec<Fit>> = (!data.has_uncertainty()).then(|| all_fits(&data, &faults));
+    let early: Option<Vec<Fit>> =
+        (!data.has_both_uncertainties()).then(|| all_fits(&data, &faults));
     if let Some(fits) = &early {
         data.settle(fits);
     }
@@ -289,7 +290,7 @@ fn fits_in_mm(data: &Data<'_>, faults: &[Fault]) -> Option<&'static str> {
     const FAR_FROM_NOISE: f64 = 10.0;
     let mut multiplied = data.in_another_unit(UNIT, 1.0);
     let fits = all_fits(&multiplied, faults);
-    if !data.has_uncertainty() {
+    if !data.has_both_uncertainties() {
         multiplied.settle(&fits);
     }
     if multiplied.measured_rms() < FAR_FROM_NOISE * multiplied.basis.sigma_um {

@@ -105,11 +105,7 @@ fn references_off_the_travel(job: &Job, plan: &Plan) -> Vec<String> {
 /// What the tables suppose of the compensation that was active while measuring.
 fn active_note(active: &ActiveTables) -> Option<String> {
     match active {
-        ActiveTables::None => None,
-        ActiveTables::NotStated => Some(
-            "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these tables are wrong; write \"none\", or the path of the kit or of the files read out of the control, which are then added"
-                .to_string(),
-        ),
+        ActiveTables::None | ActiveTables::NotStated => None,
         ActiveTables::Path(path) => Some(format!(
             "the tables of `{path}` were active during the measurement: these tables are old + residual and replace them"
         )),

@@ -11,18 +11,26 @@
 //! between its knots, so no position has to be sampled.
 
 mod diagonals;
+mod share;
+mod words;
+
+pub(crate) use self::share::range_of;
+pub use self::share::{JudgedRange, judged_ranges};
 
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::conformity::{
+    Figure, Sigma, Verdict, expanded_um, judge_forecast, judge_measured, largest_um,
+};
 use crate::curve::ErrorCurve;
 use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::grid::EDGE_MM;
 use crate::job::Acceptance;
-use crate::model::ErrorModel;
+use crate::model::{ErrorModel, MeasuredTerm};
 use crate::plan::{Plan, axis_pairs};
 use crate::units::Millimetres;
 
 /// Forecast of one term.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TermForecast {
     /// Which error.
     pub term: ErrorTerm,
@@ -33,14 +41,18 @@ pub struct TermForecast {
     /// `after_um`, but with straight lines between the points of a table where old tables were
     /// active, whose steps are not in `before_um` either.
     pub comparable_um: f64,
-    /// Largest standard uncertainty (k = 1), µm; `None` = not stated.
+    /// Largest standard uncertainty (k = 1) of a value, µm; `None` = not stated.
     pub u_um: Option<f64>,
+    /// U of `after_um`, the largest of its values, with 95 %, µm; `None` = not stated.
+    pub expanded_um: Option<f64>,
+    /// What is left around each measured position; one where no uncertainty is stated.
+    pub figures: Vec<Figure>,
     /// Whether a table was planned for it.
     pub compensated: bool,
 }
 
 /// Forecast along one body diagonal of the measured box: max − min of the deviation along it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DiagonalForecast {
     /// `PPP`, `NPP`, `PNP` or `PPN` (contract §2.2).
     pub name: &'static str,
@@ -50,13 +62,78 @@ pub struct DiagonalForecast {
     pub after_um: f64,
     /// `after_um` with straight lines, as of a term.
     pub comparable_um: f64,
-    /// Standard uncertainty (k = 1) of the figure, µm; `None` if any of the nine is not stated.
+    /// Standard uncertainty (k = 1) of a difference of two values on it, µm; `None` if any of the
+    /// nine is not stated.
     pub u_um: Option<f64>,
+    /// U of `after_um` with 95 %, µm; `None` = not stated.
+    pub expanded_um: Option<f64>,
+    /// Half of max − min with the uncertainty of a value, at each place of a measured position:
+    /// max − min keeps a limit where every value lies within half of it about the middle.
+    pub halves: Vec<Figure>,
+}
+
+impl DiagonalForecast {
+    /// A diagonal whose values have these standard uncertainties, µm; empty = not stated.
+    pub fn new(
+        name: &'static str,
+        before_um: f64,
+        after_um: f64,
+        sigma: Sigma,
+        u_um: &[f64],
+    ) -> Self {
+        let half = |u_um: f64| Figure {
+            um: after_um / 2.0,
+            u_um,
+        };
+        let halves: Vec<Figure> = u_um.iter().copied().map(half).collect();
+        let largest = u_um.iter().copied().reduce(larger);
+        DiagonalForecast {
+            name,
+            before_um,
+            after_um,
+            comparable_um: after_um,
+            u_um: largest.map(|u| std::f64::consts::SQRT_2 * u),
+            expanded_um: largest.map(|_| 2.0 * expanded_um(&halves, sigma)),
+            halves,
+        }
+    }
+
+    /// Its values; where no uncertainty is stated, max − min itself, halved.
+    fn halves_or_figure(&self) -> Vec<Figure> {
+        if self.halves.is_empty() {
+            let um = self.after_um / 2.0;
+            return vec![Figure { um, u_um: 0.0 }];
+        }
+        self.halves.clone()
+    }
+
+    /// max − min as one figure: the difference of two values.
+    fn difference(&self) -> Figure {
+        Figure {
+            um: self.after_um,
+            u_um: self.u_um.unwrap_or(0.0),
+        }
+    }
+}
+
+/// What the figures come from, which decides how they are judged ([`crate::conformity`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Basis {
+    /// The emulated tables.
+    Forecast,
+    /// A measurement with the tables active.
+    Measured,
 }
 
 /// What the tables will leave.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forecast {
+    /// What the figures come from.
+    pub basis: Basis,
+    /// How the σ behind the uncertainties is known.
+    pub sigma: Sigma,
+    /// The part of each axis that is judged, and how much of it was measured.
+    pub ranges: Vec<JudgedRange>,
     /// Every measured term, in the contract's order.
     pub terms: Vec<TermForecast>,
     /// The four body diagonals; empty unless all nine errors were measured, none in one direction only.
@@ -73,10 +150,8 @@ pub struct Forecast {
 impl Forecast {
     /// Largest residual of all measured terms, µm.
     pub fn max_residual_um(&self) -> f64 {
-        self.terms
-            .iter()
-            .map(|term| term.after_um)
-            .fold(0.0, f64::max)
+        let all = self.terms.iter().map(|term| term.after_um);
+        all.fold(0.0, larger)
     }
 
     /// Figures that the tables make larger than they were measured, one sentence each.
@@ -109,98 +184,69 @@ impl Forecast {
         terms.chain(diagonals).collect()
     }
 
-    /// Figures that do not keep the acceptance for sure, one sentence each.
-    pub fn misses(&self, acceptance: Acceptance) -> Vec<String> {
-        let sentence = |name: String, um: f64, u_um: Option<f64>, limit: Option<f64>| {
-            let verdict = judge(um, u_um, limit);
-            (verdict != Verdict::Pass).then(|| {
-                let expanded = u_um.map_or_else(
-                    || "U not stated".to_string(),
-                    |u| format!("U = {:.3} µm", COVERAGE_FACTOR * u),
-                );
-                format!(
-                    "{name} leaves {um:.3} µm ({expanded}), the limit is {} µm: {}",
-                    limit.unwrap_or(f64::INFINITY),
-                    verdict.word()
-                )
-            })
-        };
-        let terms = self.terms.iter().filter_map(|t| {
-            sentence(
-                t.term.to_string(),
-                t.after_um,
-                t.u_um,
-                acceptance.max_deviation_um,
-            )
-        });
-        let diagonals = self.diagonals.iter().filter_map(|d| {
-            let name = format!("diagonal {}", d.name);
-            sentence(name, d.after_um, d.u_um, acceptance.max_diagonal_um)
-        });
-        terms.chain(diagonals).collect()
+    /// What is left of all terms, at every measured position.
+    fn figures(&self) -> Vec<Figure> {
+        let all = self.terms.iter().flat_map(|term| &term.figures);
+        all.copied().collect()
+    }
+
+    /// U of [`Forecast::max_residual_um`], the largest of all terms, with 95 %, µm; `None` = no
+    /// uncertainty is stated.
+    pub fn max_expanded_um(&self) -> Option<f64> {
+        let stated = self.terms.iter().any(|term| term.u_um.is_some());
+        stated.then(|| expanded_um(&self.figures(), self.sigma))
+    }
+
+    fn judge(&self, figures: &[Figure], limit_um: f64) -> Verdict {
+        match self.basis {
+            Basis::Forecast => judge_forecast(figures, self.sigma, limit_um),
+            Basis::Measured => judge_measured(figures, self.sigma, limit_um),
+        }
+    }
+
+    /// Diagonals of a forecast are judged together; a measured one passes on the difference of its
+    /// two extreme values and fails on all its values.
+    fn judge_diagonals(&self, diagonals: &[&DiagonalForecast], limit_um: f64) -> Verdict {
+        let halves: Vec<Figure> = (diagonals.iter())
+            .flat_map(|diagonal| diagonal.halves_or_figure())
+            .collect();
+        let together = self.judge(&halves, limit_um / 2.0);
+        if self.basis == Basis::Forecast {
+            return together;
+        }
+        let differences: Vec<Figure> = diagonals.iter().map(|d| d.difference()).collect();
+        match judge_measured(&differences, self.sigma, limit_um) {
+            Verdict::Pass => Verdict::Pass,
+            _ => together.max(Verdict::Undecided),
+        }
     }
 
     /// Compares with the acceptance of the job.
     pub fn verdict(&self, acceptance: Acceptance) -> Verdict {
-        let terms = self
-            .terms
-            .iter()
-            .map(|t| judge(t.after_um, t.u_um, acceptance.max_deviation_um));
-        let diagonals = self
-            .diagonals
-            .iter()
-            .map(|d| judge(d.after_um, d.u_um, acceptance.max_diagonal_um));
-        let missing = acceptance.max_diagonal_um.is_some() && self.diagonals.is_empty();
-        terms
-            .chain(diagonals)
-            .chain(missing.then_some(Verdict::Undecided))
-            .max()
-            .unwrap_or(Verdict::Pass)
+        let terms = acceptance
+            .max_deviation_um
+            .map(|limit| self.judge(&self.figures(), limit));
+        let all: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
+        let diagonals = acceptance
+            .max_diagonal_um
+            .map(|limit| match all.is_empty() {
+                true => Verdict::Undecided,
+                false => self.judge_diagonals(&all, limit),
+            });
+        let judged = [terms, diagonals].into_iter().flatten().max();
+        let short = judged.is_some() && !self.is_range_known();
+        let short = short.then_some(Verdict::Undecided);
+        judged.max(short).unwrap_or(Verdict::Pass)
+    }
+
+    /// Whether enough of every judged range was measured.
+    fn is_range_known(&self) -> bool {
+        self.ranges.iter().all(JudgedRange::is_known)
     }
 }
 
 /// Differences below the last digit that is shown are none, µm.
 const SHOWN_UM: f64 = 0.001;
-
-/// Answer to the question whether a limit is kept; the worse one is the larger.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Verdict {
-    /// |d| + U ≤ limit, or no limit is stated.
-    Pass,
-    /// Neither.
-    Undecided,
-    /// |d| − U > limit.
-    Fail,
-}
-
-impl Verdict {
-    /// `pass`, `fail` or `undecided`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Verdict::Pass => "pass",
-            Verdict::Undecided => "undecided",
-            Verdict::Fail => "fail",
-        }
-    }
-}
-
-/// Coverage factor of the expanded uncertainty U = k·u (contract §5).
-pub const COVERAGE_FACTOR: f64 = 2.0;
-
-/// Contract §5: pass if |d| + U ≤ limit, fail if |d| − U > limit; U = 0 where u is not stated.
-pub fn judge(largest_um: f64, u_um: Option<f64>, limit_um: Option<f64>) -> Verdict {
-    let Some(limit) = limit_um else {
-        return Verdict::Pass;
-    };
-    let expanded = COVERAGE_FACTOR * u_um.unwrap_or(0.0);
-    if largest_um + expanded <= limit {
-        Verdict::Pass
-    } else if largest_um - expanded > limit {
-        Verdict::Fail
-    } else {
-        Verdict::Undecided
-    }
-}
 
 /// One machine, before and without compensation. Both are the same model where no table was
 /// active while measuring.
@@ -255,38 +301,48 @@ impl Emulator for Straightened<'_> {
     }
 }
 
-/// Computes the forecast from a machine and the emulated control.
+/// Computes the forecast from a machine and the emulated control, over the ranges that are judged.
 pub fn forecast(
     machine: Machine<'_>,
     plan: &Plan,
     control: &dyn Emulator,
+    ranges: &[JudgedRange],
 ) -> Result<Forecast, CannotEmulate> {
     let model = machine.as_measured;
+    let sigma = Sigma::with_freedom(model.remarks.degrees_of_freedom);
+    let judged = share::measured_and_judged(model, ranges);
     let lines = Straightened(control);
     let comparable: Option<&dyn Emulator> = machine.was_under_tables().then_some(&lines);
     let mut terms = Vec::new();
     for (term, measured) in model.measured() {
-        let after_um = largest_residual(machine, plan, control, term)?;
+        let left = |control| residuals(machine, plan, control, term, judged[term.along]);
+        let figures = left(control)?;
+        let u_um = measured.u_um();
         terms.push(TermForecast {
             term,
-            before_um: measured.largest_um(),
-            after_um,
+            before_um: measured.largest_within_um(judged[term.along]),
+            after_um: largest_um(&figures),
             comparable_um: match comparable {
-                Some(lines) => largest_residual(machine, plan, lines, term)?,
-                None => after_um,
+                Some(lines) => largest_um(&left(lines)?),
+                None => largest_um(&figures),
             },
-            u_um: measured.u_um,
+            u_um,
+            expanded_um: u_um.map(|_| expanded_um(&figures, sigma)),
+            figures,
             compensated: plan.tables.iter().any(|t| t.term == term),
         });
     }
-    let mut diagonals = diagonals::forecast(machine, plan, control)?;
+    let mut diagonals = diagonals::forecast(machine, plan, control, &judged, sigma)?;
     if let Some(lines) = comparable {
-        let compared = diagonals::forecast(machine, plan, lines)?;
+        let compared = diagonals::forecast(machine, plan, lines, &judged, sigma)?;
         for (own, compared) in diagonals.iter_mut().zip(compared) {
             own.comparable_um = compared.after_um;
         }
     }
     Ok(Forecast {
+        basis: Basis::Forecast,
+        sigma,
+        ranges: ranges.to_vec(),
         diagonals,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),
@@ -300,38 +356,122 @@ pub fn forecast(
     })
 }
 
-fn largest_residual(
+/// What is left of a term around each of its measured positions, |deviation + correction|.
+fn residuals(
     machine: Machine<'_>,
     plan: &Plan,
     control: &dyn Emulator,
     term: ErrorTerm,
-) -> Result<f64, CannotEmulate> {
-    let mut largest = 0.0_f64;
+    judged: Option<(Millimetres, Millimetres)>,
+) -> Result<Vec<Figure>, CannotEmulate> {
+    let mut figures: Vec<(Option<Direction>, Cell, f64)> = Vec::new();
     for direction in Direction::BOTH {
         let Some((measured, curve)) = machine.curves(term, direction) else {
             continue;
         };
-        let (from, to) = measured.measured_range();
+        let range = within(measured.measured_range(), judged);
+        let known = machine.as_measured.terms[term].as_ref();
+        let cells = known.map_or_else(Vec::new, |known| cells(known, direction, range));
         for (base, output) in axis_pairs(&plan.names, term) {
             let response = control.response(base, output, direction)?;
-            for stretch in response.stretches(from, to) {
-                let (low, high) = curve.extremes_against_line(
-                    stretch.from,
-                    stretch.to,
-                    stretch.at_from.um(),
-                    stretch.at_to.um(),
-                );
-                largest = largest.max(high).max(-low);
-            }
-            for end in [from, to] {
-                for beside in [-AT_THE_END_MM, AT_THE_END_MM] {
-                    let correction = response.correction(end + Millimetres::new(beside));
-                    largest = largest.max((curve.at(end) + correction).um().abs());
+            for (way, cell) in &cells {
+                let um = largest_in(curve, &response, *cell);
+                let same = figures.iter_mut().find(|(w, c, _)| w == way && c == cell);
+                match same {
+                    Some((_, _, largest)) => *largest = larger(*largest, um),
+                    None => figures.push((*way, *cell, um)),
                 }
             }
         }
     }
-    Ok(largest)
+    let figure = |(_, cell, um): (_, Cell, f64)| Figure {
+        um,
+        u_um: cell.u_um,
+    };
+    Ok(figures.into_iter().map(figure).collect())
+}
+
+/// The stretch of a curve that a measured position stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cell {
+    from: Millimetres,
+    to: Millimetres,
+    u_um: f64,
+}
+
+/// Half-way to the neighbouring positions on either side; the whole range where no uncertainty is
+/// stated.
+fn cells(
+    known: &MeasuredTerm,
+    direction: Direction,
+    (from, to): (Millimetres, Millimetres),
+) -> Vec<(Option<Direction>, Cell)> {
+    let own = |way: Option<Direction>| way.is_none_or(|way| way == direction);
+    let points = known.uncertainty.iter().filter(|p| own(p.direction));
+    let points: Vec<_> = points.collect();
+    if points.is_empty() {
+        let u_um = 0.0;
+        return vec![(None, Cell { from, to, u_um })];
+    }
+    let middle = |index: usize| {
+        let (a, b) = (points[index].at, points[index + 1].at);
+        Millimetres::new(f64::midpoint(a.mm(), b.mm()))
+    };
+    let mut cells = Vec::with_capacity(points.len());
+    for (index, point) in points.iter().enumerate() {
+        let low = if index == 0 { from } else { middle(index - 1) };
+        let high = if index + 1 == points.len() {
+            to
+        } else {
+            middle(index)
+        };
+        let (low, high) = within((low, high), Some((from, to)));
+        if low < high {
+            let cell = Cell {
+                from: low,
+                to: high,
+                u_um: point.u_um,
+            };
+            cells.push((point.direction, cell));
+        }
+    }
+    cells
+}
+
+/// Largest |deviation + correction| on a stretch, µm.
+fn largest_in(curve: &ErrorCurve, response: &Response, cell: Cell) -> f64 {
+    let mut largest = 0.0;
+    for stretch in response.stretches(cell.from, cell.to) {
+        let (low, high) = curve.extremes_against_line(
+            stretch.from,
+            stretch.to,
+            stretch.at_from.um(),
+            stretch.at_to.um(),
+        );
+        largest = larger(largest, larger(high, -low));
+    }
+    for end in [cell.from, cell.to] {
+        for beside in [-AT_THE_END_MM, AT_THE_END_MM] {
+            let correction = response.correction(end + Millimetres::new(beside));
+            largest = larger(largest, (curve.at(end) + correction).um().abs());
+        }
+    }
+    largest
+}
+
+/// What two ranges have in common; the first where there is no second.
+fn within(
+    (from, to): (Millimetres, Millimetres),
+    other: Option<(Millimetres, Millimetres)>,
+) -> (Millimetres, Millimetres) {
+    let (low, high) = other.unwrap_or((from, to));
+    let from = if low > from { low } else { from };
+    let to = if high < to { high } else { to };
+    (from, to)
+}
+
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
 }
 
 /// A correction that jumps at an end of the measured range (a picometre either way) counts with

@@ -364,4 +364,13 @@ pub struct Acceptance {
     pub max_deviation_um: Option<f64>,
     /// Bound of max − min along every body diagonal, µm.
     pub max_diagonal_um: Option<f64>,
+    /// Part of an axis that is judged, machine coordinates; `None` = the whole travel.
+    pub range: PerAxis<Option<(Millimetres, Millimetres)>>,
+}
+
+impl Acceptance {
+    /// Whether there is no limit to judge by.
+    pub fn asks_nothing(&self) -> bool {
+        self.max_deviation_um.is_none() && self.max_diagonal_um.is_none()
+    }
 }

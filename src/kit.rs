@@ -14,13 +14,15 @@ mod verification;
 
 use crate::axis::Axis;
 use crate::compensation::Compiled;
+use crate::conformity::Verdict;
 use crate::controller::Profile;
 use crate::disagreement;
 pub use crate::document::sha256;
 use crate::emit::{self, RenderedFile, TOOL, Templates};
 pub use crate::emulate::emulator;
 use crate::emulate::{CannotEmulate, Emulator};
-use crate::forecast::{Forecast, Verdict, forecast};
+use crate::forecast::{Forecast, forecast, judged_ranges};
+use crate::job::ActiveTables;
 pub use crate::manifest::hashed;
 use crate::manifest::{self, HashedFile, Manifest, Predecessor, SCHEMA};
 use crate::plan::{Plan, plan};
@@ -87,8 +89,13 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     compiled.notes.extend(absent);
     let control =
         emulator(&inputs.profile, &read.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
-    let forecast =
-        forecast(inputs.machine(), &plan, control.as_ref()).map_err(|e| cannot_emulate(&e))?;
+    let forecast = forecast(
+        inputs.machine(),
+        &plan,
+        control.as_ref(),
+        &judged_ranges(&inputs.job, inputs.as_measured()),
+    )
+    .map_err(|e| cannot_emulate(&e))?;
     let doubts = doubts(inputs);
     let verdict = judged(&forecast, inputs, &doubts);
     let field = field::make(&Made {
@@ -123,8 +130,14 @@ fn doubts(inputs: &Inputs) -> Vec<String> {
     let measured = inputs.as_measured();
     let mut doubts = measured.doubts(|term| wants(&inputs.job, term));
     doubts.extend(measured.unlikely_small(inputs.job.measurement.uncertainty.noise_um));
+    if inputs.job.measurement.active == ActiveTables::NotStated {
+        doubts.push(ACTIVE_NOT_STATED.to_string());
+    }
     doubts
 }
+
+/// Old tables, or a backlash parameter, that were active would have to be added to the new ones.
+const ACTIVE_NOT_STATED: &str = "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these tables are wrong; write \"none\", or the path of the kit or of the files read out of the control, which are then added";
 
 /// Forecast against the acceptance; doubtful errors decide nothing in favour.
 fn judged(forecast: &Forecast, inputs: &Inputs, doubts: &[String]) -> Verdict {

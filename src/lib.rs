@@ -120,6 +120,8 @@ pub mod emulate;
 
 pub mod active;
 
+pub mod conformity;
+
 pub mod forecast;
 
 pub mod after;

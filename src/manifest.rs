@@ -181,6 +181,7 @@ pub fn forecast(forecast: &Forecast) -> Value {
     }
     let mut document = json!({
         "max_residual_um": picometres(forecast.max_residual_um()),
+        "max_residual_expanded_um": forecast.max_expanded_um().map(picometres),
         "terms": terms,
         "unmeasured_mm": unmeasured(&forecast.unmeasured),
     });
@@ -198,6 +199,7 @@ fn term_json(term: &TermForecast) -> Value {
         "before_um": picometres(term.before_um),
         "after_um": picometres(term.after_um),
         "u_um": term.u_um.map(picometres),
+        "expanded_um": term.expanded_um.map(picometres),
     })
 }
 
@@ -212,6 +214,8 @@ pub fn diagonals(diagonals: &[DiagonalForecast], after: &str) -> Value {
         );
         figures.insert(after.to_string(), json!(picometres(diagonal.after_um)));
         figures.insert("u_um".to_string(), json!(diagonal.u_um.map(picometres)));
+        let expanded = diagonal.expanded_um.map(picometres);
+        figures.insert("expanded_um".to_string(), json!(expanded));
         document.insert(diagonal.name.to_string(), Value::Object(figures));
     }
     Value::Object(document)

@@ -9,6 +9,9 @@
 //! (contract §2.3, Zero).
 
 mod angles;
+mod uncertainty;
+
+pub use self::uncertainty::PointUncertainty;
 
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::curve::ErrorCurve;
@@ -79,21 +82,41 @@ impl Measured {
 pub struct MeasuredTerm {
     /// Its curves, zero at the reference.
     pub measured: Measured,
-    /// Largest standard uncertainty (k = 1) of its points, µm: the root of the squares of the
-    /// `u_…` column and the job's `noise_um`, or the one that is stated; `None` = neither is.
-    pub u_um: Option<f64>,
+    /// Standard uncertainty at each measured position; empty = not stated.
+    pub uncertainty: Vec<PointUncertainty>,
 }
 
 impl MeasuredTerm {
-    /// Largest |deviation| over the measured range and all measured directions, µm (the
-    /// contract's `before_um`).
+    /// Largest standard uncertainty (k = 1) of a value against that at the reference, µm; `None` =
+    /// not stated.
+    pub fn u_um(&self) -> Option<f64> {
+        let all = self.uncertainty.iter().map(|point| point.u_um);
+        all.reduce(larger)
+    }
+
+    /// Largest standard uncertainty (k = 1) of a value by itself, µm; `None` = not stated.
+    pub fn u_value_um(&self) -> Option<f64> {
+        let all = self.uncertainty.iter().map(|point| point.value_um);
+        all.reduce(larger)
+    }
+
+    /// Largest |deviation| over the measured range and all measured directions, µm.
     pub fn largest_um(&self) -> f64 {
-        self.curves()
-            .map(|curve| {
-                let (from, to) = curve.measured_range();
-                curve.largest_magnitude(from, to)
-            })
-            .fold(0.0, f64::max)
+        self.largest_within_um(None)
+    }
+
+    /// The same over the part of the measured range that lies within another one (the contract's
+    /// `before_um`).
+    pub fn largest_within_um(&self, range: Option<(Millimetres, Millimetres)>) -> f64 {
+        let largest = |curve: &ErrorCurve| {
+            let (mut from, mut to) = curve.measured_range();
+            if let Some((low, high)) = range {
+                from = if low > from { low } else { from };
+                to = if high < to { high } else { to };
+            }
+            curve.largest_magnitude(from, to)
+        };
+        self.curves().map(largest).fold(0.0, larger)
     }
 
     /// Its curves, + before −.
@@ -376,22 +399,14 @@ fn measured_term(
         .into_iter()
         .map(|(direction, curve)| (direction, curve.less(zero)));
     let measured = Measured::of(zeroed)?;
-    let column = series
-        .iter()
-        .filter_map(|s| s.uncertainties_um[term.of].as_ref())
-        .flatten()
-        .copied()
-        .reduce(f64::max);
-    let u_um = root_of_squares(column, job.measurement.uncertainty.noise_um);
-    Some(MeasuredTerm { measured, u_um })
+    Some(MeasuredTerm {
+        measured,
+        uncertainty: uncertainty::points(job, series, term, machine),
+    })
 }
 
-/// Two independent standard uncertainties as one; absent if both are.
-fn root_of_squares(first: Option<f64>, second: Option<f64>) -> Option<f64> {
-    match (first, second) {
-        (Some(first), Some(second)) => Some(first.hypot(second)),
-        (one, other) => one.or(other),
-    }
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
 }
 
 fn value_at_reference(
@@ -448,16 +463,4 @@ fn add_squareness(
             minus: tilt(minus),
         },
     };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn noise_and_column_add_as_squares() {
-        assert_eq!(root_of_squares(Some(3.0), Some(4.0)), Some(5.0));
-        assert_eq!(root_of_squares(None, Some(4.0)), Some(4.0));
-        assert_eq!(root_of_squares(None, None), None);
-    }
 }

@@ -258,7 +258,7 @@ fn term_targets(
                 directed(term, Direction::Minus, minus),
             ],
             mean: plus.mean_with(minus).map(|mean| at_reference(&mean)),
-            note: noise_note(term, measured.u_um, plus.difference(minus)),
+            note: noise_note(term, measured.u_value_um(), plus.difference(minus)),
         }),
         BacklashPolicy::TwoTables | BacklashPolicy::Mean => {
             let mean = plus.mean_with(minus).map(|mean| at_reference(&mean));

@@ -270,7 +270,7 @@ impl Sum<'_> {
             let (plus, minus) = (held(Direction::Plus), held(Direction::Minus));
             self.model.terms[term] = Some(MeasuredTerm {
                 measured: joined(plus, minus),
-                u_um: None,
+                uncertainty: Vec::new(),
             });
             return;
         };
@@ -295,8 +295,11 @@ impl Sum<'_> {
         if measured.has_both_ways() && !own.measured.has_both_ways() {
             self.notes.push(format!("{term}: the active tables differ with the direction and the measurement does not; the difference is carried over from them"));
         }
-        let u_um = own.u_um;
-        self.model.terms[term] = Some(MeasuredTerm { measured, u_um });
+        let uncertainty = own.uncertainty.clone();
+        self.model.terms[term] = Some(MeasuredTerm {
+            measured,
+            uncertainty,
+        });
     }
 }
 

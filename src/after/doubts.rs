@@ -1,12 +1,10 @@
 //! Why as-left figures decide nothing in favour, and what whoever reads the page should know.
 
-use super::{AfterMeasurement, Control, MeasuredCurves, StraightRuns, unseen_reversal};
+use super::{AfterMeasurement, Control, StraightRuns, unseen_reversal};
 use crate::axis::{Axis, ErrorTerm};
+use crate::forecast::Machine;
 use crate::model::{ErrorModel, MeasuredTerm};
 
-/// Share of the range measured first that has to be measured again before a limit counts as kept:
-/// the offset targets of an acceptance test stay clear of the ends by half a step or so.
-const COVERED: f64 = 0.9;
 /// Gaps between the positions measured again, in gaps of the first measurement, beyond which
 /// nothing is known between them: every second position is enough, fewer are not.
 const WIDEST_GAP: f64 = 2.0;
@@ -15,42 +13,49 @@ const ROUNDING: f64 = 1.0 + 1e-6;
 
 /// Why the figures decide nothing in favour, one sentence each.
 pub(super) fn doubts(
-    before: &ErrorModel,
+    machine: Machine<'_>,
     control: Option<&Control>,
     after: &AfterMeasurement,
 ) -> Vec<String> {
+    let before = machine.uncompensated;
     let mut doubts = match after {
-        AfterMeasurement::Errors(curves) => curves.model.doubts(|_| true),
+        AfterMeasurement::Errors(model) => model.doubts(|_| true),
         AfterMeasurement::Diagonals(_) => Vec::new(),
     };
-    let axes = Axis::ALL.into_iter();
-    doubts.extend(axes.filter_map(|axis| short(before, after, axis)));
-    if let AfterMeasurement::Errors(curves) = after {
+    doubts.extend(not_measured(machine.as_measured, after).map(str::to_string));
+    if let AfterMeasurement::Errors(model) = after {
         let axes = Axis::ALL.into_iter();
-        doubts.extend(axes.filter_map(|axis| sparse(before, &curves.model, axis)));
-        doubts.extend(reversal_not_seen(before, control, &curves.model));
-        doubts.extend(other_frame(before, &curves.model));
+        doubts.extend(axes.filter_map(|axis| sparse(before, model, axis)));
+        doubts.extend(reversal_not_seen(before, control, model));
+        doubts.extend(other_frame(before, model));
     }
     doubts
 }
 
-/// An axis that was not measured again over its range, or not walked by the diagonals.
-fn short(before: &ErrorModel, after: &AfterMeasurement, axis: Axis) -> Option<String> {
-    let (first, last) = before.ranges[axis]?;
-    let (low, high) = match after {
-        AfterMeasurement::Errors(curves) => {
-            let (low, high) = curves.model.ranges[axis]?;
-            (low.mm(), high.mm())
-        }
-        AfterMeasurement::Diagonals(runs) => runs.range_mm(axis),
+/// Values that nobody measured after the tables were loaded.
+fn not_measured(before: &ErrorModel, after: &AfterMeasurement) -> Option<&'static str> {
+    let measured_first = before.remarks.simulated().next().is_none();
+    if after.is_simulated() && measured_first {
+        return Some(
+            "the values afterwards were simulated, those as found were measured: a rehearsal says nothing of this machine",
+        );
+    }
+    if after.is_zero() {
+        return Some("the values afterwards are all zero: no measurement, or an empty table");
+    }
+    let same = matches!(after, AfterMeasurement::Errors(model) if has_same_values(before, model));
+    same.then_some(
+        "the values afterwards are those of the first measurement: the same file, or a copy of it",
+    )
+}
+
+/// Whether both measurements hold the very same values.
+fn has_same_values(before: &ErrorModel, after: &ErrorModel) -> bool {
+    let same = |(term, second): (ErrorTerm, &MeasuredTerm)| {
+        let first = before.terms[term].as_ref();
+        first.is_some_and(|first| first.measured == second.measured)
     };
-    let common = high.min(last.mm()) - low.max(first.mm());
-    (common < COVERED * (last - first).mm()).then(|| {
-        format!(
-            "axis {axis} was measured from {} to {} mm as found, afterwards only from {low} to {high} mm: nothing is known of the rest",
-            first.mm(), last.mm()
-        )
-    })
+    after.measured().all(same)
 }
 
 /// An axis that was measured again at far fewer positions.
@@ -128,7 +133,7 @@ fn frame(model: &ErrorModel) -> Option<&str> {
 /// What whoever reads the page should know, one sentence each.
 pub(super) fn notes(before: &ErrorModel, after: &AfterMeasurement) -> Vec<String> {
     match after {
-        AfterMeasurement::Errors(curves) => of_curves(before, curves),
+        AfterMeasurement::Errors(model) => of_curves(before, model),
         AfterMeasurement::Diagonals(runs) => of_runs(runs),
     }
 }
@@ -142,8 +147,7 @@ fn of_runs(runs: &StraightRuns) -> Vec<String> {
     notes
 }
 
-fn of_curves(before: &ErrorModel, curves: &MeasuredCurves) -> Vec<String> {
-    let after = &curves.model;
+fn of_curves(before: &ErrorModel, after: &ErrorModel) -> Vec<String> {
     let mut notes = after.remarks.notes.clone();
     let fewer = names(fewer_ways(before, after).map(|(term, _)| term));
     if !fewer.is_empty() {
@@ -151,7 +155,7 @@ fn of_curves(before: &ErrorModel, curves: &MeasuredCurves) -> Vec<String> {
             "found in both directions, measured afterwards without: {fewer}; a fault of the reversal does not show"
         ));
     }
-    notes.extend(unseen_reversal(before, curves).map(|reversal| reversal.words));
+    notes.extend(unseen_reversal(before, after).map(|reversal| reversal.words));
     notes
 }
 

@@ -14,7 +14,7 @@ pub(super) fn ensure_common_ground(
     after: &AfterMeasurement,
 ) -> Result<(), Problems> {
     match after {
-        AfterMeasurement::Errors(curves) => common_terms(before, &curves.model),
+        AfterMeasurement::Errors(model) => common_terms(before, model),
         AfterMeasurement::Diagonals(runs) => nine_terms_over(before, runs),
     }
 }

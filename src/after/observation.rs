@@ -144,9 +144,9 @@ const fn index(direction: Direction) -> usize {
 pub fn observations(before: &ErrorModel, after: &AfterMeasurement) -> Vec<Observation> {
     match after {
         AfterMeasurement::Diagonals(runs) => along_diagonals(before, runs),
-        AfterMeasurement::Errors(curves) => {
+        AfterMeasurement::Errors(model) => {
             let mut seen = Vec::new();
-            for (zero, (term, measured)) in curves.model.measured().enumerate() {
+            for (zero, (term, measured)) in model.measured().enumerate() {
                 of_term(before, term, measured, zero, &mut seen);
             }
             seen
@@ -180,7 +180,7 @@ fn of_term(
                     parts,
                     um: curve.at(*at).um(),
                     found_um,
-                    u_um: measured.u_um,
+                    u_um: measured.u_value_um(),
                     curve: 2 * zero + number,
                     zero,
                     diagonal: None,

@@ -1,6 +1,5 @@
 //! Lost motion that only the second measurement could see.
 
-use super::MeasuredCurves;
 use crate::axis::ErrorTerm;
 use crate::model::{ErrorModel, Measured};
 
@@ -11,17 +10,16 @@ pub struct UnseenReversal {
     /// B of each of these errors, in a sentence.
     pub words: String,
     /// The second measurement with the mean of both directions in their place.
-    pub without: MeasuredCurves,
+    pub without: ErrorModel,
 }
 
 /// What the first measurement could not see; `None` where both tell the directions apart, or
 /// neither does.
-pub fn unseen_reversal(before: &ErrorModel, after: &MeasuredCurves) -> Option<UnseenReversal> {
+pub fn unseen_reversal(before: &ErrorModel, after: &ErrorModel) -> Option<UnseenReversal> {
     let mut without = after.clone();
     let mut found = Vec::new();
     for term in ErrorTerm::ALL {
-        let (Some(first), Some(second)) = (&before.terms[term], &mut without.model.terms[term])
-        else {
+        let (Some(first), Some(second)) = (&before.terms[term], &mut without.terms[term]) else {
             continue;
         };
         let reversal = second.reversal();

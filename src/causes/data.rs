@@ -5,6 +5,8 @@ use super::question::Question;
 use super::{RISK, quantile};
 use crate::after::{Observation, Part};
 use crate::axis::ErrorTerm;
+use crate::model::MeasuredTerm;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::collections::BTreeMap;
 
 /// What no laser resolves, µm.
@@ -12,6 +14,9 @@ const SMALLEST_UM: f64 = 0.01;
 /// Where no uncertainty is stated, the scatter about the best explanation is taken, up to this
 /// share of what the tables add: more would explain nothing.
 const MOST_SCATTER: f64 = 0.1;
+
+/// Fewer second differences tell no scatter.
+const FEWEST_DIFFERENCES: f64 = 8.0;
 
 /// What the comparison rests on.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,31 +94,78 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// Whether either measurement states an uncertainty.
-    pub(super) fn has_uncertainty(&self) -> bool {
-        let after = self.question.seen.iter().any(|o| o.u_um.is_some());
-        let mut before = self.question.before.measured();
-        after || before.any(|(_, measured)| measured.u_um.is_some())
+    /// Whether both measurements state an uncertainty.
+    pub(super) fn has_both_uncertainties(&self) -> bool {
+        let after = self.question.seen.iter().all(|o| o.u_um.is_some());
+        let stated = |o: &Observation| found_variance(self.question, o) > 0.0;
+        after && self.question.seen.iter().all(stated)
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.measured_um.is_empty()
     }
 
-    /// Without any stated uncertainty: the scatter about the best explanation.
+    /// Where an uncertainty is not stated: the scatter between neighbours about the best
+    /// explanation, which a fault of any smooth shape leaves out; with few values the root mean square.
     pub(super) fn settle(&mut self, fits: &[Fit]) {
         let forecast = self.fit(&Fault::None);
-        let all = fits.iter().chain([&forecast]).map(|fit| self.rms(fit));
-        let best = all.fold(f64::INFINITY, f64::min);
-        let planned: Vec<f64> = self.effects(&Fault::None, &[]);
+        let all = || fits.iter().chain([&forecast]);
         let floor = floor_um(self.question);
-        let most = (MOST_SCATTER * root_mean_square(&self.less_zeros(&planned))).max(floor);
-        let sigma = best.clamp(floor, most);
-        self.sigma_um = vec![sigma; self.sigma_um.len()];
-        self.basis.sigma_um = sigma;
+        let scatter = all().filter_map(|fit| self.scatter_um(fit));
+        let (least, what) = match scatter.reduce(smaller) {
+            Some(um) => (um, "the scatter between neighbouring values"),
+            None => (self.bounded_rms(all(), floor), "the scatter"),
+        };
+        let sigma = larger(least, floor);
+        self.sigma_um = self
+            .sigma_um
+            .iter()
+            .map(|own| larger(*own, sigma))
+            .collect();
+        self.basis.sigma_um = root_mean_square(&self.sigma_um);
+        let unstated = match self.basis.words.is_empty() {
+            true => "no uncertainty is stated".to_string(),
+            false => format!("at least {}", self.basis.words),
+        };
         self.basis.words = format!(
-            "no uncertainty is stated: {sigma:.3} µm is taken, the scatter about the best explanation, at least half a count and what the forecast leaves ({floor:.3} µm)"
+            "{unstated}: {sigma:.3} µm is taken, {what} about the best explanation, at least half a count and what the forecast leaves ({floor:.3} µm)"
         );
+    }
+
+    /// Least root mean square of the fits, up to a share of what the tables add, µm.
+    fn bounded_rms<'b>(&self, fits: impl Iterator<Item = &'b Fit>, floor: f64) -> f64 {
+        let best = fits.map(|fit| self.rms(fit)).fold(f64::INFINITY, smaller);
+        let planned = self.effects(&Fault::None, &[]);
+        let most = MOST_SCATTER * root_mean_square(&self.less_zeros(&planned));
+        best.clamp(floor, larger(most, floor))
+    }
+
+    /// σ of independent noise from second differences of what a fit leaves along each curve, µm,
+    /// widened for its degrees of freedom so that a normal quantile at [`RISK`] may be taken; `None`
+    /// = too few values.
+    ///
+    /// formula  σ² = Σ (r(i−1) − 2 r(i) + r(i+1))² / (6 m), half as many degrees of freedom as m
+    fn scatter_um(&self, fit: &Fit) -> Option<f64> {
+        let mut curves: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for (observation, left, _) in self.left(fit) {
+            curves.entry(observation.curve).or_default().push(left);
+        }
+        let second = |w: &[f64]| (w[0] - 2.0 * w[1] + w[2]).powi(2);
+        let squares: Vec<f64> = curves
+            .values()
+            .flat_map(|c| c.windows(3).map(second))
+            .collect();
+        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
+        let count = squares.len() as f64;
+        if count < FEWEST_DIFFERENCES {
+            return None;
+        }
+        let sigma = (squares.iter().sum::<f64>() / (6.0 * count)).sqrt();
+        let risk = 1.0 - RISK / 2.0;
+        let student = StudentsT::new(0.0, 1.0, count / 2.0)
+            .ok()?
+            .inverse_cdf(risk);
+        Some(sigma * student / quantile(1.0 - RISK, 1.0).sqrt())
     }
 
     /// The same with the second measurement in another unit; its u is that of the values, or
@@ -311,6 +363,14 @@ fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / count).sqrt()
 }
 
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+fn smaller(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
 fn floor_um(question: &Question<'_>) -> f64 {
     (question.count_um / 2.0)
         .hypot(question.forecast_um)
@@ -322,7 +382,9 @@ fn found_variance(question: &Question<'_>, observation: &Observation) -> f64 {
     let of = |term: ErrorTerm| {
         let parts = observation.parts.iter().filter(|part| part.term == term);
         let weight: f64 = parts.map(|part| part.weight).sum();
-        let u = question.before.terms[term].as_ref().and_then(|m| m.u_um);
+        let u = question.before.terms[term]
+            .as_ref()
+            .and_then(MeasuredTerm::u_value_um);
         (weight * u.unwrap_or(0.0)).powi(2)
     };
     ErrorTerm::ALL.into_iter().map(of).sum()
@@ -342,7 +404,10 @@ fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
         let found = if found > 0.0 { found } else { left };
         (left + found + rounding).sqrt()
     };
-    let found = question.before.measured().any(|(_, m)| m.u_um.is_some());
+    let found = question
+        .before
+        .measured()
+        .any(|(_, m)| m.u_value_um().is_some());
     let left = question.seen.iter().any(|o| o.u_um.is_some());
     let words = match (found, left) {
         (true, true) => "u of both measurements".to_string(),

@@ -3,8 +3,8 @@
 use crate::cli::deliver::Delivery;
 use crate::cli::inputs::with_suffix;
 use crate::cli::{Answer, inputs, show};
+use crate::conformity::Verdict;
 use crate::controller::{Dialect, Role};
-use crate::forecast::Verdict;
 use crate::job::ActiveTables;
 use crate::kit::{Inputs, Kit, generate};
 use crate::manifest::MANIFEST;

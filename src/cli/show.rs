@@ -3,7 +3,8 @@
 use crate::axis::{Axis, Direction};
 use crate::claims::{Assumption, Precondition, shared};
 use crate::compensation::{Compiled, Placement};
-use crate::forecast::{COVERAGE_FACTOR, Forecast, Verdict};
+use crate::conformity::Verdict;
+use crate::forecast::Forecast;
 use crate::job::Acceptance;
 use crate::kit;
 use crate::model::ErrorModel;
@@ -97,7 +98,7 @@ pub(super) fn forecast(forecast: &Forecast) -> String {
         Column::Left("term"),
         Column::Right("before/µm"),
         Column::Right("after/µm"),
-        Column::Right("U(k=2)/µm"),
+        Column::Right("U(95 %)/µm"),
         Column::Left("table"),
     ];
     let reversal = forecast.without_reversal_um.map_or_else(String::new, |um| {
@@ -108,7 +109,7 @@ pub(super) fn forecast(forecast: &Forecast) -> String {
             t.term.to_string(),
             format!("{:.3}", t.before_um),
             format!("{:.3}", t.after_um),
-            expanded(t.u_um),
+            expanded(t.expanded_um),
             format!(
                 "{}{}",
                 if t.compensated { "yes" } else { "none" },
@@ -135,18 +136,26 @@ pub(super) fn forecast(forecast: &Forecast) -> String {
             format!("diagonal {}", d.name),
             format!("{:.3}", d.before_um),
             format!("{:.3}", d.after_um),
-            expanded(d.u_um),
+            expanded(d.expanded_um),
             format!("max - min{reversal}"),
         ]
     });
-    table(&columns, terms.chain(missing).chain(diagonals))
+    let rows = table(&columns, terms.chain(missing).chain(diagonals));
+    let all = together(forecast).map(|line| format!("\n{line}"));
+    rows + &all.unwrap_or_default()
 }
 
-fn expanded(u_um: Option<f64>) -> String {
-    u_um.map_or_else(
-        || "not stated".to_string(),
-        |u| format!("{:.3}", COVERAGE_FACTOR * u),
-    )
+/// The largest of all terms with the U that holds for all of them together.
+pub(super) fn together(forecast: &Forecast) -> Option<String> {
+    let expanded = forecast.max_expanded_um()?;
+    Some(format!(
+        "  U: with 95 % the largest value of the line exceeds its figure by no more; of all terms {:.3} µm, U = {expanded:.3} µm",
+        forecast.max_residual_um()
+    ))
+}
+
+pub(super) fn expanded(expanded_um: Option<f64>) -> String {
+    expanded_um.map_or_else(|| "not stated".to_string(), |um| format!("{um:.3}"))
 }
 
 /// Slope of each cross term, and squareness where both terms of a pair were measured.
@@ -233,7 +242,8 @@ pub(super) fn verdict(
 ) -> String {
     let mut limits = Vec::new();
     if let Some(um) = acceptance.max_deviation_um {
-        limits.push(format!("every term within {um} µm"));
+        let terms = forecast.map_or_else(|| "every term".to_string(), Forecast::terms_words);
+        limits.push(format!("{terms} within {um} µm"));
     }
     if let Some(um) = acceptance.max_diagonal_um {
         limits.push(format!("max - min of every body diagonal within {um} µm"));
@@ -244,7 +254,13 @@ pub(super) fn verdict(
         limits.join(", ")
     };
     let uncertainty = match forecast {
-        Some(forecast) if !limits.is_empty() => without_uncertainty(forecast),
+        Some(forecast) if !limits.is_empty() => {
+            format!(
+                "; {}{}",
+                forecast.range_words(),
+                without_uncertainty(forecast)
+            )
+        }
         _ => String::new(),
     };
     let short =

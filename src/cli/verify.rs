@@ -6,7 +6,8 @@ mod second;
 use crate::cli::directory::{Found, read_directory};
 use crate::cli::inputs;
 use crate::cli::{Answer, Format, print, print_json, say, show};
-use crate::forecast::{Forecast, Verdict};
+use crate::conformity::Verdict;
+use crate::forecast::Forecast;
 use crate::kit::{Inputs, Verification, verify, verify_read_out};
 use crate::manifest::{MANIFEST, diagonals, picometres};
 use crate::problem::{Problems, shown};
@@ -163,6 +164,7 @@ fn document(inputs: &Inputs, verification: &Verification) -> Value {
                 "before_um": picometres(term.before_um),
                 "forecast_um": picometres(term.after_um),
                 "u_um": term.u_um.map(picometres),
+                "expanded_um": term.expanded_um.map(picometres),
                 "max_residual_um": picometres(term.after_um),
             }),
         );
@@ -188,6 +190,7 @@ fn document(inputs: &Inputs, verification: &Verification) -> Value {
         "verdict": verification.verdict.word(),
         "terms": terms,
         "max_residual_um": forecast.map(|f| picometres(f.max_residual_um())),
+        "max_residual_expanded_um": forecast.and_then(Forecast::max_expanded_um).map(picometres),
         "diagonals": forecast.map(|f| diagonals(&f.diagonals, "forecast_um")),
         "causes": causes,
         "assumptions": verification.compiled.assumptions,

@@ -5,6 +5,7 @@
 //!   # doubt: why the values should not be trusted as they stand
 //!   # not determined: EXX: why this term has no values
 //!   # reversal not held: 9.146 um along the diagonals
+//!   # degrees of freedom: 3
 //!   # note: what whoever uses the values has to know
 //! ```
 //! Any other comment is free text and means nothing to the program.
@@ -14,6 +15,7 @@ use crate::axis::ErrorTerm;
 const DOUBT: &str = "doubt:";
 const NOT_DETERMINED: &str = "not determined:";
 const REVERSAL: &str = "reversal not held:";
+const FREEDOM: &str = "degrees of freedom:";
 const NOTE: &str = "note:";
 
 /// The words by which a simulation is told from a measurement: a note of the table begins so.
@@ -29,6 +31,8 @@ pub struct Remarks {
     /// Reversal along the body diagonals that the readings show and the curves do not hold, µm:
     /// it could not be told apart by axis.
     pub hidden_reversal_um: Option<f64>,
+    /// Degrees of freedom of the estimate behind the `u_…` columns; `None` = as good as known.
+    pub degrees_of_freedom: Option<f64>,
     /// What whoever uses the values has to know.
     pub notes: Vec<String>,
 }
@@ -51,13 +55,17 @@ impl Remarks {
         notes.filter(|note| note.starts_with(SIMULATED))
     }
 
-    /// Adds the remarks of another table of the same machine; of two hidden reversals the larger.
+    /// Adds the remarks of another table of the same machine; of two hidden reversals the larger,
+    /// of two degrees of freedom the fewer.
     pub(super) fn extend(&mut self, other: Remarks) {
         self.doubts.extend(other.doubts);
         self.not_determined.extend(other.not_determined);
         self.notes.extend(other.notes);
         let both = [self.hidden_reversal_um, other.hidden_reversal_um];
         self.hidden_reversal_um = both.into_iter().flatten().reduce(f64::max);
+        let both = [self.degrees_of_freedom, other.degrees_of_freedom];
+        let fewer = |a: f64, b: f64| if b < a { b } else { a };
+        self.degrees_of_freedom = both.into_iter().flatten().reduce(fewer);
     }
 
     fn hear(&mut self, comment: &str) {
@@ -70,6 +78,10 @@ impl Remarks {
             let um = words.split_whitespace().next().unwrap_or_default();
             let um: Option<f64> = um.parse().ok();
             self.hidden_reversal_um = um.filter(|um| um.is_finite()).or(self.hidden_reversal_um);
+        } else if let Some(words) = after(FREEDOM) {
+            let freedom: Option<f64> = words.parse().ok();
+            let freedom = freedom.filter(|freedom| *freedom >= 1.0);
+            self.degrees_of_freedom = freedom.or(self.degrees_of_freedom);
         } else if let Some(words) = after(NOT_DETERMINED) {
             let (term, reason) = words.split_once(':').unwrap_or((&words, ""));
             match ErrorTerm::from_name(term.trim()) {
@@ -86,8 +98,11 @@ impl Remarks {
         let missing = missing.map(|(term, why)| format!("{NOT_DETERMINED} {term}: {why}"));
         let reversal = self.hidden_reversal_um.iter();
         let reversal = reversal.map(|um| format!("{REVERSAL} {um:.3} um along the diagonals"));
+        let freedom = self.degrees_of_freedom.iter();
+        let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
         let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
-        doubts.chain(missing).chain(reversal).chain(notes).collect()
+        let typed = missing.chain(reversal).chain(freedom);
+        doubts.chain(typed).chain(notes).collect()
     }
 }
 
@@ -104,6 +119,7 @@ mod tests {
                 .into_iter()
                 .collect(),
             hidden_reversal_um: Some(9.125),
+            degrees_of_freedom: Some(3.0),
             notes: vec!["frame: X primary".to_string()],
         };
         let mut table = "# made by hand\n#doubtful\n".to_string();

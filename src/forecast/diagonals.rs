@@ -3,11 +3,13 @@
 //! The deviation along the beam is a sum over the nine terms. Between two places where a curve or
 //! a correction bends, it is a cubic of the way, so its extremes are found without sampling.
 
+use super::larger;
 use super::{DiagonalForecast, Machine};
-use crate::axis::{Axis, Direction, ErrorTerm};
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::conformity::Sigma;
 use crate::curve::ErrorCurve;
 use crate::emulate::{CannotEmulate, Emulator, Response};
-use crate::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
 use crate::plan::{Plan, axis_pairs};
 use crate::units::Millimetres;
 
@@ -26,10 +28,10 @@ struct MeasuredBox {
 }
 
 impl MeasuredBox {
-    fn of(model: &ErrorModel) -> Option<MeasuredBox> {
+    fn of(ranges: &PerAxis<Option<(Millimetres, Millimetres)>>) -> Option<MeasuredBox> {
         let ends: Option<Vec<(f64, f64)>> = Axis::ALL
             .iter()
-            .map(|axis| model.ranges[*axis].map(|(low, high)| (low.mm(), high.mm())))
+            .map(|axis| ranges[*axis].map(|(low, high)| (low.mm(), high.mm())))
             .collect();
         let ends = ends?;
         Some(MeasuredBox {
@@ -58,9 +60,11 @@ pub(super) fn forecast(
     machine: Machine<'_>,
     plan: &Plan,
     control: &dyn Emulator,
+    ranges: &PerAxis<Option<(Millimetres, Millimetres)>>,
+    sigma: Sigma,
 ) -> Result<Vec<DiagonalForecast>, CannotEmulate> {
     let model = machine.as_measured;
-    let Some(measured_box) = MeasuredBox::of(model) else {
+    let Some(measured_box) = MeasuredBox::of(ranges) else {
         return Ok(Vec::new());
     };
     let one_way = |(_, m): (ErrorTerm, &MeasuredTerm)| matches!(m.measured, Measured::OneWay(..));
@@ -68,7 +72,6 @@ pub(super) fn forecast(
         // A diagonal travels some axis in the direction that was not measured.
         return Ok(Vec::new());
     }
-    let u_um = diagonal_uncertainty(model, &measured_box);
     let travels = travels(machine, plan, control, &measured_box)?;
     let of_diagonal = |(name, signs): &(&'static str, [f64; 3])| {
         let mut before = Extent::default();
@@ -79,13 +82,8 @@ pub(super) fn forecast(
         if reverse.parts != forward.parts {
             reverse.extremes(&mut before, &mut after);
         }
-        DiagonalForecast {
-            name,
-            before_um: before.size(),
-            after_um: after.size(),
-            comparable_um: after.size(),
-            u_um,
-        }
+        let u_um = uncertainties(model, &measured_box, *signs);
+        DiagonalForecast::new(name, before.size(), after.size(), sigma, &u_um)
     };
     Ok(DIAGONALS.iter().map(of_diagonal).collect())
 }
@@ -138,16 +136,66 @@ fn travels<'a>(
     Ok(travels)
 }
 
-/// u of max − min along a diagonal: two readings, each the sum of three terms per direction
-/// weighted with the direction cosine; the largest u of each term is taken everywhere.
-fn diagonal_uncertainty(model: &ErrorModel, measured_box: &MeasuredBox) -> Option<f64> {
-    let mut variance = 0.0;
-    for (term, measured) in model.measured() {
-        let cosine = measured_box.size[index(term.of)] / measured_box.length();
-        variance += (cosine * measured.u_um?).powi(2);
+/// Standard uncertainty of the deviation along the beam, µm, wherever an axis stands at one of its
+/// measured positions: three terms per axis, weighted with the direction cosine. A value by itself
+/// counts, since max − min is a difference and the reference drops out. Empty where that of a term
+/// is not stated.
+fn uncertainties(model: &ErrorModel, measured_box: &MeasuredBox, signs: [f64; 3]) -> Vec<f64> {
+    if model.measured().any(|(_, m)| m.uncertainty.is_empty()) {
+        return Vec::new();
     }
-    Some((2.0 * variance).sqrt())
+    let walk = Walk {
+        parts: Vec::new(),
+        measured_box,
+        signs,
+    };
+    let mut places = Vec::new();
+    for (term, measured) in model.measured() {
+        let axis = index(term.along);
+        let (low, size) = (measured_box.low[axis], measured_box.size[axis]);
+        let travelled = measured
+            .uncertainty
+            .iter()
+            .map(|p| (p.at.mm() - low) / size);
+        places.extend(travelled.map(|t| if signs[axis] > 0.0 { t } else { 1.0 - t }));
+    }
+    places.retain(|t| (-SAME_PLACE..=1.0 + SAME_PLACE).contains(t));
+    places.sort_by(f64::total_cmp);
+    places.dedup_by(|a, b| (*a - *b).abs() < SAME_PLACE);
+    let u_um = |t: &f64| {
+        let variances = model.measured().map(|(term, measured)| {
+            let cosine = measured_box.size[index(term.of)] / measured_box.length();
+            (cosine * near_um(measured, walk.position(index(term.along), *t))).powi(2)
+        });
+        variances.sum::<f64>().sqrt()
+    };
+    places.iter().map(u_um).collect()
 }
+
+/// Places on a diagonal that differ by less are one, in parts of its length.
+const SAME_PLACE: f64 = 1e-9;
+
+/// The larger of the uncertainties on either side of a place, µm.
+fn near_um(measured: &MeasuredTerm, at: Millimetres) -> f64 {
+    let distance = |point: &&PointUncertainty| (point.at - at).mm();
+    let points = || measured.uncertainty.iter();
+    let below = points().filter(|p| distance(p) <= AT_A_POINT_MM);
+    let above = points().filter(|p| distance(p) >= -AT_A_POINT_MM);
+    let nearest_below = below.map(|p| distance(&p)).reduce(larger);
+    let nearest_above = above.map(|p| -distance(&p)).reduce(larger);
+    let is_near = |p: &&PointUncertainty| {
+        let near =
+            |edge: Option<f64>, own: f64| edge.is_some_and(|e| (own - e).abs() < AT_A_POINT_MM);
+        near(nearest_below, distance(p)) || near(nearest_above, -distance(p))
+    };
+    points()
+        .filter(is_near)
+        .map(|p| p.value_um)
+        .fold(0.0, larger)
+}
+
+/// Nearer to a measured position than this is at it, mm.
+const AT_A_POINT_MM: f64 = 1e-6;
 
 const fn index(axis: Axis) -> usize {
     match axis {

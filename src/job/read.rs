@@ -1,6 +1,6 @@
 //! Job TOML → [`crate::job::Job`]: every key of contract §2.3, and nothing else.
 
-use crate::axis::{Direction, PerAxis};
+use crate::axis::{Axis, Direction, PerAxis};
 use crate::chain::Chain;
 use crate::document::Section;
 use crate::job::read_compensation::compensation;
@@ -60,7 +60,7 @@ pub(super) fn job(root: &Section<'_>, use_of: UseOf) -> Option<Parts> {
             .and_then(|s| compensation(&s))
     };
     let limits = limits(root);
-    let acceptance = acceptance(root);
+    let acceptance = acceptance(root, &axes);
     let program = root
         .section("program")
         .map(|s| program(&s, measurement.as_ref()));
@@ -207,14 +207,44 @@ fn limits(root: &Section<'_>) -> Limits {
     limits
 }
 
-fn acceptance(root: &Section<'_>) -> Acceptance {
+fn acceptance(root: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Acceptance {
     let Some(section) = root.section("acceptance") else {
         return Acceptance::default();
     };
+    let range = section.section("range_mm").map(|s| {
+        let range = PerAxis::from_fn(|axis| judged_range(&s, axis, axes[axis]));
+        s.refuse_unknown_keys();
+        range
+    });
     let acceptance = Acceptance {
         max_deviation_um: section.within("max_deviation_um", SMALLEST_LIMIT, LARGEST_LIMIT, "µm"),
         max_diagonal_um: section.within("max_diagonal_um", SMALLEST_LIMIT, LARGEST_LIMIT, "µm"),
+        range: range.unwrap_or_default(),
     };
     section.refuse_unknown_keys();
     acceptance
+}
+
+/// The part of an axis that is to be judged; it lies inside the travel.
+fn judged_range(
+    section: &Section<'_>,
+    axis: Axis,
+    machine: Option<MachineAxis>,
+) -> Option<(Millimetres, Millimetres)> {
+    let key = axis.key();
+    let [low, high] = section.pair_of_millimetres(key)?;
+    let (from, to) = (Millimetres::new(low), Millimetres::new(high));
+    let inside = machine.is_none_or(|m| from >= m.low && to <= m.high);
+    if low < high && inside {
+        return Some((from, to));
+    }
+    let travel = machine.map_or_else(String::new, |m| {
+        format!(" inside the travel, {} to {} mm", m.low.mm(), m.high.mm())
+    });
+    section.problem(
+        key,
+        format!("the range to be judged is {low} to {high} mm, expected a range{travel}"),
+        "write [smallest, largest] machine coordinate",
+    );
+    None
 }

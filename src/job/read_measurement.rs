@@ -122,7 +122,6 @@ fn both_given(section: &Section<'_>) {
 fn unused(uncertainty: &StatedUncertainty) -> Vec<String> {
     let mut unused = Vec::new();
     let stated = [
-        ("laser_ppm", uncertainty.laser_ppm),
         ("temperature_k", uncertainty.temperature_k),
         ("alpha_per_k", uncertainty.alpha_per_k),
         ("setup_ppm", uncertainty.setup_ppm),
@@ -131,7 +130,7 @@ fn unused(uncertainty: &StatedUncertainty) -> Vec<String> {
     ];
     for (key, _) in stated.iter().filter(|(_, value)| value.is_some()) {
         unused.push(format!(
-            "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column and `noise_um` state"
+            "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column, `noise_um` and `laser_ppm` state"
         ));
     }
     unused
@@ -196,6 +195,7 @@ offsets_mm = { x = 1.0, y = 2.0, z = 3.0 }
 [measurement.uncertainty]
 noise_um = 0.5
 laser_ppm = 0.1
+temperature_k = 0.3
 [compensation]
 controller = "generic"
 "#;
@@ -205,7 +205,7 @@ controller = "generic"
         let source = Source::from_bytes("job.toml", PAGE.as_bytes()).expect("it is text");
         let measurement = Job::read(source).expect("it is a job").measurement;
         assert_eq!(measurement.uncertainty.noise_um, Some(0.5));
-        let keys = ["`laser_ppm`"];
+        let keys = ["`temperature_k`"];
         assert_eq!(measurement.notes.len(), keys.len());
         for (sentence, key) in measurement.notes.iter().zip(keys) {
             assert!(sentence.contains(key), "{sentence}");

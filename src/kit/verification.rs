@@ -4,9 +4,10 @@ use super::loaded::Loaded;
 use super::{Inputs, cannot_emulate, doubts, field, judged};
 use crate::active::ActiveControl;
 use crate::compensation::Compiled;
+use crate::conformity::Verdict;
 use crate::control_state::ControlState;
 use crate::emulate::emulator;
-use crate::forecast::{Forecast, Verdict, forecast};
+use crate::forecast::{Forecast, forecast, judged_ranges};
 use crate::plan::{Plan, plan};
 use crate::problem::Problems;
 use crate::readback::kit::KitFile;
@@ -69,7 +70,9 @@ impl Verification {
         let doubts = [doubts(inputs), loaded.beside.clone()].concat();
         let mut disagreements = loaded.disagreements;
         let control = loaded.control.ok();
-        let forecast = control.map(|control| forecast(inputs.machine(), &plan, control.as_ref()));
+        let ranges = judged_ranges(&inputs.job, inputs.as_measured());
+        let forecast =
+            control.map(|control| forecast(inputs.machine(), &plan, control.as_ref(), &ranges));
         let forecast = match forecast.transpose() {
             Ok(forecast) => forecast,
             Err(reason) => {

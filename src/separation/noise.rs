@@ -58,7 +58,7 @@ pub struct Noise {
 
 impl Noise {
     /// Degrees of freedom as a number; `None` = as good as known.
-    pub fn freedom_f64(&self) -> Option<f64> {
+    pub fn freedom_f64(self) -> Option<f64> {
         #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
         self.freedom.map(|freedom| freedom as f64)
     }

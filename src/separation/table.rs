@@ -1,6 +1,7 @@
 //! Nine errors → the rows of an error table (contract §2.1).
 
 use super::evidence::Evidence;
+use super::noise::Noise;
 use super::separate::Separation;
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::error_table::{Draft, DraftSeries, Remarks};
@@ -58,6 +59,7 @@ pub fn remarks(separation: &Separation) -> Remarks {
             .map(|term| (term, why.clone()))
             .collect(),
         hidden_reversal_um: separation.hidden_reversal_um,
+        degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
         notes,
     }
 }

@@ -10,7 +10,7 @@ use crate::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use crate::manifest::HashedFile;
 use crate::problem::Problems;
 use crate::readings::Readings;
-use crate::separation::noise::{means, run_counts};
+use crate::separation::noise::{Noise, means, run_counts};
 use crate::separation::prepare::{self, NamedTables};
 use crate::separation::repeats::repeats;
 use crate::separation::straight::{StraightResult, straight};
@@ -104,15 +104,14 @@ impl CampaignFiles {
             .filter(|count| *count > 0.0)
             .fold(f64::INFINITY, f64::min);
         let stated = self.job.measurement.uncertainty.noise_um;
-        let sigma_um = repeats(&result.runs)
-            .noise
-            .map(|noise| noise.sigma_um)
-            .or(stated);
+        let repeated = repeats(&result.runs).noise;
+        let sigma_um = repeated.map(|noise| noise.sigma_um).or(stated);
         Ok(StraightRuns {
             volume: self.measurement.volume.clone(),
             walks,
             range_um: PerDiagonal::from_fn(|d| result.diagonals[d].range_um),
             u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
+            degrees_of_freedom: repeated.and_then(Noise::freedom_f64),
             scale_um_per_m: self.job.measurement.uncertainty.laser_ppm.unwrap_or(0.0),
             labels: result.labels,
             one_zero: self

@@ -10,7 +10,8 @@ use crate::axis::{Direction, PerAxis};
 use crate::causes::{Cause, Diagnosis, Question, diagnose};
 use crate::cli::show::{self, Column};
 use crate::cli::{Answer, Format, print_json};
-use crate::forecast::{COVERAGE_FACTOR, Forecast, Verdict};
+use crate::conformity::Verdict;
+use crate::forecast::Forecast;
 use crate::job::{Job, MeasuredData};
 use crate::kit::{Inputs, Verification, emulator};
 use crate::manifest::picometres;
@@ -64,6 +65,7 @@ fn page<'a>(
         control.as_ref().ok(),
         verification.forecast.as_ref(),
         &second.measurement,
+        &inputs.job,
     )?;
     let mut diagnosis = None;
     let mut lost_motion = None;
@@ -96,10 +98,10 @@ fn unseen(
     measured: &AfterMeasurement,
     diagnosed: impl Fn(&AfterMeasurement) -> Result<Diagnosis, Problem>,
 ) -> Result<Option<String>, Problem> {
-    let AfterMeasurement::Errors(curves) = measured else {
+    let AfterMeasurement::Errors(model) = measured else {
         return Ok(None);
     };
-    let Some(reversal) = unseen_reversal(&inputs.model, curves) else {
+    let Some(reversal) = unseen_reversal(&inputs.model, model) else {
         return Ok(None);
     };
     let without = diagnosed(&AfterMeasurement::Errors(Box::new(reversal.without)))?;
@@ -191,14 +193,26 @@ impl Page<'_> {
         doubts
     }
 
+    /// Said where both measurements were simulated.
+    fn rehearsal(&self) -> String {
+        let first = self.inputs.as_measured().remarks.simulated().next();
+        match first.is_some() && self.second.measurement.is_simulated() {
+            true => "REHEARSAL: both measurements were simulated, this says nothing of a machine\n",
+            false => "",
+        }
+        .to_string()
+    }
+
     fn verdict_words(&self) -> String {
-        show::verdict(
-            self.verdict,
-            self.inputs.job.acceptance,
-            Some(&self.comparison.as_left),
-            !self.verification.disagreements.is_empty(),
-            &self.doubts(),
-        )
+        let rehearsal = self.rehearsal();
+        rehearsal
+            + &show::verdict(
+                self.verdict,
+                self.inputs.job.acceptance,
+                Some(&self.comparison.as_left),
+                !self.verification.disagreements.is_empty(),
+                &self.doubts(),
+            )
     }
 
     fn text(&self, directory: &Path) -> String {
@@ -372,6 +386,7 @@ fn figures(lines: &[Line]) -> Value {
                 "forecast_um": um(line.forecast_um),
                 "after_um": um(line.after_um),
                 "u_um": um(line.u_um),
+                "expanded_um": um(line.expanded_um),
                 "max_residual_um": um(line.after_um),
                 "difference_um": um(line.difference_um),
             }),
@@ -386,7 +401,7 @@ fn lines(comparison: &Comparison) -> String {
         Column::Right("as found/µm"),
         Column::Right("forecast/µm"),
         Column::Right("as left/µm"),
-        Column::Right("U(k=2)/µm"),
+        Column::Right("U(95 %)/µm"),
         Column::Right("off forecast/µm"),
     ];
     let terms = comparison
@@ -407,10 +422,9 @@ fn row(name: String, line: &Line) -> Vec<String> {
         None => "not measured".to_string(),
         some => um(some),
     };
-    let expanded = match (line.after_um, line.u_um) {
-        (None, _) => "-".to_string(),
-        (Some(_), None) => "not stated".to_string(),
-        (Some(_), Some(u)) => format!("{:.3}", COVERAGE_FACTOR * u),
+    let expanded = match line.after_um {
+        None => "-".to_string(),
+        Some(_) => show::expanded(line.expanded_um),
     };
     vec![
         name,

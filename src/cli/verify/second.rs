@@ -1,7 +1,7 @@
 //! Files of a user → the measurement with the tables active.
 
 use crate::active::ActiveControl;
-use crate::after::{AfterMeasurement, ensure_same_machine, measured_curves};
+use crate::after::{AfterMeasurement, ensure_same_machine};
 use crate::cli::inputs::{self, file_name, read_argument};
 use crate::diagonal::PathKind;
 use crate::disagreement::{compare, measuring_systems};
@@ -10,6 +10,7 @@ use crate::error_table::ErrorTable;
 use crate::job::{ActiveTables, Job, MeasuredData};
 use crate::kit::{Inputs, Verification, cannot_emulate, emulator, hashed};
 use crate::manifest::HashedFile;
+use crate::model::ErrorModel;
 use crate::problem::{Place, Problem, Problems};
 use std::path::Path;
 
@@ -81,18 +82,7 @@ fn active(
 
 /// What a second job states that its figures do not hold, and what it leaves open.
 fn notes(job: &Job, tables: &Path) -> Vec<String> {
-    const COUNTED: &str = "`laser_ppm`";
-    let unused = job.measurement.notes.iter();
-    let mut notes: Vec<String> = unused
-        .filter(|note| !note.starts_with(COUNTED))
-        .cloned()
-        .collect();
-    let stated = &job.measurement.uncertainty;
-    if let (MeasuredData::Errors(_), Some(ppm)) = (&job.measurement.data, stated.laser_ppm) {
-        notes.push(format!(
-            "U of the positioning errors holds the scale of the laser, {ppm} µm/m from the reference, as the second job states it"
-        ));
-    }
+    let mut notes = job.measurement.notes.clone();
     if job.measurement.active == ActiveTables::NotStated {
         notes.push(format!(
             "the job of the second measurement does not state `active_while_measuring`: the tables in {} are taken to have been active",
@@ -160,7 +150,7 @@ fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems
         .help("give a job with `errors` and its own `squareness_um_per_m` (none, if the slopes hold it)")
         .into());
     }
-    Ok(AfterMeasurement::Errors(Box::new(measured_curves(
+    Ok(AfterMeasurement::Errors(Box::new(ErrorModel::build(
         &first.job, &table,
     )?)))
 }
@@ -197,7 +187,7 @@ fn of_job(
         return Ok(AfterMeasurement::Diagonals(files.straight_runs()?));
     }
     let table = inputs::error_table(job, folder, hashes)?;
-    Ok(AfterMeasurement::Errors(Box::new(measured_curves(
+    Ok(AfterMeasurement::Errors(Box::new(ErrorModel::build(
         job, &table,
     )?)))
 }

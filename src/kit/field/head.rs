@@ -2,8 +2,7 @@
 //! and what has to be known about its tables.
 
 use super::Made;
-use crate::forecast::Verdict;
-use crate::job::Acceptance;
+use crate::conformity::Verdict;
 use crate::kit::remarks;
 
 /// One paragraph each.
@@ -32,7 +31,7 @@ fn listed(sentence: &str, lines: &[String]) -> String {
 }
 
 fn verdict(made: &Made<'_>) -> String {
-    let nothing_asked = made.inputs.job.acceptance == Acceptance::default();
+    let nothing_asked = made.inputs.job.acceptance.asks_nothing();
     match made.verdict {
         Verdict::Pass if nothing_asked => {
             "Verdict: no acceptance is stated in the job, so there is nothing to judge.".to_string()
