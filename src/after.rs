@@ -77,8 +77,8 @@ impl AfterMeasurement {
         }
     }
 
-    /// Whether every value is zero.
-    fn is_zero(&self) -> bool {
+    /// Whether no value differs from that at its zero.
+    fn is_flat(&self) -> bool {
         match self {
             AfterMeasurement::Errors(model) => model
                 .measured()

@@ -310,7 +310,7 @@ pub fn forecast(
 ) -> Result<Forecast, CannotEmulate> {
     let model = machine.as_measured;
     let sigma = Sigma::with_freedom(model.remarks.degrees_of_freedom);
-    let judged = share::measured_and_judged(model, ranges);
+    let judged = share::stated(ranges);
     let lines = Straightened(control);
     let comparable: Option<&dyn Emulator> = machine.was_under_tables().then_some(&lines);
     let mut terms = Vec::new();

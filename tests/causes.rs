@@ -43,6 +43,9 @@ enum Injected {
     OutputsExchanged,
     BacklashTwice,
     BacklashNot,
+    DirectionsExchanged,
+    /// A table of somebody else acts on X beside those of the kit.
+    ForeignTable,
     Warmer([f64; 3]),
 }
 
@@ -85,6 +88,8 @@ impl Injected {
             }
             Injected::BacklashTwice => "backlash twice",
             Injected::BacklashNot => "backlash not",
+            Injected::DirectionsExchanged => "directions exchanged",
+            Injected::ForeignTable => "unknown",
             Injected::Warmer(_) => "temperature",
         }
     }
@@ -429,6 +434,10 @@ fn acts(
         Injected::BacklashNot if rig.name.contains("two tables") && term.of == term.along => {
             parts(rig, control, term, Direction::Plus, x).0
         }
+        Injected::DirectionsExchanged => parts(rig, control, term, way.opposite(), x).0 + constant,
+        Injected::ForeignTable if term.of == Axis::X && term.along == Axis::X => {
+            tables + constant + 7.0 * (x / 130.0).sin()
+        }
         Injected::Warmer(kelvin) if term.of == term.along => {
             tables + constant + kelvin[index(term.along)] * STEEL_PER_K * 1e3 * x
         }
@@ -523,11 +532,14 @@ fn run(directory: &Path, arguments: &[&str]) -> Result<String, String> {
 fn faults(rig: &Rig) -> Vec<Injected> {
     use Axis::{X, Y, Z};
     use Injected::{
-        AxesExchanged, BacklashNot, BacklashTwice, Nothing, OutputsExchanged, Shifted, Times,
-        Transposed, Warmer,
+        AxesExchanged, BacklashNot, BacklashTwice, DirectionsExchanged, ForeignTable, Nothing,
+        OutputsExchanged, Shifted, Times, Transposed, Warmer,
     };
     let mut list = vec![Nothing, Nothing, Nothing, Nothing];
-    list.extend([Which::All, Which::Along(Y), Which::Of(Z)].map(|which| Times(which, -1.0)));
+    list.extend(
+        [Which::All, Which::Along(Y), Which::Of(Z), Which::Only(X, X)]
+            .map(|which| Times(which, -1.0)),
+    );
     list.extend([Which::All, Which::Along(X), Which::Only(Y, Y)].map(|which| Times(which, 0.0)));
     list.extend([Which::All, Which::Positioning, Which::Along(Z)].map(|which| Times(which, 2.0)));
     list.extend([1000.0, 0.001, 25.4, 1.0 / 25.4].map(|factor| Times(Which::All, factor)));
@@ -536,10 +548,14 @@ fn faults(rig: &Rig) -> Vec<Injected> {
         Shifted([25.0, 0.0, 0.0]),
         Shifted([0.0, -40.0, 0.0]),
         Shifted([12.0, 30.0, -25.0]),
+        Shifted([30.0, 0.0, 0.0]), // one node
+        Shifted([10.0; 3]),        // the reference
     ]);
+    list.push(ForeignTable);
     list.extend([AxesExchanged([Y, X, Z]), AxesExchanged([Y, Z, X])]);
     list.extend([
         Warmer([1.5; 3]),
+        Warmer([3.0; 3]),
         Warmer([2.5, 0.0, 0.0]),
         Warmer([1.0, -2.0, 3.0]),
     ]);
@@ -557,6 +573,9 @@ fn faults(rig: &Rig) -> Vec<Injected> {
     }
     if rig.both_ways {
         list.push(BacklashTwice);
+        if rig.name.contains("two tables") {
+            list.push(DirectionsExchanged);
+        }
         if !rig.name.contains("mean") {
             list.push(BacklashNot);
         }
@@ -699,7 +718,8 @@ fn the_true_cause_is_in_the_named_set_and_clean_runs_name_none() {
     for o in &outcomes {
         let found = o.named.iter().any(|named| named == o.injected.kind());
         let small = o.named.len() <= if o.rig.contains("diagonals") { 9 } else { 3 };
-        let decided = o.injected == Injected::Nothing || o.decides;
+        let none = [Injected::Nothing, Injected::ForeignTable].contains(&o.injected);
+        let decided = none || o.decides;
         if !(found && small && decided) {
             writeln!(
                 wrong,

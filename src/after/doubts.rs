@@ -40,8 +40,8 @@ fn not_measured(before: &ErrorModel, after: &AfterMeasurement) -> Option<&'stati
             "the values afterwards were simulated, those as found were measured: a rehearsal says nothing of this machine",
         );
     }
-    if after.is_zero() {
-        return Some("the values afterwards are all zero: no measurement, or an empty table");
+    if after.is_flat() {
+        return Some("the values afterwards are the same at all positions of each axis: an empty table, no measurement");
     }
     let same = matches!(after, AfterMeasurement::Errors(model) if has_same_values(before, model));
     same.then_some(

@@ -3,7 +3,7 @@
 //! The deviation along the beam is a sum over the nine terms. Between two places where a curve or
 //! a correction bends, it is a cubic of the way, so its extremes are found without sampling.
 
-use super::larger;
+use super::{larger, within};
 use super::{DiagonalForecast, Machine};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::conformity::Sigma;
@@ -28,11 +28,15 @@ struct MeasuredBox {
 }
 
 impl MeasuredBox {
-    fn of(ranges: &PerAxis<Option<(Millimetres, Millimetres)>>) -> Option<MeasuredBox> {
-        let ends: Option<Vec<(f64, f64)>> = Axis::ALL
-            .iter()
-            .map(|axis| ranges[*axis].map(|(low, high)| (low.mm(), high.mm())))
-            .collect();
+    fn of(
+        model: &ErrorModel,
+        judged: &PerAxis<Option<(Millimetres, Millimetres)>>,
+    ) -> Option<MeasuredBox> {
+        let ends = |axis: &Axis| {
+            let (low, high) = within(model.ranges[*axis]?, judged[*axis]);
+            Some((low.mm(), high.mm()))
+        };
+        let ends: Option<Vec<(f64, f64)>> = Axis::ALL.iter().map(ends).collect();
         let ends = ends?;
         Some(MeasuredBox {
             low: [ends[0].0, ends[1].0, ends[2].0],
@@ -60,11 +64,11 @@ pub(super) fn forecast(
     machine: Machine<'_>,
     plan: &Plan,
     control: &dyn Emulator,
-    ranges: &PerAxis<Option<(Millimetres, Millimetres)>>,
+    judged: &PerAxis<Option<(Millimetres, Millimetres)>>,
     sigma: Sigma,
 ) -> Result<Vec<DiagonalForecast>, CannotEmulate> {
     let model = machine.as_measured;
-    let Some(measured_box) = MeasuredBox::of(ranges) else {
+    let Some(measured_box) = MeasuredBox::of(model, judged) else {
         return Ok(Vec::new());
     };
     let one_way = |(_, m): (ErrorTerm, &MeasuredTerm)| matches!(m.measured, Measured::OneWay(..));

@@ -112,19 +112,11 @@ pub(super) fn words(ranges: &[JudgedRange]) -> String {
     )
 }
 
-/// For each axis what was measured and is judged; `None` = nothing was measured along it.
-pub(super) fn measured_and_judged(
-    model: &ErrorModel,
-    ranges: &[JudgedRange],
-) -> PerAxis<Option<Range>> {
+/// The stated ranges; `None` = all that was measured is judged.
+pub(super) fn stated(ranges: &[JudgedRange]) -> PerAxis<Option<Range>> {
     PerAxis::from_fn(|axis| {
-        let measured = model.ranges[axis]?;
-        let stated = ranges.iter().find(|r| r.axis == axis && r.is_stated);
-        let common = super::within(measured, stated.map(|r| r.judged));
-        Some(if common.0 < common.1 {
-            common
-        } else {
-            measured
-        })
+        let own = ranges.iter().find(|r| r.axis == axis && r.is_stated)?;
+        let (low, high) = super::within(own.measured, Some(own.judged));
+        (low < high).then_some(own.judged)
     })
 }

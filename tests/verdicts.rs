@@ -1,0 +1,213 @@
+//! No verdict is surer than what it rests on: one U for the same data everywhere, limits on the
+//! largest of many, few degrees of freedom, a part of the travel, what nobody measured.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test may stop at what it did not expect"
+)]
+
+#[path = "support/run.rs"]
+mod run;
+#[path = "support/skipped.rs"]
+mod skipped;
+
+use run::ended;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+fn put(at: &Path, name: &str, text: &str) {
+    fs::write(at.join(name), text).unwrap();
+}
+
+fn json(at: &Path, arguments: &str) -> Value {
+    let (status, out, err) = ended(at, &format!("{arguments} --format json"));
+    assert!(status.is_some_and(|status| status < 2), "{arguments}\n{err}");
+    serde_json::from_str(&out).unwrap()
+}
+
+/// The last part of what a command says: its verdict.
+fn verdict(at: &Path, arguments: &str) -> String {
+    let (status, _, err) = ended(at, arguments);
+    assert!(status.is_some_and(|status| status < 2), "{arguments}\n{err}");
+    err.split_once("verdict:").map(|(_, said)| said.to_string()).unwrap()
+}
+
+/// X alone, 0 to 900 mm every 30 mm; `lines` go under [acceptance].
+fn one_axis(uncertainty: &str, lines: &str) -> String {
+    format!(
+        "schema = 1\n[machine]\nname = \"one\"\n[machine.axes.x]\ntravel_mm = [0, 900]\nreference_mm = 0\n[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{uncertainty}[compensation]\ncontroller = \"generic\"\n[compensation.axes.x]\nspacing_mm = 30\n[acceptance]\n{lines}\n"
+    )
+}
+
+fn wave(to: u32, size: f64) -> String {
+    let mut csv = String::from("axis,position_mm,ex_um\n");
+    for x in (0..=to).step_by(30) {
+        csv += &format!("x,{x},{:.4}\n", size * (f64::from(x) / 100.0).sin());
+    }
+    csv
+}
+
+const NOISE: &str = "[measurement.uncertainty]\nnoise_um = 0.5\n";
+
+fn folder(job: &str, errors: &str) -> TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    put(directory.path(), "job.toml", job);
+    put(directory.path(), "errors.csv", errors);
+    directory
+}
+
+/// 0.5 µm at every position and at the reference: 0.5·√2 wherever it is asked for.
+#[test]
+fn the_noise_at_the_reference_is_in_every_u() {
+    let directory = folder(&one_axis(NOISE, "max_deviation_um = 1.1"), &wave(900, 8.0));
+    let at = directory.path();
+    let (status, out, _) = ended(at, "generate job.toml -o kit");
+    assert_eq!(status, Some(1), "{out}");
+    let kit: Value = serde_json::from_str(&fs::read_to_string(at.join("kit/manifest.json")).unwrap()).unwrap();
+    let verify = json(at, "verify job.toml --tables kit");
+    put(at, "after.csv", &wave(900, 0.4));
+    let after = json(at, "verify job.toml --tables kit --after after.csv");
+    let u = 0.5 * std::f64::consts::SQRT_2;
+    for found in [&kit["forecast"]["terms"]["EXX"], &verify["terms"]["EXX"], &after["terms"]["EXX"]] {
+        let stated = found["u_um"].as_f64().unwrap();
+        assert!((stated - u).abs() < 1e-6, "{found}");
+    }
+    assert_eq!(verify["verdict"], "undecided");
+}
+
+/// 31 values of u = 0.707 µm: the largest true one lies within 2.2 µm, not within 1.4 µm.
+#[test]
+fn a_limit_on_the_largest_of_many_is_judged_for_all_of_them() {
+    for (limit, expected) in [("2.3", "pass"), ("2.0", "undecided")] {
+        let job = one_axis(NOISE, &format!("max_deviation_um = {limit}"));
+        let directory = folder(&job, &wave(900, 8.0));
+        ended(directory.path(), "generate job.toml -o kit");
+        let page = json(directory.path(), "verify job.toml --tables kit");
+        assert_eq!(page["verdict"], expected, "{limit}: {page}");
+    }
+}
+
+/// As left each value needs its own proof only, and a fail that of the worst of many.
+#[test]
+fn as_left_passes_on_each_value_and_fails_on_joint_evidence() {
+    let job = one_axis(NOISE, "max_deviation_um = 5");
+    let directory = folder(&job, &wave(900, 12.0));
+    let at = directory.path();
+    ended(at, "generate job.toml -o kit");
+    // u = 0.707: passes up to 5 − 1.645 u = 3.84, fails from 5 + 3.14 u = 7.22
+    for (size, expected) in [(3.8, "pass"), (4.2, "undecided"), (6.9, "undecided"), (7.5, "fail")] {
+        put(at, "after.csv", &wave(900, size));
+        let page = json(at, "verify job.toml --tables kit --after after.csv");
+        assert_eq!(page["verdict"], expected, "{size}: {}", page["terms"]);
+    }
+}
+
+/// A table whose u was estimated with three degrees of freedom.
+#[test]
+fn few_degrees_of_freedom_widen_u() {
+    let mut errors = String::from("# degrees of freedom: 3\naxis,position_mm,ex_um,u_ex_um\n");
+    for x in (0..=900).step_by(450) {
+        errors += &format!("x,{x},{x}e-3,0.5\n");
+    }
+    let known = errors.lines().skip(1).map(|line| format!("{line}\n")).collect::<String>();
+    let job = one_axis("", "max_deviation_um = 3").replace("spacing_mm = 30", "spacing_mm = 450");
+    let expanded = |errors: &str| {
+        let directory = folder(&job, errors);
+        ended(directory.path(), "generate job.toml -o kit");
+        let page = json(directory.path(), "verify job.toml --tables kit");
+        page["terms"]["EXX"]["expanded_um"].as_f64().unwrap()
+    };
+    let (with, without) = (expanded(&errors), expanded(&known));
+    assert!(with > 1.7 * without, "{with} µm, {without} µm");
+}
+
+#[test]
+fn a_part_of_the_travel_decides_nothing_unless_it_is_what_is_asked_for() {
+    let limit = "max_deviation_um = 5";
+    let directory = folder(&one_axis("", limit), &wave(300, 8.0));
+    let at = directory.path();
+    let said = verdict(at, "generate job.toml -o kit");
+    assert!(said.starts_with(" undecided"), "{said}");
+    assert!(said.contains("EXX within 5 µm") && said.contains("33 % of the travel of X"), "{said}");
+    assert!(!said.contains("every term"), "{said}");
+    put(at, "after.csv", &wave(300, 0.4));
+    let said = verdict(at, "verify job.toml --tables kit --after after.csv");
+    assert!(said.starts_with(" undecided"), "{said}");
+
+    put(at, "job.toml", &one_axis("", &format!("{limit}\nrange_mm = {{ x = [0, 300] }}")));
+    let said = verdict(at, "verify job.toml --tables kit");
+    assert!(said.starts_with(" pass"), "{said}");
+    assert!(said.contains("X from 0 to 300 mm"), "{said}");
+    let said = verdict(at, "verify job.toml --tables kit --after after.csv");
+    assert!(said.starts_with(" pass"), "{said}");
+}
+
+/// What lies outside the stated range is not judged.
+#[test]
+fn a_stated_range_is_all_that_is_judged() {
+    let mut errors = wave(900, 2.0);
+    errors = errors.replace("x,900,", "x,900,50\nx,901,");
+    let errors = errors.lines().filter(|line| !line.starts_with("x,901")).map(|l| format!("{l}\n")).collect::<String>();
+    let job = |range: &str| {
+        one_axis("", &format!("max_deviation_um = 5{range}")).replace("spacing_mm = 30", "spacing_mm = 30\nend_mm = 870\noutside = \"hold\"")
+    };
+    let directory = folder(&job(""), &errors);
+    ended(directory.path(), "generate job.toml -o kit");
+    let page = |text: &str| {
+        put(directory.path(), "job.toml", text);
+        json(directory.path(), "verify job.toml --tables kit")["verdict"].clone()
+    };
+    assert_eq!(page(&job("")), "fail");
+    assert_eq!(page(&job("\nrange_mm = { x = [0, 870] }")), "pass");
+}
+
+#[test]
+fn a_forgotten_state_of_the_control_leaves_it_undecided() {
+    let job = one_axis("", "max_deviation_um = 5").replace("active_while_measuring = \"none\"\n", "");
+    let directory = folder(&job, &wave(900, 8.0));
+    let said = verdict(directory.path(), "generate job.toml -o kit");
+    assert!(said.starts_with(" undecided") && said.contains("`active_while_measuring` is not stated"), "{said}");
+}
+
+#[test]
+fn what_nobody_measured_afterwards_is_no_second_measurement() {
+    let directory = folder(&one_axis("", "max_deviation_um = 20"), &wave(900, 8.0));
+    let at = directory.path();
+    ended(at, "generate job.toml -o kit");
+    let after = "verify job.toml --tables kit --after after.csv";
+    put(at, "after.csv", &wave(900, 0.0));
+    let said = verdict(at, after);
+    assert!(said.starts_with(" undecided") && said.contains("an empty table"), "{said}");
+    put(at, "after.csv", &wave(900, 8.0));
+    let said = verdict(at, after);
+    assert!(said.starts_with(" undecided") && said.contains("those of the first measurement"), "{said}");
+    ended(at, "simulate job.toml --errors --noise-um 0.2 --seed 1 -o after.csv --force");
+    let said = verdict(at, after);
+    assert!(said.starts_with(" undecided") && said.contains("simulated"), "{said}");
+    // Both simulated: a rehearsal, judged and called so.
+    ended(at, "simulate job.toml --without-tables --errors --noise-um 0.2 --seed 2 -o errors2.csv");
+    put(at, "second.toml", &one_axis("", "max_deviation_um = 20").replace("errors.csv", "errors2.csv"));
+    ended(at, "generate second.toml -o kit2");
+    ended(at, "simulate second.toml --errors --noise-um 0.2 --seed 3 -o after2.csv");
+    let (_, out, _) = ended(at, "verify second.toml --tables kit2 --after after2.csv");
+    assert!(out.contains("REHEARSAL") && out.contains("verdict: pass"), "{out}");
+}
+
+/// The cases beside the repository in which the program once said too much.
+#[test]
+fn cases_that_once_passed() {
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/repro");
+    if !shared.is_dir() {
+        return skipped::skipped();
+    }
+    let directory = tempfile::tempdir().unwrap();
+    for (case, verdict) in [("forecast_u", "undecided"), ("student", "undecided"), ("range3pct", "undecided")] {
+        let job: PathBuf = shared.join(case).join("job.toml");
+        let kit = directory.path().join(case);
+        let (status, out, err) = ended(directory.path(), &format!("generate {} -o {}", job.display(), kit.display()));
+        assert_eq!(status, Some(1), "{case}: {out}{err}");
+        assert!(out.contains(&format!("verdict: {verdict}")), "{case}: {out}");
+    }
+}
