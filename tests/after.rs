@@ -245,17 +245,16 @@ fn the_scale_of_the_laser_is_in_the_uncertainty() {
     assert_eq!(document["terms"]["EXX"]["u_um"], 0.519615);
     assert_eq!(document["terms"]["EYX"]["u_um"], 0.141421);
     let notes = document["notes"].to_string();
-    assert!(
-        notes.contains("`setup_ppm`"),
-        "{notes}"
-    );
+    assert!(notes.contains("`setup_ppm`"), "{notes}");
     assert!(!notes.contains("`laser_ppm` of"), "{notes}");
 }
 
 #[test]
 fn far_fewer_positions_leave_it_undecided() {
     let rows = |step: usize| {
-        let at = (0..=100).step_by(step).map(|x| format!("x,{x},{},0.1\n", f64::from(x) / 1e3));
+        let at = (0..=100)
+            .step_by(step)
+            .map(|x| format!("x,{x},{},0.1\n", f64::from(x) / 1e3));
         format!("axis,position_mm,ex_um,ey_um\n{}", at.collect::<String>())
     };
     let directory = visit(LEFT);

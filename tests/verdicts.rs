@@ -23,15 +23,23 @@ fn put(at: &Path, name: &str, text: &str) {
 
 fn json(at: &Path, arguments: &str) -> Value {
     let (status, out, err) = ended(at, &format!("{arguments} --format json"));
-    assert!(status.is_some_and(|status| status < 2), "{arguments}\n{err}");
+    assert!(
+        status.is_some_and(|status| status < 2),
+        "{arguments}\n{err}"
+    );
     serde_json::from_str(&out).unwrap()
 }
 
 /// The last part of what a command says: its verdict.
 fn verdict(at: &Path, arguments: &str) -> String {
     let (status, _, err) = ended(at, arguments);
-    assert!(status.is_some_and(|status| status < 2), "{arguments}\n{err}");
-    err.split_once("verdict:").map(|(_, said)| said.to_string()).unwrap()
+    assert!(
+        status.is_some_and(|status| status < 2),
+        "{arguments}\n{err}"
+    );
+    err.split_once("verdict:")
+        .map(|(_, said)| said.to_string())
+        .unwrap()
 }
 
 /// X alone, 0 to 900 mm every 30 mm; `lines` go under [acceptance].
@@ -65,12 +73,17 @@ fn the_noise_at_the_reference_is_in_every_u() {
     let at = directory.path();
     let (status, out, _) = ended(at, "generate job.toml -o kit");
     assert_eq!(status, Some(1), "{out}");
-    let kit: Value = serde_json::from_str(&fs::read_to_string(at.join("kit/manifest.json")).unwrap()).unwrap();
+    let kit: Value =
+        serde_json::from_str(&fs::read_to_string(at.join("kit/manifest.json")).unwrap()).unwrap();
     let verify = json(at, "verify job.toml --tables kit");
     put(at, "after.csv", &wave(900, 0.4));
     let after = json(at, "verify job.toml --tables kit --after after.csv");
     let u = 0.5 * std::f64::consts::SQRT_2;
-    for found in [&kit["forecast"]["terms"]["EXX"], &verify["terms"]["EXX"], &after["terms"]["EXX"]] {
+    for found in [
+        &kit["forecast"]["terms"]["EXX"],
+        &verify["terms"]["EXX"],
+        &after["terms"]["EXX"],
+    ] {
         let stated = found["u_um"].as_f64().unwrap();
         assert!((stated - u).abs() < 1e-6, "{found}");
     }
@@ -97,7 +110,12 @@ fn as_left_passes_on_each_value_and_fails_on_joint_evidence() {
     let at = directory.path();
     ended(at, "generate job.toml -o kit");
     // u = 0.707: passes up to 5 − 1.645 u = 3.84, fails from 5 + 3.14 u = 7.22
-    for (size, expected) in [(3.8, "pass"), (4.2, "undecided"), (6.9, "undecided"), (7.5, "fail")] {
+    for (size, expected) in [
+        (3.8, "pass"),
+        (4.2, "undecided"),
+        (6.9, "undecided"),
+        (7.5, "fail"),
+    ] {
         put(at, "after.csv", &wave(900, size));
         let page = json(at, "verify job.toml --tables kit --after after.csv");
         assert_eq!(page["verdict"], expected, "{size}: {}", page["terms"]);
@@ -111,7 +129,11 @@ fn few_degrees_of_freedom_widen_u() {
     for x in (0..=900).step_by(450) {
         errors += &format!("x,{x},{x}e-3,0.5\n");
     }
-    let known = errors.lines().skip(1).map(|line| format!("{line}\n")).collect::<String>();
+    let known = errors
+        .lines()
+        .skip(1)
+        .map(|line| format!("{line}\n"))
+        .collect::<String>();
     let job = one_axis("", "max_deviation_um = 3").replace("spacing_mm = 30", "spacing_mm = 450");
     let expanded = |errors: &str| {
         let directory = folder(&job, errors);
@@ -130,13 +152,20 @@ fn a_part_of_the_travel_decides_nothing_unless_it_is_what_is_asked_for() {
     let at = directory.path();
     let said = verdict(at, "generate job.toml -o kit");
     assert!(said.starts_with(" undecided"), "{said}");
-    assert!(said.contains("EXX within 5 µm") && said.contains("33 % of the travel of X"), "{said}");
+    assert!(
+        said.contains("EXX within 5 µm") && said.contains("33 % of the travel of X"),
+        "{said}"
+    );
     assert!(!said.contains("every term"), "{said}");
     put(at, "after.csv", &wave(300, 0.4));
     let said = verdict(at, "verify job.toml --tables kit --after after.csv");
     assert!(said.starts_with(" undecided"), "{said}");
 
-    put(at, "job.toml", &one_axis("", &format!("{limit}\nrange_mm = {{ x = [0, 300] }}")));
+    put(
+        at,
+        "job.toml",
+        &one_axis("", &format!("{limit}\nrange_mm = {{ x = [0, 300] }}")),
+    );
     let said = verdict(at, "verify job.toml --tables kit");
     assert!(said.starts_with(" pass"), "{said}");
     assert!(said.contains("X from 0 to 300 mm"), "{said}");
@@ -149,9 +178,16 @@ fn a_part_of_the_travel_decides_nothing_unless_it_is_what_is_asked_for() {
 fn a_stated_range_is_all_that_is_judged() {
     let mut errors = wave(900, 2.0);
     errors = errors.replace("x,900,", "x,900,50\nx,901,");
-    let errors = errors.lines().filter(|line| !line.starts_with("x,901")).map(|l| format!("{l}\n")).collect::<String>();
+    let errors = errors
+        .lines()
+        .filter(|line| !line.starts_with("x,901"))
+        .map(|l| format!("{l}\n"))
+        .collect::<String>();
     let job = |range: &str| {
-        one_axis("", &format!("max_deviation_um = 5{range}")).replace("spacing_mm = 30", "spacing_mm = 30\nend_mm = 870\noutside = \"hold\"")
+        one_axis("", &format!("max_deviation_um = 5{range}")).replace(
+            "spacing_mm = 30",
+            "spacing_mm = 30\nend_mm = 870\noutside = \"hold\"",
+        )
     };
     let directory = folder(&job(""), &errors);
     ended(directory.path(), "generate job.toml -o kit");
@@ -165,10 +201,14 @@ fn a_stated_range_is_all_that_is_judged() {
 
 #[test]
 fn a_forgotten_state_of_the_control_leaves_it_undecided() {
-    let job = one_axis("", "max_deviation_um = 5").replace("active_while_measuring = \"none\"\n", "");
+    let job =
+        one_axis("", "max_deviation_um = 5").replace("active_while_measuring = \"none\"\n", "");
     let directory = folder(&job, &wave(900, 8.0));
     let said = verdict(directory.path(), "generate job.toml -o kit");
-    assert!(said.starts_with(" undecided") && said.contains("`active_while_measuring` is not stated"), "{said}");
+    assert!(
+        said.starts_with(" undecided") && said.contains("`active_while_measuring` is not stated"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -179,20 +219,45 @@ fn what_nobody_measured_afterwards_is_no_second_measurement() {
     let after = "verify job.toml --tables kit --after after.csv";
     put(at, "after.csv", &wave(900, 0.0));
     let said = verdict(at, after);
-    assert!(said.starts_with(" undecided") && said.contains("an empty table"), "{said}");
+    assert!(
+        said.starts_with(" undecided") && said.contains("an empty table"),
+        "{said}"
+    );
     put(at, "after.csv", &wave(900, 8.0));
     let said = verdict(at, after);
-    assert!(said.starts_with(" undecided") && said.contains("those of the first measurement"), "{said}");
-    ended(at, "simulate job.toml --errors --noise-um 0.2 --seed 1 -o after.csv --force");
+    assert!(
+        said.starts_with(" undecided") && said.contains("those of the first measurement"),
+        "{said}"
+    );
+    ended(
+        at,
+        "simulate job.toml --errors --noise-um 0.2 --seed 1 -o after.csv --force",
+    );
     let said = verdict(at, after);
-    assert!(said.starts_with(" undecided") && said.contains("simulated"), "{said}");
+    assert!(
+        said.starts_with(" undecided") && said.contains("simulated"),
+        "{said}"
+    );
     // Both simulated: a rehearsal, judged and called so.
-    ended(at, "simulate job.toml --without-tables --errors --noise-um 0.2 --seed 2 -o errors2.csv");
-    put(at, "second.toml", &one_axis("", "max_deviation_um = 20").replace("errors.csv", "errors2.csv"));
+    ended(
+        at,
+        "simulate job.toml --without-tables --errors --noise-um 0.2 --seed 2 -o errors2.csv",
+    );
+    put(
+        at,
+        "second.toml",
+        &one_axis("", "max_deviation_um = 20").replace("errors.csv", "errors2.csv"),
+    );
     ended(at, "generate second.toml -o kit2");
-    ended(at, "simulate second.toml --errors --noise-um 0.2 --seed 3 -o after2.csv");
+    ended(
+        at,
+        "simulate second.toml --errors --noise-um 0.2 --seed 3 -o after2.csv",
+    );
     let (_, out, _) = ended(at, "verify second.toml --tables kit2 --after after2.csv");
-    assert!(out.contains("REHEARSAL") && out.contains("verdict: pass"), "{out}");
+    assert!(
+        out.contains("REHEARSAL") && out.contains("verdict: pass"),
+        "{out}"
+    );
 }
 
 /// The cases beside the repository in which the program once said too much.
@@ -203,11 +268,21 @@ fn cases_that_once_passed() {
         return skipped::skipped();
     }
     let directory = tempfile::tempdir().unwrap();
-    for (case, verdict) in [("forecast_u", "undecided"), ("student", "undecided"), ("range3pct", "undecided")] {
+    for (case, verdict) in [
+        ("forecast_u", "undecided"),
+        ("student", "undecided"),
+        ("range3pct", "undecided"),
+    ] {
         let job: PathBuf = shared.join(case).join("job.toml");
         let kit = directory.path().join(case);
-        let (status, out, err) = ended(directory.path(), &format!("generate {} -o {}", job.display(), kit.display()));
+        let (status, out, err) = ended(
+            directory.path(),
+            &format!("generate {} -o {}", job.display(), kit.display()),
+        );
         assert_eq!(status, Some(1), "{case}: {out}{err}");
-        assert!(out.contains(&format!("verdict: {verdict}")), "{case}: {out}");
+        assert!(
+            out.contains(&format!("verdict: {verdict}")),
+            "{case}: {out}"
+        );
     }
 }

@@ -41,7 +41,9 @@ fn not_measured(before: &ErrorModel, after: &AfterMeasurement) -> Option<&'stati
         );
     }
     if after.is_flat() {
-        return Some("the values afterwards are the same at all positions of each axis: an empty table, no measurement");
+        return Some(
+            "the values afterwards are the same at all positions of each axis: an empty table, no measurement",
+        );
     }
     let same = matches!(after, AfterMeasurement::Errors(model) if has_same_values(before, model));
     same.then_some(

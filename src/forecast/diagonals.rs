@@ -3,8 +3,8 @@
 //! The deviation along the beam is a sum over the nine terms. Between two places where a curve or
 //! a correction bends, it is a cubic of the way, so its extremes are found without sampling.
 
-use super::{larger, within};
 use super::{DiagonalForecast, Machine};
+use super::{larger, within};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::conformity::Sigma;
 use crate::curve::ErrorCurve;
