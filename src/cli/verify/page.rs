@@ -329,6 +329,7 @@ impl Page<'_> {
             "after": self.second.hashes,
             "terms": figures(&self.comparison.terms),
             "max_residual_um": largest(&self.comparison.terms),
+            "max_residual_expanded_um": self.comparison.as_left.max_expanded_um().map(picometres),
             "diagonals": figures(&self.comparison.diagonals),
             "causes": causes,
             "diagnosis": self.diagnosis.as_ref().map(diagnosis),
@@ -410,9 +411,12 @@ fn lines(comparison: &Comparison) -> String {
         .map(|line| row(line.name.clone(), line));
     let diagonals = comparison.diagonals.iter();
     let diagonals = diagonals.map(|line| row(format!("diagonal {}", line.name), line));
+    let together = show::together(&comparison.as_left);
+    let together = together.map(|line| format!("\n{line}"));
     format!(
-        "{}\n  terms: largest deviation, zero at the reference; diagonals: max - min; U of as left;\n  off forecast: largest difference of as left and forecast at a measured position",
-        show::table(&columns, terms.chain(diagonals))
+        "{}\n  terms: largest deviation, zero at the reference; diagonals: max - min; U of as left;\n  off forecast: largest difference of as left and forecast at a measured position{}",
+        show::table(&columns, terms.chain(diagonals)),
+        together.unwrap_or_default()
     )
 }
 

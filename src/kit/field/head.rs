@@ -38,7 +38,8 @@ fn verdict(made: &Made<'_>) -> String {
         }
         verdict => {
             let sentence = format!(
-                "Verdict of the forecast against the acceptance of the job: **{}**.",
+                "Verdict of the forecast against the acceptance of the job, {}: **{}**.",
+                made.forecast.range_words(),
                 verdict.word()
             );
             let misses = made.forecast.misses(made.inputs.job.acceptance);
