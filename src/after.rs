@@ -220,10 +220,10 @@ pub fn compare(
 }
 
 /// Probability with which no value of a right kit is named as off its forecast.
-const NOT_OFF: f64 = 0.99;
+const NOT_OFF: f64 = 0.999;
 
 /// Terms that are off the forecast at some position by more than both measurements explain,
-/// u² = u²(as left) + u²(as found), each against its reference, with 99 % over all values. Only
+/// u² = u²(as left) + u²(as found), each against its reference, with 99.9 % over all values. Only
 /// where both uncertainties are stated.
 fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[Line]) -> Option<String> {
     let values: usize = as_left.terms.iter().map(|term| term.figures.len()).sum();
@@ -243,7 +243,7 @@ fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[Line]) -> Opti
     let off: Vec<String> = off.collect();
     (!off.is_empty()).then(|| {
         format!(
-            "off the forecast at some position by more than both measurements explain (99 %, all positions together): {}",
+            "off the forecast at some position by more than both measurements explain (99.9 %, all positions together): {}",
             off.join(", ")
         )
     })

@@ -6,7 +6,7 @@ use super::{RISK, quantile};
 use crate::after::{Observation, Part};
 use crate::axis::ErrorTerm;
 use crate::model::MeasuredTerm;
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use std::collections::BTreeMap;
 
 /// What no laser resolves, µm.
@@ -17,6 +17,8 @@ const MOST_SCATTER: f64 = 0.1;
 
 /// Fewer second differences tell no scatter.
 const FEWEST_DIFFERENCES: f64 = 8.0;
+/// Neighbouring second differences share values: so many make one degree of freedom.
+const DIFFERENCES_OF_A_FREEDOM: f64 = 2.0;
 
 /// What the comparison rests on.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,12 +111,13 @@ impl<'a> Data<'a> {
     /// explanation, which a fault of any smooth shape leaves out; with few values the root mean square.
     pub(super) fn settle(&mut self, fits: &[Fit]) {
         let forecast = self.fit(&Fault::None);
-        let all = || fits.iter().chain([&forecast]);
         let floor = floor_um(self.question);
-        let scatter = all().filter_map(|fit| self.scatter_um(fit));
-        let (least, what) = match scatter.reduce(smaller) {
+        let (least, what) = match self.least_scatter(fits, &forecast) {
             Some(um) => (um, "the scatter between neighbouring values"),
-            None => (self.bounded_rms(all(), floor), "the scatter"),
+            None => {
+                let all = fits.iter().chain([&forecast]);
+                (self.bounded_rms(all, floor), "the scatter")
+            }
         };
         let sigma = larger(least, floor);
         self.sigma_um = self
@@ -132,6 +135,21 @@ impl<'a> Data<'a> {
         );
     }
 
+    /// Scatter about the forecast, µm; about the best explanation where that is smaller by more than
+    /// chance (F at [`RISK`]). `None` = too few values.
+    fn least_scatter(&self, fits: &[Fit], forecast: &Fit) -> Option<f64> {
+        let (own, count) = self.scatter(forecast)?;
+        let others = fits.iter().filter_map(|fit| self.scatter(fit));
+        let best = others.map(|(um, _)| um).reduce(smaller).unwrap_or(own);
+        let freedom = count / DIFFERENCES_OF_A_FREEDOM;
+        let ratio = FisherSnedecor::new(freedom, freedom).ok()?;
+        let by_chance = ratio.inverse_cdf(1.0 - RISK).sqrt();
+        let sigma = if own > by_chance * best { best } else { own };
+        let student = StudentsT::new(0.0, 1.0, freedom).ok()?;
+        let widened = student.inverse_cdf(1.0 - RISK / 2.0);
+        Some(sigma * widened / quantile(1.0 - RISK, 1.0).sqrt())
+    }
+
     /// Least root mean square of the fits, up to a share of what the tables add, µm.
     fn bounded_rms<'b>(&self, fits: impl Iterator<Item = &'b Fit>, floor: f64) -> f64 {
         let best = fits.map(|fit| self.rms(fit)).fold(f64::INFINITY, smaller);
@@ -140,32 +158,22 @@ impl<'a> Data<'a> {
         best.clamp(floor, larger(most, floor))
     }
 
-    /// σ of independent noise from second differences of what a fit leaves along each curve, µm,
-    /// widened for its degrees of freedom so that a normal quantile at [`RISK`] may be taken; `None`
-    /// = too few values.
+    /// σ of independent noise from second differences of what a fit leaves along each curve, µm, and
+    /// their number; `None` = too few.
     ///
     /// formula  σ² = Σ (r(i−1) − 2 r(i) + r(i+1))² / (6 m), half as many degrees of freedom as m
-    fn scatter_um(&self, fit: &Fit) -> Option<f64> {
+    fn scatter(&self, fit: &Fit) -> Option<(f64, f64)> {
         let mut curves: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         for (observation, left, _) in self.left(fit) {
             curves.entry(observation.curve).or_default().push(left);
         }
         let second = |w: &[f64]| (w[0] - 2.0 * w[1] + w[2]).powi(2);
-        let squares: Vec<f64> = curves
-            .values()
-            .flat_map(|c| c.windows(3).map(second))
-            .collect();
+        let windows = curves.values().flat_map(|curve| curve.windows(3));
+        let squares: Vec<f64> = windows.map(second).collect();
         #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
         let count = squares.len() as f64;
-        if count < FEWEST_DIFFERENCES {
-            return None;
-        }
-        let sigma = (squares.iter().sum::<f64>() / (6.0 * count)).sqrt();
-        let risk = 1.0 - RISK / 2.0;
-        let student = StudentsT::new(0.0, 1.0, count / 2.0)
-            .ok()?
-            .inverse_cdf(risk);
-        Some(sigma * student / quantile(1.0 - RISK, 1.0).sqrt())
+        let mean = squares.iter().sum::<f64>() / (6.0 * count);
+        (count >= FEWEST_DIFFERENCES).then(|| (mean.sqrt(), count))
     }
 
     /// The same with the second measurement in another unit; its u is that of the values, or
