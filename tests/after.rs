@@ -359,7 +359,7 @@ fn what_is_off_the_forecast_is_named_though_it_passes() {
     let notes = document["notes"].to_string();
     assert!(
         notes.contains(
-            "both measurements explain (99.9 %, all positions together): EXX 0.600 µm (U = 0.314 µm)"
+            "both measurements explain (99.9 %, all positions together): EXX 0.600 µm (U = 0.376 µm)"
         ),
         "{notes}"
     );
