@@ -1,12 +1,12 @@
 //! Blocks that move: where their words lead, lines, arcs and the start of cycles.
 
 use super::{AXES, Asked, Interpreter, Reach, first_span, unknown_system};
-use crate::nc::arc::{around, centre_of_radius};
+use crate::nc::arc::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
 use crate::nc::block::{Block, Span};
 use crate::nc::codes::Motion;
 use crate::nc::cycle::Cycle;
 use crate::nc::scan::Wrong;
-use crate::nc::{Move, Place, Refused, Shape, WithoutPoint, system_name};
+use crate::nc::{Arc, Move, Place, Refused, Shape, WithoutPoint, system_name};
 use crate::units::MM_PER_INCH;
 
 const CENTRES: [u8; 3] = *b"IJK";
@@ -196,6 +196,7 @@ impl Interpreter<'_> {
     where
         F: FnMut(&Move) -> Result<(), Refused>,
     {
+        let tolerance_mm = self.arc_mm();
         let ends = (self.at, self.target(block, span, Reach::Program)?);
         let in_words = |message| {
             Wrong::new(
@@ -213,17 +214,41 @@ impl Interpreter<'_> {
                     "keep one of them",
                 ));
             }
-            centre_of_radius(self.plane, clockwise, ends, radius).map_err(in_words)?
+            centre_of_radius(self.plane, clockwise, ends, radius, tolerance_mm).map_err(in_words)?
         } else {
             self.centre(block, span)?
         };
-        let arc = around(self.plane, clockwise, ends, centre);
+        let arc = around(self.plane, clockwise, ends, centre, tolerance_mm);
         match arc {
-            Ok(arc) => self.go(ends.1, Shape::Arc(arc), false, span, follow),
+            Ok(arc) => {
+                self.tally_miss(arc, tolerance_mm);
+                self.go(ends.1, Shape::Arc(arc), false, span, follow)
+            }
             Err(message) => {
                 self.at = ends.1; // what follows is judged from where the program means to be
                 Err(in_words(message))
             }
+        }
+    }
+
+    /// How far the end of an arc may miss its circle.
+    fn arc_mm(&self) -> f64 {
+        let usual = if self.inch { INCH_MISS_MM } else { USUAL_MISS_MM };
+        self.setup.arc_mm.unwrap_or(usual)
+    }
+
+    /// Arcs that miss their circle by more than programs in millimetres do are told.
+    fn tally_miss(&mut self, arc: Arc, allowed_mm: f64) {
+        let miss = (arc.radius[1] - arc.radius[0]).abs();
+        if miss <= USUAL_MISS_MM {
+            return;
+        }
+        let line = self.line;
+        let arcs = self.tally.rough_arcs.get_or_insert_default();
+        arcs.count += 1;
+        arcs.allowed_mm = arcs.allowed_mm.max(allowed_mm);
+        if miss > arcs.most_mm {
+            (arcs.most_mm, arcs.line) = (miss, line);
         }
     }
 
