@@ -15,8 +15,8 @@ use crate::axis::Direction;
 use crate::checklist::Part;
 use crate::compensation::{Compiled, Placement};
 use crate::controller::{Dialect, EmittedFile, Role};
-use crate::error_table::SIMULATED;
 use crate::emit::ascii::ascii;
+use crate::error_table::SIMULATED;
 use crate::job::{ActiveTables, Job};
 use crate::plan::Task;
 use crate::problem::{Problem, Problems};
@@ -272,10 +272,15 @@ pub fn other_letters(job: &Job, profile_name: &str) -> Vec<String> {
         ("measurement.date", job.measurement.date.as_deref()),
         ("name of the profile", Some(profile_name)),
     ];
-    let texts = texts.into_iter().filter_map(|(key, text)| Some((key, text?)));
+    let texts = texts
+        .into_iter()
+        .filter_map(|(key, text)| Some((key, text?)));
     let changed = texts.filter(|(_, text)| !text.is_ascii());
     let words = changed.map(|(key, text)| {
-        format!("{key} `{text}` stands as `{}` in the control's files, which are ASCII", ascii(text))
+        format!(
+            "{key} `{text}` stands as `{}` in the control's files, which are ASCII",
+            ascii(text)
+        )
     });
     words.collect()
 }

@@ -241,12 +241,17 @@ impl Kept {
         same_file && self.problem.message == other.message && self.problem.help == other.help
     }
 
-    /// Takes a problem with the same cause; at the same place it is the same one.
+    /// Takes a problem with the same cause; in the same line it is the same one.
     fn take(&mut self, other: Kept) {
         let Some(place) = &other.problem.place else {
             return;
         };
-        if self.problem.place.as_ref() == Some(place) {
+        let own = self.problem.place.as_ref().map(|place| place.line);
+        if own
+            .into_iter()
+            .chain(self.lines.last().copied())
+            .any(|line| line == place.line)
+        {
             return;
         }
         self.again += 1 + other.again;
@@ -264,7 +269,7 @@ impl Kept {
             1 => Some(format!("the same in line {}", lines.join(", "))),
             more if more == lines.len() => Some(format!("the same in lines {}", lines.join(", "))),
             more => Some(format!(
-                "the same in {more} more places, the next in line {}",
+                "the same in {more} more lines, the next are {}",
                 lines.join(", ")
             )),
         };
@@ -428,7 +433,10 @@ mod tests {
         all.extend(problems);
         let shown = all.render();
         assert_eq!(shown.matches("`um` is empty").count(), 1, "{shown}");
-        assert!(shown.contains("the same in 800 more places, the next in line 2, 3, 4"), "{shown}");
+        assert!(
+            shown.contains("the same in 800 more lines, the next are 2, 3, 4"),
+            "{shown}"
+        );
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! `nonius generate JOB -o DIR`
 
-use crate::cli::shell::shell_word;
 use crate::cli::deliver::Delivery;
 use crate::cli::inputs::with_suffix;
+use crate::cli::shell::shell_word;
 use crate::cli::{Answer, inputs, show};
 use crate::controller::{Dialect, Role};
 use crate::forecast::Verdict;

@@ -4,7 +4,9 @@ use crate::axis::{Axis, Direction};
 use crate::cli::show::{Column, paragraphs, table};
 use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
 use crate::delimited::LengthUnit;
-use crate::import::choices::{Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel, Values};
+use crate::import::choices::{
+    Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel, Values,
+};
 use crate::import::stated::Stated;
 use crate::import::{self, Component, Imported, Measurement, squareness_lines, terms_of};
 use crate::kit::sha256;

@@ -31,8 +31,14 @@ fn without_umlauts(text: &str) -> String {
             continue;
         };
         let behind = at + 1 + usize::from(dotted);
-        let beside = [at.checked_sub(1).and_then(|at| letters.get(at)), letters.get(behind)];
-        let in_capitals = beside.into_iter().flatten().any(|letter| letter.is_uppercase());
+        let beside = [
+            at.checked_sub(1).and_then(|at| letters.get(at)),
+            letters.get(behind),
+        ];
+        let in_capitals = beside
+            .into_iter()
+            .flatten()
+            .any(|letter| letter.is_uppercase());
         match (small, in_capitals) {
             (true, _) => written.push_str(pair),
             (false, true) => written.push_str(&pair.to_uppercase()),

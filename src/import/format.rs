@@ -125,8 +125,7 @@ pub(super) fn recognised(source: &Source, stated: &Stated) -> Result<Format, Pro
         Ok(Format::Etalon)
     } else if isg::is_header(first) {
         Ok(Format::Isg)
-    } else if pos_header::is_first_line(first)
-        || source.name.to_ascii_lowercase().ends_with(".pos")
+    } else if pos_header::is_first_line(first) || source.name.to_ascii_lowercase().ends_with(".pos")
     {
         Ok(Format::Pos)
     } else if source.name.to_ascii_lowercase().ends_with(".rtl") {

@@ -10,7 +10,7 @@
 //! The measured rows are used. Error = ± reading − position holds in each of them, which shows that
 //! the values are measured − target. The maker's averages are the same to the seventh digit of the
 //! position; where they are not, the file was edited, and `--rows` says which to take.
-//! docs/import.md §3 names the sources.
+//! docs/import.md §6 names the sources.
 
 use crate::axis::Direction;
 use crate::delimited::LengthUnit;
@@ -196,7 +196,9 @@ fn of_averages(
         reverse: Vec::new(),
         relation: None,
         is_averages: true,
-        facts: vec!["rows: the maker's averages (`API Linear Error Compensation Table`)".to_string()],
+        facts: vec![
+            "rows: the maker's averages (`API Linear Error Compensation Table`)".to_string(),
+        ],
         warnings: warning.into_iter().collect(),
     })
 }

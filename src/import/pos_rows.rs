@@ -103,7 +103,9 @@ impl<'a> Measured<'a> {
         };
         let columns = names(&all[at]);
         let mut problems = Problems::none();
-        let rows = all[at + 1..].iter().take_while(|line| begins_with_number(line));
+        let rows = all[at + 1..]
+            .iter()
+            .take_while(|line| begins_with_number(line));
         let rows = rows.filter_map(|line| row(line, &columns, &mut problems));
         let rows: Vec<Row> = rows.collect();
         let is_other = |name: &&str| ![POSITION, READING, ERROR, STATUS].contains(name);
@@ -153,7 +155,9 @@ impl<'a> Measured<'a> {
         let count = self.rows.iter().filter(is_bad).count();
         if let Some(row) = self.rows.iter().find(is_bad) {
             let state = STATES.iter().zip(0_u8..);
-            let state = state.into_iter().find(|(_, n)| is(f64::from(*n), row.status));
+            let state = state
+                .into_iter()
+                .find(|(_, n)| is(f64::from(*n), row.status));
             let state = state.map_or("unknown", |(words, _)| words);
             problems.push(
                 Problem::new(format!(
@@ -206,7 +210,10 @@ impl<'a> Measured<'a> {
         problems: &mut Problems,
     ) -> Option<Passes> {
         let mut passes = Passes {
-            targets: self.rows[..positions].iter().map(|row| row.position).collect(),
+            targets: self.rows[..positions]
+                .iter()
+                .map(|row| row.position)
+                .collect(),
             forward: Vec::new(),
             reverse: Vec::new(),
         };
@@ -243,7 +250,9 @@ impl<'a> Measured<'a> {
 
     fn other_positions(&self, pass: &[Row]) -> Problem {
         let problem = Problem::new("a run has other positions than the first one");
-        let place = pass.first().map_or_else(|| self.place(), |row| row.place.clone());
+        let place = pass
+            .first()
+            .map_or_else(|| self.place(), |row| row.place.clone());
         problem.at(place).help(AGAIN)
     }
 
@@ -256,7 +265,9 @@ impl<'a> Measured<'a> {
     }
 
     fn column(&self, index: usize) -> impl Iterator<Item = f64> {
-        self.rows.iter().filter_map(move |row| row.others.get(index).copied())
+        self.rows
+            .iter()
+            .filter_map(move |row| row.others.get(index).copied())
     }
 
     /// The values of a column in words.
@@ -278,8 +289,12 @@ impl<'a> Measured<'a> {
                 false => noted.push(format!("{name} {}", self.range(index))),
             }
         }
-        let noted = (!noted.is_empty())
-            .then(|| format!("air and material, the file names no units: {}", noted.join(", ")));
+        let noted = (!noted.is_empty()).then(|| {
+            format!(
+                "air and material, the file names no units: {}",
+                noted.join(", ")
+            )
+        });
         let absent =
             (!absent.is_empty()).then(|| format!("not measured (−1): {}", absent.join(", ")));
         noted.into_iter().chain(absent).collect()
@@ -339,7 +354,9 @@ fn row(line: &Line<'_>, columns: &[&str], problems: &mut Problems) -> Option<Row
 
 /// One unit of the last decimal of a number.
 fn last_digit(text: &str) -> f64 {
-    let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let decimals = text
+        .split_once('.')
+        .map_or(0, |(_, decimals)| decimals.len());
     (0..decimals).fold(1.0, |digit, _| digit / 10.0)
 }
 
@@ -362,7 +379,9 @@ impl<'a> Averages<'a> {
         });
         let Some(at) = heading else { return Ok(None) };
         let mut problems = Problems::none();
-        let rows = all[at + 1..].iter().take_while(|line| begins_with_number(line));
+        let rows = all[at + 1..]
+            .iter()
+            .take_while(|line| begins_with_number(line));
         let mut averages = Averages {
             place: all[at].place(),
             targets: Vec::new(),
@@ -378,9 +397,13 @@ impl<'a> Averages<'a> {
                 });
                 continue;
             };
-            averages.targets.extend(position.number("`Position`", &mut problems));
+            averages
+                .targets
+                .extend(position.number("`Position`", &mut problems));
             averages.digits.push(last_digit(value.text));
-            averages.values.extend(value.number("`Avg Error`", &mut problems));
+            averages
+                .values
+                .extend(value.number("`Avg Error`", &mut problems));
         }
         problems.or_ok(Some(averages))
     }
@@ -389,17 +412,28 @@ impl<'a> Averages<'a> {
     pub(super) fn difference(&self, passes: &Passes) -> Option<(String, Place)> {
         for (index, line) in self.rows.iter().enumerate() {
             let (at, found) = (self.targets[index], self.values[index]);
-            let expected = passes.mean_at(index).filter(|(position, _)| is(*position, at));
+            let expected = passes
+                .mean_at(index)
+                .filter(|(position, _)| is(*position, at));
             let Some((_, mean)) = expected else {
-                return Some((format!("none is measured at {at} in row {}", index + 1), line.place()));
+                return Some((
+                    format!("none is measured at {at} in row {}", index + 1),
+                    line.place(),
+                ));
             };
             if (found - mean).abs() > at.abs() * SINGLE_PRECISION + self.digits[index] {
-                return Some((format!("{found} at {at}, where {mean} was measured"), line.place()));
+                return Some((
+                    format!("{found} at {at}, where {mean} was measured"),
+                    line.place(),
+                ));
             }
         }
         let (own, measured) = (self.targets.len(), passes.targets.len());
         (own != measured).then(|| {
-            (format!("{own} positions instead of {measured}"), self.place.clone())
+            (
+                format!("{own} positions instead of {measured}"),
+                self.place.clone(),
+            )
         })
     }
 

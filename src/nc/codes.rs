@@ -114,9 +114,11 @@ pub(super) fn code(tenths: u16) -> Option<Code> {
         591..=593 => Code::System(Some(u32::from(tenths) - 591 + 7)),
         610 => Code::Harmless(23), // exact stop
         640 => Code::Blend,
-        690 => Code::Harmless(24),       // no rotation
+        690 => Code::Harmless(24), // no rotation
         800 => Code::EndCycle,
-        730 | 810 | 820 | 830 | 840 | 850 | 860 | 880 | 890 => Code::Motion(Motion::Cycle(tenths / 10)),
+        730 | 810 | 820 | 830 | 840 | 850 | 860 | 880 | 890 => {
+            Code::Motion(Motion::Cycle(tenths / 10))
+        }
         900 => Code::Incremental(false),
         901 => Code::AbsoluteCentre(true),
         910 => Code::Incremental(true),

@@ -122,7 +122,10 @@ impl Interpreter<'_> {
                 "write R and the depth in the block that calls the cycle",
             ));
         };
-        if [retract, bottom].iter().any(|depth| depth.incremental != incremental) {
+        if [retract, bottom]
+            .iter()
+            .any(|depth| depth.incremental != incremental)
+        {
             self.tally.other_mode.get_or_insert(self.line);
         }
         self.check_initial(&cycle, span)?;

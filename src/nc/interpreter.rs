@@ -88,6 +88,8 @@ pub(super) struct Interpreter<'s> {
     setup: &'s Setup,
     pub(super) at: Place,
     pub(super) plane: Plane,
+    /// G17, G18 or G19 stood in the program.
+    has_plane: bool,
     pub(super) incremental: bool,
     pub(super) level: Level,
     pub(super) offsets: Offsets,
@@ -117,6 +119,7 @@ impl<'s> Interpreter<'s> {
             setup,
             at: setup.start,
             plane: Plane::Xy,
+            has_plane: false,
             incremental: false,
             level: Level::Initial,
             offsets: Offsets::new(setup),
@@ -226,7 +229,10 @@ impl<'s> Interpreter<'s> {
         match code {
             Code::Motion(motion) => asked.motion = Some(motion),
             Code::EndCycle => asked.end_cycle = Some(word),
-            Code::Plane(plane) => self.plane = plane,
+            Code::Plane(plane) => {
+                self.plane = plane;
+                self.has_plane = true;
+            }
             Code::Inch(inch) => self.inch = inch,
             Code::Incremental(incremental) => self.incremental = incremental,
             Code::AbsoluteCentre(absolute) => self.absolute_centre = absolute,
@@ -236,7 +242,9 @@ impl<'s> Interpreter<'s> {
             Code::Once(once) => asked.once = Some((once, word)),
             Code::MachineCoordinates => asked.machine = Some(word.span),
             Code::Blend => asked.blend = true,
-            Code::Turning => self.turning = Some(turning(word.span, "`G96` (constant cutting speed)")),
+            Code::Turning => {
+                self.turning = Some(turning(word.span, "`G96` (constant cutting speed)"))
+            }
             Code::Harmless(_) => {}
         }
     }
@@ -382,7 +390,9 @@ impl<'s> Interpreter<'s> {
 fn turning(span: Span, what: &str) -> Wrong {
     Wrong::new(
         span,
-        format!("{what} stands in turning programs, in which X is a diameter: `path` follows milling programs of X, Y and Z"),
+        format!(
+            "{what} stands in turning programs, in which X is a diameter: `path` follows milling programs of X, Y and Z"
+        ),
         "take a milling program; if this is one, remove the word: the path of the milling tool does not depend on it",
     )
 }

@@ -261,7 +261,11 @@ fn depths_of_a_cycle_are_read_in_the_mode_of_the_block_that_drills() {
         .map(|step| step.to[2])
         .collect();
     assert_eq!(bottoms, [-118.0, -120.0]);
-    assert!(ran.notes.iter().any(|note| note.contains("inside a cycle in line 3")));
+    assert!(
+        ran.notes
+            .iter()
+            .any(|note| note.contains("inside a cycle in line 3"))
+    );
 }
 
 #[test]
@@ -297,7 +301,7 @@ fn a_colon_begins_a_program_as_o_does() {
 
 #[test]
 fn g43_without_h_is_what_the_job_says() {
-    assert_eq!(refused("G43 H1\nG43 Z1."), [(2, 1)]);
+    assert_eq!(refused("G0\nG43 H1\nG43 Z1."), [(3, 1)]);
     let with = |g43_without_h| Setup {
         g43_without_h,
         ..control()
@@ -306,12 +310,12 @@ fn g43_without_h_is_what_the_job_says() {
         let (steps, _) = run_with(setup, program).expect("a program");
         steps.last().and_then(|step| step.tool_mm)
     };
-    let program = "G43 H1 Z1.\nT2 M6\nG43 Z3.";
+    let program = "G0 G43 H1 Z1.\nT2 M6\nG43 Z3.";
     assert_eq!(tool(&with(G43WithoutH::LastH), program), Some(50.0));
     assert_eq!(tool(&with(G43WithoutH::Tool), program), Some(80.0));
-    let prepared = "T1 M6\nT2\nG43 Z3.";
+    let prepared = "G0 T1 M6\nT2\nG43 Z3.";
     assert_eq!(tool(&with(G43WithoutH::Tool), prepared), Some(50.0));
-    assert!(run_with(&with(G43WithoutH::Tool), "T1\nG43 Z3.").is_err());
+    assert!(run_with(&with(G43WithoutH::Tool), "G0 T1\nG43 Z3.").is_err());
 }
 
 #[test]
@@ -336,6 +340,7 @@ fn turning_programs_are_refused_with_one_message() {
         "O1\nG50 S2000\nG0 X86. Z0.25\nG41 X1",
         "G0 X86. Z1.\nG96 S200 M3\nG1 X80. U1",
         "G50 X200. Z300.",
+        "G0 X20. Z1.\nG1 Z0\nG3 X22. Z-1. I0 K-1.\nG1 Z-5.",
     ] {
         let problems = run_with(&control(), program).expect_err("it is refused");
         let messages: Vec<&str> = problems.iter().map(|p| p.message.as_str()).collect();
@@ -343,6 +348,14 @@ fn turning_programs_are_refused_with_one_message() {
         assert!(messages[0].contains("turning"), "{messages:?}");
     }
     assert_eq!(ends("G50\nG97 S800\nG1 X1"), ["1 0 0"]);
+}
+
+#[test]
+fn centres_that_fit_as_absolute_ones_are_told() {
+    let problems =
+        run_with(&control(), "G1 X10. Y5.\nG3 X0 Y15. I0 J5.").expect_err("it is refused");
+    let help = problems.iter().next().and_then(|p| p.help.clone());
+    assert!(help.is_some_and(|help| help.contains("G90.1")));
 }
 
 #[test]

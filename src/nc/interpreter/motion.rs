@@ -1,6 +1,6 @@
 //! Blocks that move: where their words lead, lines, arcs and the start of cycles.
 
-use super::{AXES, Asked, Interpreter, Reach, first_span, unknown_system};
+use super::{AXES, Asked, Interpreter, Reach, first_span, turning, unknown_system};
 use crate::nc::arc::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
 use crate::nc::block::{Block, Span};
 use crate::nc::codes::Motion;
@@ -9,6 +9,7 @@ use crate::nc::scan::Wrong;
 use crate::nc::{Arc, Move, Place, Refused, Shape, WithoutPoint, system_name};
 use crate::units::MM_PER_INCH;
 
+const ABSOLUTE_CENTRE: &str = "the centre fits if it counts from the program's zero: write G90.1 before, if the control is set so";
 const CENTRES: [u8; 3] = *b"IJK";
 /// No machine has a kilometre of travel.
 const FARTHEST_MM: f64 = 1e6;
@@ -218,6 +219,9 @@ impl Interpreter<'_> {
         } else {
             self.centre(block, span)?
         };
+        if self.is_turning_arc(block) {
+            self.turning = Some(turning(block.span(b'K'), "an arc with K, but without G18,"));
+        }
         let arc = around(self.plane, clockwise, ends, centre, tolerance_mm);
         match arc {
             Ok(arc) => {
@@ -225,15 +229,46 @@ impl Interpreter<'_> {
                 self.go(ends.1, Shape::Arc(arc), false, span, follow)
             }
             Err(message) => {
+                let absolute = self.fits_as_absolute(block, clockwise, ends, tolerance_mm);
                 self.at = ends.1; // what follows is judged from where the program means to be
-                Err(in_words(message))
+                let mut wrong = in_words(message);
+                if absolute {
+                    wrong.help = ABSOLUTE_CENTRE.to_string();
+                }
+                Err(wrong)
             }
         }
     }
 
+    /// In a program that never chose a plane: lathes have Z and X, and write no G18.
+    fn is_turning_arc(&self, block: &Block) -> bool {
+        !self.has_plane && block.has_any(b"XZ") && block.has(b'K') && !block.has_any(b"YJ")
+    }
+
+    /// Whether the centre words make an arc if they count from the program's zero.
+    fn fits_as_absolute(
+        &mut self,
+        block: &mut Block,
+        clockwise: bool,
+        ends: (Place, Place),
+        tolerance_mm: f64,
+    ) -> bool {
+        let [first, second, _] = self.plane.axes();
+        let words = [first, second].map(|axis| self.length(block, CENTRES[axis]));
+        let (Some(base), [Some(a), Some(b)]) = (self.offsets.base(), words) else {
+            return false;
+        };
+        let centre = [base[first] + a, base[second] + b];
+        !self.absolute_centre && around(self.plane, clockwise, ends, centre, tolerance_mm).is_ok()
+    }
+
     /// How far the end of an arc may miss its circle.
     fn arc_mm(&self) -> f64 {
-        let usual = if self.inch { INCH_MISS_MM } else { USUAL_MISS_MM };
+        let usual = if self.inch {
+            INCH_MISS_MM
+        } else {
+            USUAL_MISS_MM
+        };
         self.setup.arc_mm.unwrap_or(usual)
     }
 
