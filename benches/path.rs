@@ -7,7 +7,7 @@
 )]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nonius::nc::{Line, Mark, Move, Plane, Setup, Shape, Text, WithoutPoint, run};
+use nonius::nc::{G43WithoutH, Line, Mark, Move, Plane, Setup, Shape, Text, WithoutPoint, run};
 use nonius::problem::Problem;
 use nonius::tool_path::{PathMap, Profile, ProfileLimits};
 use std::collections::BTreeMap;
@@ -134,6 +134,8 @@ fn whole_program(criterion: &mut Criterion) {
         tools: BTreeMap::new(),
         inch: false,
         without_point: WithoutPoint::Unit,
+        g43_without_h: G43WithoutH::Refuse,
+        arc_mm: None,
         skip_deletable: false,
     };
     let mut group = criterion.benchmark_group("path, program");

@@ -18,6 +18,7 @@ mod later;
 mod path;
 mod program;
 mod separate;
+mod shell;
 mod show;
 mod simulate;
 mod standards;

@@ -158,6 +158,10 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
                 Problem::new(format!("`{}` stands twice in its section", shown(key)))
                     .help("keep one of the two")
             }
+            _ if span.clone().is_some_and(|span| in_escape(&source.text, span.start)) => {
+                Problem::new("a backslash between double quotes begins an escape such as `\\n`, expected a text without it")
+                    .help(WINDOWS_PATH)
+            }
             _ => Problem::new(format!("not valid TOML: {message}"))
                 .help("see https://toml.io; strings need quotes, numbers a decimal point"),
         };
@@ -182,6 +186,20 @@ fn with_a_point(text: &str, comma: usize) -> String {
         true => format!("write `{whole}.{rest}`"),
         false => "write a point, as in `0.5`".to_string(),
     }
+}
+
+const WINDOWS_PATH: &str = r"write `/` in a path, which Windows takes as well, or single quotes around it: 'C:\data\x.csv'";
+
+/// Whether a complaint at `at` is one of an escape: in its line an odd number of double quotes stands
+/// before it, and a backslash at it or behind the last of them.
+fn in_escape(text: &str, at: usize) -> bool {
+    let (Some(before), Some(rest)) = (text.get(..at), text.get(at..)) else {
+        return false;
+    };
+    let line = before.rsplit('\n').next().unwrap_or(before);
+    let begun = line.rsplit('"').next().unwrap_or(line);
+    let is_open = line.matches('"').count() % 2 == 1;
+    is_open && (begun.contains('\\') || rest.starts_with('\\'))
 }
 
 /// Where a decimal comma stands that a complaint at `at` follows from: there, or in braces on its

@@ -4,6 +4,7 @@
 //! turned into text here, once, so a template decides about layout and nothing else. What a
 //! template sees is printed by `nonius context JOB` and explained in docs/templates.md.
 
+mod ascii;
 mod fanuc;
 mod generic;
 pub mod program;
@@ -14,8 +15,9 @@ use crate::axis::Direction;
 use crate::checklist::Part;
 use crate::compensation::{Compiled, Placement};
 use crate::controller::{Dialect, EmittedFile, Role};
+use crate::emit::ascii::ascii;
 use crate::error_table::SIMULATED;
-use crate::job::ActiveTables;
+use crate::job::{ActiveTables, Job};
 use crate::plan::Task;
 use crate::problem::{Problem, Problems};
 use crate::table::Tables;
@@ -172,7 +174,11 @@ fn with_header(
     instead: &Instead<'_>,
 ) -> Context {
     let machine = &task.job.machine;
-    let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "not stated".to_string());
+    let said = |text: &str| match task.profile.comments.value {
+        true => ascii(text).into_owned(),
+        false => text.to_string(),
+    };
+    let text = |value: &Option<String>| said(value.as_deref().unwrap_or("not stated"));
     let measurement = MeasurementContext {
         date: text(&task.job.measurement.date),
         active: match &task.job.measurement.active {
@@ -185,10 +191,10 @@ fn with_header(
         tool: TOOL,
         controller: ControllerContext {
             id: task.profile.id.clone(),
-            name: task.profile.name.clone(),
+            name: said(&task.profile.name),
         },
         machine: MachineContext {
-            name: machine.name.clone(),
+            name: said(&machine.name),
             serial: text(&machine.serial),
             chain: text(&machine.chain.map(|chain| chain.to_string())),
         },
@@ -248,13 +254,35 @@ fn refuse_unsafe_text(task: Task<'_>, context: &Context) -> Result<(), Problems>
                 .help("write it in plain letters and digits"),
         );
     }
-    if !is_comment_text(&task.profile.name) {
+    if !is_comment_text(&ascii(&task.profile.name)) {
         problems.push(
             Problem::new(format!("the profile's `name` goes into comments of the control's files, expected {COMMENT_TEXT}"))
                 .help("write it in plain letters and digits"),
         );
     }
     problems.or_ok(())
+}
+
+/// Names that stand in the control's files in other letters than in the job.
+pub fn other_letters(job: &Job, profile_name: &str) -> Vec<String> {
+    let machine = &job.machine;
+    let texts = [
+        ("machine.name", Some(machine.name.as_str())),
+        ("machine.serial", machine.serial.as_deref()),
+        ("measurement.date", job.measurement.date.as_deref()),
+        ("name of the profile", Some(profile_name)),
+    ];
+    let texts = texts
+        .into_iter()
+        .filter_map(|(key, text)| Some((key, text?)));
+    let changed = texts.filter(|(_, text)| !text.is_ascii());
+    let words = changed.map(|(key, text)| {
+        format!(
+            "{key} `{text}` stands as `{}` in the control's files, which are ASCII",
+            ascii(text)
+        )
+    });
+    words.collect()
 }
 
 fn is_comment_text(text: &str) -> bool {
@@ -265,7 +293,7 @@ fn is_comment_text(text: &str) -> bool {
 /// Longest name in a comment: the line stays below 80 characters.
 const LONGEST_TEXT: usize = 60;
 const COMMENT_TEXT: &str =
-    "up to 60 printable ASCII characters without line breaks, `%`, `;` or brackets";
+    "up to 60 printable characters without line breaks, `%`, `;` or brackets";
 
 /// The tables, parameters and switches of the kit, with the control's line ends.
 pub fn render(

@@ -1,7 +1,7 @@
 //! Another maker's measurement → our error table (contract §2.1).
 //!
 //! ```text
-//!   bytes ─→ encoding ─→ format ─→ rtl · ren · etalon · isg · columns ─→ Draft ─→ CSV
+//!   bytes ─→ encoding ─→ format ─→ rtl · ren · pos · etalon · isg · columns ─→ Draft ─→ CSV
 //!                            ▲
 //!                 stated: what the file does not carry
 //! ```
@@ -23,6 +23,9 @@ mod lines;
 mod mapped_rows;
 mod mapping;
 mod placing;
+mod pos;
+mod pos_header;
+mod pos_rows;
 mod refused;
 mod ren;
 mod ren_header;
@@ -135,6 +138,7 @@ fn read(format: Format, source: &Source, stated: &Stated) -> Result<Reading, Pro
     let read = match format {
         Format::Rtl => rtl::read,
         Format::Ren => ren::read,
+        Format::Pos => pos::read,
         Format::Etalon => etalon::read,
         Format::Isg => isg::read,
         Format::Columns => columns::read,

@@ -87,6 +87,10 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     ensure_same(inputs, &plan, &compiled, &read)?;
     let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
     compiled.notes.extend(absent);
+    if inputs.profile.comments.value {
+        let names = emit::other_letters(&inputs.job, &inputs.profile.name);
+        compiled.notes.extend(names);
+    }
     let control =
         emulator(&inputs.profile, &read.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
     let forecast = forecast(

@@ -150,6 +150,18 @@ pub enum WithoutPoint {
     Increment,
 }
 
+/// Which tool offset G43 without H takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum G43WithoutH {
+    /// Refused.
+    #[default]
+    Refuse,
+    /// That of the last H.
+    LastH,
+    /// The one with the number of the tool that the last M6 changed in.
+    Tool,
+}
+
 /// What the control knows before the program starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
@@ -168,6 +180,10 @@ pub struct Setup {
     pub inch: bool,
     /// Coordinates without a decimal point.
     pub without_point: WithoutPoint,
+    /// G43 without H.
+    pub g43_without_h: G43WithoutH,
+    /// How far the end of an arc may miss its circle, mm; `None` = as the program's unit needs.
+    pub arc_mm: Option<f64>,
     /// Lines that begin with `/` are left out.
     pub skip_deletable: bool,
 }

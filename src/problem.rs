@@ -30,8 +30,12 @@ const LONGEST_QUOTE: usize = 60;
 const LONGEST_LINE: usize = 200;
 /// Longest sentence; a bound for whatever was put into it.
 const LONGEST_SENTENCE: usize = 1000;
-/// How many problems of one input are kept; the rest is counted.
+/// How many different problems of one input are kept; the rest is counted.
 const MOST_PROBLEMS: usize = 200;
+/// How many problems of one input are looked at; the rest is counted.
+const MOST_LOOKED_AT: usize = 5000;
+/// Lines that are named where a problem stands in many.
+const MOST_LINES: usize = 3;
 /// How many problems are shown; the rest is counted.
 const MOST_SHOWN: usize = 100;
 
@@ -138,6 +142,11 @@ impl Problem {
 
     /// The problem as a person reads it: sentence, place, line with carets, next step.
     pub fn render(&self) -> String {
+        self.render_with(None)
+    }
+
+    /// The same, with what is to be known of other places.
+    fn render_with(&self, note: Option<&str>) -> String {
         let level = Level::ERROR.with_name("problem");
         let mut group = Group::with_title(level.primary_title(clean(&self.message)));
         let source;
@@ -154,6 +163,9 @@ impl Problem {
                 group = group.element(origin.line(place.line).char_column(place.column));
             }
             group = group.element(snippet.annotation(AnnotationKind::Primary.span(start..end)));
+        }
+        if let Some(note) = note {
+            group = group.element(Level::NOTE.message(note.to_string()));
         }
         if let Some(help) = &self.help {
             group = group.element(Level::HELP.message(clean(help)));
@@ -176,12 +188,19 @@ fn byte_of_column(text: &str, column: usize) -> usize {
         .map_or(text.len(), |(at, _)| at)
 }
 
+/// Control characters, and those that turn the direction of the text: a person does not see them,
+/// and a terminal or a control may obey them.
+pub fn is_unseen(c: char) -> bool {
+    let turns = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    turns || c.is_control()
+}
+
 /// Control characters of a user's text must not reach the terminal, and a sentence is one line.
 fn clean(text: &str) -> String {
     text.chars()
         .flat_map(|c| match c {
             '\n' | '\r' | '\t' => c.escape_default().collect(),
-            _ if c.is_control() => vec!['\u{fffd}'],
+            _ if is_unseen(c) => vec!['\u{fffd}'],
             _ => vec![c],
         })
         .collect()
@@ -192,7 +211,7 @@ fn clean_line(text: &str) -> String {
         .map(|c| {
             if c == '\t' {
                 ' '
-            } else if c.is_control() {
+            } else if is_unseen(c) {
                 '\u{fffd}'
             } else {
                 c
@@ -201,11 +220,70 @@ fn clean_line(text: &str) -> String {
         .collect()
 }
 
-/// The problems of an input, in the order they were found, each once. A long list is cut: what
-/// comes after the first hundred is only counted when it is shown.
+/// One problem, and where else the same one stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Kept {
+    problem: Problem,
+    /// In how many more places.
+    again: usize,
+    /// The first lines of them.
+    lines: Vec<usize>,
+}
+
+impl Kept {
+    /// Whether another problem has the same cause: the same words in the same file.
+    fn is_same(&self, other: &Problem) -> bool {
+        let places = (&self.problem.place, &other.place);
+        let same_file = match places {
+            (Some(own), Some(other)) => own.file == other.file,
+            (own, other) => own.is_none() && other.is_none(),
+        };
+        same_file && self.problem.message == other.message && self.problem.help == other.help
+    }
+
+    /// Takes a problem with the same cause; in the same line it is the same one.
+    fn take(&mut self, other: Kept) {
+        let Some(place) = &other.problem.place else {
+            return;
+        };
+        let own = self.problem.place.as_ref().map(|place| place.line);
+        if own
+            .into_iter()
+            .chain(self.lines.last().copied())
+            .any(|line| line == place.line)
+        {
+            return;
+        }
+        self.again += 1 + other.again;
+        for line in std::iter::once(place.line).chain(other.lines) {
+            if self.lines.len() < MOST_LINES && !self.lines.contains(&line) {
+                self.lines.push(line);
+            }
+        }
+    }
+
+    fn render(&self) -> String {
+        let lines: Vec<String> = self.lines.iter().map(usize::to_string).collect();
+        let note = match self.again {
+            0 => None,
+            1 => Some(format!("the same in line {}", lines.join(", "))),
+            more if more == lines.len() => Some(format!("the same in lines {}", lines.join(", "))),
+            more => Some(format!(
+                "the same in {more} more lines, the next are {}",
+                lines.join(", ")
+            )),
+        };
+        self.problem.render_with(note.as_deref())
+    }
+}
+
+/// The problems of an input, in the order they were found. Those that differ in their place only are
+/// one, which counts the places. A long list is cut: what comes after the first hundred is only
+/// counted when it is shown.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Problems {
-    kept: Vec<Problem>,
+    kept: Vec<Kept>,
+    looked_at: usize,
     more: usize,
 }
 
@@ -220,22 +298,35 @@ impl Problems {
         self.push_with(|| problem);
     }
 
-    /// Adds one that is only made if it is going to be kept.
+    /// Adds one that is only made if it is going to be looked at.
     pub fn push_with(&mut self, make: impl FnOnce() -> Problem) {
-        if self.kept.len() >= MOST_PROBLEMS {
+        if self.looked_at >= MOST_LOOKED_AT {
             self.more += 1;
             return;
         }
-        let problem = make();
-        if !self.kept.contains(&problem) {
-            self.kept.push(problem);
+        self.add(Kept {
+            problem: make(),
+            again: 0,
+            lines: Vec::new(),
+        });
+    }
+
+    fn add(&mut self, new: Kept) {
+        self.looked_at += 1;
+        let same = self.kept.iter_mut().find(|kept| kept.is_same(&new.problem));
+        if let Some(kept) = same {
+            kept.take(new);
+        } else if self.kept.len() < MOST_PROBLEMS {
+            self.kept.push(new);
+        } else {
+            self.more += 1 + new.again;
         }
     }
 
     /// Adds all of another list.
     pub fn extend(&mut self, others: Problems) {
-        for problem in others.kept {
-            self.push(problem);
+        for other in others.kept {
+            self.add(other);
         }
         self.more += others.more;
     }
@@ -256,9 +347,9 @@ impl Problems {
         self.kept.is_empty()
     }
 
-    /// The problems that were kept, one by one.
+    /// The different problems that were kept, each at its first place.
     pub fn iter(&self) -> impl Iterator<Item = &Problem> {
-        self.kept.iter()
+        self.kept.iter().map(|kept| &kept.problem)
     }
 
     /// `Ok` with the value if there is no problem.
@@ -272,13 +363,10 @@ impl Problems {
 
     /// All problems as a person reads them, a blank line between.
     pub fn render(&self) -> String {
-        let mut texts: Vec<String> = self
-            .kept
-            .iter()
-            .take(MOST_SHOWN)
-            .map(Problem::render)
-            .collect();
-        let not_shown = self.kept.len().saturating_sub(MOST_SHOWN);
+        let shown = self.kept.iter().take(MOST_SHOWN);
+        let mut texts: Vec<String> = shown.map(Kept::render).collect();
+        let not_shown = self.kept.iter().skip(MOST_SHOWN);
+        let not_shown: usize = not_shown.map(|kept| 1 + kept.again).sum();
         match self.more + not_shown {
             0 => {}
             1 => texts.push("… and 1 more problem".to_string()),
@@ -290,10 +378,9 @@ impl Problems {
 
 impl From<Problem> for Problems {
     fn from(problem: Problem) -> Self {
-        Problems {
-            kept: vec![problem],
-            more: 0,
-        }
+        let mut problems = Problems::none();
+        problems.push(problem);
+        problems
     }
 }
 
@@ -331,6 +418,25 @@ mod tests {
         let text = problems.render();
         assert!(text.ends_with("more problems"), "{text}");
         assert_eq!(text.matches("row 0\n").count(), 1);
+    }
+
+    #[test]
+    fn one_cause_in_many_lines_is_one_message_that_counts() {
+        let text = "empty\n".repeat(801);
+        let mut problems = Problems::none();
+        for line in 0..801 {
+            let place = Place::in_text("r.csv", &text, line * 6, line * 6 + 5);
+            let problem = Problem::new("`um` is empty").at(place).help("measure it");
+            problems.push(problem);
+        }
+        let mut all = Problems::from(Problem::new("before"));
+        all.extend(problems);
+        let shown = all.render();
+        assert_eq!(shown.matches("`um` is empty").count(), 1, "{shown}");
+        assert!(
+            shown.contains("the same in 800 more lines, the next are 2, 3, 4"),
+            "{shown}"
+        );
     }
 
     #[test]

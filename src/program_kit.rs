@@ -8,8 +8,8 @@ use crate::axis::{Axis, PerAxis};
 use crate::claims::{Assumption, Precondition};
 use crate::controller::program::{Language, ProgramFacts};
 use crate::controller::{Evidence, Profile};
-use crate::emit::TOOL;
 use crate::emit::program::{FileRole, ProgramFile, positions, programs, readings_to_fill};
+use crate::emit::{TOOL, other_letters};
 use crate::job::{Job, ProgramRequest};
 use crate::kit::sha256;
 use crate::manifest::{self, HashedFile, SCHEMA};
@@ -47,7 +47,8 @@ impl ProgramKit {
 /// Makes and judges the programs that a job asks for.
 pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<ProgramKit, Problems> {
     let task = RunTask::of(job, profile)?;
-    let run = plan(task)?;
+    let mut run = plan(task)?;
+    run.notes.extend(other_letters(job, &profile.name));
     let mut files = programs(task, &run)?;
     files.push(positions(&run));
     files.extend(readings_to_fill(&run));

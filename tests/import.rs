@@ -10,7 +10,7 @@
 use nonius::axis::{Axis, Direction};
 use nonius::document::Source;
 use nonius::error_table::{ErrorTable, write};
-use nonius::import::choices::{Decimal, Encoding, MaterialCorrected, Runs, Sign, Travel};
+use nonius::import::choices::{Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel};
 use nonius::import::stated::Stated;
 use nonius::import::{Component, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
@@ -103,6 +103,83 @@ fn renishaw_compensation_table() {
     let mut stated = laser(-100.0, Direction::Plus);
     stated.sign = None; // the file says it
     insta::assert_snapshot!(table(REN, &bytes(REN), &stated));
+}
+
+const POS: &str = "pos_linear_selfmade.pos";
+
+#[test]
+fn api_position_export() {
+    let plus = rtl_laser(-200.0, Direction::Plus);
+    insta::assert_snapshot!(table(POS, &bytes(POS), &plus));
+}
+
+/// What is said of the file with one text in place of another.
+fn pos_refused(from: &str, to: &str, stated: &Stated) -> String {
+    let text = String::from_utf8(bytes(POS)).unwrap();
+    assert!(text.contains(from), "{from}");
+    let changed = text.replacen(from, to, 1);
+    run(POS, changed.as_bytes(), stated, None)
+        .map(|imported| panic!("it is read: {}", imported.text))
+        .unwrap_err()
+        .to_string()
+}
+
+#[test]
+fn rows_of_an_api_export_that_contradict_themselves_are_refused() {
+    let plus = rtl_laser(0.0, Direction::Plus);
+    let edited = |from: &str, to: &str| pos_refused(from, to, &plus);
+    assert!(
+        edited("     0.001200", "     0.001300").contains("1 of 10 rows contradict themselves")
+    );
+    assert!(edited("EndPos:\t400", "EndPos:\t500").contains("expected 500 as in `EndPos`"));
+    assert!(edited("RunNum: 2", "RunNum: 3").contains("expected 15"));
+    assert!(
+        edited("\t     0\t", "\t     2\t").contains("status is 2 (Path Error) in 1 of 10 rows")
+    );
+    assert!(edited("Unidirection\t", "Bidirection\t").contains("expected 20"));
+    assert!(edited("Unit:\tmm", "Unit:\tm").contains("`Unit` is `m`"));
+    assert!(
+        edited("Linear Data Table", "Angular Data Table")
+            .contains("expected a `Linear Data Table`")
+    );
+    assert!(edited("(X)", "(Y)").contains("names axis `(Y)`"));
+    assert!(edited("\t 0.001300", "\t 0.002300").contains("--rows"));
+    let turned = Stated {
+        sign: Some(Sign::AsCorrection),
+        ..plus
+    };
+    assert!(pos_refused("(X)", "(X)", &turned).contains("contradicts the file"));
+}
+
+#[test]
+fn averages_of_an_api_export_are_taken_only_when_asked_for() {
+    let text = String::from_utf8(bytes(POS)).unwrap();
+    let text = text.replacen("\t 0.001300", "\t 0.002300", 1);
+    let taken = |rows: Rows| {
+        let stated = Stated {
+            rows: Some(rows),
+            ..rtl_laser(0.0, Direction::Plus)
+        };
+        run(POS, text.as_bytes(), &stated, None).unwrap_or_else(|p| panic!("{p}"))
+    };
+    let measured = taken(Rows::Measured);
+    assert!(
+        rows(&measured.text).contains("x,+,100,1.3,"),
+        "{}",
+        measured.text
+    );
+    assert!(
+        measured
+            .warnings
+            .iter()
+            .any(|w| w.contains("the file was edited"))
+    );
+    let averages = taken(Rows::Averages);
+    assert!(
+        rows(&averages.text).contains("x,+,100,2.3"),
+        "{}",
+        averages.text
+    );
 }
 
 #[test]

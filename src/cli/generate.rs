@@ -2,6 +2,7 @@
 
 use crate::cli::deliver::Delivery;
 use crate::cli::inputs::with_suffix;
+use crate::cli::shell::shell_word;
 use crate::cli::{Answer, inputs, show};
 use crate::conformity::Verdict;
 use crate::controller::{Dialect, Role};
@@ -133,8 +134,8 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
     lines.push(before_loading(inputs, kit));
     lines.push(format!(
         "check what lies on the stick with: nonius verify {} --tables {}",
-        job.display(),
-        directory.display()
+        shell_word(job),
+        shell_word(directory)
     ));
     let acceptance = inputs.job.acceptance;
     lines.push(show::verdict(

@@ -4,7 +4,9 @@ use crate::axis::{Axis, Direction};
 use crate::cli::show::{Column, paragraphs, table};
 use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
 use crate::delimited::LengthUnit;
-use crate::import::choices::{Decimal, Encoding, MaterialCorrected, Runs, Sign, Travel, Values};
+use crate::import::choices::{
+    Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel, Values,
+};
 use crate::import::stated::Stated;
 use crate::import::{self, Component, Imported, Measurement, squareness_lines, terms_of};
 use crate::kit::sha256;
@@ -24,7 +26,7 @@ pub(super) struct Options {
     /// Replace an existing error table
     #[arg(long)]
     force: bool,
-    /// Format of the file: rtl, ren, etalon, isg or columns [default: by what stands in it]
+    /// Format of the file: rtl, ren, pos, etalon, isg or columns [default: by what stands in it]
     #[arg(long, value_name = "FORMAT", value_parser = format_word)]
     from: Option<import::Format>,
     /// Encoding of its text, where it does not show: windows-1252 (= latin-1), windows-1250, gbk,
@@ -61,6 +63,9 @@ pub(super) struct Options {
     /// unidirectional, or bidirectional (even runs go back)
     #[arg(long, value_parser = runs_word)]
     runs: Option<Runs>,
+    /// Which rows of a file that holds both: measured, or averages (the maker's)
+    #[arg(long, value_parser = rows_word)]
+    rows: Option<Rows>,
     /// Whether the instrument brought the readings to 20 °C of the material: yes, no or not-stated
     #[arg(long, value_parser = material_word)]
     material_corrected: Option<MaterialCorrected>,
@@ -143,6 +148,7 @@ impl Options {
             unit: self.unit,
             values: self.values,
             runs: self.runs,
+            rows: self.rows,
             material_corrected: self.material_corrected,
             decimal: self.decimal,
             columns: self.columns.clone(),
@@ -288,6 +294,10 @@ pub(super) fn sign_word(text: &str) -> Result<Sign, String> {
 
 fn unit_word(text: &str) -> Result<LengthUnit, String> {
     by_word(text, &LengthUnit::ALL, LengthUnit::word)
+}
+
+fn rows_word(text: &str) -> Result<Rows, String> {
+    by_word(text, &[Rows::Measured, Rows::Averages], Rows::word)
 }
 
 fn values_word(text: &str) -> Result<Values, String> {

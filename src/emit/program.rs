@@ -4,6 +4,7 @@ use crate::axis::{Axis, Direction, PerAxis};
 use crate::controller::LengthUnit;
 use crate::controller::program::Language;
 use crate::diagonal::Pass;
+use crate::emit::ascii::ascii;
 use crate::emit::{COMMENT_TEXT, LONGEST_TEXT};
 use crate::emit::{TOOL, Templates, fixed, is_comment_text, with_line_ends};
 use crate::job::{Reflector, RunType, TargetGrid};
@@ -105,7 +106,7 @@ fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
         ("machine.name", &job.machine.name),
         ("machine.serial", &serial),
     ] {
-        if !is_comment_text(text) {
+        if !is_comment_text(&ascii(text)) {
             let message =
                 format!("`{path}` goes into comments of the programs, expected {COMMENT_TEXT}");
             problems.push(
@@ -119,7 +120,8 @@ fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
         &facts.increment.value,
         &facts.dwell.value,
     ]);
-    for text in blocks.chain([&profile.name]) {
+    let profile_name = ascii(&profile.name).into_owned();
+    for text in blocks.chain([&profile_name]) {
         if !is_comment_text(text) || text.len() > LONGEST_TEXT {
             problems.push(
                 Problem::new(format!(
@@ -185,7 +187,7 @@ fn header(task: RunTask<'_>, program: &SetUpProgram, unit: LengthUnit) -> Vec<St
         ..
     } = task;
     let unit = unit.word();
-    let serial = job.machine.serial.as_deref().unwrap_or("NOT STATED");
+    let serial = ascii(job.machine.serial.as_deref().unwrap_or("NOT STATED"));
     let directions = if request.bidirectional {
         "BOTH DIRECTIONS"
     } else {
@@ -210,9 +212,9 @@ fn header(task: RunTask<'_>, program: &SetUpProgram, unit: LengthUnit) -> Vec<St
             request.what.word(),
             program.subject.name()
         ),
-        format!("MACHINE {}", job.machine.name),
+        format!("MACHINE {}", ascii(&job.machine.name)),
         format!("SERIAL {serial}"),
-        format!("MADE BY {TOOL} FOR {}", profile.name),
+        format!("MADE BY {TOOL} FOR {}", ascii(&profile.name)),
         path,
         format!(
             "STEPS {}, RUNS {}, {directions}, UNIT {unit}",

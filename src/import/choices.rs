@@ -54,6 +54,25 @@ impl Values {
     }
 }
 
+/// Which of the two tables of a file is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// What was measured.
+    Measured,
+    /// What the maker's program made of it.
+    Averages,
+}
+
+impl Rows {
+    /// The word of `--rows`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Rows::Measured => "measured",
+            Rows::Averages => "averages",
+        }
+    }
+}
+
 /// How the runs of a measurement were travelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Runs {

@@ -2,6 +2,7 @@
 
 use crate::document::Source;
 use crate::import::isg;
+use crate::import::pos_header;
 use crate::import::stated::Stated;
 use crate::problem::{Problem, Problems};
 
@@ -12,6 +13,8 @@ pub enum Format {
     Rtl,
     /// Renishaw compensation table.
     Ren,
+    /// API position export, linear.
+    Pos,
     /// Etalon exchange format.
     Etalon,
     /// ISG volumetric compensation.
@@ -22,9 +25,10 @@ pub enum Format {
 
 impl Format {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Format; 5] = [
+    pub const ALL: [Format; 6] = [
         Format::Rtl,
         Format::Ren,
+        Format::Pos,
         Format::Etalon,
         Format::Isg,
         Format::Columns,
@@ -35,6 +39,7 @@ impl Format {
         match self {
             Format::Rtl => "rtl",
             Format::Ren => "ren",
+            Format::Pos => "pos",
             Format::Etalon => "etalon",
             Format::Isg => "isg",
             Format::Columns => "columns",
@@ -45,6 +50,7 @@ impl Format {
         match self {
             Format::Rtl => "rtl (Renishaw static data, linear)",
             Format::Ren => "ren (Renishaw compensation table)",
+            Format::Pos => "pos (API position export, linear)",
             Format::Etalon => "etalon (Etalon exchange format)",
             Format::Isg => "isg (ISG volumetric compensation)",
             Format::Columns => "columns (delimited text with a stated mapping)",
@@ -71,6 +77,15 @@ impl Format {
                 "--sign",
                 "--unit",
                 "--values",
+            ],
+            Format::Pos => &[
+                "--axis",
+                "--term",
+                "--first-target-at-mm",
+                "--targets-run",
+                "--sign",
+                "--rows",
+                "--material-corrected",
             ],
             Format::Etalon | Format::Isg => &["--sign"],
             Format::Columns => &[
@@ -110,6 +125,9 @@ pub(super) fn recognised(source: &Source, stated: &Stated) -> Result<Format, Pro
         Ok(Format::Etalon)
     } else if isg::is_header(first) {
         Ok(Format::Isg)
+    } else if pos_header::is_first_line(first) || source.name.to_ascii_lowercase().ends_with(".pos")
+    {
+        Ok(Format::Pos)
     } else if source.name.to_ascii_lowercase().ends_with(".rtl") {
         Ok(Format::Rtl)
     } else if source.name.to_ascii_lowercase().ends_with(".ren") {
@@ -117,7 +135,7 @@ pub(super) fn recognised(source: &Source, stated: &Stated) -> Result<Format, Pro
     } else {
         Err(Problem::new(format!("the format of `{}` is not recognised", source.name))
             .at(source.place(&(0..first.len().min(source.text.len()))))
-            .help("map its columns with `--columns`, or state `--from rtl`, `ren`, `etalon` or `isg`. Of the files of Optodyne, API, CARTO and others nothing is known that could be relied on: export a CSV there")
+            .help("map its columns with `--columns`, or state `--from rtl`, `ren`, `pos`, `etalon` or `isg`. Of the files of Optodyne, CARTO and others nothing is known that could be relied on: export a CSV there")
             .into())
     }
 }

@@ -24,10 +24,7 @@ pub(super) fn refuse_text(
     let kind = stated_kind(text).or_else(|| (!is_mapped).then(|| ending(file.name)));
     let kind = kind.unwrap_or_default();
     let refusal = not_text(&kind).or_else(|| unknown_text(&kind));
-    refuse(
-        file,
-        refusal.or_else(|| (!is_mapped).then(|| evaluation(text)).flatten()),
-    )
+    refuse(file, refusal)
 }
 
 fn refuse(file: Measurement<'_>, refusal: Option<Refusal>) -> Result<(), Problems> {
@@ -68,19 +65,8 @@ fn unknown_text(kind: &str) -> Option<Refusal> {
             "holds straightness, squareness or flatness in a form that is not known",
             "export a CSV with the evaluated deviations, and map its columns: `--columns \"Position=target_mm,Deviation=ey_um\"`",
         )),
-        "pos" => Some((
-            "is a text export whose form is not known",
-            "export a CSV with one row a position, and map its columns: `--columns \"Position=target_mm,Error=ex_mm\"`",
-        )),
         _ => None,
     }
-}
-
-fn evaluation(text: &str) -> Option<Refusal> {
-    text.contains("Bidirectional Avg Error").then_some((
-        "is an API evaluation, which holds averages of runs only",
-        "export a CSV with one row a position, and map its columns: `--columns \"Position=target_mm,Error=ex_mm\"`",
-    ))
 }
 
 /// The file type that a Renishaw header states.

@@ -2,7 +2,7 @@
 
 use crate::axis::{Axis, Direction};
 use crate::delimited::LengthUnit;
-use crate::import::choices::{Decimal, MaterialCorrected, Runs, Sign, Travel, Values};
+use crate::import::choices::{Decimal, MaterialCorrected, Rows, Runs, Sign, Travel, Values};
 use crate::import::{Component, Kind};
 use crate::problem::{Problem, Problems};
 
@@ -29,6 +29,8 @@ pub struct Stated {
     pub values: Option<Values>,
     /// `--runs`: how they were travelled.
     pub runs: Option<Runs>,
+    /// `--rows`: which table of the file.
+    pub rows: Option<Rows>,
     /// `--material-corrected`: whether the instrument took the expansion of the material out.
     pub material_corrected: Option<MaterialCorrected>,
     /// `--decimal`: the sign before the decimals.
@@ -59,6 +61,7 @@ impl Stated {
             ("--unit", self.unit.map(|u| text(u.word()))),
             ("--values", self.values.map(|v| text(v.word()))),
             ("--runs", self.runs.map(|r| text(r.word()))),
+            ("--rows", self.rows.map(|r| text(r.word()))),
             (
                 "--material-corrected",
                 self.material_corrected.map(|m| text(m.word())),

@@ -1,7 +1,7 @@
 //! `[path]`: what the control knows before a part program starts, and how its path is followed.
 
 use crate::axis::PerAxis;
-use crate::nc::WithoutPoint;
+use crate::nc::{G43WithoutH, WithoutPoint};
 use crate::units::Millimetres;
 use std::collections::BTreeMap;
 
@@ -22,6 +22,10 @@ pub struct PathRequest {
     pub inch: bool,
     /// Coordinates without a decimal point.
     pub without_point: WithoutPoint,
+    /// Which tool offset G43 without H takes.
+    pub g43_without_h: G43WithoutH,
+    /// How far the end of an arc may miss its circle, mm; `None` = as the program's unit needs.
+    pub arc_mm: Option<f64>,
     /// Lines with `/` are left out.
     pub skip_deletable: bool,
     /// Rapid moves count too.
@@ -51,6 +55,8 @@ impl Default for PathRequest {
             measured_tool_mm: None,
             inch: false,
             without_point: WithoutPoint::Unit,
+            g43_without_h: G43WithoutH::Refuse,
+            arc_mm: None,
             skip_deletable: false,
             rapid: false,
             chord_mm: DEFAULT_CHORD_MM,

@@ -11,7 +11,7 @@ use crate::job::{
     Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis,
     Measurement, PathRequest, ProgramRequest, UseOf,
 };
-use crate::problem::shown;
+use crate::problem::{is_unseen, shown};
 use crate::units::Millimetres;
 
 const DEFAULT_MAX_CORRECTION_UM: f64 = 500.0; // contract §2.3
@@ -125,11 +125,11 @@ fn chain(section: &Section<'_>) -> Option<Chain> {
 
 /// Such a text would reach files and the terminal as commands.
 pub(super) fn refuse_control_characters(section: &Section<'_>, key: &str, text: Option<&str>) {
-    if text.is_some_and(|text| text.contains(char::is_control)) {
+    if text.is_some_and(|text| text.contains(is_unseen)) {
         section.problem(
             key,
             format!(
-                "`{}` holds a line break or another control character",
+                "`{}` holds a line break or another character that is not seen",
                 section.path_of(key)
             ),
             "write it in one line of plain letters and digits",

@@ -4,7 +4,7 @@ use crate::axis::{Axis, PerAxis};
 use crate::document::Section;
 use crate::job::read_diagonals::{all_of, places};
 use crate::job::{MachineAxis, PathRequest};
-use crate::nc::{WithoutPoint, system_number};
+use crate::nc::{G43WithoutH, WithoutPoint, system_number};
 use crate::problem::shown;
 use crate::units::Millimetres;
 use std::collections::BTreeMap;
@@ -13,6 +13,9 @@ const MOST_TOOL_NUMBER: u32 = 9999;
 const LONGEST_TOOL_MM: f64 = 10_000.0;
 const FINEST_CHORD_MM: f64 = 1e-5;
 const COARSEST_CHORD_MM: f64 = 1.0;
+const FINEST_ARC_MM: f64 = 1e-4;
+/// Beyond a tenth of a millimetre the arc is not the one that was meant.
+const COARSEST_ARC_MM: f64 = 0.1;
 const FINEST_SAMPLE_MM: f64 = 1e-3;
 const COARSEST_SAMPLE_MM: f64 = 1e4;
 
@@ -52,6 +55,17 @@ pub(super) fn path(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -
                 ],
             )
             .unwrap_or(usual.without_point),
+        g43_without_h: section
+            .choice(
+                "g43_without_h",
+                &[
+                    ("refuse", G43WithoutH::Refuse),
+                    ("last-h", G43WithoutH::LastH),
+                    ("tool", G43WithoutH::Tool),
+                ],
+            )
+            .unwrap_or(usual.g43_without_h),
+        arc_mm: section.within("arc_mm", FINEST_ARC_MM, COARSEST_ARC_MM, "mm"),
         skip_deletable: section
             .choice("block_delete", &[("execute", false), ("skip", true)])
             .unwrap_or(usual.skip_deletable),

@@ -3,8 +3,12 @@
 use crate::nc::{Arc, Place, Plane};
 use std::f64::consts::TAU;
 
-/// How far the end may miss the circle, mm; a program with three decimals misses it by 0.002.
-const TOLERANCE_MM: f64 = 0.01;
+/// How far the end of an arc misses the circle in programs that are right, mm: where `u` is the last
+/// decimal, start, end and centre are rounded by u/2 along both axes, so the two radii differ by up to
+/// 2·√2·u, 0.003 mm with three decimals.
+pub(super) const USUAL_MISS_MM: f64 = 0.01;
+/// The same with three decimals of an inch: 2·√2·0.0254 mm.
+pub(super) const INCH_MISS_MM: f64 = 0.072;
 /// No control has a larger radius.
 const LARGEST_RADIUS_MM: f64 = 1e7;
 /// Below this the radius is no circle, mm.
@@ -20,6 +24,7 @@ pub(super) fn around(
     clockwise: bool,
     (from, to): (Place, Place),
     centre: [f64; 2],
+    tolerance_mm: f64,
 ) -> Result<Arc, String> {
     let [first, second, _] = plane.axes();
     let start = [from[first] - centre[0], from[second] - centre[1]];
@@ -28,9 +33,9 @@ pub(super) fn around(
     if radius[0] < SMALLEST_RADIUS_MM || radius[0] > LARGEST_RADIUS_MM {
         return Err(format!("the arc has a radius of {:.6} mm", radius[0]));
     }
-    if (radius[1] - radius[0]).abs() > TOLERANCE_MM {
+    if (radius[1] - radius[0]).abs() > tolerance_mm {
         return Err(format!(
-            "the end of the arc lies {:.4} mm from the centre, its start {:.4} mm; expected the same within {TOLERANCE_MM} mm",
+            "the end of the arc lies {:.4} mm from the centre, its start {:.4} mm; expected the same within {tolerance_mm} mm (`arc_mm` in [path])",
             radius[1], radius[0]
         ));
     }
@@ -56,6 +61,7 @@ pub(super) fn centre_of_radius(
     clockwise: bool,
     (from, to): (Place, Place),
     radius: f64,
+    tolerance_mm: f64,
 ) -> Result<[f64; 2], String> {
     let [first, second, _] = plane.axes();
     let chord = [to[first] - from[first], to[second] - from[second]];
@@ -65,7 +71,7 @@ pub(super) fn centre_of_radius(
     }
     let half = length / 2.0;
     let size = radius.abs();
-    if size + TOLERANCE_MM < half {
+    if size + tolerance_mm < half {
         return Err(format!(
             "the radius {size} mm does not reach: start and end are {length:.4} mm apart"
         ));

@@ -7,6 +7,8 @@ pub(super) type Span = (usize, usize);
 
 /// M98.
 pub(super) const CALL: u16 = 980;
+/// M6.
+pub(super) const TOOL_CHANGE: u16 = 60;
 /// G or M words in one block; a control takes fewer.
 const MOST_CODES: usize = 16;
 
@@ -222,6 +224,13 @@ impl Block {
         } else {
             self.whole(letter)
         }
+    }
+
+    /// Whether a letter stands in the block that nobody asked for; it then counts as used.
+    pub(super) fn takes(&mut self, letter: u8) -> bool {
+        let free = self.present & !self.used & bit(letter) != 0;
+        self.used |= bit(letter);
+        free
     }
 
     /// Words that nobody asked for.

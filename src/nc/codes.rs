@@ -11,7 +11,7 @@ pub(super) enum Motion {
     Arc {
         clockwise: bool,
     },
-    /// G81 … G89 by its number.
+    /// G73, G81 … G89 by its number.
     Cycle(u16),
     /// None: G80 ended it.
     Ended,
@@ -55,6 +55,10 @@ pub(super) enum Code {
     Level(Level),
     Once(Once),
     MachineCoordinates,
+    /// G64: P and Q say how far the control may leave the path.
+    Blend,
+    /// G96: X is a diameter.
+    Turning,
     /// Known to be without effect on the path, with its reason in words.
     Harmless(u8),
 }
@@ -74,6 +78,8 @@ impl Code {
             Code::Once(_) => 8,
             Code::MachineCoordinates => 9,
             Code::EndCycle => 10,
+            Code::Blend => 23,
+            Code::Turning => 26,
             Code::Harmless(group) => group,
         }
     }
@@ -106,10 +112,13 @@ pub(super) fn code(tenths: u16) -> Option<Code> {
         540 | 550 | 560 | 570 | 580 | 590 => Code::System(Some(u32::from(tenths) / 10 - 53)),
         541 => Code::System(None),
         591..=593 => Code::System(Some(u32::from(tenths) - 591 + 7)),
-        610 | 640 => Code::Harmless(23), // exact stop, continuous path
-        690 => Code::Harmless(24),       // no rotation
+        610 => Code::Harmless(23), // exact stop
+        640 => Code::Blend,
+        690 => Code::Harmless(24), // no rotation
         800 => Code::EndCycle,
-        810 | 820 | 830 | 840 | 850 | 860 | 880 | 890 => Code::Motion(Motion::Cycle(tenths / 10)),
+        730 | 810 | 820 | 830 | 840 | 850 | 860 | 880 | 890 => {
+            Code::Motion(Motion::Cycle(tenths / 10))
+        }
         900 => Code::Incremental(false),
         901 => Code::AbsoluteCentre(true),
         910 => Code::Incremental(true),
@@ -117,7 +126,8 @@ pub(super) fn code(tenths: u16) -> Option<Code> {
         920 => Code::Once(Once::Shift),
         921 => Code::Once(Once::CancelShift),
         930 | 940 | 950 => Code::Harmless(25), // kind of feed
-        960 | 970 => Code::Harmless(26),       // kind of spindle speed
+        960 => Code::Turning,
+        970 => Code::Harmless(26), // a spindle speed in turns
         980 => Code::Level(Level::Initial),
         990 => Code::Level(Level::Retract),
         _ => return None,
@@ -132,7 +142,7 @@ pub(super) fn why_not(tenths: u16) -> &'static str {
         }
         410..=429 => "let the CAM system write the path of the tool's centre",
         440 => "give the tool length with the other sign, and use G43",
-        730 | 740 | 760 => "write the cycle as G81 … G89, or as single moves",
+        740 | 760 => "write the cycle as G81 … G89, or as single moves",
         870 => {
             "back boring moves sideways by an amount that the control knows: write the moves out"
         }

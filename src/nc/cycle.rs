@@ -1,10 +1,13 @@
-//! Canned cycles G81 … G89 as the moves they make.
+//! Canned cycles G73, G81 … G89 as the moves they make.
 //!
 //! ```text
 //!   position ─ rapid ─→ over the hole ─ rapid ─→ R ─ feed ─→ Z ─→ R (G99) or initial level (G98)
 //! ```
-//! G85, G89 and G84 leave the hole at the feed, the others at rapid. Pecks of G83 go the same way
-//! again, so the hole is fed once here.
+//! G85, G89 and G84 leave the hole at the feed, the others at rapid. Pecks of G73 and G83 go the same
+//! way again, so the hole is fed once here.
+//!
+//! R and Z stay as they were written. What they count from, zero or the level above, is the mode (G90,
+//! G91) of the block that drills, as in RS274/NGC: their numbers are modal, their meaning is not.
 
 use crate::nc::block::{Block, Span};
 use crate::nc::codes::Level;
@@ -15,7 +18,7 @@ use crate::nc::{Move, Place, Refused, Shape};
 /// Holes of one block.
 const MOST_REPEATS: u32 = 9999;
 
-/// A depth as it is written.
+/// A depth as it is written, and the mode of that block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Depth {
     mm: f64,
@@ -119,16 +122,22 @@ impl Interpreter<'_> {
                 "write R and the depth in the block that calls the cycle",
             ));
         };
-        self.check_initial(&cycle, retract, span)?;
+        if [retract, bottom]
+            .iter()
+            .any(|depth| depth.incremental != incremental)
+        {
+            self.tally.other_mode.get_or_insert(self.line);
+        }
+        self.check_initial(&cycle, span)?;
         let retract = self.level_of(retract, cycle.initial, span)?;
         let bottom = self.level_of(bottom, retract, span)?;
         Ok((retract, bottom, cycle.initial))
     }
 
-    /// The machine coordinate of a depth; an incremental one counts from a level.
+    /// The machine coordinate of a depth; in G91 it counts from a level.
     fn level_of(&mut self, depth: Depth, from: f64, span: Span) -> Result<f64, Wrong> {
         let third = self.plane.axes()[2];
-        let zero = if depth.incremental {
+        let zero = if self.incremental {
             from
         } else {
             self.base(span)?[third]
@@ -137,10 +146,10 @@ impl Interpreter<'_> {
     }
 
     /// Controls differ in where the initial level is after a change of zero or length.
-    fn check_initial(&self, cycle: &Cycle, retract: Depth, span: Span) -> Result<(), Wrong> {
+    fn check_initial(&self, cycle: &Cycle, span: Span) -> Result<(), Wrong> {
         let third = self.plane.axes()[2];
         let zero = self.offsets.base().map(|base| base[third]);
-        let counts = self.level == Level::Initial || retract.incremental;
+        let counts = self.level == Level::Initial || self.incremental;
         let pending = self.incremental && third == 2 && self.offsets.pending_z.abs() > 0.0;
         if !pending && (!counts || zero == cycle.zero) {
             return Ok(());

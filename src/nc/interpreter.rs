@@ -3,13 +3,14 @@
 mod motion;
 mod once;
 
-use crate::nc::block::{Block, CALL, CodeWord, Span};
+use crate::nc::block::{Block, CALL, CodeWord, Span, TOOL_CHANGE};
 use crate::nc::codes::{Code, Level, Motion, Once, code, is_call, why_not};
 use crate::nc::cycle::Cycle;
 use crate::nc::offsets::Offsets;
 use crate::nc::scan::Wrong;
-use crate::nc::{EXTENDED, Move, Place, Plane, Refused, Setup};
-use std::collections::BTreeMap;
+use crate::nc::{EXTENDED, G43WithoutH, Move, Place, Plane, Refused, Setup};
+use crate::units::MM_PER_INCH;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) const AXES: [u8; 3] = *b"XYZ";
 
@@ -23,7 +24,7 @@ pub(super) enum Flow {
 }
 
 /// What was passed over or understood in a way that a person should know.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tally {
     /// M words without motion, with how often they stand.
     pub(super) m: BTreeMap<u16, u64>,
@@ -33,6 +34,30 @@ pub(super) struct Tally {
     pub(super) holes: u64,
     /// G5, G5.1, G8.
     pub(super) look_ahead: u64,
+    /// Letters that stood beside M words.
+    pub(super) m_letters: BTreeMap<u16, BTreeSet<char>>,
+    /// Largest P or Q of G64 in mm, and its line.
+    pub(super) blend: Option<(f64, usize)>,
+    pub(super) rough_arcs: Option<RoughArcs>,
+    /// First line that drills in another mode (G90, G91) than R and Z were written in.
+    pub(super) other_mode: Option<usize>,
+}
+
+impl Tally {
+    /// The letters that stood beside an M word.
+    pub(super) fn with_words(&self, m: u16) -> String {
+        let letters = self.m_letters.get(&m).into_iter().flatten();
+        letters.map(|letter| format!(" {letter}")).collect()
+    }
+}
+
+/// Arcs whose end misses the circle by more than usual.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct RoughArcs {
+    pub(super) count: u64,
+    pub(super) most_mm: f64,
+    pub(super) line: usize,
+    pub(super) allowed_mm: f64,
 }
 
 /// Where the axis words of a block count from.
@@ -55,6 +80,7 @@ struct Asked {
     once: Option<(Once, CodeWord)>,
     system: Option<(Option<u32>, Span)>,
     tool: Option<(bool, Span)>,
+    blend: bool,
 }
 
 /// A control while it executes a program.
@@ -62,6 +88,8 @@ pub(super) struct Interpreter<'s> {
     setup: &'s Setup,
     pub(super) at: Place,
     pub(super) plane: Plane,
+    /// G17, G18 or G19 stood in the program.
+    has_plane: bool,
     pub(super) incremental: bool,
     pub(super) level: Level,
     pub(super) offsets: Offsets,
@@ -73,6 +101,12 @@ pub(super) struct Interpreter<'s> {
     absolute_centre: bool,
     /// The last H.
     tool_number: Option<u32>,
+    /// The last T.
+    called_tool: Option<u32>,
+    /// The tool that the last M6 changed in.
+    spindle_tool: Option<u32>,
+    /// What shows that the program is one for turning.
+    pub(super) turning: Option<Wrong>,
     /// Number of the hole that the next move drills.
     pub(super) hole: Option<u64>,
     /// A zero or a length is not known: moves are judged as words only.
@@ -85,6 +119,7 @@ impl<'s> Interpreter<'s> {
             setup,
             at: setup.start,
             plane: Plane::Xy,
+            has_plane: false,
             incremental: false,
             level: Level::Initial,
             offsets: Offsets::new(setup),
@@ -95,6 +130,9 @@ impl<'s> Interpreter<'s> {
             inch: setup.inch,
             absolute_centre: false,
             tool_number: None,
+            called_tool: None,
+            spindle_tool: None,
+            turning: None,
             hole: None,
             is_lost: false,
         }
@@ -111,6 +149,10 @@ impl<'s> Interpreter<'s> {
         } else {
             self.modes(block)
         };
+        self.change_tool(block);
+        if asked.blend {
+            self.blend(block);
+        }
         for letter in *b"NFSTD" {
             block.value(letter); // without effect on the path
         }
@@ -168,6 +210,9 @@ impl<'s> Interpreter<'s> {
                 ));
             }
             *group = Some(word);
+            if word.tenths == 500 && block.has_any(b"SXZUW") {
+                self.turning = Some(turning(word.span, "`G50` with S or a coordinate"));
+            }
             self.mode(code, word, &mut asked);
         }
         if let (Some(end), Some(Motion::Cycle(_))) = (asked.end_cycle, asked.motion) {
@@ -184,7 +229,10 @@ impl<'s> Interpreter<'s> {
         match code {
             Code::Motion(motion) => asked.motion = Some(motion),
             Code::EndCycle => asked.end_cycle = Some(word),
-            Code::Plane(plane) => self.plane = plane,
+            Code::Plane(plane) => {
+                self.plane = plane;
+                self.has_plane = true;
+            }
             Code::Inch(inch) => self.inch = inch,
             Code::Incremental(incremental) => self.incremental = incremental,
             Code::AbsoluteCentre(absolute) => self.absolute_centre = absolute,
@@ -193,7 +241,39 @@ impl<'s> Interpreter<'s> {
             Code::ToolLength(on) => asked.tool = Some((on, word.span)),
             Code::Once(once) => asked.once = Some((once, word)),
             Code::MachineCoordinates => asked.machine = Some(word.span),
+            Code::Blend => asked.blend = true,
+            Code::Turning => {
+                self.turning = Some(turning(word.span, "`G96` (constant cutting speed)"))
+            }
             Code::Harmless(_) => {}
+        }
+    }
+
+    /// T names a tool, M6 changes it in.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the number is checked to lie in the range before it is used"
+    )]
+    fn change_tool(&mut self, block: &mut Block) {
+        let whole = |number: &f64| (0.0..=99_999_999.0).contains(number) && number.fract() <= 0.0;
+        let called = block.value(b'T').filter(whole);
+        self.called_tool = called.map(|number| number as u32).or(self.called_tool);
+        if block.m_word(TOOL_CHANGE).is_some() {
+            self.spindle_tool = self.called_tool;
+        }
+    }
+
+    /// G64 P… Q…: how far the control may leave the path, in the program's unit.
+    fn blend(&mut self, block: &mut Block) {
+        let unit = if self.inch { MM_PER_INCH } else { 1.0 };
+        for letter in *b"PQ" {
+            let Some(mm) = block.value(letter).map(|value| value * unit) else {
+                continue;
+            };
+            if self.tally.blend.is_none_or(|(most, _)| mm > most) {
+                self.tally.blend = Some((mm, self.line));
+            }
         }
     }
 
@@ -213,26 +293,40 @@ impl<'s> Interpreter<'s> {
         self.tool_number = number.or(self.tool_number);
         match (asked.tool, number) {
             (Some((false, _)), _) => self.offsets.no_tool(),
-            (Some((true, span)), _) => self.use_tool(if number.is_some() {
-                block.span(b'H')
-            } else {
-                span
-            })?,
-            (None, Some(_)) if self.offsets.tool().is_some() => self.use_tool(block.span(b'H'))?,
+            (Some((true, span)), None) => self.use_tool(span, None)?,
+            (Some((true, _)), Some(_)) => self.use_tool(block.span(b'H'), number)?,
+            (None, Some(_)) if self.offsets.tool().is_some() => {
+                self.use_tool(block.span(b'H'), number)?;
+            }
             _ => {}
         }
         Ok(())
     }
 
-    fn use_tool(&mut self, span: Span) -> Result<(), Wrong> {
-        let Some(number) = self.tool_number else {
-            self.is_lost = true;
-            return Err(Wrong::new(
-                span,
+    /// The number of the tool offset where G43 stands without H.
+    fn number_without_h(&self) -> Result<u32, (&'static str, &'static str)> {
+        match self.setup.g43_without_h {
+            G43WithoutH::Refuse => Err((
+                "`G43` without H: controls differ in which tool offset is meant",
+                "write H with the number of the tool offset, e.g. `G43 H1`; or state `g43_without_h = \"last-h\"` (the last H) or `\"tool\"` (the tool in the spindle) in [path]",
+            )),
+            G43WithoutH::LastH => self.tool_number.ok_or((
                 "`G43` without H: no tool offset was named yet",
                 "write H with the number of the tool offset, e.g. `G43 H1`",
-            ));
-        };
+            )),
+            G43WithoutH::Tool => self.spindle_tool.ok_or((
+                "`G43` without H: no T and M6 changed a tool in before",
+                "write H with the number of the tool offset, e.g. `G43 H1`",
+            )),
+        }
+    }
+
+    fn use_tool(&mut self, span: Span, written: Option<u32>) -> Result<(), Wrong> {
+        let number = written.map_or_else(|| self.number_without_h(), Ok);
+        let number = number.map_err(|(message, help)| {
+            self.is_lost = true;
+            Wrong::new(span, message, help)
+        })?;
         if self.offsets.use_tool(number) {
             return Ok(());
         }
@@ -242,6 +336,20 @@ impl<'s> Interpreter<'s> {
             format!("the length of tool offset H{number} is not known"),
             format!("add `[[path.tool]]` with `number = {number}` and `length_mm` to the job"),
         ))
+    }
+
+    /// An M word without motion; P, Q and L that nothing else took are its own (M19 P90).
+    fn tally_m(&mut self, block: &mut Block, m: u16) {
+        *self.tally.m.entry(m).or_default() += 1;
+        if block.m_word(CALL).is_some() {
+            return; // P and L are those of the call
+        }
+        for letter in *b"PQL" {
+            if block.takes(letter) {
+                let letters = self.tally.m_letters.entry(m).or_default();
+                letters.insert(char::from(letter));
+            }
+        }
     }
 
     /// M words: calls, ends, and those without effect on the path.
@@ -261,7 +369,7 @@ impl<'s> Interpreter<'s> {
                     ));
                 }
                 tenths => {
-                    *self.tally.m.entry(tenths / 10).or_default() += 1;
+                    self.tally_m(block, tenths / 10);
                     continue;
                 }
             };
@@ -276,6 +384,17 @@ impl<'s> Interpreter<'s> {
         }
         Ok(flow)
     }
+}
+
+/// What shows that a program is one for turning.
+fn turning(span: Span, what: &str) -> Wrong {
+    Wrong::new(
+        span,
+        format!(
+            "{what} stands in turning programs, in which X is a diameter: `path` follows milling programs of X, Y and Z"
+        ),
+        "take a milling program; if this is one, remove the word: the path of the milling tool does not depend on it",
+    )
 }
 
 /// M98 P… L…; without L the digits before the last four of P are the number of calls.

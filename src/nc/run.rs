@@ -5,6 +5,7 @@
 //! Subprograms follow it, each from `O…` to M99; an index of the `O` words is made when the first
 //! one is called.
 
+use crate::nc::arc::USUAL_MISS_MM;
 use crate::nc::block::{Block, CALL};
 use crate::nc::interpreter::{Flow, Interpreter, Tally};
 use crate::nc::scan::{Wrong, words};
@@ -129,6 +130,8 @@ enum Next {
     End,
     /// The second `%`.
     TextEnd,
+    /// It is a turning program.
+    Turning(Problem),
 }
 
 impl Control<'_> {
@@ -157,6 +160,8 @@ impl Control<'_> {
                 Next::Line => {}
                 Next::End => return Ok(()),
                 Next::TextEnd => return self.ended(),
+                // What else was found follows from it.
+                Next::Turning(problem) => return Err(problem.into()),
                 Next::Return if self.calls.is_empty() => return Ok(()),
                 Next::Return => self.go_back(text)?,
                 Next::Call {
@@ -217,6 +222,9 @@ impl Control<'_> {
                 block.value(b'O').is_some() || block.has_any(b"XYZ") || !block.g.is_empty();
         }
         let flow = self.interpreter.block(block, line.number, follow);
+        if let Some(wrong) = self.interpreter.turning.take() {
+            return Next::Turning(problem(name, line, &wrong));
+        }
         for wrong in &block.wrong {
             if self.found.insert((line.number, wrong.start)) {
                 self.problems.push(problem(name, line, wrong));
@@ -333,7 +341,7 @@ fn without_mark(line: Line<'_>) -> Line<'_> {
     }
 }
 
-/// The lines that begin with `O`, by its number.
+/// The lines that begin with `O` or `:`, by its number.
 fn index<T: Text>(text: &mut T) -> Result<BTreeMap<u32, Mark>, Problem> {
     text.go_to(Mark::default())?;
     let mut index = BTreeMap::new();
@@ -367,7 +375,7 @@ fn index<T: Text>(text: &mut T) -> Result<BTreeMap<u32, Mark>, Problem> {
 )]
 fn program_number(line: &[u8]) -> Option<u32> {
     let first = line.iter().find(|byte| !byte.is_ascii_whitespace())?;
-    if !matches!(first, b'O' | b'o' | b'N' | b'n') {
+    if !matches!(first, b'O' | b'o' | b'N' | b'n' | b':') {
         return None;
     }
     let mut words = words(line).filter_map(Result::ok);
@@ -421,12 +429,26 @@ fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
             tally.look_ahead
         ));
     }
+    notes.extend(tally.blend.map(|(mm, line)| {
+        format!(
+            "G64 lets the control leave the path by up to {mm:.3} mm (the first so in line {line}): the path is followed as it is written"
+        )
+    }));
+    notes.extend(tally.rough_arcs.map(|arcs| {
+        format!(
+            "arcs whose end misses the circle by more than {USUAL_MISS_MM} mm: {}, most by {:.4} mm in line {}; taken up to {:.3} mm, see `arc_mm` in [path]",
+            arcs.count, arcs.most_mm, arcs.line, arcs.allowed_mm
+        )
+    }));
+    notes.extend(tally.other_mode.map(|line| {
+        format!(
+            "G90 or G91 was changed inside a cycle in line {line}: R and Z are read as they were written, in the mode of the block that drills; some controls keep the levels"
+        )
+    }));
     if !tally.m.is_empty() {
-        let words: Vec<String> = tally
-            .m
-            .iter()
-            .map(|(m, count)| format!("M{m} ({count})"))
-            .collect();
+        let words = tally.m.iter();
+        let words = words.map(|(m, count)| format!("M{m}{} ({count})", tally.with_words(*m)));
+        let words: Vec<String> = words.collect();
         notes.push(format!("taken to be without motion: {}", words.join(", ")));
     }
     notes

@@ -6,7 +6,7 @@
 /// A letter with its number, or one of the signs `%` and `/`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
-    /// Capital letter, `%` or `/`.
+    /// Capital letter, `%` or `/`; `O` for `:0100`, too.
     pub letter: u8,
     /// Its number; 0 after `%` and after `/` without one.
     pub value: f64,
@@ -78,6 +78,9 @@ impl Iterator for Words<'_> {
                     Err(wrong) => return Some(Err(wrong)),
                 },
                 b'A'..=b'Z' | b'a'..=b'z' => return Some(self.word(byte.to_ascii_uppercase())),
+                b':' if self.line.get(self.at + 1).is_some_and(u8::is_ascii_digit) => {
+                    return Some(self.word(b'O')); // the program number of ISO tapes
+                }
                 b'/' => return Some(self.slash()),
                 b'%' => return Some(Ok(self.percent())),
                 _ => return Some(Err(self.unknown(byte))),

@@ -48,6 +48,8 @@ fn control() -> Setup {
         tools: BTreeMap::from([(1, 50.0), (2, 80.0)]),
         inch: false,
         without_point: WithoutPoint::Unit,
+        g43_without_h: G43WithoutH::Refuse,
+        arc_mm: None,
         skip_deletable: false,
     }
 }
@@ -246,6 +248,114 @@ fn cycles_drill_holes() {
         ends("G18 G0 Y9\nG81 X1 Z2 Y-1 R1\nG80")[1..3],
         ["r1 9 2", "r1 1 2"]
     );
+}
+
+#[test]
+fn depths_of_a_cycle_are_read_in_the_mode_of_the_block_that_drills() {
+    // RS274/NGC: the numbers of R and Z are modal, their meaning is that of the block.
+    let program = "G0 Z100\nG91 G81 X0 Z-120 R-98\nG90 Y-25\nG80";
+    let (steps, ran) = run_with(&control(), program).expect("a program");
+    let bottoms: Vec<f64> = steps
+        .iter()
+        .filter(|step| step.hole.is_some())
+        .map(|step| step.to[2])
+        .collect();
+    assert_eq!(bottoms, [-118.0, -120.0]);
+    assert!(
+        ran.notes
+            .iter()
+            .any(|note| note.contains("inside a cycle in line 3"))
+    );
+}
+
+#[test]
+fn a_chip_breaking_cycle_is_fed_once() {
+    assert_eq!(
+        ends("G0 Z9\nG99 G73 X1 Z-6 R2 Q1.5\nG80")[2..],
+        ["r1 0 2", "1 0 -6", "r1 0 2"]
+    );
+}
+
+fn notes(setup: &Setup, program: &str) -> String {
+    let (_, ran) = run_with(setup, program).expect("a program");
+    ran.notes.join("\n")
+}
+
+#[test]
+fn words_beside_g64_and_m_words_are_told() {
+    assert_eq!(ends("G64 P0.05 Q0.02\nG1 X1"), ["1 0 0"]);
+    assert!(notes(&control(), "G20\nG64 P.002\nG1 X1.").contains("up to 0.051 mm"));
+    let program = "G1 X1.\nM19 P90\nM66 P1 L3 Q2.\nM8";
+    assert!(notes(&control(), program).ends_with("M8 (1), M19 P (1), M66 L P Q (1)"));
+    assert_eq!(ends("G91 G1\nM98 P7 L2 M8\nM30\nO7\nX1\nM99").len(), 2);
+}
+
+#[test]
+fn a_colon_begins_a_program_as_o_does() {
+    assert_eq!(
+        ends("%\n:0100\nG91 G1\nM98 P7\nM30\n:7\nX1\nM99"),
+        ["1 0 0"]
+    );
+    assert_eq!(refused("G1 X1:"), [(1, 6)]);
+}
+
+#[test]
+fn g43_without_h_is_what_the_job_says() {
+    assert_eq!(refused("G0\nG43 H1\nG43 Z1."), [(3, 1)]);
+    let with = |g43_without_h| Setup {
+        g43_without_h,
+        ..control()
+    };
+    let tool = |setup: &Setup, program: &str| {
+        let (steps, _) = run_with(setup, program).expect("a program");
+        steps.last().and_then(|step| step.tool_mm)
+    };
+    let program = "G0 G43 H1 Z1.\nT2 M6\nG43 Z3.";
+    assert_eq!(tool(&with(G43WithoutH::LastH), program), Some(50.0));
+    assert_eq!(tool(&with(G43WithoutH::Tool), program), Some(80.0));
+    let prepared = "G0 T1 M6\nT2\nG43 Z3.";
+    assert_eq!(tool(&with(G43WithoutH::Tool), prepared), Some(50.0));
+    assert!(run_with(&with(G43WithoutH::Tool), "G0 T1\nG43 Z3.").is_err());
+}
+
+#[test]
+fn arcs_of_inch_programs_with_three_decimals_are_followed_and_told() {
+    // A quarter of 0.7071 in: the ends miss the circle by 0.001 in = 0.02 mm.
+    let arc = "G1 X1. Y0\nG3 X.5 Y.501 I-.5 J0";
+    assert!(run_with(&control(), &format!("G21 {arc}")).is_ok());
+    let inch = notes(&control(), &format!("G20 {arc}"));
+    assert!(inch.contains("misses the circle by more than 0.01 mm: 1, most by 0.0254 mm in line 2; taken up to 0.072 mm"), "{inch}");
+    let far = "G20 G1 X1. Y0\nG3 X.5 Y.503 I-.5 J0";
+    assert_eq!(refused(far), [(2, 4)]);
+    let wide = Setup {
+        arc_mm: Some(0.1),
+        ..control()
+    };
+    assert!(run_with(&wide, far).is_ok());
+}
+
+#[test]
+fn turning_programs_are_refused_with_one_message() {
+    for program in [
+        "O1\nG50 S2000\nG0 X86. Z0.25\nG41 X1",
+        "G0 X86. Z1.\nG96 S200 M3\nG1 X80. U1",
+        "G50 X200. Z300.",
+        "G0 X20. Z1.\nG1 Z0\nG3 X22. Z-1. I0 K-1.\nG1 Z-5.",
+    ] {
+        let problems = run_with(&control(), program).expect_err("it is refused");
+        let messages: Vec<&str> = problems.iter().map(|p| p.message.as_str()).collect();
+        assert_eq!(messages.len(), 1, "{messages:?}");
+        assert!(messages[0].contains("turning"), "{messages:?}");
+    }
+    assert_eq!(ends("G50\nG97 S800\nG1 X1"), ["1 0 0"]);
+}
+
+#[test]
+fn centres_that_fit_as_absolute_ones_are_told() {
+    let problems =
+        run_with(&control(), "G1 X10. Y5.\nG3 X0 Y15. I0 J5.").expect_err("it is refused");
+    let help = problems.iter().next().and_then(|p| p.help.clone());
+    assert!(help.is_some_and(|help| help.contains("G90.1")));
 }
 
 #[test]

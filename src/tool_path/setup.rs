@@ -29,6 +29,8 @@ pub fn setup(job: &Job) -> Setup {
         tools: path.tools.clone(),
         inch: path.inch,
         without_point: path.without_point,
+        g43_without_h: path.g43_without_h,
+        arc_mm: path.arc_mm,
         skip_deletable: path.skip_deletable,
     }
 }

@@ -1,14 +1,15 @@
 //! Blocks that move: where their words lead, lines, arcs and the start of cycles.
 
-use super::{AXES, Asked, Interpreter, Reach, first_span, unknown_system};
-use crate::nc::arc::{around, centre_of_radius};
+use super::{AXES, Asked, Interpreter, Reach, first_span, turning, unknown_system};
+use crate::nc::arc::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
 use crate::nc::block::{Block, Span};
 use crate::nc::codes::Motion;
 use crate::nc::cycle::Cycle;
 use crate::nc::scan::Wrong;
-use crate::nc::{Move, Place, Refused, Shape, WithoutPoint, system_name};
+use crate::nc::{Arc, Move, Place, Refused, Shape, WithoutPoint, system_name};
 use crate::units::MM_PER_INCH;
 
+const ABSOLUTE_CENTRE: &str = "the centre fits if it counts from the program's zero: write G90.1 before, if the control is set so";
 const CENTRES: [u8; 3] = *b"IJK";
 /// No machine has a kilometre of travel.
 const FARTHEST_MM: f64 = 1e6;
@@ -196,6 +197,7 @@ impl Interpreter<'_> {
     where
         F: FnMut(&Move) -> Result<(), Refused>,
     {
+        let tolerance_mm = self.arc_mm();
         let ends = (self.at, self.target(block, span, Reach::Program)?);
         let in_words = |message| {
             Wrong::new(
@@ -213,17 +215,75 @@ impl Interpreter<'_> {
                     "keep one of them",
                 ));
             }
-            centre_of_radius(self.plane, clockwise, ends, radius).map_err(in_words)?
+            centre_of_radius(self.plane, clockwise, ends, radius, tolerance_mm).map_err(in_words)?
         } else {
             self.centre(block, span)?
         };
-        let arc = around(self.plane, clockwise, ends, centre);
+        if self.is_turning_arc(block) {
+            self.turning = Some(turning(block.span(b'K'), "an arc with K, but without G18,"));
+        }
+        let arc = around(self.plane, clockwise, ends, centre, tolerance_mm);
         match arc {
-            Ok(arc) => self.go(ends.1, Shape::Arc(arc), false, span, follow),
-            Err(message) => {
-                self.at = ends.1; // what follows is judged from where the program means to be
-                Err(in_words(message))
+            Ok(arc) => {
+                self.tally_miss(arc, tolerance_mm);
+                self.go(ends.1, Shape::Arc(arc), false, span, follow)
             }
+            Err(message) => {
+                let absolute = self.fits_as_absolute(block, clockwise, ends, tolerance_mm);
+                self.at = ends.1; // what follows is judged from where the program means to be
+                let mut wrong = in_words(message);
+                if absolute {
+                    wrong.help = ABSOLUTE_CENTRE.to_string();
+                }
+                Err(wrong)
+            }
+        }
+    }
+
+    /// In a program that never chose a plane: lathes have Z and X, and write no G18.
+    fn is_turning_arc(&self, block: &Block) -> bool {
+        !self.has_plane && block.has_any(b"XZ") && block.has(b'K') && !block.has_any(b"YJ")
+    }
+
+    /// Whether the centre words make an arc if they count from the program's zero.
+    fn fits_as_absolute(
+        &mut self,
+        block: &mut Block,
+        clockwise: bool,
+        ends: (Place, Place),
+        tolerance_mm: f64,
+    ) -> bool {
+        let [first, second, _] = self.plane.axes();
+        let words = [first, second].map(|axis| self.length(block, CENTRES[axis]));
+        let (Some(base), [Some(a), Some(b)]) = (self.offsets.base(), words) else {
+            return false;
+        };
+        let centre = [base[first] + a, base[second] + b];
+        !self.absolute_centre && around(self.plane, clockwise, ends, centre, tolerance_mm).is_ok()
+    }
+
+    /// How far the end of an arc may miss its circle.
+    fn arc_mm(&self) -> f64 {
+        let usual = if self.inch {
+            INCH_MISS_MM
+        } else {
+            USUAL_MISS_MM
+        };
+        self.setup.arc_mm.unwrap_or(usual)
+    }
+
+    /// Arcs that miss their circle by more than programs in millimetres do are told.
+    fn tally_miss(&mut self, arc: Arc, allowed_mm: f64) {
+        let miss = (arc.radius[1] - arc.radius[0]).abs();
+        if miss <= USUAL_MISS_MM {
+            return;
+        }
+        let line = self.line;
+        let arcs = self.tally.rough_arcs.get_or_insert_default();
+        arcs.count += 1;
+        arcs.allowed_mm = arcs.allowed_mm.max(allowed_mm);
+        if miss > arcs.most_mm {
+            (arcs.most_mm, arcs.line) = (miss, line);
         }
     }
 

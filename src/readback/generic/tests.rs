@@ -242,7 +242,7 @@ fn a_flaw_brings_no_others() {
 }
 
 #[test]
-fn all_flaws_are_told_in_the_order_of_the_file_up_to_200() {
+fn all_flaws_are_told_in_the_order_of_the_file_each_cause_once() {
     let text = csv_text()
         .replace("-50,", "x,")
         .replace("50,-1", "50,-2")
@@ -255,16 +255,14 @@ fn all_flaws_are_told_in_the_order_of_the_file_up_to_200() {
     assert_eq!(places, ["2:12", "4:18", "6:13"], "{found:#?}");
     assert_eq!(
         flaws(&format!("{HEADER}{}", "a,b\n".repeat(1000))).len(),
-        200
+        1 // the same in 999 more lines
     );
-    assert_eq!(
-        flaws(&format!("{HEADER}{}", "a,b,c,d,e,f,g,h,i\n".repeat(1000))).len(),
-        200
-    );
+    let letters = format!("{HEADER}{}", "a,b,c,d,e,f,g,h,i\n".repeat(1000));
+    assert!(flaws(&letters).len() <= 9, "one for each column at most");
     let jumbled: String = (0..300).fold(String::new(), |rows, n| {
         format!("{rows}EXX,A{n},B,,1,0,0,0,0\n")
     });
-    assert_eq!(flaws(&format!("{HEADER}{jumbled}")).len(), 200);
+    assert_eq!(flaws(&format!("{HEADER}{jumbled}")).len(), 1);
 }
 
 #[test]

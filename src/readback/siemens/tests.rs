@@ -225,7 +225,7 @@ fn all_problems_of_a_file_are_told_in_its_order() {
 
 #[test]
 fn a_binary_file_gives_a_bounded_list() {
-    assert_eq!(messages(&"\u{1}\n".repeat(5000)).len(), 200);
+    assert_eq!(messages(&"\u{1}\n".repeat(5000)).len(), 1);
 }
 
 /// Structure of the file: Function Manual Extended Functions 03/2013, K3 p. 242; `$PATH` from
