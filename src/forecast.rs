@@ -321,7 +321,7 @@ fn largest_residual(
                     stretch.at_from.um(),
                     stretch.at_to.um(),
                 );
-                largest = largest.max(high).max(-low);
+                largest = largest.max(high.abs()).max(low.abs());
             }
             for end in [from, to] {
                 for beside in [-AT_THE_END_MM, AT_THE_END_MM] {

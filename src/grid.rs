@@ -14,7 +14,7 @@ use crate::controller::LengthUnit;
 use crate::fit::Nodes;
 use crate::job::{AxisSettings, Job, MachineAxis};
 use crate::problem::{Problem, Problems};
-use crate::units::Millimetres;
+use crate::units::{Millimetres, power_of_ten};
 
 /// Smallest difference of two spacings when the number of points is given (contract §2.3).
 const SPACING_STEP_MM: f64 = 0.001;
@@ -47,7 +47,7 @@ impl LengthDigit {
 
     /// Last digits in one unit: 10^decimals.
     pub fn per_unit(self) -> f64 {
-        10_f64.powi(i32::try_from(self.decimals).unwrap_or(i32::MAX))
+        power_of_ten(self.decimals)
     }
 }
 

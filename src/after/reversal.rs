@@ -3,6 +3,7 @@
 use super::MeasuredCurves;
 use crate::axis::ErrorTerm;
 use crate::model::{ErrorModel, Measured};
+use crate::units::Figure;
 
 /// The reversal of a second measurement in both directions, where the first one did not tell them
 /// apart.
@@ -26,7 +27,7 @@ pub fn unseen_reversal(before: &ErrorModel, after: &MeasuredCurves) -> Option<Un
         };
         let reversal = second.reversal();
         if let Some(reversal) = reversal.filter(|_| !first.measured.has_both_ways()) {
-            found.push(format!("{term} {:+.3}", reversal.um()));
+            found.push(format!("{term} {:+.3}", Figure(reversal.um())));
             second.measured = Measured::Undirected(second.measured.mean());
         }
     }

@@ -16,6 +16,7 @@ use super::increments::{Group, Means};
 use crate::axis::{Axis, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::diagonal::{Pass, PathKind, PerDiagonal, Volume};
 use crate::job::{Levers, Reflector, StatedUncertainty};
+use crate::units::Figure;
 
 const URAD_PER_ARCSEC: f64 = 1e6 * std::f64::consts::PI / (180.0 * 3600.0);
 
@@ -110,7 +111,7 @@ impl AngleEvidence {
         };
         let bent = Axis::ALL.into_iter().filter(bent);
         let bows: Vec<String> = bent
-            .map(|axis| format!("{axis} {:.3}", bow[axis]))
+            .map(|axis| format!("{axis} {:.3}", Figure(bow[axis])))
             .collect();
         if bows.is_empty() {
             return "only roll is missing, which bends no curve".to_string();
