@@ -423,7 +423,7 @@ fn pointed(count: i64, decimals: u32) -> Option<CompactString> {
 
 #[cfg(test)]
 mod tests {
-    use super::{counted, fixed};
+    use super::{counted, fixed, power_of_ten};
     use proptest::prelude::*;
 
     #[test]

@@ -35,6 +35,19 @@ pub fn power_of_ten(exponent: u32) -> f64 {
     known.unwrap_or_else(|| format!("1e{exponent}").parse().unwrap_or(f64::INFINITY))
 }
 
+/// Squares as products, the same on every computer.
+pub trait Squared {
+    /// x².
+    #[must_use]
+    fn squared(self) -> Self;
+}
+
+impl Squared for f64 {
+    fn squared(self) -> f64 {
+        self * self
+    }
+}
+
 /// A number as it is printed: a zero has no sign, also one that is left by rounding to the decimals
 /// asked for. All else is as the formatter of numbers writes it.
 ///
@@ -255,10 +268,13 @@ mod tests {
             let text = format!("{:.decimals$}", Figure(number));
             let plain = format!("{number:.decimals$}");
             prop_assert!(!has_signed_zero(&text), "{text}");
-            prop_assert_eq!(&text, plain.trim_start_matches(if has_signed_zero(&plain) { "-" } else { "\0" }));
+            if !has_signed_zero(&plain) {
+                prop_assert_eq!(text, plain);
+            }
             let signed = format!("{:+.decimals$}", Figure(number));
             prop_assert!(!has_signed_zero(&signed), "{signed}");
-            prop_assert!(!has_signed_zero(&format!("{}", Figure(number))));
+            let shortest = Figure(number).to_string();
+            prop_assert!(!has_signed_zero(&shortest), "{shortest}");
         }
     }
 }

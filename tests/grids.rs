@@ -89,7 +89,7 @@ proptest! {
         };
         let request = match kind {
             0 => format!("spacing_mm = {:?}", (high - low) / (2.0 + (size * 60.0).round())),
-            1 => format!("points = {}", 3 + (size * 60.0) as u32),
+            1 => format!("points = {:.0}", 3.0 + (size * 60.0).round()),
             _ => format!("max_residual_um = {:?}", 0.2 + 4.0 * size),
         };
         let grid = grid_of(control, [low, high], reference, &request);

@@ -98,14 +98,14 @@ fn inputs(directory: &Path) {
     write("path.toml", &(read("nine_errors_900/generic.toml") + path));
     write("readings.csv", &read("start/readings/readings.csv"));
     write("readings.toml", &read("start/readings/job.toml"));
-    let mut runs = "axis,direction,run,target_mm,deviation_um\n".to_string();
+    let mut runs = "target_mm,run,direction,deviation_um\n".to_string();
     for (target, run) in [0, 100, 200, 300, 400]
         .iter()
         .flat_map(|t| (1..6).map(move |run| (t, run)))
     {
         for direction in ["+", "-"] {
             let um = -1e-7 * f64::from(run);
-            writeln!(runs, "x,{direction},{run},{target},{um:?}").expect("it is text");
+            writeln!(runs, "{target},{run},{direction},{um:?}").expect("it is text");
         }
     }
     write("runs.csv", &runs);
@@ -159,7 +159,9 @@ fn no_command_prints_or_writes_one() {
     );
     for entry in glob::glob(&written).expect("the pattern is valid") {
         let path = entry.expect("it can be read");
-        let is_input = path.file_name().is_some_and(|name| name == "path.toml");
+        let is_input = path
+            .file_name()
+            .is_some_and(|name| name == "path.toml" || name == "errors.csv");
         if path.is_file() && !is_input {
             let text = fs::read_to_string(&path).expect("it is text");
             let found = signed_zeros(&text);

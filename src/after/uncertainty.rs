@@ -17,7 +17,7 @@ use crate::forecast::Forecast;
 use crate::job::{Job, MachineAxis, MeasuredData};
 use crate::model::ErrorModel;
 use crate::problem::Problems;
-use crate::units::Millimetres;
+use crate::units::{Millimetres, Squared};
 
 /// Positions closer than this are one, mm.
 const SAME_PLACE_MM: f64 = 1e-6;
@@ -113,7 +113,7 @@ pub(super) fn counted(mut figures: Forecast, curves: &MeasuredCurves) -> Forecas
         term.u_um = curves.u_um[term.term];
     }
     let lengths = curves.model.ranges.iter();
-    let squares = lengths.filter_map(|(_, range)| range.map(|(a, b)| (b - a).mm().powi(2)));
+    let squares = lengths.filter_map(|(_, range)| range.map(|(a, b)| (b - a).mm().squared()));
     let scale_um = curves.scale_um_per_m * squares.sum::<f64>().sqrt() / 1000.0;
     for diagonal in &mut figures.diagonals {
         diagonal.u_um = diagonal.u_um.map(|u| u.hypot(scale_um));

@@ -5,6 +5,7 @@ use super::question::Question;
 use super::{RISK, quantile};
 use crate::after::{Observation, Part};
 use crate::axis::ErrorTerm;
+use crate::units::Squared;
 use std::collections::BTreeMap;
 
 /// What no laser resolves, µm.
@@ -207,7 +208,7 @@ impl<'a> Data<'a> {
     /// Σ (residual/σ)².
     pub(super) fn square(&self, fit: &Fit) -> f64 {
         let pairs = fit.residuals_um.iter().zip(&self.sigma_um);
-        pairs.map(|(left, sigma)| (left / sigma).powi(2)).sum()
+        pairs.map(|(left, sigma)| (left / sigma).squared()).sum()
     }
 
     /// Sum over the curves of the mean squared residual over σ²; that of chi-squared with as many
@@ -220,7 +221,7 @@ impl<'a> Data<'a> {
         let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
         for (observation, left, sigma) in self.left(fit).filter(|(o, ..)| of(o)) {
             let sum = sums.entry(observation.curve).or_default();
-            *sum = (sum.0 + (left / sigma).powi(2), sum.1 + 1.0);
+            *sum = (sum.0 + (left / sigma).squared(), sum.1 + 1.0);
         }
         sums.into_values()
             .map(|(square, count)| square / count)
@@ -264,7 +265,7 @@ impl<'a> Data<'a> {
             let (Some(low), Some(high)) = ends else {
                 return true;
             };
-            (high.0 - low.0).powi(2) <= limit * (low.1.powi(2) + high.1.powi(2))
+            (high.0 - low.0).squared() <= limit * (low.1.squared() + high.1.squared())
         })
     }
 
@@ -323,7 +324,7 @@ fn found_variance(question: &Question<'_>, observation: &Observation) -> f64 {
         let parts = observation.parts.iter().filter(|part| part.term == term);
         let weight: f64 = parts.map(|part| part.weight).sum();
         let u = question.before.terms[term].as_ref().and_then(|m| m.u_um);
-        (weight * u.unwrap_or(0.0)).powi(2)
+        (weight * u.unwrap_or(0.0)).squared()
     };
     ErrorTerm::ALL.into_iter().map(of).sum()
 }

@@ -9,7 +9,7 @@ use crate::curve::ErrorCurve;
 use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::plan::{Plan, axis_pairs};
-use crate::units::Millimetres;
+use crate::units::{Millimetres, Squared};
 
 /// Sign of travel of X, Y, Z on the forward run of each diagonal (contract §2.2).
 const DIAGONALS: [(&str, [f64; 3]); 4] = [
@@ -144,7 +144,7 @@ fn diagonal_uncertainty(model: &ErrorModel, measured_box: &MeasuredBox) -> Optio
     let mut variance = 0.0;
     for (term, measured) in model.measured() {
         let cosine = measured_box.size[index(term.of)] / measured_box.length();
-        variance += (cosine * measured.u_um?).powi(2);
+        variance += (cosine * measured.u_um?).squared();
     }
     Some((2.0 * variance).sqrt())
 }
