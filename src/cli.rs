@@ -25,6 +25,7 @@ mod standards;
 mod verify;
 mod write;
 
+use crate::manifest;
 use crate::problem::Problems;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use later::Later;
@@ -193,10 +194,7 @@ fn print(text: &str) -> Result<Answer, Problems> {
 
 /// A document, to standard output.
 fn print_json(document: &impl Serialize) -> Result<Answer, Problems> {
-    let text = serde_json::to_string_pretty(document).map_err(|error| {
-        crate::problem::Problem::new(format!("the document cannot be written: {error}"))
-    })?;
-    print(&text)
+    print_bytes(&manifest::bytes(document)?)
 }
 
 /// Talk, to standard error.

@@ -410,7 +410,8 @@ pub enum Role {
     SignProof,
     /// What to do at the machine, for people.
     Checklist,
-    /// For people only; not read back.
+    /// Whatever else a user's template writes; no reader of this program takes it, so nothing shows
+    /// what a control would hold that loads it.
     Report,
 }
 
@@ -452,9 +453,14 @@ impl Role {
         matches!(self, Role::Rollback | Role::SignProof)
     }
 
-    /// Whether only people read the file; they may write into it what they note.
-    pub const fn is_for_people(self) -> bool {
-        matches!(self, Role::Checklist | Role::Report)
+    /// Whether a reader of this program takes the file.
+    pub const fn is_read_back(self) -> bool {
+        !matches!(self, Role::Checklist | Role::Report)
+    }
+
+    /// Whether people write into the file what they note; every other file has to stay as it was made.
+    pub const fn is_written_into(self) -> bool {
+        matches!(self, Role::Checklist)
     }
 }
 
@@ -473,6 +479,15 @@ pub struct EmittedFile {
     pub when: Option<String>,
     /// What a sign proof proves; other files have none.
     pub mechanism: Option<Mechanism>,
+    /// Whether a control may load it; `false` is stated only of a `report`.
+    pub may_be_loaded: bool,
+}
+
+impl EmittedFile {
+    /// Whether a control may load the file, and no reader of this program takes it.
+    pub fn is_loaded_unread(&self) -> bool {
+        self.role == Role::Report && self.may_be_loaded
+    }
 }
 
 /// Where a profile came from.

@@ -217,7 +217,7 @@ impl ErrorCurve {
     /// The largest absolute value over a stretch, µm, exactly; `from` ≤ `to`.
     pub fn largest_magnitude(&self, from: Millimetres, to: Millimetres) -> f64 {
         let (low, high) = self.extremes_against_line(from, to, 0.0, 0.0);
-        high.max(-low)
+        high.abs().max(low.abs())
     }
 
     /// Calls `visit(x, d(x))` at every place in [from, to] where d(x) + slope·x (µm, mm) can have

@@ -217,7 +217,8 @@ pub fn plain_number(text: &str) -> Option<f64> {
     let plain = text
         .bytes()
         .all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
-    text.parse::<f64>().ok().filter(|_| plain)
+    let number = text.parse::<f64>().ok().filter(|_| plain)?;
+    Some(number + 0.0) // −0 becomes 0
 }
 
 fn wrong_length(row: &Line<'_>, found: usize, expected: usize) -> Problem {

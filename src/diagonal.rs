@@ -14,7 +14,7 @@
 //! name says that this axis travels negative on the forward run (contract §2.2).
 
 use crate::axis::{Axis, Direction, PerAxis};
-use crate::units::{Deviation, Millimetres};
+use crate::units::{Deviation, Millimetres, Squared};
 use std::fmt;
 use std::ops::{Index, IndexMut};
 
@@ -186,7 +186,7 @@ pub struct Volume {
 impl Volume {
     /// R: length of a body diagonal, mm.
     pub fn diagonal_mm(&self) -> f64 {
-        let square = |axis: Axis| self.size[axis].mm().powi(2);
+        let square = |axis: Axis| self.size[axis].mm().squared();
         (square(Axis::X) + square(Axis::Y) + square(Axis::Z)).sqrt()
     }
 

@@ -15,7 +15,7 @@ use crate::emulate::{Emulator, NodeTable, Response};
 use crate::plan::{Plan, axis_pairs};
 use crate::table::Tables;
 use crate::table::siemens::LecTable;
-use crate::units::{Correction, Millimetres};
+use crate::units::{Correction, Figure, Millimetres};
 
 /// Two corrections closer than this are equal, µm (a picometre).
 const EQUAL_UM: f64 = 1e-6;
@@ -265,7 +265,10 @@ fn scale(pairs: &[(f64, f64)]) -> Option<String> {
     // One value that differs is a value, not a scale.
     let enough = pairs.iter().filter(|(w, _)| w.abs() > EQUAL_UM).count() > 1;
     (enough && pairs.iter().all(fits)).then(|| {
-        format!("wrong scale: every correction is {factor:.3} times what the job asks for")
+        format!(
+            "wrong scale: every correction is {:.3} times what the job asks for",
+            Figure(factor)
+        )
     })
 }
 
@@ -338,7 +341,7 @@ fn shifted(wanted: &Response, got: &Response) -> Option<String> {
     };
     let shift = g.first().mm() - w.first().mm();
     (is_lifted_copy(w, g) && shift.abs() > EQUAL_MM).then(|| {
-        format!("shifted reference: the table stands {shift:.4} mm from where the job puts it ({:.4} instead of {:.4} mm)", g.first().mm(), w.first().mm())
+        format!("shifted reference: the table stands {:.4} mm from where the job puts it ({:.4} instead of {:.4} mm)", Figure(shift), Figure(g.first().mm()), Figure(w.first().mm()))
     })
 }
 
@@ -359,7 +362,12 @@ fn lifted(pairs: &[(f64, f64)]) -> Option<String> {
     pairs
         .iter()
         .all(|(w, g)| (g - w - lift).abs() <= EQUAL_UM)
-        .then(|| format!("not zero at the reference: every correction is off by {lift:.3} µm"))
+        .then(|| {
+            format!(
+                "not zero at the reference: every correction is off by {:.3} µm",
+                Figure(lift)
+            )
+        })
 }
 
 fn points(wanted: &Response, got: &Response) -> Option<String> {
@@ -371,10 +379,10 @@ fn points(wanted: &Response, got: &Response) -> Option<String> {
         let word = if found < expected { "missing points" } else { "more points" };
         format!(
             "{word}: {found} points from {:.4} to {:.4} mm, expected {expected} from {:.4} to {:.4} mm",
-            g.first().mm(),
-            g.last().mm(),
-            w.first().mm(),
-            w.last().mm()
+            Figure(g.first().mm()),
+            Figure(g.last().mm()),
+            Figure(w.first().mm()),
+            Figure(w.last().mm())
         )
     })
 }
@@ -403,7 +411,7 @@ fn stepped(wanted: &Response, got: &Response) -> Option<String> {
     let (step, None) = (changed.next()?, changed.next()) else {
         return None;
     };
-    let (lower, upper) = (asked[step].0.mm(), asked[step + 1].0.mm());
+    let (lower, upper) = (Figure(asked[step].0.mm()), Figure(asked[step + 1].0.mm()));
     let below = off[step].abs() <= EQUAL_UM;
     let above = off[step + 1].abs() <= EQUAL_UM;
     let (side, by, places) = match (below, above) {
@@ -437,7 +445,7 @@ fn largest(places: &[Millimetres], pairs: &[(f64, f64)]) -> Option<String> {
         .iter()
         .zip(pairs)
         .max_by(|a, b| (a.1.1 - a.1.0).abs().total_cmp(&(b.1.1 - b.1.0).abs()))?;
-    let (at, tables, job) = (at.mm(), micrometres(*g), micrometres(*w));
+    let (at, tables, job) = (Figure(at.mm()), micrometres(*g), micrometres(*w));
     let amounts =
         format!("at {at:.4} mm, where the tables correct {tables} and the job asks for {job}");
     Some(match wrong {
@@ -446,11 +454,6 @@ fn largest(places: &[Millimetres], pairs: &[(f64, f64)]) -> Option<String> {
     })
 }
 
-/// Three decimals, never `-0.000`.
 fn micrometres(um: f64) -> String {
-    let text = format!("{um:.3} µm");
-    match text.strip_prefix('-') {
-        Some(rest) if rest.starts_with("0.000") => rest.to_string(),
-        _ => text,
-    }
+    format!("{:.3} µm", Figure(um))
 }

@@ -21,6 +21,7 @@ use crate::job::{ActiveTables, Job};
 use crate::plan::Task;
 use crate::problem::{Problem, Problems};
 use crate::table::Tables;
+use crate::units::{Figure, power_of_ten};
 use compact_str::{CompactString, format_compact};
 use serde::Serialize;
 pub use templates::Templates;
@@ -400,20 +401,14 @@ fn fixed(number: f64, decimals: u32) -> CompactString {
     if let Some(text) = counted(number, decimals) {
         return text;
     }
-    let text = format_compact!("{number:.*}", decimals as usize);
-    let zero = text.chars().all(|c| "-0.".contains(c));
-    if zero {
-        text.trim_start_matches('-').into()
-    } else {
-        text
-    }
+    format_compact!("{:.*}", decimals as usize, Figure(number))
 }
 
 /// The same text from whole counts of the last decimal, where the number is one but for rounding
 /// in its last bits, as nearly every number of a table is; the formatter takes several times as long.
 fn counted(number: f64, decimals: u32) -> Option<CompactString> {
     const LARGEST: f64 = 1e12; // the product below is then off by less than 1e-3
-    let scaled = number * 10_f64.powi(i32::try_from(decimals).ok()?);
+    let scaled = number * power_of_ten(decimals);
     let count = scaled.round();
     let is_count = count.abs() <= LARGEST && (scaled - count).abs() <= 1e-3;
     if !is_count {
@@ -456,7 +451,7 @@ fn pointed(count: i64, decimals: u32) -> Option<CompactString> {
 
 #[cfg(test)]
 mod tests {
-    use super::{counted, fixed};
+    use super::{counted, fixed, power_of_ten};
     use proptest::prelude::*;
 
     #[test]
@@ -475,7 +470,7 @@ mod tests {
         #[test]
         fn counts_give_the_text_of_the_number(count in -1_000_000_000_000_i64..=1_000_000_000_000, decimals in 0_u32..=12, off in -3..4_i8) {
             #[allow(clippy::cast_precision_loss, reason = "small")]
-            let number = count as f64 / 10_f64.powi(decimals as i32) * (1.0 + f64::from(off) * f64::EPSILON);
+            let number = count as f64 / power_of_ten(decimals) * (1.0 + f64::from(off) * f64::EPSILON);
             let text = format!("{number:.*}", decimals as usize);
             let text = if count == 0 { text.trim_start_matches('-').to_string() } else { text };
             prop_assert_eq!(counted(number, decimals), Some(text.into()));

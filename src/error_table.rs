@@ -11,11 +11,12 @@ mod rows;
 mod series;
 mod text;
 
+pub use self::columns::Heading;
 pub use self::remarks::{Remarks, SIMULATED};
 pub use self::text::{Draft, DraftSeries, write};
 
 use self::columns::{Columns, FIRST_LINE};
-use crate::axis::{Axis, Direction, PerAxis};
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::delimited::header_and_rows;
 use crate::document::Source;
 use crate::problem::{Place, Problem, Problems};
@@ -49,6 +50,8 @@ pub struct ErrorTable {
     /// What its comments say of it.
     pub remarks: Remarks,
     series: PerAxis<Vec<Series>>,
+    /// The headings of the deviations in X, Y, Z: of each table one entry.
+    headings: Vec<PerAxis<Option<Heading>>>,
     /// Files of the tables that were merged into this one.
     more: Vec<Source>,
 }
@@ -81,6 +84,7 @@ impl ErrorTable {
                     .help("write one row for each measured position, e.g. x,0,0"),
             );
         }
+        let headings = vec![columns.headings(&header)];
         let header = header.whole();
         let remarks = Remarks::read(&source.text);
         problems.or_ok(()).map(|()| ErrorTable {
@@ -88,6 +92,7 @@ impl ErrorTable {
             header,
             remarks,
             series,
+            headings,
             more: Vec::new(),
         })
     }
@@ -95,6 +100,13 @@ impl ErrorTable {
     /// The series of an axis: of each table one without direction, or one or two with.
     pub fn series(&self, axis: Axis) -> &[Series] {
         &self.series[axis]
+    }
+
+    /// The heading under which the deviations of a term stand.
+    pub fn heading(&self, term: ErrorTerm) -> Option<&Heading> {
+        let mut series = self.series[term.along].iter();
+        let own = series.find(|series| series.deviations[term.of].is_some())?;
+        self.headings.get(own.table)?[term.of].as_ref()
     }
 
     /// The place of a row of a series.

@@ -110,7 +110,7 @@ pub fn residual(
     let mut largest = 0.0_f64;
     let mut look = |from: Millimetres, to: Millimetres, line: [f64; 2]| {
         let (low, high) = curve.extremes_against_line(from, to, -line[0], -line[1]);
-        largest = largest.max(high).max(-low);
+        largest = largest.max(high.abs()).max(low.abs());
     };
     if from < low_end || last == 0 {
         let to = if last == 0 || to < low_end {

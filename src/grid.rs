@@ -14,10 +14,13 @@ use crate::controller::LengthUnit;
 use crate::fit::Nodes;
 use crate::job::{AxisSettings, Job, MachineAxis};
 use crate::problem::{Problem, Problems};
-use crate::units::Millimetres;
+use crate::units::{Millimetres, power_of_ten};
 
 /// Smallest difference of two spacings when the number of points is given (contract §2.3).
 const SPACING_STEP_MM: f64 = 0.001;
+/// A table may end short of the travel by this much (rounding of binary fractions), mm: a millionth
+/// of a millimetre, less than every control writes.
+const SHORT_MM: f64 = 1e-6;
 /// A stated end of a table may miss its grid point by this much (rounding of the spacing), mm.
 const SAME_PLACE_MM: f64 = 0.001;
 /// Part of a spacing by which a place may miss a grid point and still be on it (floating point).
@@ -44,7 +47,7 @@ impl LengthDigit {
 
     /// Last digits in one unit: 10^decimals.
     pub fn per_unit(self) -> f64 {
-        10_f64.powi(i32::try_from(self.decimals).unwrap_or(i32::MAX))
+        power_of_ten(self.decimals)
     }
 }
 
@@ -111,7 +114,7 @@ impl Span {
         }
     }
 
-    /// Indices that cover the span with a spacing.
+    /// Indices that cover the span with a spacing, but for [`SHORT_MM`].
     fn indices(self, spacing_mm: f64) -> (i64, i64) {
         (
             -steps(self.below, spacing_mm),
@@ -130,7 +133,7 @@ impl Span {
     reason = "lengths of a job are bounded where it is read, spacings by the last digit"
 )]
 fn steps(length_mm: f64, spacing_mm: f64) -> i64 {
-    (length_mm / spacing_mm - ON_GRID).ceil().max(0.0) as i64
+    ((length_mm - SHORT_MM) / spacing_mm).ceil().max(0.0) as i64
 }
 
 /// A grid of the spacing that the job asks for.
@@ -276,7 +279,7 @@ pub fn with_points(machine: MachineAxis, digit: LengthDigit, points: u32) -> Res
         spacing_digits,
         digit,
         first,
-        last: last + wanted - (last - first + 1),
+        last: last + (wanted - (last - first + 1)).max(0),
     })
 }
 

@@ -27,7 +27,7 @@ pub use crate::manifest::hashed;
 use crate::manifest::{self, HashedFile, Manifest, Predecessor, SCHEMA};
 use crate::plan::{Plan, plan};
 use crate::problem::{Problem, Problems};
-use crate::readback::kit::{KitFile, ReadBack, read};
+use crate::readback::kit::{KitFile, ReadBack, read, unread};
 use crate::target::wants;
 use field::{Made, as_kit_file};
 pub use inputs::Inputs;
@@ -100,7 +100,8 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         &judged_ranges(&inputs.job, inputs.as_measured()),
     )
     .map_err(|e| cannot_emulate(&e))?;
-    let doubts = doubts(inputs);
+    let unread = unread(&inputs.profile, &as_read(&files));
+    let doubts: Vec<String> = doubts(inputs).into_iter().chain(unread).collect();
     let verdict = judged(&forecast, inputs, &doubts);
     let field = field::make(&Made {
         inputs,
@@ -118,6 +119,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     compiled.notes.extend(field.notes);
     let mut manifest = build_manifest(inputs, &plan, &compiled, &files, &forecast);
     manifest.sign_proofs = field.sign_proofs;
+    manifest.doubts.clone_from(&doubts);
     Ok(Kit {
         plan,
         compiled,
@@ -279,7 +281,7 @@ fn build_manifest(
             "protocol": job.measurement.protocol.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         }),
         sign_proofs: Vec::new(),
-        doubts: doubts(inputs),
+        doubts: Vec::new(),
         notes: [compiled.notes.clone(), forecast.worsened()].concat(),
     }
 }

@@ -12,7 +12,9 @@ use crate::forecast::{DiagonalForecast, Forecast, TermForecast};
 use crate::problem::Problem;
 use crate::target::Omission;
 use serde::Serialize;
+use serde_json::ser::{Formatter, PrettyFormatter, Serializer};
 use serde_json::{Map, Value, json};
+use std::io::{Result as Written, Write};
 
 /// Version of the format.
 pub const SCHEMA: u32 = 1;
@@ -20,12 +22,51 @@ pub const SCHEMA: u32 = 1;
 /// Name of the file in a kit.
 pub const MANIFEST: &str = "manifest.json";
 
-/// The bytes of the file, laid out for people.
-pub fn bytes(manifest: &impl Serialize) -> Result<Vec<u8>, Problem> {
+/// The layout for people, in which no zero has a sign.
+#[derive(Default)]
+struct Layout(PrettyFormatter<'static>);
+
+impl Formatter for Layout {
+    fn write_f64<W: ?Sized + Write>(&mut self, out: &mut W, number: f64) -> Written<()> {
+        self.0.write_f64(out, number + 0.0)
+    }
+    fn begin_array<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
+        self.0.begin_array(out)
+    }
+    fn end_array<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
+        self.0.end_array(out)
+    }
+    fn begin_array_value<W: ?Sized + Write>(&mut self, out: &mut W, first: bool) -> Written<()> {
+        self.0.begin_array_value(out, first)
+    }
+    fn end_array_value<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
+        self.0.end_array_value(out)
+    }
+    fn begin_object<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
+        self.0.begin_object(out)
+    }
+    fn end_object<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
+        self.0.end_object(out)
+    }
+    fn begin_object_key<W: ?Sized + Write>(&mut self, out: &mut W, first: bool) -> Written<()> {
+        self.0.begin_object_key(out, first)
+    }
+    fn begin_object_value<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
+        self.0.begin_object_value(out)
+    }
+    fn end_object_value<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
+        self.0.end_object_value(out)
+    }
+}
+
+/// The bytes of a manifest, or of another JSON document, laid out for people.
+pub fn bytes(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
     const USUAL_BYTES: usize = 1 << 14;
     let mut page = Vec::with_capacity(USUAL_BYTES);
-    serde_json::to_writer_pretty(&mut page, manifest)
-        .map_err(|error| Problem::new(format!("the manifest cannot be written: {error}")))?;
+    let mut writer = Serializer::with_formatter(&mut page, Layout::default());
+    document
+        .serialize(&mut writer)
+        .map_err(|error| Problem::new(format!("the document cannot be written: {error}")))?;
     page.push(b'\n');
     Ok(page)
 }

@@ -15,7 +15,7 @@ pub use self::uncertainty::PointUncertainty;
 
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::curve::ErrorCurve;
-use crate::error_table::{ErrorTable, Remarks, Series};
+use crate::error_table::{ErrorTable, Heading, Remarks, Series};
 use crate::job::{Job, MachineAxis};
 use crate::problem::{Problem, Problems};
 use crate::units::{Deviation, Millimetres};
@@ -169,6 +169,8 @@ pub struct ErrorModel {
     pub rotations: PerTerm<Option<Measured>>,
     /// The measured range of each axis (where all its directions were measured).
     pub ranges: PerAxis<Option<(Millimetres, Millimetres)>>,
+    /// The heading under which each term stands in its error table.
+    pub headings: PerTerm<Option<Heading>>,
     /// What was measured and this version does not use, one sentence each.
     pub unused: Vec<String>,
     /// What the table says of itself: doubts, terms that are not determined, notes.
@@ -217,6 +219,7 @@ impl ErrorModel {
             terms,
             rotations,
             ranges,
+            headings: PerTerm::from_fn(|term| table.heading(term).cloned()),
             unused: angles::not_compensated(table).into_iter().collect(),
             remarks: table.remarks.clone(),
         })

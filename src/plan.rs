@@ -6,6 +6,7 @@
 //! ```
 
 mod grids;
+mod limits;
 mod names;
 
 pub use names::{axis_names, axis_pairs};
@@ -295,7 +296,6 @@ fn tables(
             continue;
         };
         let (values, grid_residual_um) = tabulate(task, &target, &grid);
-        check_limits(task, &target, &grid, &values, problems);
         tables.push(PlannedTable {
             term: target.term,
             direction: target.direction,
@@ -305,70 +305,8 @@ fn tables(
             grid_residual_um,
         });
     }
+    limits::check(task, &tables, problems);
     tables
-}
-
-fn check_limits(
-    task: Task<'_>,
-    target: &Target,
-    grid: &Grid,
-    values: &[Deviation],
-    problems: &mut Problems,
-) {
-    let limits = task.job.limits;
-    // A limit that is not stated has no line of its own.
-    let section = format!("compensation.axes.{}", target.term.along.key());
-    let at_limit = |key: &str, message: String| {
-        let path = format!("limits.{key}");
-        let stated = task.job.source.place_of(&path).is_some();
-        let path = if stated { &path } else { &section };
-        task.job.problem_at(path, message)
-    };
-    let place = |index: usize| {
-        grid.position(grid.first + i64::try_from(index).unwrap_or(0))
-            .mm()
-    };
-    let largest = values
-        .iter()
-        .enumerate()
-        .max_by(|a, b| a.1.um().abs().total_cmp(&b.1.um().abs()));
-    if let Some((index, value)) = largest
-        && value.um().abs() > limits.max_correction_um
-    {
-        let um = value.um();
-        let help = if um.abs() > 1000.0 {
-            "is the unit of the column right (µm in a column named mm)? else raise `max_correction_um` in [limits]"
-        } else {
-            "check the measurement; else raise `max_correction_um` in [limits]"
-        };
-        problems.push(
-            at_limit(
-                "max_correction_um",
-                format!(
-                    "{} would need a correction of {:.1} µm at {} mm, the limit is {} µm",
-                    target.term,
-                    (-*value).um(),
-                    place(index),
-                    limits.max_correction_um
-                ),
-            )
-            .help(help),
-        );
-    }
-    let spacing = grid.spacing().mm();
-    let steepest = values
-        .windows(2)
-        .map(|pair| ((pair[1] - pair[0]).um() / spacing).abs())
-        .enumerate()
-        .max_by(|a, b| a.1.total_cmp(&b.1));
-    if let Some((index, slope)) = steepest
-        && slope > limits.max_slope_um_per_mm
-    {
-        problems.push(
-            at_limit("max_slope_um_per_mm", format!("{} would change by {slope:.3} µm/mm between {} and {} mm, the limit is {} µm/mm", target.term, place(index), place(index + 1), limits.max_slope_um_per_mm))
-                .help("check the unit and the measurement there; else raise `max_slope_um_per_mm` in [limits]"),
-        );
-    }
 }
 
 fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {

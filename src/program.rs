@@ -27,6 +27,7 @@ use crate::controller::{Profile, builtin};
 use crate::diagonal::{Diagonal, Pass};
 use crate::job::{Job, ProgramRequest};
 use crate::problem::{Problem, Problems};
+use crate::units::Squared;
 
 /// What one program measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,7 +199,7 @@ impl MeasuringRun {
         let moves = self.programs.iter().flat_map(|program| &program.moves);
         let seconds = moves.map(|step| match step {
             Move::Feed(by) => {
-                let squares = by.iter().map(|(_, d)| self.resolution.mm(*d).powi(2));
+                let squares = by.iter().map(|(_, d)| self.resolution.mm(*d).squared());
                 60.0 * squares.sum::<f64>().sqrt() / request.feed_mm_per_min
             }
             Move::Dwell(_) => request.dwell_s,

@@ -258,7 +258,7 @@ fn file_json(file: &ProgramFile, program: Option<&SetUpProgram>) -> Value {
 }
 
 fn mirror(size: MirrorSize) -> Value {
-    let rounded = |mm: f64| (mm * 1e3).round() / 1e3;
+    let rounded = |mm: f64| (mm * 1e3).round() / 1e3 + 0.0;
     json!({
         "after_first_move": rounded(size.excursion_mm[0]),
         "after_second_move": rounded(size.excursion_mm[1]),

@@ -5,6 +5,8 @@
 //! conditions of a standard that a file can show are tested, the others are named as not tested:
 //! docs/standards.md lists formulas, editions and how surely they are known.
 
+use crate::units::Figure;
+
 mod diagonals;
 pub mod iso_230_2;
 pub mod vdi_3441;
@@ -112,6 +114,6 @@ fn range(values: impl IntoIterator<Item = f64> + Clone) -> Option<f64> {
 
 /// A length in mm without zeros at its end.
 pub fn in_words(mm: f64) -> String {
-    let text = format!("{mm:.4}");
+    let text = format!("{:.4}", Figure(mm));
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

@@ -7,12 +7,76 @@
 //! value, forecast and report goes through it. Which of the two a *control's table* holds is a
 //! fact of its profile, see [`crate::controller::TableSign`].
 
+use std::fmt;
 use std::ops::{Add, Neg, Sub};
 
 /// Millimetres in one inch, exactly (contract §1).
 pub const MM_PER_INCH: f64 = 25.4;
 /// Micrometres in one millimetre.
 pub const UM_PER_MM: f64 = 1000.0;
+
+/// Powers of ten that `f64` holds exactly.
+pub const POWERS_OF_TEN: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+];
+
+/// 10ⁿ, as near as `f64` comes to it, the same on every computer: from a table, and beyond it from the
+/// decimal text. (`powi` and `powf` of some computers miss the last digit.) Divide by it for 10⁻ⁿ:
+/// no negative power is exact.
+///
+/// ```
+/// use nonius::units::power_of_ten;
+/// assert_eq!(12_000.0 / power_of_ten(3), 12.0);
+/// ```
+pub fn power_of_ten(exponent: u32) -> f64 {
+    let known = usize::try_from(exponent).ok();
+    let known = known.and_then(|exponent| POWERS_OF_TEN.get(exponent).copied());
+    known.unwrap_or_else(|| format!("1e{exponent}").parse().unwrap_or(f64::INFINITY))
+}
+
+/// Squares as products, the same on every computer.
+pub trait Squared {
+    /// x².
+    #[must_use]
+    fn squared(self) -> Self;
+}
+
+impl Squared for f64 {
+    fn squared(self) -> f64 {
+        self * self
+    }
+}
+
+/// A number as it is printed: a zero has no sign, also one that is left by rounding to the decimals
+/// asked for. All else is as the formatter of numbers writes it.
+///
+/// ```
+/// use nonius::units::Figure;
+/// assert_eq!(format!("{:.3} {:+.1}", Figure(-0.0004), Figure(-0.04)), "0.000 +0.0");
+/// assert_eq!(format!("{:+.3} {}", Figure(-0.0006), Figure(-0.0)), "-0.001 0");
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Figure(pub f64);
+
+impl fmt::Display for Figure {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let is_nothing = match out.precision() {
+            None => self.0.abs() <= 0.0,
+            Some(decimals) => {
+                let digits = u32::try_from(decimals).unwrap_or(u32::MAX);
+                let is_below_a_digit = self.0.abs() * power_of_ten(digits) < 1.0;
+                is_below_a_digit && is_zeros(&format!("{:.decimals$}", self.0.abs()))
+            }
+        };
+        let number = if is_nothing { 0.0 } else { self.0 };
+        fmt::Display::fmt(&number, out)
+    }
+}
+
+fn is_zeros(text: &str) -> bool {
+    text.bytes().all(|byte| byte == b'0' || byte == b'.')
+}
 
 /// A position on an axis, machine coordinates, or a length; millimetres.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
@@ -21,7 +85,7 @@ pub struct Millimetres(f64);
 impl Millimetres {
     /// A position or length given in millimetres.
     pub const fn new(mm: f64) -> Self {
-        Self(mm)
+        Self(mm + 0.0) // −0 becomes 0
     }
 
     /// The plain number, in millimetres.
@@ -72,7 +136,7 @@ impl Deviation {
 
     /// A deviation of `um` micrometres, positive where the machine goes too far in +.
     pub const fn from_um(um: f64) -> Self {
-        Self(um)
+        Self(um + 0.0) // −0 becomes 0
     }
 
     /// The plain number, in micrometres.
@@ -99,7 +163,7 @@ impl Correction {
 
     /// A correction of `um` micrometres.
     pub const fn from_um(um: f64) -> Self {
-        Self(um)
+        Self(um + 0.0) // −0 becomes 0
     }
 
     /// The plain number, in micrometres.
@@ -143,7 +207,7 @@ impl Add<Correction> for Deviation {
 impl Neg for Deviation {
     type Output = Correction;
     fn neg(self) -> Correction {
-        Correction(-self.0)
+        Correction(0.0 - self.0) // not −x: the correction of nothing is 0, not −0
     }
 }
 
@@ -151,6 +215,66 @@ impl Neg for Deviation {
 impl Neg for Correction {
     type Output = Deviation;
     fn neg(self) -> Deviation {
-        Deviation(-self.0)
+        Deviation(0.0 - self.0) // as above
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// What a person would call a minus sign before nothing.
+    fn has_signed_zero(text: &str) -> bool {
+        text.strip_prefix('-').is_some_and(is_zeros)
+    }
+
+    #[test]
+    fn no_quantity_is_minus_zero() {
+        let nothing = -0.0_f64;
+        let all = [
+            Millimetres::new(nothing).mm(),
+            Deviation::from_um(nothing).um(),
+            Correction::from_um(nothing).um(),
+            (-Deviation::ZERO).um(),
+            (-Correction::ZERO).um(),
+        ];
+        assert!(
+            all.iter().all(|number| number.is_sign_positive()),
+            "{all:?}"
+        );
+    }
+
+    #[test]
+    fn powers_of_ten_are_those_of_their_decimal_text() {
+        for exponent in 0..=308 {
+            let text: f64 = format!("1{}", "0".repeat(exponent as usize))
+                .parse()
+                .unwrap();
+            assert_eq!(
+                power_of_ten(exponent).to_bits(),
+                text.to_bits(),
+                "1e{exponent}"
+            );
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_figure_has_no_signed_zero_and_is_else_as_the_formatter_writes_it(
+            number in prop_oneof![-1e-2..1e-2_f64, -1e6..1e6_f64, Just(-0.0), Just(-0.5)],
+            decimals in 0_usize..9,
+        ) {
+            let text = format!("{:.decimals$}", Figure(number));
+            let plain = format!("{number:.decimals$}");
+            prop_assert!(!has_signed_zero(&text), "{text}");
+            if !has_signed_zero(&plain) {
+                prop_assert_eq!(text, plain);
+            }
+            let signed = format!("{:+.decimals$}", Figure(number));
+            prop_assert!(!has_signed_zero(&signed), "{signed}");
+            let shortest = Figure(number).to_string();
+            prop_assert!(!has_signed_zero(&shortest), "{shortest}");
+        }
     }
 }

@@ -1,6 +1,10 @@
 //! The redundancy of formula (7), what stated uncertainties do through it, beams over a part of
 //! the travel, and uncertainties that are not known.
 #![allow(
+    clippy::disallowed_methods,
+    reason = "powers of a test are compared with a tolerance, not printed"
+)]
+#![allow(
     clippy::unwrap_used,
     clippy::expect_used,
     reason = "a test may stop at what it did not expect"

@@ -1,6 +1,10 @@
 //! What the readings say against a result reaches every output: `separate`, its table, the kit
 //! made from the readings, and the kit made from the table.
 #![allow(
+    clippy::disallowed_methods,
+    reason = "powers of a test are compared with a tolerance, not printed"
+)]
+#![allow(
     clippy::unwrap_used,
     clippy::expect_used,
     reason = "a test may stop at what it did not expect"

@@ -1,6 +1,10 @@
 //! Part programs of measuring runs: what the operator gets, and that every program is walked by
 //! code that knows nothing of how it was written.
 #![allow(
+    clippy::disallowed_methods,
+    reason = "powers of a test are compared with a tolerance, not printed"
+)]
+#![allow(
     clippy::unwrap_used,
     clippy::expect_used,
     reason = "a test may stop at what it did not expect"

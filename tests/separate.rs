@@ -1,6 +1,10 @@
 //! `nonius separate` and `generate` from readings, as a user runs them: the golden cases, the
 //! words that go with a result, what is refused.
 #![allow(
+    clippy::disallowed_methods,
+    reason = "powers of a test are compared with a tolerance, not printed"
+)]
+#![allow(
     clippy::unwrap_used,
     clippy::expect_used,
     reason = "a test may stop at what it did not expect"

@@ -1,5 +1,9 @@
 //! Laws of the separation, on machines that the test simulates with arithmetic of its own.
 #![allow(
+    clippy::disallowed_methods,
+    reason = "powers of a test are compared with a tolerance, not printed"
+)]
+#![allow(
     clippy::unwrap_used,
     clippy::expect_used,
     reason = "a test may stop at what it did not expect"

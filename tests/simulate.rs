@@ -1,6 +1,10 @@
 //! Laws of the rehearsal: what `simulate` predicts is what the test's own arithmetic reads on the
 //! same machine, and what `separate` takes apart again.
 #![allow(
+    clippy::disallowed_methods,
+    reason = "powers of a test are compared with a tolerance, not printed"
+)]
+#![allow(
     clippy::unwrap_used,
     clippy::expect_used,
     reason = "a test may stop at what it did not expect"

@@ -1,6 +1,10 @@
 //! Largest differences of error vectors: golden figures of machine H, and random machines
 //! against the comparison of all pairs.
 #![allow(
+    clippy::disallowed_methods,
+    reason = "powers of a test are compared with a tolerance, not printed"
+)]
+#![allow(
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::float_cmp,

@@ -1,6 +1,10 @@
 //! Figures by standard: against an independent computation on measured stages (read where they
 //! lie, not part of this repository), against figures made by hand, and their laws.
 #![allow(
+    clippy::disallowed_methods,
+    reason = "powers of a test are compared with a tolerance, not printed"
+)]
+#![allow(
     clippy::unwrap_used,
     clippy::expect_used,
     reason = "a test may stop at what it did not expect"

@@ -10,6 +10,7 @@ use crate::readback::control_data;
 use crate::readback::fanuc::{merge, read_out};
 use crate::table::Tables;
 use crate::table::fanuc::{FanucMemory, ParameterValue};
+use crate::units::power_of_ten;
 
 type Names = PerAxis<Vec<String>>;
 
@@ -277,7 +278,7 @@ impl Sorted<'_> {
             LengthUnit::Millimetre => self.facts.interval_decimals_mm.value,
             LengthUnit::Inch => self.facts.interval_decimals_inch.value,
         };
-        let digit = 10_f64.powi(-i32::try_from(decimals).unwrap_or(0));
+        let per_unit = power_of_ten(decimals);
         let number = name.parse().ok();
         let (Some(held), Some(value)) = (
             self.memory.parameter(1240, number),
@@ -286,10 +287,10 @@ impl Sorted<'_> {
             return;
         };
         let position = match held {
-            ParameterValue::Integer(_) => value * digit,
+            ParameterValue::Integer(_) => value / per_unit,
             _ => value,
         };
-        let half_a_digit_mm = 0.5 * digit * unit.in_mm();
+        let half_a_digit_mm = 0.5 * unit.in_mm() / per_unit;
         if (position * unit.in_mm() - reference_mm).abs() > half_a_digit_mm * 1.001 {
             self.contrary.push(Contrary::new(
                 format!(

@@ -95,7 +95,7 @@ fn listed(
         let role = entry["role"].as_str().and_then(Role::of_word);
         match files.iter().find(|(own, _)| own == name) {
             None => problems.push(changed(job, path, name, "is missing")),
-            Some(_) if role.is_some_and(Role::is_for_people) => {}
+            Some(_) if role.is_some_and(Role::is_written_into) => {}
             Some((_, bytes)) if Some(sha256(bytes).as_str()) != entry["sha256"].as_str() => {
                 problems.push(changed(job, path, name, "was changed after it was made"));
             }

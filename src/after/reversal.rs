@@ -2,6 +2,7 @@
 
 use crate::axis::ErrorTerm;
 use crate::model::{ErrorModel, Measured};
+use crate::units::Figure;
 
 /// The reversal of a second measurement in both directions, where the first one did not tell them
 /// apart.
@@ -24,7 +25,7 @@ pub fn unseen_reversal(before: &ErrorModel, after: &ErrorModel) -> Option<Unseen
         };
         let reversal = second.reversal();
         if let Some(reversal) = reversal.filter(|_| !first.measured.has_both_ways()) {
-            found.push(format!("{term} {:+.3}", reversal.um()));
+            found.push(format!("{term} {:+.3}", Figure(reversal.um())));
             second.measured = Measured::Undirected(second.measured.mean());
         }
     }

@@ -6,6 +6,7 @@ use super::{RISK, quantile};
 use crate::after::{Observation, Part};
 use crate::axis::ErrorTerm;
 use crate::model::MeasuredTerm;
+use crate::units::Squared;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use std::collections::BTreeMap;
 
@@ -167,7 +168,7 @@ impl<'a> Data<'a> {
         for (observation, left, _) in self.left(fit) {
             curves.entry(observation.curve).or_default().push(left);
         }
-        let second = |w: &[f64]| (w[0] - 2.0 * w[1] + w[2]).powi(2);
+        let second = |w: &[f64]| (w[0] - 2.0 * w[1] + w[2]).squared();
         let windows = curves.values().flat_map(|curve| curve.windows(3));
         let squares: Vec<f64> = windows.map(second).collect();
         #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
@@ -267,7 +268,7 @@ impl<'a> Data<'a> {
     /// Σ (residual/σ)².
     pub(super) fn square(&self, fit: &Fit) -> f64 {
         let pairs = fit.residuals_um.iter().zip(&self.sigma_um);
-        pairs.map(|(left, sigma)| (left / sigma).powi(2)).sum()
+        pairs.map(|(left, sigma)| (left / sigma).squared()).sum()
     }
 
     /// Sum over the curves of the mean squared residual over σ²; that of chi-squared with as many
@@ -280,7 +281,7 @@ impl<'a> Data<'a> {
         let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
         for (observation, left, sigma) in self.left(fit).filter(|(o, ..)| of(o)) {
             let sum = sums.entry(observation.curve).or_default();
-            *sum = (sum.0 + (left / sigma).powi(2), sum.1 + 1.0);
+            *sum = (sum.0 + (left / sigma).squared(), sum.1 + 1.0);
         }
         sums.into_values()
             .map(|(square, count)| square / count)
@@ -324,7 +325,7 @@ impl<'a> Data<'a> {
             let (Some(low), Some(high)) = ends else {
                 return true;
             };
-            (high.0 - low.0).powi(2) <= limit * (low.1.powi(2) + high.1.powi(2))
+            (high.0 - low.0).squared() <= limit * (low.1.squared() + high.1.squared())
         })
     }
 
@@ -393,7 +394,7 @@ fn found_variance(question: &Question<'_>, observation: &Observation) -> f64 {
         let u = question.before.terms[term]
             .as_ref()
             .and_then(MeasuredTerm::u_value_um);
-        (weight * u.unwrap_or(0.0)).powi(2)
+        (weight * u.unwrap_or(0.0)).squared()
     };
     ErrorTerm::ALL.into_iter().map(of).sum()
 }

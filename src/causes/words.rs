@@ -5,7 +5,7 @@ use super::fault::{Fault, Scope};
 use super::question::Question;
 use crate::after::Observation;
 use crate::axis::{Axis, ErrorTerm};
-use crate::units::{MM_PER_INCH, Millimetres};
+use crate::units::{Figure, MM_PER_INCH, Millimetres};
 
 /// How many faults of one kind are named; they look the same in the data.
 const NAMED: usize = 3;
@@ -68,12 +68,12 @@ pub(super) fn off_forecast(um: f64, seen: &Observation) -> String {
         [one] => format!(" at {} mm moving {}", short(one.at), one.direction),
         [mean, ..] => format!(" at {} mm", short(mean.at)),
     };
-    format!("{um:+.3} µm off the forecast{place}, ")
+    format!("{:+.3} µm off the forecast{place}, ", Figure(um))
 }
 
 /// A position without zeros at its end.
 pub(super) fn short(at: Millimetres) -> String {
-    let text = format!("{:.3}", at.mm());
+    let text = format!("{:.3}", Figure(at.mm()));
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
@@ -221,6 +221,7 @@ fn shift(axis: Option<Axis>, numbers: &Numbers) -> String {
     let each = fitted.enumerate().map(|(at, (mm, u))| {
         let decimals = usize::from(*u < 10.0);
         let named = axis.map_or_else(|| format!("{} ", Axis::ALL[at]), |_| String::new());
+        let mm = Figure(*mm);
         format!("{named}{mm:+.decimals$} ± {u:.decimals$} mm")
     });
     format!(
@@ -235,6 +236,7 @@ fn kelvin(question: &Question<'_>, axes: &[(Axis, f64)]) -> String {
         let alpha = question.alpha_per_k[*axis] * 1e6;
         let um_per_m = question.um_per_m(*axis, *kelvin);
         if alpha > 0.0 {
+            let (um_per_m, kelvin) = (Figure(um_per_m), Figure(*kelvin));
             format!("{axis} {um_per_m:+.2} µm/m ({kelvin:+.2} K at {alpha:.1}e-6 per K)")
         } else {
             format!("{axis} does not grow (0e-6 per K)")

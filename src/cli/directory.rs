@@ -37,7 +37,7 @@ pub(super) struct Found {
     pub(super) other_inputs: Option<String>,
     /// A listed file that is missing is among the remarks.
     pub(super) names_missing: bool,
-    /// How many of the remarks are files with another hash than in the manifest.
+    /// How many of the remarks are files with another hash than in the manifest that a reader takes.
     pub(super) changed: usize,
     /// The kit was made for another control.
     other_control: Option<Problem>,
@@ -90,7 +90,7 @@ impl Found {
     /// A file with a name that a kit's file for the control has.
     pub(super) fn called_as_a_kit(&self, profile: &Profile) -> Option<&str> {
         let own = |name: &str| {
-            let mut files = profile.files.iter().filter(|f| !f.role.is_for_people());
+            let mut files = profile.files.iter().filter(|f| f.role.is_read_back());
             files.any(|file| file.path.eq_ignore_ascii_case(name))
         };
         let mut names = self.files.iter().map(|(name, _, _)| name.as_str());
@@ -198,6 +198,12 @@ fn role_of(profile: &Profile, name: &str) -> Role {
     known.map_or(Role::Table, |file| file.role)
 }
 
+/// Whether the profile writes a file of this name, other than those into which people write.
+fn is_of_a_kit(profile: &Profile, name: &str) -> bool {
+    let mut files = profile.files.iter();
+    files.any(|file| !file.role.is_written_into() && file.path.eq_ignore_ascii_case(name))
+}
+
 fn parsed(manifest: &[u8]) -> Result<Value, Problem> {
     serde_json::from_slice(manifest).map_err(|error| {
         Problem::new(format!("`manifest.json` is damaged: {error}"))
@@ -209,7 +215,8 @@ fn listed(document: &Value) -> Vec<Value> {
     document["files"].as_array().cloned().unwrap_or_default()
 }
 
-/// A file that the manifest does not list is judged if the control could read it, else passed over.
+/// A file that the manifest does not list is judged if the profile writes one of that name or the
+/// control could read it, else passed over.
 fn pass_over_unlisted(found: &mut Found, document: &Value, profile: &Profile) {
     let listed = listed(document);
     let files = std::mem::take(&mut found.files);
@@ -217,7 +224,7 @@ fn pass_over_unlisted(found: &mut Found, document: &Value, profile: &Profile) {
         let name = shown(&file.0);
         if listed.iter().any(|entry| entry["path"] == json!(file.0)) {
             found.files.push(file);
-        } else if may_be_meant_for(profile, &kit_file(&file)) {
+        } else if is_of_a_kit(profile, &file.0) || may_be_meant_for(profile, &kit_file(&file)) {
             let words =
                 format!("`{name}` is not listed in manifest.json, and the control could read it");
             found.remarks.push(words);
@@ -238,7 +245,7 @@ fn compare_hashes(found: &mut Found, document: &Value) {
             None => {
                 let words = format!("`{}` is listed in manifest.json but missing", shown(path));
                 let role = entry["role"].as_str().and_then(Role::of_word);
-                if role.is_some_and(Role::is_for_people) {
+                if role.is_some_and(Role::is_written_into) {
                     found.notes.push(words);
                 } else {
                     found.names_missing = true;
@@ -249,10 +256,10 @@ fn compare_hashes(found: &mut Found, document: &Value) {
                 let words = format!(
                     "`{path}` was changed after it was made: its hash is not that of manifest.json"
                 );
-                if role.is_for_people() {
+                if role.is_written_into() {
                     found.notes.push(words);
                 } else {
-                    found.changed += 1;
+                    found.changed += usize::from(role.is_read_back());
                     found.remarks.push(words);
                 }
             }

@@ -187,6 +187,6 @@ fn purpose(role: Role) -> &'static str {
         Role::Rollback => "way back to what was read out",
         Role::SignProof => "proves the sign, loaded before the tables",
         Role::Checklist => "what to do at the machine",
-        Role::Report => "for people",
+        Role::Report => "not read back",
     }
 }

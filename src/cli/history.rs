@@ -118,7 +118,7 @@ fn read_link(directory: &Path) -> Result<Link, Problem> {
         let role = entry["role"].as_str().and_then(Role::of_word);
         match read_file(&directory.join(name)) {
             Err(_) => faults.push(format!("`{}` is missing", shown(name))),
-            Ok(_) if role.is_some_and(Role::is_for_people) => {}
+            Ok(_) if role.is_some_and(Role::is_written_into) => {}
             Ok(bytes) if Some(sha256(&bytes).as_str()) != entry["sha256"].as_str() => {
                 faults.push(format!("`{}` was changed after it was made", shown(name)));
             }

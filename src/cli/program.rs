@@ -9,6 +9,7 @@ use crate::job::{Job, RunType, TargetGrid};
 use crate::manifest::MANIFEST;
 use crate::problem::Problems;
 use crate::program_kit::{ProgramKit, make};
+use crate::units::Figure;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -126,7 +127,7 @@ fn reach(job: &Job, kit: &ProgramKit) -> String {
         let (low, high) = kit.run.reach_mm(axis)?;
         let travel = job.machine.axes[axis]?;
         let numbers = [low, high, travel.low.mm(), travel.high.mm()];
-        let numbers = numbers.iter().map(|mm| format!("{:.3}", mm + 0.0));
+        let numbers = numbers.iter().map(|mm| format!("{:.3}", Figure(*mm)));
         Some([axis.to_string()].into_iter().chain(numbers).collect())
     };
     table(&columns, Axis::ALL.into_iter().filter_map(row))

@@ -9,6 +9,7 @@ use crate::job::Acceptance;
 use crate::kit;
 use crate::model::ErrorModel;
 use crate::plan::Plan;
+use crate::units::Figure;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 /// A column with its heading.
@@ -88,7 +89,7 @@ pub(super) fn placements(placements: &[Placement]) -> String {
 }
 
 fn short(number: f64) -> String {
-    let text = format!("{number:.6}");
+    let text = format!("{:.6}", Figure(number));
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
@@ -163,7 +164,9 @@ pub(super) fn slopes(model: &ErrorModel) -> String {
     let slopes: Vec<String> = model
         .measured()
         .filter(|(term, _)| term.is_cross())
-        .map(|(term, measured)| format!("{term} {:+.3}", measured.end_point_slope_um_per_m() + 0.0))
+        .map(|(term, measured)| {
+            format!("{term} {:+.3}", Figure(measured.end_point_slope_um_per_m()))
+        })
         .collect();
     if slopes.is_empty() {
         return String::new();
@@ -180,7 +183,7 @@ pub(super) fn slopes(model: &ErrorModel) -> String {
                 "{}{} {:+.3}",
                 a.key(),
                 b.key(),
-                model.squareness_um_per_m(a, b)? + 0.0
+                Figure(model.squareness_um_per_m(a, b)?)
             ))
         })
         .collect();
@@ -199,7 +202,7 @@ pub(super) fn reversals(model: &ErrorModel) -> String {
     let texts: Vec<String> = model
         .measured()
         .filter_map(|(term, measured)| {
-            Some(format!("{term} {:+.3}", measured.reversal()?.um() + 0.0))
+            Some(format!("{term} {:+.3}", Figure(measured.reversal()?.um())))
         })
         .collect();
     if texts.is_empty() {

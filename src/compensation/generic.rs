@@ -7,7 +7,7 @@ use crate::compensation::{Compiled, Placement, backlash_why, control_state};
 use crate::plan::{Plan, PlannedTable, Task};
 use crate::table::Tables;
 use crate::table::generic::{GenericRow, GenericTable};
-use crate::units::Deviation;
+use crate::units::{Deviation, power_of_ten};
 
 /// Puts a plan into rows.
 pub fn compile(task: Task<'_>, plan: &Plan) -> Compiled {
@@ -78,9 +78,9 @@ fn table_rows(
 }
 
 /// Positions are written to the nanometre.
-const POSITION_DECIMALS: i32 = 6;
+const POSITION_DECIMALS: u32 = 6;
 /// Multiples of a detection unit are freed from binary dust at a femtometre.
-const DUST_DECIMALS: i32 = 9;
+const DUST_DECIMALS: u32 = 9;
 
 fn rounded(value: Deviation, unit_um: Option<f64>) -> Deviation {
     match unit_um {
@@ -98,8 +98,8 @@ fn increment(um: f64, unit_um: Option<f64>) -> f64 {
     }
 }
 
-fn decimals(number: f64, decimals: i32) -> f64 {
-    let scale = 10_f64.powi(decimals);
+fn decimals(number: f64, decimals: u32) -> f64 {
+    let scale = power_of_ten(decimals);
     (number * scale).round() / scale + 0.0
 }
 

@@ -17,7 +17,7 @@ use crate::plan::{Plan, PlannedTable, Task};
 use crate::problem::Problems;
 use crate::table::Tables;
 use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
-use crate::units::{Deviation, UM_PER_MM};
+use crate::units::{Deviation, Figure, UM_PER_MM, power_of_ten};
 
 /// Puts a plan into ENC_COMP and CEC tables.
 pub fn compile(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<Compiled, Problems> {
@@ -144,7 +144,7 @@ pub(crate) fn values(
     deviations: &[Deviation],
     sign: TableSign,
 ) -> Vec<Option<f64>> {
-    let per_unit = 10_f64.powi(i32::try_from(facts.value_decimals.value).unwrap_or(0));
+    let per_unit = power_of_ten(facts.value_decimals.value);
     let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
     deviations
         .iter()
@@ -156,7 +156,7 @@ pub(crate) fn values(
 }
 
 fn count_um(task: Task<'_>, facts: &SiemensFacts) -> f64 {
-    let per_unit = 10_f64.powi(i32::try_from(facts.value_decimals.value).unwrap_or(0));
+    let per_unit = power_of_ten(facts.value_decimals.value);
     task.job.compensation.control_unit.in_mm() * UM_PER_MM / per_unit
 }
 
@@ -221,7 +221,7 @@ pub(crate) fn reference_text(task: Task<'_>) -> String {
         .axes
         .iter()
         .filter_map(|(axis, machine)| {
-            let text = format!("{:.6}", machine.as_ref()?.reference.mm() + 0.0);
+            let text = format!("{:.6}", Figure(machine.as_ref()?.reference.mm()));
             let text = text.trim_end_matches('0').trim_end_matches('.');
             Some(format!("{axis} {text} mm"))
         })

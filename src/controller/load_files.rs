@@ -61,6 +61,7 @@ fn read_file(file: &Section<'_>, templates: TemplateFinder<'_>) -> Option<FormFi
     let mechanism = proved(file, role);
     let path = file.required_text("path", "a file name");
     let name = file.required_text("template", "the name of a template");
+    let may_be_loaded = may_be_loaded(file, role);
     let when = file.text("when");
     let form = file.choice(
         "form",
@@ -93,8 +94,21 @@ fn read_file(file: &Section<'_>, templates: TemplateFinder<'_>) -> Option<FormFi
         template,
         when,
         mechanism,
+        may_be_loaded,
     };
     Some((form, file))
+}
+
+/// `loaded = false` of a report that no control ever loads; absent = it may be loaded.
+fn may_be_loaded(file: &Section<'_>, role: Option<Role>) -> bool {
+    if file.has("loaded") && role.is_some_and(|role| role != Role::Report) {
+        file.problem(
+            "loaded",
+            "`loaded` belongs to files of the role `report`",
+            "leave it out; docs/templates.md says what each role means",
+        );
+    }
+    file.flag("loaded").unwrap_or(true)
 }
 
 /// The mechanism that a sign proof is for; no other file has one.

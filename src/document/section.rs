@@ -501,7 +501,11 @@ fn number_of(value: &DeValue<'_>) -> Option<f64> {
         DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
         _ => return None,
     };
-    text.parse::<f64>().ok().filter(|number| number.is_finite())
+    let number = text
+        .parse::<f64>()
+        .ok()
+        .filter(|number| number.is_finite())?;
+    Some(number + 0.0) // −0 becomes 0
 }
 
 fn whole_pair(value: &DeValue<'_>) -> Option<[u32; 2]> {

@@ -1,8 +1,8 @@
 //! Header of an error table → what each column holds.
 
-use crate::axis::Axis;
+use crate::axis::{Axis, PerAxis};
 use crate::delimited::{Expected, LENGTHS_UM, Line, columns_of};
-use crate::problem::{Problem, Problems};
+use crate::problem::{Place, Problem, Problems};
 use crate::units::MM_PER_INCH;
 
 /// What a column holds; factors turn the column's unit into mm, µm or µrad.
@@ -15,6 +15,25 @@ pub(super) enum Column {
     Uncertainty { of: Axis, to_um: f64 },
     Angle { about: Axis, to_urad: f64 },
     AngleUncertainty { about: Axis },
+}
+
+/// The heading of a column of deviations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heading {
+    /// As it is written, e.g. `ex_mm`.
+    pub name: String,
+    /// Micrometres in its unit.
+    pub to_um: f64,
+    /// Where it stands.
+    pub place: Place,
+}
+
+impl Heading {
+    /// The same heading for values in micrometres, e.g. `ex_um`.
+    pub fn in_micrometres(&self) -> String {
+        let quantity = self.name.rsplit_once('_').map(|(quantity, _)| quantity);
+        format!("{}_um", quantity.unwrap_or(&self.name))
+    }
 }
 
 pub(super) const FIRST_LINE: &str = "first line: axis,position_mm,ex_um,ey_um,ez_um";
@@ -86,6 +105,21 @@ impl Columns {
         } else {
             "mm"
         }
+    }
+
+    /// The headings of the deviations in X, Y and Z.
+    pub(super) fn headings(&self, header: &Line<'_>) -> PerAxis<Option<Heading>> {
+        let mut headings = PerAxis::default();
+        for (index, kind) in self.kinds.iter().enumerate() {
+            if let Column::Deviation { of, to_um } = *kind {
+                headings[of] = Some(Heading {
+                    name: self.names[index].clone(),
+                    to_um,
+                    place: header.cell_place(index),
+                });
+            }
+        }
+        headings
     }
 
     pub(super) fn index_of(&self, wanted: impl Fn(&Column) -> bool) -> Option<usize> {

@@ -32,6 +32,7 @@ impl ErrorTable {
         let before = self.more.len() + 1;
         self.more.push(other.source);
         self.more.extend(other.more);
+        self.headings.extend(other.headings);
         self.remarks.extend(other.remarks);
         for axis in Axis::ALL {
             let series = other.series[axis].iter().cloned();

@@ -11,7 +11,7 @@ use crate::curve::ErrorCurve;
 use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
 use crate::plan::{Plan, axis_pairs};
-use crate::units::Millimetres;
+use crate::units::{Millimetres, Squared};
 
 /// Sign of travel of X, Y, Z on the forward run of each diagonal (contract §2.2).
 const DIAGONALS: [(&str, [f64; 3]); 4] = [
@@ -169,7 +169,7 @@ fn uncertainties(model: &ErrorModel, measured_box: &MeasuredBox, signs: [f64; 3]
     let u_um = |t: &f64| {
         let variances = model.measured().map(|(term, measured)| {
             let cosine = measured_box.size[index(term.of)] / measured_box.length();
-            (cosine * near_um(measured, walk.position(index(term.along), *t))).powi(2)
+            (cosine * near_um(measured, walk.position(index(term.along), *t))).squared()
         });
         variances.sum::<f64>().sqrt()
     };

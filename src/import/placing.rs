@@ -5,6 +5,7 @@ use crate::import::Component;
 use crate::import::choices::{Sign, turned};
 use crate::import::stated::{Stated, missing};
 use crate::problem::{Place, Problem, Problems};
+use crate::units::Squared;
 
 /// Nine decimals: far below what can be measured, and free of the dust of binary sums.
 pub(super) fn tidy(number: f64) -> f64 {
@@ -139,7 +140,7 @@ pub(super) fn mean(values: &[f64]) -> (f64, Option<f64>) {
     }
     let squares = values
         .iter()
-        .map(|value| (value - mean).powi(2))
+        .map(|value| (value - mean).squared())
         .sum::<f64>();
     (mean, Some((squares / (count - 1.0) / count).sqrt()))
 }

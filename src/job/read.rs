@@ -15,6 +15,9 @@ use crate::problem::{is_unseen, shown};
 use crate::units::Millimetres;
 
 const DEFAULT_MAX_CORRECTION_UM: f64 = 500.0; // contract §2.3
+/// A reference point may lie this far outside the travel unless the job allows more, mm: some machines
+/// have it a few millimetres beyond their limits; what is farther is more often a slip.
+const REFERENCE_OUTSIDE_MM: f64 = 100.0; // contract §2.3
 const DEFAULT_MAX_SLOPE_UM_PER_MM: f64 = 1.0; // contract §2.3
 
 // Beyond these numbers a job describes no machine; within them no calculation overflows.
@@ -163,6 +166,7 @@ fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {
         );
     }
     let reference = section.millimetres("reference_mm");
+    let outside = section.not_negative("reference_outside_mm");
     let reference_direction = direction(section, "reference_direction");
     let max_feed = section.within(
         "max_feed_mm_per_min",
@@ -171,14 +175,33 @@ fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {
         "mm/min",
     );
     section.refuse_unknown_keys();
-    let [low, high] = travel.filter(|[low, high]| low < high)?;
+    let ([low, high], reference) = (travel.filter(|[low, high]| low < high)?, reference?);
+    refuse_far_reference(section, [low, high], reference, outside);
     Some(MachineAxis {
         low: Millimetres::new(low),
         high: Millimetres::new(high),
-        reference: Millimetres::new(reference?),
+        reference: Millimetres::new(reference),
         reference_direction,
         max_feed,
     })
+}
+
+/// The tables are zero at the reference point: far from the travel, they would be zero nowhere on it.
+fn refuse_far_reference(
+    section: &Section<'_>,
+    [low, high]: [f64; 2],
+    reference: f64,
+    allowed_mm: Option<f64>,
+) {
+    let most = allowed_mm.unwrap_or(REFERENCE_OUTSIDE_MM);
+    let outside = (low - reference).max(reference - high);
+    if outside > most {
+        section.problem(
+            "reference_mm",
+            format!("the reference point {reference} mm lies {} mm outside the travel {low} … {high} mm, expected at most {most} mm", Millimetres::new(outside).shown()),
+            format!("correct `reference_mm` or `travel_mm` (machine coordinates); if the axis really has it there, write `reference_outside_mm = {}` below it", outside.ceil()),
+        );
+    }
 }
 
 pub(super) fn direction(section: &Section<'_>, key: &'static str) -> Option<Direction> {

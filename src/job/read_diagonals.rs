@@ -211,7 +211,7 @@ fn refuse_box_outside_travel(
 
 /// A sum of coordinates without the digits that binary numbers add.
 fn digits_of(mm: f64) -> f64 {
-    (mm * 1e6).round() / 1e6
+    (mm * 1e6).round() / 1e6 + 0.0
 }
 
 fn target(section: &Section<'_>, kind: PathKind) -> Reflector {

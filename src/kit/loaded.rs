@@ -10,7 +10,7 @@ use crate::disagreement::{self, surroundings};
 use crate::emulate::{CannotEmulate, Emulator, emulator};
 use crate::plan::{Plan, plan};
 use crate::problem::Problems;
-use crate::readback::kit::{KitFile, read};
+use crate::readback::kit::{KitFile, read, unread};
 use crate::table::Tables;
 
 /// Files against what the job asks for.
@@ -27,6 +27,8 @@ pub(super) struct Loaded {
     pub(super) notes: Vec<String>,
     /// What acts on the axes of the job and is not emulated: nothing is decided in favour.
     pub(super) beside: Vec<String>,
+    /// Files that the control may load and no reader takes, in a sentence.
+    pub(super) unread: Option<String>,
 }
 
 impl Loaded {
@@ -47,6 +49,7 @@ impl Loaded {
         Ok(Loaded {
             notes,
             beside: Vec::new(),
+            unread: unread(&inputs.profile, files),
             control: found.and_then(|_| emulator(&inputs.profile, &read.tables, &outside.state)),
             tables: read.tables,
             state: outside.state,
@@ -78,6 +81,7 @@ impl Loaded {
         Ok(Loaded {
             notes: [notes(active), around.notes, outside.notes].concat(),
             beside: [active.beside.clone(), around.beside].concat(),
+            unread: None,
             control: with(&active.tables, &outside.state),
             tables: active.tables.clone(),
             state: outside.state,
@@ -90,7 +94,7 @@ impl Loaded {
             plan,
             control: self.control.map_err(|reason| cannot_emulate(&reason))?,
             disagreements: self.disagreements,
-            notes: [self.notes, self.beside].concat(),
+            notes: [self.notes, self.beside, self.unread.into_iter().collect()].concat(),
         })
     }
 }

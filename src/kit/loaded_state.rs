@@ -99,7 +99,7 @@ pub(super) fn read_out_state(
 
 /// To a nanometre, without the digits that a conversion from millimetres adds.
 fn micrometres(um: f64) -> String {
-    format!("{} µm", (um * 1e3).round() / 1e3)
+    format!("{} µm", (um * 1e3).round() / 1e3 + 0.0)
 }
 
 /// A parameter that the tables do not set counts from the one that acted while measuring.

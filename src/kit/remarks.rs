@@ -25,7 +25,7 @@ pub fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Forecast>) ->
 
 fn not_measured(forecast: &Forecast) -> Vec<String> {
     let sentence = |axis: Axis, (from, to): &(Millimetres, Millimetres)| {
-        let shown = |at: &Millimetres| (at.mm() * 1e6).round() / 1e6;
+        let shown = |at: &Millimetres| (at.mm() * 1e6).round() / 1e6 + 0.0;
         format!(
             "not measured: {axis} from {} to {} mm; the table holds the end value there",
             shown(from),

@@ -67,7 +67,8 @@ pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verif
 impl Verification {
     /// The forecast of a control with the files, and the verdict.
     fn of(inputs: &Inputs, plan: Plan, compiled: Compiled, loaded: Loaded) -> Verification {
-        let doubts = [doubts(inputs), loaded.beside.clone()].concat();
+        let unread = loaded.unread.into_iter().collect();
+        let doubts = [doubts(inputs), loaded.beside.clone(), unread].concat();
         let mut disagreements = loaded.disagreements;
         let control = loaded.control.ok();
         let ranges = judged_ranges(&inputs.job, inputs.as_measured());

@@ -3,6 +3,8 @@
 //! Blanks may stand anywhere, even inside a number; letters in either case. Comments `( … )` and
 //! `; …` are passed over. Numbers keep the full precision of what is written.
 
+use crate::units::POWERS_OF_TEN;
+
 /// A letter with its number, or one of the signs `%` and `/`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
@@ -47,9 +49,6 @@ impl Wrong {
 const MOST_DIGITS: usize = 40;
 /// Up to so many digits a number is exact in `f64`, and dividing it by a power of ten rounds once.
 const EXACT_DIGITS: usize = 15;
-const POWERS: [f64; 16] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-];
 
 /// The words of a line, one after the other.
 #[derive(Clone, Debug)]
@@ -187,7 +186,7 @@ impl Words<'_> {
             return Err(self.no_number(start, end));
         }
         let size = match digits {
-            0..=EXACT_DIGITS => exact(mantissa) / POWERS[decimals],
+            0..=EXACT_DIGITS => exact(mantissa) / POWERS_OF_TEN[decimals],
             _ => long_number(&self.line[first..end], digits).ok_or_else(|| {
                 Wrong::new(
                     (start, end),

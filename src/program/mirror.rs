@@ -14,6 +14,7 @@
 use crate::axis::{Axis, Direction, PerAxis};
 use crate::diagonal::{Diagonal, PathKind};
 use crate::job::{ProgramRequest, RunType};
+use crate::units::Squared;
 
 /// Size of the mirror that a step diagonal needs, without the diameter of the beam; the same for
 /// all four diagonals, because their spots are mirror images.
@@ -127,7 +128,10 @@ fn smallest_circle_mm(spots: &[Spot]) -> f64 {
 fn around(a: Spot, b: Spot, c: Spot) -> Option<(Spot, f64)> {
     let (b, c) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
     let twice = 2.0 * (b[0] * c[1] - b[1] * c[0]);
-    let (bb, cc) = (b[0].powi(2) + b[1].powi(2), c[0].powi(2) + c[1].powi(2));
+    let (bb, cc) = (
+        b[0].squared() + b[1].squared(),
+        c[0].squared() + c[1].squared(),
+    );
     if twice.abs() <= 1e-12 * (bb + cc) {
         return None;
     }

@@ -1,6 +1,7 @@
 //! The last digit of a position in a part program.
 
 use crate::controller::LengthUnit;
+use crate::units::power_of_ten;
 
 /// A length as a number of the control's last digits.
 pub type Digits = i64;
@@ -39,7 +40,7 @@ impl Resolution {
     }
 
     fn per_unit(self) -> f64 {
-        10f64.powi(i32::try_from(self.decimals).unwrap_or(0))
+        power_of_ten(self.decimals)
     }
 
     /// A length in mm.

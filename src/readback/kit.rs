@@ -1,7 +1,7 @@
 //! All files of a kit as one memory of the control.
 
 use crate::controller::{Dialect, Profile, Role};
-use crate::problem::{Problem, Problems};
+use crate::problem::{Problem, Problems, shown};
 use crate::readback::{fanuc, generic, siemens};
 use crate::table::Tables;
 
@@ -38,8 +38,8 @@ pub struct FileData {
     pub data: Vec<siemens::MachineDatum>,
 }
 
-/// Reads all files of a kit through the reader of the profile's dialect. Files for people are not
-/// read, and files that stand apart (`rollback`, `sign-proof`) are not part of the kit's memory.
+/// Reads all files of a kit through the reader of the profile's dialect. Checklists and reports are
+/// not read, and files that stand apart (`rollback`, `sign-proof`) are not part of the kit's memory.
 pub fn read(profile: &Profile, files: &[KitFile<'_>]) -> Result<ReadBack, Problems> {
     read_role(profile, files, |role| !role.stands_apart())
 }
@@ -60,7 +60,7 @@ fn read_role(
 ) -> Result<ReadBack, Problems> {
     let mut problems = Problems::none();
     let mut texts = Vec::new();
-    let is_read = |file: &&KitFile<'_>| !file.role.is_for_people() && is_wanted(file.role);
+    let is_read = |file: &&KitFile<'_>| file.role.is_read_back() && is_wanted(file.role);
     for file in files.iter().filter(is_read) {
         match std::str::from_utf8(file.bytes) {
             Ok(text) => texts.push((file, text)),
@@ -93,6 +93,29 @@ fn read_role(
         Some(read) => problems.or_ok(read),
         None => Err(problems),
     }
+}
+
+/// Files that a control may load and that no reader takes, in a sentence: whatever else is read back,
+/// nothing shows what the control will hold.
+pub fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<String> {
+    let is_unread = |name: &str| {
+        let mut known = profile.files.iter().filter(|file| file.is_loaded_unread());
+        known.any(|file| file.path.eq_ignore_ascii_case(name))
+    };
+    let names = files.iter().map(|file| file.path);
+    let names: Vec<String> = names
+        .filter(|name| is_unread(name))
+        .map(|name| format!("`{}`", shown(name)))
+        .collect();
+    let (is, it) = match names.len() {
+        0 => return None,
+        1 => ("is", "it"),
+        _ => ("are", "them"),
+    };
+    Some(format!(
+        "{} {is} not read back (role `report`), so nothing shows what a control holds that loads {it}: give {it} the role `table` in the layout of the dialect, or, if no control loads {it}, state `loaded = false` in the profile",
+        names.join(", ")
+    ))
 }
 
 /// Whether a file may mean something to the control, whole or damaged: `$` variables (Siemens),

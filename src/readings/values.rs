@@ -151,7 +151,7 @@ fn is_near(mm: f64, other: f64) -> bool {
 
 /// A number as a sentence shows it.
 fn rounded(number: f64) -> f64 {
-    (number * 1e3).round() / 1e3
+    (number * 1e3).round() / 1e3 + 0.0
 }
 
 /// Notes temperatures that are missing in part, or that the job does not say how to use.

@@ -13,6 +13,7 @@ use super::metric::{
 };
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{PerDiagonal, Volume};
+use crate::units::Figure;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Below this probability the equations contradict each other.
@@ -90,7 +91,7 @@ impl Agreement {
         }
         let says = |line: &LineCheck| {
             let (um_per_m, ratio) = line.difference()?;
-            let (name, ratio) = (line.name(), ratio.abs());
+            let (name, um_per_m, ratio) = (line.name(), Figure(um_per_m), ratio.abs());
             Some(format!(
                 "{name} by {um_per_m:+.3} µm/m ({ratio:.1} standard deviations)"
             ))

@@ -6,6 +6,7 @@ use super::lookup::at;
 use super::metric::StraightLine;
 use super::uncertainty::Budget;
 use crate::axis::{Axis, ErrorTerm, PerTerm};
+use crate::units::Squared;
 
 /// A line with what the separated shapes contribute between its ends taken off: between places
 /// x₁ and x₂ of each axis k, Σ_jk v_j (D_j(k)(x₂) − D_j(k)(x₁)) = L·vᵀhv + that of the shapes.
@@ -20,7 +21,7 @@ pub(super) fn without_shapes(
     if let Some([from, to]) = line.ends {
         square_mm = Axis::ALL
             .into_iter()
-            .map(|axis| (to[axis] - from[axis]).mm().powi(2))
+            .map(|axis| (to[axis] - from[axis]).mm().squared())
             .sum();
         for term in ErrorTerm::ALL {
             let [from, to] = [from, to].map(|end| end[term.along]);

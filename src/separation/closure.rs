@@ -26,6 +26,7 @@ use super::noise::{Noise, NoiseSource};
 use super::outlier::{FALSE_DOUBT, Outlier, float};
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use crate::units::Squared;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 /// A ramp of w that no instrument resolves is no roll, however small the noise, µm.
@@ -191,7 +192,7 @@ pub(super) fn spread_um(volume: &Volume, means: &Means) -> f64 {
     let mut squares = 0.0;
     for (_, w) in by_interval.iter() {
         let mean = w.iter().sum::<f64>() / volume.steps_f64();
-        squares += w.iter().map(|w| (w - mean).powi(2)).sum::<f64>();
+        squares += w.iter().map(|w| (w - mean).squared()).sum::<f64>();
     }
     (squares / (3.0 * volume.steps_f64())).sqrt()
 }
@@ -236,7 +237,7 @@ fn ramps(patterns: &Patterns, noise: Option<Noise>) -> Option<Ramps> {
     let (square, freedom) = patterns.scatter();
     let rest = freedom.checked_sub(fit.count).filter(|rest| *rest > 0)?;
     let (variance, freedom) = match noise {
-        Some(noise) => (noise.sigma_um.powi(2), noise.freedom),
+        Some(noise) => (noise.sigma_um.squared(), noise.freedom),
         None => ((square - fit.drop).max(0.0) / float(rest), Some(rest)),
     };
     let ratio = fit.drop / variance;

@@ -9,6 +9,7 @@ use super::outlier::{FALSE_DOUBT, Outlier, float};
 use crate::axis::Axis;
 use crate::diagonal::{Diagonal, Volume};
 use crate::job::SetUp;
+use crate::units::Figure;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// More disturbed readings are counted here; the result lists them.
@@ -62,7 +63,7 @@ fn disturbed(outlier: &Outlier, volume: &Volume) -> String {
 
 fn roll(closure: &Closure) -> Option<String> {
     let ramps = closure.ramps.as_ref().filter(|ramps| ramps.is_roll())?;
-    let changes = Axis::ALL.map(|axis| format!("{axis} {:+.3}", ramps.change_um[axis]));
+    let changes = Axis::ALL.map(|axis| format!("{axis} {:+.3}", Figure(ramps.change_um[axis])));
     Some(format!(
         "the closure runs in straight ramps over the axes ({} µm from end to end): roll of an axis that carries others, which the nine errors do not hold; measure the roll and give it as `angles`",
         changes.join(", ")
@@ -81,7 +82,7 @@ fn set_up(closure: &Closure, noise: Noise) -> Option<String> {
     let off: Vec<String> = Axis::ALL
         .into_iter()
         .filter(off)
-        .map(|axis| format!("{axis} {:+.3}", closure.mean[axis]))
+        .map(|axis| format!("{axis} {:+.3}", Figure(closure.mean[axis])))
         .collect();
     (!off.is_empty()).then(|| {
         format!(

@@ -16,6 +16,7 @@ use super::repeats::repeats;
 use super::reversal::separable;
 use crate::diagonal::{Diagonal, Run, Volume};
 use crate::job::SetUp;
+use crate::units::Squared;
 
 /// A closure that no instrument resolves is in no doubt, µm.
 const SMALLEST_SPREAD_UM: f64 = 0.02;
@@ -113,7 +114,9 @@ fn is_explanation(
     let noise = stated.or_else(|| closure.noise());
     let before = as_read.closure;
     let gain = match stated {
-        Some(noise) => (before.weighted_square - closure.weighted_square) / noise.sigma_um.powi(2),
+        Some(noise) => {
+            (before.weighted_square - closure.weighted_square) / noise.sigma_um.squared()
+        }
         None => float(before.freedom) * (before.weighted_square / closure.weighted_square).ln(),
     };
     gain > CLEARLY && of_closure(&closure, noise, volume, SetUp::Solve).is_empty()

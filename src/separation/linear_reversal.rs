@@ -18,6 +18,7 @@ use super::reversal::Turn;
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::diagonal::{Diagonal, PathKind, Volume};
 use crate::error_table::ErrorTable;
+use crate::units::Figure;
 
 /// B of a positioning error at the interval ends of the box.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,6 +161,7 @@ pub(super) fn label(reversals: &LinearReversals, forward_only: bool) -> Option<S
         .filter_map(|(axis, reversal)| Some((axis, reversal.as_ref()?)))
         .map(|(axis, reversal)| {
             let (low, high) = ends_of(&reversal.um);
+            let (low, high) = (Figure(low), Figure(high));
             format!("{axis} {low:+.3} to {high:+.3}")
         })
         .collect();

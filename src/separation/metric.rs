@@ -20,6 +20,7 @@ use super::plane::per_plane;
 use super::system::{KnownSpace, Row, Solution, System, UNKNOWNS};
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{Diagonal, PerDiagonal, Volume};
+use crate::units::Squared;
 use nalgebra::DMatrix;
 
 const UM_PER_M: f64 = 1e-6;
@@ -213,7 +214,7 @@ impl Equations {
         totals: &TotalsUncertainty,
         lines: &[StraightLine],
     ) -> Equations {
-        let variance = |u: f64| u.max(NEGLECTED_UM_PER_M).powi(2);
+        let variance = |u: f64| u.max(NEGLECTED_UM_PER_M).squared();
         let mut rows: Vec<Row> = Vec::new();
         let (mut values, mut own, mut known) = (Vec::new(), Vec::new(), Vec::new());
         for (diagonal, equation) in diagonals.iter() {
@@ -272,8 +273,8 @@ impl Equations {
     /// Variances for a test: an equation of unknown uncertainty counts as exact, but none as more
     /// certain than what (7) neglects at slopes of this size.
     pub(super) fn test_variances(&self, largest_slope_um_per_m: f64) -> Vec<f64> {
-        let products = 3.0 * largest_slope_um_per_m.powi(2) * UM_PER_M;
-        let neglected = products.max(NEGLECTED_UM_PER_M).powi(2);
+        let products = 3.0 * largest_slope_um_per_m.squared() * UM_PER_M;
+        let neglected = products.max(NEGLECTED_UM_PER_M).squared();
         let of = |(own, known): (&f64, &bool)| {
             if *known {
                 own.max(neglected)

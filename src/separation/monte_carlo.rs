@@ -19,6 +19,7 @@ use super::metric::{PerPlane, Plane};
 use super::separate::curves_of;
 use super::uncertainty::Budget;
 use crate::diagonal::{Pass, PerDiagonal, Volume};
+use crate::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -219,7 +220,7 @@ fn summary(
             let mut values: Vec<f64> = all.map(|figures| figures[index]).collect();
             values.sort_by(f64::total_cmp);
             let mean = values.iter().sum::<f64>() / count;
-            let square: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+            let square: f64 = values.iter().map(|value| (value - mean).squared()).sum();
             Figure {
                 name,
                 unit,

@@ -3,6 +3,7 @@
 use super::increments::{Means, PassMeans};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::job::StatedUncertainty;
+use crate::units::Squared;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
 /// Share of a normal distribution within two standard deviations: what U stands for.
@@ -85,7 +86,7 @@ pub fn effective_freedom(u: f64, u_noise: f64, noise: Noise) -> Option<f64> {
     let share = if u > 0.0 { u_noise / u } else { 0.0 };
     noise
         .freedom_f64()
-        .map(|freedom| freedom / share.powi(4))
+        .map(|freedom| freedom / share.squared().squared())
         .filter(|freedom| *freedom < MANY)
 }
 
@@ -154,7 +155,7 @@ pub fn repeatability_um(runs: &[CorrectedRun], diagonal: Diagonal, pass: Pass) -
     let deviation = |node: usize| {
         let at = || runs.iter().map(|run| run.readings_um[node]);
         let middle = mean(at());
-        let square: f64 = at().map(|reading| (reading - middle).powi(2)).sum();
+        let square: f64 = at().map(|reading| (reading - middle).squared()).sum();
         #[allow(clippy::cast_precision_loss, reason = "a handful of runs")]
         let freedom = (runs.len() - 1) as f64;
         (square / freedom).sqrt()

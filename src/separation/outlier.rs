@@ -5,6 +5,7 @@
 //! shared among all readings. The standard deviation is that of the others.
 
 use crate::diagonal::{Diagonal, Pass};
+use crate::units::Figure;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Chance that a test names a reading of a series without any disturbed one.
@@ -63,7 +64,7 @@ impl Outlier {
         format!(
             "{}: {:+.3} µm, {:.1} standard deviations",
             places.join(" or "),
-            self.size_um,
+            Figure(self.size_um),
             self.ratio
         )
     }

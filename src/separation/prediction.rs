@@ -13,6 +13,7 @@ use crate::axis::Axis;
 use crate::diagonal::{Diagonal, Pass, PathKind, Volume};
 use crate::error_table::{ErrorTable, Series};
 use crate::problem::{Problem, Problems};
+use crate::units::Squared;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// How often machines that agree are to fail the test.
@@ -80,7 +81,7 @@ pub fn closure_tests(
             }
             let predicted = predicted(volume, table, diagonal, pass)?;
             table_states_u &= predicted.iter().all(|p| p.square_um2.is_some());
-            let readings = noise.map(|noise| 2.0 * noise.sigma_um.powi(2) / count);
+            let readings = noise.map(|noise| 2.0 * noise.sigma_um.squared() / count);
             let measured = &means.of(pass)[diagonal];
             tests.push(compared(diagonal, pass, measured, &predicted, readings));
         }
@@ -154,7 +155,7 @@ fn predicted(
                 um += u[of] * value;
                 square_um2 = square_um2
                     .zip(stated)
-                    .map(|(sum, s)| sum + (u[of] * s).powi(2));
+                    .map(|(sum, s)| sum + (u[of] * s).squared());
             }
         }
         Some(Predicted { um, square_um2 })

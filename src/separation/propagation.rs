@@ -26,6 +26,7 @@ use super::curves::noise_gain;
 use super::uncertainty::{Budget, Side, SlopeFrom};
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::diagonal::{Diagonal, Pass};
+use crate::units::Squared;
 
 /// Standard uncertainties (k = 1) along a curve, µm.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +47,7 @@ impl Budget<'_> {
         slope: SlopeFrom,
         both_ways: bool,
     ) -> Option<AlongCurve> {
-        let variance_um2 = self.noise?.sigma_um.powi(2);
+        let variance_um2 = self.noise?.sigma_um.squared();
         let point = Points::new(self, term, side, slope, both_ways);
         let mut found = AlongCurve {
             u_um: Vec::with_capacity(self.volume.steps + 1),
@@ -54,10 +55,10 @@ impl Budget<'_> {
         };
         // What comes from elsewhere brings the stated contributions with it.
         let (of_noise, all) = match slope {
-            SlopeFrom::Increments => (0.0, self.stated_slope(term).powi(2)),
+            SlopeFrom::Increments => (0.0, self.stated_slope(term).squared()),
             SlopeFrom::Elsewhere(slope) => (
                 self.slope_noise(&slope, both_ways)?,
-                slope.u_um_per_m.powi(2),
+                slope.u_um_per_m.squared(),
             ),
         };
         let known = (all - of_noise).max(0.0);

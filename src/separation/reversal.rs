@@ -22,6 +22,7 @@ use super::increments::Means;
 use super::noise::{Noise, chance_of, coverage_factor_for};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::diagonal::{Diagonal, PerDiagonal, Volume};
+use crate::units::Squared;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
@@ -130,11 +131,11 @@ pub fn ran_over(
     let last = 3 * volume.steps;
     let offsets = Diagonal::ALL.map(|d| {
         let variance = sigma_um * sigma_um * jumps.variance[d] / 2.0;
-        (means.forward[d][last] - reverse[d][last]).powi(2) / variance
+        (means.forward[d][last] - reverse[d][last]).squared() / variance
     });
     let own = Axis::ALL.map(|axis| {
         let fit = Fit::new(volume, axis, &[Column::Own], &jumps);
-        (fit.value(0) / (sigma_um * fit.spread(0))).powi(2)
+        (fit.value(0) / (sigma_um * fit.spread(0))).squared()
     });
     let offset: f64 = offsets.iter().sum::<f64>() / 4.0;
     let jump: f64 = own.iter().sum::<f64>() / 3.0;
@@ -213,7 +214,7 @@ impl Fit {
 
     /// Standard deviation for readings of 1 µm.
     fn spread(&self, unknown: usize) -> f64 {
-        let part = |i: usize| self.gains[(unknown, i)].powi(2) * self.variance[i];
+        let part = |i: usize| self.gains[(unknown, i)].squared() * self.variance[i];
         (0..4).map(part).sum::<f64>().sqrt()
     }
 
@@ -300,7 +301,7 @@ impl AxisTurn {
     fn constancy(&self, noise: Option<Noise>) -> Option<f64> {
         let noise = noise.filter(|noise| noise.sigma_um > 0.0)?;
         let freedom = 3 - self.kept.len();
-        let square = self.constant.left / noise.sigma_um.max(DIGIT_UM).powi(2);
+        let square = self.constant.left / noise.sigma_um.max(DIGIT_UM).squared();
         chance_of(square, freedom, noise.freedom)
     }
 }

@@ -23,6 +23,7 @@ use crate::axis::PerAxis;
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::error_table::ErrorTable;
 use crate::problem::Problems;
+use crate::units::Squared;
 
 /// What the totals of the four diagonals determine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +118,7 @@ fn total(pass: &[f64]) -> Option<f64> {
 
 /// Direction cosines squared: the share of each scale in S, for the words of a report.
 pub fn scale_shares(volume: &Volume) -> PerAxis<f64> {
-    PerAxis::from_fn(|axis| volume.cosine(axis).powi(2))
+    PerAxis::from_fn(|axis| volume.cosine(axis).squared())
 }
 
 /// What straight runs of the four diagonals say.

@@ -3,6 +3,7 @@
 use super::metric::{Metric, Plane};
 use crate::axis::{Axis, PerAxis};
 use crate::diagonal::{PerDiagonal, Volume};
+use crate::units::Squared;
 
 /// Seconds of arc in one radian.
 const ARCSEC_PER_RADIAN: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
@@ -45,7 +46,7 @@ pub fn tilts(
 }
 
 fn tilt(eta: &PerAxis<f64>) -> Tilt {
-    let square: f64 = Axis::ALL.into_iter().map(|axis| eta[axis].powi(2)).sum();
+    let square: f64 = Axis::ALL.into_iter().map(|axis| eta[axis].squared()).sum();
     let size = square.sqrt();
     Tilt {
         arcsec: size * ARCSEC_PER_RADIAN,

@@ -14,6 +14,7 @@ use super::straight::u_squareness;
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::job::{AxisMaterial, Material, StatedUncertainty};
+use crate::units::Squared;
 
 /// Uncertainty that weighs totals where neither noise nor a statement gives one, µm/m.
 const WEIGHT_UM_PER_M: f64 = 1.0;
@@ -83,9 +84,9 @@ pub struct Budget<'a> {
 impl Budget<'_> {
     /// Variance of a slope by the noise of the readings alone, (µm/m)².
     pub fn slope_noise(&self, slope: &Slope, both_ways: bool) -> Option<f64> {
-        let part = |d| Some(slope.by_end[d].powi(2) * self.end_variance_um2(d, both_ways)?);
+        let part = |d| Some(slope.by_end[d].squared() * self.end_variance_um2(d, both_ways)?);
         let by_ends: Option<f64> = Diagonal::ALL.into_iter().map(part).sum();
-        Some(by_ends? + slope.rotation_um_per_m.powi(2))
+        Some(by_ends? + slope.rotation_um_per_m.squared())
     }
 
     /// Standard uncertainty of a slope with its effective degrees of freedom.
@@ -120,7 +121,7 @@ impl Budget<'_> {
         nodes.dedup();
         let of = |pass: Pass| {
             let runs = self.runs[diagonal][usize::from(pass == Pass::Reverse)];
-            let part = |node: &usize| self.end_weight(pass, *node, both_ways).powi(2) / runs;
+            let part = |node: &usize| self.end_weight(pass, *node, both_ways).squared() / runs;
             nodes.iter().map(part).sum::<f64>()
         };
         let passes = if both_ways {
@@ -133,7 +134,7 @@ impl Budget<'_> {
 
     /// Variance of the mean total of a diagonal by the noise of its readings, µm².
     fn end_variance_um2(&self, diagonal: Diagonal, both_ways: bool) -> Option<f64> {
-        Some(self.noise?.sigma_um.powi(2) * self.end_variance(diagonal, both_ways))
+        Some(self.noise?.sigma_um.squared() * self.end_variance(diagonal, both_ways))
     }
 
     /// Stated contributions to a slope of the increments, µm/m.

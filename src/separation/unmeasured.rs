@@ -16,6 +16,7 @@ use super::increments::{Group, Means};
 use crate::axis::{Axis, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::diagonal::{Pass, PathKind, PerDiagonal, Volume};
 use crate::job::{Levers, Reflector, StatedUncertainty};
+use crate::units::{Figure, Squared};
 
 const URAD_PER_ARCSEC: f64 = 1e6 * std::f64::consts::PI / (180.0 * 3600.0);
 
@@ -110,7 +111,7 @@ impl AngleEvidence {
         };
         let bent = Axis::ALL.into_iter().filter(bent);
         let bows: Vec<String> = bent
-            .map(|axis| format!("{axis} {:.3}", bow[axis]))
+            .map(|axis| format!("{axis} {:.3}", Figure(bow[axis])))
             .collect();
         if bows.is_empty() {
             return "only roll is missing, which bends no curve".to_string();
@@ -209,7 +210,7 @@ pub fn bow_um_per_urad(volume: &Volume, reflector: Reflector) -> PerAxis<f64> {
 /// Slope that a tilt of the mirror, as large in each direction across the diagonals, puts into a
 /// curve that is separated as if there were none, µm/m.
 pub fn slope_of_tilt_um_per_m(volume: &Volume, term: ErrorTerm, tilt_arcsec: f64) -> f64 {
-    let across = (1.0 - volume.cosine(term.along).powi(2)).sqrt();
+    let across = (1.0 - volume.cosine(term.along).squared()).sqrt();
     noise_gain(volume, term.of) * across * tilt_arcsec * URAD_PER_ARCSEC
 }
 

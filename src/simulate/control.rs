@@ -10,6 +10,7 @@ use crate::kit::{
 use crate::plan::{Task, plan};
 use crate::problem::Problems;
 use crate::readback::kit::{KitFile, read};
+use crate::units::Figure;
 use serde_json::Value;
 
 /// Tables that were read from bytes, in an emulated control.
@@ -54,7 +55,10 @@ impl Loaded {
                     }
                     None => "as this job asks for it; no file for the control holds it",
                 };
-                format!("backlash parameter of {axis}: {um:.3} µm {source}")
+                format!(
+                    "backlash parameter of {axis}: {:.3} µm {source}",
+                    Figure(um)
+                )
             })
         };
         let mut notes = read.notes;

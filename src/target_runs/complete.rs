@@ -7,7 +7,7 @@ use crate::problem::{Problem, Problems};
 use crate::target_runs::header::{Content, Form, Layout, STATE_VALUES, and_more};
 use crate::target_runs::read::Reading;
 use crate::target_runs::{Runs, Values};
-use crate::units::UM_PER_MM;
+use crate::units::{Figure, UM_PER_MM};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Readings of one target: direction and run to the reading.
@@ -204,7 +204,7 @@ fn refuse_far_readings(
     Err(Problem::new(format!(
         "the reading is {:.4} mm from its target at {} mm, expected less than {:.4} mm (half the \
          way to the next target, or {LARGEST_MM} mm where they are closer){}",
-        reading.deviation_um(values) / UM_PER_MM,
+        Figure(reading.deviation_um(values) / UM_PER_MM),
         reading.target_mm(),
         limit_mm,
         and_more(far.len() - 1, " reading is as far", " readings are as far"),

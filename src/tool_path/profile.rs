@@ -5,6 +5,7 @@ use super::extremes::{Channel, Range};
 use super::map::PathMap;
 use super::polynomial::{squares, through, turning_points};
 use crate::nc::{Move, Place, Plane, Refused, Shape};
+use crate::units::Figure;
 
 /// Samples of one move: a kilometre in steps of a micrometre.
 const MOST_STEPS: f64 = 2e9;
@@ -377,8 +378,9 @@ impl<'m> Profile<'m> {
             if at < low - TRAVEL_TOLERANCE_MM || at > high + TRAVEL_TOLERANCE_MM {
                 return Err(Refused {
                     message: format!(
-                        "the move leads to {} = {at:.3} mm in machine coordinates, outside the travel {low} … {high} mm",
-                        letter(axis)
+                        "the move leads to {} = {:.3} mm in machine coordinates, outside the travel {low} … {high} mm",
+                        letter(axis),
+                        Figure(at)
                     ),
                     help: "check the zero of the coordinate system ([[path.offset]]), the tool length and `travel_mm`".to_string(),
                 });
@@ -399,8 +401,9 @@ impl<'m> Profile<'m> {
                 if self.limits.refuse_outside {
                     return Err(Refused {
                         message: format!(
-                            "the path is at {} = {at:.3} mm, outside the measured range {low} … {high} mm",
-                            letter(axis)
+                            "the path is at {} = {:.3} mm, outside the measured range {low} … {high} mm",
+                            letter(axis),
+                            Figure(at)
                         ),
                         help: "measure there, or write `outside = \"hold\"` in [path]".to_string(),
                     });

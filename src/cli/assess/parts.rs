@@ -6,6 +6,7 @@ use super::measured::{has_no_lever, unknown_axes};
 use super::text::{place, short, um};
 use crate::assessment::{Assessment, Contribution, Histogram, Windows};
 use crate::cli::show::{Column, table};
+use crate::units::Figure;
 use crate::volume_model::Component;
 
 /// Parts and changes of VA below the last digit that is shown are none, µm.
@@ -30,7 +31,7 @@ pub(super) fn contributions(page: &Page) -> String {
         let mut cells = vec![
             error_name(part.component),
             um(part.um),
-            format!("{:.2}", share + 0.0),
+            format!("{:.2}", Figure(share)),
             um(part.va_without_um),
         ];
         let other = after.map(|after| with_tables(after, part.component));

@@ -9,7 +9,7 @@ use crate::cli::show::{self, Column, table};
 use crate::definitions::Definitions;
 use crate::diagonal::Diagonal;
 use crate::job::Levers;
-use crate::units::Millimetres;
+use crate::units::{Figure, Millimetres};
 
 pub(super) fn text(page: &Page) -> String {
     let before = &page.before;
@@ -235,9 +235,9 @@ fn worst_pair(d: &Definitions) -> String {
         "largest difference between {} and {}: {:+.3}, {:+.3}, {:+.3} µm in X, Y, Z\nlargest error of a length between {} and {}",
         place(p),
         place(q),
-        e.x + 0.0,
-        e.y + 0.0,
-        e.z + 0.0,
+        Figure(e.x),
+        Figure(e.y),
+        Figure(e.z),
         place(a),
         place(b)
     )

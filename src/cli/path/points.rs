@@ -5,6 +5,7 @@ use crate::cli::inputs::plain_words;
 use crate::cli::write;
 use crate::problem::{Problem, Problems};
 use crate::tool_path::{PathMap, Sample};
+use crate::units::Figure;
 use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -81,7 +82,7 @@ fn to_stdout(mut file: NamedTempFile) -> std::io::Result<()> {
 }
 
 fn row(out: &mut impl Write, sample: &Sample, after: Option<&PathMap>) -> std::io::Result<()> {
-    let [x, y, z] = sample.place;
+    let [x, y, z] = sample.place.map(Figure);
     write!(
         out,
         "{},{:.4},{x:.4},{y:.4},{z:.4},",
@@ -104,9 +105,14 @@ fn error(out: &mut impl Write, sample: &Sample, error: [f64; 3]) -> std::io::Res
     let [ex, ey, ez] = error;
     let along = |way: [f64; 3]| way[0] * ex + way[1] * ey + way[2] * ez;
     let (size, tangent) = (length(error), along(sample.ahead));
-    write!(out, "{ex:.6},{ey:.6},{ez:.6},{size:.6},{tangent:.6},")?;
+    let [x, y, z] = error.map(Figure);
+    write!(
+        out,
+        "{x:.6},{y:.6},{z:.6},{size:.6},{:.6},",
+        Figure(tangent)
+    )?;
     match sample.left {
-        Some(left) => write!(out, "{:.6}", along(left)),
+        Some(left) => write!(out, "{:.6}", Figure(along(left))),
         None => Ok(()),
     }
 }

@@ -5,6 +5,7 @@ use super::{Followed, Page};
 use crate::axis::Axis;
 use crate::cli::show::{self, Column, table};
 use crate::tool_path::{Channel, Extreme, Outside};
+use crate::units::Figure;
 
 pub(super) fn text(page: &Page) -> String {
     show::paragraphs(&[
@@ -123,9 +124,9 @@ fn extremes(name: &str, followed: &Followed) -> String {
         Column::Right("line"),
     ];
     let cells = |e: &Extreme| {
-        let [x, y, z] = e.place.map(|mm| mm + 0.0);
+        let [x, y, z] = e.place.map(Figure);
         [
-            format!("{:+.3}", e.um + 0.0),
+            format!("{:+.3}", Figure(e.um)),
             format!("{x:.3}, {y:.3}, {z:.3}"),
             e.line.to_string(),
         ]
@@ -173,13 +174,13 @@ fn holes(page: &Page) -> String {
 }
 
 fn hole(hole: &Hole) -> Vec<String> {
-    let [x, y, z] = hole.place.map(|mm| mm + 0.0);
+    let [x, y, z] = hole.place.map(Figure);
     let mut cells = vec![
         hole.number.to_string(),
         hole.line.to_string(),
         format!("{x:.3}, {y:.3}, {z:.3}"),
     ];
-    cells.extend(hole.error_um.map(|um| format!("{:+.3}", um + 0.0)));
+    cells.extend(hole.error_um.map(|um| format!("{:+.3}", Figure(um))));
     cells.push(format!("{:.3}", length(hole.error_um)));
     cells.extend(hole.after_um.map(|after| format!("{:.3}", length(after))));
     cells
@@ -188,8 +189,8 @@ fn hole(hole: &Hole) -> Vec<String> {
 pub(super) fn outside_sentences(page: &Page) -> Vec<String> {
     let sentence = |o: &Outside| {
         let (low, high) = o.measured_mm;
-        let below = (o.reached_mm.0 < low).then(|| format!("{:.3} mm", o.reached_mm.0));
-        let above = (o.reached_mm.1 > high).then(|| format!("{:.3} mm", o.reached_mm.1));
+        let below = (o.reached_mm.0 < low).then(|| format!("{:.3} mm", Figure(o.reached_mm.0)));
+        let above = (o.reached_mm.1 > high).then(|| format!("{:.3} mm", Figure(o.reached_mm.1)));
         let reached: Vec<String> = below.into_iter().chain(above).collect();
         format!(
             "not measured: the path reaches {} = {}, first in line {}, measured is {low} … {high} mm; beyond it each curve, squareness included, is held at its end",

@@ -16,6 +16,7 @@ use crate::separation::metric::Plane;
 use crate::separation::prediction::{ClosureTest, ClosureTests};
 use crate::separation::straight::{StraightResult, scale_shares};
 use crate::separation::uncertainty::SlopeUncertainty;
+use crate::units::Squared;
 use serde_json::{Map, Value, json};
 
 pub(super) fn page(result: &StraightResult) -> Result<String, Problems> {
@@ -77,7 +78,7 @@ fn squareness(result: &StraightResult) -> String {
 fn scales(result: &StraightResult) -> String {
     let shares = scale_shares(&result.volume);
     let shares = Axis::ALL.map(|axis| format!("{:.3} x slope of E{axis}{axis}", shares[axis]));
-    let square_m = result.volume.diagonal_mm().powi(2) / 1000.0;
+    let square_m = result.volume.diagonal_mm().squared() / 1000.0;
     let mut lines = vec![format!(
         "One combination of the scales from the diagonals alone: {} = {} µm/m",
         shares.join(" + "),

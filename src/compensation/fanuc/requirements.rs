@@ -8,6 +8,7 @@ use crate::compensation::{backlash_why, two_tables_why};
 use crate::controller::FanucFacts;
 use crate::plan::{Plan, PlannedTable, Task};
 use crate::problem::Problems;
+use crate::units::Figure;
 
 const MEMORY: &str = "parameter manual of the family, from memory";
 const LARGEST_BACKLASH: f64 = 9999.0; // 1851, detection units; parameter manual, from memory
@@ -74,7 +75,7 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
 
 /// A length as it is named: up to six decimals, no trailing zeros, no `-0`.
 fn trimmed(length: f64) -> String {
-    let text = format!("{:.6}", length + 0.0);
+    let text = format!("{:.6}", Figure(length));
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 

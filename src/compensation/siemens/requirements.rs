@@ -8,7 +8,7 @@ use crate::controller::LengthUnit;
 use crate::job::ActiveTables;
 use crate::plan::{Plan, PlannedTable, Task};
 use crate::table::siemens::SiemensTables;
-use crate::units::UM_PER_MM;
+use crate::units::{Figure, UM_PER_MM, power_of_ten};
 
 const K3: &str = "Function Manual Extended Functions 03/2013, K3";
 
@@ -139,14 +139,10 @@ fn max_sum_precondition(task: Task<'_>, tables: &SiemensTables) -> Precondition 
         LengthUnit::Millimetre => 3,
         LengthUnit::Inch => 4,
     };
-    let digits = 10_f64.powi(decimals);
+    let digits = power_of_ten(decimals);
     let in_unit = |um: f64| {
         let length = (um / (unit.in_mm() * UM_PER_MM) * digits - 1e-6).ceil() / digits;
-        format!(
-            "{length:.*} {}",
-            decimals.unsigned_abs() as usize,
-            unit.word()
-        )
+        format!("{:.*} {}", decimals as usize, Figure(length), unit.word())
     };
     Precondition::new(
         "MD32720 $MA_CEC_MAX_SUM",

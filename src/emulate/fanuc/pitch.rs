@@ -16,7 +16,7 @@ use crate::control_state::AxisState;
 use crate::controller::{IntervalForm, LengthUnit, NumberRange};
 use crate::emulate::{Between, CannotEmulate, NodeTable};
 use crate::table::fanuc::ParameterValue;
-use crate::units::{Correction, Millimetres};
+use crate::units::{Correction, Millimetres, power_of_ten};
 
 /// 3627 is a signed word (B-63530EN).
 const REVERSAL_MAX: u32 = 32767;
@@ -136,7 +136,7 @@ fn interval(from: Loading, axis: u32) -> Result<Millimetres, CannotEmulate> {
                 LengthUnit::Inch => facts.interval_decimals_inch.value,
             };
             let increments = f64::from(from.count(3624, Some(axis), u32::MAX)?);
-            increments / 10_f64.powf(f64::from(decimals))
+            increments / power_of_ten(decimals)
         }
     };
     if length.is_finite() && length > 0.0 {

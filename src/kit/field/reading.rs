@@ -8,6 +8,7 @@ use super::{Made, Shown};
 use crate::axis::Axis;
 use crate::controller::{Dialect, Evidence, Mechanism};
 use crate::sign_proof::{name, sign_fact};
+use crate::units::Figure;
 
 /// What one proof is, how it is read, and what that means.
 pub(super) fn items(made: &Made<'_>, shown: &Shown) -> Vec<String> {
@@ -137,6 +138,6 @@ fn towards(um: f64, axis: Axis) -> String {
 
 /// A number with at most six decimals, no trailing zeros, no `-0`.
 pub(super) fn trimmed(number: f64) -> String {
-    let text = format!("{:.6}", number + 0.0);
+    let text = format!("{:.6}", Figure(number));
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

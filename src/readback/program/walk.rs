@@ -5,6 +5,7 @@ use crate::diagonal::Pass;
 use crate::problem::{Place, Problem, Problems};
 use crate::readback::program::positions::Position;
 use crate::readback::program::{Cancelled, Deed, Step};
+use crate::units::Figure;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -200,7 +201,10 @@ impl Walker<'_> {
         if mm < low - slack || mm > high + slack {
             self.find(
                 span,
-                format!("{axis} is sent to {mm:.4} mm, outside its travel {low} … {high} mm"),
+                format!(
+                    "{axis} is sent to {:.4} mm, outside its travel {low} … {high} mm",
+                    Figure(mm)
+                ),
             );
         }
     }
@@ -260,7 +264,9 @@ impl Walker<'_> {
                     span,
                     format!(
                         "node {} is read at {axis} {:.4} mm, expected {} mm",
-                        row.node, here[axis], row.place[axis]
+                        row.node,
+                        Figure(here[axis]),
+                        row.place[axis]
                     ),
                 );
             }
