@@ -12,9 +12,7 @@ use crate::forecast::{DiagonalForecast, Forecast, TermForecast};
 use crate::problem::Problem;
 use crate::target::Omission;
 use serde::Serialize;
-use serde_json::ser::{Formatter, PrettyFormatter, Serializer};
 use serde_json::{Map, Value, json};
-use std::io::{Result as Written, Write};
 
 /// Version of the format.
 pub const SCHEMA: u32 = 1;
@@ -22,40 +20,16 @@ pub const SCHEMA: u32 = 1;
 /// Name of the file in a kit.
 pub const MANIFEST: &str = "manifest.json";
 
-/// The layout for people, in which no zero has a sign.
-#[derive(Default)]
-struct Layout(PrettyFormatter<'static>);
-
-impl Formatter for Layout {
-    fn write_f64<W: ?Sized + Write>(&mut self, out: &mut W, number: f64) -> Written<()> {
-        self.0.write_f64(out, number + 0.0)
-    }
-    fn begin_array<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
-        self.0.begin_array(out)
-    }
-    fn end_array<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
-        self.0.end_array(out)
-    }
-    fn begin_array_value<W: ?Sized + Write>(&mut self, out: &mut W, first: bool) -> Written<()> {
-        self.0.begin_array_value(out, first)
-    }
-    fn end_array_value<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
-        self.0.end_array_value(out)
-    }
-    fn begin_object<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
-        self.0.begin_object(out)
-    }
-    fn end_object<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
-        self.0.end_object(out)
-    }
-    fn begin_object_key<W: ?Sized + Write>(&mut self, out: &mut W, first: bool) -> Written<()> {
-        self.0.begin_object_key(out, first)
-    }
-    fn begin_object_value<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
-        self.0.begin_object_value(out)
-    }
-    fn end_object_value<W: ?Sized + Write>(&mut self, out: &mut W) -> Written<()> {
-        self.0.end_object_value(out)
+/// Zeros without a sign, however deep they stand.
+fn without_signed_zeros(document: &mut Value) {
+    let is_zero = |number: f64| number.abs() <= 0.0;
+    match document {
+        Value::Number(number) if number.is_f64() && number.as_f64().is_some_and(is_zero) => {
+            *document = json!(0.0);
+        }
+        Value::Array(items) => items.iter_mut().for_each(without_signed_zeros),
+        Value::Object(fields) => fields.values_mut().for_each(without_signed_zeros),
+        _ => {}
     }
 }
 
@@ -63,10 +37,10 @@ impl Formatter for Layout {
 pub fn bytes(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
     const USUAL_BYTES: usize = 1 << 14;
     let mut page = Vec::with_capacity(USUAL_BYTES);
-    let mut writer = Serializer::with_formatter(&mut page, Layout::default());
-    document
-        .serialize(&mut writer)
-        .map_err(|error| Problem::new(format!("the document cannot be written: {error}")))?;
+    let refuse = |error| Problem::new(format!("the document cannot be written: {error}"));
+    let mut value = serde_json::to_value(document).map_err(refuse)?;
+    without_signed_zeros(&mut value);
+    serde_json::to_writer_pretty(&mut page, &value).map_err(refuse)?;
     page.push(b'\n');
     Ok(page)
 }

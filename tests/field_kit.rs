@@ -587,7 +587,7 @@ fn a_reference_point_off_the_travel_is_noted() {
     for id in builtin::ids() {
         let (job, errors) = five_points(id);
         for (reference, beyond) in [
-            ("600.0", Some("600 mm, lies 200.00")),
+            ("460.0", Some("460 mm, lies 60.00")),
             ("-0.02", Some("-0.02 mm, lies 0.02")),
             ("400.009", None),
             ("400.0", None),
