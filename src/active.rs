@@ -107,7 +107,11 @@ pub struct Others {
 
 /// Lets the job say what the files do of 3605#1 (lines or steps between the points), where it does
 /// not state it; gives what is to be told.
-pub fn take_interpolation(job: &mut Job, profile: &Profile, active: &ActiveControl) -> Option<String> {
+pub fn take_interpolation(
+    job: &mut Job,
+    profile: &Profile,
+    active: &ActiveControl,
+) -> Option<String> {
     let Tables::Fanuc(memory) = &active.tables else {
         return None;
     };

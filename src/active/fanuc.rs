@@ -87,10 +87,12 @@ pub(super) fn read(
 /// 3605#1 of an axis as files of the control hold it; `None` where none does, or the axes of a
 /// gantry differ.
 pub(super) fn interpolated(memory: &FanucMemory, names: &[String]) -> Option<bool> {
-    let mut all = names.iter().map(|name| match memory.parameter(3605, name.parse().ok()) {
-        Some(ParameterValue::Bits(bits)) => Some(bits & 0b10 != 0),
-        _ => None,
-    });
+    let mut all = names
+        .iter()
+        .map(|name| match memory.parameter(3605, name.parse().ok()) {
+            Some(ParameterValue::Bits(bits)) => Some(bits & 0b10 != 0),
+            _ => None,
+        });
     let first = all.next()??;
     all.all(|other| other == Some(first)).then_some(first)
 }

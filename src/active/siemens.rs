@@ -25,46 +25,32 @@ pub(super) fn read(
     texts: &[Text<'_>],
     purpose: ReadOutFor,
 ) -> Result<Found, Problems> {
-    let mut problems = Problems::none();
-    let mut contents = Vec::new();
-    let mut notes = Vec::new();
-    let mut without_grid = Vec::new();
-    let mut twice = Vec::new();
-    let mut other_units = Vec::new();
     let are_active = texts.iter().map(|(name, text)| has_active_data(name, text));
     let are_active: Vec<bool> = are_active.collect();
     let reads_programs = !are_active.contains(&true);
-    let mut programs = Programs::default();
+    let mut problems = Problems::none();
+    let mut cuts = Cuts::default();
     for ((name, text), is_active) in texts.iter().zip(are_active) {
         let cut = control_data::siemens(name, text, reads_programs);
         let is_passed_over = !reads_programs && !is_active && !cut.programs.names.is_empty();
         let parts = [&cut.tables, &cut.data];
         for part in parts.into_iter().filter(|_| !is_passed_over) {
-            contents.extend(problems.take(read_out(name, part)));
+            cuts.contents.extend(problems.take(read_out(name, part)));
         }
-        let own = job.compensation.control_unit;
-        let others = cut.units.iter().filter(|unit| **unit != own);
-        other_units.extend(others.map(|unit| in_other_unit(name, *unit, own)));
-        programs.names.extend(cut.programs.names);
-        programs.write_tables |= cut.programs.write_tables;
-        twice.extend(cut.twice);
-        if cut.passed_over > 0 {
-            notes.push(format!(
-                "`{name}`: {} other machine data were passed over",
-                cut.passed_over
-            ));
-        }
-        if !cut.without_grid.is_empty() {
-            notes.push(format!(
-                "`{name}`: {} reserved tables without a grid were passed over",
-                cut.without_grid.len()
-            ));
-        }
-        without_grid.extend(cut.without_grid);
+        cuts.add(job, name, cut);
     }
+    let Cuts {
+        contents,
+        programs,
+        mut without_grid,
+        mut twice,
+        other_units,
+        passed_over,
+    } = cuts;
     let contents = problems.or_ok(contents)?;
     let (data, contrary) = agreed(&contents);
     let all = merge(contents)?;
+    let mut notes: Vec<String> = passed_over.iter().flat_map(PassedOver::notes).collect();
     notes.extend(all.notes.iter().cloned());
     if !all.unwritten.is_empty() {
         let parameters = listed(&all.unwritten);
@@ -108,6 +94,67 @@ pub(super) fn read(
     })
 }
 
+/// What the texts of a read-out hold, as they are read one after the other.
+#[derive(Default)]
+struct Cuts {
+    contents: Vec<SiemensContents>,
+    programs: Programs,
+    without_grid: Vec<String>,
+    twice: Vec<String>,
+    other_units: Vec<Contrary>,
+    passed_over: Vec<PassedOver>,
+}
+
+impl Cuts {
+    fn add(&mut self, job: &Job, name: &str, cut: control_data::SiemensText) {
+        let own = job.compensation.control_unit;
+        let others = cut.units.iter().filter(|unit| **unit != own);
+        let others = others.map(|unit| in_other_unit(name, *unit, own));
+        self.other_units.extend(others);
+        self.count(control_data::file_of(name), &cut);
+        self.programs.names.extend(cut.programs.names);
+        self.programs.write_tables |= cut.programs.write_tables;
+        self.twice.extend(cut.twice);
+        self.without_grid.extend(cut.without_grid);
+    }
+
+    /// Adds what was passed over to that of the same file; an archive has many texts.
+    fn count(&mut self, file: &str, cut: &control_data::SiemensText) {
+        if self.passed_over.last().is_none_or(|last| last.file != file) {
+            self.passed_over.push(PassedOver {
+                file: file.to_string(),
+                ..PassedOver::default()
+            });
+        }
+        if let Some(last) = self.passed_over.last_mut() {
+            last.data += cut.passed_over;
+            last.tables += cut.without_grid.len();
+        }
+    }
+}
+
+/// How much of a file was passed over.
+#[derive(Default)]
+struct PassedOver {
+    file: String,
+    data: usize,
+    /// Reserved tables without a grid.
+    tables: usize,
+}
+
+impl PassedOver {
+    fn notes(&self) -> Vec<String> {
+        let PassedOver { file, data, tables } = self;
+        let kinds = [
+            (*data, "other machine data"),
+            (*tables, "reserved tables without a grid"),
+        ];
+        let some = kinds.into_iter().filter(|(count, _)| *count > 0);
+        some.map(|(count, what)| format!("`{file}`: {count} {what} were passed over"))
+            .collect()
+    }
+}
+
 /// `METRIC` and `INCH` tell the unit of what follows, whichever the control counts in.
 fn in_other_unit(name: &str, unit: LengthUnit, own: LengthUnit) -> Contrary {
     let word = match unit {
@@ -116,7 +163,10 @@ fn in_other_unit(name: &str, unit: LengthUnit, own: LengthUnit) -> Contrary {
     };
     let own = own.word();
     Contrary::new(
-        format!("`{name}` is written in {} (`{word}`), the job counts in {own}", unit.word()),
+        format!(
+            "`{name}` is written in {} (`{word}`), the job counts in {own}",
+            unit.word()
+        ),
         "correct `control_unit`, or read the files out again in the basic system of the control",
     )
 }
@@ -137,7 +187,11 @@ impl Sorted<'_> {
     /// Part programs: no state beside active data, and where nothing else was read out, what they
     /// would make of it.
     fn tell_programs(&mut self, programs: &Programs, are_read: bool) {
-        let names = listed(&programs.names);
+        const MOST_NAMES: usize = 6;
+        let names = match programs.names.len() {
+            0..=MOST_NAMES => programs.names.join(", "),
+            many => many.to_string(),
+        };
         if names.is_empty() {
             return;
         }
@@ -362,6 +416,50 @@ impl Sorted<'_> {
                 ReadOutFor::Judging => self.beside.push(words),
             }
         }
+        for what in self.untold(reserved) {
+            match self.purpose {
+                ReadOutFor::OldTables => self.assumptions.push(Assumption::of_job(
+                    what,
+                    "none while measuring",
+                    "no file holds such a table or its switches; an old table would be lost with the new ones",
+                )),
+                ReadOutFor::Judging => {
+                    let words = format!("{what}: no file holds such a table or its switches, so none is taken to act");
+                    self.notes.push(words);
+                }
+            }
+        }
+    }
+
+    /// Of which tables the files say nothing, neither values nor switches.
+    fn untold(&self, reserved: &[String]) -> Vec<String> {
+        let names = self.names.iter().flat_map(|(_, names)| names);
+        let names: Vec<String> = names.map(|name| name.to_uppercase()).collect();
+        let tells_of_lec = |name: &&String| {
+            let datum = |e: &&str| self.value("MA_ENC_COMP_ENABLE", &[e, name]).is_some();
+            let is_reserved = |e: &&str| reserved.contains(&format!("AA_ENC_COMP[{e},{name}]"));
+            ["0", "1"].iter().any(|e| datum(e) || is_reserved(e))
+                || self.all.tables.lec.iter().any(|table| table.axis == **name)
+        };
+        let lec: Vec<String> = names.iter().filter(|n| !tells_of_lec(n)).cloned().collect();
+        let mut untold = Vec::new();
+        if !lec.is_empty() {
+            untold.push(format!("ENC_COMP of {}", listed(&lec)));
+        }
+        let has_data = [
+            "MA_CEC_ENABLE",
+            "SN_CEC_TABLE_ENABLE",
+            "MN_MM_CEC_MAX_POINTS",
+        ];
+        let is_of_cec = |datum: &MachineDatum| has_data.contains(&datum.name.as_str());
+        let is_reserved = reserved.iter().any(|table| table.starts_with("AN_CEC"));
+        if self.all.tables.cec.is_empty()
+            && !is_reserved
+            && !self.all.machine_data.iter().any(is_of_cec)
+        {
+            untold.push("CEC".to_string());
+        }
+        untold
     }
 
     /// Whether a datum was read out and stands above 0.
@@ -379,9 +477,10 @@ impl Sorted<'_> {
             for (name, encoder) in names.iter().flat_map(|name| [(name, 0_u32), (name, 1)]) {
                 let (name, number) = (name.to_uppercase(), encoder.to_string());
                 let is = |datum| self.is_above_zero(datum, &[&number, &name]);
-                let is_held = self.all.tables.lec.iter().any(|table| {
-                    table.axis == name && (table.encoder == encoder || !is_stated)
-                });
+                let is_held =
+                    self.all.tables.lec.iter().any(|table| {
+                        table.axis == name && (table.encoder == encoder || !is_stated)
+                    });
                 let is_reserved = reserved.contains(&format!("AA_ENC_COMP[{number},{name}]"));
                 let is_active = encoder == self.encoder(axis) || !is_stated;
                 if is("MA_ENC_COMP_ENABLE") == Some(true)
@@ -414,20 +513,32 @@ impl Sorted<'_> {
         let switches: Vec<(String, bool)> = self.of_tables("SN_CEC_TABLE_ENABLE");
         let memory = self.of_tables("MN_MM_CEC_MAX_POINTS");
         let is_absent = |number: &String| {
-            let is_held = self.all.tables.cec.iter().any(|t| t.number.to_string() == *number);
+            let is_held = self
+                .all
+                .tables
+                .cec
+                .iter()
+                .any(|t| t.number.to_string() == *number);
             let has_none = memory.contains(&(number.clone(), false));
             !is_held && !has_none && !reserved.contains(&format!("AN_CEC[{number}]"))
         };
-        let absent = switches.iter().filter(|(number, is_on)| *is_on && is_absent(number));
+        let absent = switches
+            .iter()
+            .filter(|(number, is_on)| *is_on && is_absent(number));
         let absent: Vec<String> = absent.map(|(number, _)| number.clone()).collect();
         let tells = !self.all.tables.cec.is_empty() || !switches.is_empty();
         let has_memory = memory.is_empty() || memory.iter().any(|(_, has)| *has);
         let words = if !absent.is_empty() {
             let tables = listed(&absent);
-            format!("SD41300 $SN_CEC_TABLE_ENABLE of the CEC tables {tables} is 1, and no file holds these tables")
+            format!(
+                "SD41300 $SN_CEC_TABLE_ENABLE of the CEC tables {tables} is 1, and no file holds these tables"
+            )
         } else if !tells && has_memory && !on.is_empty() {
             let on: Vec<String> = on.into_iter().cloned().collect();
-            format!("MD32710 $MA_CEC_ENABLE of {} is 1, and no file holds a CEC table or SD41300", listed(&on))
+            format!(
+                "MD32710 $MA_CEC_ENABLE of {} is 1, and no file holds a CEC table or SD41300",
+                listed(&on)
+            )
         } else {
             return None;
         };
@@ -439,7 +550,11 @@ impl Sorted<'_> {
 
     /// A datum of every CEC table that was read out: number of the table, and whether it is above 0.
     fn of_tables(&self, name: &str) -> Vec<(String, bool)> {
-        let own = self.all.machine_data.iter().filter(|datum| datum.name == name);
+        let own = self
+            .all
+            .machine_data
+            .iter()
+            .filter(|datum| datum.name == name);
         own.filter_map(|datum| match (&datum.indices[..], &datum.value) {
             ([table], MachineValue::Number(value)) => Some((table.clone(), *value > 0.0)),
             _ => None,

@@ -147,7 +147,9 @@ pub(super) fn differences(
             }
             words.extend(read.unwritten.iter().map(|parameter| {
                 let path = file.path;
-                format!("`{path}` does not write {parameter}: the control keeps what it holds there")
+                format!(
+                    "`{path}` does not write {parameter}: the control keeps what it holds there"
+                )
             }));
         }
     }

@@ -38,6 +38,11 @@ pub fn is_whole(bytes: &[u8], dialect: &Dialect) -> bool {
 /// Name and text.
 pub type Text<'a> = (String, Cow<'a, str>);
 
+/// The file that a text is of: an archive for its files.
+pub fn file_of(name: &str) -> &str {
+    name.split("/_N_").next().unwrap_or(name)
+}
+
 /// A file as text, an archive as its files: `all.arc/_N_AX_EEC_INI`.
 pub fn texts<'a>(name: &str, bytes: &'a [u8]) -> Result<Vec<Text<'a>>, Problem> {
     let not_text = |name: &str| {

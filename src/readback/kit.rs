@@ -139,7 +139,14 @@ fn each<T>(
 /// A rollback holds a control's own tables, with their grids as they were.
 fn read_siemens(texts: &[(&KitFile<'_>, &str)]) -> Result<ReadBack, Problems> {
     let is_rollback = texts.iter().all(|(file, _)| file.role == Role::Rollback);
-    let contents = each(texts, if is_rollback { siemens::read_out } else { siemens::read })?;
+    let contents = each(
+        texts,
+        if is_rollback {
+            siemens::read_out
+        } else {
+            siemens::read
+        },
+    )?;
     let machine_data = texts
         .iter()
         .zip(&contents)

@@ -96,7 +96,9 @@ pub fn closed(
         return None;
     }
     let point = grid.last_whole_point();
-    let count = usize::try_from(point).unwrap_or(usize::MAX).saturating_add(1);
+    let count = usize::try_from(point)
+        .unwrap_or(usize::MAX)
+        .saturating_add(1);
     let at = |index: usize| values.get(index).copied().flatten();
     let from = grid.position(count - 1);
     let part = (grid.max - from) / grid.step;

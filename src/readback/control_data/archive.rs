@@ -119,7 +119,11 @@ mod tests {
         let long = "$AN_CEC[0,0]=0\n".repeat(50);
         let bytes = archive(&[
             ("_N_AX_EEC_INI", ACTIVE_DATA, "METRIC\nM17\n"),
-            ("_N_MACCESS_DEF", "\\DEF.DIR\\", "REDEF $MA_CEC_ENABLE APW 7\n"),
+            (
+                "_N_MACCESS_DEF",
+                "\\DEF.DIR\\",
+                "REDEF $MA_CEC_ENABLE APW 7\n",
+            ),
             ("_N_COMP_MPF", "\\MPF.DIR\\", &long),
             ("@@_N_IBN_SS", ACTIVE_DATA, ""),
         ]);

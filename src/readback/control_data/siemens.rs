@@ -138,7 +138,7 @@ impl Line {
 fn speaks_of_compensation(code: &str) -> bool {
     let tables = ["AA_ENC_COMP", "AN_CEC"];
     let mut names = DATA.iter().chain(&tables);
-    names.any(|name| code.contains(&format!("${name}")))
+    code.contains('$') && names.any(|name| code.contains(&format!("${name}")))
 }
 
 /// Where a file stands, by its lines: the section that the line is in is a part program or lies in
@@ -259,7 +259,10 @@ pub fn siemens(file: &str, text: &str, reads_programs: bool) -> SiemensText {
 
 /// What a control writes before its data: the unit that they are in, whichever it counts in.
 fn units(codes: &[String]) -> Vec<LengthUnit> {
-    let words = [("METRIC", LengthUnit::Millimetre), ("INCH", LengthUnit::Inch)];
+    let words = [
+        ("METRIC", LengthUnit::Millimetre),
+        ("INCH", LengthUnit::Inch),
+    ];
     let stands = |word: &str| codes.iter().any(|code| code == word);
     let said = words.into_iter().filter(|(word, _)| stands(word));
     said.map(|(_, unit)| unit).collect()

@@ -246,7 +246,9 @@ impl Draft {
 
     /// The parameter that no line writes, so that the control would keep an older one.
     fn unwritten(&self, name: &str) -> Option<String> {
-        self.modulo.is_none().then(|| format!("IS_MODULO of {name}"))
+        self.modulo
+            .is_none()
+            .then(|| format!("IS_MODULO of {name}"))
     }
 
     /// Its content; a control writes reserved points behind MAX too, which have no effect, and tables
@@ -259,7 +261,10 @@ impl Draft {
     ) -> Option<Content> {
         let mut own = Vec::new();
         let whole = self.whole(name, writer, &mut own);
-        let is_zero = self.points.values().all(|placed| placed.number.abs() <= 0.0);
+        let is_zero = self
+            .points
+            .values()
+            .all(|placed| placed.number.abs() <= 0.0);
         if whole.is_none() && writer == Writer::Control && is_zero && !self.unreadable {
             return Some(Content::Nothing);
         }
@@ -292,22 +297,19 @@ impl Draft {
 
     /// Index of the last point. Where MAX of a control's table lies between two points, that of the
     /// one behind MAX, if it is there: it may be part of what the control computes.
-    fn last_point(
-        &self,
-        name: &str,
-        grid: SiemensGrid,
-        writer: Writer,
-    ) -> Result<u32, Complaint> {
+    fn last_point(&self, name: &str, grid: SiemensGrid, writer: Writer) -> Result<u32, Complaint> {
         let Some(step) = &self.step else {
             return Ok(0); // a grid has one
         };
         let steps = grid.steps();
-        let refuse = |message: String, help: &str| {
-            Err(Complaint::new(step.span.clone(), message, help))
-        };
+        let refuse =
+            |message: String, help: &str| Err(Complaint::new(step.span.clone(), message, help));
         if steps >= MOST_POINTS {
             let message = format!("{name} would have {steps:.0} points");
-            return refuse(message, "no control holds so many; correct MIN, STEP or MAX");
+            return refuse(
+                message,
+                "no control holds so many; correct MIN, STEP or MAX",
+            );
         }
         let last = grid.last_whole_point();
         if last >= 1 && grid.is_whole() {
@@ -383,7 +385,11 @@ impl CecDraft {
         ];
         let lacking = parameters.into_iter().filter(|(_, lacks)| *lacks);
         let lacking = lacking.map(|(field, _)| format!("{field} of {name}"));
-        self.draft.unwritten(name).into_iter().chain(lacking).collect()
+        self.draft
+            .unwritten(name)
+            .into_iter()
+            .chain(lacking)
+            .collect()
     }
 
     /// Adds the table to what the file holds.
