@@ -357,8 +357,7 @@ fn switches_of_tables_that_were_not_read_out_leave_it_undecided() {
     let says =
         "MD32700 $MA_ENC_COMP_ENABLE[0,AX2] is 1, so an ENC_COMP table acts, and no file holds it";
     visit.expect(lec, "undecided", says);
-    let says =
-        "SD41300 $SN_CEC_TABLE_ENABLE of the CEC tables 7 is 1, and no file holds these tables";
+    let says = "SD41300 $SN_CEC_TABLE_ENABLE of CEC table 7 is 1, and no file holds it";
     visit.expect("$SN_CEC_TABLE_ENABLE[7]=1", "undecided", says);
     let agree = "job and tables agree";
     for without_effect in [
@@ -394,7 +393,11 @@ fn what_a_control_writes_around_its_tables_does_not_stop_the_reading() {
     };
     visit.expect(&zeros("AX7"), "pass", "passed over");
     let unused = zeros("AX7").replace("MAX[9]=85", "MAX[9]=-5");
-    visit.expect(&unused, "pass", "1 reserved tables without a grid");
+    visit.expect(
+        &unused,
+        "pass",
+        "AN_CEC[9]: zeros without a usable grid, passed over",
+    );
     let open = cec("AX1", "AX2", "").replace("MAX[9]=10", "MAX[9]=15");
     let (verdict, page) = visit.judge(&format!("{open}$AN_CEC[9,2]=0.4\n"));
     assert_eq!(verdict, "fail", "{page}");

@@ -236,7 +236,7 @@ fn the_switches_of_a_real_control_without_its_tables_are_refused() {
     let refused = read(&siemens("files"), files.clone(), ReadOutFor::OldTables).unwrap_err();
     for says in [
         "$MA_ENC_COMP_ENABLE[1,AX1], [1,AX2], [1,AX3] is 1",
-        "$SN_CEC_TABLE_ENABLE of the CEC tables 0, 1, 2, 3, 4, 5 and 2 more is 1",
+        "$SN_CEC_TABLE_ENABLE of CEC tables 0, 1, 2, 3, 4, 5 and 2 more is 1",
         "read out the tables too ($AA_ENC_COMP, `AX_EEC.INI`)",
         "read out the tables too ($AN_CEC, `NC_CEC.INI`)",
     ] {

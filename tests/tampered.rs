@@ -693,13 +693,14 @@ fn each_kind_of_line_is_missed(directory: &Path, path: &Path) {
     let mut kinds = Vec::new();
     for (index, line) in lines.iter().enumerate() {
         let code = line.trim();
+        let number = code
+            .strip_prefix('N')
+            .filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
         let kind = match code.starts_with('$') {
             true => code.split('[').next(),
-            false => code
-                .strip_prefix('N')
-                .and_then(|rest| rest.split(['Q', ' ']).next()),
+            false => number.and_then(|rest| rest.split(['Q', ' ']).next()),
         };
-        let Some(kind) = kind.map(|kind| &kind[..kind.len().min(24)]) else {
+        let Some(kind) = kind else {
             continue;
         };
         let is_point = code.contains("Q0");

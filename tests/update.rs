@@ -498,12 +498,12 @@ fn a_read_out_with_switches_and_without_tables_is_refused() {
         (
             &job,
             with("$SN_CEC_TABLE_ENABLE[3]=1\n"),
-            "of the CEC tables 3 is 1",
+            "of CEC table 3 is 1",
         ),
         (
             &job,
             with("$SN_CEC_TABLE_ENABLE[3]=1\n$MA_CEC_ENABLE[AX2]=1\n"),
-            "of the CEC tables 3 is 1",
+            "of CEC table 3 is 1",
         ),
         (
             &job,

@@ -56,6 +56,12 @@ pub(super) fn read(
         let parameters = listed(&all.unwritten);
         notes.push(format!("no file holds {parameters}: 0 is assumed"));
     }
+    if !all.idle.is_empty() {
+        let tables = listed(&all.idle);
+        notes.push(format!(
+            "{tables}: zeros without a usable grid, passed over"
+        ));
+    }
     without_grid.extend(all.idle.iter().cloned());
     let held = Held {
         tables: Tables::Siemens(all.tables.clone()),
@@ -529,10 +535,11 @@ impl Sorted<'_> {
         let tells = !self.all.tables.cec.is_empty() || !switches.is_empty();
         let has_memory = memory.is_empty() || memory.iter().any(|(_, has)| *has);
         let words = if !absent.is_empty() {
-            let tables = listed(&absent);
-            format!(
-                "SD41300 $SN_CEC_TABLE_ENABLE of the CEC tables {tables} is 1, and no file holds these tables"
-            )
+            let (tables, them) = match absent.len() {
+                1 => (format!("table {}", absent[0]), "it"),
+                _ => (format!("tables {}", listed(&absent)), "them"),
+            };
+            format!("SD41300 $SN_CEC_TABLE_ENABLE of CEC {tables} is 1, and no file holds {them}")
         } else if !tells && has_memory && !on.is_empty() {
             let on: Vec<String> = on.into_iter().cloned().collect();
             format!(

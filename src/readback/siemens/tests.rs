@@ -156,7 +156,7 @@ fn each_flaw_is_refused_at_its_place() {
             "cannot have this value",
         ),
         (
-            cec("IS_MODULO[0]=0", "OUTPUT_NCU[0]=1"),
+            cec("IS_MODULO[0]=0", "OUTPUT_NCU[0]=-1"),
             "10:23",
             "cannot have this value",
         ),
