@@ -470,6 +470,18 @@ fn parameters_of_spindles_correct_no_axis() {
     visit.expect("N03666Q1S1P0S2P5", "pass", says);
 }
 
+/// Points alone tell neither axis nor grid.
+#[test]
+fn points_without_their_parameters_leave_it_undecided() {
+    let visit = Visit::of(true, "mean");
+    let (verdict, page) = visit.judge_bytes(&[("points.txt", &visit.kit("PITCH.TXT"))]);
+    assert_eq!(verdict, "fail", "{page}");
+    assert!(
+        page.contains("no parameter 3620 to 3624, so which axes they correct is not known"),
+        "{page}"
+    );
+}
+
 /// A file of another kind has a mistake in each line; the first hundred are enough.
 #[test]
 fn a_long_file_of_another_kind_is_refused_at_once() {

@@ -229,6 +229,31 @@ fn a_five_axis_840d_sl_is_understood_from_its_archive_or_its_files() {
 }
 
 #[test]
+fn each_file_of_tables_is_accepted_as_it_is() {
+    for name in ["AX_EEC.INI", "NC_CEC.INI"] {
+        let Some(files) = real(("siemens", &[name])) else {
+            return skipped::skipped();
+        };
+        let job = siemens("files");
+        let active = read(&job, files, ReadOutFor::OldTables).unwrap_or_else(|p| panic!("{p}"));
+        let other = if name == "AX_EEC.INI" {
+            "CEC"
+        } else {
+            "ENC_COMP"
+        };
+        let is_other = |fact: &str| fact.starts_with(other);
+        assert!(
+            active.assumptions.iter().any(|a| is_other(&a.fact)),
+            "{name}"
+        );
+        let with = job
+            .with_active(active)
+            .unwrap_or_else(|p| panic!("{name}\n{}", p.render()));
+        kit::generate(&with).unwrap_or_else(|p| panic!("{name}\n{}", p.render()));
+    }
+}
+
+#[test]
 fn the_switches_of_a_real_control_without_its_tables_are_refused() {
     let Some(files) = real(("siemens", &["INITIAL.INI"])) else {
         return skipped::skipped();
@@ -258,6 +283,12 @@ fn a_complete_fanuc_backup_is_understood() {
     let active = read(&job, parameters, ReadOutFor::OldTables).unwrap();
     let refused = job.with_active(active).unwrap_err().render();
     assert!(refused.contains("point 1 is missing"), "{refused}");
+    let points = real((backup.0, &backup.1[1..])).unwrap();
+    let refused = read(&fanuc("files"), points, ReadOutFor::OldTables).unwrap_err();
+    assert!(
+        refused.contains("1536 points and no parameter 3620 to 3624"),
+        "{refused}"
+    );
     let short = real(("fanuc", &["Jir8taiwan_CNC-PARA.TXT"])).unwrap();
     read(&fanuc("files"), short, ReadOutFor::Judging).unwrap();
 }

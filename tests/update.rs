@@ -526,6 +526,26 @@ fn a_read_out_with_switches_and_without_tables_is_refused() {
     }
 }
 
+/// Tables that were read out and hold zeros are known to have done nothing.
+#[test]
+fn tables_of_zeros_are_a_read_out_like_any_other() {
+    let job = small("siemens-840d-sl", ACTIVE, "", SIEMENS_AXES);
+    let zeros = "$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0\n$AA_ENC_COMP_STEP[0,AX1]=100\n$AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\nM17\n";
+    let found = read_out(&job, FULL, zeros).unwrap();
+    let says = "the active tables of AX1 → AX1 hold zeros: old = 0";
+    assert!(
+        found.active_notes.iter().any(|note| note == says),
+        "{:?}",
+        found.active_notes
+    );
+    let others = zeros.replace("AX1", "AX7");
+    assert!(
+        read_out(&job, FULL, &others)
+            .unwrap_err()
+            .contains("correct nothing")
+    );
+}
+
 /// Where nothing tells of a kind of tables, that there was none is an assumption.
 #[test]
 fn tables_that_no_file_speaks_of_are_assumed_to_be_absent() {

@@ -70,6 +70,7 @@ pub(super) fn read(
     sorted.take_other_axes();
     let backlash = PerAxis::from_fn(|axis| sorted.backlash(axis));
     sorted.check_references();
+    sorted.tell_points_of_nobody();
     sorted.take_what_is_no_table();
     Ok(Found {
         tables: Tables::Fanuc(sorted.memory),
@@ -286,6 +287,26 @@ impl Sorted<'_> {
             ParameterValue::Integer(whole) => Some(whole as f64),
             ParameterValue::Real(real) => Some(real),
             ParameterValue::Bits(_) => None,
+        }
+    }
+
+    /// Points without the parameters that say which axis they belong to.
+    fn tell_points_of_nobody(&mut self) {
+        let mut keys = self.memory.parameters.keys();
+        let has_owner = keys.any(|key| (3620..=3624).contains(&key.number));
+        if has_owner || !self.others.points.is_empty() || self.memory.points.is_empty() {
+            return;
+        }
+        let words = format!(
+            "the files hold {} points and no parameter 3620 to 3624, so which axes they correct is not known",
+            self.memory.points.len()
+        );
+        match self.purpose {
+            ReadOutFor::Judging => self.beside.push(words),
+            ReadOutFor::OldTables => self.contrary.push(Contrary::new(
+                words,
+                "read out the parameters too (`CNC-PARA.TXT`) and name both files together",
+            )),
         }
     }
 
