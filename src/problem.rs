@@ -342,6 +342,11 @@ impl Problems {
         }
     }
 
+    /// Whether the next one would only be counted.
+    pub fn is_full(&self) -> bool {
+        self.kept.len() >= MOST_PROBLEMS
+    }
+
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.kept.is_empty()

@@ -349,6 +349,151 @@ fn an_axis_of_a_usual_name_that_the_job_does_not_have_belongs_to_others() {
     visit.expect(&cec("AX2", "AX3", ""), "pass", "passed over");
 }
 
+/// A switch at 1 says that a table acts; which one, only the table does.
+#[test]
+fn switches_of_tables_that_were_not_read_out_leave_it_undecided() {
+    let visit = Visit::of(false, "mean");
+    let lec = "$MA_ENC_COMP_ENABLE[0,AX2]=1";
+    let says =
+        "MD32700 $MA_ENC_COMP_ENABLE[0,AX2] is 1, so an ENC_COMP table acts, and no file holds it";
+    visit.expect(lec, "undecided", says);
+    let says = "SD41300 $SN_CEC_TABLE_ENABLE of CEC table 7 is 1, and no file holds it";
+    visit.expect("$SN_CEC_TABLE_ENABLE[7]=1", "undecided", says);
+    let agree = "job and tables agree";
+    for without_effect in [
+        "$MA_ENC_COMP_ENABLE[0,AX2]=1\n$MA_MM_ENC_COMP_MAX_POINTS[0,AX2]=0",
+        "$MA_ENC_COMP_ENABLE[0,AX2]=1\n$AA_ENC_COMP_STEP[0,AX2]=0",
+        "$MA_ENC_COMP_ENABLE[0,AX7]=1",
+        "$SN_CEC_TABLE_ENABLE[7]=1\n$MN_MM_CEC_MAX_POINTS[7]=0",
+        "$SN_CEC_TABLE_ENABLE[7]=1\n$AN_CEC_STEP[7]=0",
+    ] {
+        visit.expect(without_effect, "pass", agree);
+    }
+}
+
+/// The forms that a real 840D sl writes: the unit, reserved points behind MAX, numbers of the NCU, tables
+/// that nobody filled.
+#[test]
+fn what_a_control_writes_around_its_tables_does_not_stop_the_reading() {
+    let visit = Visit::of(false, "mean");
+    let agree = "job and tables agree";
+    visit.expect("\nMETRIC\n\nCHANDATA(1)", "pass", agree);
+    visit.expect(
+        "INCH",
+        "fail",
+        "is written in inch (`INCH`), the job counts in mm",
+    );
+    let reserved = "$AA_ENC_COMP[0,3,AX1]=0\n$AA_ENC_COMP[0,4,AX1]=0.5\n$AN_CEC[0,3]=0\n$AN_CEC_INPUT_NCU[0]=1\n$AN_CEC_OUTPUT_NCU[0]=1\n$AN_CEC_TYPE[0]=0";
+    visit.expect(reserved, "pass", agree);
+    let zeros = |axis: &str| {
+        cec("AX1", axis, "$AN_CEC_INPUT_NCU[9]=1\n$AN_CEC[9,2]=0")
+            .replace("=0.1", "=0")
+            .replace("=0.2", "=0")
+            .replace("MAX[9]=10", "MAX[9]=85")
+    };
+    visit.expect(&zeros("AX7"), "pass", "passed over");
+    let unused = zeros("AX7").replace("MAX[9]=85", "MAX[9]=-5");
+    visit.expect(
+        &unused,
+        "pass",
+        "AN_CEC[9]: zeros without a usable grid, passed over",
+    );
+    let open = cec("AX1", "AX2", "").replace("MAX[9]=10", "MAX[9]=15");
+    let (verdict, page) = visit.judge(&format!("{open}$AN_CEC[9,2]=0.4\n"));
+    assert_eq!(verdict, "fail", "{page}");
+    let says = "$AN_CEC[9] behind 10 mm, where MAX lies between two points: the value of point 1 is taken to be held; if the control goes on towards point 2, the correction differs by up to 100.0 µm there";
+    assert!(page.contains(says), "{page}");
+}
+
+/// A header of an archive: 512 bytes with name, size, the sum of its other bytes, and folder.
+fn header(name: &str, size: usize, folder: &str) -> Vec<u8> {
+    let mut header = vec![0_u8; 512];
+    for (at, text) in [(0, name), (124, &size.to_string()), (384, folder)] {
+        header[at..at + text.len()].copy_from_slice(text.as_bytes());
+    }
+    let sum: u32 = header.iter().map(|byte| u32::from(*byte)).sum();
+    let sum = sum.to_string();
+    header[148..148 + sum.len()].copy_from_slice(sum.as_bytes());
+    header
+}
+
+#[test]
+fn a_commissioning_archive_is_read_as_it_is() {
+    let visit = Visit::of(false, "mean");
+    let other = visit.archive("").replace("=0.016", "=0.055");
+    let programs = (0..8).map(|k| (format!("_N_P{k}_MPF"), "\\MPF.DIR\\", other.clone()));
+    let definitions = "REDEF $MA_CEC_ENABLE APR 7 APW 7\n".to_string();
+    let mut files = vec![
+        (
+            "_N_INITIAL_INI".to_string(),
+            "\\_NC_ACT.DIR\\",
+            "METRIC\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n".to_string(),
+        ),
+        (
+            "_N_AX_EEC_INI".to_string(),
+            "\\_NC_ACT.DIR\\",
+            visit.archive("METRIC"),
+        ),
+        ("_N_MACCESS_DEF".to_string(), "\\DEF.DIR\\", definitions),
+        ("@@_N_IBN_SS".to_string(), "\\_NC_ACT.DIR\\", String::new()),
+    ];
+    files.extend(programs);
+    let mut bytes = header("@@MMCIBN.002", 0, "");
+    for (name, folder, text) in &files {
+        bytes.extend(header(name, text.len(), folder));
+        bytes.extend(text.as_bytes());
+        bytes.resize(bytes.len().next_multiple_of(512), 0);
+    }
+    fs::write(visit.read_out.join("test.arc"), &bytes).unwrap();
+    let (verdict, page) = visit.verify("out");
+    assert_eq!(verdict, "pass", "{page}");
+    assert!(
+        page.contains("part programs were passed over (8)"),
+        "{page}"
+    );
+    fs::write(visit.read_out.join("test.arc"), &bytes[..3000]).unwrap();
+    let (verdict, page) = visit.verify("out");
+    assert_eq!(verdict, "refused", "{page}");
+    assert!(
+        page.contains("the archive `test.arc` is damaged or cut off"),
+        "{page}"
+    );
+}
+
+/// Cs axes have point numbers by spindle, also in the space of the compensation.
+#[test]
+fn parameters_of_spindles_correct_no_axis() {
+    let visit = Visit::of(true, "mean");
+    let zero = "N03666Q1S1P0S2P0\nN03671Q1S1P0\nN03676Q1S1P0S2P0\nN05861Q1S1P0";
+    visit.expect(zero, "pass", "job and tables agree");
+    let says = "3666 of S2 = 5: a spindle corrects no axis of the job, passed over";
+    visit.expect("N03666Q1S1P0S2P5", "pass", says);
+}
+
+/// Points alone tell neither axis nor grid.
+#[test]
+fn points_without_their_parameters_leave_it_undecided() {
+    let visit = Visit::of(true, "mean");
+    let (verdict, page) = visit.judge_bytes(&[("points.txt", &visit.kit("PITCH.TXT"))]);
+    assert_eq!(verdict, "fail", "{page}");
+    assert!(
+        page.contains("no parameter 3620 to 3624, so which axes they correct is not known"),
+        "{page}"
+    );
+}
+
+/// A file of another kind has a mistake in each line; the first hundred are enough.
+#[test]
+fn a_long_file_of_another_kind_is_refused_at_once() {
+    let visit = Visit::of(true, "mean");
+    let text = format!("%\n{}%\n", "X1 Y2 no block\n".repeat(43_000));
+    let began = std::time::Instant::now();
+    let (verdict, page) = visit.judge_bytes(&[("all.txt", &text)]);
+    assert_eq!(verdict, "refused", "{page}");
+    let seconds = began.elapsed().as_secs_f64();
+    assert!(seconds < 3.0, "{seconds:.1} s for {} kB", text.len() / 1000);
+}
+
 /// CEC table 9, and `more` of it.
 fn cec(input: &str, output: &str, more: &str) -> String {
     format!(

@@ -660,3 +660,73 @@ fn tables_without_files_that_switch_are_judged_with_a_note() {
     let says = "foreign measuring system: the ENC_COMP table of AX1 is for system 2";
     expect_verdict(directory.path(), "the other measuring system", 1, says);
 }
+
+/// A control keeps what no line writes. Without a manifest nothing but the reading can find that; of each
+/// variable and parameter one line is taken out.
+#[test]
+fn an_assignment_that_a_kit_lacks_is_found_without_its_manifest() {
+    for (control, files) in [
+        (
+            "siemens-840d-sl",
+            &[
+                EEC,
+                CEC,
+                "NONIUS_ENABLE.MPF",
+                "NONIUS_DISABLE.MPF",
+                "NONIUS_MEMORY.TXT",
+            ][..],
+        ),
+        ("fanuc-30i", &["CNC-PARA.TXT", "PITCH.TXT"]),
+    ] {
+        let (directory, kit) = kit(control);
+        fs::remove_file(kit.join("manifest.json")).expect("the file can be removed");
+        expect_verdict(directory.path(), "whole", 0, "job and tables agree");
+        for file in files {
+            each_kind_of_line_is_missed(directory.path(), &kit.join(file));
+        }
+    }
+}
+
+fn each_kind_of_line_is_missed(directory: &Path, path: &Path) {
+    let good = fs::read_to_string(path).expect("the file is there");
+    let lines: Vec<&str> = good.split_inclusive('\n').collect();
+    let mut kinds = Vec::new();
+    for (index, line) in lines.iter().enumerate() {
+        let code = line.trim();
+        let number = code
+            .strip_prefix('N')
+            .filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+        let kind = match code.starts_with('$') {
+            true => code.split('[').next(),
+            false => number.and_then(|rest| rest.split(['Q', ' ']).next()),
+        };
+        let Some(kind) = kind else {
+            continue;
+        };
+        let is_point = code.contains("Q0");
+        let seen = |known: &(String, bool)| known.0 == kind || (is_point && known.1);
+        if kinds.iter().any(seen) {
+            continue;
+        }
+        kinds.push((kind.to_string(), is_point));
+        let bad: String = [&lines[..index], &lines[index + 1..]].concat().concat();
+        fs::write(path, bad).expect("the file can be written");
+        let output = nonius(directory, &["verify", "job.toml", "--tables", "kit"]);
+        let page = String::from_utf8_lossy(&output.stdout);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            matches!(output.status.code(), Some(1 | 2)),
+            "without `{code}` of {}\n{page}{said}",
+            path.display()
+        );
+        let tells = ["IS_MODULO", "MULT_BY_TABLE", "DIRECTION"]
+            .iter()
+            .find(|field| kind.ends_with(*field));
+        if let Some(field) = tells {
+            let words = format!("no file writes {field} of ");
+            assert!(page.contains(&words), "`{words}` is not in\n{page}");
+        }
+    }
+    assert!(!kinds.is_empty(), "{}", path.display());
+    fs::write(path, good).expect("the file can be written");
+}

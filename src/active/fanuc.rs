@@ -1,12 +1,13 @@
 //! Pitch, straightness and backlash parameters of a Fanuc read-out.
 
-use super::read_out::{Contrary, Found, NamedBacklash, ReadOutFor, Text, beside_words};
+use super::read_out::{Contrary, Found, NamedBacklash, ReadOutFor, beside_words};
 use super::{Held, Others, axis_of};
 use crate::axis::{Axis, PerAxis};
+use crate::claims::Assumption;
 use crate::controller::{FanucFacts, LengthUnit, NumberRange, StraightnessForm};
 use crate::job::Job;
 use crate::problem::Problems;
-use crate::readback::control_data;
+use crate::readback::control_data::{self, Text};
 use crate::readback::fanuc::{merge, read_out};
 use crate::table::Tables;
 use crate::table::fanuc::{FanucMemory, ParameterValue};
@@ -34,10 +35,19 @@ pub(super) fn read(
     let mut problems = Problems::none();
     let mut memories = Vec::new();
     let mut notes = Vec::new();
+    let mut assumptions = Vec::new();
     for (name, text) in texts {
         let (kept, passed_over) = control_data::fanuc(text, facts);
         let unit = job.compensation.control_unit;
-        memories.extend(problems.take(read_out(name, &kept, facts, unit)));
+        if let Some(read) = problems.take(read_out(name, &kept, facts, unit)) {
+            memories.push(read.memory);
+            match purpose {
+                ReadOutFor::OldTables => assumptions.extend(read.spindles.iter().map(of_spindle)),
+                ReadOutFor::Judging => notes.extend(read.spindles.iter().map(|parameter| {
+                    format!("{parameter}: a spindle corrects no axis of the job, passed over")
+                })),
+            }
+        }
         if passed_over > 0 {
             notes.push(format!(
                 "`{name}`: {passed_over} other parameters were passed over"
@@ -61,18 +71,41 @@ pub(super) fn read(
     sorted.take_other_axes();
     let backlash = PerAxis::from_fn(|axis| sorted.backlash(axis));
     sorted.check_references();
+    sorted.tell_points_of_nobody();
     sorted.take_what_is_no_table();
     Ok(Found {
         tables: Tables::Fanuc(sorted.memory),
         held,
         backlash,
         others: sorted.others,
-        assumptions: Vec::new(),
+        assumptions,
         notes: sorted.notes,
         unit: None,
         contrary: sorted.contrary,
         beside: sorted.beside,
     })
+}
+
+/// 3605#1 of an axis as files of the control hold it; `None` where none does, or the axes of a
+/// gantry differ.
+pub(super) fn interpolated(memory: &FanucMemory, names: &[String]) -> Option<bool> {
+    let mut all = names
+        .iter()
+        .map(|name| match memory.parameter(3605, name.parse().ok()) {
+            Some(ParameterValue::Bits(bits)) => Some(bits & 0b10 != 0),
+            _ => None,
+        });
+    let first = all.next()??;
+    all.all(|other| other == Some(first)).then_some(first)
+}
+
+/// Whose points a parameter of a spindle means is not known.
+fn of_spindle(parameter: &String) -> Assumption {
+    Assumption::of_job(
+        parameter,
+        "it takes no point of the job's axes",
+        "a spindle with a pitch compensation of its own (Cs axis) would take points of these tables: compare its point numbers on the control",
+    )
 }
 
 struct Sorted<'a> {
@@ -255,6 +288,26 @@ impl Sorted<'_> {
             ParameterValue::Integer(whole) => Some(whole as f64),
             ParameterValue::Real(real) => Some(real),
             ParameterValue::Bits(_) => None,
+        }
+    }
+
+    /// Points without the parameters that say which axis they belong to.
+    fn tell_points_of_nobody(&mut self) {
+        let mut keys = self.memory.parameters.keys();
+        let has_owner = keys.any(|key| (3620..=3624).contains(&key.number));
+        if has_owner || !self.others.points.is_empty() || self.memory.points.is_empty() {
+            return;
+        }
+        let words = format!(
+            "the files hold {} points and no parameter 3620 to 3624, so which axes they correct is not known",
+            self.memory.points.len()
+        );
+        match self.purpose {
+            ReadOutFor::Judging => self.beside.push(words),
+            ReadOutFor::OldTables => self.contrary.push(Contrary::new(
+                words,
+                "read out the parameters too (`CNC-PARA.TXT`) and name both files together",
+            )),
         }
     }
 

@@ -59,8 +59,19 @@ pub fn uncompensated(
         }
     }
     let has_backlash = active.backlash_um.iter().any(|(_, um)| um.is_some());
-    if !acts && !has_backlash && problems.is_empty() {
-        problems.push(nothing(job, active, &control.connected_axes()));
+    let tables = control.connected_axes();
+    if !acts && !tables.is_empty() {
+        let pairs = tables
+            .iter()
+            .map(|(base, output)| format!("{base} → {output}"));
+        let pairs: Vec<String> = pairs.collect();
+        let words = format!(
+            "the active tables of {} hold zeros: old = 0",
+            pairs.join(", ")
+        );
+        sum.notes.push(words);
+    } else if !acts && !has_backlash && problems.is_empty() {
+        problems.push(nothing(job, active));
     }
     problems.or_ok((sum.model, sum.notes))
 }
@@ -70,19 +81,16 @@ fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
     problem(job, message, "name the complete files of the control as they were while measuring, or measure with the compensation switched off").into()
 }
 
-fn nothing(job: &Job, active: &ActiveControl, found: &[(String, String)]) -> Problem {
-    let pairs: Vec<String> = found.iter().map(|(b, o)| format!("{b} → {o}")).collect();
+/// No table of the job's axes at all.
+fn nothing(job: &Job, active: &ActiveControl) -> Problem {
     let passed_over = active
         .notes
         .iter()
         .filter(|note| note.contains("left as it is"));
     let passed_over: Vec<&str> = passed_over.map(String::as_str).collect();
-    let found = if pairs.is_empty() && passed_over.is_empty() {
-        "the files hold no correction at all".to_string()
-    } else if pairs.is_empty() {
-        passed_over.join("; ")
-    } else {
-        format!("the tables of {} hold zeros", pairs.join(", "))
+    let found = match passed_over.is_empty() {
+        true => "the files hold no correction at all".to_string(),
+        false => passed_over.join("; "),
     };
     let message = format!("the active tables correct nothing of the job's axes: {found}");
     problem(

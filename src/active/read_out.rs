@@ -7,10 +7,10 @@ use crate::controller::{Dialect, LengthUnit, Profile, Role};
 use crate::job::Job;
 use crate::plan::axis_names;
 use crate::problem::{Problem, Problems};
-use crate::readback::{control_data, generic};
+use crate::readback::control_data::{self, Text};
+use crate::readback::generic;
 use crate::table::Tables;
 use crate::table::generic::GenericRow;
-use std::borrow::Cow;
 
 /// What files that were read out are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +47,16 @@ impl Contrary {
             words: words.into(),
             help: help.into(),
         }
+    }
+}
+
+/// `a, b, c and 4 more`
+pub(super) fn listed(names: &[String]) -> String {
+    const MOST_NAMES: usize = 6;
+    let shown = names[..names.len().min(MOST_NAMES)].join(", ");
+    match names.len().saturating_sub(MOST_NAMES) {
+        0 => shown,
+        rest => format!("{shown} and {rest} more"),
     }
 }
 
@@ -98,9 +108,6 @@ fn one_backlash(
     ));
     None
 }
-
-/// A file as text.
-pub(super) type Text<'a> = (&'a str, Cow<'a, str>);
 
 /// Sign proofs, rollbacks and checklists of a kit, by their names.
 fn stands_apart(profile: &Profile, name: &str) -> bool {
@@ -200,12 +207,9 @@ fn texts<'a>(
                 .help("name the whole kit with its manifest.json, or files that were read out of the control"),
             ),
         }
-        match control_data::text(bytes) {
-            Some(text) => texts.push((name.as_str(), text)),
-            None => problems.push(
-                Problem::new(format!("`{name}` is not text"))
-                    .help("name the files that the control wrote as text"),
-            ),
+        match control_data::texts(name, bytes) {
+            Ok(own) => texts.extend(own),
+            Err(problem) => problems.push(problem),
         }
     }
     problems.or_ok(texts)

@@ -1,19 +1,19 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
 use super::held::agreed;
-use super::read_out::{Contrary, Found, NamedBacklash, ReadOutFor, Text, beside_words};
+use super::read_out::{Contrary, Found, NamedBacklash, ReadOutFor, beside_words, listed};
 use super::{Held, Others, axis_of};
 use crate::axis::{Axis, PerAxis};
 use crate::claims::Assumption;
 use crate::controller::LengthUnit;
 use crate::job::Job;
 use crate::problem::Problems;
-use crate::readback::control_data::{self, Programs, has_active_data};
+use crate::readback::control_data::{self, Programs, Text, has_active_data};
 use crate::readback::siemens::{
-    MachineDatum, MachineValue, SiemensContents, is_switch, merge, read as strict,
+    MachineDatum, MachineValue, SiemensContents, is_switch, merge, read_out,
 };
 use crate::table::Tables;
-use crate::table::siemens::{CecTable, LecTable, SiemensTables};
+use crate::table::siemens::{CecTable, LecTable, OpenEnd, SiemensTables, closed};
 use crate::units::UM_PER_MM;
 
 type Names = PerAxis<Vec<String>>;
@@ -25,43 +25,44 @@ pub(super) fn read(
     texts: &[Text<'_>],
     purpose: ReadOutFor,
 ) -> Result<Found, Problems> {
-    let mut problems = Problems::none();
-    let mut contents = Vec::new();
-    let mut notes = Vec::new();
-    let mut without_grid = Vec::new();
-    let mut twice = Vec::new();
     let are_active = texts.iter().map(|(name, text)| has_active_data(name, text));
     let are_active: Vec<bool> = are_active.collect();
     let reads_programs = !are_active.contains(&true);
-    let mut programs = Programs::default();
+    let mut problems = Problems::none();
+    let mut cuts = Cuts::default();
     for ((name, text), is_active) in texts.iter().zip(are_active) {
         let cut = control_data::siemens(name, text, reads_programs);
         let is_passed_over = !reads_programs && !is_active && !cut.programs.names.is_empty();
         let parts = [&cut.tables, &cut.data];
         for part in parts.into_iter().filter(|_| !is_passed_over) {
-            contents.extend(problems.take(strict(name, part)));
+            cuts.contents.extend(problems.take(read_out(name, part)));
         }
-        programs.names.extend(cut.programs.names);
-        programs.write_tables |= cut.programs.write_tables;
-        twice.extend(cut.twice);
-        if cut.passed_over > 0 {
-            notes.push(format!(
-                "`{name}`: {} other machine data were passed over",
-                cut.passed_over
-            ));
-        }
-        if !cut.without_grid.is_empty() {
-            notes.push(format!(
-                "`{name}`: {} reserved tables without a grid were passed over",
-                cut.without_grid.len()
-            ));
-        }
-        without_grid.extend(cut.without_grid);
+        cuts.add(job, name, cut);
     }
+    let Cuts {
+        contents,
+        programs,
+        mut without_grid,
+        mut twice,
+        other_units,
+        passed_over,
+    } = cuts;
     let contents = problems.or_ok(contents)?;
     let (data, contrary) = agreed(&contents);
     let all = merge(contents)?;
+    let mut notes: Vec<String> = passed_over.iter().flat_map(PassedOver::notes).collect();
     notes.extend(all.notes.iter().cloned());
+    if !all.unwritten.is_empty() {
+        let parameters = listed(&all.unwritten);
+        notes.push(format!("no file holds {parameters}: 0 is assumed"));
+    }
+    if !all.idle.is_empty() {
+        let tables = listed(&all.idle);
+        notes.push(format!(
+            "{tables}: zeros without a usable grid, passed over"
+        ));
+    }
+    without_grid.extend(all.idle.iter().cloned());
     let held = Held {
         tables: Tables::Siemens(all.tables.clone()),
         data,
@@ -75,7 +76,7 @@ pub(super) fn read(
         notes,
         assumptions: Vec::new(),
         others: Others::default(),
-        contrary: Vec::new(),
+        contrary: other_units,
         beside: Vec::new(),
     };
     twice.extend(contrary.iter().map(MachineDatum::variable));
@@ -83,6 +84,7 @@ pub(super) fn read(
     sorted.tell_programs(&programs, reads_programs);
     let lec = sorted.lec();
     let cec = sorted.cec();
+    sorted.tell_what_was_not_read_out(&held.without_grid);
     let backlash = PerAxis::from_fn(|axis| sorted.backlash(axis));
     let metric = sorted.value("MN_SCALING_SYSTEM_IS_METRIC", &[]);
     Ok(Found {
@@ -96,6 +98,83 @@ pub(super) fn read(
         contrary: sorted.contrary,
         beside: sorted.beside,
     })
+}
+
+/// What the texts of a read-out hold, as they are read one after the other.
+#[derive(Default)]
+struct Cuts {
+    contents: Vec<SiemensContents>,
+    programs: Programs,
+    without_grid: Vec<String>,
+    twice: Vec<String>,
+    other_units: Vec<Contrary>,
+    passed_over: Vec<PassedOver>,
+}
+
+impl Cuts {
+    fn add(&mut self, job: &Job, name: &str, cut: control_data::SiemensText) {
+        let own = job.compensation.control_unit;
+        let others = cut.units.iter().filter(|unit| **unit != own);
+        let others = others.map(|unit| in_other_unit(name, *unit, own));
+        self.other_units.extend(others);
+        self.count(control_data::file_of(name), &cut);
+        self.programs.names.extend(cut.programs.names);
+        self.programs.write_tables |= cut.programs.write_tables;
+        self.twice.extend(cut.twice);
+        self.without_grid.extend(cut.without_grid);
+    }
+
+    /// Adds what was passed over to that of the same file; an archive has many texts.
+    fn count(&mut self, file: &str, cut: &control_data::SiemensText) {
+        if self.passed_over.last().is_none_or(|last| last.file != file) {
+            self.passed_over.push(PassedOver {
+                file: file.to_string(),
+                ..PassedOver::default()
+            });
+        }
+        if let Some(last) = self.passed_over.last_mut() {
+            last.data += cut.passed_over;
+            last.tables += cut.without_grid.len();
+        }
+    }
+}
+
+/// How much of a file was passed over.
+#[derive(Default)]
+struct PassedOver {
+    file: String,
+    data: usize,
+    /// Reserved tables without a grid.
+    tables: usize,
+}
+
+impl PassedOver {
+    fn notes(&self) -> Vec<String> {
+        let PassedOver { file, data, tables } = self;
+        let kinds = [
+            (*data, "other machine data"),
+            (*tables, "reserved tables without a grid"),
+        ];
+        let some = kinds.into_iter().filter(|(count, _)| *count > 0);
+        some.map(|(count, what)| format!("`{file}`: {count} {what} were passed over"))
+            .collect()
+    }
+}
+
+/// `METRIC` and `INCH` tell the unit of what follows, whichever the control counts in.
+fn in_other_unit(name: &str, unit: LengthUnit, own: LengthUnit) -> Contrary {
+    let word = match unit {
+        LengthUnit::Millimetre => "METRIC",
+        LengthUnit::Inch => "INCH",
+    };
+    let own = own.word();
+    Contrary::new(
+        format!(
+            "`{name}` is written in {} (`{word}`), the job counts in {own}",
+            unit.word()
+        ),
+        "correct `control_unit`, or read the files out again in the basic system of the control",
+    )
 }
 
 struct Sorted<'a> {
@@ -114,7 +193,11 @@ impl Sorted<'_> {
     /// Part programs: no state beside active data, and where nothing else was read out, what they
     /// would make of it.
     fn tell_programs(&mut self, programs: &Programs, are_read: bool) {
-        let names = programs.names.join(", ");
+        const MOST_NAMES: usize = 6;
+        let names = match programs.names.len() {
+            0..=MOST_NAMES => programs.names.join(", "),
+            many => many.to_string(),
+        };
         if names.is_empty() {
             return;
         }
@@ -138,8 +221,12 @@ impl Sorted<'_> {
         }
     }
 
-    /// A variable that the files hold with several values. Switches are made for being changed.
+    /// A variable that the files hold with several values. Switches are made for being changed, and
+    /// how much memory is reserved does nothing.
     fn several_values(&mut self, name: &str) {
+        if name.contains("_MAX_POINTS") {
+            return;
+        }
         let bare = name.trim_start_matches('$').split('[').next();
         let is_switch = bare.is_some_and(is_switch);
         if !self.concerns_the_job(name) {
@@ -234,7 +321,12 @@ impl Sorted<'_> {
                 "MD32700",
                 &[&table.encoder.to_string(), &table.axis],
             ) {
-                own.push(table.clone());
+                let mut table = table.clone();
+                if let Some((grid, values, end)) = closed(table.grid, &table.values) {
+                    (table.grid, table.values) = (grid, values);
+                    self.tell_open_end(&name, &end);
+                }
+                own.push(table);
             } else {
                 self.notes.push(match self.purpose {
                     ReadOutFor::OldTables => format!("{name} was switched off (MD32700 = 0): it counts as not active, and the new table overwrites it"),
@@ -278,7 +370,12 @@ impl Sorted<'_> {
                 self.others.cec_tables.push(table.number);
             } else if self.acts(table) {
                 self.weigh(table);
-                own.push(table.clone());
+                let mut table = table.clone();
+                if let Some((grid, values, end)) = closed(table.grid, &table.values) {
+                    (table.grid, table.values) = (grid, values);
+                    self.tell_open_end(&format!("$AN_CEC[{}]", table.number), &end);
+                }
+                own.push(table);
             } else {
                 self.others.cec_tables.push(table.number);
                 let name = format!("$AN_CEC[{}]", table.number);
@@ -289,6 +386,187 @@ impl Sorted<'_> {
             }
         }
         own
+    }
+
+    /// Where a table ends between two points; nothing is said where both readings are the same.
+    fn tell_open_end(&mut self, name: &str, end: &OpenEnd) {
+        let unit = self.job.compensation.control_unit;
+        let by = match end.differs_by {
+            Some(by) if by <= 0.0 => return,
+            Some(by) => format!("by up to {:.1} µm", by * unit.in_mm() * UM_PER_MM),
+            None => "by a value that no file holds".to_string(),
+        };
+        let (point, from, word) = (end.point, end.from, unit.word());
+        let fact = format!("{name} behind {from} {word}, where MAX lies between two points");
+        let other = format!("the control goes on towards point {}", point + 1);
+        match self.purpose {
+            ReadOutFor::OldTables => self.assumptions.push(Assumption::of_job(
+                fact,
+                format!("the value of point {point} held"),
+                format!("the old correction there differs {by} if {other}"),
+            )),
+            ReadOutFor::Judging => self.beside.push(format!(
+                "{fact}: the value of point {point} is taken to be held; if {other}, the correction differs {by} there"
+            )),
+        }
+    }
+
+    /// Tables that are switched on and in no file of the read-out, so that what they do is not known.
+    /// `reserved` = tables that the files hold without a grid.
+    fn tell_what_was_not_read_out(&mut self, reserved: &[String]) {
+        let lec = self.lec_not_read_out(reserved);
+        let cec = self.cec_not_read_out(reserved);
+        for Contrary { words, help } in lec.into_iter().chain(cec) {
+            match self.purpose {
+                ReadOutFor::OldTables => self.contrary.push(Contrary { words, help }),
+                ReadOutFor::Judging => self.beside.push(words),
+            }
+        }
+        for what in self.untold(reserved) {
+            match self.purpose {
+                ReadOutFor::OldTables => self.assumptions.push(Assumption::of_job(
+                    what,
+                    "none while measuring",
+                    "no file holds such a table or its switches; an old table would be lost with the new ones",
+                )),
+                ReadOutFor::Judging => {
+                    let words = format!("{what}: no file holds such a table or its switches, so none is taken to act");
+                    self.notes.push(words);
+                }
+            }
+        }
+    }
+
+    /// Of which tables the files say nothing, neither values nor switches.
+    fn untold(&self, reserved: &[String]) -> Vec<String> {
+        let names = self.names.iter().flat_map(|(_, names)| names);
+        let names: Vec<String> = names.map(|name| name.to_uppercase()).collect();
+        let tells_of_lec = |name: &&String| {
+            let datum = |e: &&str| self.value("MA_ENC_COMP_ENABLE", &[e, name]).is_some();
+            let is_reserved = |e: &&str| reserved.contains(&format!("AA_ENC_COMP[{e},{name}]"));
+            ["0", "1"].iter().any(|e| datum(e) || is_reserved(e))
+                || self.all.tables.lec.iter().any(|table| table.axis == **name)
+        };
+        let lec: Vec<String> = names.iter().filter(|n| !tells_of_lec(n)).cloned().collect();
+        let mut untold = Vec::new();
+        if !lec.is_empty() {
+            untold.push(format!("ENC_COMP of {}", listed(&lec)));
+        }
+        let has_data = [
+            "MA_CEC_ENABLE",
+            "SN_CEC_TABLE_ENABLE",
+            "MN_MM_CEC_MAX_POINTS",
+        ];
+        let is_of_cec = |datum: &MachineDatum| has_data.contains(&datum.name.as_str());
+        let is_reserved = reserved.iter().any(|table| table.starts_with("AN_CEC"));
+        if self.all.tables.cec.is_empty()
+            && !is_reserved
+            && !self.all.machine_data.iter().any(is_of_cec)
+        {
+            untold.push("CEC".to_string());
+        }
+        untold
+    }
+
+    /// Whether a datum was read out and stands above 0.
+    fn is_above_zero(&self, name: &str, indices: &[&str]) -> Option<bool> {
+        self.value(name, indices).map(|value| value > 0.0)
+    }
+
+    /// MD32700 = 1 of an axis of the job without its table. Where the job does not state which
+    /// measuring system is active, either may be.
+    fn lec_not_read_out(&self, reserved: &[String]) -> Option<Contrary> {
+        let mut switches = Vec::new();
+        for (axis, names) in self.names.iter() {
+            let settings = self.job.compensation.axes[axis].as_ref();
+            let is_stated = settings.is_some_and(|s| s.measuring_system.is_some());
+            for (name, encoder) in names.iter().flat_map(|name| [(name, 0_u32), (name, 1)]) {
+                let (name, number) = (name.to_uppercase(), encoder.to_string());
+                let is = |datum| self.is_above_zero(datum, &[&number, &name]);
+                let is_held =
+                    self.all.tables.lec.iter().any(|table| {
+                        table.axis == name && (table.encoder == encoder || !is_stated)
+                    });
+                let is_reserved = reserved.contains(&format!("AA_ENC_COMP[{number},{name}]"));
+                let is_active = encoder == self.encoder(axis) || !is_stated;
+                if is("MA_ENC_COMP_ENABLE") == Some(true)
+                    && is("MA_MM_ENC_COMP_MAX_POINTS") != Some(false)
+                    && is_active
+                    && !is_held
+                    && !is_reserved
+                {
+                    switches.push(format!("[{number},{name}]"));
+                }
+            }
+        }
+        (!switches.is_empty()).then(|| Contrary::new(
+            format!("MD32700 $MA_ENC_COMP_ENABLE{} is 1, so an ENC_COMP table acts, and no file holds it", listed(&switches)),
+            "read out the tables too ($AA_ENC_COMP, `AX_EEC.INI`) and name all files together, or name the commissioning archive (.arc)",
+        ))
+    }
+
+    /// SD41300 = 1 without the CEC table, or MD32710 = 1 of an axis of the job where nothing else
+    /// tells of CEC.
+    fn cec_not_read_out(&self, reserved: &[String]) -> Option<Contrary> {
+        let names = self.names.iter().flat_map(|(_, names)| names);
+        let is_on = |name: &&String| self.is_above_zero("MA_CEC_ENABLE", &[&name.to_uppercase()]);
+        let (on, off): (Vec<&String>, Vec<&String>) = names
+            .filter(|name| is_on(name).is_some())
+            .partition(|name| is_on(name) == Some(true));
+        if on.is_empty() && !off.is_empty() {
+            return None;
+        }
+        let switches: Vec<(String, bool)> = self.of_tables("SN_CEC_TABLE_ENABLE");
+        let memory = self.of_tables("MN_MM_CEC_MAX_POINTS");
+        let is_absent = |number: &String| {
+            let is_held = self
+                .all
+                .tables
+                .cec
+                .iter()
+                .any(|t| t.number.to_string() == *number);
+            let has_none = memory.contains(&(number.clone(), false));
+            !is_held && !has_none && !reserved.contains(&format!("AN_CEC[{number}]"))
+        };
+        let absent = switches
+            .iter()
+            .filter(|(number, is_on)| *is_on && is_absent(number));
+        let absent: Vec<String> = absent.map(|(number, _)| number.clone()).collect();
+        let tells = !self.all.tables.cec.is_empty() || !switches.is_empty();
+        let has_memory = memory.is_empty() || memory.iter().any(|(_, has)| *has);
+        let words = if !absent.is_empty() {
+            let (tables, them) = match absent.len() {
+                1 => (format!("table {}", absent[0]), "it"),
+                _ => (format!("tables {}", listed(&absent)), "them"),
+            };
+            format!("SD41300 $SN_CEC_TABLE_ENABLE of CEC {tables} is 1, and no file holds {them}")
+        } else if !tells && has_memory && !on.is_empty() {
+            let on: Vec<String> = on.into_iter().cloned().collect();
+            format!(
+                "MD32710 $MA_CEC_ENABLE of {} is 1, and no file holds a CEC table or SD41300",
+                listed(&on)
+            )
+        } else {
+            return None;
+        };
+        Some(Contrary::new(
+            words,
+            "read out the tables too ($AN_CEC, `NC_CEC.INI`) and name all files together, or name the commissioning archive (.arc)",
+        ))
+    }
+
+    /// A datum of every CEC table that was read out: number of the table, and whether it is above 0.
+    fn of_tables(&self, name: &str) -> Vec<(String, bool)> {
+        let own = self
+            .all
+            .machine_data
+            .iter()
+            .filter(|datum| datum.name == name);
+        own.filter_map(|datum| match (&datum.indices[..], &datum.value) {
+            ([table], MachineValue::Number(value)) => Some((table.clone(), *value > 0.0)),
+            _ => None,
+        })
+        .collect()
     }
 
     /// Whether SD41300 of a table and MD32710 of its output axis stand at 1.

@@ -99,10 +99,7 @@ impl Found {
 
     /// The name of the control's whole parameter file or archive.
     fn whole_file(&self, profile: &Profile) -> Option<&str> {
-        let is_whole = |bytes: &[u8]| {
-            control_data::text(bytes)
-                .is_some_and(|text| control_data::is_whole(&text, &profile.dialect))
-        };
+        let is_whole = |bytes: &[u8]| control_data::is_whole(bytes, &profile.dialect);
         let found = self.files.iter().find(|(_, _, bytes)| is_whole(bytes));
         found.map(|(name, _, _)| name.as_str())
     }

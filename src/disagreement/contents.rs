@@ -31,6 +31,7 @@ pub fn contents(
     match (&profile.dialect, wanted, &read.tables) {
         (Dialect::Siemens(facts), Tables::Siemens(wanted), Tables::Siemens(found)) => {
             let mut words = siemens::tables(wanted, found, diagnosis);
+            words.extend(siemens::unwritten(&read.unwritten));
             words.extend(siemens::machine_data::differences(
                 wanted,
                 &read.machine_data,

@@ -146,6 +146,12 @@ pub(super) fn differences(
                     file.path
                 ));
             }
+            words.extend(read.unwritten.iter().map(|parameter| {
+                let path = file.path;
+                format!(
+                    "`{path}` does not write {parameter}: the control keeps what it holds there"
+                )
+            }));
         }
     }
     words.extend(rollback::differences(inputs, plan, compiled, files)?);

@@ -76,6 +76,8 @@ impl Inputs {
         let (model, notes) = active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
         self.under_tables = Some(std::mem::replace(&mut self.model, model));
         self.active_notes = [active.notes.clone(), notes].concat();
+        let interpolated = active::take_interpolation(&mut self.job, &self.profile, &active);
+        self.active_notes.extend(interpolated);
         self.active = Some(active);
         Ok(self)
     }

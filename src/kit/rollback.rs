@@ -210,7 +210,7 @@ impl Unknown {
 
 fn is_same(old: &Old, read: &ReadBack) -> bool {
     let data: Vec<&MachineDatum> = read.machine_data.iter().flat_map(|f| &f.data).collect();
-    read.tables == old.tables && data.iter().copied().eq(&old.data)
+    read.tables == old.tables && read.unwritten.is_empty() && data.iter().copied().eq(&old.data)
 }
 
 fn switch(datum: &MachineDatum) -> Switch {

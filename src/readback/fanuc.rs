@@ -32,12 +32,12 @@ const LENGTH_PARAMETERS: [u32; 3] = [1240, 3624, 3625];
 /// source grammar of B-63950EN/02 §3.3 (`Q0` point, `Q1` parameter) and B-63330EN/03 §3 (number
 ///        from [`FanucFacts::point_offset`] on: point); a later block overwrites an earlier one,
 ///        but two different values of one point are a problem
-/// limits path 1 only, no spindles, no G10 programs; `M` and `I` before a length are refused,
+/// limits path 1 only, no spindles, no G10 programs; after 200 problems it stops looking for more; `M` and `I` before a length are refused,
 ///        because the memory does not keep the unit of a value
 ///
 /// All problems of the file come back together, each with its place.
 pub fn read(file_name: &str, text: &str, facts: &FanucFacts) -> Result<FanucMemory, Problems> {
-    read_from(Writer::Kit, file_name, text, facts)
+    Ok(read_from(Writer::Kit, file_name, text, facts)?.memory)
 }
 
 /// Reads a file that a control wrote of itself; as [`read`], but a parameter in the number space
@@ -48,8 +48,18 @@ pub fn read_out(
     text: &str,
     facts: &FanucFacts,
     unit: LengthUnit,
-) -> Result<FanucMemory, Problems> {
+) -> Result<ReadOut, Problems> {
     read_from(Writer::Control(unit), file_name, text, facts)
+}
+
+/// A file that a control wrote of itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadOut {
+    /// Parameters of no axis or an axis, and points.
+    pub memory: FanucMemory,
+    /// Parameters of spindles that are not 0, such as `3666 of S1 = 5`: they correct no axis of the
+    /// job, but may take points.
+    pub spindles: Vec<String>,
 }
 
 /// Who wrote a file.
@@ -78,7 +88,7 @@ fn read_from(
     file_name: &str,
     text: &str,
     facts: &FanucFacts,
-) -> Result<FanucMemory, Problems> {
+) -> Result<ReadOut, Problems> {
     let source = Source::new(file_name, text);
     let mut problems = Problems::none();
     let blocks = source.blocks(&mut problems);
@@ -87,13 +97,20 @@ fn read_from(
         facts,
         writer,
         memory: FanucMemory::default(),
+        spindles: Vec::new(),
         problems,
         in_program: false,
     };
     for span in &blocks {
+        if reader.problems.is_full() {
+            break; // nobody reads further, and a file of another kind has one in each line
+        }
         reader.read_block(span);
     }
-    reader.problems.or_ok(reader.memory)
+    reader.problems.or_ok(ReadOut {
+        memory: reader.memory,
+        spindles: reader.spindles,
+    })
 }
 
 /// The memory after all files of a kit are loaded, in any order.
@@ -142,6 +159,7 @@ struct Reader<'a> {
     facts: &'a FanucFacts,
     writer: Writer,
     memory: FanucMemory,
+    spindles: Vec<String>,
     problems: Problems,
     /// Between a G code and `G11`; named once, not once for each of its blocks.
     in_program: bool,
@@ -163,12 +181,13 @@ impl Reader<'_> {
     fn store(&mut self, span: &Span) -> Result<(), Problem> {
         let mut block = block::parse(self.source, span)?;
         if self.writer == Writer::Kit {
-            self.refuse_other_paths(&block)?;
+            self.refuse_others(&block)?;
         } else {
-            // Another path has axes and parameters of its own, which are no concern of the job's.
+            // Another path and a spindle have parameters of their own, which correct no axis of the job.
+            self.spindles.extend(self.of_spindles(&block));
             block
                 .segments
-                .retain(|segment| segment.other_path.is_none());
+                .retain(|segment| segment.other_path.is_none() && segment.spindle.is_none());
             if block.segments.is_empty() {
                 return Ok(());
             }
@@ -179,7 +198,25 @@ impl Reader<'_> {
         }
     }
 
-    fn refuse_other_paths(&self, block: &Block) -> Result<(), Problem> {
+    /// Its values for spindles of this path, but zeros.
+    fn of_spindles(&self, block: &Block) -> Vec<String> {
+        let own = block.segments.iter().filter(|s| s.other_path.is_none());
+        let words = own.filter_map(|segment| {
+            let spindle = self.source.slice(segment.spindle.as_ref()?);
+            let value = self.source.slice(&segment.value);
+            let is_zero = value.bytes().all(|byte| matches!(byte, b'0' | b'.' | b'-'));
+            (!is_zero).then(|| format!("{} of {spindle} = {value}", block.number))
+        });
+        words.collect()
+    }
+
+    fn refuse_others(&self, block: &Block) -> Result<(), Problem> {
+        if let Some(span) = block.segments.iter().find_map(|s| s.spindle.as_ref()) {
+            return Err(self
+                .source
+                .problem(span, "a spindle parameter is not ours")
+                .help("compensation parameters belong to an axis (`A<n>`) or to none"));
+        }
         match block.segments.iter().find_map(|s| s.other_path.as_ref()) {
             None => Ok(()),
             Some(path) => {

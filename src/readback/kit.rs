@@ -23,6 +23,8 @@ pub struct ReadBack {
     pub tables: Tables,
     /// Remarks of the reader.
     pub notes: Vec<String>,
+    /// Parameters of tables that no file writes, so that the control keeps older ones (Siemens).
+    pub unwritten: Vec<String>,
     /// Machine and setting data of every file, also of files that set none (Siemens).
     pub machine_data: Vec<FileData>,
 }
@@ -139,6 +141,7 @@ fn plain(tables: Tables) -> ReadBack {
     ReadBack {
         tables,
         notes: Vec::new(),
+        unwritten: Vec::new(),
         machine_data: Vec::new(),
     }
 }
@@ -156,8 +159,17 @@ fn each<T>(
     problems.or_ok(contents)
 }
 
+/// A rollback holds a control's own tables, with their grids as they were.
 fn read_siemens(texts: &[(&KitFile<'_>, &str)]) -> Result<ReadBack, Problems> {
-    let contents = each(texts, siemens::read)?;
+    let is_rollback = texts.iter().all(|(file, _)| file.role == Role::Rollback);
+    let contents = each(
+        texts,
+        if is_rollback {
+            siemens::read_out
+        } else {
+            siemens::read
+        },
+    )?;
     let machine_data = texts
         .iter()
         .zip(&contents)
@@ -171,6 +183,7 @@ fn read_siemens(texts: &[(&KitFile<'_>, &str)]) -> Result<ReadBack, Problems> {
     Ok(ReadBack {
         tables: Tables::Siemens(merged.tables),
         notes: merged.notes,
+        unwritten: merged.unwritten,
         machine_data,
     })
 }

@@ -30,8 +30,22 @@ pub struct SiemensContents {
     pub tables: SiemensTables,
     /// Machine and setting data, in the order of their first assignment, with their last value.
     pub machine_data: Vec<MachineDatum>,
-    /// Remarks for the user that are no problem, for instance a default that was assumed.
+    /// Remarks for the user that are no problem.
     pub notes: Vec<String>,
+    /// Parameters of tables that the file does not write, such as `IS_MODULO of $AN_CEC[0]`: the control
+    /// keeps an older one. They are read as 0, the value of a table that was never written.
+    pub unwritten: Vec<String>,
+    /// Tables of a control that hold zeros and no usable grid, such as `AN_CEC[3]`.
+    pub idle: Vec<String>,
+}
+
+/// Who wrote a file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Writer {
+    /// A program or a person, for a control to load.
+    Kit,
+    /// The control, which writes what it holds.
+    Control,
 }
 
 /// One `$MA_`, `$MN_` or `$SN_` assignment.
@@ -84,10 +98,21 @@ pub enum MachineValue {
 /// assert_eq!(contents.tables.cec[0].values, [Some(0.001), Some(0.0)]);
 /// ```
 pub fn read(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
+    read_from(Writer::Kit, file_name, text)
+}
+
+/// Reads a file that a control wrote of itself; as [`read`], but reserved points behind MAX have no
+/// effect and are left out, and MAX may lie between two points ([`crate::table::siemens::closed`]):
+/// then the point behind it is kept where it is there.
+pub fn read_out(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
+    read_from(Writer::Control, file_name, text)
+}
+
+fn read_from(writer: Writer, file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
     let mut complaints = Vec::new();
     let mut memory = Memory::default();
     read_lines(text, &mut memory, &mut complaints);
-    let contents = memory.finish(&mut complaints);
+    let contents = memory.finish(writer, &mut complaints);
     complaints.sort_by_key(|complaint| complaint.span.start);
     let mut problems = Problems::none();
     for Complaint {
@@ -180,6 +205,8 @@ pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems
             merge_datum(&mut all.machine_data, datum, &mut problems);
         }
         all.notes.extend(file.notes);
+        all.unwritten.extend(file.unwritten);
+        all.idle.extend(file.idle);
     }
     let place = |table: &LecTable| (table.axis.clone(), table.encoder);
     all.tables.lec.sort_by_key(place);

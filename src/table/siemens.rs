@@ -14,7 +14,31 @@ pub struct SiemensGrid {
     pub max: f64,
 }
 
+/// (MAX−MIN)/STEP may differ this much from a whole number, in steps. Real files round STEP:
+/// 770 / 19.7436 = 38.99998.
+const WHOLE: f64 = 1e-3;
+
 impl SiemensGrid {
+    /// (MAX−MIN)/STEP.
+    pub fn steps(&self) -> f64 {
+        (self.max - self.min) / self.step
+    }
+
+    /// Whether the last point lies on MAX.
+    pub fn is_whole(&self) -> bool {
+        (self.steps() - self.steps().round()).abs() < WHOLE
+    }
+
+    /// Index of the last point that does not lie behind MAX; 0 where there is none.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a cast from a float holds the nearest number that fits"
+    )]
+    pub fn last_whole_point(&self) -> u32 {
+        (self.steps() + WHOLE).floor() as u32
+    }
+
     /// Position of a point.
     #[allow(
         clippy::cast_precision_loss,
@@ -46,6 +70,47 @@ pub struct LecTable {
     pub values: Vec<Option<f64>>,
     /// `$AA_ENC_COMP_IS_MODULO`.
     pub modulo: bool,
+}
+
+/// A grid whose MAX lies between two points, as real controls hold it, and what is not known of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpenEnd {
+    /// The last point that does not lie behind MAX.
+    pub point: u32,
+    /// Its position.
+    pub from: f64,
+    /// What the table would differ by at MAX if the control went on towards the next point, in the unit
+    /// of the file without sign; `None` where no file holds that point.
+    pub differs_by: Option<f64>,
+}
+
+/// Grid and values as they are taken to act, and the open end: where MAX lies between two points, the
+/// value of the last one before it is held.
+///
+/// limits no manual at hand says what a control does there
+pub fn closed(
+    grid: SiemensGrid,
+    values: &[Option<f64>],
+) -> Option<(SiemensGrid, Vec<Option<f64>>, OpenEnd)> {
+    if grid.is_whole() {
+        return None;
+    }
+    let point = grid.last_whole_point();
+    let count = usize::try_from(point)
+        .unwrap_or(usize::MAX)
+        .saturating_add(1);
+    let at = |index: usize| values.get(index).copied().flatten();
+    let from = grid.position(count - 1);
+    let part = (grid.max - from) / grid.step;
+    let last = at(count - 1);
+    let differs_by = at(count).and_then(|next| Some((next - last?).abs() * part));
+    let end = OpenEnd {
+        point,
+        from,
+        differs_by,
+    };
+    let closed = SiemensGrid { max: from, ..grid };
+    Some((closed, values[..count.min(values.len())].to_vec(), end))
 }
 
 /// When a CEC table acts (`$AN_CEC_DIRECTION`).

@@ -166,7 +166,7 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
             format!("3605#1 of axis {id}"),
             if stated == Some(true) { "1" } else { "0" },
             match stated {
-                Some(_) => "interpolated pitch error compensation, as the job states",
+                Some(_) => "interpolated pitch error compensation, as the job states or the files of the control hold it",
                 None => {
                     "the job does not state `interpolated`; the forecast is for output in steps"
                 }

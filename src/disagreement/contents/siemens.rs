@@ -2,7 +2,7 @@
 
 pub(super) mod machine_data;
 
-use super::{runs, same};
+use super::{it, listed, runs, same};
 use crate::disagreement::Diagnosis;
 use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
 
@@ -82,6 +82,17 @@ fn cec(
         }
     }
     words
+}
+
+/// Parameters that no file writes, in a sentence: the tables are judged as if they were 0.
+pub(super) fn unwritten(parameters: &[String]) -> Option<String> {
+    (!parameters.is_empty()).then(|| {
+        format!(
+            "no file writes {}: the control keeps what it holds there, the job writes {}",
+            listed(parameters),
+            it(parameters.len())
+        )
+    })
 }
 
 fn lec_name(table: &LecTable) -> String {

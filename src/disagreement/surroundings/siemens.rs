@@ -15,7 +15,8 @@ impl Surroundings {
             self.scaling(state.unit, &output, held);
         }
         for axis in &state.axes {
-            self.reference(axis, state.unit, held);
+            let own = wanted.lec.iter().find(|table| table.axis == axis.name);
+            self.reference(axis, own.map_or(0, |table| table.encoder), state.unit, held);
         }
         self.absent(absent(wanted, held));
     }
@@ -43,15 +44,17 @@ impl Surroundings {
     }
 
     /// MD34100, the position at the zero mark of an incremental measuring system. With an absolute or
-    /// a distance-coded one (MD34200 other than 1) it says nothing (both from memory).
-    fn reference(&mut self, axis: &AxisState, unit: LengthUnit, held: &Held) {
+    /// a distance-coded one (MD34200 other than 1) it says nothing (both from memory). The index of
+    /// MD34100 is a reference cam, that of MD34200 the measuring system.
+    fn reference(&mut self, axis: &AxisState, encoder: u32, unit: LengthUnit, held: &Held) {
         const SAME_MM: f64 = 1e-3;
         const ZERO_MARK: f64 = 1.0;
         let indices = ["0".to_string(), axis.name.clone()];
         let Some(position) = number(held, "MA_REFP_SET_POS", &indices) else {
             return;
         };
-        let mode = number(held, "MA_ENC_REFP_MODE", &indices);
+        let system = [encoder.to_string(), axis.name.clone()];
+        let mode = number(held, "MA_ENC_REFP_MODE", &system);
         if mode.is_some_and(|mode| (mode - ZERO_MARK).abs() > 0.0) {
             return;
         }

@@ -115,15 +115,12 @@ impl<'a> Loading<'a> {
         }
     }
 
-    /// Values of `count` points from `first` on, detection units.
+    /// Values of `count` points from `first` on, detection units. A real control holds more than the
+    /// `increment_max` that is written, so no other limit than that of the data word counts here.
     pub(super) fn increments(self, first: u32, count: u32) -> Result<Vec<i32>, CannotEmulate> {
-        let limit = self.facts.increment_max.value;
         (first..first + count)
             .map(|point| match self.memory.points.get(&point) {
-                Some(value) if value.unsigned_abs() <= limit => Ok(*value),
-                Some(value) => cannot(format!(
-                    "point {point} is {value}, expected -{limit} to {limit}"
-                )),
+                Some(value) => Ok(*value),
                 None => cannot(format!(
                     "point {point} is missing; a point left out keeps its old content"
                 )),

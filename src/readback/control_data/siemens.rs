@@ -7,6 +7,7 @@
 //! program lies in the memory and does nothing until somebody runs it, so what it would write is no
 //! state of the control.
 
+use crate::controller::LengthUnit;
 use crate::readback::siemens::variable_text;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,6 +28,8 @@ pub struct SiemensText {
     pub programs: Programs,
     /// Variables of concern that the file holds with two values.
     pub twice: Vec<String>,
+    /// The units that its data are in, where it says so (`METRIC`, `INCH`).
+    pub units: Vec<LengthUnit>,
 }
 
 /// The part programs of a file.
@@ -39,13 +42,14 @@ pub struct Programs {
 }
 
 /// The data that are read beside tables.
-const DATA: [&str; 12] = [
+const DATA: [&str; 13] = [
     "MA_ENC_COMP_ENABLE",
     "MA_CEC_ENABLE",
     "MA_CEC_MAX_SUM",
     "MA_CEC_SCALING_SYSTEM_METRIC",
     "MA_BACKLASH",
     "MA_ENC_REFP_MODE",
+    "MA_MM_ENC_COMP_MAX_POINTS",
     "MA_REFP_SET_POS",
     "MN_CONVERT_SCALING_SYSTEM",
     "MN_MM_CEC_MAX_POINTS",
@@ -134,7 +138,7 @@ impl Line {
 fn speaks_of_compensation(code: &str) -> bool {
     let tables = ["AA_ENC_COMP", "AN_CEC"];
     let mut names = DATA.iter().chain(&tables);
-    names.any(|name| code.contains(&format!("${name}")))
+    code.contains('$') && names.any(|name| code.contains(&format!("${name}")))
 }
 
 /// Where a file stands, by its lines: the section that the line is in is a part program or lies in
@@ -249,7 +253,19 @@ pub fn siemens(file: &str, text: &str, reads_programs: bool) -> SiemensText {
         without_grid: empty.into_iter().collect(),
         programs,
         twice: cut.twice.into_iter().collect(),
+        units: units(&codes),
     }
+}
+
+/// What a control writes before its data: the unit that they are in, whichever it counts in.
+fn units(codes: &[String]) -> Vec<LengthUnit> {
+    let words = [
+        ("METRIC", LengthUnit::Millimetre),
+        ("INCH", LengthUnit::Inch),
+    ];
+    let stands = |word: &str| codes.iter().any(|code| code == word);
+    let said = words.into_iter().filter(|(word, _)| stands(word));
+    said.map(|(_, unit)| unit).collect()
 }
 
 /// The two texts as they grow.

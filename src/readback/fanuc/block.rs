@@ -37,6 +37,8 @@ pub(super) struct Segment {
     pub(super) other_path: Option<Span>,
     /// Controlled axis from 1.
     pub(super) axis: Option<u32>,
+    /// Where a spindle is named: `S1`.
+    pub(super) spindle: Option<Span>,
     /// `P`, or `M` (metric), or `I` (inch).
     pub(super) letter: char,
     /// Sign, digits and decimal point as they stand.
@@ -136,6 +138,7 @@ impl Cursor<'_> {
 
     fn segment(&mut self) -> Result<Segment, Problem> {
         let other_path = self.path()?;
+        let spindle = self.spindle()?;
         let axis = self.axis()?;
         let Some(letter) = self.letter("PMI") else {
             return Err(self.unexpected("`P` and a value"));
@@ -152,6 +155,7 @@ impl Cursor<'_> {
         Ok(Segment {
             other_path,
             axis,
+            spindle,
             letter,
             value: start..self.at,
         })
@@ -167,20 +171,26 @@ impl Cursor<'_> {
         Ok((path != 1).then_some(start..self.at))
     }
 
-    fn axis(&mut self) -> Result<Option<u32>, Problem> {
-        let Some(letter) = self.letter("AS") else {
+    fn spindle(&mut self) -> Result<Option<Span>, Problem> {
+        if self.letter("S").is_none() {
             return Ok(None);
-        };
+        }
         let start = self.at - 1;
-        let number = self.unsigned()?;
-        let span = start..self.at;
-        match (letter, number) {
-            ('S', _) => Err(self
-                .source
-                .problem(&span, "a spindle parameter is not ours")
-                .help("compensation parameters belong to an axis (`A<n>`) or to none")),
-            (_, 0) => Err(self.source.problem(&span, "axis numbers count from 1")),
-            _ => Ok(Some(number)),
+        self.unsigned()?;
+        Ok(Some(start..self.at))
+    }
+
+    fn axis(&mut self) -> Result<Option<u32>, Problem> {
+        if self.letter("A").is_none() {
+            return Ok(None);
+        }
+        let start = self.at - 1;
+        match self.unsigned()? {
+            0 => {
+                let span = start..self.at;
+                Err(self.source.problem(&span, "axis numbers count from 1"))
+            }
+            number => Ok(Some(number)),
         }
     }
 

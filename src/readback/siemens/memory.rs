@@ -6,16 +6,13 @@
 
 use super::statement::{Assignment, Value};
 use super::variable::{self, Key, number_of};
-use super::{MachineDatum, MachineValue, SiemensContents};
+use super::{MachineDatum, MachineValue, SiemensContents, Writer};
 use crate::readback::complaint::Complaint;
-use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
+use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// (MAX−MIN)/STEP may differ this much from a whole number, in steps. Real files round STEP:
-/// 770 / 19.7436 = 38.99998.
-const RATIO_TOLERANCE: f64 = 1e-3;
 /// No control reserves more points for one table (5000 is the largest bound known); keeps a
 /// mistyped STEP from filling the memory of the PC.
 const MOST_POINTS: f64 = 100_000.0;
@@ -157,39 +154,45 @@ impl Memory {
     }
 
     /// The tables, if nothing is missing; complaints are added to `complaints`.
-    pub(super) fn finish(mut self, complaints: &mut Vec<Complaint>) -> SiemensContents {
-        let mut tables = SiemensTables::default();
+    pub(super) fn finish(
+        mut self,
+        writer: Writer,
+        complaints: &mut Vec<Complaint>,
+    ) -> SiemensContents {
+        let mut all = SiemensContents {
+            machine_data: self.machine,
+            notes: self.notes,
+            ..SiemensContents::default()
+        };
         self.lec
             .sort_by(|a, b| (&a.axis, a.encoder).cmp(&(&b.axis, b.encoder)));
-        for LecDraft {
-            axis,
-            encoder,
-            draft,
-        } in self.lec
-        {
-            let name = format!("$AA_ENC_COMP[{encoder},{axis}]");
-            draft.note_default(&name, &mut self.notes);
-            if let Some((grid, values)) = draft.finish(&name, complaints) {
-                let modulo = draft.modulo.unwrap_or(false);
-                tables.lec.push(LecTable {
-                    encoder,
-                    axis,
+        for table in self.lec {
+            let name = format!("$AA_ENC_COMP[{},{}]", table.encoder, table.axis);
+            all.unwritten.extend(table.draft.unwritten(&name));
+            match table.draft.finish(&name, writer, complaints) {
+                Some(Content::Table(grid, values)) => all.tables.lec.push(LecTable {
+                    encoder: table.encoder,
+                    axis: table.axis,
                     grid,
                     values,
-                    modulo,
-                });
+                    modulo: table.draft.modulo.unwrap_or(false),
+                }),
+                Some(Content::Nothing) => all.idle.push(name[1..].to_string()),
+                None => {}
             }
         }
         for (number, table) in self.cec {
-            table.note_defaults(number, &mut self.notes);
-            tables.cec.extend(table.finish(number, complaints));
+            table.finish(number, writer, &mut all, complaints);
         }
-        SiemensContents {
-            tables,
-            machine_data: self.machine,
-            notes: self.notes,
-        }
+        all
     }
+}
+
+/// What a table holds when its file ends.
+enum Content {
+    Table(SiemensGrid, Vec<Option<f64>>),
+    /// Zeros without a usable grid: memory that nobody filled.
+    Nothing,
 }
 
 impl Draft {
@@ -241,22 +244,47 @@ impl Draft {
         Ok(())
     }
 
-    fn note_default(&self, name: &str, notes: &mut Vec<String>) {
-        if self.modulo.is_none() {
-            notes.push(format!("{name}: IS_MODULO is not written, 0 is assumed"));
-        }
+    /// The parameter that no line writes, so that the control would keep an older one.
+    fn unwritten(&self, name: &str) -> Option<String> {
+        self.modulo
+            .is_none()
+            .then(|| format!("IS_MODULO of {name}"))
     }
 
+    /// Its content; a control writes reserved points behind MAX too, which have no effect, and tables
+    /// that nobody filled.
     fn finish(
         &self,
         name: &str,
+        writer: Writer,
+        complaints: &mut Vec<Complaint>,
+    ) -> Option<Content> {
+        let mut own = Vec::new();
+        let whole = self.whole(name, writer, &mut own);
+        let is_zero = self
+            .points
+            .values()
+            .all(|placed| placed.number.abs() <= 0.0);
+        if whole.is_none() && writer == Writer::Control && is_zero && !self.unreadable {
+            return Some(Content::Nothing);
+        }
+        complaints.append(&mut own);
+        whole.map(|(grid, values)| Content::Table(grid, values))
+    }
+
+    fn whole(
+        &self,
+        name: &str,
+        writer: Writer,
         complaints: &mut Vec<Complaint>,
     ) -> Option<(SiemensGrid, Vec<Option<f64>>)> {
         let grid = self.grid(name, complaints)?;
-        let last = last_point(name, grid, self.step.as_ref()?)
+        let last = self
+            .last_point(name, grid, writer)
             .map_err(|complaint| complaints.push(complaint))
             .ok()?;
-        for (point, placed) in self.points.range(last + 1..) {
+        let behind = self.points.range(last + 1..);
+        for (point, placed) in behind.filter(|_| writer == Writer::Kit) {
             complaints.push(Complaint::new(
                 placed.span.clone(),
                 format!("{name} has point {point}, but MIN, STEP and MAX give points 0 to {last}"),
@@ -265,6 +293,36 @@ impl Draft {
         }
         let value = |point| self.points.get(&point).map(|placed| placed.number);
         Some((grid, (0..=last).map(value).collect()))
+    }
+
+    /// Index of the last point. Where MAX of a control's table lies between two points, that of the
+    /// one behind MAX, if it is there: it may be part of what the control computes.
+    fn last_point(&self, name: &str, grid: SiemensGrid, writer: Writer) -> Result<u32, Complaint> {
+        let Some(step) = &self.step else {
+            return Ok(0); // a grid has one
+        };
+        let steps = grid.steps();
+        let refuse =
+            |message: String, help: &str| Err(Complaint::new(step.span.clone(), message, help));
+        if steps >= MOST_POINTS {
+            let message = format!("{name} would have {steps:.0} points");
+            return refuse(
+                message,
+                "no control holds so many; correct MIN, STEP or MAX",
+            );
+        }
+        let last = grid.last_whole_point();
+        if last >= 1 && grid.is_whole() {
+            return Ok(last);
+        }
+        if last < 1 || writer == Writer::Kit {
+            return refuse(
+                format!("(MAX-MIN)/STEP of {name} is {steps}, expected a whole number from 1"),
+                "the last point must lie on MAX; controls differ in what they do otherwise",
+            );
+        }
+        let is_there = self.points.contains_key(&(last + 1));
+        Ok(last + u32::from(is_there))
     }
 
     fn grid(&self, name: &str, complaints: &mut Vec<Complaint>) -> Option<SiemensGrid> {
@@ -313,45 +371,62 @@ impl CecDraft {
             "_DIRECTION" => self.direction = Some(variable::direction(set)?),
             "_MULT_BY_TABLE" => self.multiply_by = Some(variable::table_number(set)?),
             "_TYPE" => variable::only_zero(set, "its meaning is not documented")?,
-            "_INPUT_NCU" | "_OUTPUT_NCU" => {
-                variable::only_zero(set, "it links axes of several NCUs")?
-            }
+            "_INPUT_NCU" | "_OUTPUT_NCU" => variable::own_ncu(set)?,
             _ => self.draft.set(FAMILY, point, set)?,
         }
         Ok(())
     }
 
-    fn note_defaults(&self, number: u32, notes: &mut Vec<String>) {
-        let name = format!("$AN_CEC[{number}]");
-        self.draft.note_default(&name, notes);
-        if self.direction.is_none() {
-            notes.push(format!("{name}: DIRECTION is not written, 0 is assumed"));
-        }
-        if self.multiply_by.is_none() {
-            notes.push(format!(
-                "{name}: MULT_BY_TABLE is not written, 0 is assumed"
-            ));
-        }
+    /// The parameters that no line writes, so that the control would keep older ones.
+    fn unwritten(&self, name: &str) -> Vec<String> {
+        let parameters = [
+            ("DIRECTION", self.direction.is_none()),
+            ("MULT_BY_TABLE", self.multiply_by.is_none()),
+        ];
+        let lacking = parameters.into_iter().filter(|(_, lacks)| *lacks);
+        let lacking = lacking.map(|(field, _)| format!("{field} of {name}"));
+        self.draft
+            .unwritten(name)
+            .into_iter()
+            .chain(lacking)
+            .collect()
     }
 
-    fn finish(self, number: u32, complaints: &mut Vec<Complaint>) -> Option<CecTable> {
+    /// Adds the table to what the file holds.
+    fn finish(
+        self,
+        number: u32,
+        writer: Writer,
+        all: &mut SiemensContents,
+        complaints: &mut Vec<Complaint>,
+    ) {
         let name = format!("$AN_CEC[{number}]");
+        all.unwritten.extend(self.unwritten(&name));
+        let content = self.draft.finish(&name, writer, complaints);
+        if let Some(Content::Nothing) = content {
+            all.idle.push(name[1..].to_string());
+            return;
+        }
         for (field, axis) in [("INPUT_AXIS", &self.input), ("OUTPUT_AXIS", &self.output)] {
             if axis.is_none() {
                 self.draft.missing(&name, field, complaints);
             }
         }
-        let (grid, values) = self.draft.finish(&name, complaints)?;
-        Some(CecTable {
+        let (Some(Content::Table(grid, values)), Some(input_axis), Some(output_axis)) =
+            (content, self.input, self.output)
+        else {
+            return;
+        };
+        all.tables.cec.push(CecTable {
             number,
-            input_axis: self.input?,
-            output_axis: self.output?,
+            input_axis,
+            output_axis,
             grid,
             values,
             direction: self.direction.unwrap_or(CecDirection::Both),
             multiply_by: self.multiply_by.unwrap_or(0),
             modulo: self.draft.modulo.unwrap_or(false),
-        })
+        });
     }
 }
 
@@ -361,30 +436,6 @@ fn is_on(machine: &[MachineDatum], name: &str, wanted: impl Fn(&[String]) -> boo
         let on = matches!(datum.value, MachineValue::Number(number) if number > 0.0);
         datum.name == name && wanted(&datum.indices) && on
     })
-}
-
-/// Index of the last point, k = (MAX−MIN)/STEP.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a whole number between 1 and MOST_POINTS"
-)]
-fn last_point(name: &str, grid: SiemensGrid, step: &Placed) -> Result<u32, Complaint> {
-    let ratio = (grid.max - grid.min) / grid.step;
-    let last = ratio.round();
-    if last >= MOST_POINTS {
-        let message = format!("{name} would have {ratio:.0} points");
-        let help = "no control holds so many; correct MIN, STEP or MAX";
-        return Err(Complaint::new(step.span.clone(), message, help));
-    }
-    if (ratio - last).abs() >= RATIO_TOLERANCE || last < 1.0 {
-        return Err(Complaint::new(
-            step.span.clone(),
-            format!("(MAX-MIN)/STEP of {name} is {ratio}, expected a whole number from 1"),
-            "the last point must lie on MAX; controls differ in what they do otherwise",
-        ));
-    }
-    Ok(last as u32)
 }
 
 fn placed(set: &Assignment<'_>) -> Result<Placed, Complaint> {

@@ -156,7 +156,7 @@ fn each_flaw_is_refused_at_its_place() {
             "cannot have this value",
         ),
         (
-            cec("IS_MODULO[0]=0", "OUTPUT_NCU[0]=1"),
+            cec("IS_MODULO[0]=0", "OUTPUT_NCU[0]=-1"),
             "10:23",
             "cannot have this value",
         ),
@@ -243,6 +243,7 @@ fn program_form_and_data_form_are_the_same_tables() {
     );
     assert_eq!(program.tables.cec[0].direction, CecDirection::Both);
     assert!(program.notes.is_empty(), "{:?}", program.notes);
+    assert!(program.unwritten.is_empty(), "{:?}", program.unwritten);
 }
 
 #[test]
@@ -265,7 +266,7 @@ fn forms_that_a_control_accepts_are_accepted() {
             .replace("TABLE[0]=FALSE", "TABLE[0]=+0.0")
             + "M30",
         both.replace("=0.001\n", "=9\n") + &both + "STOPRE\nNEWCONF\nM30",
-        both + "$AN_CEC_TYPE[0]=0\n$AN_CEC_INPUT_NCU[0]=0\nM30",
+        both + "$AN_CEC_TYPE[0]=0\n$AN_CEC_INPUT_NCU[0]=0\n$AN_CEC_OUTPUT_NCU[0]=1\nM30",
     ];
     for text in forms {
         assert_eq!(contents(&text), plain, "{text}");
@@ -273,20 +274,45 @@ fn forms_that_a_control_accepts_are_accepted() {
 }
 
 #[test]
-fn defaults_and_stops_are_noted() {
+fn parameters_that_no_line_writes_and_stops_are_told() {
     let text = CEC.replace("$AN_CEC_DIRECTION[0]=0\n", "M0\n");
     let contents = contents(&(text + "M17"));
     assert_eq!(contents.tables.cec[0].direction, CecDirection::Both);
-    assert!(
-        contents.notes.iter().any(|note| note.contains("DIRECTION")),
-        "{:?}",
-        contents.notes
-    );
+    assert_eq!(contents.unwritten, ["DIRECTION of $AN_CEC[0]"]);
     assert!(
         contents.notes.iter().any(|note| note.starts_with("M0")),
         "{:?}",
         contents.notes
     );
+}
+
+/// As a real control writes them: points behind MAX, MAX between two points, tables that nobody filled.
+#[test]
+fn a_control_may_write_more_than_acts() {
+    let held = |text: &str| super::read_out("eec.ini", &format!("{text}M17\n")).unwrap();
+    let reserved = format!("{LEC}$AA_ENC_COMP[1,3,AX1]=0.009\n$AA_ENC_COMP[1,4,AX1]=0\n");
+    assert_eq!(held(&reserved).tables, held(LEC).tables);
+    assert!(!messages(&format!("{reserved}M17\n")).is_empty());
+    let grid = held(LEC).tables.lec[0].grid;
+    let open = |points: &str| {
+        let max = grid.max + grid.step / 2.0;
+        let text = format!("{LEC}$AA_ENC_COMP_MAX[1,AX1]={max}\n{points}");
+        held(&text).tables.lec[0].clone()
+    };
+    let without = open("");
+    assert_eq!((without.values.len(), without.grid.is_whole()), (3, false));
+    let with = open("$AA_ENC_COMP[1,3,AX1]=0.004\n$AA_ENC_COMP[1,4,AX1]=7\n");
+    assert_eq!(with.values.len(), 4);
+    let closed = |table: &LecTable| crate::table::siemens::closed(table.grid, &table.values);
+    let (grid_of, values, end) = closed(&with).unwrap();
+    assert_eq!((grid_of, values.len()), (grid, 3));
+    assert_eq!((end.point, end.differs_by), (2, Some(0.002)));
+    assert_eq!(closed(&without).unwrap().2.differs_by, None);
+    assert_eq!(closed(&held(LEC).tables.lec[0]), None);
+    let empty = "$AN_CEC[8,0]=0\n$AN_CEC_STEP[8]=10\n$AN_CEC_MIN[8]=5\n$AN_CEC_MAX[8]=5\n";
+    assert_eq!(held(empty).idle, ["AN_CEC[8]"]);
+    let filled = format!("{}M17\n", empty.replace("[8,0]=0", "[8,0]=0.1"));
+    assert!(super::read_out("cec.ini", &filled).is_err());
 }
 
 /// 802D sl Function Manual 11/2012: a point left out keeps what the control holds.

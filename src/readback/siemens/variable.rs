@@ -246,6 +246,16 @@ pub(super) fn only_zero(set: &Assignment<'_>, why: &str) -> Result<(), Complaint
     Ok(())
 }
 
+/// `INPUT_NCU`, `OUTPUT_NCU`: 1, as a real control writes beside the axes of a table, or 0 where
+/// nobody filled it. Others link axes of several NCUs.
+pub(super) fn own_ncu(set: &Assignment<'_>) -> Result<(), Complaint> {
+    const ALLOWED: &str = "0 or 1";
+    match whole(set, ALLOWED, 1)? {
+        0 | 1 => Ok(()),
+        _ => Err(not_allowed(set, ALLOWED)),
+    }
+}
+
 fn not_allowed(set: &Assignment<'_>, expected: &str) -> Complaint {
     Complaint::new(
         set.value_span.clone(),
