@@ -1,8 +1,9 @@
 //! Nine errors → the rows of an error table (contract §2.1).
 
 use super::evidence::Evidence;
+use super::not_counted::Silent;
 use super::separate::Separation;
-use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::error_table::{Draft, DraftSeries, Remarks};
 use crate::job::{BacklashPolicy, SetUp};
 
@@ -58,8 +59,14 @@ pub fn remarks(separation: &Separation) -> Remarks {
             .map(|term| (term, why.clone()))
             .collect(),
         hidden_reversal_um: separation.hidden_reversal_um,
+        angles_not_counted: by_term(&separation.not_counted.angles),
+        beam_not_counted: by_term(&separation.not_counted.beam),
         notes,
     }
+}
+
+fn by_term(silent: &Option<Silent>) -> Option<PerTerm<f64>> {
+    silent.as_ref().map(|silent| silent.by_term.clone())
 }
 
 fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> DraftSeries {
