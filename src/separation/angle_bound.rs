@@ -201,8 +201,8 @@ impl<'a> Rotated<'a> {
         let truth = |term| middle * gains.in_frame(term, &self.true_slopes);
         for term in ErrorTerm::ALL {
             let found = gains.slope(term, &change.ends_um, &separated);
-            let line = (found - separated[term] - truth(term)) * metres(term.along)
-                / volume.steps_f64();
+            let line =
+                (found - separated[term] - truth(term)) * metres(term.along) / volume.steps_f64();
             let pairs = effects.curves[term].iter_mut().zip(&change.raw[term]);
             let mut position = 0.0;
             for (sum, raw) in pairs {

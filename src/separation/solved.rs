@@ -216,7 +216,13 @@ impl Solved {
         per_plane(Plane::ALL.map(|plane| {
             let slope = self.squareness_slope(budget, gains, plane)?;
             let u_um_per_m = slope.u_um_per_m.hypot(angles.of(plane));
-            budget.of_slope(&Slope { u_um_per_m, ..slope }, self.both_ways)
+            budget.of_slope(
+                &Slope {
+                    u_um_per_m,
+                    ..slope
+                },
+                self.both_ways,
+            )
         }))
     }
 

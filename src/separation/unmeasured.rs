@@ -79,14 +79,15 @@ impl AngleEvidence {
         let names: Vec<String> = self.missing.iter().map(ToString::to_string).collect();
         let names = names.join(", ");
         Some(format!(
-            "angular errors without a measurement, counted as zero: {names}; the closure does not show them; {}",
+            "angular errors without a measurement, counted as zero: {names}; no reading shows pitch and yaw, and the figures are meant for the lines through the middle of the box; {}",
             self.counted(angle_urad)
         ))
     }
 
     fn counted(&self, angle_urad: Option<f64>) -> String {
         let Some(urad) = angle_urad else {
-            return "not included in U: state `angle_urad` in [measurement.uncertainty]".to_string();
+            return "not included in U: state `angle_urad` in [measurement.uncertainty]"
+                .to_string();
         };
         let order = match self.order {
             Some(_) => "",
