@@ -289,6 +289,7 @@ const ROWS: &[Row] = &[
         turning: Turning::All { bow: 1.0 },
         angle_urad: Some(3.0),
         beam_mrad: Some(1.0),
+        stated: true,
     },
 ];
 

@@ -33,6 +33,9 @@ pub struct AngleBound {
     pub squareness_um_per_m: PerPlane<f64>,
 }
 
+/// Below this a value of 1 µrad does not move a curve, µm.
+const DUST_UM: f64 = 1e-12;
+
 const ALL_ORDERS: [[Axis; 3]; 6] = [
     [Axis::X, Axis::Y, Axis::Z],
     [Axis::X, Axis::Z, Axis::Y],
@@ -52,12 +55,23 @@ impl AngleBound {
         gains: &SlopeGains,
     ) -> AngleBound {
         let mut largest = Squares::none(volume);
+        let walks = Walks::new(volume, reflector);
+        let mut known: Vec<(Rotation, PerAxis<bool>, Squares)> = Vec::new();
         let orders = order.as_ref().map_or(&ALL_ORDERS[..], std::slice::from_ref);
         for order in orders {
             let mut all = Squares::none(volume);
             for rotation in missing {
-                let rotated = Rotated::new(volume, *order, *rotation, reflector);
-                all.add(&rotated.effects(gains));
+                let carried = carried(order, rotation.along);
+                let found = known
+                    .iter()
+                    .find(|(r, c, _)| (r, c) == (rotation, &carried));
+                if let Some((_, _, effects)) = found {
+                    all.add(effects);
+                    continue;
+                }
+                let effects = Rotated::new(&walks, *rotation, carried).effects(gains);
+                all.add(&effects);
+                known.push((*rotation, carried, effects));
             }
             largest.raise(&all);
         }
@@ -109,15 +123,51 @@ impl Squares {
     }
 }
 
+/// The axes that an axis carries: those after it on the way from the workpiece to the tool.
+fn carried(order: &[Axis; 3], by: Axis) -> PerAxis<bool> {
+    let place = |axis: Axis| order.iter().position(|other| *other == axis);
+    PerAxis::from_fn(|axis| place(axis) > place(by))
+}
+
 /// What a value of a rotation changes.
 struct Change {
     ends_um: PerDiagonal<f64>,
-    /// First the separated increments, then their sums, µm.
-    raw: PerTerm<Vec<f64>>,
+    /// Of the separated increments, by interval, µm.
+    steps_um: PerTerm<Vec<f64>>,
+    /// Their sums, µm.
+    totals_um: PerTerm<f64>,
+}
+
+/// The passes along the diagonals, whatever turns.
+struct Walks<'a> {
+    volume: &'a Volume,
+    /// Places of the nodes from the low corner of the box, mm.
+    inside_mm: PerDiagonal<Vec<PerAxis<f64>>>,
+    /// R/4V of formula (1).
+    gain: PerAxis<f64>,
+    /// 1 where the mirror turns with the tool, else 0.
+    mirror: f64,
+}
+
+impl Walks<'_> {
+    fn new(volume: &Volume, reflector: Reflector) -> Walks<'_> {
+        let places = |d: Diagonal| -> Vec<PerAxis<f64>> {
+            let nodes = 0..=3 * volume.steps;
+            let place = |node| volume.inside_mm(d, PathKind::Step, node);
+            nodes.map(place).collect()
+        };
+        Walks {
+            volume,
+            inside_mm: PerDiagonal::from_fn(places),
+            gain: PerAxis::from_fn(|axis| noise_gain(volume, axis) / 2.0),
+            mirror: f64::from(reflector == Reflector::FlatMirror),
+        }
+    }
 }
 
 /// One rotation of 1 µrad at the readings.
 struct Rotated<'a> {
+    walks: &'a Walks<'a>,
     volume: &'a Volume,
     rotation: Rotation,
     /// What 1 µrad at a node does to its reading, µm.
@@ -129,36 +179,29 @@ struct Rotated<'a> {
 }
 
 impl<'a> Rotated<'a> {
-    fn new(
-        volume: &'a Volume,
-        order: [Axis; 3],
-        rotation: Rotation,
-        reflector: Reflector,
-    ) -> Rotated<'a> {
+    fn new(walks: &'a Walks<'a>, rotation: Rotation, carried: PerAxis<bool>) -> Rotated<'a> {
+        let volume = walks.volume;
         let about = PerAxis::from_fn(|axis| f64::from(axis == rotation.about));
-        let place = |axis: Axis| order.iter().position(|other| *other == axis);
-        let carried = |axis: Axis| place(axis) > place(rotation.along);
-        let mirror = f64::from(reflector == Reflector::FlatMirror);
+        let middle = PerAxis::from_fn(|axis| volume.size[axis].mm() / 2.0);
         let by_node = |d: Diagonal, at_start: bool| -> Vec<f64> {
-            let c = volume.laser(d).cross(about);
-            let start = volume.inside_mm(d, PathKind::Step, 0);
-            let weight = |node: usize| {
-                let here = volume.inside_mm(d, PathKind::Step, node);
-                let part = |axis: Axis| {
-                    let from = if at_start { start[axis] } else { here[axis] };
-                    let arm = from - volume.size[axis].mm() / 2.0;
-                    let lever = if carried(axis) { arm } else { 0.0 };
-                    c[axis] * (lever - mirror * (here[axis] - start[axis])) / 1000.0
-                };
-                part(Axis::X) + part(Axis::Y) + part(Axis::Z)
+            let c = volume.laser(d).cross(about).times(1.0 / 1000.0);
+            let lever = PerAxis::from_fn(|axis| f64::from(carried[axis]) * c[axis]);
+            let places = &walks.inside_mm[d];
+            let Some(start) = places.first() else {
+                return Vec::new();
             };
-            (0..=3 * volume.steps).map(weight).collect()
+            let weight = |here: &PerAxis<f64>| {
+                let from = if at_start { start } else { here };
+                lever.dot(from.minus(middle)) - walks.mirror * c.dot(here.minus(*start))
+            };
+            places.iter().map(weight).collect()
         };
         let true_slope = |term: ErrorTerm| {
             let along = PerAxis::from_fn(|axis| f64::from(axis == term.along));
-            f64::from(carried(term.along)) * about.cross(along)[term.of]
+            f64::from(carried[term.along]) * about.cross(along)[term.of]
         };
         Rotated {
+            walks,
             volume,
             rotation,
             own: PerDiagonal::from_fn(|d| by_node(d, false)),
@@ -173,7 +216,8 @@ impl<'a> Rotated<'a> {
         let mut effects = Squares::none(volume);
         let mut change = Change {
             ends_um: PerDiagonal::default(),
-            raw: PerTerm::from_fn(|_| vec![0.0; volume.steps + 1]),
+            steps_um: PerTerm::from_fn(|_| vec![0.0; volume.steps]),
+            totals_um: PerTerm::default(),
         };
         for index in 1..=volume.steps {
             self.fill(&mut change, index);
@@ -193,21 +237,23 @@ impl<'a> Rotated<'a> {
 
     /// Adds the amounts by which one value moves the figures.
     fn count(&self, effects: &mut Squares, change: &Change, middle: f64, gains: &SlopeGains) {
-        let volume = self.volume;
-        let metres = |axis: Axis| volume.size[axis].mm() / 1000.0;
-        let separated = PerTerm::from_fn(|term| {
-            change.raw[term].last().copied().unwrap_or(0.0) / metres(term.along)
-        });
+        let metres = |axis: Axis| self.volume.size[axis].mm() / 1000.0;
+        let separated = PerTerm::from_fn(|term| change.totals_um[term] / metres(term.along));
         let truth = |term| middle * gains.in_frame(term, &self.true_slopes);
         for term in ErrorTerm::ALL {
             let found = gains.slope(term, &change.ends_um, &separated);
-            let line =
-                (found - separated[term] - truth(term)) * metres(term.along) / volume.steps_f64();
-            let pairs = effects.curves[term].iter_mut().zip(&change.raw[term]);
-            let mut position = 0.0;
-            for (sum, raw) in pairs {
-                *sum += (raw + position * line).abs();
-                position += 1.0;
+            let line = found - separated[term] - truth(term);
+            let line_um = line * metres(term.along) / self.volume.steps_f64();
+            let steps = &change.steps_um[term];
+            if line_um.abs() < DUST_UM && steps.iter().all(|um| um.abs() < DUST_UM) {
+                continue;
+            }
+            // The first value of a curve is 0.
+            let sums = effects.curves[term].iter_mut().skip(1);
+            let mut moved = 0.0;
+            for (sum, step) in sums.zip(steps) {
+                moved += step + line_um;
+                *sum += moved.abs();
             }
         }
         let squareness = |plane: Plane| {
@@ -224,8 +270,9 @@ impl<'a> Rotated<'a> {
     fn fill(&self, change: &mut Change, index: usize) {
         let n = self.volume.steps;
         change.ends_um = PerDiagonal::default();
+        change.totals_um = PerTerm::default();
         for term in ErrorTerm::ALL {
-            change.raw[term].fill(0.0);
+            change.steps_um[term].fill(0.0);
         }
         let axis = self.rotation.along;
         for d in Diagonal::ALL {
@@ -244,13 +291,6 @@ impl<'a> Rotated<'a> {
                 for node in 0..=3 * n {
                     self.reading(change, d, node, -self.start[d][node]);
                 }
-            }
-        }
-        for term in ErrorTerm::ALL {
-            let mut sum = 0.0;
-            for value in &mut change.raw[term] {
-                sum += *value;
-                *value = sum;
             }
         }
     }
@@ -272,8 +312,10 @@ impl<'a> Rotated<'a> {
         let along = self.volume.moved(node);
         let interval = self.volume.interval(d, along, (node - 1) / 3);
         for of in Axis::ALL {
-            let gain = noise_gain(self.volume, of) / 2.0 * d.sign(along) * d.sign(of);
-            change.raw[ErrorTerm { of, along }][interval + 1] += gain * um;
+            let step = um * self.walks.gain[of] * d.sign(along) * d.sign(of);
+            let term = ErrorTerm { of, along };
+            change.steps_um[term][interval] += step;
+            change.totals_um[term] += step;
         }
     }
 }
