@@ -346,7 +346,7 @@ fn machine(row: &Row, random: &mut ChaCha8Rng) -> Rigid {
     };
     let urad = row.angle_urad.unwrap_or(0.0);
     let mut signed = || {
-        if random.next_u32() % 2 == 0 {
+        if random.next_u32().is_multiple_of(2) {
             urad
         } else {
             -urad

@@ -8,6 +8,8 @@
 
 #[path = "support/run.rs"]
 mod run;
+#[path = "support/skipped.rs"]
+mod skipped;
 
 use nonius::axis::ErrorTerm;
 use nonius::error_table::Remarks;
@@ -533,6 +535,25 @@ fn a_stated_bound_of_the_angles_widens_curves_and_squareness() {
         labels.contains("included in U: each within 10 µrad of its value at the low end"),
         "{labels}"
     );
+}
+
+/// A yaw bowed by 10 µrad with 10 stated: the squareness is off by 10 µm/m, and U says so.
+#[test]
+fn a_bowed_yaw_within_the_stated_bound_is_held() {
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/repro/yaw_bow");
+    if !case.is_dir() {
+        return skipped::skipped();
+    }
+    let page = json(&case, "separate job.toml --trials 0 --format json");
+    // Estimate less truth of its truth.txt: -13.947 + 24.046, 10.041 - 9.801, -14.765 + 14.708.
+    for (plane, truth) in [("xy", -24.046), ("xz", 9.801), ("yz", -14.708)] {
+        let of = |key: &str| page[key][plane].as_f64().unwrap();
+        let error = of("squareness_um_per_m") - truth;
+        assert!(
+            error.abs() < 2.0 * of("u_squareness_um_per_m"),
+            "{plane}: {error}"
+        );
+    }
 }
 
 /// What is not counted goes from the readings through the error table into whatever is made of it.

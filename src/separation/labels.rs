@@ -193,7 +193,14 @@ fn stated_labels(budget: &Budget<'_>) -> Vec<String> {
         None => "beam_mrad is not stated and not included".into(),
     });
     let s = budget.stated;
-    let any = [s.laser_ppm, s.temperature_k, s.alpha_per_k, s.setup_ppm];
+    let any = [
+        s.laser_ppm,
+        s.temperature_k,
+        s.alpha_per_k,
+        s.setup_ppm,
+        s.angle_urad,
+        s.beam_mrad,
+    ];
     if any.iter().any(Option::is_some) {
         said.push(
             "simulated intervals hold the noise of the readings and of the linear axes, not these"

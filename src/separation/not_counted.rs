@@ -33,7 +33,7 @@ pub struct NotCounted {
     pub angles: Option<Silent>,
     /// The beam against the mirror's normal, for each mrad² of its bound.
     pub beam: Option<Silent>,
-    /// What reflects the beam is turned past by it: a retroreflector has no normal.
+    /// A retroreflector has no normal: the beam then counts against the diagonal.
     retroreflector: bool,
 }
 
@@ -83,9 +83,20 @@ impl NotCounted {
         let beam = below(&self.beam).map(|mrad| (beam, mrad, "mrad"));
         let said = angles.into_iter().chain(beam);
         said.map(|(what, bound, unit)| {
-            format!("{what} not counted; U holds below {bound:.2} {unit}")
+            format!("{what} not counted; U holds below {} {unit}", short(bound))
         })
         .collect()
+    }
+}
+
+/// Two decimals, three where it is small, and never 0 unless it is.
+fn short(bound: f64) -> String {
+    if bound >= 0.1 {
+        format!("{bound:.2}")
+    } else if bound >= 0.001 {
+        format!("{bound:.3}")
+    } else {
+        "< 0.001".to_string()
     }
 }
 
