@@ -26,6 +26,7 @@
 //! from the totals instead, see [`metric`].
 
 pub mod agreement;
+pub mod angle_bound;
 pub mod closure;
 pub mod corrections;
 pub mod curves;
@@ -38,6 +39,7 @@ pub mod linear_reversal;
 pub mod metric;
 pub mod monte_carlo;
 pub mod noise;
+pub mod not_counted;
 pub mod outlier;
 pub mod plane;
 pub mod prediction;
@@ -45,6 +47,7 @@ pub mod prepare;
 pub mod propagation;
 pub mod repeats;
 pub mod reversal;
+pub mod slope_gains;
 pub mod straight;
 pub mod table;
 pub mod tilt;

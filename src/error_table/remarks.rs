@@ -6,16 +6,20 @@
 //!   # not determined: EXX: why this term has no values
 //!   # reversal not held: 9.146 um along the diagonals
 //!   # degrees of freedom: 3
+//!   # angles not counted, um per urad: EXX 0.0012, EYX 0.2345
+//!   # beam not counted, um per mrad2: EXX 0.0012, EYX 0.2345
 //!   # note: what whoever uses the values has to know
 //! ```
 //! Any other comment is free text and means nothing to the program.
 
-use crate::axis::ErrorTerm;
+use crate::axis::{ErrorTerm, PerTerm};
 
 const DOUBT: &str = "doubt:";
 const NOT_DETERMINED: &str = "not determined:";
 const REVERSAL: &str = "reversal not held:";
 const FREEDOM: &str = "degrees of freedom:";
+const ANGLES: &str = "angles not counted, um per urad:";
+const BEAM: &str = "beam not counted, um per mrad2:";
 const NOTE: &str = "note:";
 
 /// The words by which a simulation is told from a measurement: a note of the table begins so.
@@ -33,6 +37,12 @@ pub struct Remarks {
     pub hidden_reversal_um: Option<f64>,
     /// Degrees of freedom of the estimate behind the `u_…` columns; `None` = as good as known.
     pub degrees_of_freedom: Option<f64>,
+    /// Standard uncertainty (k = 1) that unmeasured angles make where they move a curve most, µm for
+    /// each µrad of their bound; the columns `u_…` do not hold it. `None` = counted, or none is known.
+    pub angles_not_counted: Option<PerTerm<f64>>,
+    /// The same of the beam against the mirror's normal, µm for each mrad²: it grows with the
+    /// square of the bound.
+    pub beam_not_counted: Option<PerTerm<f64>>,
     /// What whoever uses the values has to know.
     pub notes: Vec<String>,
 }
@@ -66,6 +76,8 @@ impl Remarks {
         let both = [self.degrees_of_freedom, other.degrees_of_freedom];
         let fewer = |a: f64, b: f64| if b < a { b } else { a };
         self.degrees_of_freedom = both.into_iter().flatten().reduce(fewer);
+        raise(&mut self.angles_not_counted, other.angles_not_counted);
+        raise(&mut self.beam_not_counted, other.beam_not_counted);
     }
 
     fn hear(&mut self, comment: &str) {
@@ -74,6 +86,10 @@ impl Remarks {
             self.doubts.push(words);
         } else if let Some(words) = after(NOTE) {
             self.notes.push(words);
+        } else if let Some(found) = after(ANGLES).as_deref().and_then(by_term) {
+            raise(&mut self.angles_not_counted, Some(found));
+        } else if let Some(found) = after(BEAM).as_deref().and_then(by_term) {
+            raise(&mut self.beam_not_counted, Some(found));
         } else if let Some(words) = after(REVERSAL) {
             let um = words.split_whitespace().next().unwrap_or_default();
             let um: Option<f64> = um.parse().ok();
@@ -98,11 +114,43 @@ impl Remarks {
         let missing = missing.map(|(term, why)| format!("{NOT_DETERMINED} {term}: {why}"));
         let reversal = self.hidden_reversal_um.iter();
         let reversal = reversal.map(|um| format!("{REVERSAL} {um:.3} um along the diagonals"));
+        let silent = [
+            (ANGLES, &self.angles_not_counted),
+            (BEAM, &self.beam_not_counted),
+        ];
+        let silent = silent.into_iter().filter_map(|(key, found)| {
+            let found = found.as_ref()?.iter();
+            let moved = found.filter(|(_, um)| **um > 0.0);
+            let words: Vec<String> = moved.map(|(term, um)| format!("{term} {um:.4}")).collect();
+            Some(format!("{key} {}", words.join(", ")))
+        });
+        let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
         let freedom = self.degrees_of_freedom.iter();
         let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
-        let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
-        let typed = missing.chain(reversal).chain(freedom);
-        doubts.chain(typed).chain(notes).collect()
+        let first = doubts.chain(missing).chain(reversal).chain(freedom);
+        first.chain(silent).chain(notes).collect()
+    }
+}
+
+/// `EXX 0.0123, EYX 0.45`: a value of at least 0 for each term, 0 for the others; `None` where the
+/// words are anything else.
+fn by_term(words: &str) -> Option<PerTerm<f64>> {
+    let mut found = PerTerm::default();
+    for pair in words.split(',').filter(|pair| !pair.trim().is_empty()) {
+        let (term, um) = pair.trim().split_once(' ')?;
+        let um: f64 = um.trim().parse().ok()?;
+        let is_size = um.is_finite() && um >= 0.0;
+        found[ErrorTerm::from_name(term).filter(|_| is_size)?] = um;
+    }
+    Some(found)
+}
+
+/// The larger of both for each term.
+fn raise(of: &mut Option<PerTerm<f64>>, other: Option<PerTerm<f64>>) {
+    let Some(other) = other else { return };
+    let own = of.get_or_insert_with(PerTerm::default);
+    for (term, um) in other.iter() {
+        own[term] = own[term].max(*um);
     }
 }
 
@@ -120,6 +168,10 @@ mod tests {
                 .collect(),
             hidden_reversal_um: Some(9.125),
             degrees_of_freedom: Some(3.0),
+            angles_not_counted: Some(PerTerm::from_fn(|term| {
+                if term.is_positioning() { 0.0 } else { 0.0625 }
+            })),
+            beam_not_counted: Some(PerTerm::default()),
             notes: vec!["frame: X primary".to_string()],
         };
         let mut table = "# made by hand\n#doubtful\n".to_string();

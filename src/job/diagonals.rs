@@ -127,12 +127,23 @@ pub struct StatedUncertainty {
     pub alpha_per_k: Option<f64>,
     /// Change of length scale (laser, air, scales) from one set-up to the next, 10⁻⁶.
     pub setup_ppm: Option<f64>,
-    /// Change of each pitch, yaw and roll that was not measured, from one end of the box to the
-    /// other, µrad.
+    /// Bound on each pitch, yaw and roll that was not measured: how far it departs anywhere in the
+    /// box from its value at the low end of its axis, whatever its shape, µrad.
     pub angle_urad: Option<f64>,
+    /// Bound on the angle between the beam and the mirror's normal (straight runs: and the
+    /// diagonal), mrad.
+    pub beam_mrad: Option<f64>,
     /// Tilt of the mirror in each direction across the diagonal where the set-up is assumed
     /// perfect, seconds of arc.
     pub tilt_arcsec: Option<f64>,
+}
+
+impl StatedUncertainty {
+    /// What the beam may take off every length, 10⁻⁶: 1 − cos of `beam_mrad`. All of it counts as a
+    /// standard uncertainty: it has one sign and stays in the readings.
+    pub fn beam_ppm(&self) -> f64 {
+        self.beam_mrad.map_or(0.0, |mrad| mrad * mrad / 2.0)
+    }
 }
 
 /// Places that the lever arms of angular errors are counted from; machine coordinates, `None` =

@@ -126,6 +126,7 @@ fn unused(uncertainty: &StatedUncertainty) -> Vec<String> {
         ("alpha_per_k", uncertainty.alpha_per_k),
         ("setup_ppm", uncertainty.setup_ppm),
         ("angle_urad", uncertainty.angle_urad),
+        ("beam_mrad", uncertainty.beam_mrad),
         ("tilt_arcsec", uncertainty.tilt_arcsec),
     ];
     for (key, _) in stated.iter().filter(|(_, value)| value.is_some()) {
@@ -147,6 +148,7 @@ fn uncertainty(section: &Section<'_>) -> StatedUncertainty {
         alpha_per_k: section.not_negative("alpha_per_k"),
         setup_ppm: section.not_negative("setup_ppm"),
         angle_urad: section.not_negative("angle_urad"),
+        beam_mrad: section.not_negative("beam_mrad"),
         tilt_arcsec: section.not_negative("tilt_arcsec"),
     };
     section.refuse_unknown_keys();

@@ -82,24 +82,12 @@ pub fn without_expansion(
 /// ```
 #[derive(Clone, Debug)]
 pub struct AngleModel<'a> {
-    rotations: Rotations<'a>,
+    table: &'a ErrorTable,
     chain: [Axis; 3],
     levers: Levers,
     /// Where the levers count from, mm.
     origin: PerAxis<f64>,
     reflector: Reflector,
-}
-
-/// Where the rotations come from.
-#[derive(Clone, Debug)]
-enum Rotations<'a> {
-    Measured(&'a ErrorTable),
-    /// One rotation that grows evenly by 1 µrad over the box, zero in its middle.
-    Unit {
-        rotation: Rotation,
-        middle_mm: f64,
-        length_mm: f64,
-    },
 }
 
 impl<'a> AngleModel<'a> {
@@ -112,7 +100,7 @@ impl<'a> AngleModel<'a> {
         reflector: Reflector,
     ) -> AngleModel<'a> {
         AngleModel {
-            rotations: Rotations::Measured(table),
+            table,
             chain: chain.order(),
             levers: *levers,
             origin,
@@ -120,67 +108,25 @@ impl<'a> AngleModel<'a> {
         }
     }
 
-    /// One rotation of 1 µrad between the ends of the box, with angle and levers zero in the
-    /// middle of the box: its curves of the lines through the middle are zero, so whatever a
-    /// separation finds of it is false.
-    pub fn unit(
-        volume: &Volume,
-        chain: [Axis; 3],
-        rotation: Rotation,
-        reflector: Reflector,
-    ) -> AngleModel<'static> {
-        let middle =
-            PerAxis::from_fn(|axis| volume.start[axis].mm() + volume.size[axis].mm() / 2.0);
-        AngleModel {
-            rotations: Rotations::Unit {
-                rotation,
-                middle_mm: middle[rotation.along],
-                length_mm: volume.size[rotation.along].mm(),
-            },
-            chain,
-            levers: Levers::default(),
-            origin: middle,
-            reflector,
-        }
-    }
-
     /// Whether no angle is known.
     pub fn is_empty(&self) -> bool {
-        match &self.rotations {
-            Rotations::Measured(table) => Axis::ALL.into_iter().all(|axis| {
-                let none = |s: &Series| s.angles_urad.iter().all(|(_, angles)| angles.is_none());
-                table.series(axis).iter().all(none)
-            }),
-            Rotations::Unit { .. } => false,
-        }
+        Axis::ALL.into_iter().all(|axis| {
+            let none = |s: &Series| s.angles_urad.iter().all(|(_, angles)| angles.is_none());
+            self.table.series(axis).iter().all(none)
+        })
     }
 
     /// Whether a rotation is known, in every direction that the table has.
     fn knows(&self, wanted: Rotation) -> bool {
-        match &self.rotations {
-            Rotations::Measured(table) => {
-                let all = table.series(wanted.along);
-                let known = |s: &Series| s.angles_urad[wanted.about].is_some();
-                !all.is_empty() && all.iter().all(known)
-            }
-            Rotations::Unit { rotation, .. } => *rotation == wanted,
-        }
+        let all = self.table.series(wanted.along);
+        let known = |s: &Series| s.angles_urad[wanted.about].is_some();
+        !all.is_empty() && all.iter().all(known)
     }
 
     /// Rotation of an axis at a machine position, µrad. What was not measured counts as zero;
     /// [`AngleEvidence`] names it.
     fn rotation(&self, axis: Axis, position: f64, direction: Direction) -> PerAxis<f64> {
-        match &self.rotations {
-            Rotations::Measured(table) => measured_rotation(table, axis, position, direction),
-            Rotations::Unit {
-                rotation,
-                middle_mm,
-                length_mm,
-            } => PerAxis::from_fn(|about| {
-                let turns = Rotation { about, along: axis } == *rotation;
-                f64::from(turns) * (position - middle_mm) / length_mm
-            }),
-        }
+        measured_rotation(self.table, axis, position, direction)
     }
 
     /// What is known of the angles and their levers.
@@ -267,9 +213,7 @@ impl<'a> AngleModel<'a> {
     /// Problems: angles that do not cover the measured box.
     pub fn check(&self, volume: &Volume) -> Result<(), Problems> {
         let mut problems = Problems::none();
-        let Rotations::Measured(table) = &self.rotations else {
-            return Ok(());
-        };
+        let table = self.table;
         for axis in Axis::ALL {
             let (low, high) = (
                 volume.start[axis].mm(),

@@ -59,8 +59,7 @@ pub(super) fn common_labels(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec
     }
     labels.extend(budget_labels(budget));
     let (angles, stated) = (campaign.angle_evidence(), campaign.stated.angle_urad);
-    let path = (measurement.kind, measurement.target);
-    labels.extend(angles.sentences(&measurement.volume, path, stated));
+    labels.extend(angles.sentences(stated));
     labels.extend(line_labels(campaign));
     labels
 }
@@ -189,8 +188,19 @@ fn stated_labels(budget: &Budget<'_>) -> Vec<String> {
         Some(ppm) => format!("setup_ppm ({ppm}) is included: laser, air and scales change so much from one set-up to the next; each ppm makes µm/m of squareness: {each}"),
         None => format!("setup_ppm is not stated: changes of laser, air and scale temperature between the four set-ups are not included; each ppm (0.09 K of steel) makes µm/m of squareness: {each}"),
     });
+    said.push(match budget.stated.beam_mrad {
+        Some(mrad) => format!("beam_mrad ({mrad}) is included: it takes up to {:.3} µm/m off every diagonal, and all of that counts as k = 1", budget.stated.beam_ppm()),
+        None => "beam_mrad is not stated and not included".into(),
+    });
     let s = budget.stated;
-    let any = [s.laser_ppm, s.temperature_k, s.alpha_per_k, s.setup_ppm];
+    let any = [
+        s.laser_ppm,
+        s.temperature_k,
+        s.alpha_per_k,
+        s.setup_ppm,
+        s.angle_urad,
+        s.beam_mrad,
+    ];
     if any.iter().any(Option::is_some) {
         said.push(
             "simulated intervals hold the noise of the readings and of the linear axes, not these"

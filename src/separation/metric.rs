@@ -13,6 +13,8 @@
 //! squareness errors and one combination of the scales; two linear axes or other beams close it.
 //! Source: derived and confirmed by simulation in the project's reference on the step-diagonal
 //! method (docs/method.md §5); same idea as Ibaraki and Hata (2010). Neglected: P², about 10⁻⁹.
+//! Exact for any η where the beam meets the mirror along its normal; at an angle α to it every
+//! diagonal reads α²/2 short.
 
 pub use super::plane::{PerPlane, Plane};
 

@@ -1,6 +1,7 @@
 //! A whole measurement of step diagonals, from its runs to the nine errors.
 
 use super::agreement::Agreement;
+use super::angle_bound::AngleBound;
 use super::campaign::{Campaign, corrected};
 use super::closure::{Closure, Known, closure};
 use super::corrections::recorded;
@@ -13,6 +14,7 @@ use super::labels::labels;
 use super::linear_reversal::{self, LinearReversals, set_apart};
 use super::metric::{Metric, PerPlane, Plane};
 use super::noise::{CorrectedRun, Noise, coverage_factor, known_noise, means, run_counts};
+use super::not_counted::{Figures, NotCounted};
 use super::repeats::repeats;
 use super::reversal::{Turn, ran_over, separable, turn};
 use super::solved::{naive_squareness, solve_readings};
@@ -22,7 +24,7 @@ use super::uncertainty::Budget;
 use super::unmeasured;
 use crate::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::job::{Material, SetUp};
+use crate::job::{Material, SetUp, StatedUncertainty};
 
 /// What a measurement of step diagonals says, and what it does not.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +43,8 @@ pub struct Separation {
     pub squareness_um_per_m: PerPlane<Option<f64>>,
     /// Its standard uncertainty, µm/m; `None` = not known.
     pub u_squareness_um_per_m: PerPlane<Option<f64>>,
+    /// What the job does not state and no uncertainty holds.
+    pub not_counted: NotCounted,
     /// Effective degrees of freedom of that; `None` = unlimited, or not known.
     pub squareness_freedom: PerPlane<Option<f64>>,
     /// φ of least squares lines through the separated curves, µm/m.
@@ -201,14 +205,26 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
         reversals
     };
     set_apart(&mut errors, &reversals);
+    let slope_gains = solved.slope_gains(&gains);
+    let angles = campaign.angle_evidence();
+    let angles = angles.bound(volume, measurement.target, &slope_gains);
     unmeasured::book(
         &mut errors,
         volume,
-        measurement.target,
         &campaign.stated,
-        &campaign.angle_evidence(),
+        angles.as_ref(),
         &|term| solved.keeps_separated_slope(term),
     );
+    let counted = counted_angles(angles.as_ref(), &campaign.stated);
+    let u_squareness = solved.u_squareness(&budget, &gains, &counted);
+    let figures_of = Figures {
+        volume,
+        errors: &errors,
+        u_squareness: u_squareness.map(|u| Some(u?.u_um_per_m)),
+        gains: &slope_gains,
+    };
+    let reflector = measurement.target;
+    let not_counted = NotCounted::of(&figures_of, &campaign.stated, reflector, angles.as_ref());
     let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
     let zeroed_runs: Vec<CorrectedRun> = runs.iter().filter(zeroed).cloned().collect();
     let (mut diagonals, range_over_all_um) = figures(&zeroed_runs, PathKind::Step);
@@ -234,7 +250,6 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     doubts.extend(
         of_turn.flat_map(|turn| linear_reversal::contradictions(turn, &campaign.reversals)),
     );
-    let u_squareness = solved.u_squareness(&budget, &gains);
     let hidden = (overrun == Some(true) && campaign.reverse_zero_known)
         .then(|| doubt::hidden_reversal_um(&measured, noise, volume, &reversals))
         .flatten();
@@ -246,6 +261,7 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
         }),
         naive_slopes_um_per_m: solved.naive_slopes(volume),
         squareness_um_per_m: solved.squareness(measurement.setup),
+        not_counted,
         u_squareness_um_per_m: u_squareness.map(|u| Some(u?.u_um_per_m)),
         squareness_freedom: u_squareness.map(|u| u?.freedom),
         squareness_least_squares_um_per_m: least_squares_squareness(volume, &errors.mean),
@@ -271,6 +287,17 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
         zeroed_runs,
         means: measured,
     }
+}
+
+/// Uncertainty of φ by the unmeasured angles with the bound that the job states, µm/m.
+pub(super) fn counted_angles(
+    bound: Option<&AngleBound>,
+    stated: &StatedUncertainty,
+) -> PerPlane<f64> {
+    let counted = bound.zip(stated.angle_urad);
+    counted.map_or_else(PerPlane::default, |(bound, urad)| {
+        bound.squareness_um_per_m.map(|u| urad * u)
+    })
 }
 
 /// Nine curves (without regard to direction, without uncertainties) and squareness of mean

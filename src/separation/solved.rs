@@ -12,6 +12,7 @@ use super::metric::{
 };
 use super::plane::per_plane;
 use super::reversal::Turn;
+use super::slope_gains::SlopeGains;
 use super::straight::{Totals, totals};
 use super::uncertainty::{Budget, Side, Slope, SlopeFrom, SlopeUncertainty};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
@@ -205,16 +206,52 @@ impl Solved {
         })
     }
 
-    /// Uncertainty of φ.
+    /// Uncertainty of φ; `angles` = that of the unmeasured angles, µm/m.
     pub(super) fn u_squareness(
         &self,
         budget: &Budget<'_>,
         gains: &EndGains,
+        angles: &PerPlane<f64>,
     ) -> PerPlane<Option<SlopeUncertainty>> {
         per_plane(Plane::ALL.map(|plane| {
             let slope = self.squareness_slope(budget, gains, plane)?;
-            budget.of_slope(&slope, self.both_ways)
+            let u_um_per_m = slope.u_um_per_m.hypot(angles.of(plane));
+            budget.of_slope(
+                &Slope {
+                    u_um_per_m,
+                    ..slope
+                },
+                self.both_ways,
+            )
         }))
+    }
+
+    /// Slopes and squareness as functions of totals and separated slopes.
+    pub(super) fn slope_gains(&self, gains: &EndGains) -> SlopeGains {
+        let squareness = |plane: Plane| match self.setup {
+            SetUp::Solve => gains.squareness(plane),
+            SetUp::AssumePerfect => self.by_end_of_totals(plane),
+        };
+        let part = |plane: Plane, share: f64| {
+            let all = squareness(plane);
+            PerDiagonal::from_fn(|d| share * all[d])
+        };
+        let none = PerDiagonal::default();
+        let of = |term: ErrorTerm| match (self.setup, self.frame) {
+            _ if self.keeps_separated_slope(term) => (none, [1.0, 0.0]),
+            _ if term.is_positioning() => (gains.scale(term.along), [0.0; 2]),
+            (_, Frame::AsMeasured) => (part(plane_of(term), 0.5), [0.5, -0.5]),
+            (_, Frame::XPrimary) if carries_squareness(term) => {
+                (part(plane_of(term), 1.0), [0.0; 2])
+            }
+            (_, Frame::XPrimary) => (none, [0.0; 2]),
+        };
+        SlopeGains {
+            by_end: PerTerm::from_fn(|term| of(term).0),
+            by_separated: PerTerm::from_fn(|term| of(term).1),
+            squareness: per_plane(Plane::ALL.map(squareness)),
+            own_slopes: self.frame == Frame::AsMeasured,
+        }
     }
 
     /// How the slopes change with the totals.

@@ -11,13 +11,17 @@ use super::agreement::{Agreement, agreement};
 use super::beams::whole_line;
 use super::campaign::{Campaign, corrected};
 use super::corrections::recorded;
+use super::evidence::NineErrors;
 use super::labels::common_labels;
 use super::line::range;
 use super::metric::{self, Metric, PerPlane, Plane, StraightLine, end_gains, solve};
 use super::noise::{CorrectedRun, Noise, known_noise, run_counts};
+use super::not_counted::{Figures, NotCounted};
 use super::plane::per_plane;
 use super::prediction::{ClosureTests, closure_tests};
 use super::repeats::repeats;
+use super::separate::counted_angles;
+use super::slope_gains::SlopeGains;
 use super::uncertainty::{Budget, Slope, SlopeUncertainty};
 use crate::axis::PerAxis;
 use crate::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
@@ -143,6 +147,8 @@ pub struct StraightResult {
     pub agreement: Option<Agreement>,
     /// Uncertainty of the squareness; `None` = not known.
     pub u_squareness: PerPlane<Option<SlopeUncertainty>>,
+    /// What the job does not state and no uncertainty holds.
+    pub not_counted: NotCounted,
     /// Uncertainty of the scales; `None` where it or that of a line is not known.
     pub u_scale: PerAxis<Option<SlopeUncertainty>>,
     /// Noise of a single reading: from repeated runs, or stated.
@@ -200,7 +206,27 @@ pub fn straight(
         budget.of_slope(&slope, both_ways)
     };
     let u_scale = |axis| known(metric.u_scale(axis), gains.scale(axis));
-    let u_squareness = |plane| known(metric.u_squareness(plane), gains.squareness(plane));
+    let slope_gains = SlopeGains {
+        squareness: per_plane(Plane::ALL.map(|plane| gains.squareness(plane))),
+        ..SlopeGains::default()
+    };
+    let angles = campaign.angle_evidence();
+    let angles = angles.bound(volume, measurement.target, &slope_gains);
+    let counted = counted_angles(angles.as_ref(), &campaign.stated);
+    let u_squareness = |plane| {
+        let u = metric.u_squareness(plane);
+        let u = u.map(|u| u.hypot(counted.of(plane)));
+        known(u, gains.squareness(plane))
+    };
+    let u_squareness = per_plane(Plane::ALL.map(u_squareness));
+    let figures_of = Figures {
+        volume,
+        errors: &NineErrors::default(),
+        u_squareness: u_squareness.map(|u| Some(u?.u_um_per_m)),
+        gains: &slope_gains,
+    };
+    let reflector = measurement.target;
+    let not_counted = NotCounted::of(&figures_of, &campaign.stated, reflector, angles.as_ref());
     let outliers = repeats.outliers.iter();
     let disturbed = outliers.map(|outlier| {
         format!(
@@ -217,7 +243,8 @@ pub fn straight(
         }),
         range_over_all_um,
         totals: totals(volume, &ends),
-        u_squareness: per_plane(Plane::ALL.map(u_squareness)),
+        u_squareness,
+        not_counted,
         u_scale: PerAxis::from_fn(|axis| metric.scale[axis].and_then(|_| u_scale(axis))),
         agreement,
         doubts: disturbed.chain(contradiction).collect(),

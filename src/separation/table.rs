@@ -2,8 +2,9 @@
 
 use super::evidence::Evidence;
 use super::noise::Noise;
+use super::not_counted::Silent;
 use super::separate::Separation;
-use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::error_table::{Draft, DraftSeries, Remarks};
 use crate::job::{BacklashPolicy, SetUp};
 
@@ -60,8 +61,14 @@ pub fn remarks(separation: &Separation) -> Remarks {
             .collect(),
         hidden_reversal_um: separation.hidden_reversal_um,
         degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
+        angles_not_counted: by_term(&separation.not_counted.angles),
+        beam_not_counted: by_term(&separation.not_counted.beam),
         notes,
     }
+}
+
+fn by_term(silent: &Option<Silent>) -> Option<PerTerm<f64>> {
+    silent.as_ref().map(|silent| silent.by_term.clone())
 }
 
 fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> DraftSeries {

@@ -137,11 +137,18 @@ impl Budget<'_> {
         Some(self.noise?.sigma_um.squared() * self.end_variance(diagonal, both_ways))
     }
 
+    /// Length scale that each set-up has for itself, 10⁻⁶. The beam counts here and among the common
+    /// causes: it may lean alike in all set-ups, or in some of them only.
+    fn setup_ppm(&self) -> f64 {
+        let stated = self.stated.setup_ppm.unwrap_or(0.0);
+        stated.hypot(self.stated.beam_ppm())
+    }
+
     /// Stated contributions to a slope of the increments, µm/m.
     pub(super) fn stated_slope(&self, term: ErrorTerm) -> f64 {
         // V_k/(4V_j) Σ_d s_dj s_dk ε_d with independent ε_d.
         let edges = self.volume.size[term.along].mm() / self.volume.size[term.of].mm();
-        let setups = edges / 2.0 * self.stated.setup_ppm.unwrap_or(0.0);
+        let setups = edges / 2.0 * self.setup_ppm();
         let common = self.common_um_per_m().into_iter().map(|strain| {
             if term.is_positioning() {
                 strain[term.along]
@@ -170,7 +177,8 @@ impl Budget<'_> {
         let temperature = temperature.map(|u| axes(&|m| Some(m.alpha_per_k * u)));
         let alpha = self.stated.alpha_per_k;
         let alpha = alpha.map(|u| axes(&|m| Some(u * (m.temperature_c? - REFERENCE_C))));
-        let all = [laser, temperature, alpha].into_iter().flatten();
+        let beam = Some(PerAxis::from_fn(|_| self.stated.beam_ppm()));
+        let all = [laser, temperature, alpha, beam].into_iter().flatten();
         all.filter(|strain| Axis::ALL.into_iter().any(|axis| strain[axis] != 0.0))
             .collect()
     }
@@ -178,7 +186,7 @@ impl Budget<'_> {
     /// Uncertainty of the totals by their length, as formula (7) takes it.
     pub fn totals(&self, both_ways: bool) -> TotalsUncertainty {
         let metres = self.volume.diagonal_mm() / 1000.0;
-        let setups = self.stated.setup_ppm.unwrap_or(0.0);
+        let setups = self.setup_ppm();
         TotalsUncertainty {
             own_um_per_m: PerDiagonal::from_fn(|d| {
                 let noise = self
@@ -193,7 +201,7 @@ impl Budget<'_> {
 
     /// u(φ) = R/(4 V_j V_k)·√Σ u²(e_d(end)), µm/m: squareness from the totals as they are, formula (4).
     pub fn u_squareness(&self, both_ways: bool) -> Option<PerPlane<f64>> {
-        let setups = self.volume.diagonal_mm() / 1000.0 * self.stated.setup_ppm.unwrap_or(0.0);
+        let setups = self.volume.diagonal_mm() / 1000.0 * self.setup_ppm();
         let ends: Option<Vec<f64>> = Diagonal::ALL
             .into_iter()
             .map(|d| self.end_variance_um2(d, both_ways))
@@ -226,7 +234,7 @@ impl Budget<'_> {
             self.volume.size[term.along].mm(),
             self.volume.size[term.of].mm(),
         );
-        let setups = (along / of - of / along) / 4.0 * self.stated.setup_ppm.unwrap_or(0.0);
+        let setups = (along / of - of / along) / 4.0 * self.setup_ppm();
         Some((noise, noise.hypot(setups)))
     }
 

@@ -10,6 +10,7 @@ use crate::problem::Problems;
 use crate::separation::metric::{PerPlane, Plane};
 use crate::separation::monte_carlo::{Simulated, measured_coverage};
 use crate::separation::noise::{Noise, coverage_factor, repeatability_um};
+use crate::separation::not_counted::NotCounted;
 use crate::separation::outlier::Outlier;
 use crate::separation::reversal::{Estimate, Turn};
 use crate::separation::{Evidence, Separation};
@@ -184,8 +185,22 @@ pub(super) fn separation(
         page.insert("monte_carlo".into(), monte_carlo(simulated));
     }
     page.insert("doubts".into(), json!(separation.doubts));
+    holds_below(&mut page, &separation.not_counted);
     page.insert("labels".into(), json!(separation.labels));
     Ok(Value::Object(page))
+}
+
+/// Bounds of what no U holds, below which it holds nevertheless.
+pub(super) fn holds_below(page: &mut Map<String, Value>, not_counted: &NotCounted) {
+    let causes = [
+        ("holds_below_angle_urad", &not_counted.angles),
+        ("holds_below_beam_mrad", &not_counted.beam),
+    ];
+    for (key, silent) in causes {
+        if let Some(bound) = silent.as_ref().and_then(|silent| silent.holds_below) {
+            page.insert(key.into(), json!(picometres(bound)));
+        }
+    }
 }
 
 /// Reversals of a turn: by term, at both ends of each axis, and from each diagonal alone.

@@ -3,7 +3,7 @@
 use super::advice::advice;
 use super::agreement;
 use super::diagonals::{StandardFigures, diagonal_table};
-use super::document::{noise, planes};
+use super::document::{holds_below, noise, planes};
 use super::words::{
     SQUARENESS_SIGN, doubtful, expanded, freedom, list, shown, signed, three, undetermined,
 };
@@ -48,9 +48,11 @@ fn outcome(result: &StraightResult) -> String {
     } else {
         format!("scale of {}", scales.join(", "))
     };
-    format!(
+    let mut lines = vec![format!(
         "Straight runs along the four body diagonals: squareness XY, XZ, YZ; {scales}; no straightness (that needs single-axis steps)"
-    )
+    )];
+    lines.extend(result.not_counted.sentences());
+    lines.join("\n")
 }
 
 fn squareness(result: &StraightResult) -> String {
@@ -177,6 +179,7 @@ pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
         page.insert("closure_test".into(), closure_document(closure));
     }
     page.insert("doubts".into(), json!(result.doubts));
+    holds_below(&mut page, &result.not_counted);
     page.insert("labels".into(), json!(result.labels));
     Ok(Value::Object(page))
 }

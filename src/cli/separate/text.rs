@@ -45,7 +45,7 @@ pub(super) fn summary(
     ]))
 }
 
-/// What was determined, in one line.
+/// What was determined, in one line, and what no U holds.
 fn outcome(separation: &Separation) -> String {
     let errors = separation.errors.mean.iter();
     let count = errors.filter(|(_, found)| found.is_some()).count();
@@ -59,10 +59,12 @@ fn outcome(separation: &Separation) -> String {
         (SetUp::Solve, Some(_)) => "set-up solved for",
         (SetUp::Solve, None) => "tilt of the mirror not determined",
     };
-    format!(
+    let mut lines = vec![format!(
         "Determined: {count} of 9 errors; squareness {}; {set_up}",
         planes.join(", ")
-    )
+    )];
+    lines.extend(separation.not_counted.sentences());
+    lines.join("\n")
 }
 
 /// The first thing to read where the set-up is assumed; the label says the rest.
