@@ -149,14 +149,8 @@ pub fn closure(volume: &Volume, means: &Means, runs: &RunCounts, known: Known<'_
     let all = by_group(volume, means);
     let by_interval = mean_of(volume, &all);
     let mean = PerAxis::from_fn(|axis| by_interval[axis].iter().sum::<f64>() / volume.steps_f64());
-    let rows = rows(volume, groups, known.skip_ends);
-    let values: Vec<f64> = rows
-        .iter()
-        .map(|row| all[row.group][row.axis][row.interval])
-        .collect();
-    let both = means.reverse.is_some();
-    let judged = Patterns::new(volume, groups, rows, values, runs, both)
-        .map(|patterns| judge(patterns, known));
+    let judged = patterns(volume, means, &all, runs, known.skip_ends);
+    let judged = judged.map(|patterns| judge(patterns, known));
     let judged = judged.unwrap_or_default();
     Closure {
         by_interval,
@@ -167,6 +161,38 @@ pub fn closure(volume: &Volume, means: &Means, runs: &RunCounts, known: Known<'_
         freedom: judged.freedom,
         outliers: [known.outliers, &judged.outliers].concat(),
     }
+}
+
+/// Q for readings of 1 µm and ν, with nothing left out but the constants of the axes and the
+/// disturbed readings of single runs: what one naming of the readings is compared with another by.
+pub(super) fn undisturbed(
+    volume: &Volume,
+    means: &Means,
+    runs: &RunCounts,
+    known: Known<'_>,
+) -> (f64, usize) {
+    let all = by_group(volume, means);
+    let patterns = patterns(volume, means, &all, runs, known.skip_ends);
+    patterns.map_or((0.0, 0), |mut patterns| {
+        let named = known.outliers.iter().flat_map(|outlier| &outlier.readings);
+        named.for_each(|place| patterns.leave_out(place));
+        patterns.scatter()
+    })
+}
+
+/// The least-squares problem of all w; `None` where C is singular.
+fn patterns(
+    volume: &Volume,
+    means: &Means,
+    all: &[PerAxis<Vec<f64>>],
+    runs: &RunCounts,
+    skip_ends: bool,
+) -> Option<Patterns> {
+    let groups = means.groups();
+    let rows = rows(volume, groups, skip_ends);
+    let of = |row: &Row| all[row.group][row.axis][row.interval];
+    let values: Vec<f64> = rows.iter().map(of).collect();
+    Patterns::new(volume, groups, rows, values, runs, means.reverse.is_some())
 }
 
 /// w by axis and interval of every group of readings.
@@ -182,18 +208,6 @@ fn mean_of(volume: &Volume, all: &[PerAxis<Vec<f64>>]) -> PerAxis<Vec<f64>> {
         let at = |i: usize| all.iter().map(|w| w[axis][i]).sum::<f64>() / float(all.len());
         (0..volume.steps).map(at).collect::<Vec<f64>>()
     })
-}
-
-/// Root mean square of w beside the mean of its axis, µm: what tells two readings of one file apart
-/// before anything is judged.
-pub(super) fn spread_um(volume: &Volume, means: &Means) -> f64 {
-    let by_interval = mean_of(volume, &by_group(volume, means));
-    let mut squares = 0.0;
-    for (_, w) in by_interval.iter() {
-        let mean = w.iter().sum::<f64>() / volume.steps_f64();
-        squares += w.iter().map(|w| (w - mean).powi(2)).sum::<f64>();
-    }
-    (squares / (3.0 * volume.steps_f64())).sqrt()
 }
 
 #[derive(Default)]
