@@ -12,8 +12,6 @@
 
 #[path = "support/diagonals.rs"]
 mod simulated;
-#[path = "support/skipped.rs"]
-mod skipped;
 
 use nonius::axis::{Axis, ErrorTerm};
 use nonius::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
@@ -23,7 +21,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use simulated::{Machine, Readings, float, normal, runs, solved, volume, with_noise};
 use std::fmt::Write;
-use std::path::Path;
 
 const SIGMA_UM: f64 = 0.3;
 const U_LINE_UM_PER_M: f64 = 0.5;
@@ -338,6 +335,8 @@ fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
         threads.map(|thread| thread.join().unwrap()).into()
     });
     let even = even_machines(WAYS[0]);
+    let page = table(&outcomes) + &right_table(&outcomes, &even);
+    println!("{page}");
     for (way, outcome) in &outcomes {
         let (name, silent) = (way.name, outcome.silent());
         assert!(at_most(outcome.accused, outcome.right, 1.0), "{name}: {} of {}", outcome.accused, outcome.right);
@@ -352,6 +351,4 @@ fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
         let machines = usize::try_from(*machines).unwrap();
         assert!(at_most(*accused, machines, 1.0), "waves {wave}: {accused} of {machines}");
     }
-    let page = table(&outcomes) + &right_table(&outcomes, &even);
-    println!("{page}");
 }

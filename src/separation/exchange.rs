@@ -14,22 +14,23 @@
 //! the 24 ways hold the 6 orders. Of a name and an order that are wrong together in the matching way
 //! nothing is seen.
 //!
-//! Noise alone moves a gain, too, by √(4(n − 1)) or so between names that differ in nothing but noise. How
-//! even a machine is, is told by the assignments that are neither recorded nor best: the margin is
+//! Noise moves a gain as well, by √(4(n − 1)) or so between names that differ in nothing else. How
+//! well this machine tells names apart is told by the assignments that are neither recorded nor
+//! best: the margin is
 //!
 //! ```text
-//!   m = L·(1 + 2(n − 1)/D)        D: gain of the best over the second of these; L = 7
+//!   m = L·(1 + 2(n − 1)/D)        D: gain of the best over the second of these
 //! ```
-//! so that a rough machine needs e^3.5 to one, and one that tells no names apart, infinity. L was
-//! chosen by simulation: at most one sound measurement in a hundred is accused, however even the
-//! machine is (docs/accuracy.md §8, tests/exchanged.rs).
+//! with L = 7 (odds of e^3.5 to one) where σ is known, 9 where it is not: a machine that tells no
+//! names apart accuses none. L was chosen by simulation: at most one sound measurement in a hundred
+//! is accused, however even the machine is (docs/accuracy.md §8, tests/exchanged.rs).
 
 use super::campaign::{Campaign, corrected};
 use super::closure::{Closure, Known, closure, undisturbed};
 use super::doubt::of_closure;
 use super::increments::Means;
 use super::noise::{CorrectedRun, Noise, NoiseSource, known_noise, means, run_counts};
-use super::outlier::float;
+use super::outlier::{Outlier, float};
 use super::repeats::repeats;
 use super::reversal::separable;
 use crate::axis::Axis;
@@ -43,6 +44,10 @@ const SMALLEST_SPREAD_UM: f64 = 0.02;
 const DIGIT_UM: f64 = 0.003;
 /// L: 2 ln of the odds from which another assignment counts, on a machine that tells names apart.
 const CLEARLY: f64 = 7.0;
+/// The same where the scatter of the closure is the only yardstick.
+const CLEARLY_BY_CLOSURE: f64 = 9.0;
+/// 2 ln of a thousand to one against any one reading being off.
+const DISTURBED: f64 = 14.0;
 /// Below this probability of finding it, the page says that a slip would hardly show.
 const SURE: f64 = 0.95;
 /// A scatter of the best assignment above this quantile belies the noise that is known otherwise.
@@ -227,14 +232,19 @@ impl<'a, 'c> Trial<'a, 'c> {
         }
     }
 
-    /// m, of the names `best` beside those of `but`.
-    fn margin(&self, best: &Tried, but: &Tried) -> f64 {
+    /// D of the names `best` beside those of `but`.
+    fn apart(&self, best: &Tried, but: &Tried) -> f64 {
         let all = std::iter::once(&self.recorded).chain(&self.others);
         let rest = all.filter(|one| one.naming != best.naming && one.naming != but.naming);
         let mut apart: Vec<f64> = rest.map(|one| self.gain(one.square, best.square)).collect();
         apart.sort_by(f64::total_cmp);
-        let apart = apart.get(1).map_or(0.0, |gain| gain.max(0.0));
-        CLEARLY * (1.0 + 2.0 * self.intervals() / apart)
+        apart.get(1).map_or(0.0, |gain| gain.max(0.0))
+    }
+
+    /// m.
+    fn margin(&self, apart: f64) -> f64 {
+        let clearly = self.sigma_um.map_or(CLEARLY_BY_CLOSURE, |_| CLEARLY);
+        clearly * (1.0 + 2.0 * self.intervals() / apart)
     }
 
     /// n − 1.
@@ -249,8 +259,8 @@ impl<'a, 'c> Trial<'a, 'c> {
         let best = self.others.iter().min_by(by_square)?;
         let before = self.as_read.closure;
         let seen = before.sigma_um().unwrap_or(0.0) > SMALLEST_SPREAD_UM;
-        let gain = self.gain(before.weighted_square, best.square);
-        if !seen || gain <= self.margin(best, &self.recorded) {
+        let gain = self.gain(before.weighted_square, best.square) + self.accused();
+        if !seen || gain <= self.margin(self.apart(best, &self.recorded)) {
             return None;
         }
         let after = self.judged(&best.naming)?;
@@ -260,6 +270,14 @@ impl<'a, 'c> Trial<'a, 'c> {
             after_um: after.sigma_um()?,
             gain,
         })
+    }
+
+    /// What the readings that the closure of the recorded names calls disturbed count against these:
+    /// that just this reading is off has a chance of its own.
+    fn accused(&self) -> f64 {
+        let singly = |o: &&Outlier| o.readings.iter().all(|place| place.run.is_none());
+        let accused = self.as_read.closure.outliers.iter().filter(singly).count();
+        DISTURBED * float(accused)
     }
 
     /// The closure under other names; `None` where it leaves a doubt.
@@ -276,11 +294,14 @@ impl<'a, 'c> Trial<'a, 'c> {
     }
 
     /// Probability that these names, had they been right, would have been found: the gain is
-    /// normal about G with variance 4G + 4(n − 1); where σ is that of the closure, by ln.
+    /// normal about G with variance 4G + 4(n − 1) for each exchange, and so is G itself, which these
+    /// readings tell; where σ is that of the closure, by ln. D is taken one standard deviation low.
     fn power(&self, slip: &Tried) -> f64 {
         let (worse, better) = (slip.square, self.recorded.square);
         let gain = self.gain(worse, better);
-        let margin = self.margin(&self.recorded, slip);
+        let scatter = |square: f64, many: f64| (8.0 * (square.max(0.0) + many * self.intervals())).sqrt();
+        let apart = self.apart(&self.recorded, slip);
+        let margin = self.margin((apart - scatter(apart, 1.0)).max(0.0));
         let (square, share) = match self.sigma_um {
             Some(_) => (gain, 1.0),
             None => {
@@ -289,7 +310,8 @@ impl<'a, 'c> Trial<'a, 'c> {
                 (float(self.freedom) * (ratio - 1.0), 1.0 / ratio)
             }
         };
-        let spread = share * 2.0 * (square.max(0.0) + self.intervals()).sqrt();
+        let moved = float(slip.naming.moved().len().saturating_sub(1));
+        let spread = share * scatter(square, moved);
         let far = (gain - margin) / spread.max(f64::MIN_POSITIVE);
         Normal::standard().cdf(far)
     }
@@ -367,7 +389,7 @@ impl Likelier {
 struct Readings {
     runs: Vec<CorrectedRun>,
     means: Means,
-    outliers: Vec<super::outlier::Outlier>,
+    outliers: Vec<Outlier>,
     noise: Option<Noise>,
     skip_ends: bool,
 }

@@ -229,6 +229,7 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     };
     let names = names(campaign, raw_runs, &as_read);
     doubts.splice(0..0, names.doubt);
+    doubts.extend(doubt::of_noise(noise, campaign.stated.noise_um));
     labels.extend(names.blind);
     doubts.extend(agreement.as_ref().and_then(Agreement::contradiction));
     let of_turn = turn.iter();

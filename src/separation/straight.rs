@@ -12,6 +12,7 @@ use super::beams::whole_line;
 use super::campaign::{Campaign, corrected};
 use super::corrections::recorded;
 use super::labels::common_labels;
+use super::doubt::of_noise;
 use super::line::range;
 use super::metric::{self, Metric, PerPlane, Plane, StraightLine, end_gains, solve};
 use super::noise::{CorrectedRun, Noise, known_noise, run_counts};
@@ -219,7 +220,10 @@ pub fn straight(
         u_squareness: per_plane(Plane::ALL.map(u_squareness)),
         u_scale: PerAxis::from_fn(|axis| metric.scale[axis].and_then(|_| u_scale(axis))),
         agreement,
-        doubts: disturbed.chain(contradiction).collect(),
+        doubts: disturbed
+            .chain(contradiction)
+            .chain(of_noise(noise, campaign.stated.noise_um))
+            .collect(),
         metric,
         noise,
         closure: match errors {
