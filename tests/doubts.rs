@@ -139,7 +139,7 @@ fn more_than_one_exchange_is_named_as_it_happened() {
         Pnp => Ppp,
         Ppn => Ppn,
     };
-    let found = naive(&box_30(), &renamed(repeated(1, 3), ring));
+    let found = naive(&box_30(), &renamed(repeated(3, 3), ring));
     let said = "as if the readings named PPP, NPP, PNP were those of PNP, PPP, NPP:";
     assert!(found.doubts[0].starts_with(said), "{:?}", found.doubts);
     let pairs = |diagonal| match diagonal {
@@ -148,7 +148,7 @@ fn more_than_one_exchange_is_named_as_it_happened() {
         Pnp => Ppn,
         Ppn => Pnp,
     };
-    let found = naive(&box_30(), &renamed(repeated(1, 3), pairs));
+    let found = naive(&box_30(), &renamed(repeated(3, 3), pairs));
     let said = "as if the readings named PPP, NPP, PNP, PPN were those of NPP, PPP, PPN, PNP:";
     assert!(found.doubts[0].starts_with(said), "{:?}", found.doubts);
 }
@@ -158,11 +158,18 @@ fn more_than_one_exchange_is_named_as_it_happened() {
 fn steps_in_another_order_are_told() {
     let [x, y, z] = Axis::ALL;
     for recorded in [[x, y, z], [z, x, y]] {
-        for order in [[x, y, z], [x, z, y], [y, x, z], [y, z, x], [z, x, y], [z, y, x]] {
+        for order in [
+            [x, y, z],
+            [x, z, y],
+            [y, x, z],
+            [y, z, x],
+            [z, x, y],
+            [z, y, x],
+        ] {
             let mut random = ChaCha8Rng::seed_from_u64(5);
             let mut machine = Machine::random(&box_30(), &mut random);
             machine.volume.order = order;
-            let readings = with_noise(&machine.readings(None), SIGMA_UM, &mut random);
+            let readings = with_noise(&machine.readings(None), 0.1, &mut random);
             let box_ = Volume {
                 order: recorded,
                 ..box_30()
@@ -171,7 +178,9 @@ fn steps_in_another_order_are_told() {
             let [a, b, c] = order;
             let said = format!("or the steps went {a}, {b}, {c}: ");
             match accusation(&found) {
-                Some(doubt) => assert!(order != recorded && doubt.contains(&said), "{said} {doubt}"),
+                Some(doubt) => {
+                    assert!(order != recorded && doubt.contains(&said), "{said} {doubt}")
+                }
                 None => assert_eq!(order, recorded, "{:?}", found.doubts),
             }
         }
@@ -184,17 +193,26 @@ fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut smooth = Machine::perfect(&box_30());
     for term in ErrorTerm::ALL {
-        smooth.set(term, |t| 9.0 * t + 8.0 * t * (1.0 - t));
+        smooth.set(term, |t| 9.0 * t + 200.0 * t * (1.0 - t));
     }
     let readings = with_noise(&smooth.readings(None), SIGMA_UM, &mut random);
     let found = naive(&box_30(), &runs(1, Pass::Forward, &readings));
     let hardly = |found: &Separation| {
         let mut labels = found.labels.iter();
-        labels.find(|label| label.starts_with("these readings would hardly show")).cloned()
+        labels
+            .find(|label| label.starts_with("these readings would hardly show"))
+            .cloned()
     };
     let said = hardly(&found).unwrap();
-    assert!(said.contains("NPP and PNP or NPP and PPN or PNP and PPN exchanged"), "{said}");
-    assert!(said.contains("nor steps that went X, Z, Y or Y, X, Z"), "{said}");
+    for words in [
+        "NPP and PNP",
+        "NPP and PPN",
+        "PNP and PPN",
+        "nor steps that went X, Z, Y or",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(!said.contains("PPP"), "{said}");
     assert!(found.doubts.is_empty(), "{:?}", found.doubts);
     assert_eq!(hardly(&naive(&box_30(), &repeated(1, 3))), None);
 }
@@ -219,15 +237,25 @@ fn a_scatter_far_above_the_noise_is_a_finding() {
         separate(&campaign, &all).doubts.join("\n")
     };
     let said = found(50.0, None, 1);
-    for words in ["from the scatter of the closure: above the 1 µm that are assumed", "state `noise_um`"] {
+    for words in [
+        "from the scatter of the closure: above the 1 µm that are assumed",
+        "state `noise_um`",
+    ] {
         assert!(said.contains(words), "{said}");
     }
     assert!(found(1000.0, None, 1).contains("above the 1 µm"));
-    for sound in [found(0.0, None, 1), found(0.0, Some(0.3), 3), found(0.0, Some(0.2), 3)] {
+    for sound in [
+        found(0.0, None, 1),
+        found(0.0, Some(0.3), 3),
+        found(0.0, Some(0.2), 3),
+    ] {
         assert_eq!(sound, "");
     }
     let said = found(0.0, Some(0.1), 3);
-    assert!(said.contains("more than 2 times the 0.1 µm that `noise_um` states"), "{said}");
+    assert!(
+        said.contains("more than 2 times the 0.1 µm that `noise_um` states"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -21,6 +21,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use simulated::{Machine, Readings, float, normal, runs, solved, volume, with_noise};
 use std::fmt::Write;
+use std::path::Path;
 
 const SIGMA_UM: f64 = 0.3;
 const U_LINE_UM_PER_M: f64 = 0.5;
@@ -144,7 +145,11 @@ fn measured(
     for number in 1..=way.repeats {
         for (pass, readings) in &passes {
             let named = under_names(readings, slip);
-            all.extend(runs(number, *pass, &with_noise(&named, SIGMA_UM, &mut random)));
+            all.extend(runs(
+                number,
+                *pass,
+                &with_noise(&named, SIGMA_UM, &mut random),
+            ));
         }
     }
     let mut lines = truth.lines(&Axis::ALL, Some(U_LINE_UM_PER_M));
@@ -185,7 +190,8 @@ fn accuses(found: &Separation) -> Option<&String> {
 fn is_wrong(truth: &Machine, found: &Separation) -> bool {
     Plane::ALL.into_iter().any(|plane| {
         let (of, along) = plane.axes();
-        let off = found.squareness_um_per_m.of(plane).unwrap() - truth.slope(ErrorTerm { of, along });
+        let off =
+            found.squareness_um_per_m.of(plane).unwrap() - truth.slope(ErrorTerm { of, along });
         off.abs() > 2.0 * found.expanded_squareness_um_per_m(plane).unwrap()
     })
 }
@@ -232,7 +238,11 @@ struct Outcome {
 
 impl Outcome {
     fn silent(&self) -> usize {
-        self.by_kind.iter().flatten().map(|count| count.silent).sum()
+        self.by_kind
+            .iter()
+            .flatten()
+            .map(|count| count.silent)
+            .sum()
     }
 }
 
@@ -257,7 +267,6 @@ fn outcome(way: Way, machines: u64) -> Outcome {
     }
     outcome
 }
-
 
 /// The rows of the table, by way, kind and power.
 fn table(outcomes: &[(Way, Outcome)]) -> String {
@@ -339,16 +348,66 @@ fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
     println!("{page}");
     for (way, outcome) in &outcomes {
         let (name, silent) = (way.name, outcome.silent());
-        assert!(at_most(outcome.accused, outcome.right, 1.0), "{name}: {} of {}", outcome.accused, outcome.right);
+        assert!(
+            at_most(outcome.accused, outcome.right, 1.0),
+            "{name}: {} of {}",
+            outcome.accused,
+            outcome.right
+        );
         for [sure, _] in &outcome.by_kind {
-            
-            assert!(at_most(sure.silent, sure.slips, 5.0), "{name}: {} of {}", sure.silent, sure.slips);
+            assert!(
+                at_most(sure.silent, sure.slips, 5.0),
+                "{name}: {} of {}",
+                sure.silent,
+                sure.slips
+            );
         }
-        let slips: usize = outcome.by_kind.iter().flatten().map(|count| count.slips).sum();
+        let told: usize = outcome
+            .by_kind
+            .iter()
+            .flatten()
+            .map(|count| count.warned)
+            .sum();
+        assert!(
+            at_most(silent - told, silent, 1.0),
+            "{name}: {told} of {silent} with the sentence"
+        );
+        let slips: usize = outcome
+            .by_kind
+            .iter()
+            .flatten()
+            .map(|count| count.slips)
+            .sum();
         println!("{name}: {silent} of {slips} silent");
     }
     for (wave, accused, machines) in &even {
         let machines = usize::try_from(*machines).unwrap();
-        assert!(at_most(*accused, machines, 1.0), "waves {wave}: {accused} of {machines}");
+        assert!(
+            at_most(*accused, machines, 1.0),
+            "waves {wave}: {accused} of {machines}"
+        );
     }
+    if is_whole() {
+        compare_with_docs(&page);
+    }
+}
+
+const BEGIN: &str = "<!-- exchanged: written by tests/exchanged.rs -->\n";
+const END: &str = "<!-- exchanged: end -->";
+
+fn compare_with_docs(table: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
+    let page = std::fs::read_to_string(&path).unwrap().replace('\r', "");
+    let marked = page
+        .split_once(BEGIN)
+        .and_then(|(head, rest)| Some((head, rest.split_once(END)?)));
+    let (head, (old, tail)) = marked.expect("docs/accuracy.md holds the markers");
+    if std::env::var_os("NONIUS_UPDATE").is_some() {
+        std::fs::write(&path, format!("{head}{BEGIN}{table}{END}{tail}")).unwrap();
+        return;
+    }
+    assert!(
+        old == table,
+        "docs/accuracy.md differs; if the new table is meant, run with NONIUS_UPDATE=1\n{table}"
+    );
 }

@@ -70,7 +70,9 @@ pub fn of_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Option<String> 
             "correct",
         ),
         None => (
-            format!("above the {ASSUMED_NOISE_UM} µm that are assumed where `noise_um` is not stated"),
+            format!(
+                "above the {ASSUMED_NOISE_UM} µm that are assumed where `noise_um` is not stated"
+            ),
             "state",
         ),
     };

@@ -20,6 +20,7 @@
 //!
 //! ```text
 //!   m = L·(1 + 2(n − 1)/D)        D: gain of the best over the second of these
+//!   m ≤ 5·√(4(n − 1))             more than noise makes, whatever the machine
 //! ```
 //! with L = 7 (odds of e^3.5 to one) where σ is known, 9 where it is not: a machine that tells no
 //! names apart accuses none. L was chosen by simulation: at most one sound measurement in a hundred
@@ -46,6 +47,8 @@ const DIGIT_UM: f64 = 0.003;
 const CLEARLY: f64 = 7.0;
 /// The same where the scatter of the closure is the only yardstick.
 const CLEARLY_BY_CLOSURE: f64 = 9.0;
+/// So many standard deviations of a gain by noise alone count, whatever the machine.
+const NOISE_DEVIATIONS: f64 = 5.0;
 /// 2 ln of a thousand to one against any one reading being off.
 const DISTURBED: f64 = 14.0;
 /// Below this probability of finding it, the page says that a slip would hardly show.
@@ -150,7 +153,10 @@ impl Naming {
         let (names, walked) = (list(names).join(", "), list(walked));
         let exchanged = match walked.as_slice() {
             [other, one] => format!("the readings of {one} and {other} were exchanged"),
-            _ => format!("the readings named {names} were those of {}", walked.join(", ")),
+            _ => format!(
+                "the readings named {names} were those of {}",
+                walked.join(", ")
+            ),
         };
         match self.as_order(recorded) {
             Some(order) => format!("{exchanged}, or the steps went {}", in_words(order)),
@@ -247,6 +253,11 @@ impl<'a, 'c> Trial<'a, 'c> {
         clearly * (1.0 + 2.0 * self.intervals() / apart)
     }
 
+    /// The bound of m: more than noise makes, whatever the machine.
+    fn bound(&self) -> f64 {
+        NOISE_DEVIATIONS * 2.0 * self.intervals().sqrt()
+    }
+
     /// n − 1.
     fn intervals(&self) -> f64 {
         self.campaign.measurement.volume.steps_f64() - 1.0
@@ -260,7 +271,8 @@ impl<'a, 'c> Trial<'a, 'c> {
         let before = self.as_read.closure;
         let seen = before.sigma_um().unwrap_or(0.0) > SMALLEST_SPREAD_UM;
         let gain = self.gain(before.weighted_square, best.square) + self.accused();
-        if !seen || gain <= self.margin(self.apart(best, &self.recorded)) {
+        let margin = self.margin(self.apart(best, &self.recorded));
+        if !seen || gain <= margin.min(self.bound()) {
             return None;
         }
         let after = self.judged(&best.naming)?;
@@ -295,13 +307,16 @@ impl<'a, 'c> Trial<'a, 'c> {
 
     /// Probability that these names, had they been right, would have been found: the gain is
     /// normal about G with variance 4G + 4(n − 1) for each exchange, and so is G itself, which these
-    /// readings tell; where σ is that of the closure, by ln. D is taken one standard deviation low.
+    /// readings tell; where σ is that of the closure, by ln. On the safe side: D one standard
+    /// deviation low, the bound of m twice.
     fn power(&self, slip: &Tried) -> f64 {
         let (worse, better) = (slip.square, self.recorded.square);
         let gain = self.gain(worse, better);
-        let scatter = |square: f64, many: f64| (8.0 * (square.max(0.0) + many * self.intervals())).sqrt();
+        let scatter =
+            |square: f64, many: f64| (8.0 * (square.max(0.0) + many * self.intervals())).sqrt();
         let apart = self.apart(&self.recorded, slip);
         let margin = self.margin((apart - scatter(apart, 1.0)).max(0.0));
+        let margin = margin.min(2.0 * self.bound());
         let (square, share) = match self.sigma_um {
             Some(_) => (gain, 1.0),
             None => {
@@ -319,9 +334,8 @@ impl<'a, 'c> Trial<'a, 'c> {
     /// The exchanges of two names and the orders that would be found in less than 95 %.
     fn hardly_shown(&self) -> Option<String> {
         let order = self.campaign.measurement.volume.order;
-        let single = |one: &&Tried| {
-            one.naming.is_exchange() || one.naming.as_order(order).is_some()
-        };
+        let single =
+            |one: &&Tried| one.naming.is_exchange() || one.naming.as_order(order).is_some();
         let slips: Vec<&Tried> = self.others.iter().filter(single).collect();
         let weak = slips.iter().filter(|slip| self.power(slip) < SURE);
         let weak: Vec<Naming> = weak.map(|slip| slip.naming).collect();
@@ -347,9 +361,9 @@ fn pair_in_words(naming: &Naming) -> Option<String> {
 fn hardly(pairs: &[String], orders: &[String]) -> String {
     let (pairs, orders) = (pairs.join(" or "), orders.join(" or "));
     match (pairs.as_str(), orders.as_str()) {
-        (pairs, "") => format!(
-            "these readings would hardly show {pairs} exchanged: check the file names"
-        ),
+        (pairs, "") => {
+            format!("these readings would hardly show {pairs} exchanged: check the file names")
+        }
         ("", orders) => format!(
             "these readings would hardly show steps that went {orders}: check the order of the steps"
         ),
