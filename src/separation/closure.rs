@@ -163,21 +163,49 @@ pub fn closure(volume: &Volume, means: &Means, runs: &RunCounts, known: Known<'_
     }
 }
 
-/// Q for readings of 1 µm and ν, with nothing left out but the constants of the axes and the
-/// disturbed readings of single runs: what one naming of the readings is compared with another by.
-pub(super) fn undisturbed(
-    volume: &Volume,
-    means: &Means,
-    runs: &RunCounts,
-    known: Known<'_>,
-) -> (f64, usize) {
-    let all = by_group(volume, means);
-    let patterns = patterns(volume, means, &all, runs, known.skip_ends);
-    patterns.map_or((0.0, 0), |mut patterns| {
+/// What is left of readings under some names, with nothing taken out but the constants of the axes
+/// and the disturbed readings of single runs: what one naming is compared with another by.
+pub(super) struct Undisturbed {
+    rows: Vec<Row>,
+    patterns: Patterns,
+}
+
+impl Undisturbed {
+    /// For readings like these; `None` where C is singular.
+    pub(super) fn new(
+        volume: &Volume,
+        means: &Means,
+        runs: &RunCounts,
+        known: Known<'_>,
+    ) -> Option<Undisturbed> {
+        let rows = rows(volume, means.groups(), known.skip_ends);
+        let mut patterns = patterns(
+            volume,
+            means,
+            &by_group(volume, means),
+            runs,
+            known.skip_ends,
+        )?;
         let named = known.outliers.iter().flat_map(|outlier| &outlier.readings);
         named.for_each(|place| patterns.leave_out(place));
-        patterns.scatter()
-    })
+        Some(Undisturbed { rows, patterns })
+    }
+
+    /// ν.
+    pub(super) fn freedom(&self) -> usize {
+        self.patterns.scatter().1
+    }
+
+    /// Q for readings of 1 µm standard deviation.
+    pub(super) fn square(&self, volume: &Volume, means: &Means) -> f64 {
+        self.patterns
+            .square_of(&values(&self.rows, &by_group(volume, means)))
+    }
+}
+
+fn values(rows: &[Row], all: &[PerAxis<Vec<f64>>]) -> Vec<f64> {
+    let of = |row: &Row| all[row.group][row.axis][row.interval];
+    rows.iter().map(of).collect()
 }
 
 /// The least-squares problem of all w; `None` where C is singular.
@@ -190,8 +218,7 @@ fn patterns(
 ) -> Option<Patterns> {
     let groups = means.groups();
     let rows = rows(volume, groups, skip_ends);
-    let of = |row: &Row| all[row.group][row.axis][row.interval];
-    let values: Vec<f64> = rows.iter().map(of).collect();
+    let values = values(&rows, all);
     Patterns::new(volume, groups, rows, values, runs, means.reverse.is_some())
 }
 

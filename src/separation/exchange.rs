@@ -27,12 +27,12 @@
 //! is accused, however even the machine is (docs/accuracy.md §8, tests/exchanged.rs).
 
 use super::campaign::{Campaign, corrected};
-use super::closure::{Closure, Known, closure, undisturbed};
+use super::closure::{Closure, Known, RunCounts, Undisturbed, closure};
 use super::doubt::of_closure;
 use super::increments::Means;
 use super::noise::{CorrectedRun, Noise, NoiseSource, known_noise, means, run_counts};
 use super::outlier::{Outlier, float};
-use super::repeats::repeats;
+use super::repeats::{Repeats, repeats};
 use super::reversal::separable;
 use crate::axis::Axis;
 use crate::diagonal::{Diagonal, PerDiagonal, Run, Volume};
@@ -182,6 +182,8 @@ struct Trial<'a, 'c> {
     campaign: &'a Campaign<'c>,
     runs: &'a [Run],
     as_read: &'a AsRead<'a>,
+    /// What repeated runs say, under the recorded names.
+    judged: Repeats,
     recorded: Tried,
     others: Vec<Tried>,
     /// ν of each.
@@ -197,25 +199,31 @@ impl<'a, 'c> Trial<'a, 'c> {
         runs: &'a [Run],
         as_read: &'a AsRead<'a>,
     ) -> Option<Trial<'a, 'c>> {
-        let mut freedom = 0;
-        let mut tried = Naming::all().into_iter().map(|naming| {
-            let readings = Readings::new(campaign, &naming.renamed(runs), as_read.overrun);
-            let (square, of_square) = undisturbed(
-                &campaign.measurement.volume,
-                &readings.means,
-                &run_counts(&readings.runs),
-                readings.known(),
-            );
-            freedom = of_square;
-            Tried { naming, square }
+        let volume = &campaign.measurement.volume;
+        let judged = repeats(&corrected(campaign, runs));
+        let mut shared: Option<(RunCounts, Vec<Outlier>, Undisturbed)> = None;
+        let mut tried = Naming::all().into_iter().map_while(|naming| {
+            let readings = Readings::new(campaign, runs, &naming, &judged, as_read.overrun);
+            let counts = run_counts(&readings.runs);
+            let same = |(known, outliers, _): &(RunCounts, Vec<Outlier>, Undisturbed)| {
+                *known == counts && *outliers == readings.outliers
+            };
+            if !shared.as_ref().is_some_and(same) {
+                let left = Undisturbed::new(volume, &readings.means, &counts, readings.known())?;
+                shared = Some((counts, readings.outliers.clone(), left));
+            }
+            let (_, _, left) = shared.as_ref()?;
+            let square = left.square(volume, &readings.means);
+            Some((Tried { naming, square }, left.freedom()))
         });
-        let recorded = tried.next()?;
-        let others: Vec<Tried> = tried.collect();
+        let (recorded, freedom) = tried.next()?;
+        let others: Vec<Tried> = tried.map(|(tried, _)| tried).collect();
         let known = as_read.noise.filter(|n| n.source != NoiseSource::Closure);
         (freedom > 0).then_some(Trial {
             campaign,
             runs,
             as_read,
+            judged,
             recorded,
             others,
             freedom,
@@ -295,8 +303,8 @@ impl<'a, 'c> Trial<'a, 'c> {
     /// The closure under other names; `None` where it leaves a doubt.
     fn judged(&self, naming: &Naming) -> Option<Closure> {
         let volume = &self.campaign.measurement.volume;
-        let runs = naming.renamed(self.runs);
-        let readings = Readings::new(self.campaign, &runs, self.as_read.overrun);
+        let (judged, overrun) = (&self.judged, self.as_read.overrun);
+        let readings = Readings::new(self.campaign, self.runs, naming, judged, overrun);
         let counts = run_counts(&readings.runs);
         let closure = closure(volume, &readings.means, &counts, readings.known());
         let noise = readings.noise.or_else(|| closure.noise());
@@ -409,15 +417,24 @@ struct Readings {
 }
 
 impl Readings {
-    fn new(campaign: &Campaign<'_>, runs: &[Run], overrun: Option<bool>) -> Readings {
+    fn new(
+        campaign: &Campaign<'_>,
+        runs: &[Run],
+        naming: &Naming,
+        judged: &Repeats,
+        overrun: Option<bool>,
+    ) -> Readings {
         let volume: &Volume = &campaign.measurement.volume;
-        let runs = corrected(campaign, runs);
+        let runs = corrected(campaign, &naming.renamed(runs));
         let means = separable(&means(&runs), volume, overrun == Some(false)).into_owned();
-        let repeats = repeats(&runs);
+        let mut outliers = judged.outliers.clone();
+        for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
+            place.diagonal = naming.0[place.diagonal];
+        }
         Readings {
             skip_ends: means.reverse.is_some() && overrun != Some(true),
-            noise: known_noise(&campaign.stated, repeats.noise),
-            outliers: repeats.outliers,
+            noise: known_noise(&campaign.stated, judged.noise),
+            outliers,
             runs,
             means,
         }
