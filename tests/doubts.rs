@@ -16,7 +16,7 @@ mod simulated;
 #[path = "support/run.rs"]
 mod run;
 
-use nonius::axis::{Axis, PerAxis};
+use nonius::axis::{Axis, ErrorTerm, PerAxis};
 use nonius::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use nonius::job::{Frame, SetUp};
 use nonius::separation::noise::NoiseSource;
@@ -27,7 +27,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use run::nonius;
 use serde_json::Value;
-use simulated::{Machine, naive, runs, volume, with_noise};
+use simulated::{Machine, campaign, measurement, naive, runs, volume, with_noise};
 use std::fs;
 use std::path::Path;
 use std::process::Output;
@@ -95,6 +95,18 @@ fn a_disturbed_reading_of_three_runs_is_named_with_its_run() {
     }
 }
 
+/// Runs under other names: `walked` is the diagonal whose readings stand under a name.
+fn renamed(mut runs: Vec<Run>, name_of: impl Fn(Diagonal) -> Diagonal) -> Vec<Run> {
+    for run in &mut runs {
+        run.diagonal = name_of(run.diagonal);
+    }
+    runs
+}
+
+fn accusation(found: &Separation) -> Option<&String> {
+    found.doubts.iter().find(|doubt| doubt.starts_with("as if"))
+}
+
 /// The four programs are alike: a file under another diagonal's name is complete and plausible.
 #[test]
 fn readings_under_each_others_name_are_told() {
@@ -105,27 +117,149 @@ fn readings_under_each_others_name_are_told() {
     ];
     for (one, other) in pairs {
         for (seed, count) in [(1, 3), (2, 1), (3, 3)] {
-            let mut runs = repeated(seed, count);
-            for run in &mut runs {
-                run.diagonal = match run.diagonal {
-                    diagonal if diagonal == one => other,
-                    diagonal if diagonal == other => one,
-                    diagonal => diagonal,
-                };
-            }
-            let found = naive(&box_30(), &runs);
+            let exchanged = |diagonal| match diagonal {
+                diagonal if diagonal == one => other,
+                diagonal if diagonal == other => one,
+                diagonal => diagonal,
+            };
+            let found = naive(&box_30(), &renamed(repeated(seed, count), exchanged));
             let said = format!("as if the readings of {one} and {other} were exchanged");
             assert!(found.doubts[0].starts_with(&said), "{:?}", found.doubts);
         }
     }
     for seed in 0..20 {
         let found = naive(&box_30(), &repeated(seed, 1));
-        let told = found
-            .doubts
-            .iter()
-            .any(|doubt| doubt.contains("were exchanged"));
-        assert!(!told, "{:?}", found.doubts);
+        assert_eq!(accusation(&found), None);
     }
+}
+
+/// Three names passed on in a ring, and two pairs at once.
+#[test]
+fn more_than_one_exchange_is_named_as_it_happened() {
+    use Diagonal::{Npp, Pnp, Ppn, Ppp};
+    let ring = |diagonal| match diagonal {
+        Ppp => Npp,
+        Npp => Pnp,
+        Pnp => Ppp,
+        Ppn => Ppn,
+    };
+    let found = naive(&box_30(), &renamed(repeated(3, 3), ring));
+    let said = "as if the readings named PPP, NPP, PNP were those of PNP, PPP, NPP:";
+    assert!(found.doubts[0].starts_with(said), "{:?}", found.doubts);
+    let pairs = |diagonal| match diagonal {
+        Ppp => Npp,
+        Npp => Ppp,
+        Pnp => Ppn,
+        Ppn => Pnp,
+    };
+    let found = naive(&box_30(), &renamed(repeated(3, 3), pairs));
+    let said = "as if the readings named PPP, NPP, PNP, PPN were those of NPP, PPP, PPN, PNP:";
+    assert!(found.doubts[0].starts_with(said), "{:?}", found.doubts);
+}
+
+/// A walk whose steps went in another order than the job records, read against its own nominal list.
+#[test]
+fn steps_in_another_order_are_told() {
+    let [x, y, z] = Axis::ALL;
+    for recorded in [[x, y, z], [z, x, y]] {
+        for order in [
+            [x, y, z],
+            [x, z, y],
+            [y, x, z],
+            [y, z, x],
+            [z, x, y],
+            [z, y, x],
+        ] {
+            let mut random = ChaCha8Rng::seed_from_u64(5);
+            let mut machine = Machine::random(&box_30(), &mut random);
+            machine.volume.order = order;
+            let readings = with_noise(&machine.readings(None), 0.1, &mut random);
+            let box_ = Volume {
+                order: recorded,
+                ..box_30()
+            };
+            let found = naive(&box_, &runs(1, Pass::Forward, &readings));
+            let [a, b, c] = order;
+            let said = format!("or the steps went {a}, {b}, {c}: ");
+            match accusation(&found) {
+                Some(doubt) => {
+                    assert!(order != recorded && doubt.contains(&said), "{said} {doubt}")
+                }
+                None => assert_eq!(order, recorded, "{:?}", found.doubts),
+            }
+        }
+    }
+}
+
+/// A machine without waves tells no names apart: that is said, and no finding.
+#[test]
+fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut smooth = Machine::perfect(&box_30());
+    for term in ErrorTerm::ALL {
+        smooth.set(term, |t| 9.0 * t + 200.0 * t * (1.0 - t));
+    }
+    let readings = with_noise(&smooth.readings(None), SIGMA_UM, &mut random);
+    let found = naive(&box_30(), &runs(1, Pass::Forward, &readings));
+    let hardly = |found: &Separation| {
+        let mut labels = found.labels.iter();
+        labels
+            .find(|label| label.starts_with("these readings would hardly show"))
+            .cloned()
+    };
+    let said = hardly(&found).unwrap();
+    for words in [
+        "NPP and PNP",
+        "NPP and PPN",
+        "PNP and PPN",
+        "nor steps that went X, Z, Y or",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(!said.contains("PPP"), "{said}");
+    assert!(found.doubts.is_empty(), "{:?}", found.doubts);
+    assert_eq!(hardly(&naive(&box_30(), &repeated(1, 3))), None);
+}
+
+/// With few steps and no stated noise a disturbed reading makes the scatter that it would have to
+/// stand out of.
+#[test]
+fn a_scatter_far_above_the_noise_is_a_finding() {
+    let box_4 = volume([400.0, 300.0, 200.0], 4);
+    let found = |off_um: f64, noise_um: Option<f64>, count: u32| {
+        let mut random = ChaCha8Rng::seed_from_u64(2);
+        let readings = Machine::random(&box_4, &mut random).readings(None);
+        let noisy = |run| {
+            let mut noisy = with_noise(&readings, SIGMA_UM, &mut random);
+            noisy[Diagonal::Ppp][1] += off_um;
+            runs(run, Pass::Forward, &noisy)
+        };
+        let all: Vec<Run> = (1..=count).flat_map(noisy).collect();
+        let measurement = measurement(&box_4, SetUp::Solve, Frame::XPrimary);
+        let mut campaign = campaign(&measurement, Vec::new());
+        campaign.stated.noise_um = noise_um;
+        separate(&campaign, &all).doubts.join("\n")
+    };
+    let said = found(50.0, None, 1);
+    for words in [
+        "from the scatter of the closure: above the 1 µm that are assumed",
+        "state `noise_um`",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(found(1000.0, None, 1).contains("above the 1 µm"));
+    for sound in [
+        found(0.0, None, 1),
+        found(0.0, Some(0.3), 3),
+        found(0.0, Some(0.2), 3),
+    ] {
+        assert_eq!(sound, "");
+    }
+    let said = found(0.0, Some(0.1), 3);
+    assert!(
+        said.contains("more than 2 times the 0.1 µm that `noise_um` states"),
+        "{said}"
+    );
 }
 
 #[test]

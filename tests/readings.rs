@@ -664,6 +664,28 @@ fn a_way_back_that_counts_along_the_forward_run_keeps_the_forward_name() {
     );
 }
 
+/// Displacements tell the order of the steps by millimetres.
+#[test]
+fn displacements_of_steps_in_another_order_are_refused_with_that_order() {
+    let measurement = measurement(PathKind::Step);
+    let mut walked = measurement.clone();
+    walked.volume.order = [Axis::Y, Axis::X, Axis::Z];
+    let mut rows = Vec::new();
+    for diagonal in Diagonal::ALL {
+        for (node, moved) in MOVED.iter().enumerate() {
+            let mm = walked.volume.nominal_mm(diagonal, walked.kind, node);
+            rows.push(format!("{diagonal},{node},{moved},{mm:.6}"));
+        }
+    }
+    refused(
+        "another order",
+        &file("diagonal,node,moved,displacement_mm", &rows),
+        &measurement,
+        "PPP run 1 forward, node 1: the displacement is",
+        "this is what steps that went Y, X, Z read: check `order` in the job",
+    );
+}
+
 #[test]
 fn temperatures_that_the_job_does_not_explain_are_refused() {
     let mut measurement = measurement(PathKind::Step);

@@ -111,11 +111,34 @@ fn implausible_reading(
             );
             (
                 message,
-                displacement_help(walk, read, expected, measurement),
+                other_order(row, measurement)
+                    .unwrap_or_else(|| displacement_help(walk, read, expected, measurement)),
             )
         }
     };
     Problem::new(message).at(row.line.whole()).help(help)
+}
+
+/// The order of the steps that the displacement of a node fits, where it is not that of the job.
+fn other_order(row: &Row<'_>, measurement: &DiagonalMeasurement) -> Option<String> {
+    let fits = |order: &[Axis; 3]| {
+        let mut other = measurement.clone();
+        other.volume.order = *order;
+        deviation_um(row, Quantity::Displacement, &other).abs() < LARGEST_DEVIATION_UM / 10.0
+    };
+    let [x, y, z] = Axis::ALL;
+    let orders = [
+        [x, y, z],
+        [x, z, y],
+        [y, x, z],
+        [y, z, x],
+        [z, x, y],
+        [z, y, x],
+    ];
+    let [first, second, third] = orders.into_iter().find(fits)?;
+    Some(format!(
+        "this is what steps that went {first}, {second}, {third} read: check `order` in the job against the program that was run"
+    ))
 }
 
 fn displacement_help(

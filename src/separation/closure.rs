@@ -150,14 +150,8 @@ pub fn closure(volume: &Volume, means: &Means, runs: &RunCounts, known: Known<'_
     let all = by_group(volume, means);
     let by_interval = mean_of(volume, &all);
     let mean = PerAxis::from_fn(|axis| by_interval[axis].iter().sum::<f64>() / volume.steps_f64());
-    let rows = rows(volume, groups, known.skip_ends);
-    let values: Vec<f64> = rows
-        .iter()
-        .map(|row| all[row.group][row.axis][row.interval])
-        .collect();
-    let both = means.reverse.is_some();
-    let judged = Patterns::new(volume, groups, rows, values, runs, both)
-        .map(|patterns| judge(patterns, known));
+    let judged = patterns(volume, means, &all, runs, known.skip_ends);
+    let judged = judged.map(|patterns| judge(patterns, known));
     let judged = judged.unwrap_or_default();
     Closure {
         by_interval,
@@ -168,6 +162,65 @@ pub fn closure(volume: &Volume, means: &Means, runs: &RunCounts, known: Known<'_
         freedom: judged.freedom,
         outliers: [known.outliers, &judged.outliers].concat(),
     }
+}
+
+/// What is left of readings under some names, with nothing taken out but the constants of the axes
+/// and the disturbed readings of single runs: what one naming is compared with another by.
+pub(super) struct Undisturbed {
+    rows: Vec<Row>,
+    patterns: Patterns,
+}
+
+impl Undisturbed {
+    /// For readings like these; `None` where C is singular.
+    pub(super) fn new(
+        volume: &Volume,
+        means: &Means,
+        runs: &RunCounts,
+        known: Known<'_>,
+    ) -> Option<Undisturbed> {
+        let rows = rows(volume, means.groups(), known.skip_ends);
+        let mut patterns = patterns(
+            volume,
+            means,
+            &by_group(volume, means),
+            runs,
+            known.skip_ends,
+        )?;
+        let named = known.outliers.iter().flat_map(|outlier| &outlier.readings);
+        named.for_each(|place| patterns.leave_out(place));
+        Some(Undisturbed { rows, patterns })
+    }
+
+    /// ν.
+    pub(super) fn freedom(&self) -> usize {
+        self.patterns.scatter().1
+    }
+
+    /// Q for readings of 1 µm standard deviation.
+    pub(super) fn square(&self, volume: &Volume, means: &Means) -> f64 {
+        self.patterns
+            .square_of(&values(&self.rows, &by_group(volume, means)))
+    }
+}
+
+fn values(rows: &[Row], all: &[PerAxis<Vec<f64>>]) -> Vec<f64> {
+    let of = |row: &Row| all[row.group][row.axis][row.interval];
+    rows.iter().map(of).collect()
+}
+
+/// The least-squares problem of all w; `None` where C is singular.
+fn patterns(
+    volume: &Volume,
+    means: &Means,
+    all: &[PerAxis<Vec<f64>>],
+    runs: &RunCounts,
+    skip_ends: bool,
+) -> Option<Patterns> {
+    let groups = means.groups();
+    let rows = rows(volume, groups, skip_ends);
+    let values = values(&rows, all);
+    Patterns::new(volume, groups, rows, values, runs, means.reverse.is_some())
 }
 
 /// w by axis and interval of every group of readings.
@@ -183,18 +236,6 @@ fn mean_of(volume: &Volume, all: &[PerAxis<Vec<f64>>]) -> PerAxis<Vec<f64>> {
         let at = |i: usize| all.iter().map(|w| w[axis][i]).sum::<f64>() / float(all.len());
         (0..volume.steps).map(at).collect::<Vec<f64>>()
     })
-}
-
-/// Root mean square of w beside the mean of its axis, µm: what tells two readings of one file apart
-/// before anything is judged.
-pub(super) fn spread_um(volume: &Volume, means: &Means) -> f64 {
-    let by_interval = mean_of(volume, &by_group(volume, means));
-    let mut squares = 0.0;
-    for (_, w) in by_interval.iter() {
-        let mean = w.iter().sum::<f64>() / volume.steps_f64();
-        squares += w.iter().map(|w| (w - mean).squared()).sum::<f64>();
-    }
-    (squares / (3.0 * volume.steps_f64())).sqrt()
 }
 
 #[derive(Default)]

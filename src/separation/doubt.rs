@@ -4,18 +4,22 @@ use super::closure::Closure;
 use super::curves::noise_gain;
 use super::increments::Means;
 use super::linear_reversal::{LinearReversals, along_diagonal_um, u_along_diagonal_um};
-use super::noise::Noise;
+use super::noise::{Noise, NoiseSource, chance_of};
 use super::outlier::{FALSE_DOUBT, Outlier, float};
 use crate::axis::Axis;
 use crate::diagonal::{Diagonal, Volume};
 use crate::job::SetUp;
-use crate::units::Figure;
+use crate::units::{Figure, Squared};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// More disturbed readings are counted here; the result lists them.
 const NAMED: usize = 3;
 /// A mean closure that no instrument resolves contradicts nothing, µm.
 const SMALLEST_MEAN_UM: f64 = 0.02;
+/// Largest noise of a laser reading that needs no word, where the job states none (k = 1), µm.
+const ASSUMED_NOISE_UM: f64 = 1.0;
+/// A stated noise is a round figure: so many times of it count as far above.
+const FAR_ABOVE: f64 = 2.0;
 /// A reversal that no instrument resolves is none, µm.
 pub(super) const SMALLEST_REVERSAL_UM: f64 = 0.02;
 
@@ -48,6 +52,36 @@ pub fn of_closure(
         doubts.extend(noise.and_then(|noise| set_up(closure, noise)));
     }
     doubts
+}
+
+/// A scatter that was found and is far above what was to be expected: one-sided, χ² = ν σ²/σ₀² at
+/// one in a thousand, with σ₀ = twice the stated `noise_um`, or 1 µm where none is stated. With few
+/// steps no reading stands out of such a scatter, however far it is off: it makes the scatter.
+pub fn of_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Option<String> {
+    let found = noise.filter(|noise| noise.source != NoiseSource::Stated)?;
+    let freedom = found.freedom?;
+    let limit_um = stated_um.map_or(ASSUMED_NOISE_UM, |um| FAR_ABOVE * um);
+    let square = float(freedom) * (found.sigma_um / limit_um).squared();
+    if chance_of(square, freedom, None)? >= FALSE_DOUBT {
+        return None;
+    }
+    let (expected, remedy) = match stated_um {
+        Some(um) => (
+            format!("more than {FAR_ABOVE} times the {um} µm that `noise_um` states"),
+            "correct",
+        ),
+        None => (
+            format!(
+                "above the {ASSUMED_NOISE_UM} µm that are assumed where `noise_um` is not stated"
+            ),
+            "state",
+        ),
+    };
+    Some(format!(
+        "noise of a single reading {:.3} µm, {}: {expected}; a disturbed reading of any size may sit in it; repeat the runs, or {remedy} `noise_um`",
+        found.sigma_um,
+        found.source.words()
+    ))
 }
 
 /// A disturbed reading, and how far it moves the curves: one increment too long, the next too short.

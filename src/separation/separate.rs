@@ -8,7 +8,7 @@ use super::corrections::recorded;
 use super::curves::{Curve, with_slope};
 use super::doubt;
 use super::evidence::{Evidence, NineErrors, least_squares_squareness};
-use super::exchange::{AsRead, exchanged};
+use super::exchange::{AsRead, names};
 use super::increments::{Group, Means};
 use super::labels::labels;
 use super::linear_reversal::{self, LinearReversals, set_apart};
@@ -240,11 +240,13 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let mut doubts = doubt::of_closure(&closure, noise, volume, measurement.setup);
     let as_read = AsRead {
         closure: &closure,
-        means: &means,
         noise,
         overrun,
     };
-    doubts.splice(0..0, exchanged(campaign, raw_runs, &as_read));
+    let names = names(campaign, raw_runs, &as_read);
+    doubts.splice(0..0, names.doubt);
+    doubts.extend(doubt::of_noise(noise, campaign.stated.noise_um));
+    labels.extend(names.blind);
     doubts.extend(agreement.as_ref().and_then(Agreement::contradiction));
     let of_turn = turn.iter();
     doubts.extend(

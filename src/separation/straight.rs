@@ -11,6 +11,7 @@ use super::agreement::{Agreement, agreement};
 use super::beams::whole_line;
 use super::campaign::{Campaign, corrected};
 use super::corrections::recorded;
+use super::doubt::of_noise;
 use super::evidence::NineErrors;
 use super::labels::common_labels;
 use super::line::range;
@@ -247,7 +248,10 @@ pub fn straight(
         not_counted,
         u_scale: PerAxis::from_fn(|axis| metric.scale[axis].and_then(|_| u_scale(axis))),
         agreement,
-        doubts: disturbed.chain(contradiction).collect(),
+        doubts: disturbed
+            .chain(contradiction)
+            .chain(of_noise(noise, campaign.stated.noise_um))
+            .collect(),
         metric,
         noise,
         closure: match errors {

@@ -143,6 +143,11 @@ impl Patterns {
         (square.max(0.0), freedom)
     }
 
+    /// Q of other values.
+    pub(super) fn square_of(&self, values: &[f64]) -> f64 {
+        dot(values, &self.projected(values)).max(0.0)
+    }
+
     /// The ramps beside what is left out; `None` where there is too little to tell them.
     pub(super) fn ramps(&self) -> Option<RampFit> {
         let count = self.ramps.len();
