@@ -41,6 +41,30 @@ fn told(controller: &str, profile: Option<&str>) -> (TempDir, String, String) {
 }
 
 #[test]
+fn names_in_other_letters_and_paths_with_blanks_are_taken() {
+    let (directory, _, _) = told("siemens-840d-sl", None);
+    let job = directory.path().join("job.toml");
+    let page = fs::read_to_string(&job).expect("the job is there");
+    let named = |line: &str| match line.starts_with("name = ") {
+        true => "name = \"Fräse Süd, groß\"".to_string(),
+        false => line.to_string(),
+    };
+    let page: Vec<String> = page.lines().map(named).collect();
+    fs::write(&job, page.join("\n")).expect("the job can be written");
+    let output = nonius(directory.path(), &["generate", "job.toml", "-o", "my kit"]);
+    let said = [output.stdout, output.stderr].concat();
+    let said = String::from_utf8(said).expect("it is text");
+    assert!(
+        said.contains("`Fräse Süd, groß` stands as `Fraese Sued, gross`"),
+        "{said}"
+    );
+    assert!(
+        said.contains("nonius verify job.toml --tables \"my kit\""),
+        "{said}"
+    );
+}
+
+#[test]
 fn the_verdict_stands_in_the_last_line() {
     let (_directory, data, talk) = told("siemens-840d-sl", None);
     let last = talk.lines().last().expect("something is said");

@@ -30,15 +30,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     let mut problems = Problems::none();
     let header = Header::of(source)?;
     header.check(&mut problems);
-    let term = stated.required_term(&mut problems);
-    if let Some(term) = term.filter(|term| !term.is_positioning()) {
-        problems.push(
-            Problem::new(format!(
-                "`--term {term}` is no positioning, but a linear file (`pos`) holds one"
-            ))
-            .help("state EXX, EYY or EZZ, or take the right file"),
-        );
-    }
+    let term = required_positioning(stated, &mut problems);
     let sign = stated.required_sign(&mut problems);
     let axis = axis_words(&header, stated, &mut problems);
     let unit = header.unit("unit", "Unit", &mut problems);
@@ -68,16 +60,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     let (axis_facts, mut warnings) = axis;
     let mut facts = header.facts();
     facts.extend(axis_facts);
-    facts.push(format!(
-        "unit of the positions: {}; of the values: {}",
-        unit.word(),
-        error_unit.word()
-    ));
-    facts.extend(taken.facts.iter().cloned());
-    facts.extend(measured.surroundings());
-    facts.extend(placing.words());
-    facts.extend(placing.sense_words(term));
-    facts.extend(taken.passes_words(&placing));
+    facts.extend(taken.words(&measured, (unit, error_unit), (term, &placing)));
     warnings.extend(header.version_warning());
     warnings.extend(taken.warnings.iter().cloned());
     warnings.extend(air);
@@ -87,6 +70,19 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
         warnings,
         ..Reading::default()
     })
+}
+
+fn required_positioning(stated: &Stated, problems: &mut Problems) -> Option<Component> {
+    let term = stated.required_term(problems)?;
+    if !term.is_positioning() {
+        problems.push(
+            Problem::new(format!(
+                "`--term {term}` is no positioning, but a linear file (`pos`) holds one"
+            ))
+            .help("state EXX, EYY or EZZ, or take the right file"),
+        );
+    }
+    Some(term)
 }
 
 /// The rows that become the table, in the file's unit.
@@ -229,6 +225,25 @@ impl Taken {
             true => header.unit("errorunit", "ErrorUnit", problems),
             false => Some(unit),
         }
+    }
+
+    /// Unit, values, surroundings, places and runs.
+    fn words(
+        &self,
+        measured: &Measured<'_>,
+        (unit, error_unit): (LengthUnit, LengthUnit),
+        (term, placing): (Component, &Placing),
+    ) -> Vec<String> {
+        let (position, value) = (unit.word(), error_unit.word());
+        let mut words = vec![format!(
+            "unit of the positions: {position}; of the values: {value}"
+        )];
+        words.extend(self.facts.iter().cloned());
+        words.extend(measured.surroundings());
+        words.extend(placing.words());
+        words.extend(placing.sense_words(term));
+        words.extend(self.passes_words(placing));
+        words
     }
 
     fn passes_words(&self, placing: &Placing) -> Option<String> {
