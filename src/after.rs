@@ -278,6 +278,7 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
         basis: Basis::Measured,
         sigma,
         ranges: Axis::ALL.into_iter().filter_map(walked).collect(),
+        silent: Vec::new(),
         terms: Vec::new(),
         diagonals: runs.range_um.iter().map(line).collect(),
         unmeasured: crate::axis::PerAxis::default(),

@@ -56,7 +56,7 @@ impl Verdict {
 
 /// One of the figures that are judged together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figure {
+pub struct Magnitude {
     /// Its magnitude, µm.
     pub um: f64,
     /// Standard uncertainty (k = 1), µm; 0 = none, or none is stated.
@@ -98,7 +98,7 @@ impl Sigma {
 
     /// The same with another probability.
     pub fn joint_at(self, count: usize, confidence: f64) -> f64 {
-        let figures = vec![Figure { um: 0.0, u_um: 1.0 }; count];
+        let figures = vec![Magnitude { um: 0.0, u_um: 1.0 }; count];
         expanded_at(&figures, self, confidence)
     }
 
@@ -125,11 +125,11 @@ impl Sigma {
 ///
 /// formula  smallest U with mean over σ of Π_i P(|e_i| ≤ largest + U − |figure_i|) = 0.95
 /// limits   0 without figures and without uncertainty
-pub fn expanded_um(figures: &[Figure], sigma: Sigma) -> f64 {
+pub fn expanded_um(figures: &[Magnitude], sigma: Sigma) -> f64 {
     expanded_at(figures, sigma, CONFIDENCE)
 }
 
-fn expanded_at(figures: &[Figure], sigma: Sigma, confidence: f64) -> f64 {
+fn expanded_at(figures: &[Magnitude], sigma: Sigma, confidence: f64) -> f64 {
     let largest = largest_um(figures);
     let u = figures.iter().map(|f| f.u_um).fold(0.0, larger);
     if u <= 0.0 {
@@ -164,7 +164,7 @@ fn root(of: impl Fn(f64) -> f64, mut high: f64, precision: f64) -> f64 {
 }
 
 /// A forecast: pass if all figures keep the limit with 95 % together, fail if one exceeds it with 95 %.
-pub fn judge_forecast(figures: &[Figure], sigma: Sigma, limit_um: f64) -> Verdict {
+pub fn judge_forecast(figures: &[Magnitude], sigma: Sigma, limit_um: f64) -> Verdict {
     let one_sided = sigma.one_sided();
     if figures.iter().any(|f| f.um - one_sided * f.u_um > limit_um) {
         return Verdict::Fail;
@@ -179,7 +179,7 @@ pub fn judge_forecast(figures: &[Figure], sigma: Sigma, limit_um: f64) -> Verdic
 
 /// A measurement of its own: pass if each figure keeps the limit one-sidedly with 95 %, fail if one
 /// exceeds it with 95 % over all of them.
-pub fn judge_measured(figures: &[Figure], sigma: Sigma, limit_um: f64) -> Verdict {
+pub fn judge_measured(figures: &[Magnitude], sigma: Sigma, limit_um: f64) -> Verdict {
     let (one_sided, joint) = (sigma.one_sided(), sigma.joint(figures.len()));
     if figures
         .iter()
@@ -194,7 +194,7 @@ pub fn judge_measured(figures: &[Figure], sigma: Sigma, limit_um: f64) -> Verdic
 }
 
 /// The largest of them, µm; 0 where there is none.
-pub fn largest_um(figures: &[Figure]) -> f64 {
+pub fn largest_um(figures: &[Magnitude]) -> f64 {
     figures.iter().map(|f| f.um).fold(0.0, larger)
 }
 
@@ -203,7 +203,7 @@ fn larger(a: f64, b: f64) -> f64 {
 }
 
 /// Probability, at least, that no true figure exceeds the limit.
-fn chance_within(figures: &[Figure], estimates: &[(f64, f64)], limit_um: f64) -> f64 {
+fn chance_within(figures: &[Magnitude], estimates: &[(f64, f64)], limit_um: f64) -> f64 {
     if figures.iter().any(|f| f.um > limit_um) {
         return 0.0;
     }
@@ -254,7 +254,7 @@ mod tests {
 
     #[test]
     fn without_uncertainty_the_figures_decide() {
-        let figures = [Figure { um: 1.0, u_um: 0.0 }];
+        let figures = [Magnitude { um: 1.0, u_um: 0.0 }];
         for (limit, verdict) in [(1.0, Verdict::Pass), (0.9, Verdict::Fail)] {
             assert_eq!(judge_forecast(&figures, KNOWN, limit), verdict);
             assert_eq!(judge_measured(&figures, KNOWN, limit), verdict);
@@ -264,8 +264,8 @@ mod tests {
 
     #[test]
     fn a_forecast_is_judged_by_the_very_u_that_is_printed() {
-        let figures: Vec<Figure> = (0..30)
-            .map(|i| Figure {
+        let figures: Vec<Magnitude> = (0..30)
+            .map(|i| Magnitude {
                 um: f64::from(i) / 30.0,
                 u_um: 0.4,
             })
@@ -283,7 +283,7 @@ mod tests {
 
     #[test]
     fn a_measurement_passes_on_each_figure_and_fails_on_all_together() {
-        let figures = |um| vec![Figure { um, u_um: 1.0 }; 100];
+        let figures = |um| vec![Magnitude { um, u_um: 1.0 }; 100];
         assert_eq!(judge_measured(&figures(8.3), KNOWN, 10.0), Verdict::Pass);
         assert_eq!(
             judge_measured(&figures(12.0), KNOWN, 10.0),

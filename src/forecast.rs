@@ -12,14 +12,16 @@
 
 mod diagonals;
 mod share;
+mod silent;
 mod words;
 
 pub(crate) use self::share::range_of;
 pub use self::share::{JudgedRange, judged_ranges};
+pub use self::silent::Silent;
 
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::conformity::{
-    Figure, Sigma, Verdict, expanded_um, judge_forecast, judge_measured, largest_um,
+    Magnitude, Sigma, Verdict, expanded_um, judge_forecast, judge_measured, largest_um,
 };
 use crate::curve::ErrorCurve;
 use crate::emulate::{CannotEmulate, Emulator, Response};
@@ -46,7 +48,7 @@ pub struct TermForecast {
     /// U of `after_um`, the largest of its values, with 95 %, µm; `None` = not stated.
     pub expanded_um: Option<f64>,
     /// What is left around each measured position; one where no uncertainty is stated.
-    pub figures: Vec<Figure>,
+    pub figures: Vec<Magnitude>,
     /// Whether a table was planned for it.
     pub compensated: bool,
 }
@@ -69,7 +71,9 @@ pub struct DiagonalForecast {
     pub expanded_um: Option<f64>,
     /// Half of max − min with the uncertainty of a value, at each place of a measured position:
     /// max − min keeps a limit where every value lies within half of it about the middle.
-    pub halves: Vec<Figure>,
+    pub halves: Vec<Magnitude>,
+    /// Share of a deviation in X, Y, Z along the beam.
+    pub cosines: PerAxis<f64>,
 }
 
 impl DiagonalForecast {
@@ -81,11 +85,11 @@ impl DiagonalForecast {
         sigma: Sigma,
         u_um: &[f64],
     ) -> Self {
-        let half = |u_um: f64| Figure {
+        let half = |u_um: f64| Magnitude {
             um: after_um / 2.0,
             u_um,
         };
-        let halves: Vec<Figure> = u_um.iter().copied().map(half).collect();
+        let halves: Vec<Magnitude> = u_um.iter().copied().map(half).collect();
         let largest = u_um.iter().copied().reduce(larger);
         DiagonalForecast {
             name,
@@ -95,21 +99,22 @@ impl DiagonalForecast {
             u_um: largest.map(|u| std::f64::consts::SQRT_2 * u),
             expanded_um: largest.map(|_| 2.0 * expanded_um(&halves, sigma)),
             halves,
+            cosines: PerAxis::default(),
         }
     }
 
     /// Its values; where no uncertainty is stated, max − min itself, halved.
-    fn halves_or_figure(&self) -> Vec<Figure> {
+    fn halves_or_figure(&self) -> Vec<Magnitude> {
         if self.halves.is_empty() {
             let um = self.after_um / 2.0;
-            return vec![Figure { um, u_um: 0.0 }];
+            return vec![Magnitude { um, u_um: 0.0 }];
         }
         self.halves.clone()
     }
 
     /// max − min as one figure: the difference of two values.
-    fn difference(&self) -> Figure {
-        Figure {
+    fn difference(&self) -> Magnitude {
+        Magnitude {
             um: self.after_um,
             u_um: self.u_um.unwrap_or(0.0),
         }
@@ -134,6 +139,8 @@ pub struct Forecast {
     pub sigma: Sigma,
     /// The part of each axis that is judged, and how much of it was measured.
     pub ranges: Vec<JudgedRange>,
+    /// What no uncertainty holds because the job does not state it.
+    pub silent: Vec<Silent>,
     /// Every measured term, in the contract's order.
     pub terms: Vec<TermForecast>,
     /// The four body diagonals; empty unless all nine errors were measured, none in one direction only.
@@ -185,7 +192,7 @@ impl Forecast {
     }
 
     /// What is left of all terms, at every measured position.
-    fn figures(&self) -> Vec<Figure> {
+    fn figures(&self) -> Vec<Magnitude> {
         let all = self.terms.iter().flat_map(|term| &term.figures);
         all.copied().collect()
     }
@@ -197,7 +204,7 @@ impl Forecast {
         stated.then(|| expanded_um(&self.figures(), self.sigma))
     }
 
-    fn judge(&self, figures: &[Figure], limit_um: f64) -> Verdict {
+    fn judge(&self, figures: &[Magnitude], limit_um: f64) -> Verdict {
         match self.basis {
             Basis::Forecast => judge_forecast(figures, self.sigma, limit_um),
             Basis::Measured => judge_measured(figures, self.sigma, limit_um),
@@ -207,14 +214,14 @@ impl Forecast {
     /// Diagonals of a forecast are judged together; a measured one passes on the difference of its
     /// two extreme values and fails on all its values.
     fn judge_diagonals(&self, diagonals: &[&DiagonalForecast], limit_um: f64) -> Verdict {
-        let halves: Vec<Figure> = (diagonals.iter())
+        let halves: Vec<Magnitude> = (diagonals.iter())
             .flat_map(|diagonal| diagonal.halves_or_figure())
             .collect();
         let together = self.judge(&halves, limit_um / 2.0);
         if self.basis == Basis::Forecast {
             return together;
         }
-        let differences: Vec<Figure> = diagonals.iter().map(|d| d.difference()).collect();
+        let differences: Vec<Magnitude> = diagonals.iter().map(|d| d.difference()).collect();
         match judge_measured(&differences, self.sigma, limit_um) {
             Verdict::Pass => Verdict::Pass,
             _ => together.max(Verdict::Undecided),
@@ -343,6 +350,7 @@ pub fn forecast(
         basis: Basis::Forecast,
         sigma,
         ranges: ranges.to_vec(),
+        silent: silent::of(&model.remarks),
         diagonals,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),
@@ -363,7 +371,7 @@ fn residuals(
     control: &dyn Emulator,
     term: ErrorTerm,
     judged: Option<(Millimetres, Millimetres)>,
-) -> Result<Vec<Figure>, CannotEmulate> {
+) -> Result<Vec<Magnitude>, CannotEmulate> {
     let mut figures: Vec<(Option<Direction>, Cell, f64)> = Vec::new();
     for direction in Direction::BOTH {
         let Some((measured, curve)) = machine.curves(term, direction) else {
@@ -384,7 +392,7 @@ fn residuals(
             }
         }
     }
-    let figure = |(_, cell, um): (_, Cell, f64)| Figure {
+    let figure = |(_, cell, um): (_, Cell, f64)| Magnitude {
         um,
         u_um: cell.u_um,
     };

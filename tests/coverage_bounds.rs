@@ -684,7 +684,7 @@ fn the_bound_is_the_sum_of_what_single_values_do() {
         let with = of_clean(&perfect, Some(rotation), stated);
         let without = of_clean(&perfect, None, SMALL_NOISE);
         // The stated lines and what (7) neglects have their part in both.
-        let angle = |with: f64, without: f64| (with.powi(2) - without.powi(2)).max(0.0).sqrt();
+        let angle = |with: f64, without: f64| (with * with - without * without).max(0.0).sqrt();
         let angle = |with, without| angle(with, without) * 3f64.sqrt();
         let u = |found: &Separation, term: ErrorTerm| {
             let evidence = found.errors.mean[term].as_ref();
@@ -736,7 +736,7 @@ fn a_beam_beside_the_normal_shortens_every_diagonal() {
         );
     }
     // −0.5 µm/m in every diagonal, X and Y held by their lines: (R/Z)² of it in Z.
-    let gain = (900.0f64.powi(2) + 720.0f64.powi(2) + 500.0f64.powi(2)) / 500.0f64.powi(2);
+    let gain = (900.0 * 900.0 + 720.0 * 720.0 + 500.0 * 500.0) / (500.0 * 500.0);
     let (z, squareness) = scale(1e-4, 1.0);
     assert!((z + 0.5 * gain).abs() < 0.01 * gain, "{z}, {gain}");
     assert!(squareness < 0.01, "alike in all set-ups: {squareness}");

@@ -339,8 +339,8 @@ fn by_tables(seed: u64, stated: Stated) -> Outcome {
     let control = CONTROLS[(seed % 3) as usize];
     let points = [5, 11, 21, 31, 61][random.below(5)];
     let size = random.between(3.0, 15.0);
-    let first = 0.1 * 10.0_f64.powf(random.between(0.0, 1.0));
-    let second = first * 2.0_f64.powf(random.between(-1.0, 1.0));
+    let first = 0.1 * (random.between(0.0, 1.0) * std::f64::consts::LN_10).exp();
+    let second = first * random.between(-1.0, 1.0).exp2();
     let (u_first, u_second) = match stated {
         Stated::Both => (Some(first), Some(second)),
         Stated::First => (Some(first), None),
@@ -447,7 +447,6 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
             held.push(all.iter().filter(|o| o.largest_held).count() as f64 / all.len() as f64);
         }
     }
-    println!("{text}");
     let (least, most) = if is_whole() {
         (0.93, 0.01)
     } else {

@@ -258,8 +258,10 @@ pub(super) fn verdict(
     };
     let uncertainty = match forecast {
         Some(forecast) if !limits.is_empty() => {
+            let silent = forecast.not_counted(acceptance);
+            let silent: String = silent.iter().map(|words| format!("; {words}")).collect();
             format!(
-                "; {}{}",
+                "; {}{}{silent}",
                 forecast.range_words(),
                 without_uncertainty(forecast)
             )

@@ -87,7 +87,11 @@ pub(super) fn forecast(
             reverse.extremes(&mut before, &mut after);
         }
         let u_um = uncertainties(model, &measured_box, *signs);
-        DiagonalForecast::new(name, before.size(), after.size(), sigma, &u_um)
+        let cosine = |axis| measured_box.size[index(axis)] / measured_box.length();
+        DiagonalForecast {
+            cosines: PerAxis::from_fn(cosine),
+            ..DiagonalForecast::new(name, before.size(), after.size(), sigma, &u_um)
+        }
     };
     Ok(DIAGONALS.iter().map(of_diagonal).collect())
 }
