@@ -5,6 +5,7 @@
 //! `NONIUS_SIMULATIONS=all cargo test --test exchanged`; with `NONIUS_UPDATE=1` as well it writes the table of
 //! docs/accuracy.md.
 #![allow(
+    clippy::print_stdout,
     clippy::unwrap_used,
     clippy::expect_used,
     reason = "a test may stop at what it did not expect"
@@ -12,6 +13,12 @@
 
 #[path = "support/diagonals.rs"]
 mod simulated;
+
+#[path = "support/run.rs"]
+mod run;
+
+#[path = "support/skipped.rs"]
+mod skipped;
 
 use nonius::axis::{Axis, ErrorTerm};
 use nonius::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
@@ -389,6 +396,26 @@ fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
     }
     if is_whole() {
         compare_with_docs(&page);
+    }
+}
+
+/// Cases that passed before: three runs, NPP and PNP exchanged; one reading off by 50 µm.
+#[test]
+fn cases_that_once_passed_silently_are_findings() {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/repro");
+    if !cases.exists() {
+        return skipped::skipped();
+    }
+    for (case, words) in [
+        (
+            "names_worst",
+            "as if the readings of NPP and PNP were exchanged",
+        ),
+        ("readme_50um", "above the 1 µm that are assumed"),
+    ] {
+        let (status, page, _) = run::ended(&cases.join(case), "separate job.toml");
+        assert_eq!(status, Some(1), "{case}: {page}");
+        assert!(page.contains(words), "{case}: {page}");
     }
 }
 
