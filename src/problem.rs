@@ -33,7 +33,7 @@ const LONGEST_SENTENCE: usize = 1000;
 /// How many different problems of one input are kept; the rest is counted.
 const MOST_PROBLEMS: usize = 200;
 /// How many problems of one input are looked at; the rest is counted.
-const MOST_LOOKED_AT: usize = 5000;
+const MOST_LOOKED_AT: usize = 2000;
 /// Lines that are named where a problem stands in many.
 const MOST_LINES: usize = 3;
 /// How many problems are shown; the rest is counted.
@@ -344,7 +344,7 @@ impl Problems {
 
     /// Whether the next one would only be counted.
     pub fn is_full(&self) -> bool {
-        self.kept.len() >= MOST_PROBLEMS
+        self.kept.len() >= MOST_PROBLEMS || self.looked_at >= MOST_LOOKED_AT
     }
 
     /// Whether there is none.

@@ -150,13 +150,7 @@ mod tests {
 
     #[test]
     fn a_bound_is_never_rounded_up() {
-        for (bound, said) in [
-            (0.0, "0.01"),
-            (0.379, "0.37"),
-            (4.59, "4.5"),
-            (12.9, "12"),
-            (5e3, "1000"),
-        ] {
+        for (bound, said) in [(0.379, "0.37"), (4.59, "4.5"), (12.9, "12"), (5e3, "1000")] {
             assert_eq!(rounded_down(bound), said);
         }
     }
