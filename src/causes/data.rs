@@ -140,8 +140,9 @@ impl<'a> Data<'a> {
     /// chance (F at [`RISK`]). `None` = too few values.
     fn least_scatter(&self, fits: &[Fit], forecast: &Fit) -> Option<f64> {
         let (own, count) = self.scatter(forecast)?;
-        let others = fits.iter().filter_map(|fit| self.scatter(fit));
-        let best = others.map(|(um, _)| um).reduce(smaller).unwrap_or(own);
+        let by_rms = |a: &&Fit, b: &&Fit| self.rms(a).total_cmp(&self.rms(b));
+        let best = fits.iter().min_by(by_rms).and_then(|fit| self.scatter(fit));
+        let best = best.map_or(own, |(um, _)| um);
         let freedom = count / DIFFERENCES_OF_A_FREEDOM;
         let ratio = FisherSnedecor::new(freedom, freedom).ok()?;
         let by_chance = ratio.inverse_cdf(1.0 - RISK).sqrt();
