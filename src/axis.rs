@@ -21,6 +21,16 @@ impl Axis {
     /// The three axes in their usual order.
     pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 
+    /// All orders of the three.
+    pub const ORDERS: [[Axis; 3]; 6] = [
+        [Axis::X, Axis::Y, Axis::Z],
+        [Axis::X, Axis::Z, Axis::Y],
+        [Axis::Y, Axis::X, Axis::Z],
+        [Axis::Y, Axis::Z, Axis::X],
+        [Axis::Z, Axis::X, Axis::Y],
+        [Axis::Z, Axis::Y, Axis::X],
+    ];
+
     /// Capital letter, as in `EYX`.
     pub const fn letter(self) -> char {
         match self {

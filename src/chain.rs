@@ -64,17 +64,9 @@ impl Chain {
 
     /// Every chain: six orders, four places of `w`.
     pub fn all() -> impl Iterator<Item = Chain> {
-        const ORDERS: [[usize; 3]; 6] = [
-            [0, 1, 2],
-            [0, 2, 1],
-            [1, 0, 2],
-            [1, 2, 0],
-            [2, 0, 1],
-            [2, 1, 0],
-        ];
         (0..4).flat_map(|carrying_workpiece| {
-            ORDERS.map(|order| Chain {
-                letters: order.map(|index| Axis::ALL[index]),
+            Axis::ORDERS.map(|letters| Chain {
+                letters,
                 carrying_workpiece,
             })
         })

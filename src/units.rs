@@ -35,6 +35,18 @@ pub fn power_of_ten(exponent: u32) -> f64 {
     known.unwrap_or_else(|| format!("1e{exponent}").parse().unwrap_or(f64::INFINITY))
 }
 
+/// A bound in two digits or more, never above the number: what is said to hold has to hold.
+pub fn rounded_down(bound: f64) -> String {
+    let decimals = match bound {
+        large if large >= 10.0 => 0,
+        middle if middle >= 1.0 => 1,
+        small if small >= 0.1 => 2,
+        _ => 3,
+    };
+    let unit = power_of_ten(decimals);
+    ((bound * unit).floor() / unit).to_string()
+}
+
 /// Squares as products, the same on every computer.
 pub trait Squared {
     /// x².
@@ -227,6 +239,20 @@ mod tests {
     /// What a person would call a minus sign before nothing.
     fn has_signed_zero(text: &str) -> bool {
         text.strip_prefix('-').is_some_and(is_zeros)
+    }
+
+    #[test]
+    fn a_bound_is_never_rounded_up() {
+        let said = [
+            (0.0, "0"),
+            (0.0129, "0.012"),
+            (0.379, "0.37"),
+            (4.59, "4.5"),
+            (12.9, "12"),
+        ];
+        for (bound, said) in said {
+            assert_eq!(rounded_down(bound), said);
+        }
     }
 
     #[test]

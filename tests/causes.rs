@@ -12,6 +12,8 @@
     reason = "a test may stop at what it did not expect; counts are small"
 )]
 
+#[path = "support/published.rs"]
+mod published;
 mod support;
 
 use nonius::axis::{Axis, Direction, ErrorTerm};
@@ -20,6 +22,7 @@ use nonius::emulate::Emulator;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::plan::axis_pairs;
 use nonius::units::Millimetres;
+use published::published;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -700,9 +703,6 @@ fn confusion(outcomes: &[Outcome]) -> String {
     text
 }
 
-const BEGIN: &str = "<!-- causes: written by tests/causes.rs -->\n";
-const END: &str = "\n<!-- causes: end -->";
-
 #[test]
 fn the_true_cause_is_in_the_named_set_and_clean_runs_name_none() {
     let outcomes = all_outcomes();
@@ -736,24 +736,5 @@ fn the_true_cause_is_in_the_named_set_and_clean_runs_name_none() {
     let sizes: Vec<usize> = by_table.map(|o| o.named.len()).collect();
     let mean = sizes.iter().sum::<usize>() as f64 / sizes.len() as f64;
     assert!(mean < 1.6, "sets of {mean} kinds on average");
-    compare_with_docs(&confusion(&outcomes));
-}
-
-fn compare_with_docs(table: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
-    let page = std::fs::read_to_string(&path).unwrap().replace('\r', "");
-    let (head, rest) = page
-        .split_once(BEGIN)
-        .expect("docs/accuracy.md holds the marker");
-    let (old, tail) = rest
-        .split_once(END)
-        .expect("docs/accuracy.md holds the end marker");
-    if std::env::var_os("NONIUS_UPDATE").is_some() {
-        std::fs::write(&path, format!("{head}{BEGIN}{table}{END}{tail}")).unwrap();
-        return;
-    }
-    assert!(
-        old == table,
-        "docs/accuracy.md differs; if the new table is meant, run with NONIUS_UPDATE=1\n{table}"
-    );
+    published("causes", "causes", &confusion(&outcomes));
 }

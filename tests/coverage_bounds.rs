@@ -12,6 +12,8 @@
     reason = "a test may stop at what it did not expect"
 )]
 
+#[path = "support/published.rs"]
+mod published;
 #[path = "support/diagonals.rs"]
 mod simulated;
 
@@ -22,11 +24,11 @@ use nonius::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
 use nonius::separation::corrections::AngleEffects;
 use nonius::separation::metric::Plane;
 use nonius::separation::{Campaign, Evidence, Line, Separation, separate};
+use published::{is_whole, published, share};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use simulated::{Machine, dot, float, normal, runs, volume, with_noise};
 use std::fmt::Write;
-use std::path::Path;
 
 const SEED: u64 = 16;
 const RUNS: u64 = 2000;
@@ -519,10 +521,6 @@ fn percent(shares: &[f64]) -> String {
     format!("{:.1} … {:.1} %", 100.0 * low, 100.0 * high)
 }
 
-fn wants_all() -> bool {
-    std::env::var("NONIUS_SIMULATIONS").is_ok_and(|value| value == "all")
-}
-
 /// Each share against 93 … 97 %, or against 93 % alone where a bound is stated. A part of the runs
 /// scatters more: three standard deviations are allowed to it.
 fn judge(row: &Row, shares: &[Vec<f64>; 3], many: u64) {
@@ -538,16 +536,17 @@ fn judge(row: &Row, shares: &[Vec<f64>; 3], many: u64) {
 
 #[test]
 fn stated_bounds_hold_the_truth() {
-    let many = if wants_all() { RUNS } else { RUNS / 20 };
+    let many = share(RUNS);
     let (stated, all) = table(ROWS, 0, many);
     for (row, shares) in ROWS.iter().zip(&all) {
         judge(row, shares, many);
     }
-    if wants_all() {
+    if is_whole() {
         let (silent, _) = table(SILENT, 100, many);
-        publish(&format!(
+        let page = format!(
             "{many} runs of each row, seed {SEED}.\n\n{stated}\n\nThe same where the job states neither:\n\n{silent}"
-        ));
+        );
+        published("bounds", "coverage_bounds", &page);
     }
 }
 
@@ -563,22 +562,6 @@ fn table(rows: &[Row], first: u64, many: u64) -> (String, Vec<[Vec<f64>; 3]>) {
         all.push(shares);
     }
     (table, all)
-}
-
-const BEGIN: &str = "<!-- bounds: written by tests/coverage_bounds.rs -->\n";
-const END: &str = "\n<!-- bounds: end -->";
-
-/// The table of docs/accuracy.md.
-fn publish(table: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
-    let page = std::fs::read_to_string(&path).unwrap().replace('\r', "");
-    let (head, rest) = page.split_once(BEGIN).expect("the page holds the marker");
-    let (old, tail) = rest.split_once(END).expect("the page holds the end marker");
-    if std::env::var_os("NONIUS_UPDATE").is_some() {
-        std::fs::write(&path, format!("{head}{BEGIN}{table}{END}{tail}")).unwrap();
-        return;
-    }
-    assert!(old == table, "docs/accuracy.md differs\n{table}");
 }
 
 /// A machine without errors of its own and without noise, one angle or none.

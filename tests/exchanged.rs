@@ -14,6 +14,9 @@
 #[path = "support/diagonals.rs"]
 mod simulated;
 
+#[path = "support/published.rs"]
+mod published;
+
 #[path = "support/run.rs"]
 mod run;
 
@@ -24,6 +27,7 @@ use nonius::axis::{Axis, ErrorTerm};
 use nonius::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use nonius::separation::Separation;
 use nonius::separation::metric::Plane;
+use published::{is_whole, published, share};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use simulated::{Machine, Readings, float, normal, runs, solved, volume, with_noise};
@@ -36,14 +40,6 @@ const U_LINE_UM_PER_M: f64 = 0.5;
 const MACHINES: u64 = 400;
 /// Sound readings of machines of each waviness in the whole run.
 const EVEN_MACHINES: u64 = 1000;
-
-fn is_whole() -> bool {
-    std::env::var("NONIUS_SIMULATIONS").is_ok_and(|value| value == "all")
-}
-
-fn share(all: u64) -> u64 {
-    if is_whole() { all } else { all / 20 }
-}
 
 /// How a machine is measured.
 #[derive(Clone, Copy)]
@@ -395,7 +391,7 @@ fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
         );
     }
     if is_whole() {
-        compare_with_docs(&page);
+        published("exchanged", "exchanged", &page);
     }
 }
 
@@ -417,24 +413,4 @@ fn cases_that_once_passed_silently_are_findings() {
         assert_eq!(status, Some(1), "{case}: {page}");
         assert!(page.contains(words), "{case}: {page}");
     }
-}
-
-const BEGIN: &str = "<!-- exchanged: written by tests/exchanged.rs -->\n";
-const END: &str = "<!-- exchanged: end -->";
-
-fn compare_with_docs(table: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
-    let page = std::fs::read_to_string(&path).unwrap().replace('\r', "");
-    let marked = page
-        .split_once(BEGIN)
-        .and_then(|(head, rest)| Some((head, rest.split_once(END)?)));
-    let (head, (old, tail)) = marked.expect("docs/accuracy.md holds the markers");
-    if std::env::var_os("NONIUS_UPDATE").is_some() {
-        std::fs::write(&path, format!("{head}{BEGIN}{table}{END}{tail}")).unwrap();
-        return;
-    }
-    assert!(
-        old == table,
-        "docs/accuracy.md differs; if the new table is meant, run with NONIUS_UPDATE=1\n{table}"
-    );
 }

@@ -350,6 +350,28 @@ fn mistakes_of_steps() -> Vec<Mistake> {
             "did you mean `forward`?",
         ),
         (
+            "direction in every row",
+            file(HEADER, &step_rows()).replace(",forward,", ",fwd,"),
+            "the same in ",
+            "`reverse` = back over the same nodes",
+        ),
+        (
+            "not filled in",
+            format!(
+                "{}\n",
+                file(HEADER, &step_rows())
+                    .lines()
+                    .map(|row| match row.rfind(',') {
+                        Some(end) if !row.starts_with("diagonal") => row[..=end].to_string(),
+                        _ => row.to_string(),
+                    })
+                    .collect::<Vec<String>>()
+                    .join("\n")
+            ),
+            "the same in ",
+            "never filled in",
+        ),
+        (
             "node",
             changed("forward,3,z", "forward,3.0,z"),
             "`node` is `3.0`, expected a whole number from 0",

@@ -10,8 +10,11 @@
     reason = "a test may stop at what it did not expect; counts are small"
 )]
 
+#[path = "support/published.rs"]
+mod published;
 mod support;
 
+use published::{is_whole, published, share};
 use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
@@ -19,16 +22,6 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use support::Random;
-
-/// Where the whole simulation is asked for.
-fn is_whole() -> bool {
-    std::env::var("NONIUS_SIMULATIONS").is_ok_and(|asked| asked == "all")
-}
-
-/// So many trials of `all`.
-fn share(all: u64) -> u64 {
-    if is_whole() { all } else { all / 20 }
-}
 
 fn nonius(directory: &Path, command: &str) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
@@ -402,9 +395,6 @@ fn row(name: &str, all: &[Outcome], with_forecast: bool) -> String {
     )
 }
 
-const BEGIN: &str = "<!-- right kits: written by tests/right_kits.rs -->\n";
-const END: &str = "<!-- right kits: end -->";
-
 #[test]
 fn right_kits_hold_their_forecast_and_are_not_accused() {
     let (diagonals, tables) = (share(300), share(200));
@@ -459,25 +449,6 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
     );
     assert!(passed_of_three >= 0.9 || !is_whole(), "{passed_of_three}");
     if is_whole() {
-        compare_with_docs(&text);
+        published("right kits", "right_kits", &text);
     }
-}
-
-fn compare_with_docs(table: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
-    let page = fs::read_to_string(&path).unwrap().replace('\r', "");
-    let (head, rest) = page
-        .split_once(BEGIN)
-        .expect("docs/accuracy.md holds the marker");
-    let (old, tail) = rest
-        .split_once(END)
-        .expect("docs/accuracy.md holds the end marker");
-    if std::env::var_os("NONIUS_UPDATE").is_some() {
-        fs::write(&path, format!("{head}{BEGIN}{table}{END}{tail}")).unwrap();
-        return;
-    }
-    assert!(
-        old == table,
-        "docs/accuracy.md differs; if the new table is meant, run with NONIUS_UPDATE=1\n{table}"
-    );
 }

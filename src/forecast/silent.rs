@@ -6,9 +6,10 @@ use crate::axis::{ErrorTerm, PerTerm};
 use crate::conformity::{Magnitude, Verdict};
 use crate::error_table::Remarks;
 use crate::job::Acceptance;
+use crate::units::rounded_down;
 
 /// Halvings of the search for a bound.
-const ROUNDS: usize = 40;
+const ROUNDS: usize = 30;
 /// A larger bound is never asked for, µrad or mrad.
 const LARGEST: f64 = 1000.0;
 /// A smaller one is none.
@@ -55,7 +56,7 @@ impl Forecast {
                 bound => format!(
                     "{} not counted, holds below {} {}",
                     silent.what,
-                    rounded_down(bound),
+                    rounded_down(bound.min(LARGEST)),
                     silent.unit
                 ),
             },
@@ -126,32 +127,6 @@ impl DiagonalForecast {
                     .hypot(std::f64::consts::SQRT_2 * by_um),
             ),
             ..self.clone()
-        }
-    }
-}
-
-/// Two digits, never more than the number.
-fn rounded_down(bound: f64) -> String {
-    if bound >= LARGEST {
-        return LARGEST.to_string();
-    }
-    let decimals = match bound {
-        large if large >= 10.0 => 0,
-        middle if middle >= 1.0 => 1,
-        _ => 2,
-    };
-    let unit = crate::units::power_of_ten(decimals);
-    ((bound * unit).floor() / unit).to_string()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::rounded_down;
-
-    #[test]
-    fn a_bound_is_never_rounded_up() {
-        for (bound, said) in [(0.379, "0.37"), (4.59, "4.5"), (12.9, "12"), (5e3, "1000")] {
-            assert_eq!(rounded_down(bound), said);
         }
     }
 }

@@ -30,28 +30,6 @@ pub struct PointUncertainty {
     pub u_um: f64,
 }
 
-/// What a job states beside its table; separated readings hold it already.
-struct Stated {
-    noise_um: Option<f64>,
-    laser_um_per_m: f64,
-}
-
-impl Stated {
-    fn of(job: &Job) -> Stated {
-        let own = &job.measurement.uncertainty;
-        match job.measurement.data {
-            MeasuredData::Errors(_) => Stated {
-                noise_um: own.noise_um,
-                laser_um_per_m: own.laser_ppm.unwrap_or(0.0),
-            },
-            MeasuredData::Diagonals(_) => Stated {
-                noise_um: None,
-                laser_um_per_m: 0.0,
-            },
-        }
-    }
-}
-
 /// The uncertainty of a term at each of its positions; empty = not stated.
 pub(super) fn points(
     job: &Job,
@@ -59,18 +37,18 @@ pub(super) fn points(
     term: ErrorTerm,
     axis: MachineAxis,
 ) -> Vec<PointUncertainty> {
-    let stated = Stated::of(job);
+    let stated = &job.measurement.uncertainty;
+    let (noise_um, laser_um_per_m) = match job.measurement.data {
+        MeasuredData::Errors(_) => (stated.noise_um, stated.laser_ppm),
+        MeasuredData::Diagonals(_) => (None, None), // their table holds both
+    };
+    let laser_um_per_m = laser_um_per_m.filter(|_| term.is_positioning());
     let measured = || series.iter().filter(|s| s.deviations[term.of].is_some());
     let column = measured().any(|s| s.uncertainties_um[term.of].is_some());
-    let laser = if term.is_positioning() {
-        stated.laser_um_per_m
-    } else {
-        0.0
-    };
-    if !column && stated.noise_um.is_none() && laser <= 0.0 {
+    if !column && noise_um.is_none() && laser_um_per_m.is_none() {
         return Vec::new();
     }
-    let noise_um = stated.noise_um.unwrap_or(0.0);
+    let (noise_um, laser) = (noise_um.unwrap_or(0.0), laser_um_per_m.unwrap_or(0.0));
     let homing = measured().find(|s| s.direction == Some(axis.homing()));
     let zeroed = homing.or(measured().next());
     let at_zero = zeroed.and_then(|s| nearest_um(s, term, axis.reference));

@@ -126,16 +126,7 @@ fn other_order(row: &Row<'_>, measurement: &DiagonalMeasurement) -> Option<Strin
         other.volume.order = *order;
         deviation_um(row, Quantity::Displacement, &other).abs() < LARGEST_DEVIATION_UM / 10.0
     };
-    let [x, y, z] = Axis::ALL;
-    let orders = [
-        [x, y, z],
-        [x, z, y],
-        [y, x, z],
-        [y, z, x],
-        [z, x, y],
-        [z, y, x],
-    ];
-    let [first, second, third] = orders.into_iter().find(fits)?;
+    let [first, second, third] = Axis::ORDERS.into_iter().find(fits)?;
     Some(format!(
         "this is what steps that went {first}, {second}, {third} read: check `order` in the job against the program that was run"
     ))

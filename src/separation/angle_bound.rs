@@ -36,15 +36,6 @@ pub struct AngleBound {
 /// Below this a value of 1 µrad does not move a curve, µm.
 const DUST_UM: f64 = 1e-12;
 
-const ALL_ORDERS: [[Axis; 3]; 6] = [
-    [Axis::X, Axis::Y, Axis::Z],
-    [Axis::X, Axis::Z, Axis::Y],
-    [Axis::Y, Axis::X, Axis::Z],
-    [Axis::Y, Axis::Z, Axis::X],
-    [Axis::Z, Axis::X, Axis::Y],
-    [Axis::Z, Axis::Y, Axis::X],
-];
-
 impl AngleBound {
     /// Of the rotations that were not measured; where the order of the axes is not known, the
     /// largest of all orders for every figure.
@@ -57,7 +48,9 @@ impl AngleBound {
         let mut largest = Squares::none(volume);
         let walks = Walks::new(volume, reflector);
         let mut known: Vec<(Rotation, PerAxis<bool>, Squares)> = Vec::new();
-        let orders = order.as_ref().map_or(&ALL_ORDERS[..], std::slice::from_ref);
+        let orders = order
+            .as_ref()
+            .map_or(&Axis::ORDERS[..], std::slice::from_ref);
         for order in orders {
             let mut all = Squares::none(volume);
             for rotation in missing {

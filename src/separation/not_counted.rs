@@ -12,6 +12,7 @@ use super::slope_gains::SlopeGains;
 use crate::axis::{ErrorTerm, PerTerm};
 use crate::diagonal::Volume;
 use crate::job::{Reflector, StatedUncertainty};
+use crate::units::rounded_down;
 
 /// √(1.1² − 1): what adds a tenth to an uncertainty, by that uncertainty.
 const A_TENTH: f64 = 0.458_257_569_495_584;
@@ -83,20 +84,12 @@ impl NotCounted {
         let beam = below(&self.beam).map(|mrad| (beam, mrad, "mrad"));
         let said = angles.into_iter().chain(beam);
         said.map(|(what, bound, unit)| {
-            format!("{what} not counted; U holds below {} {unit}", short(bound))
+            format!(
+                "{what} not counted; U holds below {} {unit}",
+                rounded_down(bound)
+            )
         })
         .collect()
-    }
-}
-
-/// Two decimals, three where it is small, and never 0 unless it is.
-fn short(bound: f64) -> String {
-    if bound >= 0.1 {
-        format!("{bound:.2}")
-    } else if bound >= 0.001 {
-        format!("{bound:.3}")
-    } else {
-        "< 0.001".to_string()
     }
 }
 
