@@ -14,17 +14,15 @@
 //! the 24 ways hold the 6 orders. Of a name and an order that are wrong together in the matching way
 //! nothing is seen.
 //!
-//! Noise moves a gain as well, by √(4(n − 1)) or so between names that differ in nothing else. How
-//! well this machine tells names apart is told by the assignments that are neither recorded nor
-//! best: the margin is
+//! Noise moves a gain as well, by √(4(n − 1)) between names that this machine tells apart by nothing
+//! else. The margin is what it makes in one of a hundred sound measurements:
 //!
 //! ```text
-//!   m = L·(1 + 2(n − 1)/D)        D: gain of the best over the second of these
-//!   m ≤ 5·√(4(n − 1))             more than noise makes, whatever the machine
+//!   m = z·√(4(n − 1)), at least 9        Φ(z) = 1 − 0.01/k; k: assignments that lie within 3·√(4(n − 1))
+//!                                        of the best; 9: odds of e^4.5 to one
 //! ```
-//! with L = 7 (odds of e^3.5 to one) where σ is known, 9 where it is not: a machine that tells no
-//! names apart accuses none. L was chosen by simulation: at most one sound measurement in a hundred
-//! is accused, however even the machine is (docs/accuracy.md §8, tests/exchanged.rs).
+//! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
+//! (docs/accuracy.md §8, tests/exchanged.rs).
 
 use super::campaign::{Campaign, corrected};
 use super::closure::{Closure, Known, RunCounts, Undisturbed, closure};
@@ -43,12 +41,12 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 const SMALLEST_SPREAD_UM: f64 = 0.02;
 /// Standard deviation of rounding to 0.01 µm: no reading is better known, µm.
 const DIGIT_UM: f64 = 0.003;
-/// L: 2 ln of the odds from which another assignment counts, on a machine that tells names apart.
-const CLEARLY: f64 = 7.0;
-/// The same where the scatter of the closure is the only yardstick.
-const CLEARLY_BY_CLOSURE: f64 = 9.0;
-/// So many standard deviations of a gain by noise alone count, whatever the machine.
-const NOISE_DEVIATIONS: f64 = 5.0;
+/// 2 ln of the odds from which another assignment counts, however few the steps.
+const CLEARLY: f64 = 9.0;
+/// Share of sound measurements that may be accused.
+const ACCUSED: f64 = 0.01;
+/// Assignments that are nearer to the best than so many standard deviations of noise compete with it.
+const NEAR: f64 = 3.0;
 /// 2 ln of a thousand to one against any one reading being off.
 const DISTURBED: f64 = 14.0;
 /// Below this probability of finding it, the page says that a slip would hardly show.
@@ -246,24 +244,13 @@ impl<'a, 'c> Trial<'a, 'c> {
         }
     }
 
-    /// D of the names `best` beside those of `but`.
-    fn apart(&self, best: &Tried, but: &Tried) -> f64 {
-        let all = std::iter::once(&self.recorded).chain(&self.others);
-        let rest = all.filter(|one| one.naming != best.naming && one.naming != but.naming);
-        let mut apart: Vec<f64> = rest.map(|one| self.gain(one.square, best.square)).collect();
-        apart.sort_by(f64::total_cmp);
-        apart.get(1).map_or(0.0, |gain| gain.max(0.0))
-    }
-
-    /// m.
-    fn margin(&self, apart: f64) -> f64 {
-        let clearly = self.sigma_um.map_or(CLEARLY_BY_CLOSURE, |_| CLEARLY);
-        clearly * (1.0 + 2.0 * self.intervals() / apart)
-    }
-
-    /// The bound of m: more than noise makes, whatever the machine.
-    fn bound(&self) -> f64 {
-        NOISE_DEVIATIONS * 2.0 * self.intervals().sqrt()
+    /// m, where `best` leaves this over.
+    fn margin(&self, best: f64) -> f64 {
+        let deviation = 2.0 * self.intervals().sqrt();
+        let near = |one: &&Tried| self.gain(one.square, best) < NEAR * deviation;
+        let competing = float(self.others.iter().filter(near).count().max(1));
+        let z = Normal::standard().inverse_cdf(1.0 - ACCUSED / competing);
+        (z * deviation).max(CLEARLY)
     }
 
     /// n − 1.
@@ -279,8 +266,7 @@ impl<'a, 'c> Trial<'a, 'c> {
         let before = self.as_read.closure;
         let seen = before.sigma_um().unwrap_or(0.0) > SMALLEST_SPREAD_UM;
         let gain = self.gain(before.weighted_square, best.square) + self.accused();
-        let margin = self.margin(self.apart(best, &self.recorded));
-        if !seen || gain <= margin.min(self.bound()) {
+        if !seen || gain <= self.margin(best.square) {
             return None;
         }
         let after = self.judged(&best.naming)?;
@@ -315,16 +301,12 @@ impl<'a, 'c> Trial<'a, 'c> {
 
     /// Probability that these names, had they been right, would have been found: the gain is
     /// normal about G with variance 4G + 4(n − 1) for each exchange, and so is G itself, which these
-    /// readings tell; where σ is that of the closure, by ln. On the safe side: D one standard
-    /// deviation low, the bound of m twice.
+    /// readings tell, taken one standard deviation low; where σ is that of the closure, by ln.
     fn power(&self, slip: &Tried) -> f64 {
         let (worse, better) = (slip.square, self.recorded.square);
         let gain = self.gain(worse, better);
         let scatter =
             |square: f64, many: f64| (8.0 * (square.max(0.0) + many * self.intervals())).sqrt();
-        let apart = self.apart(&self.recorded, slip);
-        let margin = self.margin((apart - scatter(apart, 1.0)).max(0.0));
-        let margin = margin.min(2.0 * self.bound());
         let (square, share) = match self.sigma_um {
             Some(_) => (gain, 1.0),
             None => {
@@ -335,8 +317,8 @@ impl<'a, 'c> Trial<'a, 'c> {
         };
         let moved = float(slip.naming.moved().len().saturating_sub(1));
         let spread = share * scatter(square, moved);
-        let far = (gain - margin) / spread.max(f64::MIN_POSITIVE);
-        Normal::standard().cdf(far)
+        let far = (gain - self.margin(better)) / spread.max(f64::MIN_POSITIVE);
+        Normal::standard().cdf(far - 1.0)
     }
 
     /// The exchanges of two names and the orders that would be found in less than 95 %.
