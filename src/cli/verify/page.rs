@@ -80,7 +80,7 @@ fn page<'a>(
                 ..question
             })
         };
-        let found = causes_of(first, &second.measurement, &diagnosed)?;
+        let found = causes_of(first, &second.measurement, diagnosed)?;
         if !found.as_forecast && found.causes.is_empty() {
             let as_recorded = |measured: &AfterMeasurement| diagnosed(measured, &[]);
             lost_motion = unseen(inputs, &second.measurement, as_recorded)?;
