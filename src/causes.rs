@@ -24,12 +24,14 @@ mod decide;
 mod fault;
 mod fit;
 mod question;
+mod records;
 mod tried;
 mod words;
 
 pub use self::data::Basis;
 pub use self::fault::{Fault, Scope};
 pub use self::question::Question;
+pub use self::records::{Corrected, Slip};
 
 use self::data::{Data, Fit};
 use self::tried::all_faults;

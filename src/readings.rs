@@ -57,6 +57,21 @@ impl Readings {
     pub fn offset_known(&self, run: &Run) -> bool {
         run.pass == Pass::Forward || !self.own_zero.contains(&(run.diagonal, run.number))
     }
+
+    /// Gives the runs of two diagonals each other's name, both passes.
+    pub fn exchange(&mut self, one: Diagonal, other: Diagonal) {
+        let named = |diagonal: Diagonal| match diagonal {
+            own if own == one => other,
+            own if own == other => one,
+            own => own,
+        };
+        for run in &mut self.runs {
+            run.diagonal = named(run.diagonal);
+        }
+        for (diagonal, _) in &mut self.own_zero {
+            *diagonal = named(*diagonal);
+        }
+    }
 }
 
 type Found = (Vec<Run>, Vec<(Diagonal, u32)>);

@@ -2,6 +2,7 @@
 //! loaded into the emulated control, measured again, judged. And the two machines of paper 004.
 #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
+use nonius::diagonal::Diagonal;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -194,6 +195,149 @@ fn a_visit_without_loaded_tables_fails() {
     measured_again(at, "--without-tables");
     let after = json(at, "verify job.toml --tables kit --after after.toml");
     assert_eq!(after["verdict"], "fail", "{after:#}");
+    let named = kinds(&after);
+    assert!(named.contains(&"not active"), "{after:#}");
+    let slips = ["names exchanged", "wrong order"];
+    assert!(!slips.iter().any(|slip| named.contains(slip)), "{after:#}");
+}
+
+/// Kinds of the causes that the page names.
+fn kinds(after: &Value) -> Vec<&str> {
+    let causes = after["diagnosis"]["causes"].as_array().expect("causes");
+    causes.iter().filter_map(|c| c["kind"].as_str()).collect()
+}
+
+/// What the page says of the cause of this kind.
+fn words_of(after: &Value, kind: &str) -> String {
+    let causes = after["diagnosis"]["causes"].as_array().expect("causes");
+    let own = causes.iter().find(|cause| cause["kind"] == kind);
+    own.map_or_else(String::new, |cause| cause["words"].to_string())
+}
+
+/// Every reading with its cells changed; comments and header stay.
+fn rewritten(readings: &str, change: impl Fn(&mut Vec<String>)) -> String {
+    let row = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_string).collect();
+        if cells.len() > 1 && Diagonal::from_name(&cells[0]).is_some() {
+            change(&mut cells);
+        }
+        cells.join(",") + "\n"
+    };
+    readings.lines().map(row).collect()
+}
+
+/// The rest of a day whose first readings are filed as they are: made, loaded, measured again.
+fn judged_with(at: &Path, readings: &str) -> Value {
+    put(at, "readings.csv", readings);
+    nonius(at, "generate job.toml -o kit --force");
+    measured_again(at, "--tables kit");
+    json(at, "verify job.toml --tables kit --after after.toml")
+}
+
+/// Whatever `separate` says of it: the second measurement shows which two names were exchanged.
+#[test]
+fn readings_saved_under_each_others_name_are_named_after_the_second_measurement() {
+    let (job, truth) = golden("siemens-840d-sl");
+    let visit = prepared(&job, &truth, &FORWARD);
+    let at = visit.path();
+    let right = fs::read_to_string(at.join("readings.csv")).expect("readings");
+    for (index, one) in Diagonal::ALL.into_iter().enumerate() {
+        for other in Diagonal::ALL.into_iter().skip(index + 1) {
+            let (a, b) = (one.name(), other.name());
+            let exchanged = rewritten(&right, |cells| match cells[0].as_str() {
+                own if own == a => cells[0] = b.to_string(),
+                own if own == b => cells[0] = a.to_string(),
+                _ => {}
+            });
+            let after = judged_with(at, &exchanged);
+            let words = words_of(&after, "names exchanged");
+            let pair = format!("the readings of {a} and {b} of the first measurement were saved");
+            assert!(words.contains(&pair), "{a}, {b}: {after:#}");
+            assert!(!words.contains(", or "), "{words}");
+            let others: Vec<&str> = kinds(&after);
+            assert!(others.len() <= 2, "{others:?}");
+            if others.len() == 1 {
+                let decides = after["diagnosis"]["decides"].as_str().expect("words");
+                assert!(decides.starts_with("compare the names"), "{decides}");
+            }
+        }
+    }
+    let after = judged_with(at, &right);
+    assert_eq!(after["diagnosis"]["as_forecast"], true, "{after:#}");
+    assert!(kinds(&after).is_empty(), "{after:#}");
+}
+
+/// The closure cannot tell an order from exchanged names; what the machine does afterwards can.
+#[test]
+fn steps_in_another_order_are_told_from_exchanged_names_after_the_second_measurement() {
+    let (job, truth) = golden("siemens-840d-sl");
+    let visit = prepared(&job, &truth, &FORWARD);
+    let at = visit.path();
+    let machine = fs::read_to_string(at.join("machine.toml")).expect("a job");
+    for order in ["XZY", "YXZ", "YZX", "ZXY", "ZYX"] {
+        let walked = machine.replace("order = \"XYZ\"", &format!("order = \"{order}\""));
+        put(at, "walked.toml", &walked);
+        let simulate = "simulate walked.toml --without-tables --noise-um 0.2 --runs 3 --seed 1";
+        yes(at, &format!("{simulate} --force -o walked.csv"));
+        let walked = fs::read_to_string(at.join("walked.csv")).expect("readings");
+        let recorded = rewritten(&walked, |cells| {
+            let node: usize = cells[3].parse().expect("a number");
+            if node > 0 {
+                cells[4] = ["z", "x", "y"][node % 3].to_string();
+            }
+        });
+        let after = judged_with(at, &recorded);
+        assert_eq!(kinds(&after), ["wrong order"], "{order}: {after:#}");
+        let letters: Vec<String> = order.chars().map(String::from).collect();
+        let went = format!(
+            "the steps of the first measurement went {}",
+            letters.join(", ")
+        );
+        let words = words_of(&after, "wrong order");
+        assert!(words.contains(&went), "{words}");
+    }
+}
+
+/// An update whose readings were filed wrongly: the old tables go into what the machine was.
+#[test]
+fn names_exchanged_while_tables_were_active_are_named() {
+    let (job, truth) = golden("siemens-840d-sl");
+    let visit = prepared(&job, &truth, &FORWARD);
+    let at = visit.path();
+    yes(at, "generate job.toml -o old");
+    let worn = worn_out(&truth);
+    put(at, "errors.csv", &worn);
+    let simulate = "simulate machine.toml --force --noise-um 0.2 --runs 3 --tables old";
+    yes(at, &format!("{simulate} --seed 5 -o readings.csv"));
+    yes(at, &format!("{simulate} --errors --seed 6 -o linear.csv"));
+    let update = fs::read_to_string(at.join("job.toml")).expect("a job");
+    let update = update.replace("\"none\"", "\"old\"");
+    put(at, "job.toml", &update);
+    let right = fs::read_to_string(at.join("readings.csv")).expect("readings");
+    let exchanged = rewritten(&right, |cells| match cells[0].as_str() {
+        "NPP" => cells[0] = "PNP".to_string(),
+        "PNP" => cells[0] = "NPP".to_string(),
+        _ => {}
+    });
+    let after = judged_with(at, &exchanged);
+    assert_eq!(kinds(&after), ["names exchanged"], "{after:#}");
+    let words = words_of(&after, "names exchanged");
+    assert!(words.contains("NPP and PNP"), "{words}");
+    let after = judged_with(at, &right);
+    assert!(kinds(&after).is_empty(), "{after:#}");
+}
+
+/// The golden machine years later: every error is larger by half.
+fn worn_out(truth: &str) -> String {
+    let row = |line: &str| {
+        let cells = line.split(',').enumerate();
+        let worn = cells.map(|(index, cell)| match cell.parse::<f64>() {
+            Ok(um) if index >= 2 => format!("{:.9}", 1.5 * um),
+            _ => cell.to_string(),
+        });
+        worn.collect::<Vec<String>>().join(",") + "\n"
+    };
+    truth.lines().map(row).collect()
 }
 
 /// Straight runs of a rehearsal: what they are stands on the page, and what they were predicted

@@ -3,11 +3,12 @@
 //! A control may show the compensation value that acts; reading it costs nothing. No manual says
 //! with which sign, so amounts are compared. Where no display is known the tables are read back;
 //! where only a sign is in question a bump decides; where the control does as planned
-//! (temperature), a linear run.
+//! (temperature), a linear run; where the first readings may be filed wrongly, their records.
 
 use super::data::Fit;
 use super::fault::{Fault, Planned};
 use super::question::Question;
+use super::records::Slip;
 use super::words::{label, short};
 use crate::after::Part;
 use crate::axis::{Axis, Direction, ErrorTerm};
@@ -51,6 +52,10 @@ pub(super) fn decides(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> St
     if standing.iter().all(thermal) {
         return linear_run(question, standing);
     }
+    let of_records = checks_of_records(standing);
+    if standing.iter().all(|(fault, _)| slip(fault).is_some()) {
+        return of_records.join("; ");
+    }
     let look = match question.display {
         Some(display) => by_display(question, standing, display),
         None => format!(
@@ -70,7 +75,24 @@ pub(super) fn decides(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> St
     if standing.iter().any(thermal) {
         steps.push("read the temperatures of scales and workpiece".to_string());
     }
+    steps.extend(of_records.into_iter().map(str::to_string));
     steps.join("; ")
+}
+
+const fn slip(fault: &Fault) -> Option<Slip> {
+    match fault {
+        Fault::Recorded(slip) => Some(*slip),
+        _ => None,
+    }
+}
+
+/// What to look at where the records of the first measurement may be wrong; the control does as
+/// planned then.
+fn checks_of_records(standing: &[(&Fault, Fit)]) -> Vec<&'static str> {
+    let slips = standing.iter().filter_map(|(fault, _)| slip(fault));
+    let mut checks: Vec<&str> = slips.map(Slip::check).collect();
+    checks.dedup();
+    checks
 }
 
 fn read_back() -> &'static str {
@@ -124,7 +146,7 @@ fn best_look(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> Option<Look
     looks.reduce(better).filter(|look| look.groups > 1)
 }
 
-/// What acts at a place; temperature and a turned measurement leave the control as planned.
+/// What acts at a place; temperature, a turned measurement and slips of its records leave the control as planned.
 fn acting_um(
     question: &Question<'_>,
     (fault, fit): (&Fault, Option<&Fit>),

@@ -3,6 +3,7 @@
 use super::MOST_KELVIN;
 use super::data::Fit;
 use super::question::{Question, deviation_um};
+use super::records::{Slip, beyond_um};
 use crate::after::Part;
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::units::Millimetres;
@@ -84,6 +85,8 @@ pub enum Fault {
     FirstTurned,
     /// The tables do not act, and the second measurement has the wrong sign.
     SecondTurned,
+    /// The first measurement was recorded wrongly, so the tables are those of another machine.
+    Recorded(Slip),
     /// The scales of all axes are warmer or colder by the same K.
     Temperature,
     /// The scale of one axis is.
@@ -118,13 +121,14 @@ impl Fault {
             Fault::OldTables => "old tables active",
             Fault::OldBeside => "old beside new",
             Fault::FirstTurned | Fault::SecondTurned => "measurement turned",
+            Fault::Recorded(slip) => slip.kind(),
             Fault::Temperature | Fault::TemperatureOf(_) | Fault::TemperatureEach => "temperature",
         }
     }
 
     /// Its place among causes that the data cannot tell apart: what happens often stands first.
     pub(super) fn rank(&self) -> usize {
-        const USUAL_FIRST: [&str; 12] = [
+        const USUAL_FIRST: [&str; 14] = [
             "not active",
             "old tables active",
             "sign turned",
@@ -136,6 +140,8 @@ impl Fault {
             "wrong axis",
             "shifted",
             "temperature",
+            "names exchanged",
+            "wrong order",
             "measurement turned",
         ];
         let place = USUAL_FIRST.iter().position(|kind| *kind == self.kind());
@@ -273,7 +279,8 @@ impl Fault {
         }
     }
 
-    /// What the temperature adds to the machine, or a turned sign to a measurement, µm.
+    /// What the temperature adds to the machine, or a turned sign or a slip of the records to a
+    /// measurement, µm.
     fn beside(
         &self,
         question: &Question<'_>,
@@ -289,6 +296,7 @@ impl Fault {
             Fault::FirstTurned => -2.0 * deviation(question.found()),
             // The opposite of what is there: as found, and what acts beside the tables.
             Fault::SecondTurned => -2.0 * (deviation(question.before) + planned.constant),
+            Fault::Recorded(slip) => beyond_um(question, *slip, part),
             Fault::Temperature => expansion(question, part, number(0)),
             Fault::TemperatureOf(axis) if along == *axis => expansion(question, part, number(0)),
             Fault::TemperatureEach => {

@@ -1,5 +1,6 @@
 //! What is known when a cause is asked for.
 
+use super::records::Corrected;
 use crate::after::{Control, Observation, Part};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::model::ErrorModel;
@@ -16,6 +17,8 @@ pub struct Question<'a> {
     /// As found under the tables that were active then, which are part of `before` no more; `None` =
     /// none were active.
     pub under_tables: Option<&'a ErrorModel>,
+    /// The same readings with one slip of their records taken back; empty = none is tried.
+    pub corrected: &'a [Corrected],
     /// What the loaded tables add.
     pub control: &'a Control,
     /// The values of the second measurement.

@@ -47,6 +47,9 @@ pub(super) fn all_faults(question: &Question<'_>) -> Vec<Fault> {
         faults.extend([Fault::OldTables, Fault::OldBeside]);
     }
     faults.extend([Fault::FirstTurned, Fault::SecondTurned]);
+    let corrected = question.corrected.iter();
+    let corrected = corrected.filter(|corrected| corrected.answers(question));
+    faults.extend(corrected.map(|corrected| Fault::Recorded(corrected.slip)));
     faults
 }
 

@@ -3,6 +3,7 @@
 use super::Numbers;
 use super::fault::{Fault, Scope};
 use super::question::Question;
+use super::records::Slip;
 use crate::after::Observation;
 use crate::axis::{Axis, ErrorTerm};
 use crate::units::{Figure, MM_PER_INCH, Millimetres};
@@ -55,6 +56,8 @@ pub(super) fn label(question: &Question<'_>, fault: &Fault) -> String {
         Fault::OneTable(axis, way) => format!("{}: table of {way} both ways", of_axis(*axis)),
         Fault::BacklashNot(axis) => format!("{}: no parameter", of_axis(*axis)),
         Fault::FirstTurned => "the first".to_string(),
+        Fault::Recorded(Slip::Names(one, other)) => format!("{one} and {other}"),
+        Fault::Recorded(Slip::Order(order)) => Axis::letters(order),
         Fault::SecondTurned => "the second, and tables not active".to_string(),
         fault => subject(question, fault),
     };
@@ -116,6 +119,7 @@ fn subject(question: &Question<'_>, fault: &Fault) -> String {
         }
         Fault::FirstTurned => "the first measurement".to_string(),
         Fault::SecondTurned => "the second measurement".to_string(),
+        Fault::Recorded(slip) => slip.subject(),
         Fault::Temperature | Fault::TemperatureEach => "the scales of all axes".to_string(),
         Fault::TemperatureOf(axis) => format!("the scale of axis {axis}"),
     }
@@ -162,6 +166,7 @@ fn with_numbers(
 ) -> String {
     match fault {
         Fault::Times(_, factor) => times(*factor),
+        Fault::Recorded(slip) => slip.predicate(),
         Fault::Factor(_) => format!(
             "act {:.3} times as strong as planned: look at magnification, detection unit, weight of the table, radius or diameter",
             number(0)

@@ -195,7 +195,7 @@ fn imported_from(table: &str, path: &str) -> Option<HashedFile> {
     })
 }
 
-/// The nine errors of a job with readings, as the very table that `separate -o` writes.
+/// The nine errors of a job with readings.
 fn separated_table(
     job: &Job,
     measurement: &DiagonalMeasurement,
@@ -211,11 +211,15 @@ fn separated_table(
             .help("measure in single-axis steps (`kind = \"step\"`); `nonius separate` prints what straight runs hold")
             .into());
     }
-    let files = campaign_files(job, measurement, folder, hashes)?;
+    table_of(&campaign_files(job, measurement, folder, hashes)?)
+}
+
+/// The nine errors of readings, as the very table that `separate -o` writes.
+pub(super) fn table_of(files: &CampaignFiles) -> Result<ErrorTable, Problems> {
     let separation = files.separate()?;
-    check_policy(job, &separation)?;
+    check_policy(&files.job, &separation)?;
     let text = error_table::write(&files.draft(&separation));
-    let name = format!("nine errors separated from {}", measurement.readings);
+    let name = format!("nine errors separated from {}", files.measurement.readings);
     ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)
 }
 

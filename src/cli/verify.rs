@@ -1,8 +1,10 @@
 //! `nonius verify JOB --tables DIR [--after FILE|JOB]`
 
 mod page;
+mod records;
 mod second;
 
+use self::records::First;
 use crate::cli::directory::{Found, read_directory};
 use crate::cli::inputs;
 use crate::cli::{Answer, Format, print, print_json, say, show};
@@ -47,7 +49,12 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     let notes = found.notes.iter().chain(&found.other_inputs);
     verification.absent.extend(notes.cloned());
     if let Some(second) = second {
-        return page::answer(&inputs, directory, &verification, &second, format);
+        let folder = options.job.parent().unwrap_or(Path::new(""));
+        let first = First {
+            inputs: &inputs,
+            folder,
+        };
+        return page::answer(first, directory, &verification, &second, format);
     }
     match format {
         Format::Json => print_json(&document(&inputs, &verification))?,

@@ -2,6 +2,7 @@
 
 use super::{read_argument, read_named};
 use crate::after::{StraightRuns, Walk};
+use crate::causes::Slip;
 use crate::diagonal::{Diagonal, Pass, PerDiagonal, Run};
 use crate::document::Source;
 use crate::emit::TOOL;
@@ -18,8 +19,9 @@ use crate::separation::{self, Campaign, Separation, table};
 use std::path::Path;
 
 /// A measurement of diagonals with everything that its job names.
+#[derive(Clone)]
 pub(in crate::cli) struct CampaignFiles {
-    job: Job,
+    pub(super) job: Job,
     /// How it was measured.
     pub(in crate::cli) measurement: DiagonalMeasurement,
     readings: Readings,
@@ -47,6 +49,16 @@ impl CampaignFiles {
         let mut separation = separation::separate(&self.campaign()?, &self.readings.runs);
         separation.labels.splice(0..0, self.readings.notes());
         Ok(separation)
+    }
+
+    /// The same with a slip of the records taken back.
+    pub(in crate::cli) fn without(&self, slip: Slip) -> CampaignFiles {
+        let mut files = self.clone();
+        match slip {
+            Slip::Names(one, other) => files.readings.exchange(one, other),
+            Slip::Order(order) => files.measurement.volume.order = order,
+        }
+        files
     }
 
     /// Reverse runs with a zero of their own hide where the axes reversed.

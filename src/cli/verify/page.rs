@@ -1,5 +1,6 @@
 //! As found, forecast, as left: the page and the document.
 
+use super::records::First;
 use super::second::Second;
 use super::{absent, agreement, heading, print_page};
 use crate::after::{
@@ -7,7 +8,7 @@ use crate::after::{
     unseen_reversal,
 };
 use crate::axis::{Direction, PerAxis};
-use crate::causes::{Cause, Diagnosis, Question, diagnose};
+use crate::causes::{Cause, Corrected, Diagnosis, Question, diagnose};
 use crate::cli::show::{self, Column};
 use crate::cli::{Answer, Format, print_json};
 use crate::conformity::Verdict;
@@ -32,14 +33,14 @@ struct Page<'a> {
 }
 
 pub(super) fn answer(
-    inputs: &Inputs,
+    first: First<'_>,
     directory: &Path,
     verification: &Verification,
     second: &Second,
     format: Format,
 ) -> Result<Answer, Problems> {
-    second.ensure_active(inputs, verification)?;
-    let page = page(inputs, verification, second)?;
+    second.ensure_active(first.inputs, verification)?;
+    let page = page(first, verification, second)?;
     match format {
         Format::Json => print_json(&page.document())?,
         Format::Text => print_page(&page.text(directory), &page.verdict_words())?,
@@ -52,10 +53,11 @@ pub(super) fn answer(
 }
 
 fn page<'a>(
-    inputs: &'a Inputs,
+    first: First<'a>,
     verification: &'a Verification,
     second: &'a Second,
 ) -> Result<Page<'a>, Problems> {
+    let inputs = first.inputs;
     let plan = &verification.plan;
     let control = emulator(&inputs.profile, &verification.found, &verification.state)
         .and_then(|emulator| Control::new(&inputs.model, plan, emulator.as_ref()));
@@ -70,13 +72,18 @@ fn page<'a>(
     let mut diagnosis = None;
     let mut lost_motion = None;
     if let (Ok(control), Some(forecast)) = (&control, &verification.forecast) {
-        let diagnosed = |measured: &AfterMeasurement| {
+        let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
             let seen = observations(&inputs.model, measured);
-            diagnose(&question(inputs, verification, forecast, control, &seen))
+            let question = question(inputs, verification, forecast, control, &seen);
+            diagnose(&Question {
+                corrected,
+                ..question
+            })
         };
-        let found = diagnosed(&second.measurement)?;
+        let found = causes_of(first, &second.measurement, diagnosed)?;
         if !found.as_forecast && found.causes.is_empty() {
-            lost_motion = unseen(inputs, &second.measurement, diagnosed)?;
+            let as_recorded = |measured: &AfterMeasurement| diagnosed(measured, &[]);
+            lost_motion = unseen(inputs, &second.measurement, as_recorded)?;
         }
         diagnosis = Some(found);
     }
@@ -90,6 +97,23 @@ fn page<'a>(
         lost_motion,
         verdict,
     })
+}
+
+/// The causes; slips of the first records are tried only where as left is not as forecast, since
+/// each takes a separation of its own.
+fn causes_of(
+    first: First<'_>,
+    measured: &AfterMeasurement,
+    diagnosed: impl Fn(&AfterMeasurement, &[Corrected]) -> Result<Diagnosis, Problem>,
+) -> Result<Diagnosis, Problems> {
+    let as_recorded = diagnosed(measured, &[])?;
+    if as_recorded.as_forecast {
+        return Ok(as_recorded);
+    }
+    match first.corrected()?.as_slice() {
+        [] => Ok(as_recorded),
+        corrected => Ok(diagnosed(measured, corrected)?),
+    }
 }
 
 /// Lost motion that the first measurement could not see, if as left is as forecast without it.
@@ -120,6 +144,7 @@ fn question<'a>(
     Question {
         before: &inputs.model,
         under_tables: inputs.under_tables.as_ref(),
+        corrected: &[],
         control,
         seen,
         homing: PerAxis::from_fn(|a| axis(a).map_or(Direction::Plus, |a| a.homing())),
