@@ -19,7 +19,7 @@ pub use self::machine::ensure_same_machine;
 pub use self::observation::{Control, Observation, Part, observations};
 pub use self::reversal::{UnseenReversal, unseen_reversal};
 
-use self::doubts::{doubts, notes};
+use self::doubts::{doubts, not_measured, notes};
 use self::ground::ensure_common_ground;
 use crate::axis::{Axis, Direction, ErrorTerm};
 use crate::conformity::Sigma;
@@ -30,10 +30,9 @@ use crate::forecast::{
     Basis, DiagonalForecast, Forecast, Machine, TermForecast, forecast, judged_ranges, range_of,
 };
 use crate::job::Job;
-use crate::model::ErrorModel;
+use crate::model::{ErrorModel, MeasuredTerm};
 use crate::plan::Plan;
 use crate::problem::{Problem, Problems};
-use crate::units::Millimetres;
 
 /// A measurement of the machine with its tables active.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,13 +76,20 @@ impl AfterMeasurement {
         }
     }
 
-    /// Whether no value differs from that at its zero.
-    fn is_flat(&self) -> bool {
+    /// What was measured at three places or more and is the same at all of them, to the last digit.
+    fn flat(&self) -> Vec<String> {
+        let is_flat = |measured: &MeasuredTerm| {
+            measured.largest_um() <= 0.0 && measured.curves().any(|c| c.knots().len() > 2)
+        };
         match self {
-            AfterMeasurement::Errors(model) => model
-                .measured()
-                .all(|(_, measured)| measured.largest_um() <= 0.0),
-            AfterMeasurement::Diagonals(runs) => runs.range_um.iter().all(|(_, um)| *um <= 0.0),
+            AfterMeasurement::Errors(model) => {
+                let flat = model.measured().filter(|(_, measured)| is_flat(measured));
+                flat.map(|(term, _)| term.to_string()).collect()
+            }
+            AfterMeasurement::Diagonals(runs) => {
+                let flat = runs.range_um.iter().filter(|(_, um)| **um <= 0.0);
+                flat.map(|(diagonal, _)| diagonal.to_string()).collect()
+            }
         }
     }
 }
@@ -144,6 +150,8 @@ pub struct Comparison {
     pub as_left: Forecast,
     /// Terms found before and not measured afterwards.
     pub missing: Vec<ErrorTerm>,
+    /// Why the values afterwards are no measurement of this machine with its tables; `None` = they may be.
+    pub not_measured: Option<String>,
     /// Why the as-left figures decide nothing in favour, one sentence each.
     pub doubts: Vec<String>,
     /// What whoever reads the page should know.
@@ -213,7 +221,8 @@ pub fn compare(
         terms,
         diagonals,
         as_left,
-        doubts: doubts(machine, control, after),
+        not_measured: not_measured(machine.as_measured, after),
+        doubts: doubts(before, control, after),
         notes,
         missing,
     })
@@ -263,17 +272,14 @@ pub fn before_um(before: &ErrorModel, part: &Part) -> Option<f64> {
 /// Measured figures of straight runs.
 fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
     let sigma = Sigma::with_freedom(runs.degrees_of_freedom);
-    let value_um = runs.u_range_um().map(|u| u / std::f64::consts::SQRT_2);
+    let scale_um = runs.scale_um_per_m * runs.volume.diagonal_mm() / 1000.0;
     let line = |(diagonal, range): (Diagonal, &f64)| {
         let own = runs.walks.iter().filter(|walk| walk.diagonal == diagonal);
         let values: usize = own.map(|walk| walk.readings_um.len()).sum();
-        let u_um = value_um.map_or_else(Vec::new, |u| vec![u; values]);
-        DiagonalForecast::new(diagonal.name(), *range, *range, sigma, &u_um)
+        let u_um = runs.u_um.map_or_else(Vec::new, |u| vec![u; values]);
+        DiagonalForecast::new(diagonal.name(), *range, *range, sigma, &u_um, scale_um)
     };
-    let walked = |axis| {
-        let (low, high) = runs.range_mm(axis);
-        range_of(job, axis, (Millimetres::new(low), Millimetres::new(high)))
-    };
+    let walked = |axis| range_of(job, axis, &runs.volume.positions(axis));
     Forecast {
         basis: Basis::Measured,
         sigma,

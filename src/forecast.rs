@@ -27,7 +27,7 @@ use crate::curve::ErrorCurve;
 use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::grid::EDGE_MM;
 use crate::job::Acceptance;
-use crate::model::{ErrorModel, MeasuredTerm};
+use crate::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::plan::{Plan, axis_pairs};
 use crate::units::Millimetres;
 
@@ -51,6 +51,8 @@ pub struct TermForecast {
     pub figures: Vec<Magnitude>,
     /// Whether a table was planned for it.
     pub compensated: bool,
+    /// `None` = measured both ways; else in which direction, without regard to it where it is `None`.
+    pub one_way: Option<Option<Direction>>,
 }
 
 /// Forecast along one body diagonal of the measured box: max − min of the deviation along it.
@@ -77,17 +79,19 @@ pub struct DiagonalForecast {
 }
 
 impl DiagonalForecast {
-    /// A diagonal whose values have these standard uncertainties, µm; empty = not stated.
+    /// A diagonal whose values have these standard uncertainties, µm; empty = not stated. `scale_um` =
+    /// that of the laser over its length, which is one error of all values.
     pub fn new(
         name: &'static str,
         before_um: f64,
         after_um: f64,
         sigma: Sigma,
         u_um: &[f64],
+        scale_um: f64,
     ) -> Self {
         let half = |u_um: f64| Magnitude {
             um: after_um / 2.0,
-            u_um,
+            u_um: u_um.hypot(scale_um / 2.0),
         };
         let halves: Vec<Magnitude> = u_um.iter().copied().map(half).collect();
         let largest = u_um.iter().copied().reduce(larger);
@@ -96,7 +100,7 @@ impl DiagonalForecast {
             before_um,
             after_um,
             comparable_um: after_um,
-            u_um: largest.map(|u| std::f64::consts::SQRT_2 * u),
+            u_um: largest.map(|u| (std::f64::consts::SQRT_2 * u).hypot(scale_um)),
             expanded_um: largest.map(|_| 2.0 * expanded_um(&halves, sigma)),
             halves,
             cosines: PerAxis::default(),
@@ -337,6 +341,11 @@ pub fn forecast(
             expanded_um: u_um.map(|_| expanded_um(&figures, sigma)),
             figures,
             compensated: plan.tables.iter().any(|t| t.term == term),
+            one_way: match measured.measured {
+                Measured::BothWays { .. } => None,
+                Measured::OneWay(direction, _) => Some(Some(direction)),
+                Measured::Undirected(_) => Some(None),
+            },
         });
     }
     let mut diagonals = diagonals::forecast(machine, plan, control, &judged, sigma)?;

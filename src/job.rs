@@ -210,6 +210,16 @@ pub struct Measurement {
     pub notes: Vec<String>,
 }
 
+impl Measurement {
+    /// Keys of `[measurement.uncertainty]` that are stated and count in no figure.
+    pub fn unused_keys(&self) -> Vec<&'static str> {
+        match self.data {
+            MeasuredData::Errors(_) => self.uncertainty.keys_of_readings(),
+            MeasuredData::Diagonals(_) => Vec::new(),
+        }
+    }
+}
+
 /// Which terms to compensate.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WantedTerms {

@@ -12,6 +12,7 @@ mod angles;
 mod uncertainty;
 
 pub use self::uncertainty::PointUncertainty;
+use self::uncertainty::laser_um_per_m;
 
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::curve::ErrorCurve;
@@ -171,6 +172,8 @@ pub struct ErrorModel {
     pub ranges: PerAxis<Option<(Millimetres, Millimetres)>>,
     /// The heading under which each term stands in its error table.
     pub headings: PerTerm<Option<Heading>>,
+    /// Standard uncertainty of the laser's scale that no column holds, µm/m; 0 = not stated.
+    pub laser_um_per_m: f64,
     /// What was measured and this version does not use, one sentence each.
     pub unused: Vec<String>,
     /// What the table says of itself: doubts, terms that are not determined, notes.
@@ -219,6 +222,7 @@ impl ErrorModel {
             terms,
             rotations,
             ranges,
+            laser_um_per_m: laser_um_per_m(job).unwrap_or(0.0),
             headings: PerTerm::from_fn(|term| table.heading(term).cloned()),
             unused: angles::not_compensated(table).into_iter().collect(),
             remarks: table.remarks.clone(),

@@ -2,8 +2,9 @@
 
 use super::{AfterMeasurement, Control, StraightRuns, unseen_reversal};
 use crate::axis::{Axis, ErrorTerm};
-use crate::forecast::Machine;
+use crate::curve::ErrorCurve;
 use crate::model::{ErrorModel, MeasuredTerm};
+use crate::units::Millimetres;
 
 /// Gaps between the positions measured again, in gaps of the first measurement, beyond which
 /// nothing is known between them: every second position is enough, fewer are not.
@@ -13,16 +14,14 @@ const ROUNDING: f64 = 1.0 + 1e-6;
 
 /// Why the figures decide nothing in favour, one sentence each.
 pub(super) fn doubts(
-    machine: Machine<'_>,
+    before: &ErrorModel,
     control: Option<&Control>,
     after: &AfterMeasurement,
 ) -> Vec<String> {
-    let before = machine.uncompensated;
     let mut doubts = match after {
         AfterMeasurement::Errors(model) => model.doubts(|_| true),
         AfterMeasurement::Diagonals(_) => Vec::new(),
     };
-    doubts.extend(not_measured(machine.as_measured, after).map(str::to_string));
     if let AfterMeasurement::Errors(model) = after {
         let axes = Axis::ALL.into_iter();
         doubts.extend(axes.filter_map(|axis| sparse(before, model, axis)));
@@ -33,29 +32,41 @@ pub(super) fn doubts(
 }
 
 /// Values that nobody measured after the tables were loaded.
-fn not_measured(before: &ErrorModel, after: &AfterMeasurement) -> Option<&'static str> {
+pub(super) fn not_measured(before: &ErrorModel, after: &AfterMeasurement) -> Option<String> {
     let measured_first = before.remarks.simulated().next().is_none();
     if after.is_simulated() && measured_first {
-        return Some(
-            "the values afterwards were simulated, those as found were measured: a rehearsal says nothing of this machine",
-        );
+        return Some("the values afterwards were simulated, those as found were measured: a rehearsal says nothing of this machine".to_string());
     }
-    if after.is_flat() {
-        return Some(
-            "the values afterwards are the same at all positions of each axis: an empty table, no measurement",
-        );
+    let flat = after.flat();
+    if !flat.is_empty() {
+        return Some(format!(
+            "the values afterwards are the same at all positions, which no laser reads: {}; an empty column, no measurement",
+            flat.join(", ")
+        ));
     }
     let same = matches!(after, AfterMeasurement::Errors(model) if has_same_values(before, model));
-    same.then_some(
-        "the values afterwards are those of the first measurement: the same file, or a copy of it",
-    )
+    same.then(|| {
+        "the values afterwards are those of the first measurement: the same file, or a copy of it"
+            .to_string()
+    })
 }
 
-/// Whether both measurements hold the very same values.
+/// Values that differ by less were not measured twice, µm.
+const SAME_UM: f64 = 0.01;
+
+/// Whether both measurements hold the same values at the same places, their zeros apart.
 fn has_same_values(before: &ErrorModel, after: &ErrorModel) -> bool {
+    let near = |a: &ErrorCurve, b: &ErrorCurve| {
+        let off = |at: &Millimetres| (a.at(*at) - b.at(*at)).um().abs();
+        a.knots() == b.knots() && a.knots().iter().all(|at| off(at) < SAME_UM)
+    };
     let same = |(term, second): (ErrorTerm, &MeasuredTerm)| {
         let first = before.terms[term].as_ref();
-        first.is_some_and(|first| first.measured == second.measured)
+        first.is_some_and(|first| {
+            let pairs = first.curves().zip(second.curves());
+            first.curves().count() == second.curves().count()
+                && pairs.into_iter().all(|(a, b)| near(a, b))
+        })
     };
     after.measured().all(same)
 }

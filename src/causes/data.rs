@@ -18,8 +18,13 @@ const MOST_SCATTER: f64 = 0.1;
 
 /// Fewer second differences tell no scatter.
 const FEWEST_DIFFERENCES: f64 = 8.0;
-/// Neighbouring second differences share values: so many make one degree of freedom.
-const DIFFERENCES_OF_A_FREEDOM: f64 = 2.0;
+/// Neighbouring second differences share values, and a median knows less than a mean: so many make
+/// one degree of freedom.
+const DIFFERENCES_OF_A_FREEDOM: f64 = 4.0;
+/// Median of |deviate| of a normal distribution.
+const NORMAL_MEDIAN: f64 = 0.674_5;
+/// √6, standard deviation of a second difference of independent deviates.
+const SECOND_DIFFERENCE: f64 = 2.449_489_742_783_178;
 
 /// What the comparison rests on.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,7 +119,11 @@ impl<'a> Data<'a> {
         let forecast = self.fit(&Fault::None);
         let floor = floor_um(self.question);
         let (least, what) = match self.least_scatter(fits, &forecast) {
-            Some(um) => (um, "the scatter between neighbouring values"),
+            // Noise that is larger than the errors as found is no noise.
+            Some(um) => {
+                let most = larger(self.found_rms(), floor);
+                (smaller(um, most), "the scatter between neighbouring values")
+            }
             None => {
                 let all = fits.iter().chain([&forecast]);
                 (self.bounded_rms(all, floor), "the scatter")
@@ -163,19 +172,21 @@ impl<'a> Data<'a> {
     /// σ of independent noise from second differences of what a fit leaves along each curve, µm, and
     /// their number; `None` = too few.
     ///
-    /// formula  σ² = Σ (r(i−1) − 2 r(i) + r(i+1))² / (6 m), half as many degrees of freedom as m
+    /// formula  σ = median |r(i−1) − 2 r(i) + r(i+1)| / (0.6745·√6): a few wild values do not move it
     fn scatter(&self, fit: &Fit) -> Option<(f64, f64)> {
         let mut curves: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         for (observation, left, _) in self.left(fit) {
             curves.entry(observation.curve).or_default().push(left);
         }
-        let second = |w: &[f64]| (w[0] - 2.0 * w[1] + w[2]).squared();
+        let second = |w: &[f64]| (w[0] - 2.0 * w[1] + w[2]).abs();
         let windows = curves.values().flat_map(|curve| curve.windows(3));
-        let squares: Vec<f64> = windows.map(second).collect();
+        let mut sizes: Vec<f64> = windows.map(second).collect();
+        sizes.sort_by(f64::total_cmp);
         #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
-        let count = squares.len() as f64;
-        let mean = squares.iter().sum::<f64>() / (6.0 * count);
-        (count >= FEWEST_DIFFERENCES).then(|| (mean.sqrt(), count))
+        let count = sizes.len() as f64;
+        let median = *sizes.get(sizes.len() / 2)?;
+        let sigma = median / NORMAL_MEDIAN / SECOND_DIFFERENCE;
+        (count >= FEWEST_DIFFERENCES).then_some((sigma, count))
     }
 
     /// The same with the second measurement in another unit; its u is that of the values, or

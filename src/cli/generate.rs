@@ -100,13 +100,7 @@ fn report(inputs: &Inputs, kit: &Kit) -> String {
         .trim()
         .to_string(),
         show::remarks(&kit.plan, &kit.compiled, Some(&kit.forecast)),
-        show::verdict(
-            kit.verdict,
-            job.acceptance,
-            Some(&kit.forecast),
-            false,
-            &kit.doubts,
-        ),
+        show::verdict(kit.verdict, &job, Some(&kit.forecast), false, &kit.doubts),
         show::assumptions(&kit.compiled.assumptions),
         show::preconditions(&kit.compiled.preconditions),
     ])
@@ -137,10 +131,9 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
         shell_word(job),
         shell_word(directory)
     ));
-    let acceptance = inputs.job.acceptance;
     lines.push(show::verdict(
         kit.verdict,
-        acceptance,
+        &inputs.job,
         Some(&kit.forecast),
         false,
         &kit.doubts,

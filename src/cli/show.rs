@@ -5,7 +5,7 @@ use crate::claims::{Assumption, Precondition, shared};
 use crate::compensation::{Compiled, Placement};
 use crate::conformity::Verdict;
 use crate::forecast::Forecast;
-use crate::job::Acceptance;
+use crate::job::Job;
 use crate::kit;
 use crate::model::ErrorModel;
 use crate::plan::Plan;
@@ -238,11 +238,12 @@ fn without_uncertainty(forecast: &Forecast) -> String {
 /// Below it stands what does not keep them.
 pub(super) fn verdict(
     verdict: Verdict,
-    acceptance: Acceptance,
+    job: &Job,
     forecast: Option<&Forecast>,
     differs: bool,
     doubts: &[String],
 ) -> String {
+    let acceptance = job.acceptance;
     let mut limits = Vec::new();
     if let Some(um) = acceptance.max_deviation_um {
         let terms = forecast.map_or_else(|| "every term".to_string(), Forecast::terms_words);
@@ -258,10 +259,17 @@ pub(super) fn verdict(
     };
     let uncertainty = match forecast {
         Some(forecast) if !limits.is_empty() => {
+            let directions = forecast.directions_words();
+            let directions = directions.map_or_else(String::new, |words| format!("; {words}"));
+            let unused = job.measurement.unused_keys().join(", ");
+            let unused = match unused.is_empty() {
+                true => String::new(),
+                false => format!("; stated and not counted: {unused}"),
+            };
             let silent = forecast.not_counted(acceptance);
             let silent: String = silent.iter().map(|words| format!("; {words}")).collect();
             format!(
-                "; {}{}{silent}",
+                "; {}{directions}{}{silent}{unused}",
                 forecast.range_words(),
                 without_uncertainty(forecast)
             )

@@ -130,7 +130,7 @@ fn agreement(verification: &Verification) -> String {
 fn verdict(inputs: &Inputs, verification: &Verification) -> String {
     show::verdict(
         verification.verdict,
-        inputs.job.acceptance,
+        &inputs.job,
         verification.forecast.as_ref(),
         !verification.disagreements.is_empty(),
         &verification.doubts,

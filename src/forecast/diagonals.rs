@@ -87,10 +87,11 @@ pub(super) fn forecast(
             reverse.extremes(&mut before, &mut after);
         }
         let u_um = uncertainties(model, &measured_box, *signs);
+        let scale_um = model.laser_um_per_m * measured_box.length() / 1000.0;
         let cosine = |axis| measured_box.size[index(axis)] / measured_box.length();
         DiagonalForecast {
             cosines: PerAxis::from_fn(cosine),
-            ..DiagonalForecast::new(name, before.size(), after.size(), sigma, &u_um)
+            ..DiagonalForecast::new(name, before.size(), after.size(), sigma, &u_um, scale_um)
         }
     };
     Ok(DIAGONALS.iter().map(of_diagonal).collect())
@@ -146,10 +147,10 @@ fn travels<'a>(
 
 /// Standard uncertainty of the deviation along the beam, µm, wherever an axis stands at one of its
 /// measured positions: three terms per axis, weighted with the direction cosine. A value by itself
-/// counts, since max − min is a difference and the reference drops out. Empty where that of a term
-/// is not stated.
+/// counts, since max − min is a difference and the reference drops out. A term of which nothing is
+/// stated counts as 0; empty where nothing is stated at all.
 fn uncertainties(model: &ErrorModel, measured_box: &MeasuredBox, signs: [f64; 3]) -> Vec<f64> {
-    if model.measured().any(|(_, m)| m.uncertainty.is_empty()) {
+    if model.measured().all(|(_, m)| m.uncertainty.is_empty()) {
         return Vec::new();
     }
     let walk = Walk {

@@ -8,6 +8,10 @@ use crate::units::Millimetres;
 /// Share of a judged range that has to be measured before a limit counts as kept: the offset
 /// targets of an acceptance test stay clear of the ends by half a step or so.
 const COVERED: f64 = 0.9;
+/// Of the judged range: between places farther apart nothing is known.
+const WIDEST_GAP: f64 = 0.5;
+/// Positions of inch targets are rounded.
+const ROUNDING: f64 = 1.0 + 1e-6;
 /// From here on a share is called the whole.
 const WHOLE: f64 = 0.995;
 
@@ -22,42 +26,53 @@ pub struct JudgedRange {
     pub judged: Range,
     /// Whether `[acceptance]` states it.
     pub is_stated: bool,
-    /// What was measured.
+    /// From where to where was measured.
     pub measured: Range,
+    /// How much of the judged range lies between measured places that are near enough, 0 to 1.
+    pub share: f64,
+    /// Largest distance of two neighbouring places, mm.
+    pub gap_mm: f64,
 }
 
 /// The judged range of every axis along which a term was measured.
 pub fn judged_ranges(job: &Job, model: &ErrorModel) -> Vec<JudgedRange> {
     let along = |axis: &Axis| model.measured().any(|(term, _)| term.along == *axis);
     let axes = Axis::ALL.into_iter().filter(along);
-    let ranges = axes.filter_map(|axis| range_of(job, axis, model.ranges[axis]?));
+    let ranges = axes.filter_map(|axis| {
+        let own = model.measured().filter(|(term, _)| term.along == axis);
+        let curves = own.flat_map(|(_, measured)| measured.curves());
+        let each = curves.filter_map(|curve| range_of(job, axis, curve.knots()));
+        each.min_by(|a, b| a.share.total_cmp(&b.share))
+    });
     ranges.collect()
 }
 
-/// The judged range of an axis that was measured from `measured.0` to `measured.1`.
-pub(crate) fn range_of(job: &Job, axis: Axis, measured: Range) -> Option<JudgedRange> {
+/// The judged range of an axis that was measured at these places, in ascending order.
+pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<JudgedRange> {
     let machine = job.machine.axes[axis]?;
     let stated = job.acceptance.range[axis];
+    let judged = stated.unwrap_or((machine.low, machine.high));
+    let whole = (judged.1 - judged.0).mm();
+    let gaps = || places.windows(2).map(|pair| (pair[1] - pair[0]).mm());
+    let near = |pair: &&[Millimetres]| (pair[1] - pair[0]).mm() <= WIDEST_GAP * ROUNDING * whole;
+    let common = |pair: &[Millimetres]| {
+        let (low, high) = super::within(judged, Some((pair[0], pair[1])));
+        super::larger((high - low).mm(), 0.0)
+    };
     Some(JudgedRange {
         axis,
-        judged: stated.unwrap_or((machine.low, machine.high)),
+        judged,
         is_stated: stated.is_some(),
-        measured,
+        measured: (*places.first()?, *places.last()?),
+        share: places.windows(2).filter(near).map(common).sum::<f64>() / whole,
+        gap_mm: gaps().fold(0.0, super::larger),
     })
 }
 
 impl JudgedRange {
-    /// How much of it was measured, 0 to 1.
-    fn share(&self) -> f64 {
-        let (low, high) = super::within(self.judged, Some(self.measured));
-        let whole = (self.judged.1 - self.judged.0).mm();
-        let common = (high - low).mm();
-        if common > 0.0 { common / whole } else { 0.0 }
-    }
-
     /// Whether enough of it was measured for a verdict.
     pub fn is_known(&self) -> bool {
-        self.share() >= COVERED
+        self.share >= COVERED
     }
 
     /// Why the verdict is undecided, in a sentence; `None` = enough was measured.
@@ -77,11 +92,17 @@ impl JudgedRange {
         };
         (!self.is_known()).then(|| {
             format!(
-                "{axis} was measured from {from} to {to} mm, {} {what} ({low} to {high} mm), and less than nine tenths decide nothing: {help}",
-                percent(self.share())
+                "{axis} was measured from {from} to {to} mm at places up to {} mm apart, {} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}",
+                shown(self.gap_mm),
+                percent(self.share)
             )
         })
     }
+}
+
+fn shown(mm: f64) -> String {
+    let text = format!("{mm:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 fn percent(share: f64) -> String {
@@ -93,23 +114,26 @@ fn percent(share: f64) -> String {
 
 /// On which part of the machine a verdict rests, for its line.
 pub(super) fn words(ranges: &[JudgedRange]) -> String {
-    let whole = |range: &JudgedRange| range.share() >= WHOLE;
+    let whole = |range: &JudgedRange| range.share >= WHOLE;
+    let gap = ranges
+        .iter()
+        .map(|range| range.gap_mm)
+        .fold(0.0, super::larger);
+    let gap = format!(", places up to {} mm apart", shown(gap));
     if ranges.iter().all(|range| whole(range) && !range.is_stated) {
-        return "over the whole travel".to_string();
+        return format!("over the whole travel{gap}");
     }
     let one = |range: &JudgedRange| {
         let (low, high) = (range.judged.0.mm(), range.judged.1.mm());
-        let share = percent(range.share());
+        let share = percent(range.share);
         match (range.is_stated, whole(range)) {
             (true, true) => format!("{} from {low} to {high} mm", range.axis),
             (true, false) => format!("{share} of {} from {low} to {high} mm", range.axis),
             (false, _) => format!("{share} of the travel of {}", range.axis),
         }
     };
-    format!(
-        "over {}",
-        ranges.iter().map(one).collect::<Vec<_>>().join(", ")
-    )
+    let all: Vec<String> = ranges.iter().map(one).collect();
+    format!("over {}{gap}", all.join(", "))
 }
 
 /// The stated ranges; `None` = all that was measured is judged.

@@ -61,7 +61,11 @@ impl Forecast {
                 ),
             },
         };
-        self.silent.iter().map(phrase).collect()
+        let mut phrases: Vec<String> = self.silent.iter().map(phrase).collect();
+        if let (true, [_, _, ..]) = (passes, phrases.as_slice()) {
+            phrases.push("each by itself".to_string());
+        }
+        phrases
     }
 
     /// The largest bound with which the acceptance is still kept.

@@ -1,7 +1,7 @@
 //! What a forecast, or an as-left measurement, says of the acceptance, in words.
 
 use super::{DiagonalForecast, Forecast, TermForecast, share};
-use crate::axis::ErrorTerm;
+use crate::axis::{Direction, ErrorTerm};
 use crate::conformity::{Verdict, expanded_um};
 use crate::job::Acceptance;
 
@@ -98,6 +98,17 @@ impl Forecast {
     /// On which part of the machine the verdict rests, e.g. `over the whole travel`.
     pub fn range_words(&self) -> String {
         share::words(&self.ranges)
+    }
+
+    /// What no figure holds because an axis was not measured both ways; `None` = all were.
+    pub fn directions_words(&self) -> Option<String> {
+        let ways: Vec<Option<Direction>> = self.terms.iter().filter_map(|t| t.one_way).collect();
+        let only = |way: Direction| !ways.is_empty() && ways.iter().all(|w| *w == Some(way));
+        match Direction::BOTH.into_iter().find(|way| only(*way)) {
+            Some(way) => Some(format!("moving {way} only")),
+            None if ways.is_empty() => None,
+            None => Some("reversal not measured".to_string()),
+        }
     }
 
     /// Which terms a verdict speaks of: never more than were measured.

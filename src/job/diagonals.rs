@@ -139,6 +139,20 @@ pub struct StatedUncertainty {
 }
 
 impl StatedUncertainty {
+    /// The stated keys that only readings of the diagonals have a use for.
+    pub fn keys_of_readings(&self) -> Vec<&'static str> {
+        let all = [
+            ("temperature_k", self.temperature_k),
+            ("alpha_per_k", self.alpha_per_k),
+            ("setup_ppm", self.setup_ppm),
+            ("angle_urad", self.angle_urad),
+            ("beam_mrad", self.beam_mrad),
+            ("tilt_arcsec", self.tilt_arcsec),
+        ];
+        let stated = all.into_iter().filter(|(_, value)| value.is_some());
+        stated.map(|(key, _)| key).collect()
+    }
+
     /// What the beam may take off every length, 10⁻⁶: 1 − cos of `beam_mrad`. All of it counts as a
     /// standard uncertainty: it has one sign and stays in the readings.
     pub fn beam_ppm(&self) -> f64 {

@@ -120,21 +120,13 @@ fn both_given(section: &Section<'_>) {
 
 /// What the job states and an error table has no use for, one sentence each.
 fn unused(uncertainty: &StatedUncertainty) -> Vec<String> {
-    let mut unused = Vec::new();
-    let stated = [
-        ("temperature_k", uncertainty.temperature_k),
-        ("alpha_per_k", uncertainty.alpha_per_k),
-        ("setup_ppm", uncertainty.setup_ppm),
-        ("angle_urad", uncertainty.angle_urad),
-        ("beam_mrad", uncertainty.beam_mrad),
-        ("tilt_arcsec", uncertainty.tilt_arcsec),
-    ];
-    for (key, _) in stated.iter().filter(|(_, value)| value.is_some()) {
-        unused.push(format!(
+    let keys = uncertainty.keys_of_readings().into_iter();
+    let sentence = |key| {
+        format!(
             "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column, `noise_um` and `laser_ppm` state"
-        ));
-    }
-    unused
+        )
+    };
+    keys.map(sentence).collect()
 }
 
 fn uncertainty(section: &Section<'_>) -> StatedUncertainty {

@@ -3,10 +3,11 @@
 //! Every curve is zero at the reference, so a value is a difference of two of the table:
 //!
 //! ```text
-//!   u²(x) = u_value²(x) + u_value²(reference)        u_value² = column² + noise² + (laser · |x − reference|)²
+//!   u²(x) = u_value²(x) + u_value²(reference) + (laser · |x − reference|)²      u_value² = column² + noise²
 //! ```
 //! and 0 at the reference itself. The values of a table are taken as independent of each other, which
-//! is cautious where they rise together. A table that `separate` wrote states u = 0 where its curves
+//! is cautious for differences to the reference where they rise together. The scale of the laser is one
+//! error of all positions and axes: along a diagonal it counts once ([`laser_um_per_m`]). A table that `separate` wrote states u = 0 where its curves
 //! are zero and holds noise and scale of the laser already.
 
 use crate::axis::{Direction, ErrorTerm};
@@ -24,7 +25,7 @@ pub struct PointUncertainty {
     pub direction: Option<Direction>,
     /// Where.
     pub at: Millimetres,
-    /// Of the value by itself, µm.
+    /// Of the value by itself, without the scale of the laser, µm.
     pub value_um: f64,
     /// Of the value against that at the reference, µm.
     pub u_um: f64,
@@ -37,12 +38,12 @@ pub(super) fn points(
     term: ErrorTerm,
     axis: MachineAxis,
 ) -> Vec<PointUncertainty> {
-    let stated = &job.measurement.uncertainty;
-    let (noise_um, laser_um_per_m) = match job.measurement.data {
-        MeasuredData::Errors(_) => (stated.noise_um, stated.laser_ppm),
-        MeasuredData::Diagonals(_) => (None, None), // their table holds both
+    let noise_um = match job.measurement.data {
+        MeasuredData::Errors(_) => job.measurement.uncertainty.noise_um,
+        MeasuredData::Diagonals(_) => None, // their table holds it
     };
-    let laser_um_per_m = laser_um_per_m.filter(|_| term.is_positioning());
+    let noise_um = noise_um.filter(|noise| *noise > 0.0); // 0 states nothing
+    let laser_um_per_m = laser_um_per_m(job).filter(|_| term.is_positioning());
     let measured = || series.iter().filter(|s| s.deviations[term.of].is_some());
     let column = measured().any(|s| s.uncertainties_um[term.of].is_some());
     if !column && noise_um.is_none() && laser_um_per_m.is_none() {
@@ -59,12 +60,13 @@ pub(super) fn points(
         for (row, at) in s.positions.iter().enumerate() {
             let from_zero = (*at - axis.reference).mm().abs();
             let own = column.and_then(|c| c.get(row)).copied().unwrap_or(0.0);
-            let value_um = own.hypot(noise_um).hypot(laser * from_zero / 1000.0);
+            let value_um = own.hypot(noise_um);
+            let reach_um = laser * from_zero / 1000.0;
             let is_zero = from_zero <= SAME_PLACE_MM && zeroed.is_some_and(|z| std::ptr::eq(z, s));
             let u_um = if is_zero {
                 0.0
             } else {
-                value_um.hypot(at_zero)
+                value_um.hypot(at_zero).hypot(reach_um)
             };
             points.push(PointUncertainty {
                 direction: s.direction,
@@ -75,6 +77,13 @@ pub(super) fn points(
         }
     }
     points
+}
+
+/// Scale of the laser that the job states beside its table, µm/m; separated readings hold it already.
+pub(super) fn laser_um_per_m(job: &Job) -> Option<f64> {
+    let stated = job.measurement.uncertainty.laser_ppm;
+    let beside = matches!(job.measurement.data, MeasuredData::Errors(_));
+    stated.filter(|ppm| beside && *ppm > 0.0)
 }
 
 /// The column's u where the curve is zeroed, µm: of the row at the reference, else the larger of its

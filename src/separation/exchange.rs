@@ -18,7 +18,7 @@
 //! else. The margin is what it makes in one of a hundred sound measurements:
 //!
 //! ```text
-//!   m = z·√(4(n − 1)), at least 9        Φ(z) = 1 − 0.01/k; k: assignments that lie within 3·√(4(n − 1))
+//!   m = z·√(4(n − 1)), at least 9        Φ(z) = 1 − 0.006/k; k: assignments that lie within 3·√(4(n − 1))
 //!                                        of the best; 9: odds of e^4.5 to one
 //! ```
 //! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
@@ -43,8 +43,8 @@ const SMALLEST_SPREAD_UM: f64 = 0.02;
 const DIGIT_UM: f64 = 0.003;
 /// 2 ln of the odds from which another assignment counts, however few the steps.
 const CLEARLY: f64 = 9.0;
-/// Share of sound measurements that may be accused.
-const ACCUSED: f64 = 0.01;
+/// Share of sound measurements that may be accused; the tails of a gain are wider than normal.
+const ACCUSED: f64 = 0.006;
 /// Assignments that are nearer to the best than so many standard deviations of noise compete with it.
 const NEAR: f64 = 3.0;
 /// 2 ln of a thousand to one against any one reading being off.
@@ -301,7 +301,8 @@ impl<'a, 'c> Trial<'a, 'c> {
 
     /// Probability that these names, had they been right, would have been found: the gain is
     /// normal about G with variance 4G + 4(n − 1) for each exchange, and so is G itself, which these
-    /// readings tell, taken one standard deviation low; where σ is that of the closure, by ln.
+    /// readings tell, taken one standard deviation low; two and by ln where σ is that of the
+    /// closure.
     fn power(&self, slip: &Tried) -> f64 {
         let (worse, better) = (slip.square, self.recorded.square);
         let gain = self.gain(worse, better);
@@ -317,8 +318,9 @@ impl<'a, 'c> Trial<'a, 'c> {
         };
         let moved = float(slip.naming.moved().len().saturating_sub(1));
         let spread = share * scatter(square, moved);
+        let low = self.sigma_um.map_or(2.0, |_| 1.0);
         let far = (gain - self.margin(better)) / spread.max(f64::MIN_POSITIVE);
-        Normal::standard().cdf(far - 1.0)
+        Normal::standard().cdf(far - low)
     }
 
     /// The exchanges of two names and the orders that would be found in less than 95 %.

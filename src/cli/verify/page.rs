@@ -71,7 +71,8 @@ fn page<'a>(
     )?;
     let mut diagnosis = None;
     let mut lost_motion = None;
-    if let (Ok(control), Some(forecast)) = (&control, &verification.forecast) {
+    let measured = comparison.not_measured.is_none();
+    if let (true, Ok(control), Some(forecast)) = (measured, &control, &verification.forecast) {
         let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
             let seen = observations(&inputs.model, measured);
             let question = question(inputs, verification, forecast, control, &seen);
@@ -180,6 +181,9 @@ fn judged(
     if !verification.disagreements.is_empty() {
         return Verdict::Fail;
     }
+    if comparison.not_measured.is_some() {
+        return Verdict::Undecided;
+    }
     let asked = inputs.job.acceptance;
     let verdict = comparison.as_left.verdict(asked);
     let unknown = asked.max_deviation_um.is_some() && !comparison.missing.is_empty();
@@ -198,8 +202,9 @@ impl Page<'_> {
         let beside = &self.verification.beside;
         let mut doubts: Vec<String> = self
             .comparison
-            .doubts
+            .not_measured
             .iter()
+            .chain(&self.comparison.doubts)
             .chain(beside)
             .cloned()
             .collect();
@@ -233,7 +238,7 @@ impl Page<'_> {
         rehearsal
             + &show::verdict(
                 self.verdict,
-                self.inputs.job.acceptance,
+                &self.inputs.job,
                 Some(&self.comparison.as_left),
                 !self.verification.disagreements.is_empty(),
                 &self.doubts(),
