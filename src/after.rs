@@ -76,10 +76,10 @@ impl AfterMeasurement {
         }
     }
 
-    /// What was measured at three places or more and is the same at all of them, to the last digit.
+    /// What was measured at five places or more and is the same at all of them, to the last digit.
     fn flat(&self) -> Vec<String> {
         let is_flat = |measured: &MeasuredTerm| {
-            measured.largest_um() <= 0.0 && measured.curves().any(|c| c.knots().len() > 2)
+            measured.largest_um() <= 0.0 && measured.curves().any(|c| c.knots().len() >= 5)
         };
         match self {
             AfterMeasurement::Errors(model) => {

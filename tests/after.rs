@@ -97,7 +97,7 @@ fn the_uncertainty_decides_between_fail_and_undecided() {
         (1.8, 0.2, "fail"), // six values: 2.63 u = 0.743
     ] {
         let directory = visit(&table(
-            &[[0.0, 0.0, 0.0], [50.0, um, 0.0], [100.0, 0.0, 0.0]],
+            &[[0.0, 0.0, 0.0], [50.0, um, 0.01], [100.0, 0.0, 0.0]],
             u_um,
         ));
         let (status, document) = judged(directory.path(), "after.csv");
@@ -152,7 +152,7 @@ fn tables_that_were_changed_fail_whatever_was_measured() {
 #[test]
 fn tables_that_do_not_act_are_named_with_the_look_that_decides() {
     let directory = visit(&table(
-        &[[0.0, 0.0, 0.0], [50.0, 6.0, 3.0], [100.0, 16.0, -4.0]],
+        &[[0.0, 0.0, 0.0], [50.0, 6.05, 3.02], [100.0, 16.0, -4.0]],
         0.1,
     ));
     let (status, page, _) = ended(
@@ -254,7 +254,7 @@ fn far_fewer_positions_leave_it_undecided() {
     let rows = |step: usize| {
         let at = (0..=100)
             .step_by(step)
-            .map(|x| format!("x,{x},{},0.1\n", f64::from(x) / 1e3));
+            .map(|x| format!("x,{x},{},{}\n", f64::from(x) / 1e3, f64::from(x) / 2e3));
         format!("axis,position_mm,ex_um,ey_um\n{}", at.collect::<String>())
     };
     let directory = visit(LEFT);
@@ -292,7 +292,8 @@ fn directed(ex_um: [&str; 3], lost_um: f64) -> String {
     for (way, lost) in [("+", 0.0), ("-", lost_um)] {
         for (at, um) in [0, 50, 100].iter().zip(ex_um) {
             let um: f64 = um.parse().unwrap();
-            text.push_str(&format!("x,{way},{at},{},0,0.05,0.05\n", um + lost));
+            let ey = f64::from(*at) / 1e4;
+            text.push_str(&format!("x,{way},{at},{},{ey},0.05,0.05\n", um + lost));
         }
     }
     text
@@ -346,7 +347,7 @@ fn without_limits_a_turned_sign_is_undecided() {
 #[test]
 fn what_is_off_the_forecast_is_named_though_it_passes() {
     let directory = visit(&table(
-        &[[0.0, 0.0, 0.0], [50.0, 0.6, 0.0], [100.0, 0.0, 0.0]],
+        &[[0.0, 0.0, 0.0], [50.0, 0.6, 0.01], [100.0, 0.0, 0.0]],
         0.05,
     ));
     let errors = table(

@@ -535,7 +535,8 @@ fn a_scale_that_does_not_grow_stays() {
         for index in 0..=4 {
             let mm = low + step * f64::from(index);
             let um = kelvin * um_per_m * mm / 1000.0 + 0.05 * (f64::from(index) * 2.3).sin();
-            let [mut ex, mut ey, mut ez] = [0.02, -0.03, 0.01];
+            let wave = 0.02 * f64::from(index).sin();
+            let [mut ex, mut ey, mut ez] = [0.02 + wave, -0.03 - wave, 0.01 + wave];
             match axis {
                 "x" => ex = um,
                 "y" => ey = um,

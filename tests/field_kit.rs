@@ -541,7 +541,7 @@ fn a_checklist_names_what_misses_the_acceptance() {
     let (_, kit) = support::generate(&job, &text("errors.csv"));
     let page = text_of(&kit, "checklist.md");
     // Points at 0, 450 and 900 mm: 3.978 µm is the largest distance of EXX from the lines between.
-    let words = "of the job, over the whole travel: **fail**.\n- EXX leaves 3.978 µm (U not stated), the limit is 2 µm: fail\n\nMachine";
+    let words = "of the job, over the whole travel, places up to 30 mm apart: **fail**.\n- EXX leaves 3.978 µm (U not stated), the limit is 2 µm: fail\n\nMachine";
     assert!(page.contains(words), "{page}");
 }
 

@@ -148,7 +148,7 @@ fn force_keeps_the_old_kit_and_replaces_only_an_older_kit() {
     put(
         directory.path(),
         "errors.csv",
-        b"axis,position_mm,ex_um\nx,0,0\nx,101.6,3\n",
+        b"axis,position_mm,ex_um\nx,0,0\nx,50.8,1\nx,101.6,3\n",
     );
     let output = force();
     expect_status(&output, 0);

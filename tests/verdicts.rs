@@ -220,7 +220,7 @@ fn what_nobody_measured_afterwards_is_no_second_measurement() {
     put(at, "after.csv", &wave(900, 0.0));
     let said = verdict(at, after);
     assert!(
-        said.starts_with(" undecided") && said.contains("an empty table"),
+        said.starts_with(" undecided") && said.contains("an empty column"),
         "{said}"
     );
     put(at, "after.csv", &wave(900, 8.0));

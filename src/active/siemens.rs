@@ -18,6 +18,9 @@ use crate::units::UM_PER_MM;
 
 type Names = PerAxis<Vec<String>>;
 
+/// The last digit of a value in a table; sums are not exact in binary.
+const LAST_DIGIT: f64 = 1e-6;
+
 /// Reads the files of a control.
 pub(super) fn read(
     job: &Job,
@@ -385,6 +388,9 @@ impl Sorted<'_> {
                 });
             }
         }
+        if self.purpose == ReadOutFor::OldTables {
+            self.outputs(&own);
+        }
         own
     }
 
@@ -576,6 +582,38 @@ impl Sorted<'_> {
             "SD41300",
             &[&table.number.to_string()],
         ) && self.is_on("MA_CEC_ENABLE", "MD32710", &[&table.output_axis])
+    }
+
+    /// What else decides how far old CEC tables acted on an axis: MD32720 cuts their sum, MD32711
+    /// (with MD10260 = 1) says their unit. `verify` judges both where the files are read for it.
+    fn outputs(&mut self, own: &[CecTable]) {
+        let mut outputs: Vec<&str> = own.iter().map(|t| t.output_axis.as_str()).collect();
+        outputs.sort_unstable();
+        outputs.dedup();
+        let unit = self.job.compensation.control_unit;
+        let tables = SiemensTables {
+            cec: own.to_vec(),
+            ..SiemensTables::default()
+        };
+        for output in outputs {
+            let sum = tables.largest_cec_sum(output);
+            let limit = self.value("MA_CEC_MAX_SUM", &[output]);
+            if let Some(limit) = limit.filter(|limit| *limit < sum - LAST_DIGIT / 2.0) {
+                self.contrary.push(Contrary::new(
+                    format!("MD32720 of {output} is {limit} {unit}, and its CEC tables add up to as much as {sum:.6} {unit}: the control cuts off what is more, so what acted is not known", unit = unit.word()),
+                    "measure with these tables switched off",
+                ));
+            }
+            let metric = self.value("MA_CEC_SCALING_SYSTEM_METRIC", &[output]);
+            let converts = self.value("MN_CONVERT_SCALING_SYSTEM", &[]);
+            let other = metric.filter(|metric| LengthUnit::of_metric(*metric) != unit);
+            if let Some(metric) = other.filter(|_| converts.is_none_or(|on| on > 0.0)) {
+                self.contrary.push(Contrary::new(
+                    format!("MD32711 of {output} is {metric}, so its CEC tables are not in {} (where MD10260 = 1)", unit.word()),
+                    "state the `control_unit` of the tables, or read out MD10260 = 0 as well",
+                ));
+            }
+        }
     }
 
     /// A weight other than 1, which is not emulated.

@@ -64,7 +64,12 @@ pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<
         judged,
         is_stated: stated.is_some(),
         measured: (*places.first()?, *places.last()?),
-        share: places.windows(2).filter(near).map(common).sum::<f64>() / whole,
+        share: places
+            .windows(2)
+            .filter(near)
+            .map(common)
+            .fold(0.0, |a, b| a + b)
+            / whole,
         gap_mm: gaps().fold(0.0, super::larger),
     })
 }

@@ -5,7 +5,7 @@ use crate::error_table::DraftSeries;
 use crate::import::choices::Sign;
 use crate::import::mapped_rows::Row;
 use crate::import::mapping::{Content, Mapping};
-use crate::import::placing::{Placing, mean, tidy};
+use crate::import::placing::{Placing, mean, pooled, tidy};
 use crate::import::stated::Stated;
 use crate::import::{Component, Kind};
 use crate::problem::{Problem, Problems};
@@ -214,7 +214,7 @@ impl<'a, 'b> Group<'a, 'b> {
                 component.put(series, values);
                 let spread: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
                 if let (Kind::Deviation(of), Some(u)) = (kind, spread) {
-                    series.uncertainties_um[of] = Some(uncertainties(&u));
+                    series.uncertainties_um[of] = Some(uncertainties(&pooled(&u)));
                 }
             }
             Content::Uncertainty(of, _) => {

@@ -130,6 +130,21 @@ fn sense(targets: &[f64], at: &Place, problems: &mut Problems) -> Option<bool> {
     None
 }
 
+/// One u for all targets, from their scatter together: that of a single one is known too badly, and two
+/// equal readings at a target do not make it exact.
+pub(super) fn pooled(um: &[f64]) -> Vec<f64> {
+    #[allow(clippy::cast_precision_loss, reason = "a measurement has few targets")]
+    let count = um.len() as f64;
+    let mean_square = um.iter().map(|um| um.squared()).sum::<f64>() / count;
+    vec![mean_square.sqrt(); um.len()]
+}
+
+/// The remark of an error table on how well such a u is known: targets · (runs − 1).
+pub(super) fn freedom_remark(targets: usize, runs: usize) -> Option<String> {
+    let freedom = targets * runs.saturating_sub(1);
+    (freedom > 0).then(|| format!("degrees of freedom: {freedom}"))
+}
+
 /// Mean of the runs, and with two runs or more its standard uncertainty s/√n.
 pub(super) fn mean(values: &[f64]) -> (f64, Option<f64>) {
     #[allow(clippy::cast_precision_loss, reason = "a measurement has few runs")]

@@ -17,7 +17,7 @@ use crate::delimited::LengthUnit;
 use crate::document::Source;
 use crate::error_table::DraftSeries;
 use crate::import::choices::{MaterialCorrected, Rows, Sign};
-use crate::import::placing::{Placing, mean};
+use crate::import::placing::{Placing, freedom_remark, mean, pooled};
 use crate::import::pos_header::Header;
 use crate::import::pos_rows::{Averages, Measured, Passes, Relation};
 use crate::import::stated::{Stated, missing};
@@ -243,6 +243,9 @@ impl Taken {
         words.extend(placing.words());
         words.extend(placing.sense_words(term));
         words.extend(self.passes_words(placing));
+        let runs = self.forward.len();
+        let targets = self.forward.first().map_or(0, Vec::len);
+        words.extend(freedom_remark(targets, runs).filter(|_| !self.is_averages));
         words
     }
 
@@ -299,7 +302,7 @@ fn one_series(
     let spread: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
     let mut series = DraftSeries::new(term.along, Some(direction), placing.positions_mm());
     term.put(&mut series, placing.deviations(&means, term, sign));
-    series.uncertainties_um[term.along] = spread.map(|u| placing.uncertainties(&u));
+    series.uncertainties_um[term.along] = spread.map(|u| placing.uncertainties(&pooled(&u)));
     series
 }
 

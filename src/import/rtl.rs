@@ -13,7 +13,7 @@ use crate::document::Source;
 use crate::error_table::DraftSeries;
 use crate::import::choices::Sign;
 use crate::import::lines::{Line, Word, looks_like_number};
-use crate::import::placing::{Placing, mean};
+use crate::import::placing::{Placing, mean, pooled};
 use crate::import::rtl_runs::Travelled;
 use crate::import::rtl_sections::{AGAIN, Sections};
 use crate::import::rtl_texts::{environment_facts, material_words, stated_axis, user_facts};
@@ -196,7 +196,7 @@ impl<'a> File<'a> {
         let mut series = DraftSeries::new(term.along, Some(direction), placing.positions_mm());
         term.put(&mut series, placing.deviations(&means, term, sign));
         if let Kind::Deviation(of) = term.kind {
-            series.uncertainties_um[of] = spread.map(|u| placing.uncertainties(&u));
+            series.uncertainties_um[of] = spread.map(|u| placing.uncertainties(&pooled(&u)));
         }
         series
     }

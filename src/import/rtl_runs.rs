@@ -2,7 +2,7 @@
 
 use crate::axis::Direction;
 use crate::import::choices::Runs;
-use crate::import::placing::Placing;
+use crate::import::placing::{Placing, freedom_remark};
 use crate::import::rtl::File;
 use crate::import::stated::{Stated, missing};
 use crate::problem::{Problem, Problems};
@@ -48,6 +48,10 @@ impl Travelled {
             "; one run tells nothing about the uncertainty"
         };
         let mut words = vec![format!("runs: {}{u}", counts.join(", "))];
+        let targets = placing.positions_mm().len();
+        let fewest = [self.forward.len(), self.reverse.len()];
+        let fewest = fewest.into_iter().filter(|runs| *runs > 0).min();
+        words.extend(freedom_remark(targets, fewest.unwrap_or(0)));
         if !self.dropped.is_empty() {
             let dropped: Vec<String> = self.dropped.iter().map(usize::to_string).collect();
             words.push(format!(
