@@ -323,25 +323,25 @@ impl<'a, 'c> Trial<'a, 'c> {
         Normal::standard().cdf(far - low)
     }
 
-    /// The exchanges of two names and the orders that would be found in less than 95 %.
+    /// The exchanges of two names and the orders that would be found in less than 95 %; no order is
+    /// shown surely by a single run, whose closure is its own yardstick.
     fn hardly_shown(&self) -> Option<String> {
-        let order = self.campaign.measurement.volume.order;
-        let single =
-            |one: &&Tried| one.naming.is_exchange() || one.naming.as_order(order).is_some();
-        let slips: Vec<&Tried> = self.others.iter().filter(single).collect();
-        let weak = slips.iter().filter(|slip| self.power(slip) < SURE);
-        let weak: Vec<Naming> = weak.map(|slip| slip.naming).collect();
-        if weak.is_empty() {
-            return None;
-        }
-        if weak.len() == slips.len() {
+        let recorded = self.campaign.measurement.volume.order;
+        let is_weak = |slip: &&Tried| self.power(slip) < SURE;
+        let exchanges = self.others.iter().filter(|one| one.naming.is_exchange());
+        let weak: Vec<&Tried> = exchanges.clone().filter(is_weak).collect();
+        let orders = self.others.iter().filter_map(|one| {
+            let order = one.naming.as_order(recorded)?;
+            (self.sigma_um.is_none() || is_weak(&one)).then(|| in_words(order))
+        });
+        let orders: Vec<String> = orders.collect();
+        if weak.len() == exchanges.count() {
             return Some("these readings would hardly show diagonals under each other's name, nor steps in another order: check the file names and the order of the steps".to_string());
         }
-        let exchanges = weak.iter().filter(|naming| naming.is_exchange());
-        let pairs: Vec<String> = exchanges.filter_map(pair_in_words).collect();
-        let orders = weak.iter().filter_map(|naming| naming.as_order(order));
-        let orders: Vec<String> = orders.map(in_words).collect();
-        Some(hardly(&pairs, &orders))
+        let pairs = weak.iter().filter_map(|slip| pair_in_words(&slip.naming));
+        let pairs: Vec<String> = pairs.collect();
+        let said = !pairs.is_empty() || !orders.is_empty();
+        said.then(|| hardly(&pairs, &orders))
     }
 }
 
