@@ -209,6 +209,16 @@ fn an_output_is_a_regular_file_or_new() {
 }
 
 #[cfg(unix)]
+#[test]
+fn a_kit_does_not_take_the_place_of_a_link_that_leads_nowhere() {
+    let place = copy_of("start/errors");
+    let at = place.path();
+    std::os::unix::fs::symlink("not-there", at.join("kit")).expect("a link");
+    refused(at, "generate job.toml -o kit", "is no directory");
+    assert!(at.join("kit").is_symlink());
+}
+
+#[cfg(unix)]
 fn fifo(path: &Path) {
     let made = Command::new("mkfifo").arg(path).status();
     assert!(made.is_ok_and(|status| status.success()), "mkfifo");
@@ -362,7 +372,7 @@ fn a_pipe_with_a_writer_is_read() {
     let job = fs::read(from).expect("the job");
     std::io::Write::write_all(&mut both, &job).expect("the pipe takes it");
     let writer = std::thread::spawn(move || {
-        std::thread::sleep(Duration::from_millis(500));
+        std::thread::sleep(Duration::from_secs(3));
         drop(both);
     });
     expect(at, "generate pipe -o kit", 0, "wrote");

@@ -61,13 +61,13 @@ pub(super) fn write_kit<T>(
     meanwhile: impl FnOnce() -> T,
 ) -> Result<(T, Vec<String>), Problems> {
     let directory = trimmed(directory);
-    refuse_input(&directory)?;
     if directory.file_name().is_none() {
         let message = format!("`{}` is no name for a new directory", directory.display());
         return Err(Problem::new(message)
             .help("name a directory below it, e.g. `kit`")
             .into());
     }
+    refuse_input(&directory)?;
     let parent = parent_of(&directory);
     fs::create_dir_all(&parent)
         .map_err(|e| not_written("cannot make the directory", &parent, &e))?;
