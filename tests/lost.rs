@@ -284,10 +284,9 @@ fn force_never_removes_readings_filled_into_the_folder_of_a_measuring_run() {
     let force = "program run.toml -o run --force";
     expect(at, force, 0, "wrote");
     let files = all_files(&at.join("run"));
-    let readings = files.iter().map(|(path, _)| path.clone());
-    let readings = readings
-        .filter(|path| path.extension().is_some_and(|e| e == "csv"))
-        .next_back()
+    let mut paths = files.iter().map(|(path, _)| path.clone());
+    let readings = paths
+        .rfind(|path| path.extension().is_some_and(|e| e == "csv"))
         .expect("a table of readings");
     put(readings, "filled in at the machine");
     expect(at, force, 0, "moved run to run.previous\n");
