@@ -212,11 +212,11 @@ fn pipes_carry_program_and_samples() {
         ),
         (
             "path job.toml part.nc -o part.nc --force",
-            "would replace `part.nc`",
+            "would replace or change `part.nc`",
         ),
         (
             "path job.toml part.nc -o errors.csv --force",
-            "would replace `errors.csv`",
+            "would replace or change `errors.csv`",
         ),
     ] {
         let output = nonius(directory.path(), arguments, "");

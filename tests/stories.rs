@@ -138,7 +138,7 @@ fn force_keeps_the_old_kit_and_replaces_only_an_older_kit() {
     let force = || nonius(directory.path(), "generate job.toml -o kit --force");
     let kept = |output: &Output| {
         let told = String::from_utf8_lossy(&output.stderr);
-        told.contains("the old kit is kept as kit.previous")
+        told.contains("moved kit to kit.previous\n")
     };
     let output = force();
     expect_status(&output, 0);
@@ -166,12 +166,18 @@ fn force_keeps_the_old_kit_and_replaces_only_an_older_kit() {
 
     fs::remove_file(at("kit.previous/manifest.json")).expect("a file can be removed");
     let no_kit = files(&at("kit.previous"));
-    expect_status(&force(), 2);
+    expect_status(&force(), 0);
     assert_eq!(files(&at("kit.previous")), no_kit, "what is no kit is kept");
-    assert_eq!(files(&at("kit")), second, "nothing is written");
+    assert_eq!(files(&at("kit.previous-2")), second, "and the old kit too");
     assert_eq!(
         names(directory.path()),
-        ["errors.csv", "job.toml", "kit", "kit.previous"]
+        [
+            "errors.csv",
+            "job.toml",
+            "kit",
+            "kit.previous",
+            "kit.previous-2"
+        ]
     );
 }
 

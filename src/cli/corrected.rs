@@ -8,7 +8,7 @@ use crate::kit::{Inputs, LoadedControl, load, load_own, load_read_out};
 use crate::problem::{Problem, Problems};
 use crate::volume_model::VolumeModel;
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Options that ask for tables.
 #[derive(Args, Debug)]
@@ -37,11 +37,6 @@ impl AskedTables {
     /// Whether any are asked for.
     pub(super) fn is_any(&self) -> bool {
         self.tables.is_some() || self.with_tables
-    }
-
-    /// The directory whose files are asked for.
-    pub(super) fn directory(&self) -> Option<&Path> {
-        self.tables.as_deref()
     }
 
     /// What the job has to hold for them.

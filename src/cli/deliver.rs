@@ -39,7 +39,7 @@ impl Delivery {
             (wanted.then(report), next_steps())
         };
         let named = (MANIFEST, manifest);
-        let ((report, next_steps), previous) = write::write_kit(
+        let ((report, next_steps), moved) = write::write_kit(
             directory,
             &files.collect::<Vec<_>>(),
             named,
@@ -51,9 +51,7 @@ impl Delivery {
             Some(report) => print(&report),
         };
         // The kit is in its place, also where nothing can be printed.
-        if let Some(previous) = previous {
-            say(&format!("the old kit is kept as {}", previous.display()));
-        }
+        moved.iter().for_each(|sentence| say(sentence));
         say(&next_steps);
         printed.map(|_| ())
     }

@@ -1,7 +1,7 @@
 //! A directory with files of a control: a kit, or what was read out; read as it stands, and what
 //! its manifest says against it.
 
-use super::inputs::{plain_words, read_file};
+use super::inputs::{file_names, plain_words, read_file};
 use crate::active::{ActiveControl, ReadOutFor, from_read_out};
 use crate::controller::{Profile, Role};
 use crate::kit::{Inputs, sha256};
@@ -138,14 +138,7 @@ pub(super) fn read_directory(inputs: &Inputs, directory: &Path) -> Result<Found,
         .help("name the directory with the control's files, as `nonius generate` wrote it")
         .into());
     }
-    let mut names: Vec<String> = Vec::new();
-    for entry in std::fs::read_dir(directory).map_err(refuse)? {
-        let entry = entry.map_err(refuse)?;
-        if entry.file_type().map_err(refuse)?.is_file() {
-            names.push(entry.file_name().to_string_lossy().into_owned());
-        }
-    }
-    names.sort();
+    let names = file_names(directory).map_err(refuse)?;
     let (left, names): (Vec<String>, Vec<String>) =
         names.into_iter().partition(|n| is_left_by_a_computer(n));
     if !names.iter().any(|name| name != MANIFEST) {

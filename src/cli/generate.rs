@@ -1,12 +1,10 @@
 //! `nonius generate JOB -o DIR`
 
 use crate::cli::deliver::Delivery;
-use crate::cli::inputs::with_suffix;
 use crate::cli::shell::shell_word;
 use crate::cli::{Answer, inputs, show};
 use crate::conformity::Verdict;
 use crate::controller::{Dialect, Role};
-use crate::job::ActiveTables;
 use crate::kit::{Inputs, Kit, generate};
 use crate::manifest::MANIFEST;
 use crate::problem::Problems;
@@ -29,7 +27,6 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     let (job, directory) = (&options.job, &options.output);
     options.delivery.ensure_free(directory)?;
     let inputs = inputs::read(job)?;
-    keep_predecessor(job, directory, &inputs)?;
     let kit = generate(&inputs)?;
     let files = kit.files.iter();
     options.delivery.deliver(
@@ -44,37 +41,6 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     } else {
         Answer::No
     })
-}
-
-/// Refuses a kit in the place of the tables that it adds to (the job would then name the kit
-/// itself), and one whose `--force` would remove them from `DIR.previous`.
-fn keep_predecessor(job: &Path, directory: &Path, inputs: &Inputs) -> Result<(), Problems> {
-    let ActiveTables::Path(path) = &inputs.job.measurement.active else {
-        return Ok(());
-    };
-    let folder = job.parent().unwrap_or(Path::new(""));
-    let Ok(old) = folder.join(path).canonicalize() else {
-        return Ok(());
-    };
-    let lies_in = |place: &Path| {
-        place
-            .canonicalize()
-            .is_ok_and(|place| old.starts_with(place))
-    };
-    let trimmed: PathBuf = directory.components().collect(); // `kit/` and `kit` are the same
-    let previous = with_suffix(&trimmed, ".previous");
-    let message = if lies_in(directory) {
-        "the new kit would take the place of the tables that it contains, and the job would then name the new kit"
-    } else if directory.exists() && lies_in(&previous) {
-        "the tables that the new kit contains lie where the kit that it replaces would be moved, and would be removed"
-    } else {
-        return Ok(());
-    };
-    Err(inputs
-        .job
-        .problem_at("measurement.active_while_measuring", message)
-        .help("write the new kit into another directory and keep the old one")
-        .into())
 }
 
 fn report(inputs: &Inputs, kit: &Kit) -> String {

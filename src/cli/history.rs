@@ -7,7 +7,8 @@
 //! (`DIR.previous`); only a manifest of the stated hash counts. Exit status 1 where the chain
 //! breaks or a file was changed.
 
-use crate::cli::inputs::{read_file, with_suffix};
+use crate::cli::inputs::read_file;
+use crate::cli::write::previous;
 use crate::cli::{Answer, Format, print, print_json};
 use crate::controller::Role;
 use crate::kit::sha256;
@@ -116,7 +117,13 @@ fn read_link(directory: &Path) -> Result<Link, Problem> {
     for entry in manifest["files"].as_array().into_iter().flatten() {
         let name = entry["path"].as_str().unwrap_or_default();
         let role = entry["role"].as_str().and_then(Role::of_word);
-        match read_file(&directory.join(name)) {
+        let place = directory.join(name);
+        if !is_plain_name(name) {
+            faults.push(format!("`{}` is no plain file name", shown(name)));
+            continue;
+        }
+        match read_file(&place) {
+            Err(problem) if place.exists() => faults.push(problem.message),
             Err(_) => faults.push(format!("`{}` is missing", shown(name))),
             Ok(_) if role.is_some_and(Role::is_written_into) => {}
             Ok(bytes) if Some(sha256(&bytes).as_str()) != entry["sha256"].as_str() => {
@@ -133,13 +140,21 @@ fn read_link(directory: &Path) -> Result<Link, Problem> {
     })
 }
 
+/// A manifest lists files of its own directory and nothing else.
+fn is_plain_name(name: &str) -> bool {
+    Path::new(name).file_name() == Some(name.as_ref()) && !name.contains(['/', '\\', ':'])
+}
+
 /// The kit of this hash at one of the places where a predecessor lies.
 fn find(kit: &Path, path: &str, hash: &str) -> Result<Link, String> {
     let parent = kit.parent().unwrap_or(Path::new(""));
     let last = Path::new(path).file_name().unwrap_or_default();
     let beside = [kit.join(path), parent.join(path), parent.join(last)];
-    let previous = beside.iter().map(|place| with_suffix(place, ".previous"));
-    let places: Vec<PathBuf> = beside.iter().cloned().chain(previous).collect();
+    let kept = beside.iter().flat_map(|place| {
+        let numbered = (1..).map(|number| previous(place, number));
+        numbered.take_while(|kept| kept.exists())
+    });
+    let places: Vec<PathBuf> = beside.iter().cloned().chain(kept).collect();
     let found: Vec<Link> = places
         .iter()
         .filter_map(|place| read_link(place).ok())

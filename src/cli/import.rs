@@ -90,7 +90,6 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
         .into());
     }
     if !to_stdout {
-        refuse_itself(options)?;
         write::ensure_new(&options.output, options.force)?;
     }
     let (path, bytes) = inputs::read_argument(&options.file)?;
@@ -117,22 +116,6 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
         Format::Json => print_json(&document(file, &options.output, &stated, &imported)),
         Format::Text => print(&series_table(&imported)),
     }
-}
-
-/// `--force` must not replace the measurement.
-fn refuse_itself(options: &Options) -> Result<(), Problems> {
-    let same = match (options.file.canonicalize(), options.output.canonicalize()) {
-        (Ok(file), Ok(output)) => file == output,
-        _ => false,
-    };
-    if same {
-        return Err(
-            Problem::new("the error table would replace the measurement itself")
-                .help("choose another name for `-o`")
-                .into(),
-        );
-    }
-    Ok(())
 }
 
 impl Options {

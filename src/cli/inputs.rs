@@ -6,7 +6,10 @@ mod files;
 
 pub(super) use self::active::read as active_control;
 pub(super) use campaign::{CampaignFiles, campaign_files, read_campaign};
-pub(super) use files::{beside_job, file_name, plain_words, read_argument, read_file, with_suffix};
+pub(super) use files::{
+    STANDARD_INPUT, beside_job, file_name, file_names, input_at, open, plain_words, read_argument,
+    read_file, standard_input, with_suffix,
+};
 
 use crate::axis::Axis;
 use crate::controller::{Origin, Profile, builtin, load};
@@ -264,30 +267,40 @@ pub(super) fn profile(
     let source = Source::from_bytes(&path.display().to_string(), &bytes)?;
     let beside = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let own_templates = std::cell::RefCell::new(Vec::new());
-    let find = |name: &str| {
-        own_template(&beside, name, &own_templates).or_else(|| builtin::template(name))
+    let unreadable = std::cell::RefCell::new(Problems::none());
+    let find = |name: &str| match own_template(&beside, name, &own_templates) {
+        Ok(own) => own.or_else(|| builtin::template(name)),
+        Err(problems) => {
+            unreadable.borrow_mut().extend(problems);
+            Some(String::new())
+        }
     };
     let profile = load::profile(source, Origin::File(reference.to_string()), &find, &|id| {
         builtin::profile(id).ok()
-    })?;
+    });
+    unreadable.into_inner().or_ok(())?;
+    let profile = profile?;
     hashes.extend(own_templates.into_inner());
     Ok(profile)
 }
 
-/// A template beside the profile; its name must be a plain file name.
+/// A template beside the profile, `None` if there is none; its name must be a plain file name.
 fn own_template(
     folder: &Path,
     name: &str,
     hashes: &std::cell::RefCell<Vec<HashedFile>>,
-) -> Option<String> {
+) -> Result<Option<String>, Problems> {
+    let path = folder.join(name);
     let plain = !name.contains(['/', '\\']) && !name.starts_with('.');
-    let bytes = plain
-        .then(|| read_file(&folder.join(name)).ok())
-        .flatten()?;
-    let text = String::from_utf8(bytes).ok()?;
+    let is_absent = |error: std::io::Error| error.kind() == std::io::ErrorKind::NotFound;
+    if !plain || std::fs::symlink_metadata(&path).is_err_and(is_absent) {
+        return Ok(None);
+    }
+    let bytes = read_file(&path)?;
+    let text = Source::from_bytes(&path.display().to_string(), &bytes)?.text;
     let mut hashes = hashes.borrow_mut();
     if !hashes.iter().any(|known| known.path == name) {
-        hashes.push(hashed(name, text.as_bytes()));
+        hashes.push(hashed(name, &bytes));
     }
-    Some(text)
+    Ok(Some(text))
 }

@@ -94,29 +94,6 @@ impl Options {
         }
         Ok(())
     }
-
-    /// `--force` must not replace what is read.
-    fn refuse_itself(&self, inputs: &Inputs) -> Result<(), Problem> {
-        let Some(output) = self.file().and_then(|file| file.canonicalize().ok()) else {
-            return Ok(());
-        };
-        let folder = self.job.parent().unwrap_or(Path::new(""));
-        let mut read = vec![self.job.clone(), self.program.clone()];
-        read.extend(inputs.hashes.iter().map(|hash| folder.join(&hash.path)));
-        let tables = self.tables.directory().into_iter();
-        let tables = tables.filter_map(|tables| tables.read_dir().ok());
-        read.extend(tables.flatten().flatten().map(|entry| entry.path()));
-        let itself = read
-            .iter()
-            .find(|file| file.canonicalize().is_ok_and(|file| file == output));
-        itself.map_or(Ok(()), |file| {
-            let message = format!(
-                "the samples would replace `{}`, which is read",
-                file.display()
-            );
-            Err(Problem::new(message).help("choose another name for `-o`"))
-        })
-    }
 }
 
 pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
@@ -145,7 +122,6 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
 
 fn page(options: &Options) -> Result<Page, Problems> {
     let inputs = inputs::read_for(&options.job, options.tables.use_of())?;
-    options.refuse_itself(&inputs)?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = map_of(&inputs, &volume)?;
     let tables = options.tables.corrected(&inputs, &volume)?;
@@ -159,7 +135,11 @@ fn page(options: &Options) -> Result<Page, Problems> {
     let with_map = tables.as_ref().zip(after_map);
     let mut after = with_map.map(|(t, map)| Profile::new(map, limits(&inputs.job, &t.volume)));
     let mut points = match &options.output {
-        Some(_) => Some(Points::create(options.file(), after_map.is_some())?),
+        Some(_) => Some(Points::create(
+            options.file(),
+            after_map.is_some(),
+            options.force,
+        )?),
         None => None,
     };
     let mut holes = Holes::default();

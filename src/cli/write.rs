@@ -2,14 +2,17 @@
 //!
 //! ```text
 //!   DIR.partial-…/   all files, manifest.json last; each read back, then synced
-//!        │ rename (with --force: DIR → DIR.previous first)
+//!        │ rename (with --force: DIR → DIR.previous, or DIR.previous-2 …, first)
 //!        ▼
 //!       DIR/
 //! ```
+//! No output is an input of the run, or lies in a directory that is read, or is anything but a regular
+//! file; and nothing is removed but an older kit that is as it was made.
 //! Killed at any moment, what lies at DIR is the old kit, nothing, or the complete new one. A
 //! left-over `DIR.partial-…` is no kit, whatever it holds.
 
-use crate::cli::inputs::{plain_words, with_suffix};
+use crate::cli::inputs::{file_names, input_at, plain_words, read_file, with_suffix};
+use crate::document::sha256;
 use crate::manifest::MANIFEST;
 use crate::problem::{Problem, Problems};
 use std::fs::{self, File};
@@ -23,9 +26,9 @@ pub(super) type NamedBytes<'a> = (&'a str, &'a [u8]);
 /// Refuses a directory that holds something, before any work is done.
 pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems> {
     let name = directory.display();
-    if directory.is_file() {
+    if !directory.is_dir() && fs::symlink_metadata(directory).is_ok() {
         return Err(Problem::new(format!(
-            "`{name}` is a file, expected a new or an empty directory"
+            "`{name}` is no directory, expected a new or an empty one"
         ))
         .help("choose another directory")
         .into());
@@ -48,15 +51,15 @@ pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems>
 }
 
 /// Writes all files, then `manifest`, then puts the directory into place. Before it waits for the
-/// disk, which on Linux is at work already, it does `meanwhile`, whose result it gives, with the
-/// place of the old directory if there was one.
+/// disk, which on Linux is at work already, it does `meanwhile`, whose result it gives, with what is
+/// to be said of the old directory.
 pub(super) fn write_kit<T>(
     directory: &Path,
     files: &[NamedBytes<'_>],
     manifest: NamedBytes<'_>,
     force: bool,
     meanwhile: impl FnOnce() -> T,
-) -> Result<(T, Option<PathBuf>), Problems> {
+) -> Result<(T, Vec<String>), Problems> {
     let directory = trimmed(directory);
     if directory.file_name().is_none() {
         let message = format!("`{}` is no name for a new directory", directory.display());
@@ -64,6 +67,7 @@ pub(super) fn write_kit<T>(
             .help("name a directory below it, e.g. `kit`")
             .into());
     }
+    refuse_input(&directory)?;
     let parent = parent_of(&directory);
     fs::create_dir_all(&parent)
         .map_err(|e| not_written("cannot make the directory", &parent, &e))?;
@@ -80,7 +84,7 @@ pub(super) fn write_kit<T>(
     let done = meanwhile();
     sync_and_close(written)?;
     sync_directory(partial.path());
-    let previous = make_room(&directory, force)?;
+    let (previous, said) = make_room(&directory, force)?;
     if let Err(error) = fs::rename(partial.path(), &directory) {
         // Put the old kit back; if that fails too, it is complete at DIR.previous.
         let _ = previous.map(|previous| fs::rename(previous, &directory));
@@ -89,10 +93,23 @@ pub(super) fn write_kit<T>(
     sync_directory(&parent);
     // The directory has its final name now; there is nothing left to remove.
     let _ = partial.keep();
-    Ok((done, previous))
+    Ok((done, said))
 }
 
-/// Refuses a file that exists, before any work is done.
+/// Refuses an output that this run reads, that contains something that it reads, or that would lie in
+/// a directory that it reads: asked when everything was read and nothing is written.
+fn refuse_input(output: &Path) -> Result<(), Problem> {
+    let Some(input) = input_at(output) else {
+        return Ok(());
+    };
+    let name = output.display();
+    Err(Problem::new(format!(
+        "writing `{name}` would replace or change `{input}`, which this run reads"
+    ))
+    .help("choose another name for `-o`"))
+}
+
+/// Refuses a file that exists, and with `--force` anything but a regular one, before any work is done.
 pub(super) fn ensure_new(file: &Path, force: bool) -> Result<(), Problems> {
     let name = file.display();
     let (message, help) = match fs::symlink_metadata(file) {
@@ -100,6 +117,14 @@ pub(super) fn ensure_new(file: &Path, force: bool) -> Result<(), Problems> {
         Ok(found) if found.is_dir() => (
             format!("`{name}` is a directory, expected the name of a file"),
             "name a file in it",
+        ),
+        Ok(found) if found.is_symlink() => (
+            format!("`{name}` is a link, which would be replaced by a file"),
+            "name the file itself",
+        ),
+        Ok(found) if !found.is_file() => (
+            format!("`{name}` is no regular file"),
+            "name a file; `-` is standard output",
         ),
         Ok(_) if force => return Ok(()),
         Ok(_) => (
@@ -113,7 +138,7 @@ pub(super) fn ensure_new(file: &Path, force: bool) -> Result<(), Problems> {
 /// Completes a file beside its place, then renames it: whole or not at all.
 pub(super) fn write_file(file: &Path, bytes: &[u8], force: bool) -> Result<(), Problems> {
     let failed = |error: std::io::Error| not_written("cannot write", file, &error);
-    let mut partial = partial_file(file).map_err(failed)?;
+    let mut partial = partial_file(file, force)?;
     partial.write_all(bytes).map_err(failed)?;
     if fs::read(partial.path()).map_err(failed)? != bytes {
         let other = "the bytes in the file are not those that were written";
@@ -122,8 +147,10 @@ pub(super) fn write_file(file: &Path, bytes: &[u8], force: bool) -> Result<(), P
     put(partial, file, force).map_err(failed)
 }
 
-/// A new file beside a place, with the usual permissions.
-pub(super) fn partial_file(file: &Path) -> std::io::Result<NamedTempFile> {
+/// A new file beside a place where a file may be put, with the usual permissions.
+pub(super) fn partial_file(file: &Path, force: bool) -> Result<NamedTempFile, Problems> {
+    ensure_new(file, force)?;
+    refuse_input(file)?;
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let mut partial = tempfile::Builder::new();
     let prefix = format!("{name}.partial-");
@@ -133,7 +160,9 @@ pub(super) fn partial_file(file: &Path) -> std::io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         partial.permissions(fs::Permissions::from_mode(0o666)); // less what the umask takes
     }
-    partial.tempfile_in(parent_of(file))
+    partial
+        .tempfile_in(parent_of(file))
+        .map_err(|error| not_written("cannot write", file, &error))
 }
 
 /// Puts a complete file into its place.
@@ -224,51 +253,94 @@ fn sync_directory(directory: &Path) {
     }
 }
 
-/// Removes an empty directory, or renames a full one to `DIR.previous`, whose path it gives.
-fn make_room(directory: &Path, force: bool) -> Result<Option<PathBuf>, Problems> {
+/// Removes an empty directory, or moves a full one to a place of its own, which it gives, with what is
+/// to be said.
+fn make_room(directory: &Path, force: bool) -> Result<(Option<PathBuf>, Vec<String>), Problems> {
     if fs::symlink_metadata(directory).is_err() || fs::remove_dir(directory).is_ok() {
-        return Ok(None);
+        return Ok((None, Vec::new()));
     }
     ensure_free(directory, force)?;
-    let previous = with_suffix(directory, ".previous");
-    remove_older(&previous)?;
-    fs::rename(directory, &previous).map_err(|error| {
+    let mut said = Vec::new();
+    let latest = previous(directory, 1);
+    if let Some(files) = unchanged_files(&latest) {
+        remove_older(&latest, &files)?;
+        said.push(format!(
+            "removed the older {}, which was as it was made",
+            latest.display()
+        ));
+    }
+    let free = |place: &PathBuf| fs::symlink_metadata(place).is_err();
+    let place = (1..).map(|number| previous(directory, number)).find(free);
+    let place = place.unwrap_or(latest);
+    fs::rename(directory, &place).map_err(|error| {
         Problem::new(format!(
-            "cannot rename `{}` to `{}`: {}; nothing was changed",
+            "cannot rename `{0}` to `{1}`: {2}; `{0}` is as it was",
             directory.display(),
-            previous.display(),
+            place.display(),
             plain_words(&error)
         ))
         .help("close programs that use it, or choose another directory")
     })?;
-    Ok(Some(previous))
+    said.push(format!(
+        "moved {} to {}",
+        directory.display(),
+        place.display()
+    ));
+    Ok((Some(place), said))
 }
 
-/// An older `DIR.previous` is removed only if it is a kit.
-fn remove_older(previous: &Path) -> Result<(), Problems> {
-    if fs::symlink_metadata(previous).is_err() {
-        return Ok(());
+/// Where the directory that `--force` replaces is kept: `DIR.previous`, `DIR.previous-2`, ….
+pub(super) fn previous(directory: &Path, number: usize) -> PathBuf {
+    match number {
+        0 | 1 => with_suffix(directory, ".previous"),
+        _ => with_suffix(directory, &format!(".previous-{number}")),
     }
-    if !previous.join(MANIFEST).is_file() {
-        return Err(Problem::new(format!(
-            "`{}` exists and is no kit, so it is not removed",
-            previous.display()
-        ))
-        .help("move it away, or choose another directory")
-        .into());
+}
+
+/// The files of a directory that holds what its manifest lists, each as it was made, and nothing else;
+/// `None` of any other, and of one that is read.
+fn unchanged_files(directory: &Path) -> Option<Vec<String>> {
+    if !fs::symlink_metadata(directory).ok()?.is_dir() || input_at(directory).is_some() {
+        return None;
     }
-    // Moved into a `.partial-` directory first: killed while removing, no half kit is left at
-    // DIR.previous.
+    let names = file_names(directory).ok()?;
+    if fs::read_dir(directory).ok()?.count() != names.len() {
+        return None;
+    }
+    let bytes = |name: &str| read_file(&directory.join(name)).ok();
+    let manifest: serde_json::Value = serde_json::from_slice(&bytes(MANIFEST)?).ok()?;
+    let listed = manifest["files"].as_array()?;
+    let unchanged = |name: &String| {
+        let entry = listed.iter().find(|entry| entry["path"] == name.as_str());
+        let stated = entry.and_then(|entry| entry["sha256"].as_str());
+        stated.is_some() && stated == bytes(name).map(|bytes| sha256(&bytes)).as_deref()
+    };
+    let mut own = names.iter().filter(|name| *name != MANIFEST);
+    own.all(unchanged).then_some(names)
+}
+
+/// Removes a kit, and of it these files only.
+fn remove_older(kit: &Path, files: &[String]) -> Result<(), Problems> {
     let cannot = |error: std::io::Error| {
         Problem::new(format!(
             "cannot remove `{}`: {}",
-            previous.display(),
+            kit.display(),
             plain_words(&error)
         ))
     };
-    let aside = partial_directory(previous).map_err(cannot)?;
-    fs::rename(previous, aside.path().join("previous")).map_err(cannot)?;
-    Ok(aside.close().map_err(cannot)?)
+    // Moved into a `.partial-` directory first: killed while removing, no half kit is left at
+    // DIR.previous. That directory is kept from removing itself, with whatever else is in it.
+    let aside = partial_directory(kit).map_err(cannot)?.keep();
+    let moved = aside.join("previous");
+    fs::rename(kit, &moved).map_err(|error| {
+        let _ = fs::remove_dir(&aside);
+        cannot(error)
+    })?;
+    for file in files {
+        fs::remove_file(moved.join(file)).map_err(cannot)?;
+    }
+    fs::remove_dir(moved).map_err(cannot)?;
+    Ok(fs::remove_dir(aside).map_err(cannot)?)
 }
 
 /// A new directory `DIR.partial-…` beside a directory.

@@ -1,7 +1,7 @@
 //! `active_while_measuring`: the path of a job → the control as it was while measuring.
 
 use crate::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
-use crate::cli::inputs::{beside_job, plain_words, read_file};
+use crate::cli::inputs::{beside_job, file_names, plain_words, read_file};
 use crate::controller::Profile;
 use crate::job::{ActiveTables, Job};
 use crate::kit::hashed;
@@ -80,18 +80,10 @@ fn directory(path: &Path) -> Result<(Option<Vec<u8>>, Vec<OwnedFile>), Problem> 
             plain_words(&error)
         ))
     };
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(path).map_err(refuse)? {
-        let entry = entry.map_err(refuse)?;
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if entry.file_type().map_err(refuse)?.is_file() && !name.starts_with('.') {
-            names.push(name);
-        }
-    }
-    names.sort();
+    let names = file_names(path).map_err(refuse)?;
     let mut manifest = None;
     let mut files = Vec::new();
-    for name in names {
+    for name in names.into_iter().filter(|name| !name.starts_with('.')) {
         let bytes = read_file(&path.join(&name))?;
         if name == MANIFEST {
             manifest = Some(bytes);

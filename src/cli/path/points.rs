@@ -25,14 +25,18 @@ const AFTER: &str =
 
 impl Points {
     /// `None` = standard output.
-    pub(super) fn create(path: Option<&Path>, has_after: bool) -> Result<Points, Problems> {
+    pub(super) fn create(
+        path: Option<&Path>,
+        has_after: bool,
+        force: bool,
+    ) -> Result<Points, Problems> {
         let file = match path {
-            Some(path) => write::partial_file(path),
-            None => NamedTempFile::new(),
+            Some(path) => write::partial_file(path, force)?,
+            None => NamedTempFile::new().map_err(|error| not_written(None, &error))?,
         };
         let mut points = Points {
             path: path.map(Path::to_path_buf),
-            writer: BufWriter::with_capacity(1 << 18, file.map_err(|e| not_written(path, &e))?),
+            writer: BufWriter::with_capacity(1 << 18, file),
             failed: None,
         };
         let after = if has_after { AFTER } else { "" };

@@ -1,6 +1,6 @@
 //! A part program on disk, read line by line.
 
-use crate::cli::inputs::plain_words;
+use crate::cli::inputs::{STANDARD_INPUT, open, plain_words, standard_input};
 use crate::nc::{Line, Mark, Text};
 use crate::problem::Problem;
 use std::fs::File;
@@ -25,7 +25,10 @@ impl ProgramText {
     /// Opens a file; `-` = standard input.
     pub(super) fn open(path: &Path) -> Result<ProgramText, Problem> {
         let (name, file) = if path == Path::new("-") {
-            ("standard input".to_string(), spooled()?)
+            (
+                STANDARD_INPUT.to_string(),
+                spooled(STANDARD_INPUT, standard_input())?,
+            )
         } else {
             (path.display().to_string(), opened(path)?)
         };
@@ -43,37 +46,27 @@ impl ProgramText {
 }
 
 fn opened(path: &Path) -> Result<File, Problem> {
-    let refuse = |error: std::io::Error| {
-        Problem::new(format!(
-            "`{}` cannot be read: {}",
-            path.display(),
-            plain_words(&error)
-        ))
-        .help("check the path of the part program")
-    };
-    if path.is_dir() {
-        return Err(Problem::new(format!(
-            "`{}` is a directory, expected a part program",
-            path.display()
-        ))
-        .help("name a file in it"));
+    let (file, metadata) = open(path).map_err(|problem| match problem.help {
+        Some(_) => problem,
+        None => problem.help("check the path of the part program"),
+    })?;
+    if metadata.is_file() {
+        Ok(file)
+    } else {
+        spooled(&format!("`{}`", path.display()), file)
     }
-    File::open(path).map_err(refuse)
 }
 
-/// Standard input as a file without a name.
-fn spooled() -> Result<File, Problem> {
+/// What comes through a pipe, as a file without a name.
+fn spooled(name: &str, input: impl Read) -> Result<File, Problem> {
     let refuse = |error: std::io::Error| {
-        Problem::new(format!(
-            "standard input cannot be read: {}",
-            plain_words(&error)
-        ))
+        Problem::new(format!("{name} cannot be read: {}", plain_words(&error)))
     };
     let mut file = tempfile::tempfile().map_err(refuse)?;
-    let mut input = std::io::stdin().lock().take(LARGEST_PIPE_BYTES + 1);
+    let mut input = input.take(LARGEST_PIPE_BYTES + 1);
     if std::io::copy(&mut input, &mut file).map_err(refuse)? > LARGEST_PIPE_BYTES {
         let message = format!(
-            "standard input holds more than {} GiB, too much for a part program",
+            "{name} holds more than {} GiB, too much for a part program",
             LARGEST_PIPE_BYTES >> 30
         );
         return Err(Problem::new(message).help("name the file in place of `-`"));
