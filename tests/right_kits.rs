@@ -395,14 +395,19 @@ fn row(name: &str, all: &[Outcome], with_forecast: bool) -> String {
     )
 }
 
+/// Share of right kits against which something was said.
+fn share_accused(all: &[Outcome]) -> f64 {
+    let accused = all.iter().filter(|o| o.not_as_forecast || o.named_off);
+    accused.count() as f64 / all.len() as f64
+}
+
 #[test]
 fn right_kits_hold_their_forecast_and_are_not_accused() {
     let (diagonals, tables) = (share(300), share(200));
     let mut text = String::from(
         "| right kits | runs of the simulation | largest of all terms within its U | each term within its U | forecast: pass / undecided / fail | after: pass / undecided / fail | NOT AS FORECAST | a term named off the forecast |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
     );
-    let mut accused = 0;
-    let mut total = 0;
+    let mut accused = Vec::new();
     let mut held = Vec::new();
     let mut passed_of_three = 0.0;
     for (runs, name) in [
@@ -413,11 +418,7 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
             by_diagonals(10_000 * u64::from(runs) + i, runs)
         });
         text += &row(name, &all, true);
-        accused += all
-            .iter()
-            .filter(|o| o.not_as_forecast || o.named_off)
-            .count();
-        total += all.len();
+        accused.push(share_accused(&all));
         held.push(all.iter().filter(|o| o.largest_held).count() as f64 / all.len() as f64);
         passed_of_three =
             all.iter().filter(|o| o.after == "pass").count() as f64 / all.len() as f64;
@@ -428,11 +429,7 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
         });
         let known = matches!(stated, Stated::Both | Stated::First);
         text += &row(&format!("error tables, {name}"), &all, known);
-        accused += all
-            .iter()
-            .filter(|o| o.not_as_forecast || o.named_off)
-            .count();
-        total += all.len();
+        accused.push(share_accused(&all));
         if known {
             held.push(all.iter().filter(|o| o.largest_held).count() as f64 / all.len() as f64);
         }
@@ -440,12 +437,12 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
     let (least, most) = if is_whole() {
         (0.93, 0.01)
     } else {
-        (0.80, 0.05)
+        (0.80, 0.10)
     };
     assert!(held.iter().all(|share| *share >= least), "{held:?}\n{text}");
     assert!(
-        (accused as f64) <= most * total as f64,
-        "{accused} of {total}\n{text}"
+        accused.iter().all(|share| *share <= most),
+        "{accused:?}\n{text}"
     );
     assert!(passed_of_three >= 0.9 || !is_whole(), "{passed_of_three}");
     if is_whole() {
