@@ -66,7 +66,7 @@ fn report(inputs: &Inputs, kit: &Kit) -> String {
         .trim()
         .to_string(),
         show::remarks(&kit.plan, &kit.compiled, Some(&kit.forecast)),
-        show::verdict(kit.verdict, &job, Some(&kit.forecast), false, &kit.doubts),
+        show::verdict(kit.verdict, job, Some(&kit.forecast), false, &kit.doubts),
         show::assumptions(&kit.compiled.assumptions),
         show::preconditions(&kit.compiled.preconditions),
     ])
