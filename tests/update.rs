@@ -470,6 +470,26 @@ fn read_out(job: &str, errors: &str, file: &str) -> Result<Inputs, String> {
     .map_err(|p| p.render())
 }
 
+/// Old tables that the control cut, or took in another unit, did not act as they stand.
+#[test]
+fn old_tables_that_the_control_cut_or_converted_are_refused() {
+    let job = small("siemens-840d-sl", ACTIVE, "", SIEMENS_AXES);
+    let cec = "$AN_CEC[0,0]=0\n$AN_CEC[0,1]=0.010\n$AN_CEC_INPUT_AXIS[0]=(AX1)\n$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n$AN_CEC_STEP[0]=100\n$AN_CEC_MIN[0]=0\n$AN_CEC_MAX[0]=100\n$AN_CEC_DIRECTION[0]=0\n";
+    for (more, says) in [
+        ("$MA_CEC_MAX_SUM[AX2]=0.001\n", "MD32720 of AX2 is 0.001"),
+        (
+            "$MN_CONVERT_SCALING_SYSTEM=1\n$MA_CEC_SCALING_SYSTEM_METRIC[AX2]=0\n",
+            "MD32711 of AX2 is 0",
+        ),
+    ] {
+        let refused = read_out(&job, FULL, &format!("{cec}{more}M17\n")).unwrap_err();
+        assert!(refused.contains(says), "{more}: {refused}");
+    }
+    let kept = format!("{cec}$MA_CEC_MAX_SUM[AX2]=0.010\nM17\n");
+    let said = read_out(&job, FULL, &kept).err().unwrap_or_default();
+    assert!(!said.contains("MD32720"), "{said}");
+}
+
 /// The smallest real case: switches and backlash were read out, the tables that they switch were not.
 #[test]
 fn a_read_out_with_switches_and_without_tables_is_refused() {

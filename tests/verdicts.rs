@@ -260,6 +260,113 @@ fn what_nobody_measured_afterwards_is_no_second_measurement() {
     );
 }
 
+/// The nine terms of a cube of 1 m about its reference, wavy, without any stated u.
+fn cube(places: &[f64]) -> String {
+    let mut csv = String::from("axis,position_mm,ex_um,ey_um,ez_um\n");
+    for axis in ["x", "y", "z"] {
+        for x in places {
+            let wave = (x / 150.0).sin();
+            csv += &format!("{axis},{x},{:.4},{:.4},{:.4}\n", 2.0 * wave, wave, -wave);
+        }
+    }
+    csv
+}
+
+fn cube_job(uncertainty: &str, lines: &str) -> String {
+    let mut job = String::from("schema = 1\n[machine]\nname = \"cube\"\n");
+    for axis in ["x", "y", "z"] {
+        job += &format!("[machine.axes.{axis}]\ntravel_mm = [0, 1000]\nreference_mm = 500\n");
+    }
+    job += "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[measurement.uncertainty]\n";
+    job += &format!("{uncertainty}\n[compensation]\ncontroller = \"generic\"\n");
+    for axis in ["x", "y", "z"] {
+        job += &format!("[compensation.axes.{axis}]\nspacing_mm = 100\n");
+    }
+    job + &format!("[acceptance]\n{lines}\n")
+}
+
+const TENTHS: [f64; 11] = [
+    0.0, 100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0,
+];
+
+/// One scale for all positions and axes: 5 µm/m over the 1.732 m of a diagonal, wherever the reference is.
+#[test]
+fn the_scale_of_the_laser_counts_once_along_a_diagonal() {
+    let job = cube_job("laser_ppm = 5", "max_diagonal_um = 16");
+    let directory = folder(&job, &cube(&TENTHS));
+    let at = directory.path();
+    ended(at, "generate job.toml -o kit");
+    let page = json(at, "verify job.toml --tables kit");
+    for diagonal in ["PPP", "NPP", "PNP", "PPN"] {
+        let u = page["diagonals"][diagonal]["u_um"].as_f64().unwrap();
+        assert!((u - 5.0 * 3.0_f64.sqrt()).abs() < 1e-3, "{diagonal}: {u}");
+    }
+    assert_eq!(page["verdict"], "undecided");
+    let said = verdict(at, "verify job.toml --tables kit");
+    assert!(
+        said.contains("U of EYX, EZX, EXY, EZY, EXZ, EYZ is not stated"),
+        "{said}"
+    );
+}
+
+/// Ends and nothing between; a cluster and a far end: nothing is known of the rest.
+#[test]
+fn what_lies_between_places_far_apart_was_not_measured() {
+    let job = cube_job(
+        "noise_um = 0.1",
+        "max_deviation_um = 5\nmax_diagonal_um = 9",
+    );
+    for places in [vec![0.0, 1000.0], vec![0.0, 10.0, 20.0, 1000.0]] {
+        let directory = folder(&job, &cube(&places));
+        let said = verdict(directory.path(), "generate job.toml -o kit");
+        assert!(
+            said.starts_with(" undecided") && said.contains("of the travel of X"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn the_verdict_names_what_no_figure_holds() {
+    let stated = "noise_um = 0.1\ntemperature_k = 1";
+    let directory = folder(&cube_job(stated, "max_deviation_um = 5"), &cube(&TENTHS));
+    let said = verdict(directory.path(), "generate job.toml -o kit");
+    assert!(said.contains("reversal not measured"), "{said}");
+    assert!(
+        said.contains("stated and not counted: temperature_k"),
+        "{said}"
+    );
+    let plus = wave(900, 8.0).replace("axis,position_mm", "axis,direction,position_mm");
+    let plus = plus.replace("\nx,", "\nx,+,");
+    let directory = folder(&one_axis("", "max_deviation_um = 5"), &plus);
+    let said = verdict(directory.path(), "generate job.toml -o kit");
+    assert!(said.contains("moving + only"), "{said}");
+}
+
+/// One column that stands still beside good ones.
+#[test]
+fn a_column_that_no_laser_read_decides_nothing() {
+    let job = cube_job("noise_um = 0.1", "max_deviation_um = 5");
+    let directory = folder(&job, &cube(&TENTHS));
+    let at = directory.path();
+    ended(at, "generate job.toml -o kit");
+    let whole = cube(&TENTHS);
+    let after = whole.lines().map(|line| match line.rsplit_once(',') {
+        Some((head, _)) if !line.starts_with("axis") => format!("{head},0\n"),
+        _ => format!("{line}\n"),
+    });
+    put(
+        at,
+        "after.csv",
+        &after.collect::<String>().replace("2.", "0.0"),
+    );
+    let said = verdict(at, "verify job.toml --tables kit --after after.csv");
+    assert!(
+        said.starts_with(" undecided") && said.contains("EZX, EZY, EZZ"),
+        "{said}"
+    );
+}
+
 /// The cases beside the repository in which the program once said too much.
 #[test]
 fn cases_that_once_passed() {
