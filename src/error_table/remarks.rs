@@ -97,7 +97,9 @@ impl Remarks {
         } else if let Some(words) = after(FREEDOM) {
             let freedom: Option<f64> = words.parse().ok();
             let freedom = freedom.filter(|freedom| *freedom >= 1.0);
-            self.degrees_of_freedom = freedom.or(self.degrees_of_freedom);
+            let fewer = |a: f64, b: f64| if b < a { b } else { a };
+            let all = [freedom, self.degrees_of_freedom].into_iter().flatten();
+            self.degrees_of_freedom = all.reduce(fewer);
         } else if let Some(words) = after(NOT_DETERMINED) {
             let (term, reason) = words.split_once(':').unwrap_or((&words, ""));
             match ErrorTerm::from_name(term.trim()) {

@@ -5,7 +5,7 @@ use crate::error_table::DraftSeries;
 use crate::import::choices::Sign;
 use crate::import::mapped_rows::Row;
 use crate::import::mapping::{Content, Mapping};
-use crate::import::placing::{Placing, mean, pooled, tidy};
+use crate::import::placing::{Placing, freedom_remark, mean, pooled, tidy};
 use crate::import::stated::Stated;
 use crate::import::{Component, Kind};
 use crate::problem::{Problem, Problems};
@@ -78,7 +78,12 @@ impl<'a, 'b> Group<'a, 'b> {
         } else {
             None
         };
-        for fact in self.facts(runs.len(), placing.as_ref()) {
+        let known = freedom_remark(positions.len(), runs.len());
+        for fact in self
+            .facts(runs.len(), placing.as_ref())
+            .into_iter()
+            .chain(known)
+        {
             if !facts.contains(&fact) {
                 facts.push(fact);
             }
