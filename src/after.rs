@@ -33,6 +33,7 @@ use crate::job::Job;
 use crate::model::{ErrorModel, MeasuredTerm};
 use crate::plan::Plan;
 use crate::problem::{Problem, Problems};
+use crate::units::smaller;
 
 /// A measurement of the machine with its tables active.
 #[derive(Clone, Debug, PartialEq)]
@@ -237,10 +238,7 @@ const NOT_OFF: f64 = 0.999;
 fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[Line]) -> Option<String> {
     let values: usize = as_left.terms.iter().map(|term| term.figures.len()).sum();
     let fewest = [before.remarks.degrees_of_freedom, as_left.sigma.freedom()];
-    let fewest = fewest
-        .into_iter()
-        .flatten()
-        .reduce(|a, b| if b < a { b } else { a });
+    let fewest = fewest.into_iter().flatten().reduce(smaller);
     let factor = Sigma::with_freedom(fewest).joint_at(values, NOT_OFF);
     let off = terms.iter().filter_map(|line| {
         let term = ErrorTerm::from_name(&line.name)?;

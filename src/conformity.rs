@@ -16,6 +16,7 @@
 //! (Šidák, J. Amer. Statist. Assoc. 62 (1967) 626–633). Where σ was estimated, all share its
 //! error: the product is averaged over χ² (multivariate Student). Nothing is drawn by chance.
 
+use crate::units::larger;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::erf::erfc;
 
@@ -196,10 +197,6 @@ pub fn judge_measured(figures: &[Magnitude], sigma: Sigma, limit_um: f64) -> Ver
 /// The largest of them, µm; 0 where there is none.
 pub fn largest_um(figures: &[Magnitude]) -> f64 {
     figures.iter().map(|f| f.um).fold(0.0, larger)
-}
-
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }
 
 /// Probability, at least, that no true figure exceeds the limit.

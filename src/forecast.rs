@@ -29,7 +29,7 @@ use crate::grid::EDGE_MM;
 use crate::job::Acceptance;
 use crate::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::plan::{Plan, axis_pairs};
-use crate::units::Millimetres;
+use crate::units::{Millimetres, larger};
 
 /// Forecast of one term.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +71,7 @@ pub struct DiagonalForecast {
     pub u_um: Option<f64>,
     /// U of `after_um` with 95 %, µm; `None` = not stated.
     pub expanded_um: Option<f64>,
-    /// Half of max − min with the uncertainty of a value, at each place of a measured position:
+    /// Half of max − min with the uncertainty of a value, at each place of a measured position, one where none is stated:
     /// max − min keeps a limit where every value lies within half of it about the middle.
     pub halves: Vec<Magnitude>,
     /// Share of a deviation in X, Y, Z along the beam.
@@ -93,7 +93,10 @@ impl DiagonalForecast {
             um: after_um / 2.0,
             u_um: u_um.hypot(scale_um / 2.0),
         };
-        let halves: Vec<Magnitude> = u_um.iter().copied().map(half).collect();
+        let mut halves: Vec<Magnitude> = u_um.iter().copied().map(half).collect();
+        if halves.is_empty() {
+            halves.push(half(0.0));
+        }
         let largest = u_um.iter().copied().reduce(larger);
         DiagonalForecast {
             name,
@@ -105,15 +108,6 @@ impl DiagonalForecast {
             halves,
             cosines: PerAxis::default(),
         }
-    }
-
-    /// Its values; where no uncertainty is stated, max − min itself, halved.
-    fn halves_or_figure(&self) -> Vec<Magnitude> {
-        if self.halves.is_empty() {
-            let um = self.after_um / 2.0;
-            return vec![Magnitude { um, u_um: 0.0 }];
-        }
-        self.halves.clone()
     }
 
     /// max − min as one figure: the difference of two values.
@@ -219,7 +213,7 @@ impl Forecast {
     /// two extreme values and fails on all its values.
     fn judge_diagonals(&self, diagonals: &[&DiagonalForecast], limit_um: f64) -> Verdict {
         let halves: Vec<Magnitude> = (diagonals.iter())
-            .flat_map(|diagonal| diagonal.halves_or_figure())
+            .flat_map(|diagonal| diagonal.halves.clone())
             .collect();
         let together = self.judge(&halves, limit_um / 2.0);
         if self.basis == Basis::Forecast {
@@ -485,10 +479,6 @@ fn within(
     let from = if low > from { low } else { from };
     let to = if high < to { high } else { to };
     (from, to)
-}
-
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }
 
 /// A correction that jumps at an end of the measured range (a picometre either way) counts with

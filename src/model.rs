@@ -19,7 +19,7 @@ use crate::curve::ErrorCurve;
 use crate::error_table::{ErrorTable, Heading, Remarks, Series};
 use crate::job::{Job, MachineAxis};
 use crate::problem::{Problem, Problems};
-use crate::units::{Deviation, Millimetres};
+use crate::units::{Deviation, Millimetres, larger};
 
 /// Errors that stay below this in every term are more often a slip of the unit, µm; a laser resolves
 /// a tenth of it at best.
@@ -410,10 +410,6 @@ fn measured_term(
         measured,
         uncertainty: uncertainty::points(job, series, term, machine),
     })
-}
-
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }
 
 fn value_at_reference(

@@ -47,6 +47,16 @@ pub fn rounded_down(bound: f64) -> String {
     ((bound * unit).floor() / unit).to_string()
 }
 
+/// The larger of two; unlike `f64::max` it gives no −0 for 0 and −0 with any compiler.
+pub fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+/// The smaller of two.
+pub fn smaller(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
 /// Squares as products, the same on every computer.
 pub trait Squared {
     /// x².

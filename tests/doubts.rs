@@ -162,14 +162,7 @@ fn more_than_one_exchange_is_named_as_it_happened() {
 fn steps_in_another_order_are_told() {
     let [x, y, z] = Axis::ALL;
     for recorded in [[x, y, z], [z, x, y]] {
-        for order in [
-            [x, y, z],
-            [x, z, y],
-            [y, x, z],
-            [y, z, x],
-            [z, x, y],
-            [z, y, x],
-        ] {
+        for order in Axis::ORDERS {
             let mut random = ChaCha8Rng::seed_from_u64(5);
             let mut machine = Machine::random(&box_30(), &mut random);
             machine.volume.order = order;

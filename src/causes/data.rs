@@ -6,7 +6,7 @@ use super::{RISK, quantile};
 use crate::after::{Observation, Part};
 use crate::axis::ErrorTerm;
 use crate::model::MeasuredTerm;
-use crate::units::Squared;
+use crate::units::{Squared, larger, smaller};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use std::collections::BTreeMap;
 
@@ -382,14 +382,6 @@ fn root_mean_square(values: &[f64]) -> f64 {
     #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
     let count = values.len().max(1) as f64;
     (values.iter().map(|v| v * v).sum::<f64>() / count).sqrt()
-}
-
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
-}
-
-fn smaller(a: f64, b: f64) -> f64 {
-    if b < a { b } else { a }
 }
 
 fn floor_um(question: &Question<'_>) -> f64 {

@@ -13,6 +13,7 @@
 //! Any other comment is free text and means nothing to the program.
 
 use crate::axis::{ErrorTerm, PerTerm};
+use crate::units::smaller;
 
 const DOUBT: &str = "doubt:";
 const NOT_DETERMINED: &str = "not determined:";
@@ -74,8 +75,7 @@ impl Remarks {
         let both = [self.hidden_reversal_um, other.hidden_reversal_um];
         self.hidden_reversal_um = both.into_iter().flatten().reduce(f64::max);
         let both = [self.degrees_of_freedom, other.degrees_of_freedom];
-        let fewer = |a: f64, b: f64| if b < a { b } else { a };
-        self.degrees_of_freedom = both.into_iter().flatten().reduce(fewer);
+        self.degrees_of_freedom = both.into_iter().flatten().reduce(smaller);
         raise(&mut self.angles_not_counted, other.angles_not_counted);
         raise(&mut self.beam_not_counted, other.beam_not_counted);
     }
@@ -97,9 +97,8 @@ impl Remarks {
         } else if let Some(words) = after(FREEDOM) {
             let freedom: Option<f64> = words.parse().ok();
             let freedom = freedom.filter(|freedom| *freedom >= 1.0);
-            let fewer = |a: f64, b: f64| if b < a { b } else { a };
             let all = [freedom, self.degrees_of_freedom].into_iter().flatten();
-            self.degrees_of_freedom = all.reduce(fewer);
+            self.degrees_of_freedom = all.reduce(smaller);
         } else if let Some(words) = after(NOT_DETERMINED) {
             let (term, reason) = words.split_once(':').unwrap_or((&words, ""));
             match ErrorTerm::from_name(term.trim()) {

@@ -3,15 +3,15 @@
 //! The deviation along the beam is a sum over the nine terms. Between two places where a curve or
 //! a correction bends, it is a cubic of the way, so its extremes are found without sampling.
 
+use super::within;
 use super::{DiagonalForecast, Machine};
-use super::{larger, within};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::conformity::Sigma;
 use crate::curve::ErrorCurve;
 use crate::emulate::{CannotEmulate, Emulator, Response};
 use crate::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
 use crate::plan::{Plan, axis_pairs};
-use crate::units::{Millimetres, Squared};
+use crate::units::{Millimetres, Squared, larger};
 
 /// Sign of travel of X, Y, Z on the forward run of each diagonal (contract §2.2).
 const DIAGONALS: [(&str, [f64; 3]); 4] = [

@@ -3,7 +3,7 @@
 use crate::axis::{Axis, PerAxis};
 use crate::job::Job;
 use crate::model::ErrorModel;
-use crate::units::Millimetres;
+use crate::units::{Millimetres, larger};
 
 /// Share of a judged range that has to be measured before a limit counts as kept: the offset
 /// targets of an acceptance test stay clear of the ends by half a step or so.
@@ -57,7 +57,7 @@ pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<
     let near = |pair: &&[Millimetres]| (pair[1] - pair[0]).mm() <= WIDEST_GAP * ROUNDING * whole;
     let common = |pair: &[Millimetres]| {
         let (low, high) = super::within(judged, Some((pair[0], pair[1])));
-        super::larger((high - low).mm(), 0.0)
+        larger((high - low).mm(), 0.0)
     };
     Some(JudgedRange {
         axis,
@@ -70,7 +70,7 @@ pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<
             .map(common)
             .fold(0.0, |a, b| a + b)
             / whole,
-        gap_mm: gaps().fold(0.0, super::larger),
+        gap_mm: gaps().fold(0.0, larger),
     })
 }
 
@@ -120,10 +120,7 @@ fn percent(share: f64) -> String {
 /// On which part of the machine a verdict rests, for its line.
 pub(super) fn words(ranges: &[JudgedRange]) -> String {
     let whole = |range: &JudgedRange| range.share >= WHOLE;
-    let gap = ranges
-        .iter()
-        .map(|range| range.gap_mm)
-        .fold(0.0, super::larger);
+    let gap = ranges.iter().map(|range| range.gap_mm).fold(0.0, larger);
     let gap = format!(", places up to {} mm apart", shown(gap));
     if ranges.iter().all(|range| whole(range) && !range.is_stated) {
         return format!("over the whole travel{gap}");

@@ -124,7 +124,7 @@ impl DiagonalForecast {
         let by_um = ErrorTerm::ALL.into_iter().map(along);
         let by_um = by_um.fold(0.0, f64::hypot);
         DiagonalForecast {
-            halves: wider(&self.halves_or_figure(), by_um),
+            halves: wider(&self.halves, by_um),
             u_um: Some(
                 self.u_um
                     .unwrap_or(0.0)

@@ -4,6 +4,7 @@ use super::{DiagonalForecast, Forecast, TermForecast, share};
 use crate::axis::{Direction, ErrorTerm};
 use crate::conformity::{Verdict, expanded_um};
 use crate::job::Acceptance;
+use crate::units::larger;
 
 /// So many terms are named one by one.
 const FEW: usize = 3;
@@ -80,10 +81,7 @@ impl Forecast {
             return Vec::new();
         }
         let halves: Vec<_> = diagonals.iter().flat_map(|d| d.halves.clone()).collect();
-        let um = diagonals
-            .iter()
-            .map(|d| d.after_um)
-            .fold(0.0, super::larger);
+        let um = diagonals.iter().map(|d| d.after_um).fold(0.0, larger);
         let stated = diagonals.iter().any(|d| d.u_um.is_some());
         let all = Judged {
             name: "the diagonals together leave ".to_string(),

@@ -13,7 +13,7 @@
 use crate::axis::{Direction, ErrorTerm};
 use crate::error_table::Series;
 use crate::job::{Job, MachineAxis, MeasuredData};
-use crate::units::Millimetres;
+use crate::units::{Millimetres, larger};
 
 /// Positions closer than this are one, mm.
 const SAME_PLACE_MM: f64 = 1e-6;
@@ -101,5 +101,5 @@ fn nearest_um(series: &Series, term: ErrorTerm, reference: Millimetres) -> Optio
     };
     let of = |row: usize| column.get(row).copied();
     let (above, below) = (of(above)?, of(below)?);
-    Some(if above > below { above } else { below })
+    Some(larger(above, below))
 }
