@@ -267,11 +267,17 @@ impl Played {
         Ok(())
     }
 
-    /// The new thing is in its place, and nothing unfinished.
-    fn complete(&self, found: &Tree) -> Result<(), String> {
-        if at(found, self.scene.output) != at(&self.after, self.scene.output) {
-            return Err("the output is not the new one".to_string());
+    /// The new thing is in its place.
+    fn written(&self, found: &Tree) -> Result<(), String> {
+        match at(found, self.scene.output) == at(&self.after, self.scene.output) {
+            true => Ok(()),
+            false => Err("the output is not the new one".to_string()),
         }
+    }
+
+    /// So it is, and nothing unfinished is there.
+    fn complete(&self, found: &Tree) -> Result<(), String> {
+        self.written(found)?;
         match partials(found).first() {
             Some(left) => Err(format!("{left} was left")),
             None => Ok(()),
@@ -456,7 +462,7 @@ impl Fault {
 fn disturbed(played: &Played, call: &Call, fault: Fault) -> Result<(), String> {
     let place = played.place();
     let log = tempfile::NamedTempFile::new().expect("a place for the log");
-    let Call { name, number } = call;
+    let Call { name, number, .. } = call;
     let inject = format!("inject={name}:{}:when={number}", fault.words());
     let only = format!("trace={name}");
     let options = ["-e", only.as_str(), "-e", inject.as_str()];
@@ -465,6 +471,10 @@ fn disturbed(played: &Played, call: &Call, fault: Fault) -> Result<(), String> {
     judge(played, fault, &output, &found)
         .and_then(|()| match fault {
             Fault::Kill => played.next_run(place.path(), &found),
+            // The removal of what is not needed any more was refused; it is tried again.
+            Fault::Refuse(_) if !partials(&found).is_empty() => {
+                played.next_run(place.path(), &found)
+            }
             _ => Ok(()),
         })
         .map_err(|why| {
@@ -498,6 +508,7 @@ fn judge(played: &Played, fault: Fault, output: &Output, found: &Tree) -> Result
             "status 2, but changed: {}",
             difference(&played.before, found)
         )),
+        (Fault::Refuse(_), Some(_)) if done => played.written(found),
         (_, Some(_)) if done => played.complete(found),
         _ => Err("it ended in another way".to_string()),
     }
@@ -578,4 +589,100 @@ fn refused_at_any_system_call_everything_is_written_or_nothing() {
         false => Vec::new(),
     };
     try_faults(faults, 31);
+}
+
+/// A small memory disk; unmounted at the end.
+struct Stick {
+    folder: TempDir,
+}
+
+impl Stick {
+    /// `None` where none can be mounted.
+    fn new(size: &str) -> Option<Stick> {
+        let folder = tempfile::tempdir().expect("a temporary directory can be made");
+        let mounted = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", size, "tmpfs"])
+            .arg(folder.path())
+            .stderr(Stdio::null())
+            .status();
+        let is_mounted = mounted.is_ok_and(|status| status.success());
+        is_mounted.then_some(Stick { folder })
+    }
+}
+
+impl Drop for Stick {
+    fn drop(&mut self) {
+        let unmounted = Command::new("umount").arg(self.folder.path()).status();
+        assert!(unmounted.is_ok_and(|status| status.success()));
+    }
+}
+
+/// Sizes of disks on which the commands below find too little room at every stage, or enough: pages of
+/// 4 KiB, and numbers of names.
+fn sizes() -> Vec<String> {
+    let step = if is_whole() { 1 } else { 7 };
+    let pages = (1..=48).step_by(step).map(|n| format!("size={}k", 4 * n));
+    let names = (2..=26).step_by(step).map(|n| format!("nr_inodes={n}"));
+    pages.chain(names).collect()
+}
+
+#[test]
+fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
+    if Stick::new("size=4k").is_none() {
+        return skipped("a small memory disk cannot be mounted here");
+    }
+    let place = copy_of("start/errors");
+    with_program(place.path());
+    with_part_program(place.path());
+    let mut refused = 0;
+    for (words, output) in [
+        ("generate job.toml --force", "new/kit"),
+        ("program job.toml --force", "kit"),
+        ("simulate job.toml --errors --force", "put.csv"),
+        ("path job.toml part.nc --force", "put.csv"),
+    ] {
+        let plenty = Stick::new("size=8m").expect("it was possible before");
+        let new = filled(place.path(), words, plenty.folder.path(), output);
+        assert_ne!(new.0.status.code(), Some(2), "{words}: {:?}", new.0);
+        for size in sizes() {
+            let stick = Stick::new(&size).expect("it was possible before");
+            refused += fill(place.path(), words, stick.folder.path(), output, &new)
+                .unwrap_or_else(|why| panic!("{words}, {size}: {why}"));
+        }
+    }
+    assert!(refused > 8, "{refused}");
+}
+
+/// Runs the command; what it said, and what lies on the stick.
+fn filled(at: &Path, words: &str, stick: &Path, output: &str) -> (Output, Tree) {
+    let said = run(at, &format!("{words} -o {}/{output}", stick.display()));
+    (said, tree(stick))
+}
+
+/// Writes twice onto the stick; how often it was refused.
+fn fill(
+    place: &Path,
+    words: &str,
+    stick: &Path,
+    output: &str,
+    new: &(Output, Tree),
+) -> Result<usize, String> {
+    let mut refused = 0;
+    let mut before = tree(stick);
+    for _ in 0..2 {
+        let (said, found) = filled(place, words, stick, output);
+        let talk = String::from_utf8_lossy(&said.stderr);
+        if said.status.code() != Some(2) {
+            let is_whole = said.status == new.0.status && at(&found, output) == at(&new.1, output);
+            if !is_whole || !partials(&found).is_empty() {
+                return Err(format!("not whole: {talk}"));
+            }
+        } else if found != before || !talk.contains("no space left") {
+            return Err(format!("{}: {talk}", difference(&before, &found)));
+        } else {
+            refused += 1;
+        }
+        before = found;
+    }
+    Ok(refused)
 }
