@@ -18,10 +18,7 @@ use tree::{Tree, copy_of, difference, lay, skipped, tree};
 /// Fixtures and commands that between them write kits, tables, pages and documents; `{}` = the path of
 /// the fixture, with a separator at its end.
 const COMMANDS: &[(&str, &str)] = &[
-    (
-        "start/errors",
-        "generate {}job.toml -o {}kit --format json",
-    ),
+    ("start/errors", "generate {}job.toml -o {}kit --format json"),
     (
         "nine_errors_900",
         "generate {}siemens-840d-sl.toml -o {}kit",
@@ -197,7 +194,11 @@ fn made_by(program: &Path, folder: &Path, words: &str) -> (Made, String) {
         .output()
         .expect("the program starts");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    let made = (output.status.code(), text(&output.stdout), tree(place.path()));
+    let made = (
+        output.status.code(),
+        text(&output.stdout),
+        tree(place.path()),
+    );
     (made, text(&output.stderr))
 }
 

@@ -530,7 +530,9 @@ fn try_faults(faults: impl Fn(&Call) -> Vec<Fault>, step: usize) {
     let all = cases.len();
     let step = if is_whole() { 1 } else { step };
     let cases: Vec<_> = cases.into_iter().step_by(step).collect();
-    let failures = in_parallel(&cases, |(scene, call, fault)| disturbed(scene, call, *fault));
+    let failures = in_parallel(&cases, |(scene, call, fault)| {
+        disturbed(scene, call, *fault)
+    });
     println!("{} of {all} cases", cases.len());
     let shown: Vec<&str> = failures.iter().take(40).map(String::as_str).collect();
     assert!(
@@ -557,10 +559,7 @@ fn in_parallel<T: Sync>(
                     cases.get(index).map(|case| (index, case))
                 } {
                     if let Err(why) = test(case) {
-                        failures
-                            .lock()
-                            .expect("no test panics")
-                            .push((index, why));
+                        failures.lock().expect("no test panics").push((index, why));
                     }
                 }
             });
@@ -573,13 +572,13 @@ fn in_parallel<T: Sync>(
 
 #[test]
 fn killed_at_any_system_call_nothing_is_half_and_the_next_run_tidies_up() {
-    try_faults(|_| vec![Fault::Kill], 16);
+    try_faults(|_| vec![Fault::Kill], 23);
 }
 
 #[test]
 fn ended_at_any_system_call_nothing_unfinished_is_left() {
     let signals = vec![Fault::End("SIGTERM"), Fault::End("SIGINT")];
-    try_faults(|_| signals.clone(), 31);
+    try_faults(|_| signals.clone(), 53);
 }
 
 #[test]
@@ -588,7 +587,7 @@ fn refused_at_any_system_call_everything_is_written_or_nothing() {
         true => ERRORS.iter().map(|error| Fault::Refuse(error)).collect(),
         false => Vec::new(),
     };
-    try_faults(faults, 31);
+    try_faults(faults, 53);
 }
 
 /// A small memory disk; unmounted at the end.
