@@ -16,8 +16,8 @@ mod json;
 mod row;
 
 use super::complaint::Complaint;
-use crate::problem::{Place, Problem, Problems};
-use crate::table::generic::{GenericRow, GenericTable};
+use crate::problem::{LineIndex, Problem, Problems, refuse_long_lines};
+use crate::table::generic::{GenericRow, GenericTable, MOST_ROWS};
 use row::Column;
 
 /// Nobody reads further, and a binary file has millions.
@@ -48,6 +48,7 @@ pub fn read(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
 /// assert_eq!(table.rows[1].increment_um, Some(-2.5));
 /// ```
 pub fn read_csv(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
+    refuse_long_lines(file_name, text)?;
     csv::read(text).map_err(|complaints| located(file_name, text, complaints))
 }
 
@@ -66,6 +67,7 @@ pub fn read_csv(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
 /// assert_eq!(table.rows[1].increment_um, Some(-2.5));
 /// ```
 pub fn read_json(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
+    refuse_long_lines(file_name, text)?;
     json::read(text).map_err(|complaints| located(file_name, text, complaints))
 }
 
@@ -73,12 +75,21 @@ fn located(file_name: &str, text: &str, mut complaints: Vec<Complaint>) -> Probl
     complaints.sort_by_key(|complaint| complaint.span.start);
     complaints.truncate(MOST_COMPLAINTS);
     let mut problems = Problems::none();
+    let index = LineIndex::default();
     for complaint in complaints {
-        let place = Place::in_text(file_name, text, complaint.span.start, complaint.span.end);
+        let place = index.place(file_name, text, complaint.span.start, complaint.span.end);
         let problem = Problem::new(complaint.message).at(place);
         problems.push(problem.help(complaint.help));
     }
     problems
+}
+
+fn too_many_rows(place: std::ops::Range<usize>) -> Complaint {
+    Complaint::new(
+        place,
+        format!("the table has more than {MOST_ROWS} rows, too many for any control"),
+        "check that this is a table of corrections",
+    )
 }
 
 /// Makes one table of the files of a kit, which are twins: all must say the same, row by row.

@@ -7,7 +7,7 @@
 //! EOB is any mixture of LF and CR, or `;` (B-63950EN/02 §3.3, B-63330EN/03 §3; a 30i-class
 //! control itself writes LF CR CR).
 
-use crate::problem::{Place, Problem, Problems};
+use crate::problem::{LineIndex, Problem, Problems};
 use std::ops::Range;
 
 /// Bytes `start..end` of the source.
@@ -21,6 +21,7 @@ const FRAME_HELP: &str = "a record begins with `%` and ends with `%`, each on a 
 pub(super) struct Source {
     file: String,
     text: String,
+    lines: LineIndex,
 }
 
 impl Source {
@@ -29,7 +30,13 @@ impl Source {
         Source {
             file: file.to_string(),
             text: uniform_line_ends(text),
+            lines: LineIndex::default(),
         }
+    }
+
+    /// The whole text, its line ends made uniform.
+    pub(super) fn text(&self) -> &str {
+        &self.text
     }
 
     /// The text of a span.
@@ -39,31 +46,29 @@ impl Source {
 
     /// A problem at a span.
     pub(super) fn problem(&self, span: &Span, message: impl Into<String>) -> Problem {
-        let place = Place::in_text(&self.file, &self.text, span.start, span.end);
+        let place = self
+            .lines
+            .place(&self.file, &self.text, span.start, span.end);
         Problem::new(message).at(place)
     }
 
-    /// The blocks of the record, blank ones left out; what is wrong with the frame is noted.
-    pub(super) fn blocks(&self, problems: &mut Problems) -> Vec<Span> {
+    /// What stands between the two `%`; what is wrong with the frame is noted.
+    pub(super) fn record(&self, problems: &mut Problems) -> Span {
         let (Some(opening), Some(closing)) = (self.text.find('%'), self.text.rfind('%')) else {
             problems.push(self.frame_problem(0..0, "the file has no opening `%`"));
-            return Vec::new();
+            return 0..0;
         };
         if opening < closing {
             self.note_frame(opening, closing, problems);
-            return self.split(self.after_title(opening)..closing);
+            return self.after_title(opening)..closing;
         }
-        if self
-            .split(0..opening)
-            .iter()
-            .any(|span| self.is_block(span))
-        {
+        if self.blocks(0..opening).any(|span| self.is_block(&span)) {
             problems.push(self.frame_problem(0..0, "the file has no opening `%`"));
-            return self.split(0..opening);
+            return 0..opening;
         }
         let end = self.text.trim_end().len();
         problems.push(self.frame_problem(end - 1..end, "the file has no closing `%`"));
-        self.split(self.after_title(opening)..self.text.len())
+        self.after_title(opening)..self.text.len()
     }
 
     fn frame_problem(&self, span: Span, message: &str) -> Problem {
@@ -98,16 +103,16 @@ impl Source {
             && letters.next().is_some_and(|c| c.is_ascii_digit())
     }
 
-    fn split(&self, body: Span) -> Vec<Span> {
-        let mut at = body.start.min(body.end);
-        let mut spans = Vec::new();
-        for piece in self.text[at..body.end].split(is_end_of_block) {
-            if !piece.trim().is_empty() {
-                spans.push(at..at + piece.len());
-            }
+    /// The blocks of a record, blank ones left out.
+    pub(super) fn blocks(&self, record: Span) -> impl Iterator<Item = Span> {
+        let mut at = record.start.min(record.end);
+        let pieces = self.text[at..record.end].split(is_end_of_block);
+        let spans = pieces.map(move |piece| {
+            let start = at;
             at += piece.len() + 1;
-        }
-        spans
+            start..start + piece.len()
+        });
+        spans.filter(|span| !self.slice(span).trim().is_empty())
     }
 }
 
