@@ -8,6 +8,7 @@ mod section;
 
 use crate::problem::{LineIndex, Place, Problem, Problems, refuse_long_lines, shown};
 pub use section::Section;
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::cell::RefCell;
 use std::ops::Range;
@@ -26,9 +27,10 @@ pub struct Source {
     lines: LineIndex,
 }
 
-/// Lines of a text that a user writes or an instrument saves. The structures that are made of one
-/// line have up to 300 bytes, so this keeps them in some ten megabytes; a measurement of 1000
-/// points with five runs each way has 10 000 lines.
+/// Lines of a text that a user writes or an instrument saves, and rows of a table of corrections that the
+/// program writes or reads. What is made of one line takes some 300 bytes, so this keeps all of it in
+/// 30 MB; a measurement of 1000 points with five runs each way has 10 000 lines, a table of nine errors in
+/// two directions with 500 points 9000.
 pub const MOST_LINES: usize = 100_000;
 /// Bytes of a page: a job or a profile (TOML), or a manifest (JSON). Each value of a page takes up to a
 /// hundred bytes of memory; the largest page of the program itself has 20 kB.
@@ -120,6 +122,17 @@ pub fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
         LARGEST_PAGE >> 10
     ))
     .help("check that the file is what it should be"))
+}
+
+/// A page of JSON from its bytes, or what is wrong with them, in words that follow "is damaged:".
+///
+/// limits [`LARGEST_PAGE`] bytes, which whoever writes such a page keeps too ([`refuse_large_page`])
+pub fn json_page(bytes: &[u8]) -> Result<Value, String> {
+    if bytes.len() > LARGEST_PAGE {
+        let most = LARGEST_PAGE >> 10;
+        return Err(format!("it holds more than {most} KiB, too much for a manifest"));
+    }
+    serde_json::from_slice(bytes).map_err(|error| error.to_string())
 }
 
 fn not_text(name: &str, bytes: &[u8]) -> Problems {

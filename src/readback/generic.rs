@@ -17,7 +17,8 @@ mod row;
 
 use super::complaint::Complaint;
 use crate::problem::{LineIndex, Problem, Problems, refuse_long_lines};
-use crate::table::generic::{GenericRow, GenericTable, MOST_ROWS};
+use crate::document::MOST_LINES;
+use crate::table::generic::{GenericRow, GenericTable};
 use row::Column;
 
 /// Nobody reads further, and a binary file has millions.
@@ -87,7 +88,7 @@ fn located(file_name: &str, text: &str, mut complaints: Vec<Complaint>) -> Probl
 fn too_many_rows(place: std::ops::Range<usize>) -> Complaint {
     Complaint::new(
         place,
-        format!("the table has more than {MOST_ROWS} rows, too many for any control"),
+        format!("the table has more than {MOST_LINES} rows, too many for any control"),
         "check that this is a table of corrections",
     )
 }

@@ -3,10 +3,6 @@
 use crate::axis::{Direction, ErrorTerm};
 use compact_str::CompactString;
 
-/// Rows of one table, whoever writes or reads it: each takes up to 250 bytes in a file, and some 400 in
-/// memory. Nine errors in two directions with 500 points each have 9000.
-pub const MOST_ROWS: usize = 100_000;
-
 /// One row: one point of one term (and direction).
 #[derive(Clone, Debug, PartialEq)]
 pub struct GenericRow {

@@ -5,7 +5,8 @@
 use super::check::Reading;
 use super::row::{Cell, Column, RawRow, RowFlaw};
 use crate::readback::complaint::Complaint;
-use crate::table::generic::{GenericTable, MOST_ROWS};
+use crate::document::MOST_LINES;
+use crate::table::generic::GenericTable;
 use serde_json::Number;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -19,8 +20,8 @@ pub(super) fn read(text: &str) -> Result<GenericTable, Vec<Complaint>> {
         return Err(vec![Complaint::new(0..0, message, help)]);
     };
     let columns = columns(text, header.clone())?;
-    let rows: Vec<Range<usize>> = lines.take(MOST_ROWS + 1).collect();
-    if let Some(first) = rows.get(MOST_ROWS) {
+    let rows: Vec<Range<usize>> = lines.take(MOST_LINES + 1).collect();
+    if let Some(first) = rows.get(MOST_LINES) {
         return Err(vec![super::too_many_rows(first.clone())]);
     }
     if rows.is_empty() {

@@ -7,7 +7,8 @@ use super::check::Reading;
 use super::csv::trimmed;
 use super::row::{Cell, Column, RawRow, RowFlaw};
 use crate::readback::complaint::Complaint;
-use crate::table::generic::{GenericTable, MOST_ROWS};
+use crate::document::MOST_LINES;
+use crate::table::generic::GenericTable;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::{Number, Value};
 use std::borrow::Cow;
@@ -250,7 +251,7 @@ impl<'a> Taker<'a> for &mut Rows<'a> {
     fn array<S: SeqAccess<'a>>(self, mut elements: S) -> Result<Self::Taken, S::Error> {
         while let Some(row) = elements.next_element_seed(To(Row::new(self.number)))? {
             self.number += 1;
-            if self.number > MOST_ROWS {
+            if self.number > MOST_LINES {
                 return Err(S::Error::custom(super::too_many_rows(0..1).message));
             }
             if self.reading.is_full() {
