@@ -6,7 +6,7 @@ use crate::problem::{Place, Problem, Problems, shown};
 use std::collections::BTreeSet;
 
 /// More runs or targets than this are a damaged file.
-const MOST: usize = 10_000;
+pub(super) const MOST: usize = 10_000;
 pub(super) const AGAIN: &str = "the file is incomplete or damaged: save it again";
 /// Keys that the numbers depend on, as [`Line::key_value`] writes them.
 const SINGLE_KEYS: [(&str, &[&str]); 3] = [
