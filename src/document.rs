@@ -34,7 +34,7 @@ pub struct Source {
 pub const MOST_LINES: usize = 100_000;
 /// Bytes of a page: a job or a profile (TOML), or a manifest (JSON). Each value of a page takes up to a
 /// hundred bytes of memory; the largest page of the program itself has 20 kB.
-pub const LARGEST_PAGE: usize = 1 << 19;
+pub const LARGEST_PAGE: usize = 1 << 18;
 
 impl Source {
     /// A file from its bytes; UTF-8 with or without byte order mark, text only.
@@ -130,7 +130,9 @@ pub fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
 pub fn json_page(bytes: &[u8]) -> Result<Value, String> {
     if bytes.len() > LARGEST_PAGE {
         let most = LARGEST_PAGE >> 10;
-        return Err(format!("it holds more than {most} KiB, too much for a manifest"));
+        return Err(format!(
+            "it holds more than {most} KiB, too much for a manifest"
+        ));
     }
     serde_json::from_slice(bytes).map_err(|error| error.to_string())
 }

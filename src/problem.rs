@@ -539,7 +539,14 @@ mod tests {
     fn line_ends_are_counted_once_for_all_places_of_a_text() {
         let text = "ä,1\r\n".repeat(3 * INDEX_BLOCK);
         let index = LineIndex::default();
-        for line in [0, 1, 2, INDEX_BLOCK, 2 * INDEX_BLOCK + 1, 3 * INDEX_BLOCK - 1] {
+        for line in [
+            0,
+            1,
+            2,
+            INDEX_BLOCK,
+            2 * INDEX_BLOCK + 1,
+            3 * INDEX_BLOCK - 1,
+        ] {
             let start = line * "ä,1\r\n".len() + "ä,".len();
             let place = index.place("a.csv", &text, start, start + 1);
             assert_eq!((place.line, place.column, place.width), (line + 1, 3, 1));

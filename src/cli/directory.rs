@@ -4,8 +4,8 @@
 use super::inputs::{file_names, plain_words, read_file};
 use crate::active::{ActiveControl, ReadOutFor, from_read_out};
 use crate::controller::{Profile, Role};
-use crate::kit::{Inputs, sha256};
 use crate::document::json_page;
+use crate::kit::{Inputs, sha256};
 use crate::manifest::{HashedFile, MANIFEST};
 use crate::problem::{Problem, Problems, shown};
 use crate::readback::control_data;
@@ -235,11 +235,13 @@ fn compare_hashes(found: &mut Found, document: &Value) {
         .iter()
         .map(|file| (file.0.as_str(), file))
         .collect();
-    let mut seen = BTreeSet::new();
+    let mut times: BTreeMap<&str, usize> = BTreeMap::new();
     for (path, entry) in listed(document) {
-        if !seen.insert(path) {
+        let times = times.entry(path).or_default();
+        *times += 1;
+        if *times > 1 {
             let words = format!("`{}` is listed twice in manifest.json", shown(path));
-            found.remarks.push(words);
+            found.remarks.extend((*times == 2).then_some(words));
             continue;
         }
         let hash = entry["sha256"].as_str().unwrap_or_default();

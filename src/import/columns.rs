@@ -176,7 +176,11 @@ impl<'a> Table<'a> {
     }
 
     /// The cells of columns that hold quantities.
-    fn numbers(&self, rows: &[Line<'a>], mapping: &Mapping) -> impl Iterator<Item = NumberCell<'a>> {
+    fn numbers(
+        &self,
+        rows: &[Line<'a>],
+        mapping: &Mapping,
+    ) -> impl Iterator<Item = NumberCell<'a>> {
         let columns = self.columns.iter().zip(&mapping.columns);
         let indices: Vec<usize> = columns
             .filter(|(_, (_, content))| content.unit().is_some())

@@ -111,7 +111,9 @@ fn read_from(
         }
         if reader.values() > MOST_VALUES {
             let problem = source.problem(&span, format!("here are more than {MOST_VALUES} values for the compensation, too many for any control"));
-            reader.problems.push(problem.help("check that this is a file of the control"));
+            reader
+                .problems
+                .push(problem.help("check that this is a file of the control"));
             break;
         }
         reader.read_block(&span);

@@ -184,7 +184,9 @@ fn has_code(text: &str, line: &Range<usize>) -> bool {
 fn too_many(line: Range<usize>) -> Complaint {
     Complaint::new(
         line,
-        format!("here are more than {MOST_STATEMENTS} statements, {MOST_TABLES} tables or {MOST_DATA} machine data of the compensation, too many for any control"),
+        format!(
+            "here are more than {MOST_STATEMENTS} statements, {MOST_TABLES} tables or {MOST_DATA} machine data of the compensation, too many for any control"
+        ),
         "check that this is a file of the control",
     )
 }

@@ -161,7 +161,11 @@ fn sections(file: &str, text: &str) -> Sections {
     };
     let mut lines = text.split('\n').peekable();
     let mut inside = is_program(file);
-    if inside && !lines.clone().any(|text| text.trim_start().starts_with("%_N_")) {
+    if inside
+        && !lines
+            .clone()
+            .any(|text| text.trim_start().starts_with("%_N_"))
+    {
         found.programs.push(file.to_string());
     }
     while let Some(text) = lines.next() {
@@ -204,7 +208,7 @@ fn writes_tables(text: &str, of_program: &[bool]) -> bool {
 ///
 /// limits end words and headers between the parts of an archive are passed over, but the last end
 ///        word stays, and what follows it: a file that goes on without one is not complete
-pub fn siemens(file: &str, text: &str, reads_programs: bool) -> SiemensText {
+pub fn siemens<'t>(file: &str, text: &'t str, reads_programs: bool) -> SiemensText {
     let Sections {
         mut of_program,
         programs,
@@ -218,7 +222,7 @@ pub fn siemens(file: &str, text: &str, reads_programs: bool) -> SiemensText {
     }
     // Lines are taken apart twice, so that nothing is kept for each of them.
     let lines = || {
-        let coded = |(text, inside): (_, &bool)| match inside {
+        let coded = |(text, inside): (&'t str, &bool)| match *inside || text.is_empty() {
             true => (text, String::new()),
             false => (text, code(text)),
         };

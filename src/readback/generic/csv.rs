@@ -4,8 +4,8 @@
 
 use super::check::Reading;
 use super::row::{Cell, Column, RawRow, RowFlaw};
-use crate::readback::complaint::Complaint;
 use crate::document::MOST_LINES;
+use crate::readback::complaint::Complaint;
 use crate::table::generic::GenericTable;
 use serde_json::Number;
 use std::borrow::Cow;

@@ -6,8 +6,8 @@
 use super::check::Reading;
 use super::csv::trimmed;
 use super::row::{Cell, Column, RawRow, RowFlaw};
-use crate::readback::complaint::Complaint;
 use crate::document::MOST_LINES;
+use crate::readback::complaint::Complaint;
 use crate::table::generic::GenericTable;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::{Number, Value};
@@ -172,9 +172,8 @@ impl<'a> WholeFile<'a> {
             self.flaws.missing("rows");
         }
         let flaws = self.flaws.0.into_iter();
-        let mut complaints: Vec<Complaint> = flaws
-            .map(|(key, message)| at_key(&key, message))
-            .collect();
+        let mut complaints: Vec<Complaint> =
+            flaws.map(|(key, message)| at_key(&key, message)).collect();
         let unexpected = |key: &str, found: &Found<'_>, expected: &str| {
             let message = format!("`{key}` is {}, expected {expected}", found.words());
             at_key(key, message)
@@ -213,7 +212,9 @@ impl<'a> Visitor<'a> for WholeFile<'a> {
     fn visit_map<M: MapAccess<'a>>(mut self, mut map: M) -> Result<WholeFile<'a>, M::Error> {
         while let Some(Key(key)) = map.next_key()? {
             match &*key {
-                "schema" if self.schema.is_none() => self.schema = Some(map.next_value_seed(To(AnyValue))?),
+                "schema" if self.schema.is_none() => {
+                    self.schema = Some(map.next_value_seed(To(AnyValue))?)
+                }
                 "rows" if self.rows.is_none() => {
                     let mut rows = Rows::default();
                     let other = map.next_value_seed(To(&mut rows))?;

@@ -162,7 +162,10 @@ impl Memory {
     /// A few lines may ask for many points: MIN, STEP and MAX.
     fn too_many_points(&self) -> Option<Complaint> {
         let lec = self.lec.iter().map(|table| &table.draft);
-        let drafts = || lec.clone().chain(self.cec.values().map(|table| &table.draft));
+        let drafts = || {
+            lec.clone()
+                .chain(self.cec.values().map(|table| &table.draft))
+        };
         let points: f64 = drafts().filter_map(Draft::steps).sum();
         #[allow(clippy::cast_precision_loss, reason = "a small constant")]
         let is_too_many = points > MOST_STATEMENTS as f64;
