@@ -6,8 +6,9 @@
 
 mod section;
 
-use crate::problem::{Place, Problem, Problems, shown};
+use crate::problem::{LineIndex, Place, Problem, Problems, refuse_long_lines, shown};
 pub use section::Section;
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::cell::RefCell;
 use std::ops::Range;
@@ -23,25 +24,43 @@ pub struct Source {
     pub text: String,
     /// The place of each value that was read; looked through only for problems.
     spots: Vec<Spot>,
+    lines: LineIndex,
 }
+
+/// Lines of a text that a user writes or an instrument saves, and rows of a table of corrections that the
+/// program writes or reads. What is made of one line takes some 300 bytes, so this keeps all of it in
+/// 30 MB; a measurement of 1000 points with five runs each way has 10 000 lines, a table of nine errors in
+/// two directions with 500 points 9000.
+pub const MOST_LINES: usize = 100_000;
+/// Bytes of a page: a job or a profile (TOML), or a manifest (JSON). Each value of a page takes up to a
+/// hundred bytes of memory; the largest page of the program itself has 20 kB.
+pub const LARGEST_PAGE: usize = 1 << 18;
 
 impl Source {
     /// A file from its bytes; UTF-8 with or without byte order mark, text only.
+    ///
+    /// limits [`MOST_LINES`] lines, none longer than [`crate::problem::LONGEST_LINE_BYTES`]
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Source, Problems> {
         let text = std::str::from_utf8(bytes)
             .ok()
             .filter(|text| !text.contains('\0'))
             .ok_or_else(|| not_text(name, bytes))?;
+        if text.split('\n').nth(MOST_LINES + 1).is_some() {
+            return Err(too_many_lines(name).into());
+        }
+        refuse_long_lines(name, text)?;
         Ok(Source {
             name: name.to_string(),
             text: text.strip_prefix('\u{feff}').unwrap_or(text).to_string(),
             spots: Vec::new(),
+            lines: LineIndex::default(),
         })
     }
 
     /// The place of bytes of the text.
     pub fn place(&self, span: &Range<usize>) -> Place {
-        Place::in_text(&self.name, &self.text, span.start, span.end)
+        self.lines
+            .place(&self.name, &self.text, span.start, span.end)
     }
 
     /// The place of a key's value, by its dotted path, e.g. `compensation.axes.x.spacing_mm`.
@@ -86,6 +105,38 @@ impl Spot {
     }
 }
 
+fn too_many_lines(name: &str) -> Problem {
+    Problem::new(format!(
+        "`{name}` has more than {MOST_LINES} lines, too many for a measurement or a job"
+    ))
+    .help("check that the file is what it should be; remove blank lines, and measure fewer points")
+}
+
+/// Refuses a page that is larger than anybody writes.
+pub fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
+    if bytes <= LARGEST_PAGE {
+        return Ok(());
+    }
+    Err(Problem::new(format!(
+        "`{name}` holds more than {} KiB, too much for a job, a profile or a manifest",
+        LARGEST_PAGE >> 10
+    ))
+    .help("check that the file is what it should be"))
+}
+
+/// A page of JSON from its bytes, or what is wrong with them, in words that follow "is damaged:".
+///
+/// limits [`LARGEST_PAGE`] bytes, which whoever writes such a page keeps too ([`refuse_large_page`])
+pub fn json_page(bytes: &[u8]) -> Result<Value, String> {
+    if bytes.len() > LARGEST_PAGE {
+        let most = LARGEST_PAGE >> 10;
+        return Err(format!(
+            "it holds more than {most} KiB, too much for a manifest"
+        ));
+    }
+    serde_json::from_slice(bytes).map_err(|error| error.to_string())
+}
+
 fn not_text(name: &str, bytes: &[u8]) -> Problems {
     let good = std::str::from_utf8(bytes).map_or_else(|error| error.valid_up_to(), str::len);
     let what = if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
@@ -109,6 +160,7 @@ pub fn read_page<T>(
     mut source: Source,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
 ) -> Result<(T, Source), Problems> {
+    refuse_large_page(&source.name, source.text.len())?;
     let (root, errors) = DeTable::parse_recoverable(&source.text);
     if !errors.is_empty() {
         return Err(syntax_problems(&source, &errors));
@@ -135,6 +187,9 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
     let mut problems = Problems::none();
     let mut commas = Vec::new();
     for error in errors {
+        if problems.is_full() {
+            break; // nobody reads further
+        }
         let message = error.message().lines().next().unwrap_or("not TOML");
         let span = error.span();
         if let Some(comma) = span

@@ -64,7 +64,7 @@ impl Kit {
 
     /// The bytes of `manifest.json`.
     pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
-        Ok(manifest::bytes(&self.manifest)?)
+        Ok(manifest::bytes_of_kit(&self.manifest)?)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::axis::{Axis, PerAxis};
 use crate::claims::{Assumption, Precondition};
 use crate::compensation::Placement;
 use crate::control_state::{AxisState, ControlState};
-use crate::document::sha256;
+use crate::document::{refuse_large_page, sha256};
 use crate::forecast::{DiagonalForecast, Forecast, TermForecast};
 use crate::plain;
 use crate::problem::Problem;
@@ -21,6 +21,13 @@ pub const SCHEMA: u32 = 1;
 
 /// Name of the file in a kit.
 pub const MANIFEST: &str = "manifest.json";
+
+/// The bytes of the manifest of a kit: no more than are read again.
+pub fn bytes_of_kit(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
+    let bytes = bytes(document)?;
+    refuse_large_page(MANIFEST, bytes.len())?;
+    Ok(bytes)
+}
 
 /// Zeros without a sign, however deep they stand.
 fn without_signed_zeros(document: &mut Value) {

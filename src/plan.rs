@@ -14,6 +14,7 @@ pub use names::{axis_names, axis_pairs};
 use crate::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::controller::{Dialect, Profile};
 use crate::curve::ErrorCurve;
+use crate::document::MOST_LINES;
 use crate::grid::{Grid, LengthDigit};
 use crate::job::{AxisSettings, BacklashPolicy, Job, MachineAxis};
 use crate::model::ErrorModel;
@@ -145,6 +146,7 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
     let Some(grids) = grids else {
         return Err(problems);
     };
+    refuse_too_many_rows(task, &all, &names, &grids)?;
     let tables = tables(task, all, &grids, &mut problems);
     let backlash_um = backlash(task, &targets);
     problems.or_ok(Plan {
@@ -307,6 +309,31 @@ fn tables(
     }
     limits::check(task, &tables, problems);
     tables
+}
+
+/// A generic table with more rows than its reader takes is not written.
+fn refuse_too_many_rows(
+    task: Task<'_>,
+    targets: &[Target],
+    names: &PerAxis<Vec<String>>,
+    grids: &PerAxis<Option<Grid>>,
+) -> Result<(), Problem> {
+    let Dialect::Generic(_) = &task.profile.dialect else {
+        return Ok(());
+    };
+    let rows_of = |target: &Target| {
+        let points = grids[target.term.along].map_or(0, |grid| grid.count());
+        points * names[target.term.of].len()
+    };
+    let rows: usize = targets.iter().map(rows_of).sum();
+    if rows <= MOST_LINES {
+        return Ok(());
+    }
+    let words = format!("the table would have {rows} rows, expected at most {MOST_LINES}");
+    Err(task
+        .job
+        .problem_at("compensation.axes", words)
+        .help("use a larger spacing, or `points`, or `max_residual_um`"))
 }
 
 fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {

@@ -7,6 +7,7 @@
 use crate::plain::line as seen;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use std::fmt;
+use std::sync::OnceLock;
 
 /// A place in a text file that a user wrote.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,9 +72,20 @@ fn window(line: &str, column: usize) -> (String, usize) {
     }
 }
 
-impl Place {
-    /// The place of the bytes `start..end` of `source`.
-    pub fn in_text(file: &str, source: &str, start: usize, end: usize) -> Place {
+/// Where the lines of one text begin, for places in it: how many end in each block of bytes before
+/// the place, counted once for the whole text when the first place is asked for.
+#[derive(Clone, Debug, Default)]
+pub struct LineIndex {
+    /// Line ends before the n-th block.
+    before: OnceLock<Vec<usize>>,
+}
+
+/// Bytes of a text in which line ends are counted again for each place.
+const INDEX_BLOCK: usize = 1 << 14;
+
+impl LineIndex {
+    /// The place of the bytes `start..end` of `source`, which is the same text in every call.
+    pub fn place(&self, file: &str, source: &str, start: usize, end: usize) -> Place {
         let start = floor_boundary(source, start);
         let line_start = source[..start].rfind('\n').map_or(0, |at| at + 1);
         // Lines of some controls end with LF CR CR, so the next one begins with what is left.
@@ -89,12 +101,64 @@ impl Place {
         let (text, skipped) = window(text, column);
         Place {
             file: file.to_string(),
-            line: source[..start].matches('\n').count() + 1,
+            line: self.ends_before(source.as_bytes(), start) + 1,
             column,
             width: source[start..end].chars().count().max(1),
             text,
             skipped,
         }
+    }
+
+    fn ends_before(&self, text: &[u8], at: usize) -> usize {
+        let blocks = self.before.get_or_init(|| counted(text));
+        let block = at / INDEX_BLOCK;
+        blocks[block] + line_ends(&text[block * INDEX_BLOCK..at])
+    }
+}
+
+fn counted(text: &[u8]) -> Vec<usize> {
+    let blocks = text.chunks(INDEX_BLOCK).map(line_ends);
+    let sums = blocks.scan(0, |sum, own| {
+        *sum += own;
+        Some(*sum)
+    });
+    std::iter::once(0).chain(sums).collect()
+}
+
+fn line_ends(text: &[u8]) -> usize {
+    text.iter().filter(|byte| **byte == b'\n').count()
+}
+
+/// It follows from the text, so two texts that are equal have equal ones.
+impl PartialEq for LineIndex {
+    fn eq(&self, _: &LineIndex) -> bool {
+        true
+    }
+}
+
+impl Place {
+    /// The place of the bytes `start..end` of `source`. For several places in one long text there is
+    /// [`LineIndex`].
+    pub fn in_text(file: &str, source: &str, start: usize, end: usize) -> Place {
+        LineIndex::default().place(file, source, start, end)
+    }
+}
+
+/// No line of a file that is read as a whole has more bytes: columns are counted and parts are shown
+/// without ever passing over more. The longest line of any file seen so far has 8 kB.
+pub const LONGEST_LINE_BYTES: usize = 1 << 16;
+
+/// Refuses a text with a line that is longer than anybody writes: with other line ends, or of another
+/// kind.
+pub fn refuse_long_lines(file: &str, text: &str) -> Result<(), Problem> {
+    let is_long = |line: &&str| line.len() > LONGEST_LINE_BYTES;
+    match text.split('\n').position(|line| is_long(&line)) {
+        None => Ok(()),
+        Some(index) => Err(Problem::new(format!(
+            "line {} of `{file}` has more than {LONGEST_LINE_BYTES} bytes, too many for a line",
+            index + 1
+        ))
+        .help("check that the file is what it should be; lines end with LF or CR LF")),
     }
 }
 
@@ -438,5 +502,35 @@ mod tests {
         assert_eq!(shown("short"), "short");
         let message = Problem::new("x".repeat(3_000_000)).message;
         assert_eq!(message.chars().count(), LONGEST_SENTENCE + 1);
+    }
+
+    #[test]
+    fn line_ends_are_counted_once_for_all_places_of_a_text() {
+        let text = "ä,1\r\n".repeat(3 * INDEX_BLOCK);
+        let index = LineIndex::default();
+        for line in [
+            0,
+            1,
+            2,
+            INDEX_BLOCK,
+            2 * INDEX_BLOCK + 1,
+            3 * INDEX_BLOCK - 1,
+        ] {
+            let start = line * "ä,1\r\n".len() + "ä,".len();
+            let place = index.place("a.csv", &text, start, start + 1);
+            assert_eq!((place.line, place.column, place.width), (line + 1, 3, 1));
+            let counted = index.before.get().map(Vec::len);
+            assert_eq!(counted, Some(text.len().div_ceil(INDEX_BLOCK) + 1));
+        }
+        let end = index.place("a.csv", &text, text.len(), text.len() + 1);
+        assert_eq!((end.line, end.column), (3 * INDEX_BLOCK + 1, 1));
+    }
+
+    #[test]
+    fn a_line_that_nobody_writes_is_refused() {
+        let long = "x".repeat(LONGEST_LINE_BYTES);
+        assert!(refuse_long_lines("a", &format!("{long}\n{long}")).is_ok());
+        let problem = refuse_long_lines("a", &format!("1\n{long}x")).expect_err("it is longer");
+        assert!(problem.message.starts_with("line 2 of `a`"), "{problem:?}");
     }
 }

@@ -9,12 +9,13 @@ use crate::axis::{Axis, PerAxis};
 use crate::claims::Assumption;
 use crate::control_state::ControlState;
 use crate::controller::{Profile, Role};
-use crate::document::sha256;
+use crate::document::{json_page, sha256};
 use crate::job::Job;
 use crate::plan::axis_names;
 use crate::problem::{Problem, Problems, shown};
 use crate::readback::kit::{KitFile, read};
 use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
 
 const SAME: f64 = 1e-6; // mm, µm
 
@@ -26,7 +27,7 @@ pub fn from_kit(
     manifest: &[u8],
     files: Vec<(String, Vec<u8>)>,
 ) -> Result<ActiveControl, Problems> {
-    let document: Value = serde_json::from_slice(manifest).map_err(|error| {
+    let document: Value = json_page(manifest).map_err(|error| {
         problem(
             job,
             format!("`{path}/manifest.json` is damaged: {error}"),
@@ -90,20 +91,29 @@ fn listed(
 ) -> Result<Vec<RoleFile>, Problems> {
     let mut problems = Problems::none();
     let mut acting = Vec::new();
+    let files: BTreeMap<&str, &[u8]> = files
+        .iter()
+        .map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
+        .collect();
+    let mut seen = BTreeSet::new();
     for entry in document["files"].as_array().into_iter().flatten() {
         let name = entry["path"].as_str().unwrap_or_default();
         let role = entry["role"].as_str().and_then(Role::of_word);
-        match files.iter().find(|(own, _)| own == name) {
-            None => problems.push(changed(job, path, name, "is missing")),
+        if !seen.insert(name) {
+            problems.push_with(|| changed(job, path, name, "is listed twice"));
+            continue;
+        }
+        match files.get(name) {
+            None => problems.push_with(|| changed(job, path, name, "is missing")),
             Some(_) if role.is_some_and(Role::is_written_into) => {}
-            Some((_, bytes)) if Some(sha256(bytes).as_str()) != entry["sha256"].as_str() => {
+            Some(bytes) if Some(sha256(bytes).as_str()) != entry["sha256"].as_str() => {
                 problems.push(changed(job, path, name, "was changed after it was made"));
             }
-            Some((name, bytes)) => {
+            Some(bytes) => {
                 let acts =
                     |role: &Role| matches!(role, Role::Table | Role::Parameters | Role::Enable);
                 let role = role.filter(acts);
-                acting.extend(role.map(|role| (role, name.clone(), bytes.clone())))
+                acting.extend(role.map(|role| (role, name.to_string(), bytes.to_vec())))
             }
         }
     }

@@ -451,27 +451,29 @@ impl<'a> Section<'a> {
             if known.contains(&name) {
                 continue;
             }
-            let unit = |name: &str| name.rsplit_once('_').map(|(_, unit)| unit.to_string());
-            let help = nearest(name, known.iter().copied()).map_or_else(
-                || format!("keys that are known here: {}", list_of(&known)),
-                |near| match unit(near).filter(|own| LENGTHS.contains(&own.as_str())) {
-                    Some(own) if unit(name).is_some_and(|other| other != own && LENGTHS.contains(&other.as_str())) => {
-                        format!("did you mean `{near}`? its unit is another: 1 mm = 1000 µm, 1 inch = 25.4 mm")
-                    }
-                    _ => format!("did you mean `{near}`?"),
-                },
-            );
-            let section = if self.path.is_empty() {
-                String::new()
-            } else {
-                format!(" in [{}]", self.path)
-            };
-            self.note(|| {
-                Problem::new(format!("unknown key `{}`{section}", shown(name)))
-                    .at(self.source.place(&key.span()))
-                    .help(help)
-            });
+            self.note(|| self.unknown_key(name, key.span(), &known));
         }
+    }
+
+    fn unknown_key(&self, name: &str, span: Range<usize>, known: &[&str]) -> Problem {
+        let unit = |name: &str| name.rsplit_once('_').map(|(_, unit)| unit.to_string());
+        let help = nearest(name, known.iter().copied()).map_or_else(
+            || format!("keys that are known here: {}", list_of(known)),
+            |near| match unit(near).filter(|own| LENGTHS.contains(&own.as_str())) {
+                Some(own) if unit(name).is_some_and(|other| other != own && LENGTHS.contains(&other.as_str())) => {
+                    format!("did you mean `{near}`? its unit is another: 1 mm = 1000 µm, 1 inch = 25.4 mm")
+                }
+                _ => format!("did you mean `{near}`?"),
+            },
+        );
+        let section = if self.path.is_empty() {
+            String::new()
+        } else {
+            format!(" in [{}]", self.path)
+        };
+        Problem::new(format!("unknown key `{}`{section}", shown(name)))
+            .at(self.source.place(&span))
+            .help(help)
     }
 }
 

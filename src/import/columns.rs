@@ -115,7 +115,7 @@ struct Table<'a> {
 impl<'a> Table<'a> {
     /// The first line that holds every name of the mapping is the header.
     fn read(source: &'a Source, mapping: &Mapping) -> Result<Table<'a>, Problems> {
-        let lines: Vec<Line<'a>> = delimited::lines(source).collect();
+        let mut lines: Vec<Line<'a>> = delimited::lines(source).collect();
         let is_header = |line: &&Line<'a>| {
             let cells = line.cells();
             cells.len() > 1
@@ -124,13 +124,14 @@ impl<'a> Table<'a> {
                     Named::Number(_) => true,
                 })
         };
-        let Some(header) = lines.iter().find(is_header) else {
+        let Some(header) = lines.iter().find(is_header).copied() else {
             return Err(no_header(&lines, mapping));
         };
-        let columns = columns_of(header, mapping)?;
+        let columns = columns_of(&header, mapping)?;
+        lines.drain(..header.number());
         Ok(Table {
-            header: *header,
-            lines: lines[header.number()..].to_vec(),
+            header,
+            lines,
             width: header.cells().len(),
             columns,
         })
@@ -139,16 +140,18 @@ impl<'a> Table<'a> {
     fn rows(&self, mapping: &Mapping, stated: &Stated, problems: &mut Problems) -> Vec<Row<'a>> {
         let delimiter = self.header.delimiter();
         let separated = self.lines.iter();
-        let rows: Vec<(Line<'a>, Vec<Cow<'a, str>>)> = separated
+        let whole: Vec<Line<'a>> = separated
             .map(|line| line.separated_by(delimiter, false))
             .filter(|line| !line.is_empty_row())
-            .filter_map(|line| Some((line, self.cells(&line, problems)?)))
+            .filter(|line| self.cells(line, problems).is_some())
             .collect();
-        let decimal = decimal_of(&self.numbers(&rows, mapping), stated.decimal, problems);
+        // Cells are taken apart again where they are needed: together they are many times the file.
+        let decimal = decimal_of(&|| self.numbers(&whole, mapping), stated.decimal, problems);
         if !problems.is_empty() {
             return Vec::new();
         }
-        let rows = rows.into_iter().filter_map(|(line, cells)| {
+        let rows = whole.into_iter().filter_map(|line| {
+            let cells = line.cells();
             let line = line.separated_by(delimiter, decimal == Decimal::Comma);
             Row::read(line, &cells, &self.columns, (mapping, stated), problems)
         });
@@ -175,23 +178,24 @@ impl<'a> Table<'a> {
     /// The cells of columns that hold quantities.
     fn numbers(
         &self,
-        rows: &[(Line<'a>, Vec<Cow<'a, str>>)],
+        rows: &[Line<'a>],
         mapping: &Mapping,
-    ) -> Vec<NumberCell<'a>> {
+    ) -> impl Iterator<Item = NumberCell<'a>> {
         let columns = self.columns.iter().zip(&mapping.columns);
         let indices: Vec<usize> = columns
             .filter(|(_, (_, content))| content.unit().is_some())
             .map(|((index, _), _)| *index)
             .collect();
-        let of_row = |(line, cells): &(Line<'a>, Vec<Cow<'a, str>>)| {
+        let of_row = move |line: &Line<'a>| {
+            let cells = line.cells();
             let cell = |index: &usize| NumberCell {
                 line: *line,
                 index: *index,
-                text: cells[*index].to_string(),
+                text: cells[*index].clone(),
             };
             indices.iter().map(cell).collect::<Vec<_>>()
         };
-        rows.iter().flat_map(of_row).collect()
+        rows.iter().flat_map(of_row)
     }
 }
 

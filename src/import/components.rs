@@ -84,6 +84,9 @@ pub(super) fn assemble(parameters: &[Parameter], sign: Sign) -> Result<Reading, 
     };
     let mut series: PerAxis<Option<DraftSeries>> = PerAxis::default();
     for (index, parameter) in parameters.iter().enumerate() {
+        if problems.is_full() {
+            break; // each is compared with all before it
+        }
         refuse_twice(&parameters[..index], parameter, &mut problems);
         match Name::of(&parameter.name) {
             Some(Name::Component(component)) => {

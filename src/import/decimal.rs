@@ -3,12 +3,13 @@
 use crate::delimited::Line;
 use crate::import::choices::Decimal;
 use crate::problem::{Problem, Problems, shown};
+use std::borrow::Cow;
 
 /// A cell that holds a number.
 pub(super) struct NumberCell<'a> {
     pub(super) line: Line<'a>,
     pub(super) index: usize,
-    pub(super) text: String,
+    pub(super) text: Cow<'a, str>,
 }
 
 impl NumberCell<'_> {
@@ -40,13 +41,14 @@ impl NumberCell<'_> {
 const PLAIN: &str =
     "write all numbers with a decimal point or all with a comma, and nothing between thousands";
 
-/// The sign before the decimals: as stated, else as all numbers of the file show it.
-pub(super) fn decimal_of(
-    cells: &[NumberCell<'_>],
+/// The sign before the decimals: as stated, else as all numbers of the file show it. `cells` gives all of
+/// them, as often as it is asked.
+pub(super) fn decimal_of<'a, C: Iterator<Item = NumberCell<'a>>>(
+    cells: &impl Fn() -> C,
     stated: Option<Decimal>,
     problems: &mut Problems,
 ) -> Decimal {
-    let commas = || cells.iter().filter(|cell| cell.has(','));
+    let commas = || cells().filter(|cell| cell.has(','));
     let Some(first) = commas().next() else {
         refuse_points(cells, stated, problems);
         return stated.unwrap_or(Decimal::Point);
@@ -62,8 +64,8 @@ pub(super) fn decimal_of(
             format!("`{text}` holds a comma in a file whose columns are separated by commas: it may stand between thousands"),
             "write nothing between thousands; if it stands before decimals, add `--decimal comma`",
         )),
-        None if cells.iter().any(|cell| cell.has('.')) => refuse_mixed(cells, problems),
-        None if commas().all(NumberCell::may_be_thousands) => problems.push(first.problem(
+        None if cells().any(|cell| cell.has('.')) => refuse_mixed(cells, problems),
+        None if commas().all(|cell| cell.may_be_thousands()) => problems.push(first.problem(
             format!("`{text}` may be a thousand or a decimal: no number of the file shows what its comma means"),
             "add `--decimal comma` if decimals stand behind it; else write nothing between thousands",
         )),
@@ -73,11 +75,15 @@ pub(super) fn decimal_of(
 }
 
 /// A point in a file whose decimals were stated to stand behind a comma.
-fn refuse_points(cells: &[NumberCell<'_>], stated: Option<Decimal>, problems: &mut Problems) {
+fn refuse_points<'a, C: Iterator<Item = NumberCell<'a>>>(
+    cells: &impl Fn() -> C,
+    stated: Option<Decimal>,
+    problems: &mut Problems,
+) {
     if stated != Some(Decimal::Comma) {
         return;
     }
-    for cell in cells.iter().filter(|cell| cell.has('.')) {
+    for cell in cells().filter(|cell| cell.has('.')) {
         problems.push_with(|| {
             cell.problem(
                 format!(
@@ -91,8 +97,11 @@ fn refuse_points(cells: &[NumberCell<'_>], stated: Option<Decimal>, problems: &m
 }
 
 /// One file writes its decimals in one way; else a comma may stand between thousands.
-fn refuse_mixed(cells: &[NumberCell<'_>], problems: &mut Problems) {
-    let with_sign = || cells.iter().filter(|cell| cell.has(',') || cell.has('.'));
+fn refuse_mixed<'a, C: Iterator<Item = NumberCell<'a>>>(
+    cells: &impl Fn() -> C,
+    problems: &mut Problems,
+) {
+    let with_sign = || cells().filter(|cell| cell.has(',') || cell.has('.'));
     let Some(comma) = with_sign().next().map(|cell| cell.has(',')) else {
         return;
     };

@@ -15,7 +15,7 @@ use crate::import::choices::Sign;
 use crate::import::lines::{Line, Word, looks_like_number};
 use crate::import::placing::{Placing, mean, pooled};
 use crate::import::rtl_runs::Travelled;
-use crate::import::rtl_sections::{AGAIN, Sections};
+use crate::import::rtl_sections::{AGAIN, MOST, Sections};
 use crate::import::rtl_texts::{environment_facts, material_words, stated_axis, user_facts};
 use crate::import::stated::Stated;
 use crate::import::{Component, Kind, Reading};
@@ -221,6 +221,11 @@ fn read_targets(sections: &Sections<'_>, problems: &mut Problems) -> (Vec<f64>, 
             place = line.place();
         }
         words.extend(blank_separated(line));
+        if words.len() > MOST {
+            let message = format!("here are more than {MOST} targets, expected at most so many");
+            problems.push(Problem::new(message).at(line.place()).help(AGAIN));
+            break;
+        }
     }
     let numbers = words
         .iter()
@@ -308,6 +313,9 @@ fn refuse_missing(
     problems: &mut Problems,
 ) {
     for run in 1..=runs {
+        if problems.is_full() {
+            return; // few lines may promise 10 000 runs of 10 000 targets
+        }
         let missing: Vec<String> = (1..=targets)
             .filter(|target| !found.contains_key(&(run, *target)))
             .map(|target| target.to_string())

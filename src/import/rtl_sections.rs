@@ -3,9 +3,10 @@
 use crate::document::Source;
 use crate::import::lines::{Line, Word, lines};
 use crate::problem::{Place, Problem, Problems, shown};
+use std::collections::BTreeSet;
 
 /// More runs or targets than this are a damaged file.
-const MOST: usize = 10_000;
+pub(super) const MOST: usize = 10_000;
 pub(super) const AGAIN: &str = "the file is incomplete or damaged: save it again";
 /// Keys that the numbers depend on, as [`Line::key_value`] writes them.
 const SINGLE_KEYS: [(&str, &[&str]); 3] = [
@@ -24,11 +25,18 @@ impl<'a> Sections<'a> {
     pub(super) fn of(source: &'a Source) -> Result<Self, Problems> {
         let mut found: Vec<(String, Vec<Line<'a>>)> = Vec::new();
         let mut problems = Problems::none();
+        let mut names = BTreeSet::new();
+        let mut is_over = false;
         for line in lines(source) {
-            refuse_behind_end(&found, &line, &mut problems);
+            // Some editors end a text with the control character 26.
+            if is_over && !line.text.trim_matches('\u{1a}').trim().is_empty() {
+                problems.push(behind_end(&line));
+                is_over = false; // told once
+            }
             if let Some(name) = line.text.trim().strip_suffix("::") {
                 let name = name.trim().to_uppercase();
-                if found.iter().any(|(other, _)| *other == name) {
+                is_over |= name == "EOF";
+                if !names.insert(name.clone()) {
                     problems.push_with(|| twice(&format!("section `{}::`", shown(&name)), &line));
                 }
                 found.push((name, Vec::new()));
@@ -130,20 +138,8 @@ fn twice(what: &str, line: &Line<'_>) -> Problem {
 }
 
 /// Nothing stands behind `EOF::`; two files may have been put together.
-fn refuse_behind_end(found: &[(String, Vec<Line<'_>>)], line: &Line<'_>, problems: &mut Problems) {
-    let is_over = found.last().is_some_and(|(name, _)| name == "EOF");
-    // Some editors end a text with the control character 26.
-    let is_content = !line.text.trim_matches('\u{1a}').trim().is_empty();
-    let is_first = || {
-        found
-            .last()
-            .is_some_and(|(_, lines)| lines.iter().all(Line::is_blank))
-    };
-    if is_over && is_content && is_first() {
-        problems.push(
-            Problem::new("there is text behind `EOF::`")
-                .at(line.place())
-                .help("take one file at a time, as it was saved"),
-        );
-    }
+fn behind_end(line: &Line<'_>) -> Problem {
+    Problem::new("there is text behind `EOF::`")
+        .at(line.place())
+        .help("take one file at a time, as it was saved")
 }

@@ -15,13 +15,16 @@ mod record;
 pub(crate) mod tests;
 
 use crate::controller::{FanucFacts, LengthUnit, NumberRange};
-use crate::problem::{Problem, Problems};
+use crate::problem::{Problem, Problems, refuse_long_lines};
 use crate::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use block::{Block, Identifier, Segment};
 use record::{Source, Span};
 
 /// What the data word of one point can hold (B-63330EN §3, B-63950EN §3.3: −128 to 127).
 const POINT_VALUES: std::ops::RangeInclusive<i32> = -128..=127;
+/// Values of one file that concern the compensation. A control of 32 axes has some 6000; each takes up
+/// to a hundred bytes of memory.
+const MOST_VALUES: usize = 100_000;
 /// 1240, 3624 and 3625: lengths that depend on the unit of the machine.
 const LENGTH_PARAMETERS: [u32; 3] = [1240, 3624, 3625];
 
@@ -90,8 +93,9 @@ fn read_from(
     facts: &FanucFacts,
 ) -> Result<ReadOut, Problems> {
     let source = Source::new(file_name, text);
+    refuse_long_lines(file_name, source.text())?;
     let mut problems = Problems::none();
-    let blocks = source.blocks(writer == Writer::Kit, &mut problems);
+    let record = source.record(writer == Writer::Kit, &mut problems);
     let mut reader = Reader {
         source: &source,
         facts,
@@ -101,11 +105,18 @@ fn read_from(
         problems,
         in_program: false,
     };
-    for span in &blocks {
+    for span in source.blocks(record) {
         if reader.problems.is_full() {
             break; // nobody reads further, and a file of another kind has one in each line
         }
-        reader.read_block(span);
+        if reader.values() > MOST_VALUES {
+            let problem = source.problem(&span, format!("here are more than {MOST_VALUES} values for the compensation, too many for any control"));
+            reader
+                .problems
+                .push(problem.help("check that this is a file of the control"));
+            break;
+        }
+        reader.read_block(&span);
     }
     reader.problems.or_ok(ReadOut {
         memory: reader.memory,
@@ -166,6 +177,10 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
+    fn values(&self) -> usize {
+        self.memory.parameters.len() + self.memory.points.len() + self.spindles.len()
+    }
+
     fn read_block(&mut self, span: &Span) {
         let text = self.source.slice(span).trim().to_ascii_uppercase();
         if self.in_program {

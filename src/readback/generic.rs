@@ -16,7 +16,8 @@ mod json;
 mod row;
 
 use super::complaint::Complaint;
-use crate::problem::{Place, Problem, Problems};
+use crate::document::MOST_LINES;
+use crate::problem::{LineIndex, Problem, Problems, refuse_long_lines};
 use crate::table::generic::{GenericRow, GenericTable};
 use row::Column;
 
@@ -48,6 +49,7 @@ pub fn read(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
 /// assert_eq!(table.rows[1].increment_um, Some(-2.5));
 /// ```
 pub fn read_csv(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
+    refuse_long_lines(file_name, text)?;
     csv::read(text).map_err(|complaints| located(file_name, text, complaints))
 }
 
@@ -73,12 +75,28 @@ fn located(file_name: &str, text: &str, mut complaints: Vec<Complaint>) -> Probl
     complaints.sort_by_key(|complaint| complaint.span.start);
     complaints.truncate(MOST_COMPLAINTS);
     let mut problems = Problems::none();
+    let index = LineIndex::default();
+    // JSON may stand in one line; of a long one the columns are not counted again and again.
+    let has_places = refuse_long_lines(file_name, text).is_ok();
     for complaint in complaints {
-        let place = Place::in_text(file_name, text, complaint.span.start, complaint.span.end);
+        if !has_places {
+            let problem = Problem::new(format!("`{file_name}`: {}", complaint.message));
+            problems.push(problem.help(complaint.help));
+            continue;
+        }
+        let place = index.place(file_name, text, complaint.span.start, complaint.span.end);
         let problem = Problem::new(complaint.message).at(place);
         problems.push(problem.help(complaint.help));
     }
     problems
+}
+
+fn too_many_rows(place: std::ops::Range<usize>) -> Complaint {
+    Complaint::new(
+        place,
+        format!("the table has more than {MOST_LINES} rows, too many for any control"),
+        "check that this is a table of corrections",
+    )
 }
 
 /// Makes one table of the files of a kit, which are twins: all must say the same, row by row.

@@ -17,7 +17,7 @@ mod statement;
 mod variable;
 
 use super::complaint::Complaint;
-use crate::problem::{Place, Problem, Problems};
+use crate::problem::{LineIndex, Problem, Problems, refuse_long_lines};
 use crate::table::siemens::{CecTable, LecTable, SiemensGrid, SiemensTables};
 use memory::Memory;
 use statement::{Statement, statement};
@@ -38,6 +38,13 @@ pub struct SiemensContents {
     /// Tables of a control that hold zeros and no usable grid, such as `AN_CEC[3]`.
     pub idle: Vec<String>,
 }
+
+/// Statements of one file that concern the compensation, and points of its tables. The largest read-out
+/// seen has 900; 31 axes with the 5000 points of the largest table have 155 000.
+pub const MOST_STATEMENTS: usize = 200_000;
+/// Tables of one file, and machine data: 62 and 31 tables and some 800 data are what a control has.
+const MOST_TABLES: usize = 1000;
+const MOST_DATA: usize = 10_000;
 
 /// Who wrote a file.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -109,6 +116,7 @@ pub fn read_out(file_name: &str, text: &str) -> Result<SiemensContents, Problems
 }
 
 fn read_from(writer: Writer, file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
+    refuse_long_lines(file_name, text)?;
     let mut complaints = Vec::new();
     let mut memory = Memory::default();
     read_lines((file_name, text), &mut memory, &mut complaints);
@@ -116,14 +124,17 @@ fn read_from(writer: Writer, file_name: &str, text: &str) -> Result<SiemensConte
     let contents = memory.finish(writer, &mut complaints);
     complaints.sort_by_key(|complaint| complaint.span.start);
     let mut problems = Problems::none();
+    let index = LineIndex::default();
     for Complaint {
         span,
         message,
         help,
     } in complaints
     {
-        let place = Place::in_text(file_name, text, span.start, span.end);
-        problems.push(Problem::new(message).at(place).help(help));
+        problems.push_with(|| {
+            let place = index.place(file_name, text, span.start, span.end);
+            Problem::new(message).at(place).help(help)
+        });
     }
     problems.or_ok(contents)
 }
@@ -136,13 +147,17 @@ fn read_lines(
     const MOST_COMPLAINTS: usize = 200; // nobody reads further, and a binary file has millions
     let mut ended = false;
     complaints.extend(destination(text).err());
+    let mut statements = 0;
     for line in lines(text) {
         if complaints.len() >= MOST_COMPLAINTS {
             return;
         }
+        if statements > MOST_STATEMENTS || memory.is_full() {
+            return complaints.push(too_many(line));
+        }
         let result = match statement(text, line.clone()) {
             Ok(Statement::Nothing) if ended && has_code(text, &line) => Err(after_end(line)),
-            Ok(Statement::Nothing) => Ok(()),
+            Ok(Statement::Nothing) => continue,
             Ok(_) if ended => Err(after_end(line)),
             Ok(Statement::End) => {
                 ended = true;
@@ -161,6 +176,7 @@ fn read_lines(
             Ok(Statement::Set(set)) => memory.set(&set),
             Err(complaint) => Err(complaint),
         };
+        statements += 1;
         complaints.extend(result.err());
     }
     if !ended {
@@ -195,6 +211,16 @@ fn destination(text: &str) -> Result<(), Complaint> {
 fn has_code(text: &str, line: &Range<usize>) -> bool {
     let code = text[line.clone()].split(';').next().unwrap_or("");
     !code.trim_matches([' ', '\t', '&']).is_empty()
+}
+
+fn too_many(line: Range<usize>) -> Complaint {
+    Complaint::new(
+        line,
+        format!(
+            "here are more than {MOST_STATEMENTS} statements, {MOST_TABLES} tables or {MOST_DATA} machine data of the compensation, too many for any control"
+        ),
+        "check that this is a file of the control",
+    )
 }
 
 fn after_end(line: Range<usize>) -> Complaint {

@@ -31,6 +31,10 @@ pub(super) fn runs(source: &Source, stated: Stated) -> Result<Runs, Problems> {
     complete(&layout, &header, &readings)
 }
 
+/// Readings of a test: each takes some 700 bytes of memory until the figures are printed. A test of 100
+/// targets with five runs each way has 1000.
+const MOST_READINGS: usize = 50_000;
+
 /// One value of a run, with the cell it stands in.
 pub(super) struct Reading<'a> {
     pub(super) line: Line<'a>,
@@ -87,6 +91,12 @@ fn read_rows<'a>(layout: &Layout, lines: &[Line<'a>]) -> Result<Vec<Reading<'a>>
             problems: &mut problems,
         };
         row.read(&mut readings);
+        if readings.len() > MOST_READINGS {
+            let words = format!("here are more than {MOST_READINGS} readings, too many for a test");
+            let problem = Problem::new(words).at(line.whole());
+            problems.push(problem.help("check that the file is a test of one axis"));
+            break;
+        }
     }
     problems.or_ok(readings)
 }

@@ -10,6 +10,7 @@
 //! place that is no header is found. Older archives with `%_N_…` headers are text and need no splitting.
 
 use crate::problem::Problem;
+use std::collections::BTreeSet;
 
 /// Size of a header, and of the unit that contents fill.
 const BLOCK: usize = 512;
@@ -44,7 +45,7 @@ pub(super) fn is_archive(bytes: &[u8]) -> bool {
 ///        lists are not in it
 pub(super) fn parts<'a>(file: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Problem> {
     let mut parts = Vec::new();
-    let mut active = Vec::new();
+    let mut active = BTreeSet::new();
     let mut list: &[u8] = &[];
     let mut at = 0;
     while at < bytes.len() {
@@ -61,7 +62,7 @@ pub(super) fn parts<'a>(file: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Pr
         }
         at = found.next;
     }
-    match listed(list).find(|name| !active.contains(&name.as_str())) {
+    match listed(list).find(|name| !active.contains(name.as_str())) {
         None => Ok(parts),
         Some(name) => Err(damaged(
             file,

@@ -8,7 +8,7 @@
 //! state of the control.
 
 use crate::controller::LengthUnit;
-use crate::readback::siemens::variable_text;
+use crate::readback::siemens::{MOST_STATEMENTS, variable_text};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -150,26 +150,27 @@ struct Sections {
 }
 
 /// The sections of a file. One without headers is a program where its own name says so.
-fn sections(file: &str, lines: &[&str]) -> Sections {
+fn sections(file: &str, text: &str) -> Sections {
     let is_program = |name: &str| {
         let name = name.to_ascii_uppercase().replace('.', "_");
         name.ends_with("_MPF") || name.ends_with("_SPF")
     };
     let mut found = Sections {
-        of_program: Vec::with_capacity(lines.len()),
+        of_program: Vec::new(),
         programs: Vec::new(),
     };
+    let mut lines = text.split('\n').peekable();
     let mut inside = is_program(file);
     if inside
         && !lines
-            .iter()
+            .clone()
             .any(|text| text.trim_start().starts_with("%_N_"))
     {
         found.programs.push(file.to_string());
     }
-    for (index, text) in lines.iter().enumerate() {
+    while let Some(text) = lines.next() {
         if let Some(name) = text.trim().strip_prefix("%_N_") {
-            let path = lines.get(index + 1).copied().unwrap_or_default();
+            let path = lines.peek().copied().unwrap_or_default();
             let path = path.trim().to_ascii_uppercase();
             let lies_apart = [
                 "_N_WKS_DIR",
@@ -190,18 +191,16 @@ fn sections(file: &str, lines: &[&str]) -> Sections {
 
 /// Whether a file holds active data: an assignment outside part programs.
 pub fn has_active_data(file: &str, text: &str) -> bool {
-    let lines: Vec<&str> = text.split('\n').collect();
-    let of_program = sections(file, &lines).of_program;
-    let mut data = lines
-        .iter()
-        .zip(&of_program)
-        .filter(|(_, inside)| !**inside);
+    let of_program = sections(file, text).of_program;
+    let lines = text.split('\n').zip(&of_program);
+    let mut data = lines.filter(|(_, inside)| !**inside);
     data.any(|(text, _)| line(&code(text)).is_some())
 }
 
 /// Whether a table is written in the part programs of a file.
-fn writes_tables(lines: &[&str], of_program: &[bool]) -> bool {
-    let mut inside = lines.iter().zip(of_program).filter(|(_, inside)| **inside);
+fn writes_tables(text: &str, of_program: &[bool]) -> bool {
+    let lines = text.split('\n').zip(of_program);
+    let mut inside = lines.filter(|(_, inside)| **inside);
     inside.any(|(text, _)| line(&code(text)).is_some_and(|line| line.table().is_some()))
 }
 
@@ -209,82 +208,120 @@ fn writes_tables(lines: &[&str], of_program: &[bool]) -> bool {
 ///
 /// limits end words and headers between the parts of an archive are passed over, but the last end
 ///        word stays, and what follows it: a file that goes on without one is not complete
-pub fn siemens(file: &str, text: &str, reads_programs: bool) -> SiemensText {
-    let lines: Vec<&str> = text.split('\n').collect();
+pub fn siemens<'t>(file: &str, text: &'t str, reads_programs: bool) -> SiemensText {
     let Sections {
         mut of_program,
         programs,
-    } = sections(file, &lines);
+    } = sections(file, text);
     let programs = Programs {
-        write_tables: writes_tables(&lines, &of_program),
+        write_tables: writes_tables(text, &of_program),
         names: programs,
     };
     if reads_programs {
         of_program.fill(false);
     }
-    let codes = lines.iter().zip(&of_program);
-    let codes: Vec<String> = codes
-        .map(|(text, inside)| if *inside { String::new() } else { code(text) })
-        .collect();
-    let end = codes.iter().rposition(|code| is_end(code));
-    let steps = codes.iter().filter_map(|code| line(code));
-    let (empty, filled): (Vec<Line>, Vec<Line>) = steps
-        .filter(|line| line.name.ends_with("_STEP"))
-        .partition(Line::is_without_grid);
-    let table = |line: &Line| line.table();
-    let filled: BTreeSet<String> = filled.iter().filter_map(table).collect();
-    let mut empty: BTreeSet<String> = empty.iter().filter_map(table).collect();
-    empty.retain(|table| !filled.contains(table));
+    // Lines are taken apart twice, so that nothing is kept for each of them.
+    let lines = || {
+        let coded = |(text, inside): (&'t str, &bool)| match *inside || text.is_empty() {
+            true => (text, String::new()),
+            false => (text, code(text)),
+        };
+        text.split('\n').zip(&of_program).map(coded)
+    };
+    let seen = Seen::in_codes(lines().map(|(_, code)| code));
     let mut cut = Cut::default();
-    for (index, (text, code)) in lines.iter().zip(&codes).enumerate() {
-        let behind_end = end.is_some_and(|end| index > end);
-        match line(code) {
-            _ if Some(index) == end => cut.put(text, text),
+    for (index, (text, code)) in lines().enumerate() {
+        let behind_end = seen.end.is_some_and(|end| index > end);
+        match line(&code) {
+            _ if Some(index) == seen.end => cut.put(text, text),
             Some(_) if behind_end => cut.put(text, ""),
-            Some(own) => cut.sort(text, &own, &empty),
-            None if speaks_of_compensation(code) => cut.put(text, ""),
+            Some(own) => cut.sort(text, &own, &seen.empty),
+            None if speaks_of_compensation(&code) => cut.put(text, ""),
             None => cut.put("", ""),
         }
     }
     SiemensText {
-        tables: cut.tables.join("\n"),
-        data: cut.data.join("\n"),
+        tables: cut.tables.text,
+        data: cut.data.text,
         passed_over: cut.passed_over,
-        without_grid: empty.into_iter().collect(),
+        without_grid: seen.empty.into_iter().collect(),
         programs,
         twice: cut.twice.into_iter().collect(),
-        units: units(&codes),
+        units: seen.units.into_iter().collect(),
     }
 }
 
-/// What a control writes before its data: the unit that they are in, whichever it counts in.
-fn units(codes: &[String]) -> Vec<LengthUnit> {
-    let words = [
-        ("METRIC", LengthUnit::Millimetre),
-        ("INCH", LengthUnit::Inch),
-    ];
-    let stands = |word: &str| codes.iter().any(|code| code == word);
-    let said = words.into_iter().filter(|(word, _)| stands(word));
-    said.map(|(_, unit)| unit).collect()
+/// What has to be known of all lines before they are sorted.
+#[derive(Default)]
+struct Seen {
+    /// The last end word.
+    end: Option<usize>,
+    /// Tables with a STEP of 0 and no other.
+    empty: BTreeSet<String>,
+    /// The units that the data are in: what a control writes before them, whichever it counts in.
+    units: Vec<LengthUnit>,
+}
+
+impl Seen {
+    fn in_codes(codes: impl Iterator<Item = String>) -> Seen {
+        let mut seen = Seen::default();
+        let mut filled = BTreeSet::new();
+        let (mut metric, mut inch) = (false, false);
+        for (index, code) in codes.enumerate() {
+            if is_end(&code) {
+                seen.end = Some(index);
+            }
+            metric |= code == "METRIC";
+            inch |= code == "INCH";
+            let Some(step) = line(&code).filter(|line| line.name.ends_with("_STEP")) else {
+                continue;
+            };
+            let kind = match step.is_without_grid() {
+                true => &mut seen.empty,
+                false => &mut filled,
+            };
+            kind.extend(step.table());
+        }
+        seen.empty.retain(|table| !filled.contains(table));
+        seen.units.extend(metric.then_some(LengthUnit::Millimetre));
+        seen.units.extend(inch.then_some(LengthUnit::Inch));
+        seen
+    }
+}
+
+/// Lines as a text, each where it stood.
+#[derive(Default)]
+struct Kept {
+    text: String,
+    has_lines: bool,
+}
+
+impl Kept {
+    fn put(&mut self, line: &str) {
+        if std::mem::replace(&mut self.has_lines, true) {
+            self.text.push('\n');
+        }
+        self.text.push_str(&without_checksum(line));
+    }
 }
 
 /// The two texts as they grow.
 #[derive(Default)]
-struct Cut<'a> {
-    tables: Vec<Cow<'a, str>>,
-    data: Vec<Cow<'a, str>>,
+struct Cut {
+    tables: Kept,
+    data: Kept,
     passed_over: usize,
     values: BTreeMap<String, String>,
     twice: BTreeSet<String>,
 }
 
-impl<'a> Cut<'a> {
-    fn put(&mut self, table: &'a str, datum: &'a str) {
-        self.tables.push(without_checksum(table));
-        self.data.push(without_checksum(datum));
+impl Cut {
+    fn put(&mut self, table: &str, datum: &str) {
+        self.tables.put(table);
+        self.data.put(datum);
     }
 
-    fn sort(&mut self, text: &'a str, own: &Line, empty: &BTreeSet<String>) {
+    fn sort(&mut self, text: &str, own: &Line, empty: &BTreeSet<String>) {
         match own.table() {
             Some(key) if empty.contains(&key) => return self.put("", ""),
             // The table has another step too, which is two values of one variable.
@@ -295,6 +332,10 @@ impl<'a> Cut<'a> {
                 self.passed_over += 1;
                 return self.put("", "");
             }
+        }
+        // One of the two texts is refused where there are more.
+        if self.values.len() > 2 * MOST_STATEMENTS {
+            return;
         }
         let (variable, value) = (own.variable(), own.plain_value());
         match self.values.insert(variable.clone(), value.clone()) {

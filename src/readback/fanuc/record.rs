@@ -10,7 +10,7 @@
 //! file starts with `%`: whether a control takes text before it for data or skips it is not said.
 //! Behind the closing `%` nothing is read; a block there is one that never reaches the control.
 
-use crate::problem::{Place, Problem, Problems};
+use crate::problem::{LineIndex, Problem, Problems};
 use std::ops::Range;
 
 /// Bytes `start..end` of the source.
@@ -27,6 +27,7 @@ const TEXT_BEFORE: &str =
 pub(super) struct Source {
     file: String,
     text: String,
+    lines: LineIndex,
 }
 
 impl Source {
@@ -35,7 +36,13 @@ impl Source {
         Source {
             file: file.to_string(),
             text: uniform_line_ends(text),
+            lines: LineIndex::default(),
         }
+    }
+
+    /// The whole text, its line ends made uniform.
+    pub(super) fn text(&self) -> &str {
+        &self.text
     }
 
     /// The text of a span.
@@ -45,22 +52,20 @@ impl Source {
 
     /// A problem at a span.
     pub(super) fn problem(&self, span: &Span, message: impl Into<String>) -> Problem {
-        let place = Place::in_text(&self.file, &self.text, span.start, span.end);
+        let place = self
+            .lines
+            .place(&self.file, &self.text, span.start, span.end);
         Problem::new(message).at(place)
     }
 
-    /// The blocks of the record, blank ones left out; what is wrong with the frame is noted. The file
-    /// of a kit starts with `%`; before that of a read-out some text may stand.
-    pub(super) fn blocks(&self, of_kit: bool, problems: &mut Problems) -> Vec<Span> {
+    /// What stands between the two `%`; what is wrong with the frame is noted. The file of a kit starts
+    /// with `%`; before that of a read-out some text may stand.
+    pub(super) fn record(&self, of_kit: bool, problems: &mut Problems) -> Span {
         let (Some(opening), Some(closing)) = (self.text.find('%'), self.text.rfind('%')) else {
             problems.push(self.frame_problem(0..0, "the file has no opening `%`"));
-            return Vec::new();
+            return 0..0;
         };
-        let has_block = |span: Span| {
-            self.split(span)
-                .into_iter()
-                .find(|span| self.is_block(span))
-        };
+        let has_block = |span: Span| self.blocks(span).find(|span| self.is_block(span));
         let before = has_block(0..opening);
         if opening < closing {
             let before = before.or((of_kit && opening > 0).then_some(0..opening));
@@ -72,15 +77,15 @@ impl Source {
                 problems.push(self.frame_problem(span, message));
             }
             self.note_frame(opening, closing, problems);
-            return self.split(self.after_title(opening)..closing);
+            return self.after_title(opening)..closing;
         }
         if before.is_some() {
             problems.push(self.frame_problem(0..0, "the file has no opening `%`"));
-            return self.split(0..opening);
+            return 0..opening;
         }
         let end = self.text.trim_end().len();
         problems.push(self.frame_problem(end - 1..end, "the file has no closing `%`"));
-        self.split(self.after_title(opening)..self.text.len())
+        self.after_title(opening)..self.text.len()
     }
 
     fn frame_problem(&self, span: Span, message: &str) -> Problem {
@@ -122,17 +127,16 @@ impl Source {
         number.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
     }
 
-    fn split(&self, body: Span) -> Vec<Span> {
-        let mut at = body.start.min(body.end);
-        let mut spans = Vec::new();
-        for piece in self.text[at..body.end].split('\n') {
-            let block = piece.trim_end_matches(BLANKS);
-            if !block.is_empty() {
-                spans.push(at..at + block.len());
-            }
+    /// The blocks of a record, blank ones left out.
+    pub(super) fn blocks(&self, record: Span) -> impl Iterator<Item = Span> {
+        let mut at = record.start.min(record.end);
+        let pieces = self.text[at..record.end].split('\n');
+        let spans = pieces.map(move |piece| {
+            let start = at;
             at += piece.len() + 1;
-        }
-        spans
+            start..start + piece.trim_end_matches(BLANKS).len()
+        });
+        spans.filter(|span| !span.is_empty())
     }
 }
 

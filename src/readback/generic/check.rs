@@ -18,6 +18,9 @@ const OFF_GRID_MM: f64 = 1e-6;
 /// … and this part of the position, for its rounding.
 const OFF_GRID_RELATIVE: f64 = 1e-9;
 
+/// Names of axes in one file; pairs of them are compared one by one. No control has more than 32.
+const MOST_AXES: usize = 32;
+
 /// The rows of a file while they are being read.
 #[derive(Default)]
 pub(super) struct Reading<'a> {
@@ -79,8 +82,7 @@ impl<'a> Reading<'a> {
             .iter()
             .find(|(met, _)| met.eq_ignore_ascii_case(name));
         let Some((_, known)) = met else {
-            self.axes.push((name.clone(), axis));
-            return;
+            return self.meet_axis(number, column, name.clone(), axis);
         };
         if *known == axis {
             return;
@@ -92,6 +94,20 @@ impl<'a> Reading<'a> {
         let help = "EYX is Y while X moves: `base_axis` X, `output_axis` Y";
         self.flaws
             .push(RowFlaw::of_cell(number, column.name(), message, help));
+    }
+
+    /// Notes the name of an axis; that there are too many is told once.
+    fn meet_axis(&mut self, number: usize, column: Column, name: CompactString, axis: Axis) {
+        if self.axes.len() > MOST_AXES {
+            return;
+        }
+        if self.axes.len() == MOST_AXES {
+            let message = format!("`{name}` is another axis, expected at most {MOST_AXES}");
+            let help = "no control has so many: check that this is a table of corrections";
+            let flaw = RowFlaw::of_cell(number, column.name(), message, help);
+            self.flaws.push(flaw);
+        }
+        self.axes.push((name, axis));
     }
 
     /// The table, if nothing is wrong with it.

@@ -4,6 +4,7 @@
 
 use super::check::Reading;
 use super::row::{Cell, Column, RawRow, RowFlaw};
+use crate::document::MOST_LINES;
 use crate::readback::complaint::Complaint;
 use crate::table::generic::GenericTable;
 use serde_json::Number;
@@ -19,7 +20,10 @@ pub(super) fn read(text: &str) -> Result<GenericTable, Vec<Complaint>> {
         return Err(vec![Complaint::new(0..0, message, help)]);
     };
     let columns = columns(text, header.clone())?;
-    let rows: Vec<Range<usize>> = lines.collect();
+    let rows: Vec<Range<usize>> = lines.take(MOST_LINES + 1).collect();
+    if let Some(first) = rows.get(MOST_LINES) {
+        return Err(vec![super::too_many_rows(first.clone())]);
+    }
     if rows.is_empty() {
         let message = "the table has a header but no rows";
         let help = "each row is one point; the file may have been cut off";

@@ -6,163 +6,336 @@
 use super::check::Reading;
 use super::csv::trimmed;
 use super::row::{Cell, Column, RawRow, RowFlaw};
+use crate::document::MOST_LINES;
 use crate::readback::complaint::Complaint;
 use crate::table::generic::GenericTable;
-use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::{Number, Value};
 use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
 const SHAPE: &str = "expected {\"schema\":1,\"rows\":[…]}";
+/// What is said of the keys of one object; a file of another kind may have a million.
+const MOST_KEYS_SAID: usize = 20;
 
 pub(super) fn read(text: &str) -> Result<GenericTable, Vec<Complaint>> {
     if text.trim().is_empty() {
         let message = "the file is empty, expected a generic table";
         return Err(vec![Complaint::new(0..0, message, SHAPE)]);
     }
-    let top: Entries<'_> = serde_json::from_str(text).map_err(|flaw| vec![syntax(text, &flaw)])?;
-    let rows = rows(text, top)?;
-    if rows.is_empty() {
-        let help = "each row is one point";
-        let message = "the table has no rows";
-        return Err(vec![Complaint::new(key_span(text, "rows"), message, help)]);
-    }
-    let mut reading = Reading::default();
-    for (number, row) in rows.into_iter().enumerate() {
-        if reading.is_full() {
-            break;
-        }
-        match raw_row(number, row) {
-            Ok(raw) => reading.take(&raw),
-            Err(flaws) => reading.lose_row(flaws),
-        }
-    }
+    let mut input = serde_json::Deserializer::from_str(text);
+    let whole = WholeFile::default().deserialize(&mut input);
+    let whole = whole.and_then(|found| input.end().map(|()| found));
+    let found = whole.map_err(|flaw| vec![syntax(text, &flaw)])?;
+    let reading = found.rows(text)?;
     reading.finish().map_err(|flaws| located(text, flaws))
 }
-
-/// A value whose objects keep equal keys.
-enum Node<'a> {
-    Cell(Cell<'a>),
-    Array(Vec<Node<'a>>),
-    Object(Entries<'a>),
-}
-
-/// Keys and values of an object, in file order, equal keys included.
-struct Entries<'a>(Vec<(Cow<'a, str>, Node<'a>)>);
 
 #[derive(serde::Deserialize)]
 struct Key<'a>(#[serde(borrow)] Cow<'a, str>);
 
-impl From<Node<'_>> for Value {
-    fn from(node: Node<'_>) -> Value {
-        match node {
-            Node::Cell(Cell::Empty) => Value::Null,
-            Node::Cell(Cell::Text(text)) => Value::String(text.into_owned()),
-            Node::Cell(Cell::Number(number)) => Value::Number(number),
-            Node::Cell(Cell::Other(value)) => value,
-            Node::Array(nodes) => nodes.into_iter().collect(),
-            Node::Object(Entries(entries)) => entries.into_iter().collect(),
+/// A value that is no row and no list of rows: a cell of a row, or something unexpected. What stands in
+/// arrays and objects is passed over.
+enum Found<'a> {
+    Cell(Cell<'a>),
+    Array,
+    Object,
+}
+
+impl Found<'_> {
+    fn words(&self) -> String {
+        match self {
+            Found::Array => "an array".to_string(),
+            Found::Object => "an object".to_string(),
+            Found::Cell(Cell::Empty) => "`null`".to_string(),
+            Found::Cell(Cell::Text(text)) => format!("`{}`", Value::from(&**text)),
+            Found::Cell(Cell::Number(number)) => format!("`{number}`"),
+            Found::Cell(Cell::Other(words)) => words.clone(),
         }
     }
 }
 
-impl<'a> Deserialize<'a> for Node<'a> {
-    fn deserialize<D: Deserializer<'a>>(input: D) -> Result<Node<'a>, D::Error> {
-        input.deserialize_any(AnyNode)
+/// What is made of one value, whatever stands there. What nobody asks for is passed over, not kept.
+trait Taker<'a>: Sized {
+    type Taken;
+    /// Of a value that is neither array nor object.
+    fn cell(self, cell: Cell<'a>) -> Self::Taken;
+    fn array<S: SeqAccess<'a>>(self, elements: S) -> Result<Self::Taken, S::Error>;
+    fn object<M: MapAccess<'a>>(self, entries: M) -> Result<Self::Taken, M::Error>;
+}
+
+/// Gives a value to its taker.
+struct To<T>(T);
+
+impl<'a, T: Taker<'a>> DeserializeSeed<'a> for To<T> {
+    type Value = T::Taken;
+    fn deserialize<D: Deserializer<'a>>(self, input: D) -> Result<T::Taken, D::Error> {
+        input.deserialize_any(self)
     }
 }
 
-struct AnyNode;
-
-impl<'a> Visitor<'a> for AnyNode {
-    type Value = Node<'a>;
+impl<'a, T: Taker<'a>> Visitor<'a> for To<T> {
+    type Value = T::Taken;
     fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str("any valid JSON value")
     }
-    fn visit_unit<E>(self) -> Result<Node<'a>, E> {
-        Ok(Node::Cell(Cell::Empty))
+    fn visit_unit<E>(self) -> Result<T::Taken, E> {
+        Ok(self.0.cell(Cell::Empty))
     }
-    fn visit_bool<E>(self, value: bool) -> Result<Node<'a>, E> {
-        Ok(Node::Cell(Cell::Other(value.into())))
+    fn visit_bool<E>(self, value: bool) -> Result<T::Taken, E> {
+        Ok(self.0.cell(Cell::Other(format!("`{value}`"))))
     }
-    fn visit_u64<E>(self, value: u64) -> Result<Node<'a>, E> {
-        Ok(Node::Cell(Cell::Number(value.into())))
+    fn visit_u64<E>(self, value: u64) -> Result<T::Taken, E> {
+        Ok(self.0.cell(Cell::Number(value.into())))
     }
-    fn visit_i64<E>(self, value: i64) -> Result<Node<'a>, E> {
-        Ok(Node::Cell(Cell::Number(value.into())))
+    fn visit_i64<E>(self, value: i64) -> Result<T::Taken, E> {
+        Ok(self.0.cell(Cell::Number(value.into())))
     }
-    fn visit_f64<E>(self, value: f64) -> Result<Node<'a>, E> {
+    fn visit_f64<E>(self, value: f64) -> Result<T::Taken, E> {
         let number = Number::from_f64(value);
-        Ok(Node::Cell(number.map_or(Cell::Empty, Cell::Number)))
+        Ok(self.0.cell(number.map_or(Cell::Empty, Cell::Number)))
     }
-    fn visit_borrowed_str<E>(self, text: &'a str) -> Result<Node<'a>, E> {
-        Ok(Node::Cell(Cell::Text(text.into())))
+    fn visit_borrowed_str<E>(self, text: &'a str) -> Result<T::Taken, E> {
+        Ok(self.0.cell(Cell::Text(text.into())))
     }
-    fn visit_str<E>(self, text: &str) -> Result<Node<'a>, E> {
-        Ok(Node::Cell(Cell::Text(text.to_string().into())))
+    fn visit_str<E>(self, text: &str) -> Result<T::Taken, E> {
+        Ok(self.0.cell(Cell::Text(text.to_string().into())))
     }
-    fn visit_seq<S: SeqAccess<'a>>(self, mut seq: S) -> Result<Node<'a>, S::Error> {
-        let mut nodes = Vec::new();
-        while let Some(node) = seq.next_element()? {
-            nodes.push(node);
+    fn visit_seq<S: SeqAccess<'a>>(self, elements: S) -> Result<T::Taken, S::Error> {
+        self.0.array(elements)
+    }
+    fn visit_map<M: MapAccess<'a>>(self, entries: M) -> Result<T::Taken, M::Error> {
+        self.0.object(entries)
+    }
+}
+
+/// Any value, for its cell or its kind.
+struct AnyValue;
+
+impl<'a> Taker<'a> for AnyValue {
+    type Taken = Found<'a>;
+    fn cell(self, cell: Cell<'a>) -> Found<'a> {
+        Found::Cell(cell)
+    }
+    fn array<S: SeqAccess<'a>>(self, mut elements: S) -> Result<Found<'a>, S::Error> {
+        while elements.next_element::<IgnoredAny>()?.is_some() {}
+        Ok(Found::Array)
+    }
+    fn object<M: MapAccess<'a>>(self, mut entries: M) -> Result<Found<'a>, M::Error> {
+        while entries.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
+        Ok(Found::Object)
+    }
+}
+
+/// What is wrong with the keys of an object: in words, each with its key.
+#[derive(Default)]
+struct KeyFlaws(Vec<(String, String)>);
+
+impl KeyFlaws {
+    fn add(&mut self, key: &str, what: String) {
+        if self.0.len() < MOST_KEYS_SAID {
+            self.0.push((key.to_string(), what));
         }
-        Ok(Node::Array(nodes))
     }
-    fn visit_map<M: MapAccess<'a>>(self, map: M) -> Result<Node<'a>, M::Error> {
-        InOrder.visit_map(map).map(Node::Object)
+
+    fn unknown(&mut self, key: &str) {
+        self.add(key, format!("unknown key `{key}`"));
+    }
+
+    fn twice(&mut self, key: &str) {
+        self.add(key, format!("key `{key}` stands there twice"));
+    }
+
+    fn missing(&mut self, key: &str) {
+        self.add(key, format!("key `{key}` is missing"));
     }
 }
 
-impl<'a> Deserialize<'a> for Entries<'a> {
-    fn deserialize<D: Deserializer<'a>>(input: D) -> Result<Entries<'a>, D::Error> {
-        input.deserialize_map(InOrder)
+/// What the file holds: its rows are read one by one as they come, and none is kept as it stands.
+#[derive(Default)]
+struct WholeFile<'a> {
+    schema: Option<Found<'a>>,
+    rows: Option<Result<Reading<'a>, Found<'a>>>,
+    is_empty: bool,
+    flaws: KeyFlaws,
+}
+
+impl<'a> WholeFile<'a> {
+    /// The rows that were read, if nothing else is wrong.
+    fn rows(mut self, text: &str) -> Result<Reading<'a>, Vec<Complaint>> {
+        let at_key = |key: &str, message| Complaint::new(key_span(text, key), message, SHAPE);
+        if self.schema.is_none() {
+            self.flaws.missing("schema");
+        }
+        if self.rows.is_none() {
+            self.flaws.missing("rows");
+        }
+        let flaws = self.flaws.0.into_iter();
+        let mut complaints: Vec<Complaint> =
+            flaws.map(|(key, message)| at_key(&key, message)).collect();
+        let unexpected = |key: &str, found: &Found<'_>, expected: &str| {
+            let message = format!("`{key}` is {}, expected {expected}", found.words());
+            at_key(key, message)
+        };
+        match &self.schema {
+            Some(Found::Cell(Cell::Number(version))) if version.as_u64() == Some(1) => {}
+            Some(other) => complaints.push(unexpected("schema", other, "1")),
+            None => {}
+        }
+        match self.rows {
+            Some(Err(other)) => complaints.push(unexpected("rows", &other, "an array of rows")),
+            Some(Ok(reading)) if complaints.is_empty() && !self.is_empty => return Ok(reading),
+            Some(Ok(_)) if complaints.is_empty() => {
+                let help = "each row is one point";
+                let message = "the table has no rows";
+                complaints.push(Complaint::new(key_span(text, "rows"), message, help));
+            }
+            _ => {}
+        }
+        Err(complaints)
     }
 }
 
-struct InOrder;
+impl<'a> DeserializeSeed<'a> for WholeFile<'a> {
+    type Value = WholeFile<'a>;
+    fn deserialize<D: Deserializer<'a>>(self, input: D) -> Result<WholeFile<'a>, D::Error> {
+        input.deserialize_map(self)
+    }
+}
 
-impl<'a> Visitor<'a> for InOrder {
-    type Value = Entries<'a>;
+impl<'a> Visitor<'a> for WholeFile<'a> {
+    type Value = WholeFile<'a>;
     fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str("an object")
     }
-    fn visit_map<M: MapAccess<'a>>(self, mut map: M) -> Result<Entries<'a>, M::Error> {
-        let mut entries = Vec::with_capacity(Column::ALL.len());
-        while let Some((Key(key), node)) = map.next_entry()? {
-            entries.push((key, node));
+    fn visit_map<M: MapAccess<'a>>(mut self, mut map: M) -> Result<WholeFile<'a>, M::Error> {
+        while let Some(Key(key)) = map.next_key()? {
+            match &*key {
+                "schema" if self.schema.is_none() => {
+                    self.schema = Some(map.next_value_seed(To(AnyValue))?)
+                }
+                "rows" if self.rows.is_none() => {
+                    let mut rows = Rows::default();
+                    let other = map.next_value_seed(To(&mut rows))?;
+                    self.is_empty = rows.number == 0;
+                    self.rows = Some(match other {
+                        None => Ok(rows.reading),
+                        Some(other) => Err(other),
+                    });
+                }
+                known => {
+                    match known {
+                        "schema" | "rows" => self.flaws.twice(known),
+                        _ => self.flaws.unknown(known),
+                    }
+                    map.next_value::<IgnoredAny>()?;
+                }
+            }
         }
-        Ok(Entries(entries))
+        Ok(self)
     }
 }
 
-/// The first value of each known key, and what is wrong with the keys: each flaw in words, with
-/// its key.
-fn by_key<'a, const N: usize>(
-    Entries(entries): Entries<'a>,
-    known: [&str; N],
-) -> ([Option<Node<'a>>; N], Vec<(String, String)>) {
-    let mut values = [const { None }; N];
-    let mut flaws = Vec::new();
-    for (key, value) in entries {
-        let what = match known.iter().position(|name| *name == key) {
-            None => format!("unknown key `{key}`"),
-            Some(at) if values[at].is_some() => format!("key `{key}` stands there twice"),
-            Some(at) => {
-                values[at] = Some(value);
+/// The elements of `rows`, taken one by one; gives what stands there instead of an array.
+#[derive(Default)]
+struct Rows<'a> {
+    reading: Reading<'a>,
+    number: usize,
+}
+
+impl<'a> Taker<'a> for &mut Rows<'a> {
+    type Taken = Option<Found<'a>>;
+    fn cell(self, cell: Cell<'a>) -> Self::Taken {
+        Some(Found::Cell(cell))
+    }
+    fn array<S: SeqAccess<'a>>(self, mut elements: S) -> Result<Self::Taken, S::Error> {
+        while let Some(row) = elements.next_element_seed(To(Row::new(self.number)))? {
+            self.number += 1;
+            if self.number > MOST_LINES {
+                return Err(S::Error::custom(super::too_many_rows(0..1).message));
+            }
+            if self.reading.is_full() {
                 continue;
             }
-        };
-        flaws.push((key.into_owned(), what));
+            match row.finish() {
+                Ok(raw) => self.reading.take(&raw),
+                Err(flaws) => self.reading.lose_row(flaws),
+            }
+        }
+        Ok(None)
     }
-    for (key, _) in known
-        .iter()
-        .zip(&values)
-        .filter(|(_, value)| value.is_none())
-    {
-        flaws.push((key.to_string(), format!("key `{key}` is missing")));
+    fn object<M: MapAccess<'a>>(self, entries: M) -> Result<Self::Taken, M::Error> {
+        AnyValue.object(entries).map(Some)
     }
-    (values, flaws)
+}
+
+/// One row as it is read: the first value of each column, and what is wrong with its keys.
+struct Row<'a> {
+    number: usize,
+    cells: [Option<Cell<'a>>; 9],
+    flaws: KeyFlaws,
+    is_object: bool,
+}
+
+impl<'a> Row<'a> {
+    fn new(number: usize) -> Row<'a> {
+        Row {
+            number,
+            cells: [const { None }; 9],
+            flaws: KeyFlaws::default(),
+            is_object: false,
+        }
+    }
+
+    fn finish(mut self) -> Result<RawRow<'a>, Vec<RowFlaw>> {
+        let number = self.number;
+        if !self.is_object {
+            let help = "a row is an object with the nine columns as keys";
+            return Err(vec![RowFlaw::of_row(number, "not an object", help)]);
+        }
+        let missing = Column::ALL.into_iter().zip(&self.cells);
+        for (column, _) in missing.filter(|(_, cell)| cell.is_none()) {
+            self.flaws.missing(column.name());
+        }
+        if !self.flaws.0.is_empty() {
+            let flaw = |(key, message): (String, String)| {
+                RowFlaw::of_cell(number, &key, message, help_for(&key))
+            };
+            return Err(self.flaws.0.into_iter().map(flaw).collect());
+        }
+        let cells = self.cells.map(|cell| cell.unwrap_or(Cell::Empty));
+        Ok(RawRow { number, cells })
+    }
+}
+
+impl<'a> Taker<'a> for Row<'a> {
+    type Taken = Row<'a>;
+    fn cell(self, _: Cell<'a>) -> Row<'a> {
+        self
+    }
+    fn array<S: SeqAccess<'a>>(self, elements: S) -> Result<Row<'a>, S::Error> {
+        AnyValue.array(elements).map(|_| self)
+    }
+    fn object<M: MapAccess<'a>>(mut self, mut entries: M) -> Result<Row<'a>, M::Error> {
+        self.is_object = true;
+        while let Some(Key(key)) = entries.next_key()? {
+            let column = Column::from_name(&key);
+            match column.map(|column| &mut self.cells[column as usize]) {
+                Some(cell) if cell.is_none() => {
+                    *cell = Some(match entries.next_value_seed(To(AnyValue))? {
+                        Found::Cell(cell) => cell,
+                        other => Cell::Other(other.words()),
+                    });
+                    continue;
+                }
+                Some(_) => self.flaws.twice(&key),
+                None => self.flaws.unknown(&key),
+            }
+            entries.next_value::<IgnoredAny>()?;
+        }
+        Ok(self)
+    }
 }
 
 fn syntax(text: &str, flaw: &serde_json::Error) -> Complaint {
@@ -176,63 +349,6 @@ fn syntax(text: &str, flaw: &serde_json::Error) -> Complaint {
     let what = whole.split(" at line ").next().unwrap_or(&whole);
     let help = format!("{SHAPE}; the file may have been cut off");
     Complaint::new(at..at + 1, format!("the JSON cannot be read: {what}"), help)
-}
-
-/// The elements of `rows`.
-fn rows<'a>(text: &str, top: Entries<'a>) -> Result<Vec<Node<'a>>, Vec<Complaint>> {
-    let ([schema, rows], flaws) = by_key(top, ["schema", "rows"]);
-    let at_key = |key: &str, message| Complaint::new(key_span(text, key), message, SHAPE);
-    let mut complaints: Vec<Complaint> = flaws
-        .into_iter()
-        .map(|(key, message)| at_key(&key, message))
-        .collect();
-    let mut unexpected = |key: &str, found: Node<'_>, expected: &str| {
-        let found = match found {
-            Node::Array(_) => "an array".to_string(),
-            Node::Object(_) => "an object".to_string(),
-            plain => format!("`{}`", Value::from(plain)),
-        };
-        let message = format!("`{key}` is {found}, expected {expected}");
-        complaints.push(at_key(key, message));
-    };
-    match schema {
-        Some(Node::Cell(Cell::Number(version))) if version.as_u64() == Some(1) => {}
-        Some(other) => unexpected("schema", other, "1"),
-        None => {}
-    }
-    let rows = match rows {
-        Some(Node::Array(rows)) => rows,
-        Some(other) => {
-            unexpected("rows", other, "an array of rows");
-            Vec::new()
-        }
-        None => Vec::new(),
-    };
-    if complaints.is_empty() {
-        Ok(rows)
-    } else {
-        Err(complaints)
-    }
-}
-
-fn raw_row(number: usize, row: Node<'_>) -> Result<RawRow<'_>, Vec<RowFlaw>> {
-    let Node::Object(entries) = row else {
-        let help = "a row is an object with the nine columns as keys";
-        return Err(vec![RowFlaw::of_row(number, "not an object", help)]);
-    };
-    let (values, flaws) = by_key(entries, Column::ALL.map(Column::name));
-    if !flaws.is_empty() {
-        let flaw = |(key, message): (String, String)| {
-            RowFlaw::of_cell(number, &key, message, help_for(&key))
-        };
-        return Err(flaws.into_iter().map(flaw).collect());
-    }
-    let cells = values.map(|value| match value {
-        Some(Node::Cell(cell)) => cell,
-        Some(other) => Cell::Other(other.into()),
-        None => Cell::Empty,
-    });
-    Ok(RawRow { number, cells })
 }
 
 fn help_for(key: &str) -> String {

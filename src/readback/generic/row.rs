@@ -5,7 +5,7 @@
 use crate::axis::{Direction, ErrorTerm};
 use crate::problem::nearest;
 use crate::table::generic::GenericRow;
-use serde_json::{Number, Value};
+use serde_json::Number;
 use std::borrow::Cow;
 
 /// A column of the CSV, a key of a row of the JSON.
@@ -115,8 +115,8 @@ pub(super) enum Cell<'a> {
     Empty,
     Text(Cow<'a, str>),
     Number(Number),
-    /// What no column holds: true, an array, an object.
-    Other(Value),
+    /// What no column holds, in words: `true`, an array, an object.
+    Other(String),
 }
 
 /// A row as it was found, with its cells in the order of [`Column::ALL`].
@@ -327,7 +327,7 @@ impl<'a> Cells<'_, 'a> {
             Cell::Empty => "empty".to_string(),
             Cell::Text(text) => format!("`{text}`"),
             Cell::Number(number) => format!("`{number}`"),
-            Cell::Other(value) => format!("`{value}`"),
+            Cell::Other(words) => words.clone(),
         };
         let message = format!("`{}` is {found}, expected {expected}", column.name());
         self.note(column, message, help);

@@ -6,6 +6,7 @@
 
 use super::statement::{Assignment, Value};
 use super::variable::{self, Key, number_of};
+use super::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES};
 use super::{MachineDatum, MachineValue, SiemensContents, Writer, is_switch, variable_text};
 use crate::readback::complaint::Complaint;
 use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid};
@@ -75,6 +76,11 @@ impl Memory {
         } else {
             self.set_machine(set)
         }
+    }
+
+    /// Whether it holds more than any control.
+    pub(super) fn is_full(&self) -> bool {
+        self.lec.len() + self.cec.len() > MOST_TABLES || self.machine.len() > MOST_DATA
     }
 
     /// Adds a remark that is no problem.
@@ -174,17 +180,42 @@ impl Memory {
         Ok(())
     }
 
+    /// A few lines may ask for many points: MIN, STEP and MAX.
+    fn too_many_points(&self) -> Option<Complaint> {
+        let lec = self.lec.iter().map(|table| &table.draft);
+        let drafts = || {
+            lec.clone()
+                .chain(self.cec.values().map(|table| &table.draft))
+        };
+        let points: f64 = drafts().filter_map(Draft::steps).sum();
+        #[allow(clippy::cast_precision_loss, reason = "a small constant")]
+        let is_too_many = points > MOST_STATEMENTS as f64;
+        let head = drafts().next()?.head.clone();
+        is_too_many.then(|| {
+            Complaint::new(
+                head,
+                format!("the tables would have {points:.0} points together, expected at most {MOST_STATEMENTS}"),
+                "no control holds so many; correct MIN, STEP or MAX",
+            )
+        })
+    }
+
     /// The tables, if nothing is missing; complaints are added to `complaints`.
     pub(super) fn finish(
         mut self,
         writer: Writer,
         complaints: &mut Vec<Complaint>,
     ) -> SiemensContents {
+        let too_many = self.too_many_points();
         let mut all = SiemensContents {
             machine_data: self.machine,
             notes: self.notes,
             ..SiemensContents::default()
         };
+        if let Some(complaint) = too_many {
+            complaints.push(complaint);
+            return all;
+        }
         self.lec
             .sort_by(|a, b| (&a.axis, a.encoder).cmp(&(&b.axis, b.encoder)));
         for table in self.lec {
@@ -263,6 +294,13 @@ impl Draft {
             }
         }
         Ok(())
+    }
+
+    /// Sections of its grid, where it states one that a table may have.
+    fn steps(&self) -> Option<f64> {
+        let (min, step, max) = (self.min.as_ref()?, self.step.as_ref()?, self.max.as_ref()?);
+        let steps = (max.number - min.number) / step.number;
+        (0.0..MOST_POINTS).contains(&steps).then_some(steps)
     }
 
     /// The parameter that no line writes, so that the control would keep an older one.

@@ -10,7 +10,8 @@
 //! program does not know could move the machine.
 
 use super::variable::is_alone;
-use crate::problem::{is_unseen, nearest};
+use crate::plain::is_unseen;
+use crate::problem::nearest;
 use crate::readback::complaint::Complaint;
 use std::borrow::Cow;
 use std::ops::Range;
