@@ -51,7 +51,7 @@ pub fn counters() -> &'static [u8] {
 pub fn trace(counters: &[u8]) -> Vec<Edge> {
     let mut taken = Vec::new();
     for (block, counters) in counters.chunks(BLOCK).enumerate() {
-        if counters == &[0; BLOCK][..counters.len()] {
+        if counters.iter().fold(0, |any, count| any | count) == 0 {
             continue;
         }
         let hit = counters.iter().enumerate().filter(|(_, count)| **count > 0);

@@ -234,3 +234,45 @@ fn is_number(text: &str) -> bool {
     let is_zero = size.bytes().all(|byte| matches!(byte, b'0' | b'.'));
     digits(whole) && digits(part) && !(is_zero && text.starts_with('-'))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Family, judge};
+
+    #[test]
+    fn a_foreign_line_is_found_in_every_family() {
+        let files = [
+            (
+                Family::Siemens,
+                "a.MPF",
+                "; A\n$AN_CEC[0,1]=0.002000 ; 100.000000\n$AN_CEC_INPUT_AXIS[0]=(AX1)\nM30\n",
+            ),
+            (
+                Family::Fanuc,
+                "a.TXT",
+                "%\nN03620Q1A1P0A2P12\nN10001Q0P-2\n%\n",
+            ),
+            (
+                Family::Generic,
+                "a.json",
+                "{\"schema\":1,\"rows\":[\n{\"term\":\"EXX\",\"base_axis\":\"x\",\"output_axis\":\"x\",\"direction\":null,\"index\":0,\"position_mm\":0,\"deviation_um\":0,\"correction_um\":0,\"increment_um\":null}\n]}\n",
+            ),
+        ];
+        for (family, name, text) in files {
+            assert_eq!(judge(family, name, text.as_bytes()), Ok(()));
+            for foreign in [
+                "G0 X0\n",
+                "$AN_CEC[0,1]=1\n",
+                "N10001Q0P3\n",
+                "M30\n",
+                "ä\n",
+                "$AN_CEC[0,2]=-0\n",
+            ] {
+                let place = text.find('\n').map_or(0, |end| end + 1);
+                let mut other = text.to_string();
+                other.insert_str(place, foreign);
+                assert!(judge(family, name, other.as_bytes()).is_err(), "{other}");
+            }
+        }
+    }
+}
