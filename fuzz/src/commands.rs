@@ -6,7 +6,7 @@
 use crate::bundle::Bundle;
 use crate::case::{Ran, memory_limit};
 use crate::coverage::{self, Edge};
-use crate::{memory, oracles};
+use crate::{memory, oracles, watch};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,6 +17,8 @@ pub fn program(arguments: &[String]) -> ExitCode {
     let Some((report, arguments)) = arguments.split_first() else {
         return ExitCode::from(2);
     };
+    watch::begin("", &[]);
+    watch::start(Path::new(report));
     let start = memory::start();
     let all = std::iter::once("nonius").chain(arguments.iter().map(String::as_str));
     let status = nonius::cli::run(all.map(Into::into));

@@ -2,9 +2,9 @@
 
 use crate::bundle::Bundle;
 use crate::grammar::{self, Family};
-use crate::readers::{Answer, profile_of};
+use crate::readers::{Answer, built_in, profile_of};
 use nonius::active::{ReadOutFor, from_kit, from_read_out};
-use nonius::controller::{Dialect, Profile, Role, builtin};
+use nonius::controller::{Dialect, Profile, Role};
 use nonius::document::Source;
 use nonius::error_table::{self, Draft, ErrorTable};
 use nonius::job::{ActiveTables, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
@@ -28,7 +28,7 @@ fn job_of(bundle: &Bundle) -> Result<(Job, Profile), Problems> {
     let controller = job.compensation.controller.clone();
     let profile = match controller.ends_with(".toml") {
         true => profile_of(bundle, Some(&controller))?,
-        false => builtin::profile(&controller)?,
+        false => built_in(&controller)?,
     };
     Ok((job, profile))
 }

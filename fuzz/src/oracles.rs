@@ -24,7 +24,7 @@ pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
 fn is_control(c: char) -> bool {
     let turns =
         matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    (c.is_control() && !"\n\r\t".contains(c)) || turns || false
+    (c.is_control() && !"\n\r\t".contains(c)) || turns || matches!(c, '\u{2028}' | '\u{2029}')
 }
 
 /// A character, with what stands before it.

@@ -20,6 +20,7 @@ use nonius::readback::{
 };
 use nonius::standards::{iso_230_2, vdi_3441};
 use nonius::target_runs::{Runs, Stated as StatedRuns, Values};
+use std::sync::OnceLock;
 
 /// What a reader answered, in words.
 pub type Answer = Result<String, Problems>;
@@ -49,7 +50,7 @@ pub fn profile_of(bundle: &Bundle, name: Option<&str>) -> Result<Profile, Proble
             .and_then(|bytes| String::from_utf8(bytes.to_vec()).ok())
     };
     let template = |name: &str| own(name).or_else(|| builtin::template(name));
-    let base = |id: &str| builtin::profile(id).ok();
+    let base = |id: &str| built_in(id).ok();
     load::profile(
         Source::from_bytes(name, bytes)?,
         Origin::File(name.to_string()),
@@ -194,7 +195,7 @@ pub fn siemens(input: &[u8]) -> Answer {
 
 /// What was read out of a control: archives, text of one file or of many.
 pub fn archive(input: &[u8]) -> Answer {
-    let facts = fanuc_facts();
+    let facts = fanuc_facts()?;
     let mut answer = String::new();
     for (name, text) in control_data::texts("x.arc", input)? {
         let found = control_data::siemens(&name, &text, true);
@@ -212,17 +213,29 @@ pub fn archive(input: &[u8]) -> Answer {
 
 const CONTROL_UNIT: nonius::controller::LengthUnit = nonius::controller::LengthUnit::Millimetre;
 
-fn fanuc_facts() -> FanucFacts {
-    let profile = builtin::profile("fanuc-30i").map(|profile| profile.dialect);
-    match profile {
-        Ok(Dialect::Fanuc(facts)) => facts,
-        _ => panic!("the built-in profile is one of Fanuc"),
+/// A built-in profile; each is read once, before the first case counts.
+pub fn built_in(id: &str) -> Result<Profile, Problems> {
+    static READ: OnceLock<Vec<Profile>> = OnceLock::new();
+    let all = READ.get_or_init(|| {
+        let profiles = builtin::ids().into_iter().map(builtin::profile);
+        profiles.filter_map(Result::ok).collect()
+    });
+    match all.iter().find(|profile| profile.id == id) {
+        Some(profile) => Ok(profile.clone()),
+        None => builtin::profile(id),
+    }
+}
+
+fn fanuc_facts() -> Result<FanucFacts, Problems> {
+    match built_in("fanuc-30i")?.dialect {
+        Dialect::Fanuc(facts) => Ok(facts),
+        _ => Err(Problem::new("no profile of Fanuc").into()),
     }
 }
 
 /// A Fanuc parameter file.
 pub fn fanuc(input: &[u8]) -> Answer {
-    let facts = fanuc_facts();
+    let facts = fanuc_facts()?;
     let source = Source::from_bytes("x.txt", input)?;
     let read_out = read_fanuc::read_out("x.txt", &source.text, &facts, CONTROL_UNIT).is_ok();
     let memory = read_fanuc::read("x.txt", &source.text, &facts)?;
@@ -240,7 +253,7 @@ pub fn generic_table(input: &[u8]) -> Answer {
 pub fn measuring_program(input: &[u8]) -> Answer {
     let mut answer = String::new();
     for id in ["siemens-840d-sl", "fanuc-30i"] {
-        let profile = builtin::profile(id)?;
+        let profile = built_in(id)?;
         let Some(facts) = &profile.program else {
             continue;
         };

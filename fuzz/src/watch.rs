@@ -48,12 +48,16 @@ pub fn current(place: &Path) -> Option<(String, Vec<u8>)> {
     Some((target.to_string(), input.to_vec()))
 }
 
-/// Watches from now on; cases are noted in the directory.
-pub fn start(place: &Path) {
-    let path = place.join("current");
-    if let Ok(file) = File::create(&path) {
+/// Cases are noted in the directory from now on.
+pub fn note_in(place: &Path) {
+    if let Ok(file) = File::create(place.join("current")) {
         let _ = CURRENT.set(file);
     }
+}
+
+/// Watches from now on; `what` is named when a case is ended.
+pub fn start(what: &Path) {
+    let what = what.display().to_string();
     std::thread::spawn(move || {
         loop {
             std::thread::sleep(Duration::from_millis(500));
@@ -62,7 +66,7 @@ pub fn start(place: &Path) {
                 continue;
             };
             if processor_time().saturating_sub(busy) > BUSY || waiting.elapsed() > WAITING {
-                eprintln!("time: {} s and more: {}", BUSY.as_secs(), path.display());
+                eprintln!("time: {} s and more: {what}", BUSY.as_secs());
                 std::process::abort();
             }
         }

@@ -59,7 +59,8 @@ const TURN_S: f64 = 4.0;
 /// Runs cases as planned.
 pub fn work(plan: &Plan) {
     note_panics();
-    watch::start(&plan.place);
+    watch::note_in(&plan.place);
+    watch::start(&plan.place.join("current"));
     let wanted = |target: &Target| plan.only.as_deref().is_none_or(|only| only == target.name);
     let targets = all().into_iter().filter(wanted);
     let mut fuzzed: Vec<Fuzzed> = targets.map(|target| Fuzzed::new(target, plan)).collect();
