@@ -36,10 +36,11 @@ impl Finding<'_> {
             .next()
             .unwrap_or_default()
             .to_string();
-        let key = if self.wrong.starts_with("panic at") && !place.contains("/kits.rs") {
-            place
-        } else {
-            letters
+        let is_panic = self.wrong.starts_with("panic at") && !place.contains("/kits.rs");
+        let key = match self.wrong.contains("control character") {
+            true => "control character".to_string(),
+            false if is_panic => place,
+            false => letters,
         };
         format!("{}-{:08x}", self.target, hash(key.as_bytes()) & 0xffff_ffff)
     }

@@ -152,7 +152,11 @@ pub fn all() -> Vec<Target> {
             "commands",
             Kind::Commands,
             3,
-            f.cases.iter().map(Bundle::bytes).collect(),
+            f.cases
+                .iter()
+                .map(Bundle::bytes)
+                .chain(f.with_kits())
+                .collect(),
         ),
         target("generate", Kind::Commands, 3, f.generates()),
     ]
@@ -256,6 +260,24 @@ impl Fixtures {
             .collect()
     }
 
+    /// A job with its kit in a directory.
+    fn with_kits(&self) -> Vec<Vec<u8>> {
+        let mut seeds = Vec::new();
+        for (command, kit) in ON_KITS
+            .iter()
+            .flat_map(|command| self.kits.iter().map(move |kit| (*command, kit)))
+        {
+            let mut case = Bundle(vec![("command".to_string(), command.as_bytes().to_vec())]);
+            case.0.extend(kit.0.iter().map(|(name, bytes)| {
+                let is_input = name == "job.toml" || name == "errors.csv";
+                let folder = if is_input { "" } else { "kit/" };
+                (format!("{folder}{name}"), bytes.clone())
+            }));
+            seeds.push(case.bytes());
+        }
+        seeds
+    }
+
     /// Jobs that `generate` takes.
     fn generates(&self) -> Vec<Vec<u8>> {
         let jobs = self.bundles(|name| name.starts_with("errors") || name.starts_with("readings"));
@@ -285,8 +307,19 @@ const COMMANDS: &[&str] = &[
     "standards x_axis.csv --unit um",
     "standards job.toml",
     "context job.toml",
+    "path job.toml part.nc -o points.csv",
     "import rtl_linear_bidirectional_selfmade.rtl -o x.csv --axis x --term EXX --sign as-error --first-target-at-mm 0 --targets-run + --material-corrected yes",
     "controllers show fanuc-30i",
+];
+
+/// What may be asked of a job with its kit.
+const ON_KITS: [&str; 6] = [
+    "verify job.toml --tables kit",
+    "verify job.toml --tables kit --format json",
+    "verify job.toml --tables kit --after errors.csv",
+    "history kit",
+    "assess job.toml --tables kit",
+    "simulate job.toml --tables kit --errors -o after.csv",
 ];
 
 /// Options under which the files of `fixtures/formats` can be imported.
