@@ -31,7 +31,9 @@ pub fn note_panics() {
             .location()
             .map(|at| format!("{}:{}", at.file(), at.line()))
             .unwrap_or_default();
-        let words = panic.payload_as_str().unwrap_or("(no words)");
+        let words = panic.payload().downcast_ref::<String>().map(String::as_str);
+        let words = words.or(panic.payload().downcast_ref::<&str>().copied());
+        let words = words.unwrap_or("(no words)");
         *PANIC.lock().unwrap_or_else(PoisonError::into_inner) =
             Some(format!("panic at {place}: {words}"));
     }));

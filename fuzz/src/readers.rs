@@ -281,18 +281,18 @@ pub fn nc(input: &[u8]) -> Answer {
             .collect(),
         tools: [(1, 100.0), (2, 50.0)].into_iter().collect(),
         inch: input.len() % 5 == 4,
-        without_point: if input.len() % 2 == 0 {
+        without_point: if input.len().is_multiple_of(2) {
             WithoutPoint::Unit
         } else {
             WithoutPoint::Increment
         },
-        g43_without_h: if input.len() % 3 == 0 {
+        g43_without_h: if input.len().is_multiple_of(3) {
             G43WithoutH::LastH
         } else {
             G43WithoutH::Tool
         },
         arc_mm: None,
-        skip_deletable: input.len() % 7 == 0,
+        skip_deletable: input.len().is_multiple_of(7),
     };
     let (mut length, mut moves) = (0.0, 0);
     let mut lines = Lines {
