@@ -312,6 +312,9 @@ pub fn nc(input: &[u8]) -> Answer {
     Ok(format!("{length} {ran:?}"))
 }
 
+/// As `src/cli/path/program_text.rs` has it.
+const LONGEST_LINE: usize = 4096;
+
 /// A program in memory that ends after some thousand lines, however often it goes back.
 struct Lines<'a> {
     bytes: &'a [u8],
@@ -327,6 +330,9 @@ impl Text for Lines<'_> {
         }
         let end = rest.iter().position(|byte| *byte == b'\n');
         let line = &rest[..end.unwrap_or(rest.len())];
+        if line.len() > LONGEST_LINE {
+            return Err(Problem::new("a longer line than `path` reads"));
+        }
         self.at.bytes += end.map_or(rest.len(), |end| end + 1) as u64;
         self.at.lines += 1;
         self.left -= 1;
