@@ -15,6 +15,7 @@ mod history;
 mod import;
 mod inputs;
 mod later;
+mod outcome;
 mod path;
 mod program;
 mod separate;
@@ -25,11 +26,11 @@ mod standards;
 mod verify;
 mod write;
 
-use crate::manifest;
+use crate::plain;
 use crate::problem::Problems;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use later::Later;
-use serde::Serialize;
+use outcome::Outcome;
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
@@ -115,6 +116,12 @@ enum Answer {
     No,
 }
 
+impl Answer {
+    fn yes(is: bool) -> Answer {
+        if is { Answer::Yes } else { Answer::No }
+    }
+}
+
 /// Runs the program with its arguments (the first is its name) and gives the exit status.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
@@ -129,7 +136,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             };
         }
     };
-    match execute(arguments.command) {
+    match execute(arguments.command).and_then(Outcome::deliver) {
         Ok(Answer::Yes) => ExitCode::SUCCESS,
         Ok(Answer::No) => ExitCode::from(1),
         Err(problems) => {
@@ -144,7 +151,7 @@ fn could_not() -> ExitCode {
     ExitCode::from(2)
 }
 
-fn execute(command: Command) -> Result<Answer, Problems> {
+fn execute(command: Command) -> Result<Outcome, Problems> {
     match command {
         Command::Generate(options) => generate::run(&options),
         Command::Verify(options) => verify::run(&options),
@@ -161,7 +168,7 @@ fn execute(command: Command) -> Result<Answer, Problems> {
         Command::Completions { shell } => {
             let mut page = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "nonius", &mut page);
-            print_bytes(&page)
+            Ok(Outcome::bytes(page))
         }
         Command::Man => {
             let mut page = Vec::new();
@@ -169,37 +176,14 @@ fn execute(command: Command) -> Result<Answer, Problems> {
             man.render(&mut page).map_err(|error| {
                 crate::problem::Problem::new(format!("the manual page cannot be made: {error}"))
             })?;
-            print_bytes(&page)
+            Ok(Outcome::bytes(page))
         }
     }
-}
-
-/// Data, to standard output. A reader that went away (`| head`) is no failure.
-fn print_bytes(bytes: &[u8]) -> Result<Answer, Problems> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(bytes).and_then(|()| out.flush()) {
-        Ok(()) => Ok(Answer::Yes),
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(Answer::Yes),
-        Err(error) => Err(crate::problem::Problem::new(format!(
-            "standard output cannot be written: {error}"
-        ))
-        .into()),
-    }
-}
-
-/// A text, to standard output.
-fn print(text: &str) -> Result<Answer, Problems> {
-    print_bytes(format!("{}\n", text.trim_end()).as_bytes())
-}
-
-/// A document, to standard output.
-fn print_json(document: &impl Serialize) -> Result<Answer, Problems> {
-    print_bytes(&manifest::bytes(document)?)
 }
 
 /// Talk, to standard error.
 fn say(text: &str) {
     let mut out = std::io::stderr().lock();
     // Nothing can be said about a standard error that is closed.
-    let _ = writeln!(out, "{}", text.trim_end());
+    let _ = writeln!(out, "{}", plain::page(text.trim_end()));
 }

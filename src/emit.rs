@@ -18,6 +18,7 @@ use crate::controller::{Dialect, EmittedFile, Role};
 use crate::emit::ascii::ascii;
 use crate::error_table::SIMULATED;
 use crate::job::{ActiveTables, Job};
+use crate::plain;
 use crate::plan::Task;
 use crate::problem::{Problem, Problems};
 use crate::table::Tables;
@@ -343,12 +344,12 @@ pub fn render_checklist(
     let files = task.profile.files.iter();
     let mut rendered = Vec::new();
     for file in files.filter(|file| file.role == Role::Checklist) {
+        let text = templates.text(&file.template_name, &file.template, &seen)?;
+        let text = plain::page(&with_line_ends(text, "\n")).into_owned();
         rendered.push(RenderedFile {
             path: file.path.clone(),
             role: file.role,
-            bytes: templates
-                .text(&file.template_name, &file.template, &seen)?
-                .into_bytes(),
+            bytes: text.into_bytes(),
         });
     }
     Ok(rendered)

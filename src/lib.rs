@@ -53,6 +53,8 @@ pub mod chain;
 
 pub mod diagonal;
 
+pub mod plain;
+
 pub mod problem;
 
 pub mod document;

@@ -9,10 +9,12 @@ use crate::compensation::Placement;
 use crate::control_state::{AxisState, ControlState};
 use crate::document::sha256;
 use crate::forecast::{DiagonalForecast, Forecast, TermForecast};
+use crate::plain;
 use crate::problem::Problem;
 use crate::target::Omission;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 
 /// Version of the format.
 pub const SCHEMA: u32 = 1;
@@ -42,7 +44,10 @@ pub fn bytes(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
     without_signed_zeros(&mut value);
     serde_json::to_writer_pretty(&mut page, &value).map_err(refuse)?;
     page.push(b'\n');
-    Ok(page)
+    Ok(match std::str::from_utf8(&page).map(plain::json) {
+        Ok(Cow::Owned(escaped)) => escaped.into_bytes(),
+        _ => page,
+    })
 }
 
 /// A file with its hash.

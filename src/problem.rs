@@ -4,6 +4,7 @@
 //! work is a [`Problem`]. All problems of one input are collected and shown together. The text
 //! is drawn by `annotate-snippets`, the way rustc shows its own.
 
+use crate::plain::line as seen;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use std::fmt;
 
@@ -148,18 +149,18 @@ impl Problem {
     /// The same, with what is to be known of other places.
     fn render_with(&self, note: Option<&str>) -> String {
         let level = Level::ERROR.with_name("problem");
-        let mut group = Group::with_title(level.primary_title(clean(&self.message)));
+        let mut group = Group::with_title(level.primary_title(seen(&self.message)));
         let source;
         if let Some(place) = &self.place {
-            source = clean_line(&place.text);
+            source = seen(&place.text);
             let column = place.column.saturating_sub(place.skipped).max(1);
             let start = byte_of_column(&source, column);
             let end = byte_of_column(&source, column + place.width).max(start);
-            let mut snippet = Snippet::source(source.as_str()).line_start(place.line);
+            let mut snippet = Snippet::source(&*source).line_start(place.line);
             if place.skipped == 0 {
-                snippet = snippet.path(place.file.as_str());
+                snippet = snippet.path(seen(&place.file));
             } else {
-                let origin = Origin::path(place.file.as_str());
+                let origin = Origin::path(seen(&place.file));
                 group = group.element(origin.line(place.line).char_column(place.column));
             }
             group = group.element(snippet.annotation(AnnotationKind::Primary.span(start..end)));
@@ -168,7 +169,7 @@ impl Problem {
             group = group.element(Level::NOTE.message(note.to_string()));
         }
         if let Some(help) = &self.help {
-            group = group.element(Level::HELP.message(clean(help)));
+            group = group.element(Level::HELP.message(seen(help)));
         }
         Renderer::plain().render(&[group])
     }
@@ -186,38 +187,6 @@ fn byte_of_column(text: &str, column: usize) -> usize {
     text.char_indices()
         .nth(column - 1)
         .map_or(text.len(), |(at, _)| at)
-}
-
-/// Control characters, and those that turn the direction of the text: a person does not see them,
-/// and a terminal or a control may obey them.
-pub fn is_unseen(c: char) -> bool {
-    let turns = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    turns || c.is_control()
-}
-
-/// Control characters of a user's text must not reach the terminal, and a sentence is one line.
-fn clean(text: &str) -> String {
-    text.chars()
-        .flat_map(|c| match c {
-            '\n' | '\r' | '\t' => c.escape_default().collect(),
-            _ if is_unseen(c) => vec!['\u{fffd}'],
-            _ => vec![c],
-        })
-        .collect()
-}
-
-fn clean_line(text: &str) -> String {
-    text.chars()
-        .map(|c| {
-            if c == '\t' {
-                ' '
-            } else if is_unseen(c) {
-                '\u{fffd}'
-            } else {
-                c
-            }
-        })
-        .collect()
 }
 
 /// One problem, and where else the same one stands.

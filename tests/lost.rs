@@ -214,7 +214,7 @@ fn a_kit_does_not_take_the_place_of_a_link_that_leads_nowhere() {
     let place = copy_of("start/errors");
     let at = place.path();
     std::os::unix::fs::symlink("not-there", at.join("kit")).expect("a link");
-    refused(at, "generate job.toml -o kit", "is no directory");
+    refused(at, "generate job.toml -o kit", "is a link or a file");
     assert!(at.join("kit").is_symlink());
 }
 

@@ -10,9 +10,10 @@ mod text;
 use crate::assessment::{Assessment, Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::axis::{Axis, PerAxis};
 use crate::chain::Chain;
+use crate::cli::Format;
 use crate::cli::corrected::{AskedTables, Corrected};
 use crate::cli::inputs::{self, read_argument};
-use crate::cli::{Answer, Format, print, print_json};
+use crate::cli::outcome::Outcome;
 use crate::kit::Inputs;
 use crate::problem::{Problem, Problems};
 use crate::volume_model::VolumeModel;
@@ -120,11 +121,11 @@ struct After {
     disagreements: Vec<String>,
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let page = page(options)?;
     match options.format {
-        Format::Json => print_json(&document::document(&page)),
-        Format::Text => print(&text::text(&page)),
+        Format::Json => Outcome::json(&document::document(&page)),
+        Format::Text => Ok(Outcome::text(&text::text(&page))),
     }
 }
 

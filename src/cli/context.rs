@@ -1,6 +1,7 @@
 //! `nonius context JOB`
 
-use crate::cli::{Answer, Format, inputs, print_json};
+use crate::cli::outcome::Outcome;
+use crate::cli::{Format, inputs};
 use crate::kit::template_context;
 use crate::problem::Problems;
 use clap::Args;
@@ -16,9 +17,9 @@ pub(super) struct Options {
     format: Format,
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let document = template_context(&inputs::read(&options.job)?)?;
     match options.format {
-        Format::Text | Format::Json => print_json(&document),
+        Format::Text | Format::Json => Outcome::json(&document),
     }
 }

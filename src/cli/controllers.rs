@@ -1,7 +1,8 @@
 //! `nonius controllers list|show|check`
 
+use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, table};
-use crate::cli::{Answer, Format, inputs, print, print_json, say};
+use crate::cli::{Format, inputs};
 use crate::controller::{Evidence, Origin, Profile, Statement, builtin};
 use crate::document::Source;
 use crate::error_table::ErrorTable;
@@ -43,7 +44,7 @@ pub(super) enum Command {
     },
 }
 
-pub(super) fn run(command: &Command) -> Result<Answer, Problems> {
+pub(super) fn run(command: &Command) -> Result<Outcome, Problems> {
     match command {
         Command::List { format } => list(*format),
         Command::Show { id, format, toml } => show(id, *format, *toml),
@@ -51,14 +52,14 @@ pub(super) fn run(command: &Command) -> Result<Answer, Problems> {
     }
 }
 
-fn list(format: Format) -> Result<Answer, Problems> {
+fn list(format: Format) -> Result<Outcome, Problems> {
     let profiles: Vec<Profile> = builtin::ids()
         .into_iter()
         .map(builtin::profile)
         .collect::<Result<_, _>>()?;
     if format == Format::Json {
         let list: Vec<Value> = profiles.iter().map(summary_json).collect();
-        return print_json(&json!({ "schema": 1, "controllers": list }));
+        return Outcome::json(&json!({ "schema": 1, "controllers": list }));
     }
     let columns = [
         Column::Left("id"),
@@ -78,7 +79,7 @@ fn list(format: Format) -> Result<Answer, Problems> {
             count(profile, Evidence::Executed).to_string(),
         ]
     });
-    print(&table(&columns, rows))
+    Ok(Outcome::text(&table(&columns, rows)))
 }
 
 fn count(profile: &Profile, evidence: Evidence) -> usize {
@@ -100,19 +101,19 @@ fn summary_json(profile: &Profile) -> Value {
     })
 }
 
-fn show(id: &str, format: Format, toml: bool) -> Result<Answer, Problems> {
+fn show(id: &str, format: Format, toml: bool) -> Result<Outcome, Problems> {
     let profile = inputs::profile(id, Path::new(""), &mut Vec::new())?;
     if toml {
         let page = match builtin::page(id) {
             Some(page) => page.to_string(),
             None => String::from_utf8_lossy(&inputs::read_file(Path::new(id))?).into_owned(),
         };
-        return print(&page);
+        return Ok(Outcome::text(&page));
     }
     if format == Format::Json {
-        return print_json(&profile_json(&profile));
+        return Outcome::json(&profile_json(&profile));
     }
-    print(&profile_text(&profile))
+    Ok(Outcome::text(&profile_text(&profile)))
 }
 
 fn profile_json(profile: &Profile) -> Value {
@@ -208,7 +209,7 @@ fn statement_lines(statement: &Statement) -> Vec<String> {
 
 /// Checks a profile and renders its templates with a small machine that has everything: nine
 /// errors, X in both directions.
-fn check(file: &Path, format: Format) -> Result<Answer, Problems> {
+fn check(file: &Path, format: Format) -> Result<Outcome, Problems> {
     let path = file.display().to_string();
     // A bare name is still a path here, so it gets a folder in front.
     let reference = if path.contains(['/', '\\']) {
@@ -225,15 +226,15 @@ fn check(file: &Path, format: Format) -> Result<Answer, Problems> {
     }
     let kit = generate(&Inputs::new(job, profile.clone(), &table, Vec::new())?)?;
     if format == Format::Json {
-        return print_json(&profile_json(&profile));
+        return Outcome::json(&profile_json(&profile));
     }
-    say(&format!(
+    let valid = format!(
         "`{path}` is a valid profile: {} ({}); its templates made {} files of a sample machine",
         profile.name,
         profile.id,
         kit.files.len()
-    ));
-    print(&files_text(&profile))
+    );
+    Ok(Outcome::text(&files_text(&profile)).saying(valid))
 }
 
 const SAMPLE_JOB: &str = r#"

@@ -1,6 +1,7 @@
 //! A finished kit on its way to the user: written, then shown, then what to do with it.
 
-use crate::cli::{Format, print, print_bytes, say, write};
+use crate::cli::outcome::Outcome;
+use crate::cli::{Format, write};
 use crate::manifest::MANIFEST;
 use crate::problem::Problems;
 use clap::Args;
@@ -23,36 +24,22 @@ impl Delivery {
         write::ensure_free(directory, self.force)
     }
 
-    /// Writes the files and then the bytes of the manifest; prints `report` or the manifest, and
-    /// says `next_steps`. The texts are composed before waiting for the disk; nothing is printed of a kit
-    /// that could not be written.
-    pub(super) fn deliver<'a>(
+    /// The files and then the bytes of the manifest, complete beside their place; `report` or the manifest
+    /// is printed, `next_steps` is said.
+    pub(super) fn outcome<'a>(
         &self,
         directory: &Path,
         files: impl Iterator<Item = write::NamedBytes<'a>>,
         manifest: &[u8],
         report: impl FnOnce() -> String,
-        next_steps: impl FnOnce() -> String,
-    ) -> Result<(), Problems> {
-        let texts = || {
-            let wanted = self.format == Format::Text;
-            (wanted.then(report), next_steps())
+        next_steps: String,
+    ) -> Result<Outcome, Problems> {
+        let files: Vec<_> = files.collect();
+        let ready = write::write_kit(directory, &files, (MANIFEST, manifest), self.force)?;
+        let outcome = match self.format {
+            Format::Json => Outcome::bytes(manifest.to_vec()),
+            Format::Text => Outcome::text(&report()),
         };
-        let named = (MANIFEST, manifest);
-        let ((report, next_steps), moved) = write::write_kit(
-            directory,
-            &files.collect::<Vec<_>>(),
-            named,
-            self.force,
-            texts,
-        )?;
-        let printed = match report {
-            None => print_bytes(manifest),
-            Some(report) => print(&report),
-        };
-        // The kit is in its place, also where nothing can be printed.
-        moved.iter().for_each(|sentence| say(sentence));
-        say(&next_steps);
-        printed.map(|_| ())
+        Ok(outcome.writing(ready).saying(next_steps))
     }
 }

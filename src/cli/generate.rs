@@ -1,6 +1,7 @@
 //! `nonius generate JOB -o DIR`
 
 use crate::cli::deliver::Delivery;
+use crate::cli::outcome::Outcome;
 use crate::cli::shell::shell_word;
 use crate::cli::{Answer, inputs, show};
 use crate::conformity::Verdict;
@@ -23,24 +24,20 @@ pub(super) struct Options {
     delivery: Delivery,
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let (job, directory) = (&options.job, &options.output);
     options.delivery.ensure_free(directory)?;
     let inputs = inputs::read(job)?;
     let kit = generate(&inputs)?;
     let files = kit.files.iter();
-    options.delivery.deliver(
+    let outcome = options.delivery.outcome(
         directory,
         files.map(|file| (file.path.as_str(), file.bytes.as_slice())),
         &kit.manifest_bytes()?,
         || report(&inputs, &kit),
-        || next_steps(job, directory, &inputs, &kit),
+        next_steps(job, directory, &inputs, &kit),
     )?;
-    Ok(if kit.verdict == Verdict::Pass {
-        Answer::Yes
-    } else {
-        Answer::No
-    })
+    Ok(outcome.answering(Answer::yes(kit.verdict == Verdict::Pass)))
 }
 
 fn report(inputs: &Inputs, kit: &Kit) -> String {

@@ -8,8 +8,9 @@
 //! breaks or a file was changed.
 
 use crate::cli::inputs::read_file;
+use crate::cli::outcome::Outcome;
 use crate::cli::write::previous;
-use crate::cli::{Answer, Format, print, print_json};
+use crate::cli::{Answer, Format};
 use crate::controller::Role;
 use crate::kit::sha256;
 use crate::manifest::MANIFEST;
@@ -31,17 +32,13 @@ pub(super) struct Options {
     format: Format,
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let chain = follow(&options.directory)?;
-    match options.format {
-        Format::Json => print_json(&document(&chain))?,
-        Format::Text => print(&text(&chain))?,
+    let outcome = match options.format {
+        Format::Json => Outcome::json(&document(&chain))?,
+        Format::Text => Outcome::text(&text(&chain)),
     };
-    Ok(if chain.is_sound() {
-        Answer::Yes
-    } else {
-        Answer::No
-    })
+    Ok(outcome.answering(Answer::yes(chain.is_sound())))
 }
 
 /// One kit of the chain.

@@ -1,8 +1,9 @@
 //! `nonius import FILE -o errors.csv`
 
 use crate::axis::{Axis, Direction};
+use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, paragraphs, table};
-use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
+use crate::cli::{Format, inputs, write};
 use crate::delimited::LengthUnit;
 use crate::import::choices::{
     Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel, Values,
@@ -80,7 +81,7 @@ pub(super) struct Options {
     format: Format,
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let to_stdout = options.output == Path::new("-");
     if to_stdout && options.format == Format::Json {
         return Err(Problem::new(
@@ -102,20 +103,20 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     let stated = options.stated();
     let imported = import::import(file, options.from, options.encoding, &stated)?;
     if to_stdout {
-        say(&talk(&imported));
-        return print_bytes(imported.text.as_bytes());
+        let talk = talk(&imported);
+        return Ok(Outcome::bytes(imported.text.into_bytes()).saying(talk));
     }
-    write::write_file(&options.output, imported.text.as_bytes(), options.force)?;
-    say(&talk(&imported));
-    say(&format!(
+    let ready = write::write_file(&options.output, imported.text.as_bytes(), options.force)?;
+    let next = format!(
         "wrote {}\nnext: name it in [measurement] of a job, `errors = \"{}\"`; a list joins the tables of several axes, `errors = [\"x.csv\", \"y.csv\"]`",
         options.output.display(),
         inputs::file_name(&options.output)
-    ));
-    match options.format {
-        Format::Json => print_json(&document(file, &options.output, &stated, &imported)),
-        Format::Text => print(&series_table(&imported)),
-    }
+    );
+    let outcome = match options.format {
+        Format::Json => Outcome::json(&document(file, &options.output, &stated, &imported))?,
+        Format::Text => Outcome::text(&series_table(&imported)),
+    };
+    Ok(outcome.writing(ready).saying(talk(&imported)).saying(next))
 }
 
 impl Options {

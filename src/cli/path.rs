@@ -7,7 +7,8 @@ mod program_text;
 mod show_path;
 
 use crate::cli::corrected::AskedTables;
-use crate::cli::{Answer, Format, inputs, print, print_json, say, write};
+use crate::cli::outcome::Outcome;
+use crate::cli::{Format, inputs, write};
 use crate::kit::Inputs;
 use crate::nc::{Ran, run as run_program};
 use crate::problem::{Problem, Problems};
@@ -96,31 +97,29 @@ impl Options {
     }
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     options.refuse_doubles()?;
     if let Some(file) = options.file() {
         write::ensure_new(file, options.force)?;
     }
-    let page = page(options)?;
-    match options.format {
-        Format::Json => print_json(&document::document(&page))?,
-        Format::Text if options.to_stdout() => {
-            say(&show_path::text(&page));
-            Answer::Yes
-        }
-        Format::Text => print(&show_path::text(&page))?,
+    let (page, points) = page(options)?;
+    let shown = || match options.format {
+        Format::Json => Outcome::json(&document::document(&page)),
+        Format::Text => Ok(Outcome::text(&show_path::text(&page))),
     };
-    if let Some(file) = options.file() {
-        say(&format!(
-            "wrote {} ({} samples)",
-            file.display(),
-            page.before.summary.samples
-        ));
+    match (points, options.file()) {
+        (None, _) => shown(),
+        (Some(points), None) => Ok(Outcome::file(points.printed()?).saying(show_path::text(&page))),
+        (Some(points), Some(file)) => {
+            let samples = page.before.summary.samples;
+            let wrote = format!("wrote {} ({samples} samples)", file.display());
+            Ok(shown()?.writing(points.written()?).saying(wrote))
+        }
     }
-    Ok(Answer::Yes)
 }
 
-fn page(options: &Options) -> Result<Page, Problems> {
+/// The page, and the samples where a file of them is asked for.
+fn page(options: &Options) -> Result<(Page, Option<Points>), Problems> {
     let inputs = inputs::read_for(&options.job, options.tables.use_of())?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = map_of(&inputs, &volume)?;
@@ -165,10 +164,7 @@ fn page(options: &Options) -> Result<Page, Problems> {
         }),
         _ => None,
     };
-    if let Some(points) = points {
-        points.finish(options.force)?;
-    }
-    Ok(Page {
+    let page = Page {
         program,
         inputs,
         volume,
@@ -176,7 +172,8 @@ fn page(options: &Options) -> Result<Page, Problems> {
         before,
         after,
         holes,
-    })
+    };
+    Ok((page, points))
 }
 
 fn map_of(inputs: &Inputs, volume: &VolumeModel) -> Result<PathMap, Problem> {

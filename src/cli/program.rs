@@ -2,8 +2,9 @@
 
 use crate::axis::Axis;
 use crate::cli::deliver::Delivery;
+use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, table};
-use crate::cli::{Answer, inputs, show};
+use crate::cli::{inputs, show};
 use crate::emit::program::FileRole;
 use crate::job::{Job, RunType, TargetGrid};
 use crate::manifest::MANIFEST;
@@ -25,20 +26,19 @@ pub(super) struct Options {
     delivery: Delivery,
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let directory = &options.output;
     options.delivery.ensure_free(directory)?;
     let (job, profile, hashes) = inputs::read_job_and_profile(&options.job)?;
     let kit = make(&job, &profile, &hashes)?;
     let files = kit.files.iter();
-    options.delivery.deliver(
+    options.delivery.outcome(
         directory,
         files.map(|file| (file.path.as_str(), file.bytes.as_slice())),
         &kit.manifest_bytes()?,
         || report(&job, &profile.name, &kit),
-        || next_steps(directory, &kit),
-    )?;
-    Ok(Answer::Yes)
+        next_steps(directory, &kit),
+    )
 }
 
 fn report(job: &Job, control: &str, kit: &ProgramKit) -> String {

@@ -11,7 +11,8 @@ mod text;
 mod words;
 
 use crate::axis::ErrorTerm;
-use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
+use crate::cli::outcome::Outcome;
+use crate::cli::{Answer, Format, inputs, write};
 use crate::diagonal::PathKind;
 use crate::error_table;
 use crate::problem::{Problem, Problems};
@@ -62,7 +63,7 @@ fn trials(text: &str) -> Result<usize, String> {
     }
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let to_stdout = options.output.as_deref() == Some(Path::new("-"));
     if to_stdout && options.format == Format::Json {
         return Err(Problem::new(
@@ -80,29 +81,28 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     }
     let separation = campaign.separate()?;
     let simulated = simulated(options, &campaign, &separation)?;
-    if let Some(output) = &options.output {
-        let csv = error_table::write(&campaign.draft(&separation));
-        if to_stdout {
-            say(&text::summary(&separation, simulated.as_ref())?);
-            print_bytes(csv.as_bytes())?;
-            return Ok(answer(separation.stands()));
+    let csv = || error_table::write(&campaign.draft(&separation)).into_bytes();
+    let outcome = match options.format {
+        Format::Json => Outcome::json(&document::separation(&separation, simulated.as_ref())?)?,
+        Format::Text => {
+            let summary = text::summary(&separation, simulated.as_ref())?;
+            match to_stdout {
+                true => Outcome::bytes(csv()).saying(summary),
+                false => Outcome::text(&summary),
+            }
         }
-        write::write_file(output, csv.as_bytes(), options.force)?;
-        say(&format!("wrote {}", output.display()));
-    }
-    match options.format {
-        Format::Text => print(&text::summary(&separation, simulated.as_ref())?),
-        Format::Json => print_json(&document::separation(&separation, simulated.as_ref())?),
-    }?;
-    Ok(answer(separation.stands()))
+    };
+    // No, where an error is not determined or something speaks against the result.
+    let outcome = outcome.answering(Answer::yes(separation.stands()));
+    Ok(match options.output.as_deref().filter(|_| !to_stdout) {
+        None => outcome,
+        Some(output) => outcome
+            .writing(write::write_file(output, &csv(), options.force)?)
+            .saying(format!("wrote {}", output.display())),
+    })
 }
 
-/// No, where an error is not determined or something speaks against the result.
-fn answer(stands: bool) -> Answer {
-    if stands { Answer::Yes } else { Answer::No }
-}
-
-fn straight_runs(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Answer, Problems> {
+fn straight_runs(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Outcome, Problems> {
     if options.output.is_some() {
         return Err(Problem::new(
             "straight runs hold no nine errors: four totals are three squareness errors and one combination of the scales",
@@ -111,11 +111,11 @@ fn straight_runs(options: &Options, campaign: &inputs::CampaignFiles) -> Result<
         .into());
     }
     let result = campaign.straight()?;
-    match options.format {
-        Format::Text => print(&straight::page(&result)?),
-        Format::Json => print_json(&straight::document(&result)?),
-    }?;
-    Ok(answer(result.doubts.is_empty()))
+    let outcome = match options.format {
+        Format::Text => Outcome::text(&straight::page(&result)?),
+        Format::Json => Outcome::json(&straight::document(&result)?)?,
+    };
+    Ok(outcome.answering(Answer::yes(result.doubts.is_empty())))
 }
 
 fn simulated(

@@ -1,8 +1,9 @@
 //! `nonius simulate JOB -o readings.csv`
 
 use crate::cli::directory::read_directory;
+use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, paragraphs, table};
-use crate::cli::{Answer, Format, inputs, print, print_bytes, print_json, say, write};
+use crate::cli::{Format, inputs, write};
 use crate::diagonal::{Diagonal, PathKind};
 use crate::error_table;
 use crate::kit::{Inputs, generate, hashed};
@@ -97,7 +98,7 @@ struct Simulated {
     document: Value,
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let to_stdout = options.output == Path::new("-");
     if to_stdout && options.format == Format::Json {
         return Err(Problem::new(
@@ -111,15 +112,15 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
     }
     let simulated = simulated(options)?;
     if to_stdout {
-        say(&simulated.text);
-        return print_bytes(&simulated.bytes);
+        return Ok(Outcome::bytes(simulated.bytes).saying(simulated.text));
     }
-    write::write_file(&options.output, &simulated.bytes, options.force)?;
-    say(&format!("wrote {} ({SIMULATED})", options.output.display()));
-    match options.format {
-        Format::Text => print(&simulated.text),
-        Format::Json => print_json(&simulated.document),
-    }
+    let ready = write::write_file(&options.output, &simulated.bytes, options.force)?;
+    let wrote = format!("wrote {} ({SIMULATED})", options.output.display());
+    let outcome = match options.format {
+        Format::Text => Outcome::text(&simulated.text),
+        Format::Json => Outcome::json(&simulated.document)?,
+    };
+    Ok(outcome.writing(ready).saying(wrote))
 }
 
 fn simulated(options: &Options) -> Result<Simulated, Problems> {

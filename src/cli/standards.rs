@@ -5,12 +5,13 @@ mod document;
 mod text;
 
 use crate::axis::{Axis, Direction};
+use crate::cli::Format;
 use crate::cli::import::{
     axis_word, by_word, direction_word, encoding_word, material_word, millimetres, runs_word,
     sign_word,
 };
 use crate::cli::inputs::{file_name, read_argument};
-use crate::cli::{Answer, Format, print, print_json};
+use crate::cli::outcome::Outcome;
 use crate::delimited::{LengthUnit, header_and_rows};
 use crate::document::Source;
 use crate::import::choices::{Encoding, MaterialCorrected, Runs as Ways, Sign};
@@ -69,7 +70,7 @@ fn values_word(text: &str) -> Result<Values, String> {
     by_word(text, &Values::ALL, Values::word)
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let (name, bytes) = read_argument(&options.file)?;
     let input = Input::of(&name, &bytes);
     options.refuse_foreign(input)?;
@@ -208,11 +209,11 @@ impl Options {
     }
 
     /// Figures of one axis; `facts` are what its file states.
-    fn axis(&self, name: &str, runs: &Runs, facts: Vec<String>) -> Result<Answer, Problems> {
+    fn axis(&self, name: &str, runs: &Runs, facts: Vec<String>) -> Result<Outcome, Problems> {
         let results = Results::of(runs, self.travel_mm, facts)?;
         match self.format {
-            Format::Json => print_json(&document::document(runs, &results)),
-            Format::Text => print(&text::report(name, runs, &results)),
+            Format::Json => Outcome::json(&document::document(runs, &results)),
+            Format::Text => Ok(Outcome::text(&text::report(name, runs, &results))),
         }
     }
 }

@@ -7,7 +7,8 @@ mod second;
 use self::records::First;
 use crate::cli::directory::{Found, read_directory};
 use crate::cli::inputs;
-use crate::cli::{Answer, Format, print, print_json, say, show};
+use crate::cli::outcome::Outcome;
+use crate::cli::{Answer, Format, show};
 use crate::conformity::Verdict;
 use crate::forecast::Forecast;
 use crate::kit::{Inputs, Verification, verify, verify_read_out};
@@ -33,7 +34,7 @@ pub(super) struct Options {
     format: Format,
 }
 
-pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let (directory, format) = (options.tables.as_path(), options.format);
     let inputs = inputs::read(&options.job)?;
     let second = options
@@ -56,21 +57,15 @@ pub(super) fn run(options: &Options) -> Result<Answer, Problems> {
         };
         return page::answer(first, directory, &verification, &second, format);
     }
-    match format {
-        Format::Json => print_json(&document(&inputs, &verification))?,
+    let outcome = match format {
+        Format::Json => Outcome::json(&document(&inputs, &verification))?,
         Format::Text => {
             let verdict = verdict(&inputs, &verification);
-            print_page(
-                &report(&inputs, directory, &verification, &verdict),
-                &verdict,
-            )?
+            // Once more after the page, which is long.
+            Outcome::text(&report(&inputs, directory, &verification, &verdict)).saying(verdict)
         }
     };
-    Ok(if verification.verdict == Verdict::Pass {
-        Answer::Yes
-    } else {
-        Answer::No
-    })
+    Ok(outcome.answering(Answer::yes(verification.verdict == Verdict::Pass)))
 }
 
 /// The files of a directory against the job.
@@ -135,13 +130,6 @@ fn verdict(inputs: &Inputs, verification: &Verification) -> String {
         !verification.disagreements.is_empty(),
         &verification.doubts,
     )
-}
-
-/// The page, and the verdict once more after it: the page is long.
-fn print_page(page: &str, verdict: &str) -> Result<Answer, Problems> {
-    let printed = print(page)?;
-    say(verdict);
-    Ok(printed)
 }
 
 fn report(inputs: &Inputs, directory: &Path, verification: &Verification, verdict: &str) -> String {

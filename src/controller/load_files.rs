@@ -127,7 +127,19 @@ fn proved(file: &Section<'_>, role: Option<Role>) -> Option<Mechanism> {
 fn is_plain_file_name(path: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
     !path.is_empty()
-        && !path.starts_with('.')
+        && !path.starts_with(['.', '-'])
+        && !path.ends_with('.')
         && path.chars().all(plain)
         && !path.eq_ignore_ascii_case("manifest.json")
+        && !is_device_of_windows(path)
+}
+
+/// Names that Windows gives to devices, with any ending.
+fn is_device_of_windows(path: &str) -> bool {
+    let stem = path.split('.').next().unwrap_or("").to_ascii_lowercase();
+    let numbered = |word: &str| {
+        let number = stem.strip_prefix(word);
+        number.is_some_and(|n| n.len() == 1 && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    ["con", "prn", "aux", "nul"].contains(&stem.as_str()) || numbered("com") || numbered("lpt")
 }

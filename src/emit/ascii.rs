@@ -1,7 +1,7 @@
 //! Texts of a job in comments of a control's files, which are ASCII: letters of other scripts as the
 //! Latin letters that stand for them, German umlauts as German writes them without (ä → ae).
 
-use crate::problem::is_unseen;
+use crate::plain::is_unseen;
 use deunicode::deunicode_with_tofu;
 use std::borrow::Cow;
 

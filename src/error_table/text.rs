@@ -10,6 +10,7 @@
 //! end with LF: the same draft gives the same bytes everywhere.
 
 use crate::axis::{Axis, Direction, PerAxis};
+use crate::plain::line;
 
 /// An error table that is going to be written.
 ///
@@ -80,11 +81,7 @@ pub fn write(draft: &Draft) -> String {
 
 /// A comment is one line, whatever it holds.
 fn comment_line(comment: &str) -> String {
-    let line: String = comment
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
-    format!("# {}\n", line.trim_end())
+    format!("# {}\n", line(comment).trim_end())
 }
 
 fn push_row(text: &mut String, cells: &[String]) {

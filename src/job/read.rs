@@ -11,7 +11,8 @@ use crate::job::{
     Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis,
     Measurement, PathRequest, ProgramRequest, UseOf,
 };
-use crate::problem::{is_unseen, shown};
+use crate::plain::is_unseen;
+use crate::problem::shown;
 use crate::units::Millimetres;
 
 const DEFAULT_MAX_CORRECTION_UM: f64 = 500.0; // contract §2.3

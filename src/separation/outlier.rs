@@ -21,6 +21,9 @@ pub const MOST_OUTLIERS: usize = 12;
 /// What an instrument does not resolve is no disturbance, however small the noise, µm.
 pub const SMALLEST_DISTURBANCE_UM: f64 = 0.02;
 
+/// A larger ratio says no more.
+const LARGEST_RATIO: f64 = 1000.0;
+
 /// One reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ReadingPlace {
@@ -61,11 +64,15 @@ impl Outlier {
     /// Which reading, by how much, in words.
     pub fn words(&self) -> String {
         let places: Vec<String> = self.readings.iter().map(ReadingPlace::to_string).collect();
+        // Readings without noise leave no scatter to compare with.
+        let ratio = match self.ratio < LARGEST_RATIO {
+            true => format!("{:.1}", self.ratio),
+            false => format!("more than {LARGEST_RATIO}"),
+        };
         format!(
-            "{}: {:+.3} µm, {:.1} standard deviations",
+            "{}: {:+.3} µm, {ratio} standard deviations",
             places.join(" or "),
             Figure(self.size_um),
-            self.ratio
         )
     }
 }

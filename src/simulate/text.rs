@@ -6,6 +6,7 @@ use crate::diagonal::{Pass, PathKind, Run};
 use crate::emit::TOOL;
 use crate::kit::Inputs;
 use crate::manifest::HashedFile;
+use crate::plain::line;
 
 /// Where a simulation comes from, for the comments of its file.
 #[derive(Clone, Debug)]
@@ -49,7 +50,7 @@ impl Origin {
 pub fn write(simulation: &Simulation, rehearsal: &Rehearsal, comments: &[String]) -> String {
     let mut text = String::new();
     for comment in comments {
-        text.push_str(&format!("# {comment}\n"));
+        text.push_str(&format!("# {}\n", line(comment).trim_end()));
     }
     let recorded = rehearsal.recorded();
     let recorded = || Axis::ALL.into_iter().filter(|axis| recorded[*axis]);

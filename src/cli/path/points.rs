@@ -2,19 +2,19 @@
 
 use super::holes::length;
 use crate::cli::inputs::plain_words;
-use crate::cli::write;
+use crate::cli::write::{self, Ready, ReadyFile};
 use crate::problem::{Problem, Problems};
 use crate::tool_path::{PathMap, Sample};
 use crate::units::Figure;
-use std::io::{BufWriter, Seek, Write};
-use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use std::fs::File;
+use std::io::{BufWriter, ErrorKind, Seek, Write};
+use std::path::Path;
 
 /// A file that is being written beside its place; that of standard output is a temporary one.
 pub(super) struct Points {
     /// `None` = standard output.
-    path: Option<PathBuf>,
-    writer: BufWriter<NamedTempFile>,
+    ready: Option<ReadyFile>,
+    writer: BufWriter<File>,
     failed: Option<std::io::Error>,
 }
 
@@ -30,12 +30,13 @@ impl Points {
         has_after: bool,
         force: bool,
     ) -> Result<Points, Problems> {
-        let file = match path {
-            Some(path) => write::partial_file(path, force)?,
-            None => NamedTempFile::new().map_err(|error| not_written(None, &error))?,
-        };
+        let ready = path.map(|path| ReadyFile::new(path, force)).transpose()?;
+        let file = ready
+            .as_ref()
+            .map_or_else(tempfile::tempfile, ReadyFile::file);
+        let file = file.map_err(|error| not_written(path, &error))?;
         let mut points = Points {
-            path: path.map(Path::to_path_buf),
+            ready,
             writer: BufWriter::with_capacity(1 << 18, file),
             failed: None,
         };
@@ -59,29 +60,31 @@ impl Points {
         }
     }
 
-    /// Puts the file into place.
-    pub(super) fn finish(mut self, force: bool) -> Result<(), Problems> {
-        let flushed = self.writer.flush();
-        self.note(flushed);
-        let failed = |error: &std::io::Error| not_written(self.path.as_deref(), error);
-        if let Some(error) = &self.failed {
-            return Err(failed(error));
-        }
-        let file = self.writer.into_inner().map_err(|e| failed(e.error()))?;
-        match &self.path {
-            Some(path) => write::put(file, path, force).map_err(|error| failed(&error)),
-            None => to_stdout(file).map_err(|error| failed(&error)),
+    /// All samples, for standard output.
+    pub(super) fn printed(self) -> Result<File, Problems> {
+        let (_, mut file) = self.finished()?;
+        let rewound = file.rewind();
+        rewound.map_err(|error| not_written(None, &error))?;
+        Ok(file)
+    }
+
+    /// All samples, in a file.
+    pub(super) fn written(self) -> Result<Ready, Problems> {
+        match self.finished()? {
+            (Some(ready), _) => ready.complete(),
+            (None, _) => Err(not_written(None, &ErrorKind::NotFound.into())),
         }
     }
-}
 
-/// A reader that went away (`| head`) is no failure.
-fn to_stdout(mut file: NamedTempFile) -> std::io::Result<()> {
-    file.rewind()?;
-    let mut out = std::io::stdout().lock();
-    match std::io::copy(&mut file, &mut out).and_then(|_| out.flush()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error),
-        _ => Ok(()),
+    fn finished(mut self) -> Result<(Option<ReadyFile>, File), Problems> {
+        let flushed = self.writer.flush();
+        self.note(flushed);
+        let path = self.ready.as_ref().map(ReadyFile::place);
+        if let Some(error) = &self.failed {
+            return Err(not_written(path, error));
+        }
+        let (file, _) = self.writer.into_parts();
+        Ok((self.ready, file))
     }
 }
 

@@ -3,8 +3,9 @@
 use super::document::{conditions_json, insert};
 use super::text::{conditions_table, likely_words, micrometres};
 use crate::axis::{Axis, Direction, PerAxis};
+use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, paragraphs, table};
-use crate::cli::{Answer, Format, inputs, print, print_json};
+use crate::cli::{Format, inputs};
 use crate::delimited::header_and_rows;
 use crate::diagonal::{Diagonal, PathKind, Volume};
 use crate::document::Source;
@@ -23,7 +24,7 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// Figures of the readings that a job names.
-pub(super) fn of_job(path: &Path, format: Format) -> Result<Answer, Problems> {
+pub(super) fn of_job(path: &Path, format: Format) -> Result<Outcome, Problems> {
     let files = inputs::read_campaign(path)?;
     let measurement = &files.measurement;
     let (runs, all) = match measurement.kind {
@@ -45,7 +46,7 @@ pub(super) fn of_job(path: &Path, format: Format) -> Result<Answer, Problems> {
 }
 
 /// Figures of readings alone: those that the box has no part in.
-pub(super) fn of_readings(source: Source, format: Format) -> Result<Answer, Problems> {
+pub(super) fn of_readings(source: Source, format: Format) -> Result<Outcome, Problems> {
     let name = source.name.clone();
     let measurement = without_job(&source)?;
     let readings = Readings::read(source, &measurement)?;
@@ -185,10 +186,10 @@ impl Measured {
         figures: &Diagonals,
         notes: &[String],
         format: Format,
-    ) -> Result<Answer, Problems> {
+    ) -> Result<Outcome, Problems> {
         match format {
-            Format::Text => print(&self.report(name, figures, notes)),
-            Format::Json => print_json(&self.document(figures, notes)),
+            Format::Text => Ok(Outcome::text(&self.report(name, figures, notes))),
+            Format::Json => Outcome::json(&self.document(figures, notes)),
         }
     }
 

@@ -2,15 +2,16 @@
 
 use super::records::First;
 use super::second::Second;
-use super::{absent, agreement, heading, print_page};
+use super::{absent, agreement, heading};
 use crate::after::{
     AfterMeasurement, Comparison, Control, Line, Observation, compare, observations,
     unseen_reversal,
 };
 use crate::axis::{Direction, PerAxis};
 use crate::causes::{Cause, Corrected, Diagnosis, Question, diagnose};
+use crate::cli::outcome::Outcome;
 use crate::cli::show::{self, Column};
-use crate::cli::{Answer, Format, print_json};
+use crate::cli::{Answer, Format};
 use crate::conformity::Verdict;
 use crate::forecast::Forecast;
 use crate::job::{Job, MeasuredData};
@@ -38,18 +39,14 @@ pub(super) fn answer(
     verification: &Verification,
     second: &Second,
     format: Format,
-) -> Result<Answer, Problems> {
+) -> Result<Outcome, Problems> {
     second.ensure_active(first.inputs, verification)?;
     let page = page(first, verification, second)?;
-    match format {
-        Format::Json => print_json(&page.document())?,
-        Format::Text => print_page(&page.text(directory), &page.verdict_words())?,
+    let outcome = match format {
+        Format::Json => Outcome::json(&page.document())?,
+        Format::Text => Outcome::text(&page.text(directory)).saying(page.verdict_words()),
     };
-    Ok(if page.verdict == Verdict::Pass {
-        Answer::Yes
-    } else {
-        Answer::No
-    })
+    Ok(outcome.answering(Answer::yes(page.verdict == Verdict::Pass)))
 }
 
 fn page<'a>(

@@ -1,0 +1,213 @@
+//! `NAME.partial-…`: an output while it is not complete, beside its place. It goes when the run fails,
+//! when a signal ends the run, or, where the run was killed, when the next one writes to that place.
+//!
+//! A run that is at work holds a lock on what it made, so that no other run takes it for left over.
+
+use super::parent_of;
+use crate::cli::say;
+use std::fs::{self, File, TryLockError};
+use std::io::{Error, ErrorKind, Result};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+
+/// Characters of chance in the name: nobody calls a file of his own so by accident.
+const CHANCE: usize = 16;
+const MARK: &str = ".partial-";
+/// How often a name is tried before the place is given up.
+const TRIES: usize = 10;
+
+/// What this run made and did not put into its place yet, for the signals.
+static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn made() -> MutexGuard<'static, Vec<PathBuf>> {
+    MADE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A file or directory that this run made; dropped before it is in its place, it goes.
+pub(super) struct Partial {
+    path: PathBuf,
+    /// Held open: the lock.
+    _lock: Option<File>,
+}
+
+impl Drop for Partial {
+    fn drop(&mut self) {
+        let mut made = made();
+        if let Some(at) = made.iter().position(|path| *path == self.path) {
+            made.swap_remove(at);
+            remove(&self.path);
+        }
+    }
+}
+
+/// Removes what is not complete; of a directory that it lies in, nothing but the directory, if empty.
+fn remove(path: &Path) {
+    // What cannot be removed stays; the next run tries again.
+    let _ = if !path.is_dir() {
+        fs::remove_file(path)
+    } else if is_partial(path) {
+        fs::remove_dir_all(path)
+    } else {
+        fs::remove_dir(path)
+    };
+}
+
+impl Partial {
+    /// A new directory for what shall be at `place`.
+    pub(super) fn directory(place: &Path) -> Result<Partial> {
+        let new = |builder: &mut tempfile::Builder<'_, '_>, parent: &Path| {
+            Ok((builder.tempdir_in(parent)?.keep(), ()))
+        };
+        let (partial, ()) = Partial::at(place, 0o777, new, |path, ()| File::open(path))?;
+        Ok(partial)
+    }
+
+    /// A new file for what shall be at `place`, and a handle to write with.
+    pub(super) fn file(place: &Path) -> Result<(Partial, File)> {
+        let new = |builder: &mut tempfile::Builder<'_, '_>, parent: &Path| {
+            let (file, path) = builder.tempfile_in(parent)?.keep()?;
+            Ok((path, file))
+        };
+        Partial::at(place, 0o666, new, |_, file| file.try_clone())
+    }
+
+    /// Something new with a name of its own beside `place`, with the permissions that the user's mask
+    /// leaves, after what killed runs left there was removed.
+    fn at<T>(
+        place: &Path,
+        mode: u32,
+        new: impl Fn(&mut tempfile::Builder<'_, '_>, &Path) -> Result<(PathBuf, T)>,
+        handle: impl Fn(&Path, &T) -> Result<File>,
+    ) -> Result<(Partial, T)> {
+        let parent = parent_of(place);
+        clean(place, &parent);
+        hear_signals();
+        let prefix = prefix_of(place);
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).rand_bytes(CHANCE);
+        with_mode(&mut builder, mode);
+        for _ in 0..TRIES {
+            let mut made = made();
+            let (path, thing) = new(&mut builder, &parent)?;
+            made.push(path.clone());
+            drop(made);
+            let lock = handle(&path, &thing).ok();
+            let is_taken = lock.as_ref().is_some_and(is_taken);
+            let partial = Partial { path, _lock: lock };
+            // Between its birth and the lock another run may have taken it for left over.
+            if !is_taken && partial.path.exists() {
+                return Ok((partial, thing));
+            }
+        }
+        let reason = "another program removes what is made";
+        Err(Error::new(ErrorKind::NotFound, reason))
+    }
+
+    /// A directory that was not there, and those above it; the innermost first.
+    pub(super) fn parents(directory: &Path) -> Result<Vec<Partial>> {
+        let missing: Vec<&Path> = directory
+            .ancestors()
+            .take_while(|path| !path.as_os_str().is_empty() && !path.exists())
+            .collect();
+        let mut parents = Vec::new();
+        for path in missing.into_iter().rev() {
+            hear_signals();
+            let mut made = made();
+            match fs::create_dir(path) {
+                Err(error) if error.kind() != ErrorKind::AlreadyExists => return Err(error),
+                Err(_) => continue, // another run made it
+                Ok(()) => made.push(path.to_path_buf()),
+            }
+            let path = path.to_path_buf();
+            parents.insert(0, Partial { path, _lock: None });
+        }
+        Ok(parents)
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Puts it into its place; a signal waits until that is done.
+    pub(super) fn placed<T, E>(
+        &self,
+        put: impl FnOnce(&Path) -> std::result::Result<T, E>,
+    ) -> std::result::Result<T, E> {
+        let mut made = made();
+        let done = put(&self.path)?;
+        made.clear(); // with it the directories above: they are in use
+        Ok(done)
+    }
+}
+
+#[cfg(unix)]
+fn with_mode(builder: &mut tempfile::Builder<'_, '_>, mode: u32) {
+    use std::os::unix::fs::PermissionsExt;
+    builder.permissions(fs::Permissions::from_mode(mode));
+}
+
+#[cfg(not(unix))]
+fn with_mode(_: &mut tempfile::Builder<'_, '_>, _: u32) {}
+
+fn prefix_of(place: &Path) -> String {
+    let name = place.file_name().unwrap_or_default().to_string_lossy();
+    format!("{name}{MARK}")
+}
+
+fn is_partial(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let chance = name.rsplit_once(MARK).map(|(_, chance)| chance);
+    chance.is_some_and(|c| c.len() == CHANCE && c.bytes().all(|b| b.is_ascii_alphanumeric()))
+}
+
+/// Removes what killed runs left at this place, and says so. Where nothing tells whether a run is still
+/// at work, it is named only.
+fn clean(place: &Path, parent: &Path) {
+    let prefix = prefix_of(place);
+    let entries = fs::read_dir(parent).into_iter().flatten().flatten();
+    let is_left = |path: &PathBuf| {
+        let kind = fs::symlink_metadata(path);
+        let is_ours = kind.is_ok_and(|kind| kind.is_file() || kind.is_dir());
+        is_ours && is_partial(path) && !made().contains(path)
+    };
+    let left = entries
+        .filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix))
+        .map(|entry| place.with_file_name(entry.file_name()))
+        .filter(is_left);
+    for path in left {
+        let name = path.display();
+        let held = File::open(&path);
+        match held.as_ref().map(File::try_lock) {
+            Ok(Ok(())) if cfg!(unix) => {
+                remove(&path);
+                say(&format!("removed {name}, left by a run that was killed"));
+            }
+            Ok(Err(TryLockError::WouldBlock)) => {}
+            _ => say(&format!(
+                "{name} was left by a run that was killed, or another run is at work there"
+            )),
+        }
+    }
+}
+
+/// Takes the lock, and tells whether another run has it. Windows would keep this run itself from reading
+/// the file by another handle, so there nothing is locked.
+fn is_taken(file: &File) -> bool {
+    cfg!(unix) && matches!(file.try_lock(), Err(TryLockError::WouldBlock))
+}
+
+/// Ctrl-C, the end of the session and `kill`: what is not complete goes, exit status 2.
+fn hear_signals() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        // A system without signals ends the program as it always does.
+        let _ = ctrlc::set_handler(|| {
+            let made = made();
+            if made.is_empty() {
+                return; // everything is in its place
+            }
+            made.iter().rev().for_each(|path| remove(path));
+            std::process::exit(2);
+        });
+    });
+}

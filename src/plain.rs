@@ -1,0 +1,88 @@
+//! Text of others (machine names, manifests, comments of foreign files) on its way to a person:
+//! characters that a person does not see, and that a terminal, a spreadsheet or a control may
+//! obey, are shown as `�`.
+
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// What stands for a character that is not seen.
+const INSTEAD: char = '\u{fffd}';
+
+/// Control characters; those that turn the direction of the text, end a line in some programs only,
+/// or take no room.
+pub fn is_unseen(c: char) -> bool {
+    let turns = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let ends_a_line = matches!(c, '\u{2028}' | '\u{2029}');
+    let takes_no_room = matches!(c, '\u{ad}' | '\u{180e}' | '\u{200b}' | '\u{2060}'..='\u{2064}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}');
+    turns || ends_a_line || takes_no_room || c.is_control()
+}
+
+/// A page: its line ends and tabs stay.
+pub fn page(text: &str) -> Cow<'_, str> {
+    shown_but(text, |c| matches!(c, '\n' | '\t'))
+}
+
+/// One line, for instance a comment: a blank for a tab, `�` for a line end.
+pub fn line(text: &str) -> Cow<'_, str> {
+    match text.contains('\t') {
+        true => Cow::Owned(shown_but(&text.replace('\t', " "), |_| false).into_owned()),
+        false => shown_but(text, |_| false),
+    }
+}
+
+fn shown_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
+    let goes = |c: char| is_unseen(c) && !stays(c);
+    if !text.contains(goes) {
+        return Cow::Borrowed(text);
+    }
+    let seen = text.chars().map(|c| if goes(c) { INSTEAD } else { c });
+    Cow::Owned(seen.collect())
+}
+
+/// A JSON document whose texts hold no such character: `\u202e` in its place, which reads back to the
+/// same text. Only texts of a document can hold one, apart from its line ends.
+pub fn json(document: &str) -> Cow<'_, str> {
+    let goes = |c: char| is_unseen(c) && c != '\n';
+    if !document.contains(goes) {
+        return Cow::Borrowed(document);
+    }
+    let mut escaped = String::with_capacity(document.len());
+    for c in document.chars() {
+        if goes(c) {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                // Writing to a text never fails.
+                let _ = write!(escaped, "\\u{unit:04x}");
+            }
+        } else {
+            escaped.push(c);
+        }
+    }
+    Cow::Owned(escaped)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test may stop")]
+
+    use super::{json, line, page};
+    use proptest::prelude::*;
+
+    #[test]
+    fn what_a_terminal_would_obey_is_shown() {
+        let foreign = "a\u{1b}]0;title\u{7}\tb\u{202e}c\r\nd\u{9b}31m";
+        assert_eq!(page(foreign), "a�]0;title�\tb�c�\nd�31m");
+        assert_eq!(line("one\ttwo\n\u{2028}three"), "one two��three");
+        assert_eq!(page("Fräse 加工中心"), "Fräse 加工中心");
+    }
+
+    proptest! {
+        #[test]
+        fn json_reads_back_to_the_same_text(text in "\\PC*[\u{7f}-\u{9f}\u{ad}\u{202a}-\u{202e}\u{e0001}]*.*") {
+            let document = serde_json::to_string_pretty(&[&text]).expect("a text");
+            let escaped = json(&document);
+            prop_assert!(!escaped.contains(|c| super::is_unseen(c) && c != '\n'));
+            let found: Vec<String> = serde_json::from_str(&escaped).expect("JSON");
+            prop_assert_eq!(found, vec![text]);
+        }
+    }
+}
