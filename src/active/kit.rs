@@ -250,12 +250,15 @@ fn check_state(job: &Job, own: &ControlState, state: &Value, problems: &mut Prob
 
 fn differences(own: &crate::control_state::AxisState, entry: &Value) -> Vec<String> {
     let mut words = Vec::new();
-    let reference = entry["reference_mm"].as_f64().unwrap_or(f64::NAN);
-    if (reference - own.reference.mm()).abs() > SAME || reference.is_nan() {
-        words.push(format!(
-            "the active tables have their reference at {reference} mm, the job has it at {} mm",
-            own.reference.mm()
-        ));
+    let expected = own.reference.mm();
+    match entry["reference_mm"].as_f64() {
+        Some(reference) if (reference - expected).abs() <= SAME => {}
+        Some(reference) => words.push(format!(
+            "the active tables have their reference at {reference} mm, the job has it at {expected} mm"
+        )),
+        None => words.push(format!(
+            "the manifest of the active tables lacks `reference_mm`, the job has the reference at {expected} mm"
+        )),
     }
     let direction = entry["reference_direction"].as_str().unwrap_or_default();
     if direction != own.reference_direction.symbol() {
