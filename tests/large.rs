@@ -4,8 +4,8 @@
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
-use nonius::document::{LARGEST_PAGE, MOST_LINES};
-use nonius::problem::LONGEST_LINE_BYTES;
+use nonius::text::document::{LARGEST_PAGE, MOST_LINES};
+use nonius::text::problem::LONGEST_LINE_BYTES;
 use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::path::Path;
