@@ -428,6 +428,23 @@ fn nothing_is_written_that_would_be_refused_when_it_is_read() {
 }
 
 #[test]
+fn no_more_readings_are_simulated_than_are_read() {
+    let directory = tempfile::tempdir().expect("a temporary directory can be made");
+    for name in ["job.toml", "readings.csv"] {
+        let text = fixture(&format!("diagonals/case_b_setup/{name}"));
+        put(&directory, name, &text);
+    }
+    let many = run(directory.path(), "simulate job.toml -o many.csv --runs 300");
+    assert!(
+        many.told.contains("readings, expected at most"),
+        "{}",
+        many.told
+    );
+    assert_eq!(many.status, Some(2));
+    assert!(!directory.path().join("many.csv").exists());
+}
+
+#[test]
 fn the_limits_stand_in_the_contract() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/interface.md");
     let page = fs::read_to_string(path).expect("the page is there");
