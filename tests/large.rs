@@ -429,19 +429,26 @@ fn nothing_is_written_that_would_be_refused_when_it_is_read() {
 
 #[test]
 fn no_more_readings_are_simulated_than_are_read() {
-    let directory = tempfile::tempdir().expect("a temporary directory can be made");
-    for name in ["job.toml", "readings.csv"] {
-        let text = fixture(&format!("diagonals/case_b_setup/{name}"));
-        put(&directory, name, &text);
-    }
-    let many = run(directory.path(), "simulate job.toml -o many.csv --runs 300");
-    assert!(
-        many.told.contains("readings, expected at most"),
-        "{}",
-        many.told
-    );
+    let directory = with_job("siemens-840d-sl");
+    let program = r#"
+[program]
+what = "step-diagonal"
+start_mm = { x = 0.0, y = 0.0, z = -720.0 }
+size_mm = { x = 900.0, y = 720.0, z = 720.0 }
+steps = 360
+order = "XYZ"
+bidirectional = false
+"#;
+    let job = format!("{}{program}", job("siemens-840d-sl"));
+    put(&directory, "job.toml", &job);
+    let simulate = "simulate job.toml --without-tables -o many.csv --runs";
+    let many = run(directory.path(), &format!("{simulate} 100"));
+    let says = "there would be 432400 readings, expected at most";
+    assert!(many.told.contains(says), "{}", many.told);
     assert_eq!(many.status, Some(2));
     assert!(!directory.path().join("many.csv").exists());
+    let some = run(directory.path(), &format!("{simulate} 20"));
+    assert_eq!(some.status, Some(0), "{}", some.told);
 }
 
 #[test]
