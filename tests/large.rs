@@ -428,6 +428,30 @@ fn nothing_is_written_that_would_be_refused_when_it_is_read() {
 }
 
 #[test]
+fn no_more_readings_are_simulated_than_are_read() {
+    let directory = with_job("siemens-840d-sl");
+    let program = r#"
+[program]
+what = "step-diagonal"
+start_mm = { x = 0.0, y = 0.0, z = -720.0 }
+size_mm = { x = 900.0, y = 720.0, z = 720.0 }
+steps = 360
+order = "XYZ"
+bidirectional = false
+"#;
+    let job = format!("{}{program}", job("siemens-840d-sl"));
+    put(&directory, "job.toml", &job);
+    let simulate = "simulate job.toml --without-tables -o many.csv --runs";
+    let many = run(directory.path(), &format!("{simulate} 100"));
+    let says = "there would be 432400 readings, expected at most";
+    assert!(many.told.contains(says), "{}", many.told);
+    assert_eq!(many.status, Some(2));
+    assert!(!directory.path().join("many.csv").exists());
+    let some = run(directory.path(), &format!("{simulate} 20"));
+    assert_eq!(some.status, Some(0), "{}", some.told);
+}
+
+#[test]
 fn the_limits_stand_in_the_contract() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/interface.md");
     let page = fs::read_to_string(path).expect("the page is there");

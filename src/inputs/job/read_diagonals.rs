@@ -11,7 +11,7 @@ use crate::quantity::units::Millimetres;
 use crate::text::document::{LONGEST_MM, Section};
 use crate::text::problem::shown;
 
-const MOST_STEPS: u32 = 100_000; // a thousand times the steps of any published measurement
+const MOST_STEPS: u32 = 8_000; // eighty times the steps of any published measurement; four diagonals fit into one file
 pub(super) const SMALLEST_SIZE_MM: f64 = 1e-3; // below it a box is no volume of a machine tool
 const LARGEST_ALPHA_PER_K: f64 = 1e-4; // four times aluminium
 const COLDEST_C: f64 = -10.0; // nobody measures outside these temperatures; they refuse °F as well

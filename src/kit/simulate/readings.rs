@@ -10,6 +10,7 @@ use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
 use crate::quantity::units::Deviation;
 use crate::text::problem::{Problem, Problems};
 use crate::write::grid::EDGE_MM;
+use crate::text::document::MOST_LINES;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -32,6 +33,22 @@ pub struct Simulation {
 /// Readings of a pass by node, zero at the forward start, µm; the way back where it is measured.
 type Passes = (Vec<f64>, Option<Vec<f64>>);
 
+/// Lines of the file beside its readings: some for each input and each note.
+const MOST_COMMENTS: usize = 1000;
+
+/// No file of readings is written that would be refused when it is read.
+fn check_rows(rehearsal: &Rehearsal, problems: &mut Problems) {
+    let nodes = rehearsal.volume.last_node(rehearsal.kind) + 1;
+    let runs = usize::try_from(rehearsal.runs).unwrap_or(usize::MAX);
+    let passes = Diagonal::ALL.len() * (1 + usize::from(rehearsal.both_directions));
+    let rows = nodes.saturating_mul(passes).saturating_mul(runs);
+    let most = MOST_LINES - MOST_COMMENTS;
+    if rows > most {
+        let message = format!("there would be {rows} readings, expected at most {most}");
+        problems.push(Problem::new(message).help("fewer runs, or fewer steps"));
+    }
+}
+
 /// Predicts the readings. Refused where an error is not measured, or not everywhere in the box.
 pub fn readings(
     machine: &SimulatedMachine<'_>,
@@ -41,6 +58,7 @@ pub fn readings(
     let mut problems = Problems::none();
     check_terms(machine, job, &mut problems);
     check_box(machine, rehearsal, job, &mut problems);
+    check_rows(rehearsal, &mut problems);
     problems.or_ok(())?;
     let mut exact = Vec::new();
     let mut runs = Vec::new();
