@@ -11,6 +11,7 @@ use crate::inputs::nc::interpreter::{Flow, Interpreter, Tally};
 use crate::inputs::nc::scan::{Wrong, words};
 use crate::inputs::nc::{Move, Setup};
 use crate::text::problem::{Place, Problem, Problems};
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Problems that are told of one program.
@@ -19,13 +20,14 @@ const MOST_PROBLEMS: usize = 20;
 const DEEPEST_CALLS: usize = 16;
 /// Subprograms in a file.
 const MOST_PROGRAMS: usize = 10_000;
-/// Work that a program asks for beyond its own lines: blocks of subprograms and holes that a cycle repeats
-/// (K, L). The lines of a file end by themselves, however large it is; this many blocks are hours of work of a
-/// control (a thousand in a second are many) and seconds here. The largest programs seen (60 MB) have
-/// three million, and may stand in a subprogram as a whole.
-const MOST_REPEATED: u64 = 10_000_000;
+/// Work that a program asks for beyond its own lines: blocks of subprograms, holes that a cycle repeats (K, L),
+/// and the millimetres that both go, as a path is followed in such steps. The lines of a file end by themselves,
+/// however large it is; this many blocks are hours of a control (a thousand in a second are many) and
+/// seconds here. The largest programs seen have 60 MB, three million blocks and 10 km, and may stand in
+/// a subprogram as a whole.
+const MOST_REPEATED: f64 = 2e7;
 /// What a call and a return count: the text is taken up again elsewhere, which takes as long as this many blocks.
-const JUMP: u64 = 10;
+const JUMP: f64 = 10.0;
 
 /// A line of a program: its number from 1, and its bytes without line end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +91,7 @@ where
         calls: Vec::new(),
         index: None,
         ran: Ran::default(),
-        repeated: 0,
+        repeated: 0.0,
         deletable: 0,
         percent: false,
         begun: false,
@@ -119,7 +121,7 @@ struct Control<'s> {
     index: Option<BTreeMap<u32, Mark>>,
     ran: Ran,
     /// Of [`MOST_REPEATED`].
-    repeated: u64,
+    repeated: f64,
     deletable: u64,
     percent: bool,
     begun: bool,
@@ -157,13 +159,21 @@ impl Control<'_> {
         F: FnMut(&Move) -> Result<(), Refused>,
     {
         let mut block = Block::new();
+        let length_mm = Cell::new(0.0);
+        let mut measured = |step: &Move| {
+            length_mm.set(length_mm.get() + step.length_mm());
+            follow(step)
+        };
         while self.found.len() < MOST_PROBLEMS {
             let Some(line) = text.next_line()? else {
                 return self.ended();
             };
             let (number, holes) = (line.number, self.interpreter.tally.holes);
-            let next = self.line(without_mark(line), &mut block, name, setup, follow);
-            self.count(holes, number)?;
+            length_mm.set(0.0);
+            let line = without_mark(line);
+            let next = self.line(line, &mut block, name, setup, &mut measured);
+            let holes = self.interpreter.tally.holes - holes;
+            self.count(holes, length_mm.get(), number)?;
             match next {
                 Next::Line => {}
                 Next::End => return Ok(()),
@@ -182,16 +192,23 @@ impl Control<'_> {
         Ok(())
     }
 
-    /// Counts the block that was executed, where it is one of a subprogram, and its holes but the first.
-    fn count(&mut self, holes_before: u64, line: usize) -> Result<(), Problems> {
-        let holes = self.interpreter.tally.holes - holes_before;
-        self.repeated += u64::from(!self.calls.is_empty()) + holes.saturating_sub(1);
+    /// Counts the block that was executed, where it is one of a subprogram or repeats holes.
+    fn count(&mut self, holes: u64, length_mm: f64, line: usize) -> Result<(), Problems> {
+        if self.calls.is_empty() && holes < 2 {
+            return Ok(());
+        }
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "at most some thousand of a block"
+        )]
+        let holes = holes as f64;
+        self.repeated += 1.0 + holes + length_mm;
         if self.repeated <= MOST_REPEATED {
             return Ok(());
         }
         let line = self.calls.first().map_or(line, |call| call.line);
         let message = format!(
-            "the repeats of subprograms and cycles make more than {MOST_REPEATED} blocks; the last of them begin in line {line}"
+            "the repeats of subprograms and cycles make more than {MOST_REPEATED} blocks and mm; the last of them begin in line {line}"
         );
         let help = "check the numbers of repeats: L and P of M98, K and L of cycles";
         Err(self.all(Problem::new(message).help(help)))

@@ -9,7 +9,7 @@ use std::collections::btree_map::Entry;
 use std::io::{Error, Result as Written, Write};
 
 /// Bytes of one file.
-const MOST_BYTES: usize = (LARGEST_FILE_MIB as usize) << 20;
+const MOST_BYTES: u64 = LARGEST_FILE_MIB << 20;
 /// Tags that one file executes; nearly every one writes a byte.
 const MOST_TAGS: u64 = LARGEST_FILE_MIB << 20;
 
@@ -78,13 +78,13 @@ impl Templates {
 /// A text that does not grow beyond a limit.
 struct Bounded {
     bytes: Vec<u8>,
-    most: usize,
+    most: u64,
     is_full: bool,
 }
 
 impl Write for Bounded {
     fn write(&mut self, bytes: &[u8]) -> Written<usize> {
-        if bytes.len() > self.most - self.bytes.len() {
+        if (self.bytes.len() + bytes.len()) as u64 > self.most {
             self.is_full = true;
             return Err(Error::other("too long"));
         }
