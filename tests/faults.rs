@@ -400,12 +400,14 @@ fn calls(played: &Played) -> Vec<Call> {
     let output = played.scene.output.trim_start_matches("new/deep/");
     let mut seen = BTreeMap::new();
     let mut calls = Vec::new();
-    let (mut touched, mut listed) = (false, false);
+    let (mut touched, mut listed) = (false, "");
     for line in text.lines() {
         let (process, rest) = line.split_once(char::is_whitespace).expect("a process");
-        let Some((name, _)) = rest.trim_start().split_once('(') else {
+        let Some((name, words)) = rest.trim_start().split_once('(') else {
             continue;
         };
+        // A number and what it stands for.
+        let handle = words.split([',', ')']).next().unwrap_or_default();
         if process != first || !name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_') {
             continue;
         }
@@ -416,10 +418,12 @@ fn calls(played: &Played) -> Vec<Call> {
             calls.push(Call {
                 name: name.to_string(),
                 number: *number,
-                is_refusable: !NO_FILE.contains(&name) && !(listed && name == "close"),
+                is_refusable: !NO_FILE.contains(&name) && !(name == "close" && handle == listed),
             });
         }
-        listed = name == "getdents64";
+        if name == "getdents64" {
+            listed = handle;
+        }
     }
     assert!(calls.len() > 20, "{}: {text}", played.scene.name);
     calls
