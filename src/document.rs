@@ -231,6 +231,9 @@ struct Notes {
     spots: RefCell<Vec<Spot>>,
 }
 
+/// Files larger than this are no job, table or profile (an error table of 10 000 points has 1 MB), and none
+/// is made: what was written must be readable again.
+pub const LARGEST_FILE_MIB: u64 = 64;
 /// No length, deviation or feed of a machine comes near, whatever its unit.
 pub const LARGEST_NUMBER: f64 = 1e9;
 /// No machine has a kilometre of travel.

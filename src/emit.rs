@@ -7,6 +7,7 @@
 mod ascii;
 mod fanuc;
 mod generic;
+mod layout;
 pub mod program;
 mod siemens;
 mod templates;

@@ -22,13 +22,10 @@ pub fn page(text: &str) -> Cow<'_, str> {
     shown_but(text, |c| matches!(c, '\n' | '\t'))
 }
 
-/// One line, for instance a comment: blanks for line ends and tabs.
+/// One line, for instance a comment: a blank for a tab, `�` for a line end.
 pub fn line(text: &str) -> Cow<'_, str> {
-    match text.contains(['\n', '\r', '\t']) {
-        true => {
-            let blank = text.replace(['\n', '\r', '\t'], " ");
-            Cow::Owned(shown_but(&blank, |_| false).into_owned())
-        }
+    match text.contains('\t') {
+        true => Cow::Owned(shown_but(&text.replace('\t', " "), |_| false).into_owned()),
         false => shown_but(text, |_| false),
     }
 }
@@ -74,7 +71,7 @@ mod tests {
     fn what_a_terminal_would_obey_is_shown() {
         let foreign = "a\u{1b}]0;title\u{7}\tb\u{202e}c\r\nd\u{9b}31m";
         assert_eq!(page(foreign), "a�]0;title�\tb�c�\nd�31m");
-        assert_eq!(line("one\r\ntwo\u{2028}three"), "one  two�three");
+        assert_eq!(line("one\ttwo\n\u{2028}three"), "one two��three");
         assert_eq!(page("Fräse 加工中心"), "Fräse 加工中心");
     }
 

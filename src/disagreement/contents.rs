@@ -51,12 +51,14 @@ pub fn contents(
 
 /// What nobody can judge because the files for it are not there, and what to see to instead.
 pub fn absent(profile: &Profile, wanted: &Tables, read: &ReadBack) -> Vec<String> {
-    match (&profile.dialect, wanted) {
+    let mut words = match (&profile.dialect, wanted) {
         (Dialect::Siemens(facts), Tables::Siemens(wanted)) => {
             siemens::machine_data::absent(wanted, &read.machine_data, facts)
         }
         _ => Vec::new(),
-    }
+    };
+    words.extend(read.notes.iter().cloned());
+    words
 }
 
 fn same(a: f64, b: f64) -> bool {

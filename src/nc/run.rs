@@ -19,8 +19,13 @@ const MOST_PROBLEMS: usize = 20;
 const DEEPEST_CALLS: usize = 16;
 /// Subprograms in a file.
 const MOST_PROGRAMS: usize = 10_000;
-/// Blocks that are executed, with all repeats: hours of work of a control.
-const MOST_BLOCKS: u64 = 200_000_000;
+/// Work that a program asks for beyond its own lines: blocks of subprograms and holes that a cycle repeats
+/// (K, L). The lines of a file end by themselves, however large it is; this many blocks are hours of work of a
+/// control (a thousand in a second are many) and seconds here. The largest programs seen (60 MB) have
+/// three million, and may stand in a subprogram as a whole.
+const MOST_REPEATED: u64 = 10_000_000;
+/// What a call and a return count: the text is taken up again elsewhere, which takes as long as this many blocks.
+const JUMP: u64 = 10;
 
 /// A line of a program: its number from 1, and its bytes without line end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,6 +89,7 @@ where
         calls: Vec::new(),
         index: None,
         ran: Ran::default(),
+        repeated: 0,
         deletable: 0,
         percent: false,
         begun: false,
@@ -96,6 +102,8 @@ where
 /// A call that is being executed.
 struct Call {
     program: u32,
+    /// The block that calls.
+    line: usize,
     begin: Mark,
     back: Mark,
     /// Runs after this one.
@@ -110,6 +118,8 @@ struct Control<'s> {
     calls: Vec<Call>,
     index: Option<BTreeMap<u32, Mark>>,
     ran: Ran,
+    /// Of [`MOST_REPEATED`].
+    repeated: u64,
     deletable: u64,
     percent: bool,
     begun: bool,
@@ -151,11 +161,9 @@ impl Control<'_> {
             let Some(line) = text.next_line()? else {
                 return self.ended();
             };
+            let (number, holes) = (line.number, self.interpreter.tally.holes);
             let next = self.line(without_mark(line), &mut block, name, setup, follow);
-            if self.ran.blocks > MOST_BLOCKS {
-                let message = format!("the program executes more than {MOST_BLOCKS} blocks");
-                return Err(self.all(Problem::new(message).help("check the numbers of repeats")));
-            }
+            self.count(holes, number)?;
             match next {
                 Next::Line => {}
                 Next::End => return Ok(()),
@@ -172,6 +180,21 @@ impl Control<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Counts the block that was executed, where it is one of a subprogram, and its holes but the first.
+    fn count(&mut self, holes_before: u64, line: usize) -> Result<(), Problems> {
+        let holes = self.interpreter.tally.holes - holes_before;
+        self.repeated += u64::from(!self.calls.is_empty()) + holes.saturating_sub(1);
+        if self.repeated <= MOST_REPEATED {
+            return Ok(());
+        }
+        let line = self.calls.first().map_or(line, |call| call.line);
+        let message = format!(
+            "the repeats of subprograms and cycles make more than {MOST_REPEATED} blocks; the last of them begin in line {line}"
+        );
+        let help = "check the numbers of repeats: L and P of M98, K and L of cycles";
+        Err(self.all(Problem::new(message).help(help)))
     }
 
     /// The text is over.
@@ -293,8 +316,10 @@ impl Control<'_> {
         };
         text.go_to(begin)?;
         self.entered = true;
+        self.repeated += JUMP;
         self.calls.push(Call {
             program,
+            line: place.line,
             begin,
             back,
             left: times - 1,
@@ -303,6 +328,7 @@ impl Control<'_> {
     }
 
     fn go_back<T: Text>(&mut self, text: &mut T) -> Result<(), Problem> {
+        self.repeated += JUMP;
         let Some(call) = self.calls.last_mut() else {
             return Ok(());
         };

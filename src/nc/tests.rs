@@ -358,6 +358,43 @@ fn centres_that_fit_as_absolute_ones_are_told() {
     assert!(help.is_some_and(|help| help.contains("G90.1")));
 }
 
+/// Why a program is not executed to its end; its moves are not kept.
+fn ended(program: &str) -> Result<u64, String> {
+    let mut text = Lines {
+        text: program.as_bytes(),
+        mark: Mark::default(),
+    };
+    let ran = run(&mut text, "part.nc", &control(), |_| Ok(()));
+    ran.map(|ran| ran.blocks)
+        .map_err(|problems| problems.render())
+}
+
+#[test]
+fn a_program_without_end_is_refused_with_its_reason() {
+    let holes = "G81 X1 R1 Z-1 K9999\n".repeat(1100);
+    for (program, line) in [
+        ("M98 P1 L99999999\nM30\nO1\nM99".to_string(), 1),
+        (
+            "G91 G1\nM98 P1 L9999\nM30\nO1\nX1\nM98 P2 L9999\nM99\nO2\nX1\nX-1\nM99".to_string(),
+            2,
+        ),
+        (format!("G54 G91 G0 X0 Y0 Z0\n{holes}M30"), 1002),
+    ] {
+        let words = ended(&program).expect_err("it does not end");
+        let says = format!("more than 10000000 blocks; the last of them begin in line {line}");
+        assert!(words.contains(&says), "{words}");
+        assert!(words.contains("L and P of M98"), "{words}");
+    }
+}
+
+/// The largest programs seen have 60 MB and three million blocks.
+#[test]
+fn a_large_program_is_executed_to_its_end() {
+    let lines = "X1\nX-1\n".repeat(1_500_000);
+    let called = format!("G54 G91 G1 X0 Y0 Z0\nM98 P1\nM30\nO1\n{lines}M99");
+    assert_eq!(ended(&called), Ok(3_000_005));
+}
+
 #[test]
 fn subprograms_are_called_and_repeated() {
     let program = "G91 G1\nM98 P7 L2\nX100\nM30\nO7\nX1\nM98 P8\nM99\nO8\nY1\nM99";

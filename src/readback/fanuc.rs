@@ -32,8 +32,8 @@ const LENGTH_PARAMETERS: [u32; 3] = [1240, 3624, 3625];
 /// source grammar of B-63950EN/02 §3.3 (`Q0` point, `Q1` parameter) and B-63330EN/03 §3 (number
 ///        from [`FanucFacts::point_offset`] on: point); a later block overwrites an earlier one,
 ///        but two different values of one point are a problem
-/// limits path 1 only, no spindles, no G10 programs; after 200 problems it stops looking for more; `M` and `I` before a length are refused,
-///        because the memory does not keep the unit of a value
+/// limits path 1 only, no spindles, no G10 programs; after 200 problems it stops looking for more; `M` and `I` are refused, as
+///        they mark lengths and feeds (§3.3.2) in a unit that the memory does not keep
 ///
 /// All problems of the file come back together, each with its place.
 pub fn read(file_name: &str, text: &str, facts: &FanucFacts) -> Result<FanucMemory, Problems> {
@@ -91,7 +91,7 @@ fn read_from(
 ) -> Result<ReadOut, Problems> {
     let source = Source::new(file_name, text);
     let mut problems = Problems::none();
-    let blocks = source.blocks(&mut problems);
+    let blocks = source.blocks(writer == Writer::Kit, &mut problems);
     let mut reader = Reader {
         source: &source,
         facts,
@@ -383,12 +383,13 @@ impl Reader<'_> {
     fn parameter_value(&self, number: u32, segment: &Segment) -> Result<ParameterValue, Problem> {
         let text = self.source.slice(&segment.value);
         let at = |message: String| self.source.problem(&segment.value, message);
-        if LENGTH_PARAMETERS.contains(&number) && !self.writer.may_write(segment.letter) {
+        let is_length = LENGTH_PARAMETERS.contains(&number) || self.writer == Writer::Kit;
+        if is_length && !self.writer.may_write(segment.letter) {
             let letter = segment.letter;
             return Err(at(format!(
                 "parameter {number} has the letter `{letter}`, expected `P`"
             ))
-            .help("state the length in the unit of the machine, with `P`"));
+            .help("state the value in the unit of the machine, with `P`"));
         }
         if is_bit_parameter(number) {
             return bits(text).ok_or_else(|| {

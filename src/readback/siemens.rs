@@ -111,7 +111,8 @@ pub fn read_out(file_name: &str, text: &str) -> Result<SiemensContents, Problems
 fn read_from(writer: Writer, file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
     let mut complaints = Vec::new();
     let mut memory = Memory::default();
-    read_lines(text, &mut memory, &mut complaints);
+    read_lines((file_name, text), &mut memory, &mut complaints);
+    memory.note_waiting(writer, file_name);
     let contents = memory.finish(writer, &mut complaints);
     complaints.sort_by_key(|complaint| complaint.span.start);
     let mut problems = Problems::none();
@@ -127,9 +128,14 @@ fn read_from(writer: Writer, file_name: &str, text: &str) -> Result<SiemensConte
     problems.or_ok(contents)
 }
 
-fn read_lines(text: &str, memory: &mut Memory, complaints: &mut Vec<Complaint>) {
+fn read_lines(
+    (file_name, text): (&str, &str),
+    memory: &mut Memory,
+    complaints: &mut Vec<Complaint>,
+) {
     const MOST_COMPLAINTS: usize = 200; // nobody reads further, and a binary file has millions
     let mut ended = false;
+    complaints.extend(destination(text).err());
     for line in lines(text) {
         if complaints.len() >= MOST_COMPLAINTS {
             return;
@@ -143,7 +149,13 @@ fn read_lines(text: &str, memory: &mut Memory, complaints: &mut Vec<Complaint>) 
                 Ok(())
             }
             Ok(Statement::Stop) => {
-                memory.note("M0: the program waits for cycle start before it goes on");
+                memory.note(format!(
+                    "`{file_name}`: M0 waits for cycle start before the program goes on"
+                ));
+                Ok(())
+            }
+            Ok(Statement::Activate) => {
+                memory.activate();
                 Ok(())
             }
             Ok(Statement::Set(set)) => memory.set(&set),
@@ -157,6 +169,26 @@ fn read_lines(text: &str, memory: &mut Memory, complaints: &mut Vec<Complaint>) 
             "the file has no end word; it is not complete",
             "a compensation file ends with `M17` or `M30`: transfer it again, or take it out of the directory if it is no file of the control",
         ));
+    }
+}
+
+/// A `;$PATH=` behind a `%_N_…_INI` says where the data go: only in this folder do they act (HMI Advanced
+/// Operator's Guide 03.04, p. 369-370).
+fn destination(text: &str) -> Result<(), Complaint> {
+    let mut lines = lines(text);
+    let (Some(header), Some(path)) = (lines.next(), lines.next()) else {
+        return Ok(());
+    };
+    let header = text[header].trim_end().to_ascii_uppercase();
+    let is_data = header.starts_with("%_N_") && header.ends_with("_INI");
+    let named = text[path.clone()].to_ascii_uppercase();
+    match named.strip_prefix(";$PATH=") {
+        Some(folder) if is_data && folder.trim_end() != "/_N_NC_ACT_DIR" => Err(Complaint::new(
+            path,
+            "the file does not go to the active data of the control",
+            "write `;$PATH=/_N_NC_ACT_DIR`, or leave the line out",
+        )),
+        _ => Ok(()),
     }
 }
 

@@ -4,8 +4,9 @@
 //! ```text
 //!   N03620 Q1 A1P40 A2P140        N10033 Q0 P-2        N01411 Q1 L1M0.0
 //! ```
-//! Blanks between words and the case of letters mean nothing. A block that is not in the grammar
-//! gives one problem, at the first character that does not fit.
+//! Blanks between words mean nothing; letters are capitals, as a control skips others when it reads
+//! (B-63524EN/01 p. 649: `n10033` would be the number 10033 without its `N`). A block that is not in the
+//! grammar gives one problem, at the first character that does not fit.
 
 use super::record::{Source, Span};
 use crate::problem::Problem;
@@ -90,12 +91,12 @@ impl Cursor<'_> {
     /// The next character that is no blank.
     fn peek_word(&mut self) -> Option<char> {
         let rest = self.rest();
-        self.at += rest.len() - rest.trim_start().len();
+        self.at += rest.len() - rest.trim_start_matches([' ', '\t']).len();
         self.peek()
     }
 
     fn letter(&mut self, allowed: &str) -> Option<char> {
-        let letter = self.peek_word()?.to_ascii_uppercase();
+        let letter = self.peek_word()?;
         allowed.contains(letter).then(|| {
             self.at += 1;
             letter
@@ -204,9 +205,7 @@ impl Cursor<'_> {
             ));
         }
         match self.peek_word() {
-            Some(c) if "OG%(:".contains(c.to_ascii_uppercase()) => {
-                Err(self.unexpected("a block that begins with `N`"))
-            }
+            Some(c) if "OG%(:".contains(c) => Err(self.unexpected("a block that begins with `N`")),
             _ => Ok(()),
         }
     }
@@ -218,7 +217,16 @@ impl Cursor<'_> {
             let message = format!("the block ends where {expected} was expected");
             return self.source.problem(&span, message).help(GRAMMAR_HELP);
         };
-        let (message, help) = match found.to_ascii_uppercase() {
+        let (message, help) = match found {
+            '\r' => (
+                "a carriage return alone, which ends no block on a control",
+                END_OF_BLOCK_HELP,
+            ),
+            'a'..='z' => (
+                "a letter in lower case, which a control skips",
+                "write it in capitals",
+            ),
+            ';' => ("a `;`; in a file `;` ends no block", END_OF_BLOCK_HELP),
             '(' => (
                 "a comment, which this control's data files cannot hold",
                 COMMENT_HELP,
@@ -233,6 +241,7 @@ impl Cursor<'_> {
             _ => ("", GRAMMAR_HELP),
         };
         let message = if message.is_empty() {
+            let found = found.escape_debug();
             format!("found `{found}` where {expected} was expected")
         } else {
             format!("found {message}")
@@ -242,6 +251,7 @@ impl Cursor<'_> {
     }
 }
 
+const END_OF_BLOCK_HELP: &str = "a line feed (0A hexadecimal) ends a block; transfer the file again, without a change of its line ends";
 const GRAMMAR_HELP: &str =
     "a block is `N<number>`, `Q0` or `Q1`, then `A<axis>P<value>` or `P<value>`";
 const COMMENT_HELP: &str = "remove the text in parentheses";

@@ -1,11 +1,14 @@
-//! The frame of a Fanuc file: text before the first `%`, the record, anything after the last `%`.
+//! The frame of a Fanuc file: the record between two `%`, and what stands around it.
 //!
 //! ```text
-//!   junk % title EOB  block EOB  block EOB … % anything
-//!        └ opening    └──── spans given to the block reader ┘ └ closing
+//!   % title LF  block LF  block LF … LF % anything
+//!     └ skipped └── spans given to the block reader ┘ └ not read
 //! ```
-//! EOB is any mixture of LF and CR, or `;` (B-63950EN/02 §3.3, B-63330EN/03 §3; a 30i-class
-//! control itself writes LF CR CR).
+//! Only LF ends a block: CR beside it (CR LF, LF CR CR) means nothing, alone it ends none, nor does `;`,
+//! which stands for LF in manuals. A file starts with `%` or LF, and what stands between `%` and the
+//! next LF is skipped (all of it: B-63524EN/01 p. 649, file format; 16i/18i, taken to hold for the others). So a kit's
+//! file starts with `%`: whether a control takes text before it for data or skips it is not said.
+//! Behind the closing `%` nothing is read; a block there is one that never reaches the control.
 
 use crate::problem::{Place, Problem, Problems};
 use std::ops::Range;
@@ -16,6 +19,9 @@ pub(super) type Span = Range<usize>;
 const FRAME_HELP: &str = "a record begins with `%` and ends with `%`, each on a line of its own; \
     the file may have been cut when it was copied; if it is no file of the control, take it out of the \
     directory";
+
+const TEXT_BEFORE: &str =
+    "text stands before the opening `%`: a control may take it for data, and `%` for their end";
 
 /// A file with its line ends made uniform, so that places name the line an editor shows.
 pub(super) struct Source {
@@ -43,21 +49,32 @@ impl Source {
         Problem::new(message).at(place)
     }
 
-    /// The blocks of the record, blank ones left out; what is wrong with the frame is noted.
-    pub(super) fn blocks(&self, problems: &mut Problems) -> Vec<Span> {
+    /// The blocks of the record, blank ones left out; what is wrong with the frame is noted. The file
+    /// of a kit starts with `%`; before that of a read-out some text may stand.
+    pub(super) fn blocks(&self, of_kit: bool, problems: &mut Problems) -> Vec<Span> {
         let (Some(opening), Some(closing)) = (self.text.find('%'), self.text.rfind('%')) else {
             problems.push(self.frame_problem(0..0, "the file has no opening `%`"));
             return Vec::new();
         };
+        let has_block = |span: Span| {
+            self.split(span)
+                .into_iter()
+                .find(|span| self.is_block(span))
+        };
+        let before = has_block(0..opening);
         if opening < closing {
+            let before = before.or((of_kit && opening > 0).then_some(0..opening));
+            if let Some(span) = before {
+                problems.push(self.frame_problem(span, TEXT_BEFORE));
+            }
+            if let Some(span) = has_block(closing + 1..self.text.len()) {
+                let message = "a block stands behind the closing `%`, where no control reads";
+                problems.push(self.frame_problem(span, message));
+            }
             self.note_frame(opening, closing, problems);
             return self.split(self.after_title(opening)..closing);
         }
-        if self
-            .split(0..opening)
-            .iter()
-            .any(|span| self.is_block(span))
-        {
+        if before.is_some() {
             problems.push(self.frame_problem(0..0, "the file has no opening `%`"));
             return self.split(0..opening);
         }
@@ -73,13 +90,19 @@ impl Source {
     /// A block on the line of one of the two `%` would be lost, or stop the control.
     fn note_frame(&self, opening: usize, closing: usize, problems: &mut Problems) {
         let title = opening + 1..self.after_title(opening).min(closing);
-        if self.is_block(&title) {
-            let message = "a block stands on the line of the opening `%`, which controls skip";
+        let goes_on = self.slice(&title).trim_end_matches('\r').contains('\r');
+        if self.is_block(&title) || goes_on {
+            let message = match goes_on {
+                true => {
+                    "a carriage return alone ends the line of the opening `%`, which controls skip up to the line feed"
+                }
+                false => "a block stands on the line of the opening `%`, which controls skip",
+            };
             problems.push(self.frame_problem(title, message));
         }
         let line = &self.text[opening..closing];
-        let last = line.rsplit(is_end_of_block).next().unwrap_or("");
-        if !last.trim().is_empty() {
+        let last = line.rsplit('\n').next().unwrap_or("");
+        if !last.trim_matches(BLANKS).is_empty() {
             let message = "the closing `%` stands inside a block (`END OF RECORD` on the control)";
             problems.push(self.frame_problem(closing..closing + 1, message));
         }
@@ -88,22 +111,24 @@ impl Source {
     /// Where the text on the line of the opening `%` ends.
     fn after_title(&self, opening: usize) -> usize {
         self.text[opening..]
-            .find(is_end_of_block)
+            .find('\n')
             .map_or(self.text.len(), |at| opening + at)
     }
 
+    /// Whether a piece begins with `N` and a number, as data do, also in letters that no control reads.
     fn is_block(&self, span: &Span) -> bool {
-        let mut letters = self.slice(span).trim_start().chars();
-        letters.next().is_some_and(|c| c.eq_ignore_ascii_case(&'N'))
-            && letters.next().is_some_and(|c| c.is_ascii_digit())
+        let piece = self.slice(span).trim_start();
+        let number = piece.strip_prefix(['N', 'n']).map(str::trim_start);
+        number.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
     }
 
     fn split(&self, body: Span) -> Vec<Span> {
         let mut at = body.start.min(body.end);
         let mut spans = Vec::new();
-        for piece in self.text[at..body.end].split(is_end_of_block) {
-            if !piece.trim().is_empty() {
-                spans.push(at..at + piece.len());
+        for piece in self.text[at..body.end].split('\n') {
+            let block = piece.trim_end_matches(BLANKS);
+            if !block.is_empty() {
+                spans.push(at..at + block.len());
             }
             at += piece.len() + 1;
         }
@@ -111,12 +136,11 @@ impl Source {
     }
 }
 
-fn is_end_of_block(c: char) -> bool {
-    matches!(c, '\n' | '\r' | ';')
-}
+/// What means nothing at the end of a block.
+const BLANKS: [char; 3] = [' ', '\t', '\r'];
 
-/// The same number of bytes, but in each run of line ends the CR stand first, and a run without
-/// LF ends in one: LF CR CR, CR LF and CR alone then all end a line exactly once.
+/// The same number of bytes, but in each run of line ends with an LF the CR stand first: LF CR CR and
+/// CR LF then both end a line exactly once. A CR alone stays where it is and ends none.
 fn uniform_line_ends(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
@@ -124,7 +148,7 @@ fn uniform_line_ends(text: &str) -> String {
         out.push_str(&rest[..at]);
         rest = &rest[at..];
         let length = rest.find(|c| c != '\r' && c != '\n').unwrap_or(rest.len());
-        let feeds = rest[..length].matches('\n').count().max(1);
+        let feeds = rest[..length].matches('\n').count();
         out.push_str(&"\r".repeat(length - feeds));
         out.push_str(&"\n".repeat(feeds));
         rest = &rest[length..];

@@ -92,7 +92,7 @@ const LINES: [&str; 6] = [
 #[test]
 fn every_kind_of_line_end_gives_the_same_memory() {
     let expected = read_30i(&LINES.join("\n")).expect("a good file");
-    for end in ["\r\n", "\n\r\r", "\r", ";\n", "\n\n", "\n\r\r\n\r\r", " \n"] {
+    for end in ["\r\n", "\n\r\r", "\n\n", "\n\r\r\n\r\r", " \n", " \t\r\n"] {
         assert_eq!(
             read_30i(&LINES.join(end)).expect("a good file"),
             expected,
@@ -114,11 +114,43 @@ fn every_kind_of_line_end_gives_the_same_memory() {
     assert_eq!(expected.points.get(&33), Some(&-2));
 }
 
+/// B-63524EN/01 p. 649: LF ends a block, not `;`; letters in lower case are skipped.
 #[test]
-fn case_blanks_and_text_around_the_record_mean_nothing() {
-    let text = "CNC-PARA 2024 \u{e9}\n% PITCH\n n03620 q1 a1p40\tA2p140 \n%\nchecksum 12, \u{e9}";
+fn what_a_control_understands_otherwise_is_refused() {
+    for (end, says) in [
+        ("\r", "carriage return alone"),
+        (";\n", "`;` ends no block"),
+        (";", "`;` ends no block"),
+    ] {
+        let text = LINES.join(end).replacen(end, "\n", 1);
+        let problems = wrong(&format!("{text}\n"));
+        let told = |problem: &Problem| problem.message.contains(says);
+        assert!(problems.iter().any(told), "{end:?}: {problems:?}");
+    }
+    for block in [
+        "n03620Q1A1P40",
+        "N03620q1A1P40",
+        "N03620Q1a1P40",
+        "N03620Q1A1p40",
+    ] {
+        let problems = wrong(&format!("%\n{block}\n%\n"));
+        assert!(problems[0].message.contains("lower case"), "{problems:?}");
+    }
+}
+
+#[test]
+fn blanks_and_text_around_the_record_mean_nothing() {
+    let text = "% Pitch \u{e9}\n N03620 Q1 A1P40\tA2P140 \n%\nchecksum 12, \u{e9}";
     let memory = read_30i(text).expect("a good file");
     assert_eq!(memory.parameters.len(), 2);
+    let unit = LengthUnit::Millimetre;
+    let whole = read_out(
+        "CNC-PARA.TXT",
+        &format!("cnc 2\n{text}"),
+        &facts_30i(),
+        unit,
+    );
+    assert_eq!(whole.expect("a good file").memory, memory);
     assert!(
         read_30i("%\n%")
             .expect("an empty record")
@@ -130,8 +162,9 @@ fn case_blanks_and_text_around_the_record_mean_nothing() {
 /// Lines of the form a 30i writes (B-63950EN/02 §3.3.2–3.3.7).
 #[test]
 fn path_one_and_unit_letters_are_read() {
-    let memory = read_30i("%\nN00010Q1P00000001\nN01411Q1L1M0.5\nN01020Q1L1A1P88T1A2P89\n%\n");
-    let memory = memory.expect("a good file");
+    let text = "%\nN00010Q1P00000001\nN01411Q1L1M0.5\nN01020Q1L1A1P88T1A2P89\n%\n";
+    let memory = read_out("CNC-PARA.TXT", text, &facts_30i(), LengthUnit::Millimetre);
+    let memory = memory.expect("a good file").memory;
     assert_eq!(
         memory.parameter(10, None),
         Some(ParameterValue::Integer(1)),
@@ -256,6 +289,10 @@ fn broken_frames_are_named() {
         ("%N03620Q1A1P40\n%", "line of the opening"),
         ("%\nN03620Q1A1P40%", "inside a block"),
         ("%%", "inside a block"),
+        ("N03620Q1A1P40\n%\n%\n", "before the opening `%`"),
+        ("\n%\n%\n", "before the opening `%`"),
+        ("%\n%\nN03620Q1A1P40\n", "behind the closing `%`"),
+        ("% PITCH\rN03620Q1A1P40\n%\n", "carriage return alone"),
     ];
     for (text, words) in cases {
         let problems = wrong(text);

@@ -14,14 +14,16 @@ pub(super) fn read(text: &str, words: &OwnWords<'_>) -> Result<Vec<Step>, Compla
     };
     let mut modal = Modal::default();
     let mut steps = Vec::new();
-    let mut frames = 0;
+    let (mut frames, mut numbered) = (0, false);
     for (start, line) in lines(text) {
         let code = without_comments(line, start)?;
         let code = code.trim();
+        // A second number would begin another program.
+        let is_number = frames == 1 && steps.is_empty() && is_number_of_program(code);
         if code == "%" {
             frames += 1;
-        } else if code.is_empty() || is_number_of_program(code) {
-            continue;
+        } else if code.is_empty() || (is_number && !numbered) {
+            numbered |= is_number;
         } else if frames == 1 {
             steps.extend(modal.block(&block(code, start)?, &rules)?);
         } else {

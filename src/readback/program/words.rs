@@ -18,12 +18,15 @@ pub(super) struct Block {
     pub(super) span: Range<usize>,
 }
 
+/// What a control takes for a blank; other characters that look like one are no words.
+const BLANKS: [char; 2] = [' ', '\t'];
+
 /// The words of `code`, which begins at byte `start` of the program. Two or more letters are a
 /// name, one letter is the address of the number behind it.
 pub(super) fn block(code: &str, start: usize) -> Result<Block, Complaint> {
     let span = start..start + code.len();
     let mut words = Vec::new();
-    let mut rest = code.trim();
+    let mut rest = code.trim_matches(BLANKS);
     while !rest.is_empty() {
         let letters = run(rest, |c| c.is_ascii_alphabetic());
         let (name, behind) = rest.split_at(letters);
@@ -42,7 +45,7 @@ pub(super) fn block(code: &str, start: usize) -> Result<Block, Complaint> {
                 ));
             }
         }
-        rest = behind.trim_start();
+        rest = behind.trim_start_matches(BLANKS);
     }
     Ok(Block { words, span })
 }

@@ -6,7 +6,7 @@
 
 use super::statement::{Assignment, Value};
 use super::variable::{self, Key, number_of};
-use super::{MachineDatum, MachineValue, SiemensContents, Writer};
+use super::{MachineDatum, MachineValue, SiemensContents, Writer, is_switch, variable_text};
 use crate::readback::complaint::Complaint;
 use crate::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid};
 use std::borrow::Cow;
@@ -59,6 +59,8 @@ pub(super) struct Memory {
     lec: Vec<LecDraft>,
     cec: BTreeMap<u32, CecDraft>,
     machine: Vec<MachineDatum>,
+    /// The first switch behind the last `NEWCONF`.
+    waiting: Option<String>,
     notes: Vec<String>,
 }
 
@@ -78,6 +80,21 @@ impl Memory {
     /// Adds a remark that is no problem.
     pub(super) fn note(&mut self, note: impl Into<String>) {
         self.notes.push(note.into());
+    }
+
+    /// Machine data that were written act from here on.
+    pub(super) fn activate(&mut self) {
+        self.waiting = None;
+    }
+
+    /// Says of a kit's file that its switches do not act when it has run. Machine data of that class wait
+    /// for NEWCONF or a reset (classes: 840Di sl Commissioning Manual 05/2008 p. 356; that MD32700 and MD32710
+    /// are of it is assumed).
+    pub(super) fn note_waiting(&mut self, writer: Writer, file_name: &str) {
+        let waiting = self.waiting.take().filter(|_| writer == Writer::Kit);
+        self.notes.extend(waiting.map(|variable| {
+            format!("`{file_name}` sets {variable} and no NEWCONF follows: it acts from the next NEWCONF or reset on, wherever the axes stand then")
+        }));
     }
 
     fn set_lec(&mut self, key: Key<'_>, set: &Assignment<'_>) -> Result<(), Complaint> {
@@ -137,6 +154,10 @@ impl Memory {
             Value::Truth(truth) => MachineValue::Number(f64::from(u8::from(truth))),
             Value::Name(name) => MachineValue::Text(name),
         };
+        let waits = set.name.starts_with("MA_") && is_switch(&set.name);
+        if waits && self.waiting.is_none() {
+            self.waiting = Some(variable_text(&set.name, &plain_indices(set)));
+        }
         if let Some(known) = self
             .machine
             .iter_mut()
@@ -147,7 +168,7 @@ impl Memory {
         }
         self.machine.push(MachineDatum {
             name: set.name.to_string(),
-            indices: set.indices.iter().map(|index| plain(index)).collect(),
+            indices: plain_indices(set),
             value,
         });
         Ok(())
@@ -451,6 +472,10 @@ fn same_indices(plain_indices: &[String], indices: &[Cow<'_, str>]) -> bool {
             .iter()
             .zip(indices)
             .all(|(a, b)| *a == plain(b))
+}
+
+fn plain_indices(set: &Assignment<'_>) -> Vec<String> {
+    set.indices.iter().map(|index| plain(index)).collect()
 }
 
 /// `01` and `1` are the same index.

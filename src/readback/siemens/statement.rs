@@ -10,7 +10,7 @@
 //! program does not know could move the machine.
 
 use super::variable::is_alone;
-use crate::problem::nearest;
+use crate::problem::{is_unseen, nearest};
 use crate::readback::complaint::Complaint;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -18,8 +18,12 @@ use std::ops::Range;
 /// What a line says.
 #[derive(Debug)]
 pub(super) enum Statement<'a> {
-    /// Nothing that changes a table: blank, comment, header, `CHANDATA`, `NEWCONF`, `STOPRE`.
+    /// Nothing that changes a table: blank, comment, header, `CHANDATA(1)`, `STOPRE`, which waits until the
+    /// blocks before it are done.
     Nothing,
+    /// `NEWCONF`: machine data that were written act from here on. It writes none, so where none waits
+    /// it changes nothing.
+    Activate,
     /// `M0`: the program waits for cycle start.
     Stop,
     /// `M17`, `M30`, `M2` or `M02`.
@@ -100,8 +104,9 @@ fn check_characters(
     for (offset, c) in source[line.clone()].char_indices() {
         let at = line.start + offset;
         let span = at..at + c.len_utf8();
-        if c.is_control() && c != '\t' {
-            let message = format!("control character U+{:04X} in the file", u32::from(c));
+        if (is_unseen(c) || is_line_end_elsewhere(c)) && c != '\t' {
+            let kind = if c.is_control() { "control " } else { "" };
+            let message = format!("{kind}character U+{:04X} in the file", u32::from(c));
             return Err(Complaint::new(
                 span,
                 message,
@@ -115,6 +120,12 @@ fn check_characters(
         }
     }
     Ok(())
+}
+
+/// U+2028, U+2029: an editor shows, and some write, a line end there; a control ends a comment at LF
+/// alone (SINUMERIK Programming Manual 12/2019 p. 52) and would run less, or more, than a person sees.
+fn is_line_end_elsewhere(c: char) -> bool {
+    matches!(c, '\u{2028}' | '\u{2029}')
 }
 
 /// `%_N_<name>_<ext>` in column 1 of the first line; name up to 24 letters, digits and `_`
@@ -155,7 +166,8 @@ fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
     let line = cursor.rest();
     let word = cursor.take_word();
     match &*word {
-        "NEWCONF" | "STOPRE" => return Ok(Statement::Nothing),
+        "NEWCONF" => return Ok(Statement::Activate),
+        "STOPRE" => return Ok(Statement::Nothing),
         "M17" | "M30" | "M2" | "M02" => return Ok(Statement::End),
         "M0" | "M00" => return Ok(Statement::Stop),
         "CHANDATA" => return channel_data(cursor),
@@ -171,12 +183,24 @@ fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
     Err(Complaint::new(line, message, help))
 }
 
+/// The data that follow belong to a channel. Tables are those of the machine, but names of axes may be
+/// the channel's own (K3 p. 248), and nothing says what another channel makes of them: only the first,
+/// as in the manual's examples (K3 p. 242), is taken.
 fn channel_data<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
+    let line = cursor.at;
     let opened = cursor.eat('(');
     cursor.skip_blanks();
     let number = cursor.take_word();
     if opened && is_digits(&number) && cursor.eat(')') {
-        return Ok(Statement::Nothing);
+        let number = number.trim_start_matches('0');
+        if number == "1" {
+            return Ok(Statement::Nothing);
+        }
+        return Err(Complaint::new(
+            line..cursor.at,
+            format!("`CHANDATA({number})` names another channel, expected the first"),
+            "write `CHANDATA(1)`, or leave it out where the file is a part program",
+        ));
     }
     Err(Complaint::new(
         cursor.here(),
