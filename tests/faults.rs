@@ -5,7 +5,6 @@
 //! Of the system calls a sample is taken; `NONIUS_FAULTS=all cargo test --test faults` takes all. They
 //! need Linux with `strace`, full disks need root; where that is missing, the tests say so.
 
-#![cfg(target_os = "linux")]
 #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
 #[path = "support/tree.rs"]
@@ -609,7 +608,7 @@ impl Stick {
             .stderr(Stdio::null())
             .status();
         let is_mounted = mounted.is_ok_and(|status| status.success());
-        is_mounted.then_some(Stick { folder })
+        is_mounted.then(|| Stick { folder })
     }
 }
 
