@@ -4,6 +4,9 @@
 //! comes from these bytes through the readers and the emulator, never from the numbers that
 //! went in.
 
+pub mod manifest;
+pub mod simulate;
+pub mod program_kit;
 mod field;
 mod inputs;
 mod loaded;
@@ -12,23 +15,23 @@ mod remarks;
 mod rollback;
 mod verification;
 
-use crate::axis::Axis;
-use crate::compensation::Compiled;
-use crate::conformity::Verdict;
-use crate::controller::Profile;
-use crate::disagreement;
-pub use crate::document::sha256;
-use crate::emit::{self, RenderedFile, TOOL, Templates};
-pub use crate::emulate::emulator;
-use crate::emulate::{CannotEmulate, Emulator};
-use crate::forecast::{Forecast, forecast, judged_ranges};
-use crate::job::ActiveTables;
-pub use crate::manifest::hashed;
-use crate::manifest::{self, HashedFile, Manifest, Predecessor, SCHEMA};
-use crate::plan::{Plan, plan};
-use crate::problem::{Problem, Problems};
-use crate::readback::kit::{KitFile, ReadBack, read, unread};
-use crate::target::wants;
+use crate::quantity::axis::Axis;
+use crate::write::compensation::Compiled;
+use crate::judge::conformity::Verdict;
+use crate::control::controller::Profile;
+use crate::judge::disagreement;
+pub use crate::text::document::sha256;
+use crate::write::emit::{self, RenderedFile, TOOL, Templates};
+pub use crate::read::emulate::emulator;
+use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::judge::forecast::{Forecast, forecast, judged_ranges};
+use crate::inputs::job::ActiveTables;
+pub use crate::kit::manifest::hashed;
+use crate::kit::manifest::{HashedFile, Manifest, Predecessor, SCHEMA};
+use crate::write::plan::{Plan, plan};
+use crate::text::problem::{Problem, Problems};
+use crate::read::readback::kit::{KitFile, ReadBack, read, unread};
+use crate::write::target::wants;
 use field::{Made, as_kit_file};
 pub use inputs::Inputs;
 pub use loaded::{LoadedControl, load, load_own, load_read_out};
@@ -64,7 +67,7 @@ impl Kit {
 
     /// The bytes of `manifest.json`.
     pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
-        Ok(manifest::bytes(&self.manifest)?)
+        Ok(manifest::bytes_of_kit(&self.manifest)?)
     }
 }
 

@@ -45,101 +45,24 @@
 //! The library serves the program and its tests; its interface may change in every version.
 //! What other programs may rely on stands in docs/interface.md.
 
-pub mod units;
+pub mod quantity;
 
-pub mod axis;
+pub mod text;
 
-pub mod chain;
+pub mod control;
 
-pub mod diagonal;
+pub mod inputs;
 
-pub mod plain;
+pub mod machine;
 
-pub mod problem;
+pub mod write;
 
-pub mod document;
+pub mod read;
 
-pub mod nc;
+pub mod volume;
 
-pub mod delimited;
-
-pub mod error_table;
-
-pub mod import;
-pub mod target_runs;
-
-pub mod standards;
-
-pub mod controller;
-
-pub mod curve;
-
-pub mod space;
-
-pub mod fit;
-
-pub mod job;
-
-pub mod program;
-
-pub mod readings;
-
-pub mod separation;
-
-pub mod model;
-
-pub mod volume_model;
-
-pub mod definitions;
-
-pub mod tool_path;
-
-pub mod grid;
-
-pub mod target;
-
-pub mod selection;
-
-pub mod plan;
-
-pub mod claims;
-
-pub mod table;
-
-pub mod control_state;
-
-pub mod compensation;
-
-pub mod sign_proof;
-
-pub mod checklist;
-
-pub mod emit;
-
-pub mod readback;
-
-pub mod emulate;
-
-pub mod active;
-
-pub mod conformity;
-
-pub mod forecast;
-
-pub mod after;
-
-pub mod causes;
-
-pub mod assessment;
-
-pub mod disagreement;
-
-pub mod manifest;
+pub mod judge;
 
 pub mod kit;
-
-pub mod simulate;
-
-pub mod program_kit;
 
 pub mod cli;

@@ -1,8 +1,8 @@
 //! Files and their names, as a user gives them; and what was read in this run, over which nothing
 //! is written (`src/cli/write.rs` asks).
 
-use crate::document::LARGEST_FILE_MIB;
-use crate::problem::{Problem, Problems};
+use crate::text::document::LARGEST_FILE_MIB;
+use crate::text::problem::{Problem, Problems};
 use std::fs::{File, Metadata};
 use std::io::Read;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! A part program on disk, read line by line.
 
 use crate::cli::inputs::{STANDARD_INPUT, open, plain_words, standard_input};
-use crate::nc::{Line, Mark, Text};
-use crate::problem::Problem;
+use crate::inputs::nc::{Line, Mark, Text};
+use crate::text::problem::Problem;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;

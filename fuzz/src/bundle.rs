@@ -1,0 +1,83 @@
+//! Several files as one input, so that all of them are changed alike:
+//!
+//! ```text
+//! === job.toml
+//! schema = 1
+//! …
+//! === errors.csv
+//! …
+//! ```
+
+use std::path::Path;
+
+/// Files with their names, in order.
+#[derive(Clone, Default)]
+pub struct Bundle(pub Vec<(String, Vec<u8>)>);
+
+const HEAD: &[u8] = b"=== ";
+
+impl Bundle {
+    /// Splits an input. Names that would lie elsewhere are left out, and so is what stands before the first.
+    pub fn read(input: &[u8]) -> Bundle {
+        let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+        for line in input.split_inclusive(|byte| *byte == b'\n') {
+            match (line.strip_prefix(HEAD), files.last_mut()) {
+                (Some(name), _) => {
+                    files.push((String::from_utf8_lossy(name).trim().to_string(), Vec::new()))
+                }
+                (None, Some((_, bytes))) => bytes.extend_from_slice(line),
+                (None, None) => {}
+            }
+        }
+        for (_, bytes) in &mut files {
+            bytes.pop(); // the line end before the next head is no part of the file
+        }
+        files.retain(|(name, _)| is_inside(name));
+        Bundle(files)
+    }
+
+    /// The input that [`Bundle::read`] splits into these files.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut all = Vec::new();
+        for (name, bytes) in &self.0 {
+            all.extend_from_slice(format!("=== {name}\n").as_bytes());
+            all.extend_from_slice(bytes);
+            all.push(b'\n');
+        }
+        all
+    }
+
+    /// The first file of a name.
+    pub fn file(&self, name: &str) -> Option<&[u8]> {
+        self.0
+            .iter()
+            .find(|(own, _)| own == name)
+            .map(|(_, bytes)| bytes.as_slice())
+    }
+
+    /// Adds what lies in a directory, also in its folders, in order of the names.
+    pub fn add_directory(&mut self, directory: &Path, prefix: &str) {
+        let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
+        let mut paths: Vec<_> = entries.map(|entry| entry.path()).collect();
+        paths.sort();
+        for path in paths {
+            let name = format!(
+                "{prefix}{}",
+                path.file_name().unwrap_or_default().to_string_lossy()
+            );
+            match std::fs::read(&path) {
+                Ok(bytes) => self.0.push((name, bytes)),
+                Err(_) => self.add_directory(&path, &format!("{name}/")),
+            }
+        }
+    }
+}
+
+/// A name that cannot leave its directory.
+pub fn is_inside(name: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
+    let parts = || name.split('/');
+    (1..=80).contains(&name.len())
+        && name.chars().all(plain)
+        && parts().all(|part| !matches!(part, "" | "." | ".."))
+}

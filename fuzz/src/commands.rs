@@ -1,0 +1,229 @@
+//! One case of the whole program: a directory with the files of a bundle, and the arguments in its file `command`.
+//!
+//! The program is a process of its own, made from this one (`engine program REPORT ARGUMENTS`), so that status,
+//! streams and files are those that a user gets. It leaves its counters and its peak of memory in a report.
+
+use crate::bundle::Bundle;
+use crate::case::{Ran, memory_limit};
+use crate::coverage::{self, Edge};
+use crate::{memory, oracles, watch};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+
+/// The program itself: `arguments` are the report and those of `nonius`.
+pub fn program(arguments: &[String]) -> ExitCode {
+    let Some((report, arguments)) = arguments.split_first() else {
+        return ExitCode::from(2);
+    };
+    watch::begin("", &[]);
+    watch::start(Path::new(report));
+    let start = memory::start();
+    let all = std::iter::once("nonius").chain(arguments.iter().map(String::as_str));
+    let status = nonius::cli::run(all.map(Into::into));
+    let mut bytes = memory::peak(start).to_le_bytes().to_vec();
+    bytes.extend(coverage::counters());
+    // Without a report the case counts as ended by a signal, which is what it would be.
+    let _ = fs::write(report, bytes);
+    status
+}
+
+/// The files of a directory by name, also of its folders.
+type Files = BTreeMap<String, Vec<u8>>;
+
+/// What a run of the program left.
+struct Run {
+    status: Option<i32>,
+    told: String,
+    before: Files,
+    after: Files,
+    counters: Vec<u8>,
+    peak: usize,
+}
+
+/// Runs a bundle's command, and judges it; after `generate` also `verify` and `history`.
+pub fn run(place: &Path, input: &[u8]) -> Ran {
+    let bundle = Bundle::read(input);
+    let command = bundle
+        .file("command")
+        .map_or("generate job.toml -o kit".into(), String::from_utf8_lossy);
+    let words: Vec<&str> = command.split_whitespace().collect();
+    if !words.iter().all(|word| stays_inside(word)) {
+        return Ran::default();
+    }
+    let directory = place.join("case");
+    lay_out(&bundle, &directory);
+    let first = start(place, &directory, &words);
+    let mut trace = coverage::trace(&first.counters);
+    let mut wrong = judge(&first, input).err();
+    if wrong.is_none() && words.first() == Some(&"generate") && matches!(first.status, Some(0 | 1))
+    {
+        wrong = follow_up(place, &directory, &words, &first, &mut trace).err();
+    }
+    let mut answer = format!("{:?} {}", first.status, first.told);
+    for (name, bytes) in &first.after {
+        answer += &format!("\n=== {name}\n{}", String::from_utf8_lossy(bytes));
+    }
+    Ran {
+        wrong,
+        trace,
+        answer,
+    }
+}
+
+/// A word that names nothing outside the directory of the case.
+fn stays_inside(word: &str) -> bool {
+    let bytes = word.as_bytes();
+    let slash = |at: usize| {
+        bytes[at] == b'/'
+            && (at == 0 || !bytes[at - 1].is_ascii_alphanumeric() || word.starts_with('-'))
+    };
+    !word.contains("..") && !word.contains('\0') && !(0..bytes.len()).any(slash)
+}
+
+fn lay_out(bundle: &Bundle, directory: &Path) {
+    let _ = fs::remove_dir_all(directory);
+    let _ = fs::create_dir_all(directory);
+    for (name, bytes) in bundle.0.iter().filter(|(name, _)| name != "command") {
+        let path = directory.join(name);
+        let _ = path.parent().map(fs::create_dir_all);
+        let _ = fs::write(path, bytes);
+    }
+}
+
+fn start(place: &Path, directory: &Path, words: &[&str]) -> Run {
+    let report = place.join("report");
+    let _ = fs::remove_file(&report);
+    let before = files(directory, "");
+    let own = std::env::current_exe().unwrap_or_else(|_| PathBuf::from("engine"));
+    let mut command = Command::new(own);
+    command
+        .arg("program")
+        .arg(&report)
+        .args(words)
+        .current_dir(directory)
+        .stdin(Stdio::null());
+    let (status, told) = match command.output() {
+        Ok(output) => (
+            output.status.code(),
+            [output.stderr, output.stdout].concat(),
+        ),
+        Err(error) => (None, error.to_string().into_bytes()),
+    };
+    let report = fs::read(&report).unwrap_or_default();
+    let (peak, counters) = report.split_at(report.len().min(8));
+    Run {
+        status,
+        told: String::from_utf8(told).unwrap_or_else(|_| "\u{0} (no UTF-8)".to_string()),
+        before,
+        after: files(directory, ""),
+        counters: counters.to_vec(),
+        peak: peak.try_into().map_or(0, usize::from_le_bytes),
+    }
+}
+
+fn files(directory: &Path, prefix: &str) -> Files {
+    let mut all = Bundle::default();
+    all.add_directory(directory, prefix);
+    all.0.into_iter().collect()
+}
+
+fn judge(run: &Run, input: &[u8]) -> Result<(), String> {
+    let told = || {
+        run.told
+            .chars()
+            .rev()
+            .take(300)
+            .collect::<Vec<char>>()
+            .into_iter()
+            .rev()
+            .collect::<String>()
+    };
+    match run.status {
+        Some(0 | 1) => {}
+        Some(2) if run.after == run.before => {}
+        Some(2) => return Err("status 2, and the directory is another".to_string()),
+        status => return Err(format!("status {status:?}: {}", told())),
+    }
+    let partial = |name: &&String| name.contains(".partial-");
+    if let Some(name) = run.after.keys().find(partial) {
+        return Err(format!("left behind: {name}"));
+    }
+    let is_forced = String::from_utf8_lossy(input).contains("--force");
+    let changed = run
+        .before
+        .iter()
+        .find(|(name, bytes)| run.after.get(*name) != Some(bytes));
+    if let Some((name, _)) = changed.filter(|_| !is_forced) {
+        return Err(format!("an input was changed: {name}"));
+    }
+    let made = run
+        .after
+        .iter()
+        .filter(|(name, bytes)| run.before.get(*name) != Some(bytes));
+    let mut size = input.len() + run.told.len();
+    oracles::judge(&run.told, input)?;
+    for (name, bytes) in made {
+        size += bytes.len();
+        oracles::judge(&String::from_utf8_lossy(bytes), input)
+            .map_err(|wrong| format!("{name}: {wrong}"))?;
+    }
+    match run.peak > memory_limit(size) {
+        true => Err(format!(
+            "memory: {} MiB at its peak for {} KiB in and out",
+            run.peak >> 20,
+            size >> 10
+        )),
+        false => Ok(()),
+    }
+}
+
+/// What `generate` made, `verify` judges alike and `history` takes.
+fn follow_up(
+    place: &Path,
+    directory: &Path,
+    words: &[&str],
+    made: &Run,
+    trace: &mut Vec<Edge>,
+) -> Result<(), String> {
+    let kit = words
+        .windows(2)
+        .find(|pair| pair[0] == "-o")
+        .map(|pair| pair[1]);
+    let (Some(kit), Some(job)) = (kit, words.get(1)) else {
+        return Ok(());
+    };
+    let verified = start(place, directory, &["verify", job, "--tables", kit]);
+    let history = start(place, directory, &["history", kit]);
+    *trace = coverage::trace(&merged(&[
+        &made.counters,
+        &verified.counters,
+        &history.counters,
+    ]));
+    if verified.status != made.status {
+        return Err(format!(
+            "generate ends with {:?}, verify with {:?}: {}",
+            made.status, verified.status, verified.told
+        ));
+    }
+    if !matches!(history.status, Some(0))
+        && !made.before.keys().any(|name| name.contains("manifest"))
+    {
+        return Err(format!(
+            "history ends with {:?}: {}",
+            history.status, history.told
+        ));
+    }
+    Ok(())
+}
+
+fn merged(all: &[&[u8]]) -> Vec<u8> {
+    let mut sum = all[0].to_vec();
+    for counters in &all[1..] {
+        for (sum, count) in sum.iter_mut().zip(*counters) {
+            *sum = sum.saturating_add(*count);
+        }
+    }
+    sum
+}

@@ -1,0 +1,278 @@
+//! What a line of a control's file may look like, written from the formats' descriptions (docs/siemens.md §2,
+//! docs/fanuc.md §2, docs/interface.md §4.1). It knows nothing of templates, of `src/emit` or of `src/readback`.
+
+/// A family of files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// `$` variables, `;` comments.
+    Siemens,
+    /// Numbered parameters between two `%`.
+    Fanuc,
+    /// Rows of a CSV or JSON file.
+    Generic,
+}
+
+/// What is wrong with a file that a control loads.
+pub fn judge(family: Family, name: &str, bytes: &[u8]) -> Result<(), String> {
+    let text = std::str::from_utf8(bytes).map_err(|_| format!("{name} is not text"))?;
+    if !text.is_ascii() {
+        return Err(format!("{name} holds a letter that is not ASCII"));
+    }
+    let wrong = match family {
+        Family::Siemens => siemens(text),
+        Family::Fanuc => fanuc(text),
+        Family::Generic if name.ends_with(".json") => json(text),
+        Family::Generic => csv(text),
+    };
+    wrong.map_err(|line| format!("{name}: foreign line {line:?}"))
+}
+
+type Wrong = Result<(), String>;
+
+fn siemens(text: &str) -> Wrong {
+    let mut set = Vec::new();
+    let mut ended = false;
+    for (index, line) in text.lines().enumerate() {
+        let is_head = index < 2
+            && (line.starts_with("%_N_") && line.ends_with("_INI") || line == "CHANDATA(1)");
+        let is_end = matches!(line, "M30" | "M17");
+        let comment = line.starts_with(';') && !line.contains(|c: char| c.is_control());
+        let variable = assignment(line);
+        let known = is_head || is_end || comment || line == "NEWCONF" || variable.is_some();
+        if ended || !known || variable.is_some_and(|variable| set.contains(&variable)) {
+            return Err(line.to_string());
+        }
+        ended |= is_end;
+        set.extend(variable);
+    }
+    if ended {
+        Ok(())
+    } else {
+        Err("no M30 or M17 at the end".to_string())
+    }
+}
+
+/// The variable of `[N12345 ]$NAME[index,…]=value[ ; value]`.
+fn assignment(line: &str) -> Option<&str> {
+    let numbered = line
+        .strip_prefix('N')
+        .map(|rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
+    let line = numbered.map_or(line, str::trim_start);
+    let (variable, value) = line.split_once('=')?;
+    let (value, comment) = value.split_once(" ; ").unwrap_or((value, "0"));
+    let (name, indices) = variable
+        .strip_prefix('$')?
+        .strip_suffix(']')?
+        .split_once('[')?;
+    let indices: Vec<&str> = indices.split(',').collect();
+    let shape: Vec<bool> = indices.iter().map(|index| is_whole(index)).collect();
+    let shape_fits = match name {
+        "AA_ENC_COMP" => matches!(shape[..], [true, true, false]),
+        "AN_CEC" => shape == [true, true],
+        "AA_ENC_COMP_STEP"
+        | "AA_ENC_COMP_MIN"
+        | "AA_ENC_COMP_MAX"
+        | "AA_ENC_COMP_IS_MODULO"
+        | "MA_ENC_COMP_ENABLE"
+        | "MA_MM_ENC_COMP_MAX_POINTS" => shape == [true, false],
+        "MA_CEC_ENABLE" | "MA_BACKLASH" | "MA_CEC_MAX_SUM" => shape[0] == (name == "MA_BACKLASH"),
+        "AN_CEC_STEP"
+        | "AN_CEC_MIN"
+        | "AN_CEC_MAX"
+        | "AN_CEC_DIRECTION"
+        | "AN_CEC_MULT_BY_TABLE"
+        | "AN_CEC_IS_MODULO"
+        | "AN_CEC_INPUT_AXIS"
+        | "AN_CEC_OUTPUT_AXIS"
+        | "SN_CEC_TABLE_ENABLE"
+        | "MN_MM_CEC_MAX_POINTS" => shape == [true],
+        _ => false,
+    };
+    let names_fit = indices
+        .iter()
+        .all(|index| is_whole(index) || is_name(index));
+    let value_fits = match name.ends_with("PUT_AXIS") {
+        true => value
+            .strip_prefix('(')
+            .and_then(|v| v.strip_suffix(')'))
+            .is_some_and(is_name),
+        false => is_number(value),
+    };
+    (shape_fits && names_fit && value_fits && is_number(comment)).then_some(variable)
+}
+
+fn fanuc(text: &str) -> Wrong {
+    let lines: Vec<&str> = text
+        .split('\n')
+        .map(|line| line.trim_matches('\r'))
+        .collect();
+    let Some((["%", inside @ ..], ["%", ""])) =
+        lines.len().checked_sub(2).map(|at| lines.split_at(at))
+    else {
+        return Err("no % at the beginning and at the end".to_string());
+    };
+    let mut set = Vec::new();
+    for line in inside {
+        let words = record(line).ok_or_else(|| line.to_string())?;
+        if words.iter().any(|word| set.contains(word)) {
+            return Err(format!("{line} (again)"));
+        }
+        set.extend(words);
+    }
+    Ok(())
+}
+
+/// Number and axis of what `N00000Q1A1P0A2P0`, `N00000Q0P0` or `N0000A1P0` sets.
+fn record(line: &str) -> Option<Vec<(&str, &str)>> {
+    let rest = line.strip_prefix('N')?;
+    let (number, values) = rest.split_at(rest.find(|c: char| !c.is_ascii_digit())?);
+    // The 16i knows no Q.
+    let values = values
+        .strip_prefix("Q0")
+        .or(values.strip_prefix("Q1"))
+        .unwrap_or(values);
+    if !(4..=5).contains(&number.len()) {
+        return None;
+    }
+    if let Some(value) = values.strip_prefix('P') {
+        return is_number(value).then(|| vec![(number, "")]);
+    }
+    let axes = values
+        .strip_prefix('A')?
+        .split('A')
+        .map(|axis| axis.split_once('P'));
+    axes.map(|pair| {
+        pair.filter(|(axis, value)| is_whole(axis) && is_number(value))
+            .map(|(axis, _)| (number, axis))
+    })
+    .collect()
+}
+
+fn csv(text: &str) -> Wrong {
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    let head = "term,base_axis,output_axis,direction,index,position_mm,deviation_um,correction_um,increment_um";
+    if lines.next() != Some(head) {
+        return Err("another header".to_string());
+    }
+    let is_row = |line: &&str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let [
+            term,
+            base,
+            output,
+            direction,
+            index,
+            position,
+            deviation,
+            correction,
+            increment,
+        ] = cells[..]
+        else {
+            return false;
+        };
+        let numbers = [position, deviation, correction]
+            .iter()
+            .all(|cell| is_number(cell));
+        let words = is_name(term)
+            && is_name(base)
+            && is_name(output)
+            && ["", "+", "-"].contains(&direction);
+        numbers && words && is_whole(index) && (increment.is_empty() || is_number(increment))
+    };
+    lines
+        .find(|line| !is_row(line))
+        .map_or(Ok(()), |line| Err(line.to_string()))
+}
+
+fn json(text: &str) -> Wrong {
+    let Some(rows) = text
+        .strip_prefix("{\"schema\":1,\"rows\":[\n")
+        .and_then(|rest| rest.strip_suffix("\n]}\n"))
+    else {
+        return Err("another frame".to_string());
+    };
+    let is_pair = |pair: &str| {
+        let Some((key, value)) = pair.split_once(':') else {
+            return false;
+        };
+        let quoted = |text: &str| {
+            text.strip_prefix('"')
+                .and_then(|text| text.strip_suffix('"'))
+                .map(str::to_string)
+        };
+        let word =
+            quoted(value).is_some_and(|word| is_name(&word) || ["+", "-"].contains(&word.as_str()));
+        quoted(key).is_some_and(|key| is_name(&key))
+            && (word || value == "null" || is_number(value))
+    };
+    let is_row = |row: &&str| {
+        let inside = row
+            .trim_end_matches(',')
+            .strip_prefix('{')
+            .and_then(|row| row.strip_suffix('}'));
+        inside.is_some_and(|row| row.split(',').count() == 9 && row.split(',').all(is_pair))
+    };
+    rows.lines()
+        .find(|row| !is_row(row))
+        .map_or(Ok(()), |row| Err(row.to_string()))
+}
+
+fn is_whole(text: &str) -> bool {
+    (1..=6).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+fn is_name(text: &str) -> bool {
+    let letter = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
+    text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.bytes().all(letter)
+}
+
+/// Digits with at most one point between them; zero has no sign.
+fn is_number(text: &str) -> bool {
+    let size = text.strip_prefix('-').unwrap_or(text);
+    let (whole, part) = size.split_once('.').unwrap_or((size, "0"));
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let is_zero = size.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    digits(whole) && digits(part) && !(is_zero && text.starts_with('-'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Family, judge};
+
+    #[test]
+    fn a_foreign_line_is_found_in_every_family() {
+        let files = [
+            (
+                Family::Siemens,
+                "a.MPF",
+                "; A\n$AN_CEC[0,1]=0.002000 ; 100.000000\n$AN_CEC_INPUT_AXIS[0]=(AX1)\nM30\n",
+            ),
+            (
+                Family::Fanuc,
+                "a.TXT",
+                "%\nN03620Q1A1P0A2P12\nN10001Q0P-2\n%\n",
+            ),
+            (
+                Family::Generic,
+                "a.json",
+                "{\"schema\":1,\"rows\":[\n{\"term\":\"EXX\",\"base_axis\":\"x\",\"output_axis\":\"x\",\"direction\":null,\"index\":0,\"position_mm\":0,\"deviation_um\":0,\"correction_um\":0,\"increment_um\":null}\n]}\n",
+            ),
+        ];
+        for (family, name, text) in files {
+            assert_eq!(judge(family, name, text.as_bytes()), Ok(()));
+            for foreign in [
+                "G0 X0\n",
+                "$AN_CEC[0,1]=1\n",
+                "N10001Q0P3\n",
+                "M30\n",
+                "ä\n",
+                "$AN_CEC[0,2]=-0\n",
+            ] {
+                let place = text.find('\n').map_or(0, |end| end + 1);
+                let mut other = text.to_string();
+                other.insert_str(place, foreign);
+                assert!(judge(family, name, other.as_bytes()).is_err(), "{other}");
+            }
+        }
+    }
+}

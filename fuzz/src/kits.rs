@@ -1,0 +1,221 @@
+//! Kits from end to end in this process: what `generate`, `verify`, `separate` and `program` do, without files.
+
+use crate::bundle::Bundle;
+use crate::grammar::{self, Family};
+use crate::readers::{Answer, built_in, profile_of};
+use nonius::judge::active::{ReadOutFor, from_kit, from_read_out};
+use nonius::control::controller::{Dialect, Profile, Role};
+use nonius::text::document::Source;
+use nonius::inputs::error_table::{self, Draft, ErrorTable};
+use nonius::inputs::job::{ActiveTables, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use nonius::kit::{Inputs, generate as make, hashed, verify as judge};
+use nonius::text::problem::{Problem, Problems};
+use nonius::read::readback::kit::KitFile;
+use nonius::inputs::readings::Readings;
+use nonius::machine::separation::prepare::{NamedTables, campaign};
+use nonius::machine::separation::straight::straight;
+use nonius::machine::separation::{separate, table};
+
+fn source(bundle: &Bundle, name: &str) -> Result<Source, Problems> {
+    let bytes = bundle
+        .file(name)
+        .ok_or_else(|| Problem::new("no such file"))?;
+    Source::from_bytes(name, bytes)
+}
+
+fn job_of(bundle: &Bundle) -> Result<(Job, Profile), Problems> {
+    let job = Job::read(source(bundle, "job.toml")?)?;
+    let controller = job.compensation.controller.clone();
+    let profile = match controller.ends_with(".toml") {
+        true => profile_of(bundle, Some(&controller))?,
+        false => built_in(&controller)?,
+    };
+    Ok((job, profile))
+}
+
+/// What a kit of the bundle is made from.
+pub fn inputs_of(bundle: &Bundle) -> Result<Inputs, Problems> {
+    let (job, profile) = job_of(bundle)?;
+    let table = match &job.measurement.data {
+        MeasuredData::Errors(paths) => {
+            let tables = paths
+                .iter()
+                .map(|path| ErrorTable::read(source(bundle, path)?));
+            let tables = tables.collect::<Result<Vec<ErrorTable>, Problems>>()?;
+            ErrorTable::merged(tables)?.ok_or_else(|| Problem::new("no table"))?
+        }
+        MeasuredData::Diagonals(measurement) => separated(bundle, &job, measurement)?,
+    };
+    let hashes = bundle
+        .0
+        .iter()
+        .map(|(name, bytes)| hashed(name, bytes))
+        .collect();
+    let angles = job.measurement.angles.clone();
+    let mut inputs = Inputs::new(job, profile, &table, hashes)?;
+    if let Some(path) = angles {
+        inputs = inputs.with_angles(&ErrorTable::read(source(bundle, &path)?)?)?;
+    }
+    match inputs.job.measurement.active.clone() {
+        ActiveTables::Path(path) => with_active(bundle, inputs, &path),
+        _ => Ok(inputs),
+    }
+}
+
+/// The tables that were active: a file, or the files of a folder.
+fn with_active(bundle: &Bundle, inputs: Inputs, path: &str) -> Result<Inputs, Problems> {
+    let folder = format!("{path}/");
+    let own = bundle
+        .0
+        .iter()
+        .filter(|(name, _)| name == path || name.starts_with(&folder));
+    let mut files: Vec<(String, Vec<u8>)> = own.cloned().collect();
+    for (name, _) in &mut files {
+        *name = name.trim_start_matches(&folder).to_string();
+    }
+    let manifest = files.iter().position(|(name, _)| name == "manifest.json");
+    let active = match manifest.map(|at| files.remove(at).1) {
+        Some(manifest) => from_kit(&inputs.job, &inputs.profile, path, &manifest, files)?,
+        None => from_read_out(
+            &inputs.job,
+            &inputs.profile,
+            path,
+            files,
+            ReadOutFor::OldTables,
+        )?,
+    };
+    inputs.with_active(active)
+}
+
+fn separated(
+    bundle: &Bundle,
+    job: &Job,
+    measurement: &DiagonalMeasurement,
+) -> Result<ErrorTable, Problems> {
+    let readings = Readings::read(source(bundle, &measurement.readings)?, measurement)?;
+    let mut tables = NamedTables::default();
+    for linear in &measurement.linear {
+        tables.linear.push(match &linear.slope {
+            LinearSlope::Stated(_) => None,
+            LinearSlope::Errors(path) => Some(ErrorTable::read(source(bundle, path)?)?),
+        });
+    }
+    if let Some(path) = &job.measurement.angles {
+        tables.angles = Some(ErrorTable::read(source(bundle, path)?)?);
+    }
+    let known = readings.runs.iter().all(|run| readings.offset_known(run));
+    let campaign = campaign(job, measurement, &tables, known)?;
+    if measurement.kind == nonius::quantity::diagonal::PathKind::Straight {
+        straight(&campaign, &readings.runs, None)?;
+        return Err(Problem::new("straight runs").into());
+    }
+    let separation = separate(&campaign, &readings.runs);
+    let draft: Draft = table::draft(&separation, job.compensation.backlash, Vec::new());
+    ErrorTable::read(Source::from_bytes(
+        "separated",
+        error_table::write(&draft).as_bytes(),
+    )?)
+}
+
+/// Readings with their job: the table that they are separated into is one that is read.
+pub fn readings(input: &[u8]) -> Answer {
+    let bundle = Bundle::read(input);
+    let job = Job::read(source(&bundle, "job.toml")?)?;
+    let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
+        return Err(Problem::new("no readings").into());
+    };
+    separated(&bundle, &job, measurement).map(|table| table.source.text)
+}
+
+/// A kit of a job: every file fits the grammar of its family, and `verify` finds what `generate` forecasts.
+pub fn generate(input: &[u8]) -> Answer {
+    let inputs = inputs_of(&Bundle::read(input))?;
+    let kit = make(&inputs)?;
+    let manifest = kit.manifest_bytes()?;
+    let named: Option<serde_json::Value> = serde_json::from_slice(&manifest).ok();
+    let state = named.as_ref().map(|manifest| &manifest["state"]);
+    let found = match judge(&inputs, &kit.kit_files(), state, Vec::new()) {
+        Ok(found) => found,
+        Err(problems) => panic!("verify refuses what generate made: {}", problems.render()),
+    };
+    assert!(
+        found.disagreements.is_empty(),
+        "verify differs from generate: {:?}",
+        found.disagreements
+    );
+    assert!(
+        found.verdict == kit.verdict,
+        "verify says {:?}, generate {:?}",
+        found.verdict,
+        kit.verdict
+    );
+    let is_builtin = !inputs.job.compensation.controller.ends_with(".toml");
+    let mut text = String::from_utf8_lossy(&manifest).into_owned();
+    for file in &kit.files {
+        text += &String::from_utf8_lossy(&file.bytes);
+        if is_builtin && !matches!(file.role, Role::Checklist | Role::Report) {
+            grammar::judge(family(&inputs.profile), &file.path, &file.bytes)
+                .unwrap_or_else(|wrong| panic!("grammar: {wrong}"));
+        }
+    }
+    Ok(text)
+}
+
+fn family(profile: &Profile) -> Family {
+    match profile.dialect {
+        Dialect::Siemens(_) => Family::Siemens,
+        Dialect::Fanuc(_) => Family::Fanuc,
+        Dialect::Generic(_) => Family::Generic,
+    }
+}
+
+/// Files of a control, judged against a job: whatever is not a file of the job is one of the control.
+pub fn verify(input: &[u8]) -> Answer {
+    let bundle = Bundle::read(input);
+    let inputs = inputs_of(&bundle)?;
+    let files = bundle
+        .0
+        .iter()
+        .filter(|(name, _)| !name.ends_with(".toml") && !name.starts_with("errors"));
+    let files: Vec<KitFile<'_>> = files
+        .map(|(path, bytes)| KitFile {
+            path,
+            role: role(&inputs.profile, path),
+            bytes,
+        })
+        .collect();
+    let state = bundle
+        .file("manifest.json")
+        .and_then(|bytes| serde_json::from_slice::<serde_json::Value>(bytes).ok());
+    let found = judge(
+        &inputs,
+        &files,
+        state.as_ref().map(|manifest| &manifest["state"]),
+        Vec::new(),
+    )?;
+    Ok(format!(
+        "{:?} {} {}",
+        found.verdict,
+        found.disagreements.join("\n"),
+        found.absent.join("\n")
+    ))
+}
+
+fn role(profile: &Profile, name: &str) -> Role {
+    let own = profile
+        .files
+        .iter()
+        .find(|file| file.path.eq_ignore_ascii_case(name));
+    own.map_or(Role::Report, |file| file.role)
+}
+
+/// The part programs of a measuring run, which were walked before they are given away.
+pub fn program(input: &[u8]) -> Answer {
+    let (job, profile) = job_of(&Bundle::read(input))?;
+    let kit = nonius::kit::program_kit::make(&job, &profile, &[])?;
+    let texts = kit
+        .files
+        .iter()
+        .map(|file| String::from_utf8_lossy(&file.bytes).into_owned());
+    Ok(texts.collect())
+}

@@ -1,0 +1,265 @@
+//! New inputs from old ones: bytes, words, numbers, lines, and parts of two inputs.
+
+use crate::random::Random;
+
+/// Longer inputs are cut: what goes wrong does so in short ones, and they are faster.
+const LONGEST: usize = 48 << 10;
+
+/// Values that readers trip over, and bytes that no control may see.
+const NASTY: &[&str] = &[
+    "0",
+    "-0",
+    "-0.0",
+    "1",
+    "-1",
+    "0.1",
+    "1e-9",
+    "1e9",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "1e999",
+    "nan",
+    "inf",
+    "-inf",
+    "0.0000000001",
+    "2147483647",
+    "-2147483648",
+    "4294967296",
+    "9223372036854775807",
+    "18446744073709551616",
+    "999999999",
+    "1,5",
+    "1_000",
+    "0x10",
+    "+5",
+    ".5",
+    "5.",
+    "''",
+    "\"\"",
+    "\"\"\"",
+    "[]",
+    "{}",
+    "[[x]]",
+    "\u{feff}",
+    "\0",
+    "\u{1b}[2J",
+    "\u{202e}",
+    "\u{2028}",
+    "\u{85}",
+    "\u{a0}",
+    "ä",
+    "\r",
+    "\r\n",
+    "\n\r\r",
+    "\t",
+    ";",
+    "%",
+    "(",
+    ")",
+    "$",
+    "=",
+    ",",
+    "#",
+    "/",
+    "..",
+    "STOPRE",
+    "NEWCONF",
+    "M30",
+    "M17",
+    "M99",
+    "CHANDATA(2)",
+    "$AN_CEC[0,0]=1",
+    "{{ ",
+    " }}",
+    "{% ",
+    " %}",
+    "2026-02-30",
+    "null",
+    "true",
+    "-",
+    "--",
+    "\u{fffd}",
+    "𝟙",
+    "٣",
+];
+
+/// Words that stand in the inputs of a target.
+#[derive(Default)]
+pub struct Dictionary(Vec<Vec<u8>>);
+
+impl Dictionary {
+    /// The words of texts; each once, in order.
+    pub fn of<'a>(texts: impl IntoIterator<Item = &'a [u8]>) -> Dictionary {
+        let mut words: Vec<Vec<u8>> = NASTY.iter().map(|word| word.as_bytes().to_vec()).collect();
+        for text in texts {
+            words.extend(spans(text, is_word).map(|(start, end)| text[start..end].to_vec()));
+        }
+        words.retain(|word| (1..=40).contains(&word.len()));
+        words.sort();
+        words.dedup();
+        Dictionary(words)
+    }
+}
+
+fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || b"_$-+.".contains(&byte) || byte >= 128
+}
+
+fn is_number(byte: u8) -> bool {
+    byte.is_ascii_digit() || b"+-.".contains(&byte)
+}
+
+fn is_of_line(byte: u8) -> bool {
+    byte != b'\n'
+}
+
+/// The runs of bytes of a kind.
+fn spans(text: &[u8], is: fn(u8) -> bool) -> impl Iterator<Item = (usize, usize)> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let start = at + text[at..].iter().position(|byte| is(*byte))?;
+        at = text[start..]
+            .iter()
+            .position(|byte| !is(*byte))
+            .map_or(text.len(), |length| start + length);
+        Some((start, at))
+    })
+}
+
+/// One of the runs, drawn.
+fn one(random: &mut Random, text: &[u8], is: fn(u8) -> bool) -> Option<(usize, usize)> {
+    let near = random.below(text.len());
+    let from = text[..near]
+        .iter()
+        .rposition(|byte| !is(*byte))
+        .map_or(0, |at| at + 1);
+    spans(&text[from..], is)
+        .next()
+        .map(|(start, end)| (from + start, from + end))
+}
+
+/// A new input from one, with parts of another; several changes at once, few more often than many.
+pub fn mutated(random: &mut Random, input: &[u8], other: &[u8], words: &Dictionary) -> Vec<u8> {
+    let mut text = input.to_vec();
+    let changes = 1 << random.below(4);
+    for _ in 0..changes {
+        change(random, &mut text, other, words);
+    }
+    text.truncate(LONGEST);
+    text
+}
+
+fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &Dictionary) {
+    match random.below(12) {
+        0 => change_byte(random, text),
+        1 => replace_span(random, text, |random, _| vec![(random.bits() & 0xff) as u8]),
+        2 => replace_span(random, text, |_, _| Vec::new()),
+        3 => replace_span(random, text, |random, part| {
+            part.repeat(1 + random.below(3))
+        }),
+        4 => repeat(random, text),
+        5 | 6 => replace(random, text, is_word, |random, _| {
+            random.pick(&words.0).clone()
+        }),
+        7 => replace(random, text, is_number, |random, _| {
+            random.pick(NASTY).as_bytes().to_vec()
+        }),
+        8 => replace(random, text, is_number, nearby),
+        9 => insert(random, text, words),
+        10 => lines(random, text),
+        _ => splice(random, text, other),
+    }
+}
+
+fn change_byte(random: &mut Random, text: &mut [u8]) {
+    let at = random.below(text.len());
+    if let Some(byte) = text.get_mut(at) {
+        match random.one_in(2) {
+            true => *byte ^= 1 << random.below(8),
+            false => *byte = *random.pick(b"\n\r\t ,;.-+=[](){}%$#\"'0123456789eE\x00\x1b\xff"),
+        }
+    }
+}
+
+fn replace_span(
+    random: &mut Random,
+    text: &mut Vec<u8>,
+    new: impl Fn(&mut Random, &[u8]) -> Vec<u8>,
+) {
+    let (start, end) = random.span(text.len());
+    let new = new(random, &text[start..end]);
+    text.splice(start..end, new);
+}
+
+/// A part many times, so that something grows.
+fn repeat(random: &mut Random, text: &mut Vec<u8>) {
+    if !random.one_in(8) {
+        return;
+    }
+    let Some((start, end)) = one(random, text, is_of_line) else {
+        return;
+    };
+    let end = (end + 1).min(text.len());
+    let many = text[start..end].repeat(1 << random.below(9));
+    text.splice(start..end, many);
+}
+
+fn replace(
+    random: &mut Random,
+    text: &mut Vec<u8>,
+    is: fn(u8) -> bool,
+    new: impl Fn(&mut Random, &[u8]) -> Vec<u8>,
+) {
+    if let Some((start, end)) = one(random, text, is) {
+        let new = new(random, &text[start..end]);
+        text.splice(start..end, new);
+    }
+}
+
+/// A number near by, or the other sign, or another power of ten.
+fn nearby(random: &mut Random, number: &[u8]) -> Vec<u8> {
+    let text = String::from_utf8_lossy(number);
+    let Ok(value) = text.parse::<f64>() else {
+        return number.to_vec();
+    };
+    let near = match random.below(6) {
+        0 => value + 1.0,
+        1 => value - 1.0,
+        2 => -value,
+        3 => value * 10.0,
+        4 => value / 10.0,
+        _ => value + (random.below(2001) as f64 - 1000.0) / 1000.0,
+    };
+    near.to_string().into_bytes()
+}
+
+fn insert(random: &mut Random, text: &mut Vec<u8>, words: &Dictionary) {
+    let at = random.below(text.len() + 1);
+    let word = random.pick(&words.0).clone();
+    text.splice(at..at, word);
+}
+
+/// A line twice, gone, or in another place.
+fn lines(random: &mut Random, text: &mut Vec<u8>) {
+    let Some((start, end)) = one(random, text, is_of_line) else {
+        return;
+    };
+    let end = (end + 1).min(text.len());
+    let line = text[start..end].to_vec();
+    let kind = random.below(3);
+    if kind > 0 {
+        text.drain(start..end);
+    }
+    if kind < 2 {
+        let to = one(random, text, is_of_line).map_or(0, |(start, _)| start);
+        text.splice(to..to, line);
+    }
+}
+
+/// A part of another input in the place of one of this.
+fn splice(random: &mut Random, text: &mut Vec<u8>, other: &[u8]) {
+    let (from, to) = random.span(other.len());
+    let (start, end) = random.span(text.len());
+    text.splice(start..end, other[from..to].iter().copied());
+}

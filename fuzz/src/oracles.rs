@@ -1,0 +1,35 @@
+//! What holds of every text that the program makes, whatever went in.
+
+/// What is wrong with a text; `input` = what it was made from, whose own words may stand in it.
+pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
+    if let Some(found) = text.chars().find(|c| is_control(*c)) {
+        return Err(format!(
+            "control character in the output: {:?}",
+            around(text, found)
+        ));
+    }
+    let own = String::from_utf8_lossy(input).to_ascii_lowercase();
+    // "expected `inf`" is a sentence about the language of jobs, no figure.
+    let text = text.replace("`inf`", "").replace("`nan`", "");
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric());
+    for word in words.filter(|word| ["NaN", "inf", "Infinity"].contains(word)) {
+        if !own.contains(&word.to_ascii_lowercase()) {
+            return Err(format!("no number in the output: {word}"));
+        }
+    }
+    Ok(())
+}
+
+/// Characters that change what a terminal shows, or that a reader of lines counts as a line end.
+fn is_control(c: char) -> bool {
+    let turns =
+        matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    (c.is_control() && !"\n\r\t".contains(c)) || turns || matches!(c, '\u{2028}' | '\u{2029}')
+}
+
+/// A character, with what stands before it.
+fn around(text: &str, found: char) -> String {
+    let until = text.find(found).unwrap_or(0) + found.len_utf8();
+    let near: Vec<char> = text[..until].chars().rev().take(20).collect();
+    near.into_iter().rev().collect()
+}

@@ -1,0 +1,353 @@
+//! One case for each reader of the library, in this process. The answer is the text that the reader's result or
+//! refusal comes to; src/case.rs judges it.
+
+use crate::bundle::Bundle;
+use nonius::quantity::axis::{Axis, Direction};
+use nonius::control::controller::{Dialect, FanucFacts, Origin, Profile, builtin, load};
+use nonius::text::delimited::LengthUnit;
+use nonius::text::document::Source;
+use nonius::inputs::error_table::{ErrorTable, Remarks};
+use nonius::inputs::import::choices::{
+    Decimal, Encoding, MaterialCorrected, Rows, Runs as Travelled, Sign, Travel, Values as Counted,
+};
+use nonius::inputs::import::stated::Stated;
+use nonius::inputs::import::{Component, Format, Measurement, import as import_file, measured_runs};
+use nonius::inputs::job::{Job, UseOf};
+use nonius::inputs::nc::{G43WithoutH, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
+use nonius::text::problem::{Problem, Problems};
+use nonius::read::readback::{
+    control_data, fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
+};
+use nonius::machine::standards::{iso_230_2, vdi_3441};
+use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
+use std::sync::OnceLock;
+
+/// What a reader answered, in words.
+pub type Answer = Result<String, Problems>;
+
+/// A job, for tables and for figures.
+pub fn job(input: &[u8]) -> Answer {
+    let figures = Job::read_for(Source::from_bytes("job.toml", input)?, UseOf::Figures);
+    let job = Job::read(Source::from_bytes("job.toml", input)?)?;
+    figures.map(|_| job.machine.name)
+}
+
+/// A profile with its templates; the first file is the profile.
+pub fn profile(input: &[u8]) -> Answer {
+    profile_of(&Bundle::read(input), None).map(|profile| profile.name)
+}
+
+/// A profile of a bundle, by its name; the first file that is one without a name.
+pub fn profile_of(bundle: &Bundle, name: Option<&str>) -> Result<Profile, Problems> {
+    let first = bundle.0.first().map_or("", |(name, _)| name.as_str());
+    let name = name.unwrap_or(first);
+    let bytes = bundle
+        .file(name)
+        .ok_or_else(|| Problem::new("no such profile"))?;
+    let own = |name: &str| {
+        bundle
+            .file(name)
+            .and_then(|bytes| String::from_utf8(bytes.to_vec()).ok())
+    };
+    let template = |name: &str| own(name).or_else(|| builtin::template(name));
+    let base = |id: &str| built_in(id).ok();
+    load::profile(
+        Source::from_bytes(name, bytes)?,
+        Origin::File(name.to_string()),
+        &template,
+        &base,
+    )
+}
+
+/// An error table.
+pub fn errors(input: &[u8]) -> Answer {
+    let source = Source::from_bytes("errors.csv", input)?;
+    let remarks = Remarks::read(&source.text).lines();
+    let table = ErrorTable::read(source)?;
+    let again = ErrorTable::merged(vec![table])?;
+    Ok(format!("{} {}", again.is_some(), remarks.len()))
+}
+
+/// Runs of one axis, in every way that they can be stated, and the figures of the standards.
+pub fn target_runs(input: &[u8]) -> Answer {
+    let mut answer = String::new();
+    for unit in [None, Some(LengthUnit::ALL[0]), Some(LengthUnit::ALL[1])] {
+        for values in [None, Some(Values::Positions), Some(Values::Deviations)] {
+            let source = Source::from_bytes("runs.csv", input)?;
+            match Runs::read(&source, StatedRuns { unit, values }) {
+                Ok(runs) => answer += &figures(&runs)?,
+                Err(problems) => answer += &problems.render(),
+            }
+        }
+    }
+    Ok(answer)
+}
+
+fn figures(runs: &Runs) -> Answer {
+    let travel = iso_230_2::Travel::of(runs, None)?;
+    let (figures, conditions) = (
+        iso_230_2::figures(runs),
+        iso_230_2::conditions(runs, travel),
+    );
+    let (remarks, others) = (iso_230_2::remarks(runs, travel), vdi_3441::figures(runs));
+    Ok(format!("{figures:?} {conditions:?} {remarks:?} {others:?}"))
+}
+
+/// A measurement of another maker: `=== options` with the options of `import`, then the file.
+pub fn import(input: &[u8]) -> Answer {
+    let bundle = Bundle::read(input);
+    let options = String::from_utf8_lossy(bundle.file("options").unwrap_or_default()).into_owned();
+    let bytes = bundle.0.last().map_or(&[][..], |(_, bytes)| bytes);
+    let file = Measurement {
+        path: "x",
+        name: "x",
+        sha256: "0",
+        bytes,
+    };
+    let mut stated = Stated::default();
+    let (mut from, mut encoding) = (None, None);
+    let words: Vec<&str> = options.split_whitespace().collect();
+    for pair in words.windows(2) {
+        match pair[0] {
+            "--from" => {
+                from = Format::ALL
+                    .into_iter()
+                    .find(|format| format.word() == pair[1])
+            }
+            "--encoding" => {
+                encoding = Encoding::ALL
+                    .into_iter()
+                    .find(|known| known.word() == pair[1])
+            }
+            option => state(&mut stated, option, pair[1]),
+        }
+    }
+    let runs = measured_runs(
+        file,
+        encoding,
+        &Stated {
+            columns: None,
+            ..stated.clone()
+        },
+    )
+    .map_or(String::new(), |runs| format!("{:?}", runs.facts));
+    let imported = import_file(file, from, encoding, &stated)?;
+    Ok(format!(
+        "{}\n{}\n{:?}\n{runs}",
+        imported.text,
+        imported.facts.join("\n"),
+        imported.warnings
+    ))
+}
+
+fn by<T: Copy>(all: &[T], word: impl Fn(T) -> &'static str, text: &str) -> Option<T> {
+    all.iter().copied().find(|known| word(*known) == text)
+}
+
+fn state(stated: &mut Stated, option: &str, word: &str) {
+    let travels = [
+        Travel::Both,
+        Travel::One(Direction::Plus),
+        Travel::One(Direction::Minus),
+    ];
+    let materials = [
+        MaterialCorrected::Yes,
+        MaterialCorrected::No,
+        MaterialCorrected::NotStated,
+    ];
+    match option {
+        "--axis" => stated.axis = Axis::from_letter(word),
+        "--term" => stated.term = Component::from_name(word),
+        "--first-target-at-mm" => {
+            stated.first_target_at_mm = word.parse().ok().filter(|mm: &f64| mm.abs() <= 1e6)
+        }
+        "--targets-run" => stated.targets_run = by(&Direction::BOTH, Direction::symbol, word),
+        "--direction" => stated.travel = by(&travels, Travel::word, word),
+        "--plus-moves" => stated.plus_moves = by(&Direction::BOTH, Direction::symbol, word),
+        "--sign" => stated.sign = by(&[Sign::AsError, Sign::AsCorrection], Sign::word, word),
+        "--unit" => stated.unit = by(&LengthUnit::ALL, LengthUnit::word, word),
+        "--values" => stated.values = by(&[Counted::Absolute], Counted::word, word),
+        "--runs" => {
+            stated.runs = by(
+                &[Travelled::Unidirectional, Travelled::Bidirectional],
+                Travelled::word,
+                word,
+            )
+        }
+        "--rows" => stated.rows = by(&[Rows::Measured, Rows::Averages], Rows::word, word),
+        "--material-corrected" => {
+            stated.material_corrected = by(&materials, MaterialCorrected::word, word)
+        }
+        "--decimal" => stated.decimal = by(&[Decimal::Point, Decimal::Comma], Decimal::word, word),
+        "--columns" => stated.columns = Some(word.to_string()),
+        _ => {}
+    }
+}
+
+/// A Siemens file: as a kit's, and as one of a control.
+pub fn siemens(input: &[u8]) -> Answer {
+    let source = Source::from_bytes("x.mpf", input)?;
+    let read_out = read_siemens::read_out("x.mpf", &source.text).map(|contents| contents.notes);
+    let contents = read_siemens::read("x.mpf", &source.text)?;
+    let merged = read_siemens::merge(vec![contents])?;
+    Ok(format!("{:?} {:?}", merged.notes, read_out.is_ok()))
+}
+
+/// What was read out of a control: archives, text of one file or of many.
+pub fn archive(input: &[u8]) -> Answer {
+    let facts = fanuc_facts()?;
+    let mut answer = String::new();
+    for (name, text) in control_data::texts("x.arc", input)? {
+        let found = control_data::siemens(&name, &text, true);
+        answer += &match read_siemens::read_out(&name, &format!("{}{}", found.tables, found.data)) {
+            Ok(contents) => format!("{:?}", contents.notes),
+            Err(problems) => problems.render(),
+        };
+        let (text, _) = control_data::fanuc(&text, &facts);
+        answer += &read_fanuc::read_out(&name, &text, &facts, CONTROL_UNIT)
+            .map_or_else(|problems| problems.render(), |_| String::new());
+        control_data::has_active_data(&name, &text);
+    }
+    Ok(answer)
+}
+
+const CONTROL_UNIT: nonius::control::controller::LengthUnit = nonius::control::controller::LengthUnit::Millimetre;
+
+/// A built-in profile; each is read once, before the first case counts.
+pub fn built_in(id: &str) -> Result<Profile, Problems> {
+    static READ: OnceLock<Vec<Profile>> = OnceLock::new();
+    let all = READ.get_or_init(|| {
+        let profiles = builtin::ids().into_iter().map(builtin::profile);
+        profiles.filter_map(Result::ok).collect()
+    });
+    match all.iter().find(|profile| profile.id == id) {
+        Some(profile) => Ok(profile.clone()),
+        None => builtin::profile(id),
+    }
+}
+
+fn fanuc_facts() -> Result<FanucFacts, Problems> {
+    match built_in("fanuc-30i")?.dialect {
+        Dialect::Fanuc(facts) => Ok(facts),
+        _ => Err(Problem::new("no profile of Fanuc").into()),
+    }
+}
+
+/// A Fanuc parameter file.
+pub fn fanuc(input: &[u8]) -> Answer {
+    let facts = fanuc_facts()?;
+    let source = Source::from_bytes("x.txt", input)?;
+    let read_out = read_fanuc::read_out("x.txt", &source.text, &facts, CONTROL_UNIT).is_ok();
+    let memory = read_fanuc::read("x.txt", &source.text, &facts)?;
+    read_fanuc::merge(vec![memory.clone(), memory]).map(|_| format!("{read_out}"))
+}
+
+/// The generic table.
+pub fn generic_table(input: &[u8]) -> Answer {
+    let source = Source::from_bytes("x", input)?;
+    let table = generic::read("x", &source.text)?;
+    generic::merge(vec![table.clone(), table]).map(|table| table.rows.len().to_string())
+}
+
+/// A part program of a measuring run, in both languages, and the list of positions.
+pub fn measuring_program(input: &[u8]) -> Answer {
+    let mut answer = String::new();
+    for id in ["siemens-840d-sl", "fanuc-30i"] {
+        let profile = built_in(id)?;
+        let Some(facts) = &profile.program else {
+            continue;
+        };
+        let words = read_program::OwnWords {
+            letters: &facts.axis_letters.value,
+            seconds: facts.dwell_address(),
+        };
+        answer += &match read_program::read(facts.language, &words, "x.mpf", input) {
+            Ok(steps) => steps.len().to_string(),
+            Err(problems) => problems.render(),
+        };
+    }
+    let rows = read_program::positions::read("positions.csv", input)?;
+    Ok(format!("{answer} {}", rows.len()))
+}
+
+/// A part program of a user, up to some thousand moves.
+pub fn nc(input: &[u8]) -> Answer {
+    let setup = Setup {
+        start: [100.0, 100.0, 0.0],
+        reference: [0.0; 3],
+        second_reference: Some([0.0; 3]),
+        systems: [(1, [100.0, 100.0, -50.0]), (2, [0.0; 3]), (148, [1.0; 3])]
+            .into_iter()
+            .collect(),
+        tools: [(1, 100.0), (2, 50.0)].into_iter().collect(),
+        inch: input.len() % 5 == 4,
+        without_point: if input.len().is_multiple_of(2) {
+            WithoutPoint::Unit
+        } else {
+            WithoutPoint::Increment
+        },
+        g43_without_h: if input.len().is_multiple_of(3) {
+            G43WithoutH::LastH
+        } else {
+            G43WithoutH::Tool
+        },
+        arc_mm: None,
+        skip_deletable: input.len().is_multiple_of(7),
+    };
+    let (mut length, mut moves) = (0.0, 0);
+    let mut lines = Lines {
+        bytes: input,
+        at: Mark::default(),
+        left: 20_000,
+    };
+    let ran = run(&mut lines, "x.nc", &setup, |step| {
+        moves += 1;
+        length += step.length_mm() + step.at(0.5)[0].abs();
+        let enough = || Refused {
+            message: "enough moves".to_string(),
+            help: "stop".to_string(),
+        };
+        if moves > 5000 { Err(enough()) } else { Ok(()) }
+    })?;
+    Ok(format!("{length} {ran:?}"))
+}
+
+/// As `src/cli/path/program_text.rs` has it.
+const LONGEST_LINE: usize = 4096;
+
+/// A program in memory that ends after some thousand lines, however often it goes back.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    at: Mark,
+    left: usize,
+}
+
+impl Text for Lines<'_> {
+    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem> {
+        let rest = &self.bytes[(self.at.bytes as usize).min(self.bytes.len())..];
+        if rest.is_empty() || self.left == 0 {
+            return Ok(None);
+        }
+        let end = rest.iter().position(|byte| *byte == b'\n');
+        let line = &rest[..end.unwrap_or(rest.len())];
+        if line.len() > LONGEST_LINE {
+            return Err(Problem::new("a longer line than `path` reads"));
+        }
+        self.at.bytes += end.map_or(rest.len(), |end| end + 1) as u64;
+        self.at.lines += 1;
+        self.left -= 1;
+        Ok(Some(Line {
+            number: self.at.lines,
+            bytes: line.strip_suffix(b"\r").unwrap_or(line),
+        }))
+    }
+
+    fn mark(&self) -> Mark {
+        self.at
+    }
+
+    fn go_to(&mut self, mark: Mark) -> Result<(), Problem> {
+        self.at = mark;
+        Ok(())
+    }
+}
