@@ -7,7 +7,9 @@
 )]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nonius::inputs::nc::{G43WithoutH, Line, Mark, Move, Plane, Setup, Shape, Text, WithoutPoint, run};
+use nonius::inputs::nc::{
+    G43WithoutH, Line, Mark, Move, Plane, Setup, Shape, Text, WithoutPoint, run,
+};
 use nonius::text::problem::Problem;
 use nonius::volume::tool_path::{PathMap, Profile, ProfileLimits};
 use std::collections::BTreeMap;

@@ -6,16 +6,16 @@
 )]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nonius::quantity::axis::PerAxis;
-use nonius::quantity::diagonal::Run;
-use nonius::text::document::Source;
 use nonius::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use nonius::inputs::readings::Readings;
 use nonius::machine::separation::monte_carlo::{Plan, simulate};
 use nonius::machine::separation::noise::{Noise, NoiseSource, run_counts};
 use nonius::machine::separation::uncertainty::Budget;
 use nonius::machine::separation::{Campaign, Line, curves_of, separate};
+use nonius::quantity::axis::PerAxis;
+use nonius::quantity::diagonal::Run;
 use nonius::quantity::units::Deviation;
+use nonius::text::document::Source;
 use std::hint::black_box;
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};

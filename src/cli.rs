@@ -174,7 +174,9 @@ fn execute(command: Command) -> Result<Outcome, Problems> {
             let mut page = Vec::new();
             let man = clap_mangen::Man::new(Arguments::command());
             man.render(&mut page).map_err(|error| {
-                crate::text::problem::Problem::new(format!("the manual page cannot be made: {error}"))
+                crate::text::problem::Problem::new(format!(
+                    "the manual page cannot be made: {error}"
+                ))
             })?;
             Ok(Outcome::bytes(page))
         }

@@ -4,33 +4,34 @@
 //! comes from these bytes through the readers and the emulator, never from the numbers that
 //! went in.
 
-pub mod manifest;
-pub mod simulate;
-pub mod program_kit;
 mod field;
 mod inputs;
 mod loaded;
 mod loaded_state;
+pub mod manifest;
+pub mod program_kit;
+mod program_positions;
 mod remarks;
 mod rollback;
+pub mod simulate;
 mod verification;
 
-use crate::quantity::axis::Axis;
-use crate::write::compensation::Compiled;
-use crate::judge::conformity::Verdict;
 use crate::control::controller::Profile;
-use crate::judge::disagreement;
-pub use crate::text::document::sha256;
-use crate::write::emit::{self, RenderedFile, TOOL, Templates};
-pub use crate::read::emulate::emulator;
-use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 use crate::inputs::job::ActiveTables;
+use crate::judge::conformity::Verdict;
+use crate::judge::disagreement;
+use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 pub use crate::kit::manifest::hashed;
 use crate::kit::manifest::{HashedFile, Manifest, Predecessor, SCHEMA};
-use crate::write::plan::{Plan, plan};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::axis::Axis;
+pub use crate::read::emulate::emulator;
+use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::readback::kit::{KitFile, ReadBack, read, unread};
+pub use crate::text::document::sha256;
+use crate::text::problem::{Problem, Problems};
+use crate::write::compensation::Compiled;
+use crate::write::emit::{self, RenderedFile, TOOL, Templates};
+use crate::write::plan::{Plan, plan};
 use crate::write::target::wants;
 use field::{Made, as_kit_file};
 pub use inputs::Inputs;

@@ -9,12 +9,12 @@
 #[path = "support/run.rs"]
 mod run;
 
-use nonius::quantity::axis::{Axis, ErrorTerm, PerTerm};
-use nonius::volume::definitions::ByComponent;
-use nonius::text::document::Source;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
 use nonius::machine::model::ErrorModel;
+use nonius::quantity::axis::{Axis, ErrorTerm, PerTerm};
+use nonius::text::document::Source;
+use nonius::volume::definitions::ByComponent;
 use nonius::volume::space::cloud::longest;
 use nonius::volume::volume_model::VolumeModel;
 use run::nonius;

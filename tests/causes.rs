@@ -16,12 +16,12 @@
 mod published;
 mod support;
 
+use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
-use nonius::read::emulate::Emulator;
-use nonius::kit::{self, Inputs, Kit};
-use nonius::write::plan::axis_pairs;
 use nonius::quantity::units::Millimetres;
+use nonius::read::emulate::Emulator;
+use nonius::write::plan::axis_pairs;
 use published::published;
 use serde_json::Value;
 use std::collections::BTreeMap;

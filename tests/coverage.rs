@@ -10,8 +10,6 @@
 #[path = "support/diagonals.rs"]
 mod simulated;
 
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
 use nonius::machine::separation::agreement::Agreement;
 use nonius::machine::separation::line::{ReferenceLine, range};
@@ -21,6 +19,8 @@ use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor, ru
 use nonius::machine::separation::reversal::{Estimate, Turn};
 use nonius::machine::separation::uncertainty::Budget;
 use nonius::machine::separation::{Evidence, Line, Separation, separate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use simulated::{Machine, Readings, curve, float, normal, runs, solved, volume, with_noise};

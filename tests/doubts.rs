@@ -16,12 +16,12 @@ mod simulated;
 #[path = "support/run.rs"]
 mod run;
 
-use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::machine::separation::noise::NoiseSource;
 use nonius::machine::separation::outlier::ReadingPlace;
 use nonius::machine::separation::{Separation, separate};
+use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use nonius::quantity::units::Deviation;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -9,16 +9,16 @@
 
 mod support;
 
-use nonius::judge::active::{Origin, from_read_out};
-use nonius::quantity::axis::{Direction, ErrorTerm};
 use nonius::control::controller::{Dialect, Evidence, Profile, Role, TableSign, builtin};
-use nonius::text::document::Source;
-use nonius::read::emulate::Emulator;
-use nonius::inputs::job::{ActiveTables, Job};
-use nonius::kit::{self, Inputs, Kit};
-use nonius::write::plan::axis_pairs;
-use nonius::read::readback::kit::{KitFile, read_apart};
 use nonius::control::table::Tables;
+use nonius::inputs::job::{ActiveTables, Job};
+use nonius::judge::active::{Origin, from_read_out};
+use nonius::kit::{self, Inputs, Kit};
+use nonius::quantity::axis::{Direction, ErrorTerm};
+use nonius::read::emulate::Emulator;
+use nonius::read::readback::kit::{KitFile, read_apart};
+use nonius::text::document::Source;
+use nonius::write::plan::axis_pairs;
 use serde_json::Value;
 use std::path::Path;
 use support::{machine::machine, um_at};

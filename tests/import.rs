@@ -7,13 +7,15 @@
     reason = "a test may stop at what it did not expect"
 )]
 
-use nonius::quantity::axis::{Axis, Direction};
-use nonius::text::document::Source;
 use nonius::inputs::error_table::{ErrorTable, write};
-use nonius::inputs::import::choices::{Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel};
+use nonius::inputs::import::choices::{
+    Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel,
+};
 use nonius::inputs::import::stated::Stated;
 use nonius::inputs::import::{Component, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
+use nonius::quantity::axis::{Axis, Direction};
+use nonius::text::document::Source;
 use nonius::text::problem::Problems;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};

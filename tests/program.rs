@@ -11,14 +11,14 @@
 )]
 
 use nonius::control::controller::builtin;
-use nonius::text::document::Source;
-use nonius::write::emit::program::{FileRole, ProgramFile};
 use nonius::inputs::job::{Job, MeasuredData};
-use nonius::text::problem::Problems;
-use nonius::write::program::RunTask;
-use nonius::kit::program_kit::{ProgramKit, judge, make};
 use nonius::inputs::readings::Readings;
 use nonius::inputs::target_runs::{Runs, Stated};
+use nonius::kit::program_kit::{ProgramKit, judge, make};
+use nonius::text::document::Source;
+use nonius::text::problem::Problems;
+use nonius::write::emit::program::{FileRole, ProgramFile};
+use nonius::write::program::RunTask;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

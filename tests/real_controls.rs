@@ -10,12 +10,12 @@
 mod skipped;
 mod support;
 
-use nonius::judge::active::{ActiveControl, ReadOutFor, from_read_out};
-use nonius::quantity::axis::Direction;
-use nonius::read::emulate::Emulator;
-use nonius::kit::{self, Inputs, emulator};
 use nonius::control::table::Tables;
 use nonius::control::table::siemens::SiemensGrid;
+use nonius::judge::active::{ActiveControl, ReadOutFor, from_read_out};
+use nonius::kit::{self, Inputs, emulator};
+use nonius::quantity::axis::Direction;
+use nonius::read::emulate::Emulator;
 use std::fmt::Write;
 use std::path::Path;
 use support::{inputs, response, um_at};

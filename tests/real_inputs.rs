@@ -9,11 +9,11 @@
 #[path = "support/skipped.rs"]
 mod skipped;
 
-use nonius::quantity::axis::{Axis, Direction};
 use nonius::inputs::import::choices::{MaterialCorrected, Rows, Sign};
 use nonius::inputs::import::stated::Stated;
 use nonius::inputs::import::{Component, Imported, Measurement, import};
 use nonius::kit::sha256;
+use nonius::quantity::axis::{Axis, Direction};
 use nonius::text::problem::Problems;
 use serde_json::Value;
 use std::collections::BTreeMap;

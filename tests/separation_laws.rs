@@ -12,10 +12,6 @@
 #[path = "support/diagonals.rs"]
 mod simulated;
 
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
-use nonius::quantity::chain::Chain;
-use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
-use nonius::text::document::Source;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
 use nonius::machine::separation::corrections::{AngleModel, angle_effects};
@@ -23,6 +19,10 @@ use nonius::machine::separation::curves::{Curve, curves, with_slope};
 use nonius::machine::separation::increments::{Group, Means};
 use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{Separation, separate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
+use nonius::quantity::chain::Chain;
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use nonius::text::document::Source;
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -480,11 +480,13 @@ fn measured_angles_give_the_true_errors_back() {
         ("case_c2_mirror", Reflector::FlatMirror, 6e-4),
     ] {
         let job = nonius::inputs::job::Job::read(golden(case, "job.toml")).unwrap();
-        let nonius::inputs::job::MeasuredData::Diagonals(measured) = job.measurement.data.clone() else {
+        let nonius::inputs::job::MeasuredData::Diagonals(measured) = job.measurement.data.clone()
+        else {
             panic!("the job of {case} has readings");
         };
         let readings =
-            nonius::inputs::readings::Readings::read(golden(case, "readings.csv"), &measured).unwrap();
+            nonius::inputs::readings::Readings::read(golden(case, "readings.csv"), &measured)
+                .unwrap();
         let chain = nonius::quantity::chain::Chain::ALL_AXES_MOVE_THE_TOOL;
         let model = AngleModel::new(
             &table,

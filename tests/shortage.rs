@@ -11,8 +11,8 @@
 
 mod support;
 
-use nonius::quantity::axis::ErrorTerm;
 use nonius::control::controller::builtin;
+use nonius::quantity::axis::ErrorTerm;
 use std::fmt::Write;
 
 fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {

@@ -14,18 +14,18 @@
 mod simulated;
 mod support;
 
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
-use nonius::text::document::Source;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::{Frame, SetUp};
-use nonius::kit::{Inputs, generate};
 use nonius::inputs::readings::Readings;
 use nonius::kit::simulate::{
     Loaded, Noise, Rehearsal, SIMULATED, SimulatedMachine, Simulation, Wishes, readings,
     single_axes, write,
 };
+use nonius::kit::{Inputs, generate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
 use nonius::quantity::units::Millimetres;
+use nonius::text::document::Source;
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -17,9 +17,9 @@
 mod support;
 
 use nonius::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out};
+use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::Direction;
 use nonius::read::emulate::Response;
-use nonius::kit::{self, Inputs, Kit};
 use std::fmt::Write;
 use support::{Random, control, generate, inputs, response, um_at};
 
@@ -279,7 +279,8 @@ fn new_is_old_plus_residual_at_every_point_of_the_new_tables() {
                 continue; // means and one-way curves are checked below
             }
             for direction in Direction::BOTH {
-                let of = |c: &dyn nonius::read::emulate::Emulator| response(c, base, output, direction);
+                let of =
+                    |c: &dyn nonius::read::emulate::Emulator| response(c, base, output, direction);
                 let (old, new) = (of(before.as_ref()), of(after.as_ref()));
                 for (at, _) in new
                     .straightened()
@@ -614,7 +615,8 @@ fn a_table_that_ends_between_two_points_is_taken_with_an_assumption() {
         "{}",
         open.consequence
     );
-    let nonius::control::table::Tables::Siemens(tables) = &found.active.as_ref().unwrap().tables else {
+    let nonius::control::table::Tables::Siemens(tables) = &found.active.as_ref().unwrap().tables
+    else {
         panic!("Siemens")
     };
     assert_eq!(
@@ -803,7 +805,10 @@ fn old_and_new(controller: &str, axes: &str, (old, new): (&str, &str)) -> (Kit, 
     (before, job(ACTIVE, new), left)
 }
 
-fn files_of(kit: &Kit, role: nonius::control::controller::Role) -> Vec<nonius::read::readback::kit::KitFile<'_>> {
+fn files_of(
+    kit: &Kit,
+    role: nonius::control::controller::Role,
+) -> Vec<nonius::read::readback::kit::KitFile<'_>> {
     let files = kit.files.iter().filter(|file| file.role == role);
     files
         .map(|file| nonius::read::readback::kit::KitFile {

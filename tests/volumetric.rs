@@ -7,13 +7,13 @@
 )]
 
 use nalgebra::{Matrix4, Vector4};
-use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
-use nonius::quantity::chain::Chain;
-use nonius::volume::definitions::{self, Definitions};
-use nonius::text::document::Source;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
 use nonius::machine::model::ErrorModel;
+use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
+use nonius::quantity::chain::Chain;
+use nonius::text::document::Source;
+use nonius::volume::definitions::{self, Definitions};
 use nonius::volume::volume_model::{Component, Nodes, VolumeModel};
 use std::fmt::Write;
 

@@ -7,15 +7,15 @@ mod parts;
 mod table_alone;
 mod text;
 
-use crate::volume::assessment::{Assessment, Grid, GridChoice, MOST_POINTS, Request, assess};
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::chain::Chain;
 use crate::cli::Format;
 use crate::cli::corrected::{AskedTables, Corrected};
 use crate::cli::inputs::{self, read_argument};
 use crate::cli::outcome::Outcome;
 use crate::kit::Inputs;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::chain::Chain;
 use crate::text::problem::{Problem, Problems};
+use crate::volume::assessment::{Assessment, Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
 use basis::Basis;
 use clap::Args;

@@ -2,14 +2,14 @@
 //! its manifest says against it.
 
 use super::inputs::{file_names, plain_words, read_file};
-use crate::judge::active::{ActiveControl, ReadOutFor, from_read_out};
 use crate::control::controller::{Profile, Role};
-use crate::text::document::json_page;
-use crate::kit::{Inputs, sha256};
+use crate::judge::active::{ActiveControl, ReadOutFor, from_read_out};
 use crate::kit::manifest::{HashedFile, MANIFEST};
-use crate::text::problem::{Problem, Problems, shown};
+use crate::kit::{Inputs, sha256};
 use crate::read::readback::control_data;
 use crate::read::readback::kit::{KitFile, may_be_meant_for};
+use crate::text::document::json_page;
+use crate::text::problem::{Problem, Problems, shown};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -1,15 +1,15 @@
 //! Tables and lines for people.
 
-use crate::quantity::axis::{Axis, Direction};
 use crate::control::claims::{Assumption, Precondition, shared};
-use crate::write::compensation::{Compiled, Placement};
+use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
-use crate::inputs::job::Job;
 use crate::kit;
 use crate::machine::model::ErrorModel;
-use crate::write::plan::Plan;
+use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::Figure;
+use crate::write::compensation::{Compiled, Placement};
+use crate::write::plan::Plan;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 /// A column with its heading.

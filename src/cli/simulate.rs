@@ -4,16 +4,16 @@ use crate::cli::directory::read_directory;
 use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, paragraphs, table};
 use crate::cli::{Format, inputs, write};
-use crate::quantity::diagonal::{Diagonal, PathKind};
 use crate::inputs::error_table;
-use crate::kit::{Inputs, generate, hashed};
 use crate::kit::manifest::picometres;
-use crate::text::problem::{Problem, Problems};
-use crate::read::readback::kit::KitFile;
 use crate::kit::simulate::{
     Loaded, Noise, Origin, Rehearsal, SIMULATED, SimulatedMachine, Simulation, Wishes, readings,
     single_axes,
 };
+use crate::kit::{Inputs, generate, hashed};
+use crate::quantity::diagonal::{Diagonal, PathKind};
+use crate::read::readback::kit::KitFile;
+use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};

@@ -17,10 +17,10 @@ pub use self::text::{Draft, DraftSeries, write};
 
 use self::columns::{Columns, FIRST_LINE};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::units::{Deviation, Millimetres};
 use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
-use crate::quantity::units::{Deviation, Millimetres};
 
 /// All measured positions of one axis in one direction (or without regard to direction).
 #[derive(Clone, Debug, PartialEq)]

@@ -43,8 +43,8 @@ pub use self::rtl_tested::{MeasuredRuns, measured_runs};
 
 use self::choices::Encoding;
 use self::stated::Stated;
-use crate::text::document::Source;
 use crate::inputs::error_table::{self, Draft, DraftSeries, ErrorTable};
+use crate::text::document::Source;
 use crate::text::problem::Problems;
 
 /// A file to be imported.

@@ -26,14 +26,14 @@ pub use self::diagonals::{
 pub use self::path::PathRequest;
 pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
+use crate::control::controller::LengthUnit;
 use crate::quantity::axis::{Direction, ErrorTerm, PerAxis};
 use crate::quantity::chain::Chain;
-use crate::control::controller::LengthUnit;
 use crate::quantity::curve::Interpolation;
-use crate::text::document::{Source, read_page};
 use crate::quantity::fit::Fit;
-use crate::text::problem::{Problem, Problems};
 use crate::quantity::units::Millimetres;
+use crate::text::document::{Source, read_page};
+use crate::text::problem::{Problem, Problems};
 
 /// A checked job.
 #[derive(Clone, Debug, PartialEq)]

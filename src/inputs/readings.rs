@@ -14,11 +14,11 @@ mod values;
 mod walks;
 
 use self::columns::Columns;
-use crate::text::delimited::header_and_rows;
-use crate::quantity::diagonal::{Diagonal, Pass, Run};
-use crate::text::document::Source;
 use crate::inputs::error_table::Remarks;
 use crate::inputs::job::DiagonalMeasurement;
+use crate::quantity::diagonal::{Diagonal, Pass, Run};
+use crate::text::delimited::header_and_rows;
+use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 
 /// Checked readings.

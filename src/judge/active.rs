@@ -33,14 +33,14 @@ pub use self::machine::uncompensated;
 pub use self::read_out::{ReadOutFor, from_read_out};
 pub use self::without_tables::without_tables;
 
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::claims::Assumption;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{NumberRange, Profile};
-use crate::inputs::job::{AxisSettings, BacklashPolicy, Job};
-use crate::write::plan::axis_names;
-use crate::text::problem::{Problem, Problems};
 use crate::control::table::Tables;
+use crate::inputs::job::{AxisSettings, BacklashPolicy, Job};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::text::problem::{Problem, Problems};
+use crate::write::plan::axis_names;
 
 /// The control as it was while measuring, decoded from files.
 ///

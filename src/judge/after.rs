@@ -21,19 +21,19 @@ pub use self::reversal::{UnseenReversal, unseen_reversal};
 
 use self::doubts::{doubts, not_measured, notes};
 use self::ground::ensure_common_ground;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::judge::conformity::Sigma;
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use crate::inputs::error_table::SIMULATED;
+use crate::inputs::job::Job;
+use crate::judge::conformity::Sigma;
 use crate::judge::forecast::{
     Basis, DiagonalForecast, Forecast, Machine, TermForecast, forecast, judged_ranges, range_of,
 };
-use crate::inputs::job::Job;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
-use crate::write::plan::Plan;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::smaller;
+use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::text::problem::{Problem, Problems};
+use crate::write::plan::Plan;
 
 /// A measurement of the machine with its tables active.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,12 +10,12 @@ mod surroundings;
 pub use contents::{absent, contents};
 pub use surroundings::surroundings;
 
-use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::read::emulate::{Emulator, NodeTable, Response};
-use crate::write::plan::{Plan, axis_pairs};
 use crate::control::table::Tables;
 use crate::control::table::siemens::LecTable;
+use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{Correction, Figure, Millimetres};
+use crate::read::emulate::{Emulator, NodeTable, Response};
+use crate::write::plan::{Plan, axis_pairs};
 
 /// Two corrections closer than this are equal, µm (a picometre).
 const EQUAL_UM: f64 = 1e-6;

@@ -19,17 +19,17 @@ pub(crate) use self::share::range_of;
 pub use self::share::{JudgedRange, judged_ranges};
 pub use self::silent::Silent;
 
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::inputs::job::Acceptance;
 use crate::judge::conformity::{
     Magnitude, Sigma, Verdict, expanded_um, judge_forecast, judge_measured, largest_um,
 };
+use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
+use crate::quantity::units::{Millimetres, larger};
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use crate::write::grid::EDGE_MM;
-use crate::inputs::job::Acceptance;
-use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::write::plan::{Plan, axis_pairs};
-use crate::quantity::units::{Millimetres, larger};
 
 /// Forecast of one term.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,15 +1,15 @@
 //! What a kit is made from.
 
-use crate::judge::active::{self, ActiveControl};
-use crate::write::compensation::{Compiled, compile};
 use crate::control::controller::Profile;
 use crate::inputs::error_table::ErrorTable;
-use crate::judge::forecast::Machine;
 use crate::inputs::job::Job;
+use crate::judge::active::{self, ActiveControl};
+use crate::judge::forecast::Machine;
 use crate::kit::manifest::HashedFile;
 use crate::machine::model::ErrorModel;
-use crate::write::plan::{Plan, Task};
 use crate::text::problem::Problems;
+use crate::write::compensation::{Compiled, compile};
+use crate::write::plan::{Plan, Task};
 
 /// The inputs of a kit, read and checked.
 #[derive(Clone, Debug)]

@@ -4,9 +4,9 @@
 //! that the kit is judged by may ask for another one.
 
 use super::{Inputs, named_backlash};
+use crate::control::control_state::{AxisState, ControlState};
 use crate::judge::active::{ActiveControl, named_axis};
 use crate::write::compensation::Compiled;
-use crate::control::control_state::{AxisState, ControlState};
 use crate::write::plan::Plan;
 use serde_json::Value;
 

@@ -2,15 +2,15 @@
 //!
 //! Figures are rounded to a picometre, so that the file is readable and the same everywhere.
 
-use crate::judge::active::{ActiveControl, Origin};
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::claims::{Assumption, Precondition};
-use crate::write::compensation::Placement;
 use crate::control::control_state::{AxisState, ControlState};
-use crate::text::document::{refuse_large_page, sha256};
+use crate::judge::active::{ActiveControl, Origin};
 use crate::judge::forecast::{DiagonalForecast, Forecast, TermForecast};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::text::document::{refuse_large_page, sha256};
 use crate::text::plain;
 use crate::text::problem::Problem;
+use crate::write::compensation::Placement;
 use crate::write::target::Omission;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -249,7 +249,12 @@ pub fn diagonals(diagonals: &[DiagonalForecast], after: &str) -> Value {
 }
 
 fn unmeasured(
-    stretches: &PerAxis<Vec<(crate::quantity::units::Millimetres, crate::quantity::units::Millimetres)>>,
+    stretches: &PerAxis<
+        Vec<(
+            crate::quantity::units::Millimetres,
+            crate::quantity::units::Millimetres,
+        )>,
+    >,
 ) -> Value {
     let mut document = Map::new();
     for axis in Axis::ALL {

@@ -4,20 +4,23 @@
 //! that shares nothing with the templates and walked: every commanded point in the travel, every
 //! node in order, a standstill at each, every axis arriving in the direction of its pass.
 
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::controller::program::{Language, ProgramFacts};
 use crate::control::controller::{Evidence, Profile};
-use crate::write::emit::program::{FileRole, ProgramFile, positions, programs, readings_to_fill};
-use crate::write::emit::{TOOL, other_letters};
 use crate::inputs::job::{Job, ProgramRequest};
-use crate::kit::sha256;
 use crate::kit::manifest::{self, HashedFile, SCHEMA};
-use crate::text::problem::{Problem, Problems};
-use crate::write::program::{MeasuringRun, MirrorSize, RunTask, SetUpProgram, plan};
-use crate::read::readback::program::positions::{self as readback_positions, Position, form_differences};
+use crate::kit::program_positions;
+use crate::kit::sha256;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::read::readback::program::positions::{
+    self as readback_positions, Position, form_differences,
+};
 use crate::read::readback::program::walk::{Bounds, Walked, walk};
 use crate::read::readback::program::{Cancelled, OwnWords, read};
+use crate::text::problem::{Problem, Problems};
+use crate::write::emit::program::{FileRole, ProgramFile, positions, programs, readings_to_fill};
+use crate::write::emit::{TOOL, other_letters};
+use crate::write::program::{MeasuringRun, MirrorSize, RunTask, SetUpProgram, plan};
 use serde_json::{Value, json};
 
 /// Programs and positions of a run, judged.
@@ -74,7 +77,7 @@ pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Pr
         None => Vec::new(),
     };
     let digit_mm = task.resolution().digit_mm();
-    let mut wrong = readback_positions::differences(&rows, task.request, digit_mm);
+    let mut wrong = program_positions::differences(&rows, task.request, digit_mm);
     let forms: Vec<&[u8]> = of_role(FileRole::Readings)
         .map(|f| f.bytes.as_slice())
         .collect();

@@ -18,15 +18,15 @@ mod siemens;
 
 use super::Inputs;
 use super::field::{Made, as_kit_file};
-use crate::judge::active::{ActiveControl, Held, Origin};
-use crate::write::compensation::Compiled;
 use crate::control::controller::Role;
-use crate::write::emit::{self, Instead, RenderedFile, Switch, Templates};
-use crate::write::plan::{Plan, Task};
-use crate::text::problem::Problems;
+use crate::control::table::Tables;
+use crate::judge::active::{ActiveControl, Held, Origin};
 use crate::read::readback::kit::{KitFile, ReadBack, read_apart};
 use crate::read::readback::siemens::{MachineDatum, MachineValue};
-use crate::control::table::Tables;
+use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
+use crate::write::emit::{self, Instead, RenderedFile, Switch, Templates};
+use crate::write::plan::{Plan, Task};
 
 /// What a kit writes for the way back, and what it leaves to a person.
 #[derive(Default)]

@@ -24,9 +24,9 @@ pub use self::single_axes::single_axes;
 pub use self::text::{Origin, write};
 
 use crate::judge::after::Control;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::kit::Inputs;
 use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::{Correction, Millimetres};
 
 pub use crate::inputs::error_table::SIMULATED;

@@ -2,15 +2,15 @@
 
 use super::loaded::Loaded;
 use super::{Inputs, cannot_emulate, doubts, field, judged};
-use crate::judge::active::ActiveControl;
-use crate::write::compensation::Compiled;
-use crate::judge::conformity::Verdict;
 use crate::control::control_state::ControlState;
-use crate::read::emulate::emulator;
+use crate::judge::active::ActiveControl;
+use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
-use crate::write::plan::{Plan, plan};
-use crate::text::problem::Problems;
+use crate::read::emulate::emulator;
 use crate::read::readback::kit::KitFile;
+use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
+use crate::write::plan::{Plan, plan};
 
 /// What `verify` finds.
 #[derive(Clone, Debug)]

@@ -1,5 +1,5 @@
 //! What the machine does wrong: separation of the readings, the error model, figures of the standards.
 
-pub mod standards;
-pub mod separation;
 pub mod model;
+pub mod separation;
+pub mod standards;

@@ -14,12 +14,12 @@ mod uncertainty;
 pub use self::uncertainty::PointUncertainty;
 use self::uncertainty::laser_um_per_m;
 
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::curve::ErrorCurve;
 use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series};
 use crate::inputs::job::{Job, MachineAxis};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{Deviation, Millimetres, larger};
+use crate::text::problem::{Problem, Problems};
 
 /// Errors that stay below this in every term are more often a slip of the unit, µm; a laser resolves
 /// a tenth of it at best.

@@ -1,8 +1,8 @@
 //! Axes, units, signs, places, curves.
 
-pub mod units;
 pub mod axis;
 pub mod chain;
-pub mod diagonal;
 pub mod curve;
+pub mod diagonal;
 pub mod fit;
+pub mod units;

@@ -17,10 +17,10 @@ pub mod siemens;
 use self::fanuc::FanucControl;
 use self::generic::GenericControl;
 use self::siemens::SiemensControl;
-use crate::quantity::axis::Direction;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Dialect, Profile};
 use crate::control::table::Tables;
+use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres};
 
 /// Why an emulator cannot tell what a control would do with these tables, in words.

@@ -19,8 +19,8 @@ pub use self::tables::with_tables;
 pub use self::windows::Windows;
 
 use crate::quantity::axis::PerAxis;
-use crate::volume::definitions::{Definitions, LargestDifference, definitions, largest_difference};
 use crate::text::problem::Problem;
+use crate::volume::definitions::{Definitions, LargestDifference, definitions, largest_difference};
 use crate::volume::space::histogram;
 use crate::volume::space::sample::estimate;
 use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel};

@@ -15,8 +15,8 @@ pub use self::length::{LengthError, length_error};
 
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::PerDiagonal;
-use crate::volume::space::diameter::diameter;
 use crate::quantity::units::Millimetres;
+use crate::volume::space::diameter::diameter;
 use crate::volume::volume_model::{Component, ErrorMap, VolumeModel};
 
 /// Largest and smallest value of each of the nine deviations, µm (or any one unit of length).

@@ -32,13 +32,13 @@ pub use self::component::Component;
 pub use self::map::{ErrorMap, Nodes};
 pub use self::missing::Missing;
 
+use crate::inputs::job::{Job, Levers, MachineAxis};
+use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::chain::{Chain, unit};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
-use crate::inputs::job::{Job, Levers, MachineAxis};
-use crate::machine::model::{ErrorModel, Measured};
-use crate::text::problem::Problems;
 use crate::quantity::units::{Deviation, Millimetres};
+use crate::text::problem::Problems;
 
 /// mm in a metre: µrad × mm = 10⁻³ µm, and slopes are in µm/m.
 const MM_PER_M: f64 = 1000.0;

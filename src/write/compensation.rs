@@ -12,15 +12,15 @@ pub mod four_point;
 pub mod generic;
 pub mod siemens;
 
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{Dialect, Evidence, LengthUnit, Mechanism, StraightnessForm};
-use crate::write::grid::EDGE_MM;
-use crate::inputs::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
-use crate::write::plan::{Plan, Task};
-use crate::text::problem::Problems;
 use crate::control::table::Tables;
+use crate::inputs::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::text::problem::Problems;
+use crate::write::grid::EDGE_MM;
+use crate::write::plan::{Plan, Task};
 
 /// Where one planned table went and how coarse it is there.
 #[derive(Clone, Debug, PartialEq)]

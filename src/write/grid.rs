@@ -9,12 +9,12 @@
 //! Spacing is a whole number of the smallest digit the control writes, so a grid position is
 //! never rounded a second time.
 
-use crate::quantity::axis::Axis;
 use crate::control::controller::LengthUnit;
-use crate::quantity::fit::Nodes;
 use crate::inputs::job::{AxisSettings, Job, MachineAxis};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::axis::Axis;
+use crate::quantity::fit::Nodes;
 use crate::quantity::units::{Millimetres, power_of_ten};
+use crate::text::problem::{Problem, Problems};
 
 /// Smallest difference of two spacings when the number of points is given (contract §2.3).
 const SPACING_STEP_MM: f64 = 0.001;

@@ -11,17 +11,17 @@ mod names;
 
 pub use names::{axis_names, axis_pairs};
 
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::control::controller::{Dialect, Profile};
-use crate::quantity::curve::ErrorCurve;
-use crate::text::document::MOST_LINES;
-use crate::write::grid::{Grid, LengthDigit};
 use crate::inputs::job::{AxisSettings, BacklashPolicy, Job, MachineAxis};
 use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::curve::ErrorCurve;
+use crate::quantity::units::Deviation;
+use crate::text::document::MOST_LINES;
 use crate::text::problem::{Problem, Problems};
+use crate::write::grid::{Grid, LengthDigit};
 use crate::write::selection::{self, Budget, Choice, Cost};
 use crate::write::target::{self, Omission, Target, TermTargets};
-use crate::quantity::units::Deviation;
 use grids::{grids, point_limit, tabulate};
 use names::default_names;
 
@@ -97,7 +97,9 @@ impl Task<'_> {
         let decimals = match &self.profile.dialect {
             Dialect::Siemens(facts) => facts.position_decimals.value,
             Dialect::Fanuc(facts) => match unit {
-                crate::control::controller::LengthUnit::Millimetre => facts.interval_decimals_mm.value,
+                crate::control::controller::LengthUnit::Millimetre => {
+                    facts.interval_decimals_mm.value
+                }
                 crate::control::controller::LengthUnit::Inch => facts.interval_decimals_inch.value,
             },
             Dialect::Generic(_) => GENERIC_POSITION_DECIMALS,

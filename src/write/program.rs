@@ -21,13 +21,13 @@ mod route;
 pub use self::mirror::MirrorSize;
 pub use self::resolution::{Digits, Resolution};
 
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::controller::program::ProgramFacts;
 use crate::control::controller::{Profile, builtin};
-use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::inputs::job::{Job, ProgramRequest};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Squared;
+use crate::text::problem::{Problem, Problems};
 
 /// What one program measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

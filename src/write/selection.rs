@@ -15,11 +15,11 @@
 //! Angular errors are not part of it; grid and rounding are not either, they are far smaller than
 //! a term without a table.
 
+use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
-use crate::machine::model::{ErrorModel, Measured};
-use crate::write::target::{Omission, TermTargets};
 use crate::quantity::units::Millimetres;
+use crate::write::target::{Omission, TermTargets};
 use std::collections::HashMap;
 
 type Vector = [f64; 3];

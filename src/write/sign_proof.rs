@@ -13,15 +13,15 @@
 mod fanuc;
 mod siemens;
 
+use crate::control::controller::{Dialect, Mechanism, StraightnessForm};
+use crate::control::table::Tables;
+use crate::inputs::job::LEAST_BUMP_UM;
 use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::units::{Deviation, Millimetres};
 use crate::write::compensation::Compiled;
 use crate::write::compensation::siemens::is_lec;
-use crate::control::controller::{Dialect, Mechanism, StraightnessForm};
 use crate::write::grid::Grid;
-use crate::inputs::job::LEAST_BUMP_UM;
 use crate::write::plan::{Plan, PlannedTable, Task};
-use crate::control::table::Tables;
-use crate::quantity::units::{Deviation, Millimetres};
 
 /// One bump of one mechanism.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! Which curve each table has to cancel: the backlash policy applied to the measured terms.
 
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::control::controller::{Dialect, Profile};
-use crate::quantity::curve::ErrorCurve;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, WantedTerms};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::curve::ErrorCurve;
 use crate::text::problem::{Problem, Problems};
 
 /// One table's worth: a term, the direction of its moving axis the table acts in, the curve.

@@ -4,11 +4,11 @@ use crate::case::{Case, Held, count_um, two_tables};
 use crate::places::{STEEPEST_UM_PER_MM, half_position_digit, jump_um, places};
 use crate::support::machine::{MachineAxis, Term};
 use crate::support::{self, DUST_UM, Lines, um_at};
-use nonius::quantity::axis::Direction;
-use nonius::write::compensation::Placement;
 use nonius::control::controller::Dialect;
+use nonius::quantity::axis::Direction;
 use nonius::quantity::curve::Interpolation;
 use nonius::read::emulate::Response;
+use nonius::write::compensation::Placement;
 use nonius::write::plan::PlannedTable;
 
 /// Every claim on what one term gets, in both directions.

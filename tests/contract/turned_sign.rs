@@ -3,8 +3,8 @@
 use crate::case::{Case, Held, count_um, two_tables};
 use crate::support::machine::Term;
 use crate::support::{self, DUST_UM};
-use nonius::quantity::axis::Direction;
 use nonius::control::controller::{Dialect, Profile, TableSign};
+use nonius::quantity::axis::Direction;
 use nonius::read::emulate::Emulator;
 
 /// (c) With the sign turned the residual doubles.

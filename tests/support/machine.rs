@@ -4,8 +4,8 @@
 //! zero, the mean of both directions and the reversal are computed here once more.
 
 use super::{Lines, Random};
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::control::controller::{Dialect, Profile};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::curve::{ErrorCurve, Interpolation};
 use nonius::quantity::units::{Deviation, Millimetres};
 use std::fmt::Write;

@@ -2,10 +2,10 @@
 
 use super::*;
 use nonius::control::controller::{Profile, Role};
-use nonius::read::readback::kit::{ReadBack, read, read_apart};
-use nonius::read::readback::siemens::MachineValue;
 use nonius::control::table::Tables;
 use nonius::control::table::siemens::{CecDirection, LecTable, SiemensTables};
+use nonius::read::readback::kit::{ReadBack, read, read_apart};
+use nonius::read::readback::siemens::MachineValue;
 use std::collections::BTreeMap;
 
 /// What lies in a control: its tables, and machine data by name and indices.
@@ -45,7 +45,11 @@ impl Control {
     }
 
     /// What acts on AX1 and AX2.
-    fn acts(&self, profile: &Profile, state: &nonius::control::control_state::ControlState) -> Vec<f64> {
+    fn acts(
+        &self,
+        profile: &Profile,
+        state: &nonius::control::control_state::ControlState,
+    ) -> Vec<f64> {
         let mut on = self.tables.clone();
         on.lec.retain(|t| {
             t.axis != "AX4" && self.is_on(format!("MA_ENC_COMP_ENABLE[{},{}]", t.encoder, t.axis))

@@ -25,7 +25,8 @@ fn what_acted_is_found_in_a_siemens_archive() {
     };
     let on = read_out(&job, EXX_ONLY, &archive("", "")).unwrap_or_else(|p| panic!("{p}"));
     let at_end = |found: &Inputs, name| {
-        let term = found.model.terms[nonius::quantity::axis::ErrorTerm::from_name(name).unwrap()].clone();
+        let term =
+            found.model.terms[nonius::quantity::axis::ErrorTerm::from_name(name).unwrap()].clone();
         term.map(|t| {
             t.measured
                 .curve(Direction::Plus)
@@ -165,7 +166,10 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
     file.push_str("%\n");
     let found = read_out(&job, EXX_ONLY, &file).unwrap_or_else(|p| panic!("{p}"));
     let active = found.active.as_ref().unwrap();
-    assert_eq!(active.backlash_um[nonius::quantity::axis::Axis::X], Some(3.0));
+    assert_eq!(
+        active.backlash_um[nonius::quantity::axis::Axis::X],
+        Some(3.0)
+    );
     assert_eq!(active.others.points.len(), 1, "{:?}", active.notes);
     let new = kit::generate(&found).unwrap_or_else(|p| panic!("{}", p.render()));
     let is = control(&found.profile, &new);

@@ -1,10 +1,10 @@
 //! What the figures rest on: frame, levers, tables that were active, notes of the measurement.
 
-use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::inputs::error_table::Remarks;
 use crate::inputs::job::{ActiveTables, Frame, Job, Levers, MeasuredData};
 use crate::kit::Inputs;
 use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::units::Millimetres;
 use crate::volume::volume_model::{Component, VolumeModel};
 

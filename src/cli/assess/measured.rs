@@ -1,8 +1,8 @@
 //! How much of the machine was measured: what is missing must not look like an error of 0.
 
+use crate::inputs::job::Levers;
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::chain::unit;
-use crate::inputs::job::Levers;
 use crate::volume::volume_model::{Component, VolumeModel};
 
 /// Errors of a machine with three axes.

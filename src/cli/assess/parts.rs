@@ -4,9 +4,9 @@
 use super::Page;
 use super::measured::{has_no_lever, unknown_axes};
 use super::text::{place, short, um};
-use crate::volume::assessment::{Assessment, Contribution, Histogram, Windows};
 use crate::cli::show::{Column, table};
 use crate::quantity::units::Figure;
+use crate::volume::assessment::{Assessment, Contribution, Histogram, Windows};
 use crate::volume::volume_model::Component;
 
 /// Parts and changes of VA below the last digit that is shown are none, µm.

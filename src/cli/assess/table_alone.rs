@@ -1,12 +1,12 @@
 //! An error table that no job describes: the machine is what was measured.
 
 use super::basis::Basis;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::chain::Chain;
-use crate::text::document::Source;
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{Job, UseOf};
 use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::chain::Chain;
+use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use crate::volume::volume_model::VolumeModel;
 use std::fmt::Write;

@@ -1,9 +1,9 @@
 //! `active_while_measuring`: the path of a job → the control as it was while measuring.
 
-use crate::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use crate::cli::inputs::{beside_job, file_names, plain_words, read_file};
 use crate::control::controller::Profile;
 use crate::inputs::job::{ActiveTables, Job};
+use crate::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use crate::kit::hashed;
 use crate::kit::manifest::{HashedFile, MANIFEST};
 use crate::text::problem::{Problem, Problems};

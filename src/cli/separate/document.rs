@@ -2,11 +2,8 @@
 
 use super::advice::advice;
 use super::diagonals::StandardFigures;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::inputs::job::SetUp;
 use crate::kit::manifest::picometres;
-use crate::text::problem::Problems;
 use crate::machine::separation::metric::{PerPlane, Plane};
 use crate::machine::separation::monte_carlo::{Simulated, measured_coverage};
 use crate::machine::separation::noise::{Noise, coverage_factor, repeatability_um};
@@ -15,6 +12,9 @@ use crate::machine::separation::outlier::Outlier;
 use crate::machine::separation::reversal::{Estimate, Turn};
 use crate::machine::separation::{Evidence, Separation};
 use crate::machine::standards::Diagonals;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::text::problem::Problems;
 use serde_json::{Map, Value, json};
 
 fn rounded(values: &[f64]) -> Vec<f64> {

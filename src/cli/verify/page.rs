@@ -3,20 +3,20 @@
 use super::records::First;
 use super::second::Second;
 use super::{absent, agreement, heading};
+use crate::cli::outcome::Outcome;
+use crate::cli::show::{self, Column};
+use crate::cli::{Answer, Format};
+use crate::inputs::job::{Job, MeasuredData};
 use crate::judge::after::{
     AfterMeasurement, Comparison, Control, Line, Observation, compare, observations,
     unseen_reversal,
 };
-use crate::quantity::axis::{Direction, PerAxis};
 use crate::judge::causes::{Cause, Corrected, Diagnosis, Question, diagnose};
-use crate::cli::outcome::Outcome;
-use crate::cli::show::{self, Column};
-use crate::cli::{Answer, Format};
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
-use crate::inputs::job::{Job, MeasuredData};
-use crate::kit::{Inputs, Verification, emulator};
 use crate::kit::manifest::picometres;
+use crate::kit::{Inputs, Verification, emulator};
+use crate::quantity::axis::{Direction, PerAxis};
 use crate::text::problem::{Problem, Problems};
 use serde_json::{Map, Value, json};
 use std::path::Path;

@@ -1,16 +1,16 @@
 //! Files of a user → the measurement with the tables active.
 
-use crate::judge::active::ActiveControl;
-use crate::judge::after::{AfterMeasurement, ensure_same_machine};
 use crate::cli::inputs::{self, file_name, read_argument};
-use crate::quantity::diagonal::PathKind;
-use crate::judge::disagreement::{compare, measuring_systems};
-use crate::text::document::Source;
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{ActiveTables, Job, MeasuredData};
-use crate::kit::{Inputs, Verification, cannot_emulate, emulator, hashed};
+use crate::judge::active::ActiveControl;
+use crate::judge::after::{AfterMeasurement, ensure_same_machine};
+use crate::judge::disagreement::{compare, measuring_systems};
 use crate::kit::manifest::HashedFile;
+use crate::kit::{Inputs, Verification, cannot_emulate, emulator, hashed};
 use crate::machine::model::ErrorModel;
+use crate::quantity::diagonal::PathKind;
+use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
 use std::path::Path;
 

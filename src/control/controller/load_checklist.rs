@@ -1,6 +1,8 @@
 //! `[[checklist]]` of a profile.
 
-use crate::control::controller::checklist::{List, ROLES, Step, Subject, When, is_placeholder, pieces};
+use crate::control::controller::checklist::{
+    List, ROLES, Step, Subject, When, is_placeholder, pieces,
+};
 use crate::control::controller::load_facts::evidence;
 use crate::control::controller::{Evidence, Mechanism};
 use crate::text::document::Section;

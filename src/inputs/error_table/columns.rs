@@ -1,9 +1,9 @@
 //! Header of an error table → what each column holds.
 
 use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::units::MM_PER_INCH;
 use crate::text::delimited::{Expected, LENGTHS_UM, Line, columns_of};
 use crate::text::problem::{Place, Problem, Problems};
-use crate::quantity::units::MM_PER_INCH;
 
 /// What a column holds; factors turn the column's unit into mm, µm or µrad.
 #[derive(Clone, Copy, Debug, PartialEq)]

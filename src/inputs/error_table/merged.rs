@@ -3,8 +3,8 @@
 //! Every component of an axis comes from one table: two files have two zeros, and what lies between
 //! them is not measured.
 
-use crate::quantity::axis::{Axis, Direction};
 use crate::inputs::error_table::{ErrorTable, Series};
+use crate::quantity::axis::{Axis, Direction};
 use crate::text::problem::{Problem, Problems};
 
 /// Ends of a range that are nearer than this are the same, mm.

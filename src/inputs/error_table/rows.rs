@@ -1,8 +1,8 @@
 //! Rows of an error table → records whose cells could all be read.
 
+use crate::inputs::error_table::columns::{Column, Columns};
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::Line;
-use crate::inputs::error_table::columns::{Column, Columns};
 use crate::text::problem::{Problem, Problems, shown};
 
 /// A row whose cells could all be read.

@@ -1,11 +1,11 @@
 //! Records of an error table → the series of each axis and direction.
 
-use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::inputs::error_table::Series;
 use crate::inputs::error_table::columns::{Column, Columns};
 use crate::inputs::error_table::rows::Record;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::{Deviation, Millimetres};
+use crate::text::problem::{Problem, Problems};
 
 pub(super) fn series_of(
     axis: Axis,

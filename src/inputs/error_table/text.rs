@@ -151,8 +151,8 @@ mod tests {
     #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
     use super::*;
-    use crate::text::document::Source;
     use crate::inputs::error_table::ErrorTable;
+    use crate::text::document::Source;
 
     /// X in both directions with uncertainties, Z without direction and with an angle.
     fn draft() -> Draft {
@@ -212,7 +212,8 @@ mod tests {
             let mm: Vec<f64> = found.positions.iter().map(|p| p.mm()).collect();
             assert_eq!(mm, wanted.positions_mm);
             for of in Axis::ALL {
-                let um = |d: &Vec<crate::quantity::units::Deviation>| d.iter().map(|d| d.um()).collect();
+                let um =
+                    |d: &Vec<crate::quantity::units::Deviation>| d.iter().map(|d| d.um()).collect();
                 assert_eq!(
                     found.deviations[of].as_ref().map(um),
                     wanted.deviations_um[of]

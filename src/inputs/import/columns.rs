@@ -3,9 +3,6 @@
 //! Separator `;`, tab or comma; quotation marks; a decimal comma where it does not separate and
 //! where it cannot stand between thousands ([`crate::inputs::import::decimal`]).
 
-use crate::quantity::axis::{Axis, Direction};
-use crate::text::delimited::{self, Line};
-use crate::text::document::Source;
 use crate::inputs::import::Reading;
 use crate::inputs::import::choices::Decimal;
 use crate::inputs::import::decimal::{NumberCell, decimal_of};
@@ -13,6 +10,9 @@ use crate::inputs::import::groups::{Group, Order, target_order};
 use crate::inputs::import::mapped_rows::Row;
 use crate::inputs::import::mapping::{EXAMPLE, Mapping, Named, Unit};
 use crate::inputs::import::stated::{Stated, missing};
+use crate::quantity::axis::{Axis, Direction};
+use crate::text::delimited::{self, Line};
+use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
 use std::collections::BTreeMap;

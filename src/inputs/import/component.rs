@@ -1,7 +1,7 @@
 //! EXX … ECZ: a deviation or a rotation while one axis moves.
 
-use crate::quantity::axis::Axis;
 use crate::inputs::error_table::DraftSeries;
+use crate::quantity::axis::Axis;
 use std::fmt;
 
 /// A component of the error table: a deviation or a rotation while one axis moves.

@@ -2,13 +2,13 @@
 //!
 //! Deviations in mm, angles and squareness in rad, arguments in mm: machine coordinates.
 
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::choices::Sign;
 use crate::inputs::import::placing::tidy;
 use crate::inputs::import::{Component, Kind, Reading, Squareness};
-use crate::text::problem::{Place, Problem, Problems, shown};
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::UM_PER_MM;
+use crate::text::problem::{Place, Problem, Problems, shown};
 
 /// Micrometres per metre, or microradians, in one radian.
 const MICRO: f64 = 1e6;

@@ -1,7 +1,7 @@
 //! Which sign stands before the decimals of a file's numbers: `1,000` may be one or a thousand.
 
-use crate::text::delimited::Line;
 use crate::inputs::import::choices::Decimal;
+use crate::text::delimited::Line;
 use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
 

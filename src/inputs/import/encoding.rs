@@ -1,8 +1,8 @@
 //! Bytes → text. UTF-8 and marked UTF-16 show themselves; other encodings have to be stated.
 
-use crate::text::document::Source;
 use crate::inputs::import::Measurement;
 use crate::inputs::import::choices::Encoding;
+use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
 use encoding_rs::{GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 

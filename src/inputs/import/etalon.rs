@@ -10,11 +10,11 @@
 //!   } // end of EXX
 //! ```
 
-use crate::text::document::Source;
 use crate::inputs::import::Reading;
 use crate::inputs::import::components::{Parameter, assemble};
 use crate::inputs::import::lines::{Line, lines};
 use crate::inputs::import::stated::Stated;
+use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
 
 const AGAIN: &str = "the file is incomplete or damaged: export it again (variant `Vendor`)";

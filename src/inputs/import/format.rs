@@ -1,9 +1,9 @@
 //! The formats that can be read, and how one is recognised.
 
-use crate::text::document::Source;
 use crate::inputs::import::isg;
 use crate::inputs::import::pos_header;
 use crate::inputs::import::stated::Stated;
+use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 
 /// Formats that can be read.

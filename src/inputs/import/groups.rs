@@ -1,6 +1,5 @@
 //! Rows of one axis and direction → one series of the error table.
 
-use crate::quantity::axis::{Axis, Direction};
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::choices::Sign;
 use crate::inputs::import::mapped_rows::Row;
@@ -8,6 +7,7 @@ use crate::inputs::import::mapping::{Content, Mapping};
 use crate::inputs::import::placing::{Placing, freedom_remark, mean, pooled, tidy};
 use crate::inputs::import::stated::Stated;
 use crate::inputs::import::{Component, Kind};
+use crate::quantity::axis::{Axis, Direction};
 use crate::text::problem::{Problem, Problems};
 use std::collections::BTreeMap;
 

@@ -9,12 +9,12 @@
 //!   0.000012
 //! ```
 
-use crate::quantity::axis::Axis;
-use crate::text::document::Source;
 use crate::inputs::import::components::{Name, Parameter, assemble};
 use crate::inputs::import::lines::{Line, Word, lines, looks_like_number};
 use crate::inputs::import::stated::Stated;
 use crate::inputs::import::{Component, Reading};
+use crate::quantity::axis::Axis;
+use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
 
 /// Whether a line names arguments and parameters.

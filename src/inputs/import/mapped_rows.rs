@@ -1,10 +1,10 @@
 //! Rows of a delimited text whose columns are mapped.
 
-use crate::quantity::axis::{Axis, Direction};
-use crate::text::delimited::Line;
 use crate::inputs::import::choices::Travel;
 use crate::inputs::import::mapping::{Content, Mapping};
 use crate::inputs::import::stated::Stated;
+use crate::quantity::axis::{Axis, Direction};
+use crate::text::delimited::Line;
 use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
 

@@ -4,12 +4,12 @@
 //! error table (contract §2.1), which states content and unit at once; or `target_mm`, `target_in`
 //! for positions that count from the instrument's zero; or `run`.
 
-use crate::quantity::axis::Axis;
-use crate::text::delimited::LengthUnit;
 use crate::inputs::import::Kind;
 use crate::inputs::import::stated::{Stated, missing};
-use crate::text::problem::{Problem, Problems, nearest, shown};
+use crate::quantity::axis::Axis;
 use crate::quantity::units::UM_PER_MM;
+use crate::text::delimited::LengthUnit;
+use crate::text::problem::{Problem, Problems, nearest, shown};
 
 pub(super) const EXAMPLE: &str = "e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`";
 

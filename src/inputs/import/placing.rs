@@ -1,11 +1,11 @@
 //! Targets as the instrument counts them → machine coordinates; runs → mean and uncertainty.
 
-use crate::quantity::axis::Direction;
 use crate::inputs::import::Component;
 use crate::inputs::import::choices::{Sign, turned};
 use crate::inputs::import::stated::{Stated, missing};
-use crate::text::problem::{Place, Problem, Problems};
+use crate::quantity::axis::Direction;
 use crate::quantity::units::Squared;
+use crate::text::problem::{Place, Problem, Problems};
 
 /// Nine decimals: far below what can be measured, and free of the dust of binary sums.
 pub(super) fn tidy(number: f64) -> f64 {

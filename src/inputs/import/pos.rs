@@ -12,9 +12,6 @@
 //! position; where they are not, the file was edited, and `--rows` says which to take.
 //! docs/import.md §6 names the sources.
 
-use crate::quantity::axis::Direction;
-use crate::text::delimited::LengthUnit;
-use crate::text::document::Source;
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::choices::{MaterialCorrected, Rows, Sign};
 use crate::inputs::import::placing::{Placing, freedom_remark, mean, pooled};
@@ -22,6 +19,9 @@ use crate::inputs::import::pos_header::Header;
 use crate::inputs::import::pos_rows::{Averages, Measured, Passes, Relation};
 use crate::inputs::import::stated::{Stated, missing};
 use crate::inputs::import::{Component, Reading};
+use crate::quantity::axis::Direction;
+use crate::text::delimited::LengthUnit;
+use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems, shown};
 
 pub(super) const AGAIN: &str = "the file is incomplete or was changed: save it again";

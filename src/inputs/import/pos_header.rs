@@ -1,10 +1,10 @@
 //! Lines `Key: value` above and below the tables of a `.pos` file; several may share a line.
 
-use crate::text::delimited::{LengthUnit, plain_number};
-use crate::text::document::Source;
 use crate::inputs::import::lines::{Word, lines};
 use crate::inputs::import::pos::AGAIN;
 use crate::inputs::import::pos_rows::{CHANGED, Measured};
+use crate::text::delimited::{LengthUnit, plain_number};
+use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
 
 /// The version of the format that was at hand.

@@ -1,9 +1,9 @@
 //! The two tables of a `.pos` file: measured rows, and the maker's averages.
 
-use crate::text::document::Source;
 use crate::inputs::import::lines::{Line, lines, looks_like_number};
 use crate::inputs::import::pos::AGAIN;
 use crate::inputs::import::pos_header::Header;
+use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems, shown};
 
 pub(super) const CHANGED: &str = "the file was edited: save it again, or take the maker's averages with `--rows averages` if they are what was changed on purpose";

@@ -8,14 +8,14 @@
 //! ```
 //! Type, unit and sign come from these lines; where one is absent it has to be stated.
 
-use crate::quantity::axis::Direction;
-use crate::text::document::Source;
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::choices::Sign;
 use crate::inputs::import::lines::{Line, Word, lines};
 use crate::inputs::import::placing::Placing;
 use crate::inputs::import::stated::Stated;
 use crate::inputs::import::{Component, Reading};
+use crate::quantity::axis::Direction;
+use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems, shown};
 
 pub(super) const AGAIN: &str = "the file is incomplete or damaged: save it again";

@@ -1,10 +1,10 @@
 //! Lines above the table of a `.ren` file: type, unit, sign, range.
 
-use crate::text::delimited::{LengthUnit, plain_number};
 use crate::inputs::import::choices::{Sign, Values};
 use crate::inputs::import::lines::Word;
 use crate::inputs::import::ren::{AGAIN, File, Table};
 use crate::inputs::import::stated::{Stated, missing};
+use crate::text::delimited::{LengthUnit, plain_number};
 use crate::text::problem::{Problem, Problems, shown};
 
 /// Positions are compared to a tenth of a micrometre.

@@ -1,7 +1,7 @@
 //! The reversal of an imported curve: the one figure that shows a direction or sign taken wrongly.
 
-use crate::quantity::axis::{Axis, Direction};
 use crate::inputs::error_table::DraftSeries;
+use crate::quantity::axis::{Axis, Direction};
 
 /// A reversal above this is no scatter (the limit of `generate`), µm.
 const NOTABLE_UM: f64 = 0.5;

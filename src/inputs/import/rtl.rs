@@ -8,17 +8,19 @@
 //! A deviation belongs to the target whose number stands in its line; the order of the lines means
 //! nothing. docs/import.md §2 names the sources.
 
-use crate::quantity::axis::Direction;
-use crate::text::document::Source;
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::choices::Sign;
 use crate::inputs::import::lines::{Line, Word, looks_like_number};
 use crate::inputs::import::placing::{Placing, mean, pooled};
 use crate::inputs::import::rtl_runs::Travelled;
 use crate::inputs::import::rtl_sections::{AGAIN, MOST, Sections};
-use crate::inputs::import::rtl_texts::{environment_facts, material_words, stated_axis, user_facts};
+use crate::inputs::import::rtl_texts::{
+    environment_facts, material_words, stated_axis, user_facts,
+};
 use crate::inputs::import::stated::Stated;
 use crate::inputs::import::{Component, Kind, Reading};
+use crate::quantity::axis::Direction;
+use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems, shown};
 use std::collections::BTreeMap;
 

@@ -1,10 +1,10 @@
 //! Which runs of a Renishaw file went which way.
 
-use crate::quantity::axis::Direction;
 use crate::inputs::import::choices::Runs;
 use crate::inputs::import::placing::{Placing, freedom_remark};
 use crate::inputs::import::rtl::File;
 use crate::inputs::import::stated::{Stated, missing};
+use crate::quantity::axis::Direction;
 use crate::text::problem::{Problem, Problems};
 
 /// Numbers of the runs of each way.

@@ -1,7 +1,7 @@
 //! Sections of a Renishaw file: `NAME::`, lines, `EOF::`.
 
-use crate::text::document::Source;
 use crate::inputs::import::lines::{Line, Word, lines};
+use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems, shown};
 use std::collections::BTreeSet;
 

@@ -1,16 +1,18 @@
 //! The single runs of an `.rtl` file, as a positioning test needs them: a mean holds no
 //! repeatability.
 
-use crate::quantity::axis::{Axis, Direction};
-use crate::text::document::Source;
 use crate::inputs::import::choices::{Encoding, Sign};
 use crate::inputs::import::placing::Placing;
 use crate::inputs::import::rtl::{File, linear_kind};
 use crate::inputs::import::rtl_runs::Travelled;
 use crate::inputs::import::rtl_sections::Sections;
-use crate::inputs::import::rtl_texts::{environment_facts, material_words, stated_axis, user_facts};
+use crate::inputs::import::rtl_texts::{
+    environment_facts, material_words, stated_axis, user_facts,
+};
 use crate::inputs::import::stated::Stated;
 use crate::inputs::import::{Component, Format, Kind, Measurement, encoding, refused};
+use crate::quantity::axis::{Axis, Direction};
+use crate::text::document::Source;
 use crate::text::problem::Problems;
 
 /// Deviations of every run at every target, in the order of the machine's coordinate.

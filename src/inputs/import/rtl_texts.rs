@@ -1,10 +1,10 @@
 //! Texts of a Renishaw file: who measured what, and in which surroundings.
 
-use crate::text::delimited::plain_number;
 use crate::inputs::import::choices::MaterialCorrected;
 use crate::inputs::import::lines::{Line, Word};
 use crate::inputs::import::rtl_sections::Sections;
 use crate::inputs::import::stated::{Stated, missing};
+use crate::text::delimited::plain_number;
 use crate::text::problem::{Problem, Problems, shown};
 
 /// Keys of USER-TEXT; several may share a line.

@@ -1,9 +1,11 @@
 //! What the user states because the file does not carry it.
 
+use crate::inputs::import::choices::{
+    Decimal, MaterialCorrected, Rows, Runs, Sign, Travel, Values,
+};
+use crate::inputs::import::{Component, Kind};
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::LengthUnit;
-use crate::inputs::import::choices::{Decimal, MaterialCorrected, Rows, Runs, Sign, Travel, Values};
-use crate::inputs::import::{Component, Kind};
 use crate::text::problem::{Problem, Problems};
 
 /// What was stated on the command line; `None` = nothing.

@@ -1,9 +1,9 @@
 //! What a job that cannot be read would be asked for next: all problems of one input come at once.
 
-use crate::quantity::axis::Axis;
 use crate::control::controller::Profile;
-use crate::text::document::{Section, Source, read_page};
 use crate::inputs::job::refuse_table;
+use crate::quantity::axis::Axis;
+use crate::text::document::{Section, Source, read_page};
 use crate::text::problem::Problems;
 
 /// The problems that a job would have with its control, as far as the page alone shows them:

@@ -1,8 +1,8 @@
 //! `[measurement.step_diagonal]`: how the body diagonals were measured (contract §2.3).
 
+use crate::inputs::job::MachineAxis;
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{PathKind, Volume};
-use crate::inputs::job::MachineAxis;
 use crate::quantity::units::Millimetres;
 
 /// A measurement of the four body diagonals.

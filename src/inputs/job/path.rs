@@ -1,7 +1,7 @@
 //! `[path]`: what the control knows before a part program starts, and how its path is followed.
 
-use crate::quantity::axis::PerAxis;
 use crate::inputs::nc::{G43WithoutH, WithoutPoint};
+use crate::quantity::axis::PerAxis;
 use crate::quantity::units::Millimetres;
 use std::collections::BTreeMap;
 

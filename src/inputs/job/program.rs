@@ -1,8 +1,8 @@
 //! `[program]`: the part programs of a measuring run (contract §2.3, docs/program.md).
 
+use crate::inputs::job::diagonals::Reflector;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{PathKind, Volume};
-use crate::inputs::job::diagonals::Reflector;
 use crate::quantity::units::Millimetres;
 
 /// What the measuring run is.

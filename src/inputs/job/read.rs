@@ -1,8 +1,5 @@
 //! Job TOML → [`crate::inputs::job::Job`]: every key of contract §2.3, and nothing else.
 
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::chain::Chain;
-use crate::text::document::Section;
 use crate::inputs::job::read_compensation::compensation;
 use crate::inputs::job::read_measurement::measurement;
 use crate::inputs::job::read_path::path;
@@ -11,9 +8,12 @@ use crate::inputs::job::{
     Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis,
     Measurement, PathRequest, ProgramRequest, UseOf,
 };
+use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::chain::Chain;
+use crate::quantity::units::Millimetres;
+use crate::text::document::Section;
 use crate::text::plain::is_unseen;
 use crate::text::problem::shown;
-use crate::quantity::units::Millimetres;
 
 const DEFAULT_MAX_CORRECTION_UM: f64 = 500.0; // contract §2.3
 /// A reference point may lie this far outside the travel unless the job allows more, mm: some machines

@@ -1,8 +1,8 @@
 //! `active_while_measuring` of a job and the keys that belong to it.
 
+use crate::inputs::job::{ActiveSettings, ActiveTables, NotMeasured};
 use crate::quantity::axis::PerAxis;
 use crate::text::document::Section;
-use crate::inputs::job::{ActiveSettings, ActiveTables, NotMeasured};
 
 /// The tables that were active, and what the job says to them.
 pub(super) fn active(section: &Section<'_>) -> (ActiveTables, ActiveSettings) {

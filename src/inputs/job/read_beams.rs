@@ -1,11 +1,13 @@
 //! `[[…linear]]` and `[[…beam]]` of a job: lines that were measured beside the diagonals.
 
+use crate::inputs::job::read_diagonals::{
+    Axes, SMALLEST_SIZE_MM, TRAVEL_TOLERANCE_MM, between, places,
+};
+use crate::inputs::job::{Beam, Linear, LinearSlope};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::Volume;
-use crate::text::document::Section;
-use crate::inputs::job::read_diagonals::{Axes, SMALLEST_SIZE_MM, TRAVEL_TOLERANCE_MM, between, places};
-use crate::inputs::job::{Beam, Linear, LinearSlope};
 use crate::quantity::units::Millimetres;
+use crate::text::document::Section;
 
 const STEEPEST_UM_PER_M: f64 = 1e4; // 10 mm on a metre: no axis that still cuts is so long or short
 

@@ -1,14 +1,14 @@
 //! `[compensation]` of a job.
 
-use crate::quantity::axis::ErrorTerm;
 use crate::control::controller::LengthUnit;
-use crate::quantity::curve::Interpolation;
-use crate::text::document::{LONGEST_MM, Section};
-use crate::quantity::fit::Fit;
 use crate::inputs::job::read::{LARGEST_LIMIT, SMALLEST_LIMIT, axes};
 use crate::inputs::job::{
     AxisSettings, BacklashPolicy, Compensation, GridRequest, OutsideMeasured, WantedTerms,
 };
+use crate::quantity::axis::ErrorTerm;
+use crate::quantity::curve::Interpolation;
+use crate::quantity::fit::Fit;
+use crate::text::document::{LONGEST_MM, Section};
 use crate::text::problem::{nearest, shown};
 
 const SMALLEST_DETECTION_UNIT_UM: f64 = 1e-6;

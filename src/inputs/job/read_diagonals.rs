@@ -1,15 +1,15 @@
 //! `[measurement.step_diagonal]` of a job: how the body diagonals were measured.
 
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{PathKind, Volume};
-use crate::text::document::{LONGEST_MM, Section};
 use crate::inputs::job::read::direction;
 use crate::inputs::job::read_beams::{beams, linear};
 use crate::inputs::job::{
     AxisMaterial, DiagonalMeasurement, Frame, MachineAxis, Material, Reflector, SetUp,
 };
-use crate::text::problem::shown;
+use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
+use crate::text::document::{LONGEST_MM, Section};
+use crate::text::problem::shown;
 
 const MOST_STEPS: u32 = 100_000; // a thousand times the steps of any published measurement
 pub(super) const SMALLEST_SIZE_MM: f64 = 1e-3; // below it a box is no volume of a machine tool
@@ -337,8 +337,8 @@ mod tests {
     )]
 
     use super::*;
-    use crate::text::document::Source;
     use crate::inputs::job::{Job, LinearSlope, MeasuredData, Measurement};
+    use crate::text::document::Source;
 
     fn measurement(more: &str) -> Measurement {
         let page = format!(

@@ -1,11 +1,11 @@
 //! `[measurement]` of a job.
 
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use crate::text::document::Section;
 use crate::inputs::job::read::refuse_control_characters;
 use crate::inputs::job::read_active::active;
 use crate::inputs::job::read_diagonals::{diagonals, places, some_places};
 use crate::inputs::job::{Levers, MachineAxis, MeasuredData, Measurement, StatedUncertainty};
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use crate::text::document::Section;
 
 pub(super) fn measurement(
     section: &Section<'_>,
@@ -175,8 +175,8 @@ fn squareness(measurement: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
 mod tests {
     #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
-    use crate::text::document::Source;
     use crate::inputs::job::Job;
+    use crate::text::document::Source;
 
     const PAGE: &str = r#"
 schema = 1

@@ -1,12 +1,12 @@
 //! `[path]` of a job.
 
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::text::document::Section;
 use crate::inputs::job::read_diagonals::{all_of, places};
 use crate::inputs::job::{MachineAxis, PathRequest};
 use crate::inputs::nc::{G43WithoutH, WithoutPoint, system_number};
-use crate::text::problem::shown;
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::Millimetres;
+use crate::text::document::Section;
+use crate::text::problem::shown;
 use std::collections::BTreeMap;
 
 const MOST_TOOL_NUMBER: u32 = 9999;

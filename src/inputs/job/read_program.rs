@@ -1,14 +1,14 @@
 //! `[program]` of a job.
 
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{PathKind, Volume};
-use crate::text::document::Section;
 use crate::inputs::job::read_diagonals::{order, places, size, steps};
 use crate::inputs::job::{
     DiagonalMeasurement, MeasuredData, Measurement, ProgramRequest, Reflector, RunType, TargetGrid,
     WayBack,
 };
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
+use crate::text::document::Section;
 
 const DEFAULT_FEED_MM_PER_MIN: f64 = 1000.0; // a step of 30 mm in two seconds, without swinging
 const DEFAULT_DWELL_S: f64 = 3.0; // 2 … 5 s is usual: to settle, and to average the laser

@@ -432,7 +432,9 @@ fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
     if tally.without_point > 0 {
         let meaning = match setup.without_point {
             crate::inputs::nc::WithoutPoint::Unit => "whole mm or inches (`X100` = 100 mm)",
-            crate::inputs::nc::WithoutPoint::Increment => "least input increments (`X100` = 0.1 mm)",
+            crate::inputs::nc::WithoutPoint::Increment => {
+                "least input increments (`X100` = 0.1 mm)"
+            }
         };
         notes.push(format!(
             "coordinates without a decimal point: {}, the first in line {}; taken as {meaning}; see `without_point` in [path]",

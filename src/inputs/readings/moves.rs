@@ -3,13 +3,13 @@
 //! On a step run the nodes off the diagonal depend on that order. A run named `NNN`, numbered
 //! from the far corner, meets the nodes of `PPP` only if it takes the axes in the opposite order.
 
-use crate::quantity::axis::Axis;
-use crate::quantity::diagonal::{Pass, PathKind, Volume};
 use crate::inputs::job::DiagonalMeasurement;
-use crate::text::problem::{Problem, Problems};
 use crate::inputs::readings::columns::{Column, Columns};
 use crate::inputs::readings::rows::{Row, Walk};
 use crate::inputs::readings::walks::Walks;
+use crate::quantity::axis::Axis;
+use crate::quantity::diagonal::{Pass, PathKind, Volume};
+use crate::text::problem::{Problem, Problems};
 
 pub(super) fn check(
     walks: &Walks<'_, '_>,

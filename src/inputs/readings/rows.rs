@@ -1,10 +1,10 @@
 //! Rows of the readings, one by one, and the walks that they belong to.
 
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::text::delimited::Line;
-use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::text::problem::{Problem, Problems, nearest, shown};
 use crate::inputs::readings::columns::{Column, Columns};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass};
+use crate::text::delimited::Line;
+use crate::text::problem::{Problem, Problems, nearest, shown};
 use std::fmt;
 
 /// One walk along a diagonal, as the file names it.

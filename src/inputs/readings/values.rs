@@ -6,14 +6,14 @@
 //! far corner, and what the forward runs read there belongs to another set of readings; so only
 //! its increments mean anything, and [`crate::inputs::readings::Readings::offset_known`] says so.
 
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{PerDiagonal, Run};
 use crate::inputs::job::DiagonalMeasurement;
-use crate::text::problem::{Problem, Problems};
 use crate::inputs::readings::columns::{Columns, Quantity};
 use crate::inputs::readings::rows::{Row, Walk};
 use crate::inputs::readings::walks::Walks;
+use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::diagonal::{PerDiagonal, Run};
 use crate::quantity::units::{Deviation, UM_PER_MM};
+use crate::text::problem::{Problem, Problems};
 
 /// No machine tool is off by a centimetre: the readings or the job are not what they seem.
 const LARGEST_DEVIATION_UM: f64 = 1e4;

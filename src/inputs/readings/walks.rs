@@ -1,10 +1,10 @@
 //! Whether every walk has each of its nodes once, and which walks there are.
 
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::inputs::job::DiagonalMeasurement;
-use crate::text::problem::{Problem, Problems};
 use crate::inputs::readings::columns::Columns;
 use crate::inputs::readings::rows::{Row, Walk};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::text::problem::{Problem, Problems};
 use std::collections::BTreeMap;
 
 /// The rows of each walk, by ascending node.

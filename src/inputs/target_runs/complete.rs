@@ -1,13 +1,13 @@
 //! All readings of a file together → [`Runs`]. Nothing is guessed: not a reading that is missing,
 //! and not whether a value is a position or a deviation, unless the values leave no doubt.
 
-use crate::quantity::axis::Direction;
-use crate::text::delimited::Line;
-use crate::text::problem::{Problem, Problems};
 use crate::inputs::target_runs::header::{Content, Form, Layout, STATE_VALUES, and_more};
 use crate::inputs::target_runs::read::Reading;
 use crate::inputs::target_runs::{Runs, Values};
+use crate::quantity::axis::Direction;
 use crate::quantity::units::{Figure, UM_PER_MM};
+use crate::text::delimited::Line;
+use crate::text::problem::{Problem, Problems};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Readings of one target: direction and run to the reading.

@@ -1,9 +1,9 @@
 //! The header of a file of runs: which columns, in which layout, unit and sense.
 
+use crate::inputs::target_runs::{Stated, Values};
 use crate::quantity::axis::Direction;
 use crate::text::delimited::{Expected, LengthUnit, Line, columns_of};
 use crate::text::problem::{Problem, Problems, shown};
-use crate::inputs::target_runs::{Stated, Values};
 use std::collections::BTreeSet;
 
 pub(super) const FIRST_LINE: &str = "first line: target_mm,up1_mm,up2_mm,dn1_mm,dn2_mm \

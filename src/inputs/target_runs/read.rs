@@ -1,13 +1,13 @@
 //! Rows of a file of runs → readings, each with its cell.
 
-use crate::quantity::axis::Direction;
-use crate::text::delimited::{LengthUnit, Line, header_and_rows};
-use crate::text::document::Source;
-use crate::text::problem::{Problem, Problems, shown};
 use crate::inputs::target_runs::complete::complete;
 use crate::inputs::target_runs::header::{Content, FIRST_LINE, Form, Layout};
 use crate::inputs::target_runs::{Runs, Stated, Values};
+use crate::quantity::axis::Direction;
 use crate::quantity::units::UM_PER_MM;
+use crate::text::delimited::{LengthUnit, Line, header_and_rows};
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems, shown};
 
 pub(super) fn runs(source: &Source, stated: Stated) -> Result<Runs, Problems> {
     let Some((header, rows)) = header_and_rows(source) else {

@@ -3,12 +3,12 @@
 
 use super::{ActiveControl, problem};
 use crate::control::claims::Precondition;
-use crate::inputs::job::Job;
-use crate::text::problem::Problems;
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::control::table::siemens::SiemensTables;
+use crate::inputs::job::Job;
+use crate::text::problem::Problems;
 
 /// New tables at places that others own; all of them at once.
 pub fn collisions(job: &Job, active: &ActiveControl, new: &Tables) -> Result<(), Problems> {

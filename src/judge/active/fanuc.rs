@@ -2,16 +2,16 @@
 
 use super::read_out::{Contrary, Found, NamedBacklash, ReadOutFor, beside_words};
 use super::{Held, Others, axis_of};
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::claims::Assumption;
 use crate::control::controller::{FanucFacts, LengthUnit, NumberRange, StraightnessForm};
-use crate::inputs::job::Job;
-use crate::text::problem::Problems;
-use crate::read::readback::control_data::{self, Text};
-use crate::read::readback::fanuc::{merge, read_out};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
+use crate::inputs::job::Job;
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::power_of_ten;
+use crate::read::readback::control_data::{self, Text};
+use crate::read::readback::fanuc::{merge, read_out};
+use crate::text::problem::Problems;
 
 type Names = PerAxis<Vec<String>>;
 

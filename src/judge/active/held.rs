@@ -1,7 +1,7 @@
 //! What a read-out holds of the compensation, whether it acted or not.
 
-use crate::read::readback::siemens::{MachineDatum, MachineValue, SiemensContents};
 use crate::control::table::Tables;
+use crate::read::readback::siemens::{MachineDatum, MachineValue, SiemensContents};
 
 /// Everything of the compensation that files of a control hold, as they hold it.
 ///
@@ -61,9 +61,9 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test that cannot go on has to stop")]
 
     use super::{Held, agreed};
-    use crate::read::readback::siemens::read;
     use crate::control::table::Tables;
     use crate::control::table::siemens::SiemensTables;
+    use crate::read::readback::siemens::read;
 
     #[test]
     fn a_switch_with_two_values_is_not_held() {

@@ -5,15 +5,15 @@
 //! unit and axes, and which backlash parameter was named; its `machine` for which machine.
 
 use super::{ActiveControl, Origin, Others, backlash_of, problem, stated};
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::claims::Assumption;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Profile, Role};
-use crate::text::document::{json_page, sha256};
 use crate::inputs::job::Job;
-use crate::write::plan::axis_names;
-use crate::text::problem::{Problem, Problems, shown};
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::read::readback::kit::{KitFile, read};
+use crate::text::document::{json_page, sha256};
+use crate::text::problem::{Problem, Problems, shown};
+use crate::write::plan::axis_names;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -9,16 +9,16 @@
 //! what the steps stand for; at the nodes both are the same.
 
 use super::{ActiveControl, KEY, Origin, problem, replaces_backlash};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::control::controller::Profile;
-use crate::quantity::curve::{ErrorCurve, Interpolation};
-use crate::read::emulate::{CannotEmulate, Emulator, Response, emulator};
 use crate::inputs::job::{Job, NotMeasured};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
-use crate::write::plan::{axis_names, axis_pairs};
-use crate::text::problem::{Problem, Problems};
-use crate::write::target::wants;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::curve::{ErrorCurve, Interpolation};
 use crate::quantity::units::{Deviation, Millimetres};
+use crate::read::emulate::{CannotEmulate, Emulator, Response, emulator};
+use crate::text::problem::{Problem, Problems};
+use crate::write::plan::{axis_names, axis_pairs};
+use crate::write::target::wants;
 
 /// Corrections below it are none, µm.
 const NOTHING_UM: f64 = 1e-6;

@@ -1,16 +1,16 @@
 //! Files that were read out of the control: what concerns the job's axes, through the readers.
 
 use super::{ActiveControl, Held, Origin, Others, axis_of, backlash_of, problem, stated};
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::claims::Assumption;
 use crate::control::controller::{Dialect, LengthUnit, Profile, Role};
-use crate::inputs::job::Job;
-use crate::write::plan::axis_names;
-use crate::text::problem::{Problem, Problems};
-use crate::read::readback::control_data::{self, Text};
-use crate::read::readback::generic;
 use crate::control::table::Tables;
 use crate::control::table::generic::GenericRow;
+use crate::inputs::job::Job;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::read::readback::control_data::{self, Text};
+use crate::read::readback::generic;
+use crate::text::problem::{Problem, Problems};
+use crate::write::plan::axis_names;
 
 /// What files that were read out are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

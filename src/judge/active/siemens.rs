@@ -3,18 +3,18 @@
 use super::held::agreed;
 use super::read_out::{Contrary, Found, NamedBacklash, ReadOutFor, beside_words, listed};
 use super::{Held, Others, axis_of};
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::claims::Assumption;
 use crate::control::controller::LengthUnit;
+use crate::control::table::Tables;
+use crate::control::table::siemens::{CecTable, LecTable, OpenEnd, SiemensTables, closed};
 use crate::inputs::job::Job;
-use crate::text::problem::Problems;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::units::UM_PER_MM;
 use crate::read::readback::control_data::{self, Programs, Text, has_active_data};
 use crate::read::readback::siemens::{
     MachineDatum, MachineValue, SiemensContents, is_switch, merge, read_out,
 };
-use crate::control::table::Tables;
-use crate::control::table::siemens::{CecTable, LecTable, OpenEnd, SiemensTables, closed};
-use crate::quantity::units::UM_PER_MM;
+use crate::text::problem::Problems;
 
 type Names = PerAxis<Vec<String>>;
 

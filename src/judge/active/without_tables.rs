@@ -2,12 +2,12 @@
 
 use super::{ActiveControl, Origin, Others, stated};
 use crate::control::controller::{Dialect, Profile};
-use crate::inputs::job::{ActiveTables, Job};
-use crate::text::problem::Problems;
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
 use crate::control::table::generic::GenericTable;
 use crate::control::table::siemens::SiemensTables;
+use crate::inputs::job::{ActiveTables, Job};
+use crate::text::problem::Problems;
 
 /// The control of a job with `active_while_measuring = "none"` and `active_backlash_um`; `None`
 /// where the job states no parameter.

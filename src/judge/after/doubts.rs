@@ -1,9 +1,9 @@
 //! Why as-left figures decide nothing in favour, and what whoever reads the page should know.
 
 use super::{AfterMeasurement, Control, StraightRuns, unseen_reversal};
+use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::curve::ErrorCurve;
-use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::quantity::units::Millimetres;
 
 /// Gaps between the positions measured again, in gaps of the first measurement, beyond which

@@ -1,8 +1,8 @@
 //! Whether both measurements say anything about the same thing.
 
 use super::{AfterMeasurement, StraightRuns};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::text::problem::{Problem, Problems};
 
 /// Targets may miss the end of a range by this much (rounding of inch positions), mm.

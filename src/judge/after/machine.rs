@@ -1,7 +1,7 @@
 //! Whether a second job describes the machine of the first one.
 
-use crate::quantity::axis::Axis;
 use crate::inputs::job::{Job, MachineAxis};
+use crate::quantity::axis::Axis;
 use crate::text::problem::Problems;
 
 /// Refuses a second job of another machine: serial number, travel, reference point and direction

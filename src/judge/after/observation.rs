@@ -1,13 +1,13 @@
 //! What each value of the second measurement sees: which deviations, where, with which weight.
 
 use super::{AfterMeasurement, before_um};
+use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::quantity::units::{Correction, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
-use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::write::plan::Plan;
 use crate::write::plan::axis_pairs;
-use crate::quantity::units::{Correction, Millimetres};
 
 /// One deviation that a value sees.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Lost motion that only the second measurement could see.
 
-use crate::quantity::axis::ErrorTerm;
 use crate::machine::model::{ErrorModel, Measured};
+use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Figure;
 
 /// The reversal of a second measurement in both directions, where the first one did not tell them

@@ -2,8 +2,8 @@
 
 use super::records::Corrected;
 use crate::judge::after::{Control, Observation, Part};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::Deviation;
 
 /// A correction that no laser resolves is none, µm.

@@ -11,9 +11,9 @@
 
 use super::question::{Question, deviation_um};
 use crate::judge::after::Part;
+use crate::machine::model::ErrorModel;
 use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::Diagonal;
-use crate::machine::model::ErrorModel;
 
 /// What may have been recorded wrongly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

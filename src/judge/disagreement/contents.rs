@@ -8,9 +8,9 @@ mod generic;
 mod siemens;
 
 use crate::control::controller::{Dialect, Profile};
+use crate::control::table::Tables;
 use crate::judge::disagreement::Diagnosis;
 use crate::read::readback::kit::ReadBack;
-use crate::control::table::Tables;
 
 /// Names that are listed before the rest is only counted.
 const MOST_NAMES: usize = 6;

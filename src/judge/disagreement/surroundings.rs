@@ -3,10 +3,10 @@
 mod fanuc;
 mod siemens;
 
+use crate::control::table::Tables;
 use crate::judge::active::{ActiveControl, Origin};
 use crate::write::compensation::Compiled;
 use crate::write::plan::Plan;
-use crate::control::table::Tables;
 
 /// What was found around the tables, one sentence each.
 #[derive(Clone, Debug, Default)]

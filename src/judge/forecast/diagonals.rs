@@ -5,13 +5,13 @@
 
 use super::within;
 use super::{DiagonalForecast, Machine};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::judge::conformity::Sigma;
-use crate::quantity::curve::ErrorCurve;
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
-use crate::write::plan::{Plan, axis_pairs};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{Millimetres, Squared, larger};
+use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::write::plan::{Plan, axis_pairs};
 
 /// Sign of travel of X, Y, Z on the forward run of each diagonal (contract §2.2).
 const DIAGONALS: [(&str, [f64; 3]); 4] = [

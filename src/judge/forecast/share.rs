@@ -1,8 +1,8 @@
 //! Over which part of each axis a verdict is passed, and how much of it was measured.
 
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::inputs::job::Job;
 use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::{Millimetres, larger};
 
 /// Share of a judged range that has to be measured before a limit counts as kept: the offset

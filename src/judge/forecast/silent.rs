@@ -2,10 +2,10 @@
 //! a verdict changes. To say nothing must not look better than to state a bound.
 
 use super::{DiagonalForecast, Forecast, TermForecast};
-use crate::quantity::axis::{ErrorTerm, PerTerm};
-use crate::judge::conformity::{Magnitude, Verdict};
 use crate::inputs::error_table::Remarks;
 use crate::inputs::job::Acceptance;
+use crate::judge::conformity::{Magnitude, Verdict};
+use crate::quantity::axis::{ErrorTerm, PerTerm};
 use crate::quantity::units::rounded_down;
 
 /// Halvings of the search for a bound.

@@ -1,9 +1,9 @@
 //! What a forecast, or an as-left measurement, says of the acceptance, in words.
 
 use super::{DiagonalForecast, Forecast, TermForecast, share};
-use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::judge::conformity::{Verdict, expanded_um};
 use crate::inputs::job::Acceptance;
+use crate::judge::conformity::{Verdict, expanded_um};
+use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::larger;
 
 /// So many terms are named one by one.

@@ -2,9 +2,9 @@
 
 use super::Made;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::units::Millimetres;
 use crate::read::emulate::{CannotEmulate, Emulator, Response, emulator};
 use crate::write::plan::axis_pairs;
-use crate::quantity::units::Millimetres;
 
 /// Largest movement of each physical axis when the tables are switched, all base axes at their
 /// worst place: a bound, not a place.

@@ -1,17 +1,17 @@
 //! Sign proofs as files: written, read back, and what their bytes do on the control.
 
 use super::{Made, as_kit_file};
-use crate::quantity::axis::Direction;
 use crate::control::controller::Role;
-use crate::write::emit::{self, Instead, RenderedFile};
-use crate::read::emulate::{CannotEmulate, Emulator, emulator};
-use crate::write::plan::{Plan, axis_pairs};
-use crate::text::problem::{Problem, Problems};
-use crate::read::readback::kit::{KitFile, ReadBack, read_apart};
-use crate::write::sign_proof::{SignProof, SignProofs, sign_fact, sign_proofs};
 use crate::control::table::Tables;
 use crate::control::table::siemens::LecTable;
+use crate::quantity::axis::Direction;
 use crate::quantity::units::Millimetres;
+use crate::read::emulate::{CannotEmulate, Emulator, emulator};
+use crate::read::readback::kit::{KitFile, ReadBack, read_apart};
+use crate::text::problem::{Problem, Problems};
+use crate::write::emit::{self, Instead, RenderedFile};
+use crate::write::plan::{Plan, axis_pairs};
+use crate::write::sign_proof::{SignProof, SignProofs, sign_fact, sign_proofs};
 use serde_json::{Value, json};
 
 /// The sign proofs of a kit, read back to what was meant.

@@ -1,9 +1,9 @@
 //! What a kit changes on a Fanuc control: parameters and points, 3605, 1851 and 1852.
 
 use super::{Before, ChangedBy, Old, Unknown};
-use crate::quantity::axis::Axis;
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::quantity::axis::Axis;
 use std::collections::BTreeMap;
 
 /// The magnification of the pitch points of an axis, and the moving axes of straightness sets: what

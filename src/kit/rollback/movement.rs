@@ -2,9 +2,9 @@
 
 use super::Before;
 use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::units::Millimetres;
 use crate::read::emulate::{CannotEmulate, Emulator, emulator};
 use crate::write::plan::axis_pairs;
-use crate::quantity::units::Millimetres;
 
 /// Movements below it are none, µm.
 const NOTHING_UM: f64 = 1e-3;

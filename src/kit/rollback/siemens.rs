@@ -1,10 +1,10 @@
 //! What a kit changes on a Siemens control: tables, their switches, weights and limit, MD32450.
 
 use super::{Before, ChangedBy, Old, Unknown};
-use crate::quantity::axis::Axis;
-use crate::write::compensation::siemens::encoder;
 use crate::control::table::Tables;
 use crate::control::table::siemens::{CecTable, LecTable, SiemensTables};
+use crate::quantity::axis::Axis;
+use crate::write::compensation::siemens::encoder;
 use ChangedBy::{File, Nobody, Precondition};
 
 const BACKLASH: &str = "MA_BACKLASH";

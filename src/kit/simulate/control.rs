@@ -2,15 +2,15 @@
 
 use crate::judge::active::{ActiveControl, named_axis};
 use crate::judge::after::Control;
-use crate::quantity::axis::Axis;
-use crate::write::compensation::compile;
 use crate::kit::{
     Inputs, LoadedControl, LoadedState, cannot_emulate, emulator, load_read_out, loaded_state,
 };
-use crate::write::plan::{Task, plan};
-use crate::text::problem::Problems;
-use crate::read::readback::kit::{KitFile, read};
+use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
+use crate::read::readback::kit::{KitFile, read};
+use crate::text::problem::Problems;
+use crate::write::compensation::compile;
+use crate::write::plan::{Task, plan};
 use serde_json::Value;
 
 /// Tables that were read from bytes, in an emulated control.

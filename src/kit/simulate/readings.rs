@@ -1,15 +1,15 @@
 //! Errors that are left → readings along the laser, node by node.
 
 use super::{Rehearsal, SimulatedMachine, written};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
-use crate::write::grid::EDGE_MM;
 use crate::inputs::job::{Job, MeasuredData};
-use crate::text::problem::{Problem, Problems};
 use crate::machine::separation::corrections::{REFERENCE_C, expansion_um};
 use crate::machine::separation::noise::CorrectedRun;
 use crate::machine::separation::straight::{DiagonalFigures, figures};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
 use crate::quantity::units::Deviation;
+use crate::text::problem::{Problem, Problems};
+use crate::write::grid::EDGE_MM;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};

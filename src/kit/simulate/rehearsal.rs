@@ -1,12 +1,14 @@
 //! How the simulated machine is measured: box, nodes, directions, runs, noise.
 
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
 use crate::inputs::error_table::ErrorTable;
-use crate::inputs::job::{DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector};
-use crate::text::problem::{Problem, Problems};
+use crate::inputs::job::{
+    DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector,
+};
 use crate::machine::separation::corrections::AngleEffects;
 use crate::machine::separation::prepare::angles;
+use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
+use crate::text::problem::{Problem, Problems};
 
 /// Normal noise of every single reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,9 +1,9 @@
 //! What is left of every error, at the positions where it was measured: an error table.
 
 use super::{Noise, SimulatedMachine, written};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::inputs::error_table::{Draft, DraftSeries};
 use crate::machine::model::Measured;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::Millimetres;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -1,12 +1,12 @@
 //! Simulated readings → the CSV of contract §2.2, with where they come from.
 
 use super::{Rehearsal, SIMULATED, Simulation};
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::diagonal::{Pass, PathKind, Run};
-use crate::write::emit::TOOL;
 use crate::kit::Inputs;
 use crate::kit::manifest::HashedFile;
+use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::diagonal::{Pass, PathKind, Run};
 use crate::text::plain::line;
+use crate::write::emit::TOOL;
 
 /// Where a simulation comes from, for the comments of its file.
 #[derive(Clone, Debug)]

@@ -1,12 +1,12 @@
 //! The nine angular errors: columns `ea_…`, `eb_…`, `ec_…` of the error table, or a table of their own.
 
 use super::{Measured, check_axis};
-use crate::quantity::axis::{Axis, PerTerm, Rotation};
-use crate::quantity::curve::ErrorCurve;
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::Job;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::axis::{Axis, PerTerm, Rotation};
+use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::Deviation;
+use crate::text::problem::{Problem, Problems};
 
 /// The measured rotations of a table, µrad in place of µm.
 pub(super) fn rotations(job: &Job, table: &ErrorTable) -> PerTerm<Option<Measured>> {

@@ -10,9 +10,9 @@
 //! error of all positions and axes: along a diagonal it counts once ([`laser_um_per_m`]). A table that `separate` wrote states u = 0 where its curves
 //! are zero and holds noise and scale of the laser already.
 
-use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::inputs::error_table::Series;
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
+use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{Millimetres, larger};
 
 /// Positions closer than this are one, mm.

@@ -20,9 +20,9 @@ use super::curves::noise_gain;
 use super::metric::{PerPlane, Plane};
 use super::plane::per_plane;
 use super::slope_gains::SlopeGains;
+use crate::inputs::job::Reflector;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Volume};
-use crate::inputs::job::Reflector;
 
 /// Standard uncertainties (k = 1) that a bound of 1 µrad on every unmeasured angle makes.
 #[derive(Clone, Debug, PartialEq)]

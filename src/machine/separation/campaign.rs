@@ -4,9 +4,9 @@ use super::corrections::{AngleEffects, without_angles, without_expansion};
 use super::linear_reversal::LinearReversals;
 use super::noise::CorrectedRun;
 use super::unmeasured::AngleEvidence;
+use crate::inputs::job::{DiagonalMeasurement, StatedUncertainty};
 use crate::quantity::axis::PerAxis;
 use crate::quantity::diagonal::Run;
-use crate::inputs::job::{DiagonalMeasurement, StatedUncertainty};
 use crate::quantity::units::Millimetres;
 
 /// What goes into a separation beside the readings.

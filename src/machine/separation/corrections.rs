@@ -3,13 +3,13 @@
 
 use super::lookup::at;
 use super::unmeasured::AngleEvidence;
+use crate::inputs::error_table::{ErrorTable, Series};
+use crate::inputs::job::{AxisMaterial, Levers, Material, Reflector};
 use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
 use crate::quantity::chain::Chain;
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::inputs::error_table::{ErrorTable, Series};
-use crate::inputs::job::{AxisMaterial, Levers, Material, Reflector};
-use crate::text::problem::{Problem, Problems};
 use crate::quantity::units::Deviation;
+use crate::text::problem::{Problem, Problems};
 
 /// Reference temperature of ISO 1, °C.
 pub const REFERENCE_C: f64 = 20.0;

@@ -1,10 +1,10 @@
 //! The nodes on the diagonals as runs of a standard's test.
 
 use super::noise::CorrectedRun;
+use crate::inputs::target_runs::Runs;
 use crate::quantity::axis::Direction;
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
 use crate::text::problem::Problem;
-use crate::inputs::target_runs::Runs;
 
 /// Runs of one diagonal over its cell ends (step) or nodes (straight); up = forward.
 pub fn diagonal_runs(

@@ -6,9 +6,9 @@ use super::increments::Means;
 use super::linear_reversal::{LinearReversals, along_diagonal_um, u_along_diagonal_um};
 use super::noise::{Noise, NoiseSource, chance_of};
 use super::outlier::{FALSE_DOUBT, Outlier, float};
+use crate::inputs::job::SetUp;
 use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, Volume};
-use crate::inputs::job::SetUp;
 use crate::quantity::units::{Figure, Squared};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 

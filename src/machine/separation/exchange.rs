@@ -32,9 +32,9 @@ use super::noise::{CorrectedRun, Noise, NoiseSource, known_noise, means, run_cou
 use super::outlier::{Outlier, float};
 use super::repeats::{Repeats, repeats};
 use super::reversal::separable;
+use crate::inputs::job::SetUp;
 use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Run, Volume};
-use crate::inputs::job::SetUp;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 /// A closure that no instrument resolves is in no doubt, µm.

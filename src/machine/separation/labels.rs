@@ -8,8 +8,8 @@ use super::noise::coverage_factor;
 use super::reversal::Turn;
 use super::straight::u_squareness;
 use super::uncertainty::Budget;
-use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
+use crate::quantity::axis::{Axis, ErrorTerm};
 
 /// What was assumed and what counts in the uncertainty, one sentence each.
 pub(super) fn labels(

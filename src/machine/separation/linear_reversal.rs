@@ -15,9 +15,9 @@ use super::evidence::{Evidence, NineErrors};
 use super::lookup::at;
 use super::outlier::float;
 use super::reversal::Turn;
+use crate::inputs::error_table::ErrorTable;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
-use crate::inputs::error_table::ErrorTable;
 use crate::quantity::units::Figure;
 
 /// B of a positioning error at the interval ends of the box.
@@ -41,7 +41,9 @@ pub(super) fn of_table(volume: &Volume, axis: Axis, table: &ErrorTable) -> Optio
         let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
         let nodes = volume.positions(axis);
         let over_box = |values: &[f64]| -> Vec<f64> {
-            let node = |node: &crate::quantity::units::Millimetres| at(&series.positions, values, node.mm());
+            let node = |node: &crate::quantity::units::Millimetres| {
+                at(&series.positions, values, node.mm())
+            };
             nodes.iter().map(node).collect()
         };
         let u_um = series.uncertainties_um[axis].as_deref().map(over_box);

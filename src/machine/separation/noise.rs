@@ -1,8 +1,8 @@
 //! Means over runs, their repeatability, and what a noise of the readings is.
 
 use super::increments::{Means, PassMeans};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::inputs::job::StatedUncertainty;
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::quantity::units::Squared;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 

@@ -9,9 +9,9 @@ use super::angle_bound::AngleBound;
 use super::evidence::NineErrors;
 use super::metric::{PerPlane, Plane};
 use super::slope_gains::SlopeGains;
+use crate::inputs::job::{Reflector, StatedUncertainty};
 use crate::quantity::axis::{ErrorTerm, PerTerm};
 use crate::quantity::diagonal::Volume;
-use crate::inputs::job::{Reflector, StatedUncertainty};
 use crate::quantity::units::rounded_down;
 
 /// √(1.1² − 1): what adds a tenth to an uncertainty, by that uncertainty.

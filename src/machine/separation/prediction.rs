@@ -9,11 +9,11 @@
 
 use super::lookup::at;
 use super::noise::{CorrectedRun, Noise, means, run_counts};
+use crate::inputs::error_table::{ErrorTable, Series};
 use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
-use crate::inputs::error_table::{ErrorTable, Series};
-use crate::text::problem::{Problem, Problems};
 use crate::quantity::units::Squared;
+use crate::text::problem::{Problem, Problems};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// How often machines that agree are to fail the test.

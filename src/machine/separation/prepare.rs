@@ -4,10 +4,10 @@ use super::campaign::{Campaign, Line};
 use super::corrections::{AngleEffects, AngleModel, angle_effects};
 use super::linear_reversal::{self, LinearReversals};
 use super::lookup::at;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::Volume;
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{Beam, DiagonalMeasurement, Job, Linear, LinearSlope};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::Volume;
 use crate::text::problem::{Problem, Problems};
 
 /// How far a table may fall short of the measured box, mm.

@@ -22,9 +22,9 @@ use super::straight::{DiagonalFigures, figures};
 use super::tilt::{Tilt, tilts};
 use super::uncertainty::Budget;
 use super::unmeasured;
+use crate::inputs::job::{Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::inputs::job::{Material, SetUp, StatedUncertainty};
 
 /// What a measurement of step diagonals says, and what it does not.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,9 +15,9 @@ use super::reversal::Turn;
 use super::slope_gains::SlopeGains;
 use super::straight::{Totals, totals};
 use super::uncertainty::{Budget, Side, Slope, SlopeFrom, SlopeUncertainty};
+use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
-use crate::inputs::job::{Frame, SetUp};
 
 /// Slopes and the curves of every group of readings.
 pub(super) fn solve_readings(

@@ -24,11 +24,11 @@ use super::repeats::repeats;
 use super::separate::counted_angles;
 use super::slope_gains::SlopeGains;
 use super::uncertainty::{Budget, Slope, SlopeUncertainty};
+use crate::inputs::error_table::ErrorTable;
 use crate::quantity::axis::PerAxis;
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::inputs::error_table::ErrorTable;
-use crate::text::problem::Problems;
 use crate::quantity::units::Squared;
+use crate::text::problem::Problems;
 
 /// What the totals of the four diagonals determine.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,9 +4,9 @@ use super::evidence::Evidence;
 use super::noise::Noise;
 use super::not_counted::Silent;
 use super::separate::Separation;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::inputs::error_table::{Draft, DraftSeries, Remarks};
 use crate::inputs::job::{BacklashPolicy, SetUp};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 
 /// The table that `separate` writes and `generate` reads. Terms that are not determined are
 /// absent. Directions stand apart only where the reversal between them is determined; without it

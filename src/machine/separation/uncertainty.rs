@@ -11,9 +11,9 @@ use super::metric::{PerPlane, TotalsUncertainty};
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::reversal::Turn;
 use super::straight::u_squareness;
+use crate::inputs::job::{AxisMaterial, Material, StatedUncertainty};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
-use crate::inputs::job::{AxisMaterial, Material, StatedUncertainty};
 use crate::quantity::units::Squared;
 
 /// Uncertainty that weighs totals where neither noise nor a statement gives one, µm/m.

@@ -12,9 +12,9 @@ use super::angle_bound::AngleBound;
 use super::curves::noise_gain;
 use super::evidence::{Evidence, NineErrors};
 use super::slope_gains::SlopeGains;
+use crate::inputs::job::{Levers, Reflector, StatedUncertainty};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::diagonal::Volume;
-use crate::inputs::job::{Levers, Reflector, StatedUncertainty};
 use crate::quantity::units::Squared;
 
 const URAD_PER_ARCSEC: f64 = 1e6 * std::f64::consts::PI / (180.0 * 3600.0);

@@ -1,8 +1,8 @@
 //! ISO 230-6 and ASME B5.54: figures of the body diagonals.
 
+use crate::inputs::target_runs::Runs;
 use crate::machine::standards::iso_230_2::{self, AxisFigures, Travel};
 use crate::machine::standards::{Condition, DIAGONALS, Met, largest, range};
-use crate::inputs::target_runs::Runs;
 
 /// Body diagonals of a machine.
 const BODY_DIAGONALS: usize = 4;

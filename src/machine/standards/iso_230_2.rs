@@ -8,9 +8,9 @@ mod conditions;
 pub use self::conditions::{LONG_AXIS_MM, Travel, conditions, label, remarks};
 pub(super) use self::conditions::{directions, number_of_targets, runs_words};
 
-use crate::quantity::axis::Direction;
-use crate::machine::standards::{ByDirection, largest, range};
 use crate::inputs::target_runs::Runs;
+use crate::machine::standards::{ByDirection, largest, range};
+use crate::quantity::axis::Direction;
 
 /// Editions whose formulas these are.
 pub const EDITIONS: [u16; 3] = [1997, 2006, 2014];

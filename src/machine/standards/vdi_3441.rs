@@ -3,8 +3,8 @@
 //! Everything here is *likely*: from secondary sources, not compared with the text of the
 //! guideline. Its conditions (number of targets and runs) are therefore not tested.
 
-use crate::machine::standards::{iso_230_2, largest, range};
 use crate::inputs::target_runs::Runs;
+use crate::machine::standards::{iso_230_2, largest, range};
 
 /// Width of the band of scatter in standard deviations (± 3 s).
 const BAND: f64 = 6.0;

@@ -15,12 +15,12 @@ mod straightness;
 #[cfg(test)]
 mod tests;
 
-use crate::quantity::axis::Direction;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{FanucFacts, NumberRange};
-use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
 use crate::control::table::fanuc::FanucMemory;
+use crate::quantity::axis::Direction;
 use crate::quantity::units::Correction;
+use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
 use parameters::{Loading, cannot};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -9,11 +9,11 @@
 //! direction acts in both. What a control would do with two tables for the same travel is not
 //! known, so such tables are refused.
 
-use crate::quantity::axis::Direction;
 use crate::control::control_state::{AxisState, ControlState};
-use crate::read::emulate::{Between, CannotEmulate, Emulator, NodeTable, Response};
 use crate::control::table::generic::{GenericRow, GenericTable};
+use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres};
+use crate::read::emulate::{Between, CannotEmulate, Emulator, NodeTable, Response};
 
 /// A control that interpolates generic tables, with its tables in memory.
 #[derive(Clone, Debug)]

@@ -15,12 +15,12 @@
 
 mod load;
 
-use crate::quantity::axis::Direction;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{LengthUnit, MultiplyMode, SiemensFacts, TableSign};
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use crate::control::table::siemens::{CecDirection, CecTable, LecTable, SiemensTables};
+use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres, UM_PER_MM};
+use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use load::{LoadedCec, LoadedLec, link_factors, load_cec, load_lec};
 
 /// A control of the Siemens family with its tables in memory.

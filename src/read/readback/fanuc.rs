@@ -15,8 +15,8 @@ mod record;
 pub(crate) mod tests;
 
 use crate::control::controller::{FanucFacts, LengthUnit, NumberRange};
-use crate::text::problem::{Problem, Problems, refuse_long_lines};
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::text::problem::{Problem, Problems, refuse_long_lines};
 use block::{Block, Identifier, Segment};
 use record::{Source, Span};
 

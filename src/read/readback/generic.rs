@@ -16,9 +16,9 @@ mod json;
 mod row;
 
 use super::complaint::Complaint;
+use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::text::document::MOST_LINES;
 use crate::text::problem::{LineIndex, Problem, Problems, refuse_long_lines};
-use crate::control::table::generic::{GenericRow, GenericTable};
 use row::Column;
 
 /// Nobody reads further, and a binary file has millions.

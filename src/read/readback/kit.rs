@@ -1,9 +1,9 @@
 //! All files of a kit as one memory of the control.
 
 use crate::control::controller::{Dialect, Profile, Role};
-use crate::text::problem::{Problem, Problems, shown};
-use crate::read::readback::{fanuc, generic, siemens};
 use crate::control::table::Tables;
+use crate::read::readback::{fanuc, generic, siemens};
+use crate::text::problem::{Problem, Problems, shown};
 
 /// A file of a kit as it lies on the disk.
 #[derive(Clone, Copy, Debug)]

@@ -15,8 +15,8 @@ mod siemens;
 pub mod walk;
 mod words;
 
-use crate::quantity::axis::PerAxis;
 use crate::control::controller::program::Language;
+use crate::quantity::axis::PerAxis;
 use crate::text::problem::{Place, Problem, Problems};
 use std::ops::Range;
 

@@ -17,8 +17,8 @@ mod statement;
 mod variable;
 
 use super::complaint::Complaint;
-use crate::text::problem::{LineIndex, Problem, Problems, refuse_long_lines};
 use crate::control::table::siemens::{CecTable, LecTable, SiemensGrid, SiemensTables};
+use crate::text::problem::{LineIndex, Problem, Problems, refuse_long_lines};
 use memory::Memory;
 use statement::{Statement, statement};
 use std::ops::Range;

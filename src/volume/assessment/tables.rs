@@ -1,12 +1,12 @@
 //! The machine as the tables of a control leave it.
 
+use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::Direction;
 use crate::quantity::curve::{ErrorCurve, Interpolation, JUMP_MM};
-use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response, Stretch};
-use crate::machine::model::{ErrorModel, Measured};
-use crate::write::plan::{Plan, axis_pairs};
 use crate::quantity::units::{Deviation, Millimetres};
+use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response, Stretch};
 use crate::volume::volume_model::VolumeModel;
+use crate::write::plan::{Plan, axis_pairs};
 
 /// Places of jumps count on a raster of a picometre, so those of several tables are one.
 const PER_MM: f64 = 1e9;

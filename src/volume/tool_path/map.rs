@@ -1,8 +1,8 @@
 //! The error vector at any place, in a form that is cheap along a path: polynomials between the
 //! nodes of each axis.
 
-use crate::quantity::curve::JUMP_MM;
 use crate::inputs::nc::Place;
+use crate::quantity::curve::JUMP_MM;
 
 /// µrad × mm = 10⁻³ µm.
 const PER_M: f64 = 1e-3;

@@ -2,10 +2,10 @@
 
 use super::map::PathMap;
 use super::profile::ProfileLimits;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::curve::Interpolation;
 use crate::inputs::job::Job;
 use crate::inputs::nc::{Place, Setup};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::curve::Interpolation;
 use crate::quantity::units::Millimetres;
 use crate::volume::volume_model::VolumeModel;
 

@@ -1,10 +1,10 @@
 //! What was not measured, and what the figures therefore leave out.
 
 use super::VolumeModel;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
-use crate::quantity::chain::LeverEffect;
 use crate::inputs::job::Job;
 use crate::machine::model::{ErrorModel, Measured};
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
+use crate::quantity::chain::LeverEffect;
 use crate::quantity::units::Millimetres;
 
 /// An error that was not measured.

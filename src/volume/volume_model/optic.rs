@@ -1,10 +1,10 @@
 //! Straightness that was measured with the optic on a table: the lever of the table's own travel.
 
 use super::{MM_PER_M, VolumeModel};
+use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::chain::unit;
 use crate::quantity::curve::{ErrorCurve, Interpolation};
-use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::units::{Deviation, Millimetres};
 
 impl VolumeModel {

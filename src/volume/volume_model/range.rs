@@ -1,9 +1,9 @@
 //! The range of each axis that every one of its curves covers.
 
 use super::VolumeModel;
+use crate::inputs::job::Job;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::curve::ErrorCurve;
-use crate::inputs::job::Job;
 use crate::text::problem::{Problem, Problems};
 
 impl VolumeModel {

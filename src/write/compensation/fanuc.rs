@@ -13,15 +13,15 @@ mod numbers;
 mod requirements;
 mod straightness;
 
-use crate::quantity::axis::{Axis, Direction};
-use crate::write::compensation::{Compiled, Placement, control_state};
 use crate::control::controller::{FanucFacts, IntervalForm, StraightnessForm};
-use crate::write::grid::Grid;
-use crate::inputs::job::AxisSettings;
-use crate::write::plan::{Plan, PlannedTable, Task};
-use crate::text::problem::{Problem, Problems};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::inputs::job::AxisSettings;
+use crate::quantity::axis::{Axis, Direction};
+use crate::text::problem::{Problem, Problems};
+use crate::write::compensation::{Compiled, Placement, control_state};
+use crate::write::grid::Grid;
+use crate::write::plan::{Plan, PlannedTable, Task};
 use numbers::{Run, Space};
 
 /// Puts a plan into parameters and points.

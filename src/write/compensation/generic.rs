@@ -1,13 +1,13 @@
 //! The generic table: deviation, correction and increment of every point (contract §4.1).
 //! Unrounded, unless the corrected axis has a detection unit.
 
-use crate::quantity::axis::Axis;
 use crate::control::claims::Precondition;
-use crate::write::compensation::{Compiled, Placement, backlash_why, control_state};
-use crate::write::plan::{Plan, PlannedTable, Task};
 use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
+use crate::quantity::axis::Axis;
 use crate::quantity::units::{Deviation, power_of_ten};
+use crate::write::compensation::{Compiled, Placement, backlash_why, control_state};
+use crate::write::plan::{Plan, PlannedTable, Task};
 
 /// Puts a plan into rows.
 pub fn compile(task: Task<'_>, plan: &Plan) -> Compiled {

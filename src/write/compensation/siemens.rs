@@ -8,16 +8,18 @@
 
 mod requirements;
 
-use crate::quantity::axis::{Axis, Direction};
-use crate::write::compensation::{Compiled, Placement, control_state};
 use crate::control::control_state::ControlState;
 use crate::control::controller::{SiemensFacts, TableSign};
+use crate::control::table::Tables;
+use crate::control::table::siemens::{
+    CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
+};
+use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::units::{Deviation, Figure, UM_PER_MM, power_of_ten};
+use crate::text::problem::Problems;
+use crate::write::compensation::{Compiled, Placement, control_state};
 use crate::write::grid::Grid;
 use crate::write::plan::{Plan, PlannedTable, Task};
-use crate::text::problem::Problems;
-use crate::control::table::Tables;
-use crate::control::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
-use crate::quantity::units::{Deviation, Figure, UM_PER_MM, power_of_ten};
 
 /// Puts a plan into ENC_COMP and CEC tables.
 pub fn compile(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<Compiled, Problems> {

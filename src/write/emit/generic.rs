@@ -1,7 +1,7 @@
 //! What generic templates see: `rows`, with every number as finished text.
 
-use crate::quantity::axis::Direction;
 use crate::control::table::generic::{GenericRow, GenericTable};
+use crate::quantity::axis::Direction;
 use compact_str::{CompactString, ToCompactString, format_compact};
 use serde::Serialize;
 

@@ -1,14 +1,14 @@
 //! Planned moves → part programs and the positions beside them.
 
-use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::control::controller::LengthUnit;
 use crate::control::controller::program::Language;
+use crate::inputs::job::{Reflector, RunType, TargetGrid};
+use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::Pass;
+use crate::text::problem::{Problem, Problems};
 use crate::write::emit::ascii::ascii;
 use crate::write::emit::{COMMENT_TEXT, LONGEST_TEXT};
 use crate::write::emit::{TOOL, Templates, fixed, is_comment_text, with_line_ends};
-use crate::inputs::job::{Reflector, RunType, TargetGrid};
-use crate::text::problem::{Problem, Problems};
 use crate::write::program::{
     Digits, MeasuringRun, Move, Reading, Resolution, RunTask, SetUpProgram, Subject,
 };

@@ -1,13 +1,15 @@
 //! What Siemens templates see: `lec`, `cec`, and the switches of both.
 
+use crate::control::control_state::ControlState;
+use crate::control::controller::{Evidence, SiemensFacts, TableSign};
+use crate::control::table::siemens::{
+    CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
+};
 use crate::quantity::axis::Direction;
 use crate::write::compensation::Placement;
 use crate::write::compensation::siemens::{at_reference, reference_text};
-use crate::control::control_state::ControlState;
-use crate::control::controller::{Evidence, SiemensFacts, TableSign};
 use crate::write::emit::{Switch, fixed};
 use crate::write::plan::Task;
-use crate::control::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
 use compact_str::{CompactString, ToCompactString, format_compact};
 use serde::Serialize;
 

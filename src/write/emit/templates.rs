@@ -1,8 +1,8 @@
 //! The templates of a profile, each parsed once. The only user of Tera beside its contexts.
 
 use crate::text::document::LARGEST_FILE_MIB;
-use crate::write::emit::layout::{Layout, Wrong};
 use crate::text::problem::{Place, Problem};
+use crate::write::emit::layout::{Layout, Wrong};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;

@@ -1,15 +1,15 @@
 //! The points of each moving axis, and what the tables hold there.
 
 use super::Task;
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::controller::{Dialect, Profile};
-use crate::quantity::fit::{residual, table_values};
-use crate::write::grid::{self, EDGE_MM, Grid};
 use crate::inputs::job::ahead::{GRID_HELP, UNIT_HELP, without_grid, without_unit};
 use crate::inputs::job::{AxisSettings, GridRequest, MachineAxis, OutsideMeasured};
-use crate::text::problem::{Problem, Problems};
-use crate::write::target::Target;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::fit::{residual, table_values};
 use crate::quantity::units::{Deviation, Millimetres};
+use crate::text::problem::{Problem, Problems};
+use crate::write::grid::{self, EDGE_MM, Grid};
+use crate::write::target::Target;
 
 pub(super) fn grids(
     task: Task<'_>,

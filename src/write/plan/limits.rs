@@ -6,8 +6,8 @@
 use super::{PlannedTable, Task};
 use crate::inputs::error_table::Heading;
 use crate::inputs::job::Limits;
-use crate::text::problem::{Problem, Problems};
 use crate::quantity::units::{Deviation, UM_PER_MM};
+use crate::text::problem::{Problem, Problems};
 
 /// No machine tool is off by more, µm: beyond it the unit of the column is the likelier cause.
 const NO_MACHINE_UM: f64 = UM_PER_MM;

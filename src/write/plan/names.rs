@@ -1,9 +1,9 @@
 //! How the control names the physical axes.
 
 use super::Task;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::control::controller::{Dialect, Profile};
 use crate::inputs::job::Job;
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::text::problem::Problems;
 
 /// How the control names the physical axes: as the job states, else the profile's default. An axis

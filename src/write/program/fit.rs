@@ -1,8 +1,10 @@
 //! What a run must keep: travel, feed, readings; and the largest box that would fit.
 
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::controller::program::Language;
-use crate::inputs::job::{DiagonalMeasurement, Job, MeasuredData, ProgramRequest, RunType, TargetGrid};
+use crate::inputs::job::{
+    DiagonalMeasurement, Job, MeasuredData, ProgramRequest, RunType, TargetGrid,
+};
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
 use crate::write::program::route::readings_of;
 use crate::write::program::{MOST_READINGS, Resolution, RunTask, problem};

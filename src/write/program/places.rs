@@ -1,7 +1,7 @@
 //! The box, the margins and the targets of a run in whole digits of the control.
 
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid};
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
 use crate::write::program::fit::moving;
 use crate::write::program::{Digits, Resolution, problem};

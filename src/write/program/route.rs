@@ -1,8 +1,8 @@
 //! The way over the nodes of one set-up, in both directions.
 
+use crate::inputs::job::{ProgramRequest, RunType, WayBack};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::inputs::job::{ProgramRequest, RunType, WayBack};
 use crate::write::program::places::Scale;
 use crate::write::program::{Digits, Move, Reading, SetUpProgram, Subject};
 

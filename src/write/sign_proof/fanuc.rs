@@ -4,12 +4,12 @@
 //! counts of these magnifications.
 
 use super::{Bump, SignProof, as_number, whole_below};
-use crate::quantity::axis::ErrorTerm;
 use crate::control::controller::{FanucFacts, Mechanism, TableSign};
-use crate::write::plan::{Plan, axis_pairs};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Deviation;
+use crate::write::plan::{Plan, axis_pairs};
 
 const MOST_SETS: u32 = 6;
 

@@ -1,12 +1,12 @@
 //! ENC_COMP and CEC tables of the kit, zero but for the bump.
 
 use super::Bump;
-use crate::quantity::axis::ErrorTerm;
-use crate::write::compensation::siemens::values;
 use crate::control::controller::{Mechanism, SiemensFacts, TableSign};
-use crate::write::plan::{Plan, Task, axis_pairs};
 use crate::control::table::siemens::SiemensTables;
+use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Deviation;
+use crate::write::compensation::siemens::values;
+use crate::write::plan::{Plan, Task, axis_pairs};
 
 /// All tables of the kit of one mechanism. Every physical axis of the term has the bump, so that
 /// the two sides of a gantry move alike; CEC tables of the term have it in both directions.

@@ -1,8 +1,8 @@
 //! Points and parameters by their numbers.
 
 use super::{it, listed, runs, same};
-use crate::judge::disagreement::Diagnosis;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::judge::disagreement::Diagnosis;
 
 /// Surplus, missing and other points and parameters.
 pub(super) fn memory(

@@ -1,8 +1,8 @@
 //! Rows of the generic table, block by block.
 
 use super::{it, runs, same};
-use crate::judge::disagreement::Diagnosis;
 use crate::control::table::generic::{GenericRow, GenericTable};
+use crate::judge::disagreement::Diagnosis;
 
 /// Surplus, missing and other rows.
 pub(super) fn rows(

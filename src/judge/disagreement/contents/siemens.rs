@@ -3,8 +3,10 @@
 pub(super) mod machine_data;
 
 use super::{it, listed, runs, same};
+use crate::control::table::siemens::{
+    CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
+};
 use crate::judge::disagreement::Diagnosis;
-use crate::control::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables};
 
 /// Surplus, missing and other tables.
 pub(super) fn tables(

@@ -1,10 +1,10 @@
 //! How a Fanuc control plays its points, and its second backlash parameter.
 
 use super::Surroundings;
-use crate::quantity::axis::Axis;
 use crate::control::control_state::{AxisState, ControlState};
-use crate::write::plan::Plan;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
+use crate::quantity::axis::Axis;
+use crate::write::plan::Plan;
 
 impl Surroundings {
     pub(super) fn of_fanuc(

@@ -1,11 +1,11 @@
 //! Unit of the control, limit and unit of CEC, reference point of a Siemens control.
 
 use super::Surroundings;
-use crate::judge::active::Held;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::LengthUnit;
-use crate::read::readback::siemens::MachineValue;
 use crate::control::table::siemens::SiemensTables;
+use crate::judge::active::Held;
+use crate::read::readback::siemens::MachineValue;
 
 impl Surroundings {
     pub(super) fn of_siemens(&mut self, state: &ControlState, wanted: &SiemensTables, held: &Held) {

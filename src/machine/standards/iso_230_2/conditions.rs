@@ -1,11 +1,11 @@
 //! The conditions of ISO 230-2 that runs can show, and how the figures are labelled by them.
 
-use crate::quantity::axis::Direction;
-use crate::text::problem::Problem;
+use crate::inputs::target_runs::Runs;
 use crate::machine::standards::iso_230_2::EDITIONS;
 use crate::machine::standards::{Condition, Confidence, Met, in_words, range};
-use crate::inputs::target_runs::Runs;
+use crate::quantity::axis::Direction;
 use crate::quantity::units::UM_PER_MM;
+use crate::text::problem::Problem;
 
 /// Above this length of travel other conditions hold, mm.
 pub const LONG_AXIS_MM: f64 = 2000.0;

@@ -4,8 +4,8 @@
 
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::FanucFacts;
-use crate::read::emulate::CannotEmulate;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
+use crate::read::emulate::CannotEmulate;
 
 /// Everything the tables of a control are built from.
 #[derive(Clone, Copy)]

@@ -11,12 +11,12 @@
 
 use super::parameters::{Loading, cannot, name};
 use super::{Link, Run};
-use crate::quantity::axis::Direction;
 use crate::control::control_state::AxisState;
 use crate::control::controller::{IntervalForm, LengthUnit, NumberRange};
-use crate::read::emulate::{Between, CannotEmulate, NodeTable};
 use crate::control::table::fanuc::ParameterValue;
+use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres, power_of_ten};
+use crate::read::emulate::{Between, CannotEmulate, NodeTable};
 
 /// 3627 is a signed word (B-63530EN).
 const REVERSAL_MAX: u32 = 32767;

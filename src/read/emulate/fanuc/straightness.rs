@@ -11,8 +11,8 @@ use super::Run;
 use super::parameters::{Loading, cannot, name};
 use super::pitch::{Grid, lies_in, node_sums};
 use crate::control::controller::{NumberRange, StraightnessForm};
-use crate::read::emulate::{Between, CannotEmulate, NodeTable};
 use crate::quantity::units::Correction;
+use crate::read::emulate::{Between, CannotEmulate, NodeTable};
 
 /// Sets that the numbers leave room for: 5731 + 10·(s − 1) reaches the amounts at s = 4, and
 /// 5711 + s − 1 ends at 5716.

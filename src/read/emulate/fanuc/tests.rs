@@ -9,9 +9,9 @@ mod refusals;
 
 use super::*;
 use crate::control::controller::{IntervalForm, LengthUnit, StraightnessForm, TableSign};
+use crate::quantity::units::{Deviation, Millimetres};
 use crate::read::readback::fanuc::read;
 use crate::read::readback::fanuc::tests::{facts_16i, facts_30i};
-use crate::quantity::units::{Deviation, Millimetres};
 use Direction::{Minus, Plus};
 
 /// Pitch example of B-63980EN/01 p. 100, one number for each section from 33 to 49.

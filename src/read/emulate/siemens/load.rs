@@ -4,9 +4,9 @@
 //! tables) ends here, so that the control itself only computes.
 
 use crate::control::controller::{LengthUnit, SiemensFacts};
-use crate::read::emulate::{Between, CannotEmulate, NodeTable};
 use crate::control::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid};
 use crate::quantity::units::{Correction, Millimetres, UM_PER_MM};
+use crate::read::emulate::{Between, CannotEmulate, NodeTable};
 
 /// (MAX−MIN)/STEP may differ this much from the index of the last point, in steps; STEP is
 /// rounded in real files.

@@ -5,8 +5,8 @@
 
 use super::MOST_COMPLAINTS;
 use super::row::{BlockKey, Column, RawRow, RowFlaw, Unusable, read_row};
-use crate::quantity::axis::Axis;
 use crate::control::table::generic::{GenericRow, GenericTable};
+use crate::quantity::axis::Axis;
 use compact_str::CompactString;
 use std::collections::BTreeMap;
 

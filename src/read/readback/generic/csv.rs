@@ -4,9 +4,9 @@
 
 use super::check::Reading;
 use super::row::{Cell, Column, RawRow, RowFlaw};
-use crate::text::document::MOST_LINES;
-use crate::read::readback::complaint::Complaint;
 use crate::control::table::generic::GenericTable;
+use crate::read::readback::complaint::Complaint;
+use crate::text::document::MOST_LINES;
 use serde_json::Number;
 use std::borrow::Cow;
 use std::ops::Range;

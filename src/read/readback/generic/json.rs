@@ -6,9 +6,9 @@
 use super::check::Reading;
 use super::csv::trimmed;
 use super::row::{Cell, Column, RawRow, RowFlaw};
-use crate::text::document::MOST_LINES;
-use crate::read::readback::complaint::Complaint;
 use crate::control::table::generic::GenericTable;
+use crate::read::readback::complaint::Complaint;
+use crate::text::document::MOST_LINES;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::{Number, Value};
 use std::borrow::Cow;

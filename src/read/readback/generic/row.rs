@@ -2,9 +2,9 @@
 //!
 //! Both forms of the file bring their cells as [`Cell`]s. What a cell must be is decided here, once.
 
+use crate::control::table::generic::GenericRow;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::text::problem::nearest;
-use crate::control::table::generic::GenericRow;
 use serde_json::Number;
 use std::borrow::Cow;
 

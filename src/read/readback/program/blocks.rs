@@ -1,7 +1,7 @@
 //! What both languages share: words that stay in force, and how a block becomes a deed.
 
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::control::controller::LengthUnit;
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::read::readback::program::words::{Block, Word};
 use crate::read::readback::program::{Cancelled, Complaint, Deed, Step};
 

@@ -2,10 +2,10 @@
 
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::Pass;
-use crate::text::problem::{Place, Problem, Problems};
+use crate::quantity::units::Figure;
 use crate::read::readback::program::positions::Position;
 use crate::read::readback::program::{Cancelled, Deed, Step};
-use crate::quantity::units::Figure;
+use crate::text::problem::{Place, Problem, Problems};
 use std::collections::BTreeSet;
 use std::ops::Range;
 

@@ -10,9 +10,9 @@
 //! program does not know could move the machine.
 
 use super::variable::is_alone;
+use crate::read::readback::complaint::Complaint;
 use crate::text::plain::is_unseen;
 use crate::text::problem::nearest;
-use crate::read::readback::complaint::Complaint;
 use std::borrow::Cow;
 use std::ops::Range;
 

@@ -303,7 +303,8 @@ fn a_control_may_write_more_than_acts() {
     assert_eq!((without.values.len(), without.grid.is_whole()), (3, false));
     let with = open("$AA_ENC_COMP[1,3,AX1]=0.004\n$AA_ENC_COMP[1,4,AX1]=7\n");
     assert_eq!(with.values.len(), 4);
-    let closed = |table: &LecTable| crate::control::table::siemens::closed(table.grid, &table.values);
+    let closed =
+        |table: &LecTable| crate::control::table::siemens::closed(table.grid, &table.values);
     let (grid_of, values, end) = closed(&with).unwrap();
     assert_eq!((grid_of, values.len()), (grid, 3));
     assert_eq!((end.point, end.differs_by), (2, Some(0.002)));

@@ -3,9 +3,9 @@
 //! Function Manual Extended Functions 03/2013, K3 p. 237-249 and 268.
 
 use super::statement::{Assignment, Value, is_digits};
-use crate::text::problem::nearest;
-use crate::read::readback::complaint::Complaint;
 use crate::control::table::siemens::CecDirection;
+use crate::read::readback::complaint::Complaint;
+use crate::text::problem::nearest;
 
 /// Largest table or point number that is read at all.
 const LARGEST_INDEX: u32 = 99_999;

@@ -1,11 +1,11 @@
 //! Point numbers: which axis gets which, without overlap.
 
-use crate::quantity::axis::Axis;
-use crate::write::compensation::fanuc::is_four_point;
 use crate::control::controller::{FanucFacts, NumberRange};
+use crate::quantity::axis::Axis;
+use crate::text::problem::Problems;
+use crate::write::compensation::fanuc::is_four_point;
 use crate::write::grid::Grid;
 use crate::write::plan::{Plan, Task};
-use crate::text::problem::Problems;
 
 /// The pitch points of one physical axis.
 pub(super) struct Run {

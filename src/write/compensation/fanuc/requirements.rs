@@ -1,14 +1,14 @@
 //! What a person has to see to on the control: reference, bits, backlash, options.
 
-use crate::quantity::axis::{Axis, Direction};
 use crate::control::claims::{Assumption, Precondition};
+use crate::control::controller::FanucFacts;
+use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::units::Figure;
+use crate::text::problem::Problems;
 use crate::write::compensation::fanuc::numbers::Run;
 use crate::write::compensation::fanuc::{detection_unit, is_four_point};
 use crate::write::compensation::{backlash_why, two_tables_why};
-use crate::control::controller::FanucFacts;
 use crate::write::plan::{Plan, PlannedTable, Task};
-use crate::text::problem::Problems;
-use crate::quantity::units::Figure;
 
 const MEMORY: &str = "parameter manual of the family, from memory";
 const LARGEST_BACKLASH: f64 = 9999.0; // 1851, detection units; parameter manual, from memory

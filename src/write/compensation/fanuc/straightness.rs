@@ -1,13 +1,13 @@
 //! Straightness sets: a moving axis shifts another one.
 
+use crate::control::controller::FanucFacts;
+use crate::text::problem::Problems;
 use crate::write::compensation::fanuc::numbers::{Run, Space};
 use crate::write::compensation::fanuc::{
     Curve, Output, detection_unit, is_four_point, magnify, too_steep, wanted,
 };
 use crate::write::compensation::four_point::best_fit;
-use crate::control::controller::FanucFacts;
 use crate::write::plan::{Plan, PlannedTable, Task};
-use crate::text::problem::Problems;
 
 /// One set: a planned table on one physical output axis.
 struct Set<'a> {

@@ -1,14 +1,14 @@
 //! What a person has to see to on the control: switches, memory, limits, backlash, reference.
 
 use super::{backlash_text, encoder, is_lec, largest_sum_um, reference_text};
-use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::control::claims::{Assumption, Precondition};
-use crate::write::compensation::{backlash_why, two_tables_why};
 use crate::control::controller::LengthUnit;
-use crate::inputs::job::ActiveTables;
-use crate::write::plan::{Plan, PlannedTable, Task};
 use crate::control::table::siemens::SiemensTables;
+use crate::inputs::job::ActiveTables;
+use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::units::{Figure, UM_PER_MM, power_of_ten};
+use crate::write::compensation::{backlash_why, two_tables_why};
+use crate::write::plan::{Plan, PlannedTable, Task};
 
 const K3: &str = "Function Manual Extended Functions 03/2013, K3";
 

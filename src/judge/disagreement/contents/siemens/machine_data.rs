@@ -3,9 +3,9 @@
 use super::super::{it, listed};
 use super::lec_name;
 use crate::control::controller::{Role, SiemensFacts};
+use crate::control::table::siemens::SiemensTables;
 use crate::read::readback::kit::FileData;
 use crate::read::readback::siemens::{MachineDatum, MachineValue};
-use crate::control::table::siemens::SiemensTables;
 
 /// A machine or setting datum of the job.
 struct Owned {

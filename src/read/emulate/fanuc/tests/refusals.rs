@@ -61,9 +61,10 @@ fn what_is_not_emulated_is_refused() {
         number: 10803,
         axis: None,
     };
-    memory
-        .parameters
-        .insert(key, crate::control::table::fanuc::ParameterValue::Integer(5));
+    memory.parameters.insert(
+        key,
+        crate::control::table::fanuc::ParameterValue::Integer(5),
+    );
     assert!(
         FanucControl::new(&memory, &facts_30i(), &state()).is_err(),
         "3-D"
