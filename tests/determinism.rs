@@ -13,7 +13,7 @@ mod tree;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
-use tree::{Tree, copy_of, difference, lay, skipped, tree};
+use tree::{Tree, copy_of, difference, lay, skipped, told, tree};
 
 /// Fixtures and commands that between them write kits, tables, pages and documents; `{}` = the path of
 /// the fixture, with a separator at its end.
@@ -222,6 +222,7 @@ fn another_build_makes_the_same_bytes_of_all_fixtures() {
     }
     assert!(differing.is_empty(), "{}", differing.join("\n"));
     let all = commands.len();
-    let line = format!("{all} commands, {written} of them with a result: the same bytes\n");
-    let _ = std::io::Write::write_all(&mut std::io::stderr(), line.as_bytes());
+    told(&format!(
+        "{all} commands, {written} of them with a result: the same bytes"
+    ));
 }

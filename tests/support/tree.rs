@@ -98,9 +98,14 @@ pub(crate) fn copy_of(fixture: &str) -> TempDir {
     directory
 }
 
-/// Says past the capture of the test runner why a test did nothing.
+/// Says why a test did nothing.
 pub(crate) fn skipped(why: &str) {
+    told(&format!("skipped: {why}"));
+}
+
+/// Says something of a test past the capture of the test runner.
+pub(crate) fn told(what: &str) {
     let thread = std::thread::current();
-    let line = format!("skipped: {}: {why}\n", thread.name().unwrap_or("a test"));
+    let line = format!("{}: {what}\n", thread.name().unwrap_or("a test"));
     let _ = std::io::Write::write_all(&mut std::io::stderr(), line.as_bytes());
 }
