@@ -7,13 +7,13 @@
 )]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nonius::axis::Direction;
-use nonius::controller::builtin;
-use nonius::document::Source;
-use nonius::error_table::ErrorTable;
-use nonius::job::Job;
+use nonius::control::controller::builtin;
+use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::job::Job;
 use nonius::kit::{Inputs, emulator, generate};
-use nonius::units::Millimetres;
+use nonius::quantity::axis::Direction;
+use nonius::quantity::units::Millimetres;
+use nonius::text::document::Source;
 use std::hint::black_box;
 
 const JOB: &str = include_str!("../fixtures/nine_errors_900/siemens-840d-sl.toml");

@@ -7,9 +7,11 @@
 )]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nonius::nc::{G43WithoutH, Line, Mark, Move, Plane, Setup, Shape, Text, WithoutPoint, run};
-use nonius::problem::Problem;
-use nonius::tool_path::{PathMap, Profile, ProfileLimits};
+use nonius::inputs::nc::{
+    G43WithoutH, Line, Mark, Move, Plane, Setup, Shape, Text, WithoutPoint, run,
+};
+use nonius::text::problem::Problem;
+use nonius::volume::tool_path::{PathMap, Profile, ProfileLimits};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::hint::black_box;

@@ -6,16 +6,16 @@
 )]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nonius::axis::PerAxis;
-use nonius::diagonal::Run;
-use nonius::document::Source;
-use nonius::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
-use nonius::readings::Readings;
-use nonius::separation::monte_carlo::{Plan, simulate};
-use nonius::separation::noise::{Noise, NoiseSource, run_counts};
-use nonius::separation::uncertainty::Budget;
-use nonius::separation::{Campaign, Line, curves_of, separate};
-use nonius::units::Deviation;
+use nonius::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use nonius::inputs::readings::Readings;
+use nonius::machine::separation::monte_carlo::{Plan, simulate};
+use nonius::machine::separation::noise::{Noise, NoiseSource, run_counts};
+use nonius::machine::separation::uncertainty::Budget;
+use nonius::machine::separation::{Campaign, Line, curves_of, separate};
+use nonius::quantity::axis::PerAxis;
+use nonius::quantity::diagonal::Run;
+use nonius::quantity::units::Deviation;
+use nonius::text::document::Source;
 use std::hint::black_box;
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
@@ -37,7 +37,7 @@ fn measurement() -> DiagonalMeasurement {
 }
 
 fn lines(measurement: &DiagonalMeasurement) -> Vec<Line> {
-    let stated = |linear: &nonius::job::Linear| match linear.slope {
+    let stated = |linear: &nonius::inputs::job::Linear| match linear.slope {
         LinearSlope::Stated(slope_um_per_m) => Some(Line {
             direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
             slope_um_per_m,
@@ -66,7 +66,7 @@ fn separation(criterion: &mut Criterion) {
     disturb(&mut runs);
     let campaign = Campaign {
         measurement: &measurement,
-        stated: nonius::job::StatedUncertainty::default(),
+        stated: nonius::inputs::job::StatedUncertainty::default(),
         lines: lines(&measurement),
         reversals: Default::default(),
         angles: None,

@@ -6,16 +6,16 @@
 //! bytes of the files, as in the forecast.
 #![allow(clippy::print_stdout, reason = "a script that prints its picture")]
 
-use nonius::axis::{Axis, Direction, ErrorTerm};
-use nonius::controller::builtin;
-use nonius::document::Source;
-use nonius::emulate::Emulator;
-use nonius::error_table::ErrorTable;
-use nonius::job::{Job, MeasuredData};
+use nonius::control::controller::builtin;
+use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::job::{Job, MeasuredData};
 use nonius::kit::{Inputs, Kit, emulator, generate};
-use nonius::plan::axis_pairs;
-use nonius::problem::{Problem, Problems};
-use nonius::units::Millimetres;
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
+use nonius::quantity::units::Millimetres;
+use nonius::read::emulate::Emulator;
+use nonius::text::document::Source;
+use nonius::text::problem::{Problem, Problems};
+use nonius::write::plan::axis_pairs;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;

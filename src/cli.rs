@@ -26,8 +26,8 @@ mod standards;
 mod verify;
 mod write;
 
-use crate::plain;
-use crate::problem::Problems;
+use crate::text::plain;
+use crate::text::problem::Problems;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use later::Later;
 use outcome::Outcome;
@@ -174,7 +174,9 @@ fn execute(command: Command) -> Result<Outcome, Problems> {
             let mut page = Vec::new();
             let man = clap_mangen::Man::new(Arguments::command());
             man.render(&mut page).map_err(|error| {
-                crate::problem::Problem::new(format!("the manual page cannot be made: {error}"))
+                crate::text::problem::Problem::new(format!(
+                    "the manual page cannot be made: {error}"
+                ))
             })?;
             Ok(Outcome::bytes(page))
         }

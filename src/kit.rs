@@ -8,27 +8,31 @@ mod field;
 mod inputs;
 mod loaded;
 mod loaded_state;
+pub mod manifest;
+pub mod program_kit;
+mod program_positions;
 mod remarks;
 mod rollback;
+pub mod simulate;
 mod verification;
 
-use crate::axis::Axis;
-use crate::compensation::Compiled;
-use crate::conformity::Verdict;
-use crate::controller::Profile;
-use crate::disagreement;
-pub use crate::document::sha256;
-use crate::emit::{self, RenderedFile, TOOL, Templates};
-pub use crate::emulate::emulator;
-use crate::emulate::{CannotEmulate, Emulator};
-use crate::forecast::{Forecast, forecast, judged_ranges};
-use crate::job::ActiveTables;
-pub use crate::manifest::hashed;
-use crate::manifest::{self, HashedFile, Manifest, Predecessor, SCHEMA};
-use crate::plan::{Plan, plan};
-use crate::problem::{Problem, Problems};
-use crate::readback::kit::{KitFile, ReadBack, read, unread};
-use crate::target::wants;
+use crate::control::controller::Profile;
+use crate::inputs::job::ActiveTables;
+use crate::judge::conformity::Verdict;
+use crate::judge::disagreement;
+use crate::judge::forecast::{Forecast, forecast, judged_ranges};
+pub use crate::kit::manifest::hashed;
+use crate::kit::manifest::{HashedFile, Manifest, Predecessor, SCHEMA};
+use crate::quantity::axis::Axis;
+pub use crate::read::emulate::emulator;
+use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::readback::kit::{KitFile, ReadBack, read, unread};
+pub use crate::text::document::sha256;
+use crate::text::problem::{Problem, Problems};
+use crate::write::compensation::Compiled;
+use crate::write::emit::{self, RenderedFile, TOOL, Templates};
+use crate::write::plan::{Plan, plan};
+use crate::write::target::wants;
 use field::{Made, as_kit_file};
 pub use inputs::Inputs;
 pub use loaded::{LoadedControl, load, load_own, load_read_out};
@@ -64,7 +68,7 @@ impl Kit {
 
     /// The bytes of `manifest.json`.
     pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
-        Ok(manifest::bytes(&self.manifest)?)
+        Ok(manifest::bytes_of_kit(&self.manifest)?)
     }
 }
 

@@ -31,115 +31,54 @@
 //!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
-//! Modules stand in the order in which the data flow; a module imports only from those before
-//! it (`tests/order.rs` checks it). `emit` and `readback` have nothing in common but the table
-//! type, so a mistake of a template is found by reading. Only `cli` touches files and terminal.
+//! Ten rooms and the command line, in the order in which the data flow; a room imports only from those
+//! before it (`tests/order.rs` checks it):
+//!
+//! | room | what it is |
+//! | --- | --- |
+//! | [`quantity`] | axes, units, signs, places, curves |
+//! | [`text`] | files of people and machines in, problems with places out |
+//! | [`control`] | what a control is and remembers |
+//! | [`inputs`] | what a person brings |
+//! | [`machine`] | what the machine does wrong |
+//! | [`write`] | what the control shall hold, as bytes |
+//! | [`read`] | bytes → what the control would add; imports only `quantity`, `text`, `control` |
+//! | [`volume`] | errors in space and along a path |
+//! | [`judge`] | does it help, and if not, why |
+//! | [`kit`] | the directory, its history, its rehearsal |
+//! | [`cli`] | arguments, files, pages: no domain logic |
+//!
+//! `write` and `read` have nothing in common but the tables of `control`, so a mistake of a template is found
+//! by reading. Only `cli` touches files and terminal.
 //!
 //! Where to find what:
-//! * **where a sign changes**: the last lines of [`units`]; what a control's table means:
-//!   [`controller::TableSign`]
+//! * **where a sign changes**: the last lines of [`quantity::units`]; what a control's table means:
+//!   [`control::controller::TableSign`]
 //! * **where a limit of a control comes from**: `controllers/<id>.toml`, each fact with its source
-//! * **where something is rounded**: [`compensation`], once, on totals
-//! * **what a control does with a table**: [`emulate`]
+//! * **where something is rounded**: [`write::compensation`], once, on totals
+//! * **what a control does with a table**: [`read::emulate`]
 //!
 //! The library serves the program and its tests; its interface may change in every version.
 //! What other programs may rely on stands in docs/interface.md.
 
-pub mod units;
+pub mod quantity;
 
-pub mod axis;
+pub mod text;
 
-pub mod chain;
+pub mod control;
 
-pub mod diagonal;
+pub mod inputs;
 
-pub mod plain;
+pub mod machine;
 
-pub mod problem;
+pub mod write;
 
-pub mod document;
+pub mod read;
 
-pub mod nc;
+pub mod volume;
 
-pub mod delimited;
-
-pub mod error_table;
-
-pub mod import;
-pub mod target_runs;
-
-pub mod standards;
-
-pub mod controller;
-
-pub mod curve;
-
-pub mod space;
-
-pub mod fit;
-
-pub mod job;
-
-pub mod program;
-
-pub mod readings;
-
-pub mod separation;
-
-pub mod model;
-
-pub mod volume_model;
-
-pub mod definitions;
-
-pub mod tool_path;
-
-pub mod grid;
-
-pub mod target;
-
-pub mod selection;
-
-pub mod plan;
-
-pub mod claims;
-
-pub mod table;
-
-pub mod control_state;
-
-pub mod compensation;
-
-pub mod sign_proof;
-
-pub mod checklist;
-
-pub mod emit;
-
-pub mod readback;
-
-pub mod emulate;
-
-pub mod active;
-
-pub mod conformity;
-
-pub mod forecast;
-
-pub mod after;
-
-pub mod causes;
-
-pub mod assessment;
-
-pub mod disagreement;
-
-pub mod manifest;
+pub mod judge;
 
 pub mod kit;
-
-pub mod simulate;
-
-pub mod program_kit;
 
 pub mod cli;

@@ -13,11 +13,11 @@
 #[path = "support/diagonals.rs"]
 mod simulated;
 
-use nonius::axis::{Axis, ErrorTerm, PerAxis};
-use nonius::diagonal::{Diagonal, Pass};
-use nonius::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
-use nonius::separation::metric::Plane;
-use nonius::separation::{Line, Separation, separate};
+use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
+use nonius::machine::separation::metric::Plane;
+use nonius::machine::separation::{Line, Separation, separate};
+use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use nonius::quantity::diagonal::{Diagonal, Pass};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use simulated::{Machine, curve, mm, runs, solved, volume, with_noise};

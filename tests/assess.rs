@@ -9,14 +9,14 @@
 #[path = "support/run.rs"]
 mod run;
 
-use nonius::axis::{Axis, ErrorTerm, PerTerm};
-use nonius::definitions::ByComponent;
-use nonius::document::Source;
-use nonius::error_table::ErrorTable;
-use nonius::job::Job;
-use nonius::model::ErrorModel;
-use nonius::space::cloud::longest;
-use nonius::volume_model::VolumeModel;
+use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::job::Job;
+use nonius::machine::model::ErrorModel;
+use nonius::quantity::axis::{Axis, ErrorTerm, PerTerm};
+use nonius::text::document::Source;
+use nonius::volume::definitions::ByComponent;
+use nonius::volume::space::cloud::longest;
+use nonius::volume::volume_model::VolumeModel;
 use run::nonius;
 use serde_json::Value;
 use std::path::Path;

@@ -16,12 +16,12 @@
 mod published;
 mod support;
 
-use nonius::axis::{Axis, Direction, ErrorTerm};
-use nonius::diagonal::{Diagonal, Pass, PathKind, Volume};
-use nonius::emulate::Emulator;
 use nonius::kit::{self, Inputs, Kit};
-use nonius::plan::axis_pairs;
-use nonius::units::Millimetres;
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
+use nonius::quantity::units::Millimetres;
+use nonius::read::emulate::Emulator;
+use nonius::write::plan::axis_pairs;
 use published::published;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -485,7 +485,7 @@ fn straight_job(rig: &Rig) -> String {
 
 fn readings(rig: &Rig, left: impl Fn(ErrorTerm, f64) -> f64, random: &mut Random) -> String {
     let at = |of: fn(&(Axis, f64, f64)) -> f64| {
-        nonius::axis::PerAxis::from_fn(|axis| Millimetres::new(of(&LENGTHS[index(axis)])))
+        nonius::quantity::axis::PerAxis::from_fn(|axis| Millimetres::new(of(&LENGTHS[index(axis)])))
     };
     let volume = Volume {
         start: at(|a| a.1),

@@ -10,17 +10,17 @@
 #[path = "support/diagonals.rs"]
 mod simulated;
 
-use nonius::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use nonius::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use nonius::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
-use nonius::separation::agreement::Agreement;
-use nonius::separation::line::{ReferenceLine, range};
-use nonius::separation::metric::Plane;
-use nonius::separation::monte_carlo::{Plan, measured_coverage, simulate};
-use nonius::separation::noise::{Noise, NoiseSource, coverage_factor, run_counts};
-use nonius::separation::reversal::{Estimate, Turn};
-use nonius::separation::uncertainty::Budget;
-use nonius::separation::{Evidence, Line, Separation, separate};
+use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
+use nonius::machine::separation::agreement::Agreement;
+use nonius::machine::separation::line::{ReferenceLine, range};
+use nonius::machine::separation::metric::Plane;
+use nonius::machine::separation::monte_carlo::{Plan, measured_coverage, simulate};
+use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor, run_counts};
+use nonius::machine::separation::reversal::{Estimate, Turn};
+use nonius::machine::separation::uncertainty::Budget;
+use nonius::machine::separation::{Evidence, Line, Separation, separate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use simulated::{Machine, Readings, curve, float, normal, runs, solved, volume, with_noise};
@@ -243,7 +243,7 @@ fn check(way: Way<'_>, machines: u64) {
         } else {
             count(&mut tally, &truth, &found);
         }
-        let known = nonius::separation::noise::Noise {
+        let known = nonius::machine::separation::noise::Noise {
             sigma_um: SIGMA_UM,
             freedom: None,
             source: NoiseSource::Stated,
@@ -502,8 +502,8 @@ fn intervals_of_ranges_are_measured() {
         );
         let measurement = simulated::measurement(
             &truth.volume,
-            nonius::job::SetUp::Solve,
-            nonius::job::Frame::XPrimary,
+            nonius::inputs::job::SetUp::Solve,
+            nonius::inputs::job::Frame::XPrimary,
         );
         let campaign = simulated::campaign(&measurement, lines);
         let counts = run_counts(&found.runs);

@@ -17,13 +17,13 @@ mod published;
 #[path = "support/diagonals.rs"]
 mod simulated;
 
-use nonius::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
-use nonius::chain::Chain;
-use nonius::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
-use nonius::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
-use nonius::separation::corrections::AngleEffects;
-use nonius::separation::metric::Plane;
-use nonius::separation::{Campaign, Evidence, Line, Separation, separate};
+use nonius::inputs::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
+use nonius::machine::separation::corrections::AngleEffects;
+use nonius::machine::separation::metric::Plane;
+use nonius::machine::separation::{Campaign, Evidence, Line, Separation, separate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
+use nonius::quantity::chain::Chain;
+use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use published::{is_whole, published, share};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

@@ -16,13 +16,13 @@ mod simulated;
 #[path = "support/run.rs"]
 mod run;
 
-use nonius::axis::{Axis, ErrorTerm, PerAxis};
-use nonius::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
-use nonius::job::{Frame, SetUp};
-use nonius::separation::noise::NoiseSource;
-use nonius::separation::outlier::ReadingPlace;
-use nonius::separation::{Separation, separate};
-use nonius::units::Deviation;
+use nonius::inputs::job::{Frame, SetUp};
+use nonius::machine::separation::noise::NoiseSource;
+use nonius::machine::separation::outlier::ReadingPlace;
+use nonius::machine::separation::{Separation, separate};
+use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
+use nonius::quantity::units::Deviation;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use run::nonius;

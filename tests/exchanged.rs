@@ -23,10 +23,10 @@ mod run;
 #[path = "support/skipped.rs"]
 mod skipped;
 
-use nonius::axis::{Axis, ErrorTerm};
-use nonius::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
-use nonius::separation::Separation;
-use nonius::separation::metric::Plane;
+use nonius::machine::separation::Separation;
+use nonius::machine::separation::metric::Plane;
+use nonius::quantity::axis::{Axis, ErrorTerm};
+use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use published::{is_whole, published, share};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -9,16 +9,16 @@
 
 mod support;
 
-use nonius::active::{Origin, from_read_out};
-use nonius::axis::{Direction, ErrorTerm};
-use nonius::controller::{Dialect, Evidence, Profile, Role, TableSign, builtin};
-use nonius::document::Source;
-use nonius::emulate::Emulator;
-use nonius::job::{ActiveTables, Job};
+use nonius::control::controller::{Dialect, Evidence, Profile, Role, TableSign, builtin};
+use nonius::control::table::Tables;
+use nonius::inputs::job::{ActiveTables, Job};
+use nonius::judge::active::{Origin, from_read_out};
 use nonius::kit::{self, Inputs, Kit};
-use nonius::plan::axis_pairs;
-use nonius::readback::kit::{KitFile, read_apart};
-use nonius::table::Tables;
+use nonius::quantity::axis::{Direction, ErrorTerm};
+use nonius::read::emulate::Emulator;
+use nonius::read::readback::kit::{KitFile, read_apart};
+use nonius::text::document::Source;
+use nonius::write::plan::axis_pairs;
 use serde_json::Value;
 use std::path::Path;
 use support::{machine::machine, um_at};
@@ -267,7 +267,7 @@ fn with_read_out(id: &str) -> (Inputs, Tables) {
     let profile = builtin::profile(id).unwrap();
     let (_, before) = support::generate(&job, &errors.replace("8,", "4,"));
     let tables = support::loaded(&profile, &before);
-    let kept = |file: &&nonius::emit::RenderedFile| {
+    let kept = |file: &&nonius::write::emit::RenderedFile| {
         matches!(file.role, Role::Table | Role::Enable)
             || matches!(profile.dialect, Dialect::Fanuc(_)) && file.role == Role::Parameters
     };
@@ -279,7 +279,7 @@ fn with_read_out(id: &str) -> (Inputs, Tables) {
         &profile,
         "read-out",
         files,
-        nonius::active::ReadOutFor::OldTables,
+        nonius::judge::active::ReadOutFor::OldTables,
     );
     inputs.active = Some(active.unwrap_or_else(|p| panic!("{}", p.render())));
     (inputs, tables)

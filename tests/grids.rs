@@ -6,9 +6,9 @@
 
 mod support;
 
-use nonius::axis::Axis;
-use nonius::grid::Grid;
-use nonius::plan::{Task, plan};
+use nonius::quantity::axis::Axis;
+use nonius::write::grid::Grid;
+use nonius::write::plan::{Task, plan};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

@@ -7,14 +7,16 @@
     reason = "a test may stop at what it did not expect"
 )]
 
-use nonius::axis::{Axis, Direction};
-use nonius::document::Source;
-use nonius::error_table::{ErrorTable, write};
-use nonius::import::choices::{Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel};
-use nonius::import::stated::Stated;
-use nonius::import::{Component, Imported, Measurement, import, source_of};
+use nonius::inputs::error_table::{ErrorTable, write};
+use nonius::inputs::import::choices::{
+    Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel,
+};
+use nonius::inputs::import::stated::Stated;
+use nonius::inputs::import::{Component, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
-use nonius::problem::Problems;
+use nonius::quantity::axis::{Axis, Direction};
+use nonius::text::document::Source;
+use nonius::text::problem::Problems;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::Command;

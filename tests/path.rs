@@ -6,7 +6,7 @@
     reason = "a test that cannot go on has to stop"
 )]
 
-use nonius::nc::scan;
+use nonius::inputs::nc::scan;
 use proptest::prelude::*;
 use serde_json::Value;
 use std::fmt::Write as _;

@@ -8,7 +8,7 @@
 
 mod support;
 
-use nonius::controller::{
+use nonius::control::controller::{
     Dialect, EmittedFile, Evidence, Mechanism, Origin, Profile, Role, StraightnessForm, builtin,
 };
 use std::collections::BTreeSet;
@@ -53,7 +53,8 @@ fn every_fact_has_a_source() {
 #[test]
 fn every_assumed_fact_says_what_happens_if_it_is_wrong() {
     for profile in all() {
-        let assumed = |fact: &&nonius::controller::Statement| fact.evidence == Evidence::Assumed;
+        let assumed =
+            |fact: &&nonius::control::controller::Statement| fact.evidence == Evidence::Assumed;
         for fact in profile.statements.iter().filter(assumed) {
             let consequence = fact.consequence.as_deref().unwrap_or("").trim();
             assert!(!consequence.is_empty(), "{}: {}", profile.id, fact.fact);

@@ -10,15 +10,15 @@
     reason = "a test may stop at what it did not expect"
 )]
 
-use nonius::controller::builtin;
-use nonius::document::Source;
-use nonius::emit::program::{FileRole, ProgramFile};
-use nonius::job::{Job, MeasuredData};
-use nonius::problem::Problems;
-use nonius::program::RunTask;
-use nonius::program_kit::{ProgramKit, judge, make};
-use nonius::readings::Readings;
-use nonius::target_runs::{Runs, Stated};
+use nonius::control::controller::builtin;
+use nonius::inputs::job::{Job, MeasuredData};
+use nonius::inputs::readings::Readings;
+use nonius::inputs::target_runs::{Runs, Stated};
+use nonius::kit::program_kit::{ProgramKit, judge, make};
+use nonius::text::document::Source;
+use nonius::text::problem::Problems;
+use nonius::write::emit::program::{FileRole, ProgramFile};
+use nonius::write::program::RunTask;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

@@ -7,12 +7,12 @@
 
 mod support;
 
-use nonius::axis::{Axis, Direction, ErrorTerm};
-use nonius::controller::builtin;
-use nonius::document::Source;
-use nonius::error_table::ErrorTable;
-use nonius::table::Tables;
-use nonius::table::generic::GenericRow;
+use nonius::control::controller::builtin;
+use nonius::control::table::Tables;
+use nonius::control::table::generic::GenericRow;
+use nonius::inputs::error_table::ErrorTable;
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
+use nonius::text::document::Source;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::fmt::Write;

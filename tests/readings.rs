@@ -5,12 +5,12 @@
     reason = "a test that cannot go on has to stop; numbers that are only read stay what they are"
 )]
 
-use nonius::axis::{Axis, Direction, PerAxis};
-use nonius::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
-use nonius::document::Source;
-use nonius::job::{AxisMaterial, DiagonalMeasurement, Job, Material, MeasuredData};
-use nonius::readings::Readings;
-use nonius::units::Millimetres;
+use nonius::inputs::job::{AxisMaterial, DiagonalMeasurement, Job, Material, MeasuredData};
+use nonius::inputs::readings::Readings;
+use nonius::quantity::axis::{Axis, Direction, PerAxis};
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
+use nonius::quantity::units::Millimetres;
+use nonius::text::document::Source;
 use std::fs;
 use std::path::{Path, PathBuf};
 

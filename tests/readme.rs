@@ -4,7 +4,7 @@
     reason = "a test may stop at the first thing that is not as expected"
 )]
 
-use nonius::controller::{Evidence, builtin};
+use nonius::control::controller::{Evidence, builtin};
 use std::path::Path;
 use std::process::Command;
 

@@ -10,12 +10,12 @@
 mod skipped;
 mod support;
 
-use nonius::active::{ActiveControl, ReadOutFor, from_read_out};
-use nonius::axis::Direction;
-use nonius::emulate::Emulator;
+use nonius::control::table::Tables;
+use nonius::control::table::siemens::SiemensGrid;
+use nonius::judge::active::{ActiveControl, ReadOutFor, from_read_out};
 use nonius::kit::{self, Inputs, emulator};
-use nonius::table::Tables;
-use nonius::table::siemens::SiemensGrid;
+use nonius::quantity::axis::Direction;
+use nonius::read::emulate::Emulator;
 use std::fmt::Write;
 use std::path::Path;
 use support::{inputs, response, um_at};
@@ -104,7 +104,7 @@ fn understood(job: fn(&str) -> Inputs, files: Vec<(String, Vec<u8>)>) -> String 
     let back = made
         .files
         .iter()
-        .filter(|f| f.role == nonius::controller::Role::Rollback);
+        .filter(|f| f.role == nonius::control::controller::Role::Rollback);
     writeln!(
         said,
         "kit: {} with {} rollback files",

@@ -9,12 +9,12 @@
 #[path = "support/skipped.rs"]
 mod skipped;
 
-use nonius::axis::{Axis, Direction};
-use nonius::import::choices::{MaterialCorrected, Rows, Sign};
-use nonius::import::stated::Stated;
-use nonius::import::{Component, Imported, Measurement, import};
+use nonius::inputs::import::choices::{MaterialCorrected, Rows, Sign};
+use nonius::inputs::import::stated::Stated;
+use nonius::inputs::import::{Component, Imported, Measurement, import};
 use nonius::kit::sha256;
-use nonius::problem::Problems;
+use nonius::quantity::axis::{Axis, Direction};
+use nonius::text::problem::Problems;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

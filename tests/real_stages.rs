@@ -10,10 +10,10 @@
 mod skipped;
 mod support;
 
-use nonius::axis::{Axis, Direction, ErrorTerm};
-use nonius::controller::{Dialect, builtin};
-use nonius::table::Tables;
-use nonius::table::fanuc::{FanucMemory, ParameterValue};
+use nonius::control::controller::{Dialect, builtin};
+use nonius::control::table::Tables;
+use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use std::fmt::Write;
 use std::path::Path;
 use support::Lines;

@@ -15,8 +15,8 @@ mod run;
 #[path = "support/skipped.rs"]
 mod skipped;
 
-use nonius::axis::ErrorTerm;
-use nonius::error_table::Remarks;
+use nonius::inputs::error_table::Remarks;
+use nonius::quantity::axis::ErrorTerm;
 use run::{ended, nonius};
 use serde_json::Value;
 use std::fs;

@@ -6,13 +6,13 @@
     reason = "a test may stop at what it did not expect"
 )]
 
-use nonius::axis::{Axis, Direction, ErrorTerm};
-use nonius::diagonal::Diagonal;
-use nonius::document::Source;
-use nonius::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
-use nonius::readings::Readings;
-use nonius::separation::metric::Plane;
-use nonius::separation::{Campaign, Line, Separation, separate};
+use nonius::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use nonius::inputs::readings::Readings;
+use nonius::machine::separation::metric::Plane;
+use nonius::machine::separation::{Campaign, Line, Separation, separate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
+use nonius::quantity::diagonal::Diagonal;
+use nonius::text::document::Source;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -50,7 +50,9 @@ fn separated(case: &str) -> Separation {
             panic!("the golden cases state their slopes");
         };
         Line {
-            direction: nonius::axis::PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
+            direction: nonius::quantity::axis::PerAxis::from_fn(|axis| {
+                f64::from(axis == linear.axis)
+            }),
             slope_um_per_m,
             u_um_per_m: linear.u_um_per_m,
             ends: None,

@@ -12,17 +12,17 @@
 #[path = "support/diagonals.rs"]
 mod simulated;
 
-use nonius::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
-use nonius::chain::Chain;
-use nonius::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
-use nonius::document::Source;
-use nonius::error_table::ErrorTable;
-use nonius::job::{Frame, Levers, Reflector, SetUp};
-use nonius::separation::corrections::{AngleModel, angle_effects};
-use nonius::separation::curves::{Curve, curves, with_slope};
-use nonius::separation::increments::{Group, Means};
-use nonius::separation::metric::Plane;
-use nonius::separation::{Separation, separate};
+use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
+use nonius::machine::separation::corrections::{AngleModel, angle_effects};
+use nonius::machine::separation::curves::{Curve, curves, with_slope};
+use nonius::machine::separation::increments::{Group, Means};
+use nonius::machine::separation::metric::Plane;
+use nonius::machine::separation::{Separation, separate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
+use nonius::quantity::chain::Chain;
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use nonius::text::document::Source;
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -50,7 +50,7 @@ fn curves_close(separation: &Separation, wanted: &PerTerm<Vec<f64>>, tolerance: 
     }
 }
 
-fn forward(machine: &Machine) -> Vec<nonius::diagonal::Run> {
+fn forward(machine: &Machine) -> Vec<nonius::quantity::diagonal::Run> {
     runs(1, Pass::Forward, &machine.readings(None))
 }
 
@@ -479,13 +479,15 @@ fn measured_angles_give_the_true_errors_back() {
         ("case_c_angles", Reflector::Retroreflector, 3e-4),
         ("case_c2_mirror", Reflector::FlatMirror, 6e-4),
     ] {
-        let job = nonius::job::Job::read(golden(case, "job.toml")).unwrap();
-        let nonius::job::MeasuredData::Diagonals(measured) = job.measurement.data.clone() else {
+        let job = nonius::inputs::job::Job::read(golden(case, "job.toml")).unwrap();
+        let nonius::inputs::job::MeasuredData::Diagonals(measured) = job.measurement.data.clone()
+        else {
             panic!("the job of {case} has readings");
         };
         let readings =
-            nonius::readings::Readings::read(golden(case, "readings.csv"), &measured).unwrap();
-        let chain = nonius::chain::Chain::ALL_AXES_MOVE_THE_TOOL;
+            nonius::inputs::readings::Readings::read(golden(case, "readings.csv"), &measured)
+                .unwrap();
+        let chain = nonius::quantity::chain::Chain::ALL_AXES_MOVE_THE_TOOL;
         let model = AngleModel::new(
             &table,
             chain,

@@ -11,8 +11,8 @@
 
 mod support;
 
-use nonius::axis::ErrorTerm;
-use nonius::controller::builtin;
+use nonius::control::controller::builtin;
+use nonius::quantity::axis::ErrorTerm;
 use std::fmt::Write;
 
 fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
@@ -98,7 +98,7 @@ fn the_828d_takes_the_mean_before_it_leaves_a_term_out() {
         "{:?}",
         kit.plan.omitted
     );
-    let cec = |t: &&nonius::plan::PlannedTable| t.term.is_cross() || t.direction.is_some();
+    let cec = |t: &&nonius::write::plan::PlannedTable| t.term.is_cross() || t.direction.is_some();
     assert_eq!(kit.plan.tables.iter().filter(cec).count(), 8);
     let means = kit
         .plan

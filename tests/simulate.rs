@@ -14,18 +14,18 @@
 mod simulated;
 mod support;
 
-use nonius::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use nonius::diagonal::{Diagonal, Pass, PathKind, Volume};
-use nonius::document::Source;
-use nonius::error_table::ErrorTable;
-use nonius::job::{Frame, SetUp};
-use nonius::kit::{Inputs, generate};
-use nonius::readings::Readings;
-use nonius::simulate::{
+use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::job::{Frame, SetUp};
+use nonius::inputs::readings::Readings;
+use nonius::kit::simulate::{
     Loaded, Noise, Rehearsal, SIMULATED, SimulatedMachine, Simulation, Wishes, readings,
     single_axes, write,
 };
-use nonius::units::Millimetres;
+use nonius::kit::{Inputs, generate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
+use nonius::quantity::units::Millimetres;
+use nonius::text::document::Source;
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -256,7 +256,7 @@ fn the_file_reads_back_to_the_same_runs_and_says_what_it_is() {
     let source = Source::from_bytes("readings.csv", text.as_bytes()).unwrap();
     let given = measurement(&machine.volume, SetUp::Solve, Frame::XPrimary);
     let read = Readings::read(source, &given).unwrap_or_else(|p| panic!("{}", p.render()));
-    let by = |run: &nonius::diagonal::Run| (run.diagonal, run.number, run.pass);
+    let by = |run: &nonius::quantity::diagonal::Run| (run.diagonal, run.number, run.pass);
     let mut runs = found.runs;
     runs.sort_by_key(by);
     assert_eq!(read.runs, runs);
@@ -305,7 +305,7 @@ fn the_error_table_holds_what_is_left_at_every_measured_position() {
     let inputs = inputs(&text, &table(&machine, true));
     let plain = SimulatedMachine::new(&inputs, None, 0.0);
     let note = format!("note: {SIMULATED}: a test");
-    let csv = nonius::error_table::write(&single_axes(
+    let csv = nonius::inputs::error_table::write(&single_axes(
         &plain,
         1,
         Noise::default(),

@@ -8,7 +8,7 @@
 
 mod support;
 
-use nonius::controller::{Role, builtin};
+use nonius::control::controller::{Role, builtin};
 use nonius::kit::Kit;
 use std::path::Path;
 use std::process::Command;

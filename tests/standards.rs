@@ -13,12 +13,12 @@
 #[path = "support/skipped.rs"]
 mod skipped;
 
-use nonius::axis::Direction;
-use nonius::delimited::LengthUnit;
-use nonius::document::Source;
-use nonius::standards::iso_230_2::{self, AxisFigures, Travel};
-use nonius::standards::{Condition, DiagonalMotion, Diagonals, Met, diagonal, vdi_3441};
-use nonius::target_runs::{Runs, Stated, Values};
+use nonius::inputs::target_runs::{Runs, Stated, Values};
+use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
+use nonius::machine::standards::{Condition, DiagonalMotion, Diagonals, Met, diagonal, vdi_3441};
+use nonius::quantity::axis::Direction;
+use nonius::text::delimited::LengthUnit;
+use nonius::text::document::Source;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::path::Path;

@@ -16,10 +16,10 @@
 
 mod support;
 
-use nonius::active::{ActiveControl, ReadOutFor, from_kit, from_read_out};
-use nonius::axis::Direction;
-use nonius::emulate::Response;
+use nonius::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out};
 use nonius::kit::{self, Inputs, Kit};
+use nonius::quantity::axis::Direction;
+use nonius::read::emulate::Response;
 use std::fmt::Write;
 use support::{Random, control, generate, inputs, response, um_at};
 
@@ -209,10 +209,10 @@ fn visit(case: &Case, random: &mut Random) -> (Inputs, Kit, Kit) {
 /// The measured residual of an (axis, output) pair, straight between targets.
 fn measured(inputs: &Inputs, pair: usize, direction: Direction, x: f64) -> f64 {
     let names = ["EXX", "EYX", "EYY", "EXY", "EXX"];
-    let term = nonius::axis::ErrorTerm::from_name(names[pair]).unwrap();
+    let term = nonius::quantity::axis::ErrorTerm::from_name(names[pair]).unwrap();
     let term = inputs.as_measured().terms[term].as_ref().unwrap();
     let curve = term.measured.curve(direction).unwrap();
-    curve.at(nonius::units::Millimetres::new(x)).um()
+    curve.at(nonius::quantity::units::Millimetres::new(x)).um()
 }
 
 fn all_cases() -> Vec<Case> {
@@ -279,7 +279,8 @@ fn new_is_old_plus_residual_at_every_point_of_the_new_tables() {
                 continue; // means and one-way curves are checked below
             }
             for direction in Direction::BOTH {
-                let of = |c: &dyn nonius::emulate::Emulator| response(c, base, output, direction);
+                let of =
+                    |c: &dyn nonius::read::emulate::Emulator| response(c, base, output, direction);
                 let (old, new) = (of(before.as_ref()), of(after.as_ref()));
                 for (at, _) in new
                     .straightened()
@@ -397,7 +398,7 @@ fn a_read_out_says_the_same_as_the_kit() {
     for file in old
         .files
         .iter()
-        .filter(|f| f.role == nonius::controller::Role::Table)
+        .filter(|f| f.role == nonius::control::controller::Role::Table)
     {
         archive.push_str(std::str::from_utf8(&file.bytes).unwrap());
     }
@@ -416,8 +417,8 @@ fn a_read_out_says_the_same_as_the_kit() {
     let by_kit = found.active.as_ref().unwrap();
     assert_eq!(read.tables, by_kit.tables);
     assert!(
-        (read.backlash_um[nonius::axis::Axis::X].unwrap()
-            - by_kit.backlash_um[nonius::axis::Axis::X].unwrap())
+        (read.backlash_um[nonius::quantity::axis::Axis::X].unwrap()
+            - by_kit.backlash_um[nonius::quantity::axis::Axis::X].unwrap())
         .abs()
             < 1e-9
     );
@@ -614,7 +615,8 @@ fn a_table_that_ends_between_two_points_is_taken_with_an_assumption() {
         "{}",
         open.consequence
     );
-    let nonius::table::Tables::Siemens(tables) = &found.active.as_ref().unwrap().tables else {
+    let nonius::control::table::Tables::Siemens(tables) = &found.active.as_ref().unwrap().tables
+    else {
         panic!("Siemens")
     };
     assert_eq!(
@@ -713,7 +715,7 @@ fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
     let (was, is) = (control(&before.profile, &old), control(&kept.profile, &new));
     for (base, output) in [("AX1", "AX2"), ("AX2", "AX1"), ("AX2", "AX2")] {
         for x in [0.0, 20.0, 50.0, 90.0, 100.0] {
-            let of = |c: &dyn nonius::emulate::Emulator| {
+            let of = |c: &dyn nonius::read::emulate::Emulator| {
                 um_at(&response(c, base, output, Direction::Plus), x)
             };
             assert!(
@@ -768,11 +770,11 @@ fn steps_are_taken_off_where_the_laser_stood_and_lines_between() {
     )
     .unwrap();
     let found = found.with_active(active).unwrap();
-    let exx = nonius::axis::ErrorTerm::from_name("EXX").unwrap();
+    let exx = nonius::quantity::axis::ErrorTerm::from_name("EXX").unwrap();
     let measured = found.model.terms[exx].as_ref().unwrap();
     let curve = measured.measured.curve(Direction::Plus).unwrap();
     for x in [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 75.0, 100.0] {
-        let um = curve.at(nonius::units::Millimetres::new(x)).um();
+        let um = curve.at(nonius::quantity::units::Millimetres::new(x)).um();
         assert!((um - 0.08 * x).abs() < 1e-9, "{um} at {x}");
     }
 }
@@ -803,10 +805,13 @@ fn old_and_new(controller: &str, axes: &str, (old, new): (&str, &str)) -> (Kit, 
     (before, job(ACTIVE, new), left)
 }
 
-fn files_of(kit: &Kit, role: nonius::controller::Role) -> Vec<nonius::readback::kit::KitFile<'_>> {
+fn files_of(
+    kit: &Kit,
+    role: nonius::control::controller::Role,
+) -> Vec<nonius::read::readback::kit::KitFile<'_>> {
     let files = kit.files.iter().filter(|file| file.role == role);
     files
-        .map(|file| nonius::readback::kit::KitFile {
+        .map(|file| nonius::read::readback::kit::KitFile {
             path: &file.path,
             role,
             bytes: &file.bytes,
@@ -815,7 +820,7 @@ fn files_of(kit: &Kit, role: nonius::controller::Role) -> Vec<nonius::readback::
 }
 
 /// What the axes get, at places on and between the points, in both directions.
-fn acts(control: &dyn nonius::emulate::Emulator, names: [&str; 2]) -> Vec<f64> {
+fn acts(control: &dyn nonius::read::emulate::Emulator, names: [&str; 2]) -> Vec<f64> {
     let mut all = Vec::new();
     for base in names {
         for output in names {
@@ -903,7 +908,7 @@ fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
     let both = "axis,direction,position_mm,ex_um\nx,+,0,0\nx,+,100,2\nx,-,0,1\nx,-,100,3\n";
     let with = |policy: &str, more: &str| {
         let found = inputs(&job(policy, more), both);
-        let active = nonius::active::without_tables(&found.job, &found.profile).unwrap();
+        let active = nonius::judge::active::without_tables(&found.job, &found.profile).unwrap();
         let found = match active {
             Some(active) => found.with_active(active).unwrap(),
             None => found,
@@ -911,7 +916,7 @@ fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
         kit::generate(&found).unwrap_or_else(|p| panic!("{}", p.render()))
     };
     let minus_at_reference = |kit: &Kit| match &kit.compiled.tables {
-        nonius::table::Tables::Siemens(tables) => tables.cec[1].values[0].unwrap(),
+        nonius::control::table::Tables::Siemens(tables) => tables.cec[1].values[0].unwrap(),
         _ => panic!("it is a Siemens control"),
     };
     let (zero, four) = (
@@ -922,7 +927,7 @@ fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
     assert_eq!(minus_at_reference(&zero), 0.001);
     assert_eq!(minus_at_reference(&four), 0.005);
     assert!(four.manifest.predecessor.is_none());
-    let x = nonius::axis::Axis::X;
+    let x = nonius::quantity::axis::Axis::X;
     let parameter = |more: &str| with("curve-and-parameter", more).plan.backlash_um[x].unwrap();
     assert!((parameter("") - 1.0).abs() < 1e-9);
     assert!((parameter("active_backlash_um = { x = 4.0 }") - 5.0).abs() < 1e-9);

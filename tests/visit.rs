@@ -2,7 +2,7 @@
 //! loaded into the emulated control, measured again, judged. And the two machines of paper 004.
 #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
-use nonius::diagonal::Diagonal;
+use nonius::quantity::diagonal::Diagonal;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -7,14 +7,14 @@
 )]
 
 use nalgebra::{Matrix4, Vector4};
-use nonius::axis::{Axis, ErrorTerm, PerAxis, Rotation};
-use nonius::chain::Chain;
-use nonius::definitions::{self, Definitions};
-use nonius::document::Source;
-use nonius::error_table::ErrorTable;
-use nonius::job::Job;
-use nonius::model::ErrorModel;
-use nonius::volume_model::{Component, Nodes, VolumeModel};
+use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::job::Job;
+use nonius::machine::model::ErrorModel;
+use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
+use nonius::quantity::chain::Chain;
+use nonius::text::document::Source;
+use nonius::volume::definitions::{self, Definitions};
+use nonius::volume::volume_model::{Component, Nodes, VolumeModel};
 use std::fmt::Write;
 
 /// Numbers between −1 and 1 that look random and are the same everywhere.
@@ -551,7 +551,7 @@ fn a_machine_without_angles_says_what_it_leaves_out() {
         .expect("measured");
     assert!(
         deviation
-            .at(nonius::units::Millimetres::new(100.0))
+            .at(nonius::quantity::units::Millimetres::new(100.0))
             .um()
             .abs()
             < 1e-12

@@ -3,18 +3,18 @@
 use crate::bundle::Bundle;
 use crate::grammar::{self, Family};
 use crate::readers::{Answer, built_in, profile_of};
-use nonius::active::{ReadOutFor, from_kit, from_read_out};
-use nonius::controller::{Dialect, Profile, Role};
-use nonius::document::Source;
-use nonius::error_table::{self, Draft, ErrorTable};
-use nonius::job::{ActiveTables, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use nonius::judge::active::{ReadOutFor, from_kit, from_read_out};
+use nonius::control::controller::{Dialect, Profile, Role};
+use nonius::text::document::Source;
+use nonius::inputs::error_table::{self, Draft, ErrorTable};
+use nonius::inputs::job::{ActiveTables, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use nonius::kit::{Inputs, generate as make, hashed, verify as judge};
-use nonius::problem::{Problem, Problems};
-use nonius::readback::kit::KitFile;
-use nonius::readings::Readings;
-use nonius::separation::prepare::{NamedTables, campaign};
-use nonius::separation::straight::straight;
-use nonius::separation::{separate, table};
+use nonius::text::problem::{Problem, Problems};
+use nonius::read::readback::kit::KitFile;
+use nonius::inputs::readings::Readings;
+use nonius::machine::separation::prepare::{NamedTables, campaign};
+use nonius::machine::separation::straight::straight;
+use nonius::machine::separation::{separate, table};
 
 fn source(bundle: &Bundle, name: &str) -> Result<Source, Problems> {
     let bytes = bundle
@@ -105,7 +105,7 @@ fn separated(
     }
     let known = readings.runs.iter().all(|run| readings.offset_known(run));
     let campaign = campaign(job, measurement, &tables, known)?;
-    if measurement.kind == nonius::diagonal::PathKind::Straight {
+    if measurement.kind == nonius::quantity::diagonal::PathKind::Straight {
         straight(&campaign, &readings.runs, None)?;
         return Err(Problem::new("straight runs").into());
     }
@@ -212,7 +212,7 @@ fn role(profile: &Profile, name: &str) -> Role {
 /// The part programs of a measuring run, which were walked before they are given away.
 pub fn program(input: &[u8]) -> Answer {
     let (job, profile) = job_of(&Bundle::read(input))?;
-    let kit = nonius::program_kit::make(&job, &profile, &[])?;
+    let kit = nonius::kit::program_kit::make(&job, &profile, &[])?;
     let texts = kit
         .files
         .iter()

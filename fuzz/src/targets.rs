@@ -246,11 +246,11 @@ impl Fixtures {
         let made = jobs.iter().filter_map(|bundle| {
             let bundle = Bundle::read(bundle);
             let job =
-                nonius::document::Source::from_bytes("job.toml", bundle.file("job.toml")?).ok()?;
-            let job = nonius::job::Job::read(job).ok()?;
+                nonius::text::document::Source::from_bytes("job.toml", bundle.file("job.toml")?).ok()?;
+            let job = nonius::inputs::job::Job::read(job).ok()?;
             let profile =
-                nonius::controller::builtin::profile(&job.compensation.controller).ok()?;
-            nonius::program_kit::make(&job, &profile, &[]).ok()
+                nonius::control::controller::builtin::profile(&job.compensation.controller).ok()?;
+            nonius::kit::program_kit::make(&job, &profile, &[]).ok()
         });
         let files = made.flat_map(|kit| kit.files.into_iter().map(|file| file.bytes));
         let own = [SIEMENS_PROGRAM, FANUC_PROGRAM, POSITIONS].map(|text| text.as_bytes().to_vec());
@@ -401,7 +401,7 @@ fn kits_of(folder: &Path) -> Vec<Bundle> {
 }
 
 fn profiles(fixtures: &Fixtures) -> Vec<Vec<u8>> {
-    use nonius::controller::builtin::{ids, page};
+    use nonius::control::controller::builtin::{ids, page};
     let own = fixtures.cases.iter().filter_map(|case| {
         let is_profile = |name: &str| name.ends_with(".toml") && name != "job.toml";
         let mut files: Vec<(String, Vec<u8>)> = case

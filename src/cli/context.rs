@@ -3,7 +3,7 @@
 use crate::cli::outcome::Outcome;
 use crate::cli::{Format, inputs};
 use crate::kit::template_context;
-use crate::problem::Problems;
+use crate::text::problem::Problems;
 use clap::Args;
 use std::path::PathBuf;
 

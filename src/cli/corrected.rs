@@ -1,12 +1,12 @@
 //! The machine as tables leave it, for `assess` and `path`: which tables are asked for, and what
 //! they make of the model.
 
-use crate::assessment::with_tables;
 use crate::cli::directory::read_directory;
-use crate::job::UseOf;
+use crate::inputs::job::UseOf;
 use crate::kit::{Inputs, LoadedControl, load, load_own, load_read_out};
-use crate::problem::{Problem, Problems};
-use crate::volume_model::VolumeModel;
+use crate::text::problem::{Problem, Problems};
+use crate::volume::assessment::with_tables;
+use crate::volume::volume_model::VolumeModel;
 use clap::Args;
 use std::path::PathBuf;
 

@@ -2,8 +2,8 @@
 
 use crate::cli::outcome::Outcome;
 use crate::cli::{Format, write};
-use crate::manifest::MANIFEST;
-use crate::problem::Problems;
+use crate::kit::manifest::MANIFEST;
+use crate::text::problem::Problems;
 use clap::Args;
 use std::path::Path;
 

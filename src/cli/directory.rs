@@ -2,14 +2,16 @@
 //! its manifest says against it.
 
 use super::inputs::{file_names, plain_words, read_file};
-use crate::active::{ActiveControl, ReadOutFor, from_read_out};
-use crate::controller::{Profile, Role};
+use crate::control::controller::{Profile, Role};
+use crate::judge::active::{ActiveControl, ReadOutFor, from_read_out};
+use crate::kit::manifest::{HashedFile, MANIFEST};
 use crate::kit::{Inputs, sha256};
-use crate::manifest::{HashedFile, MANIFEST};
-use crate::problem::{Problem, Problems, shown};
-use crate::readback::control_data;
-use crate::readback::kit::{KitFile, may_be_meant_for};
+use crate::read::readback::control_data;
+use crate::read::readback::kit::{KitFile, may_be_meant_for};
+use crate::text::document::json_page;
+use crate::text::problem::{Problem, Problems, shown};
 use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Name, purpose and bytes of a file.
@@ -195,24 +197,26 @@ fn is_of_a_kit(profile: &Profile, name: &str) -> bool {
 }
 
 fn parsed(manifest: &[u8]) -> Result<Value, Problem> {
-    serde_json::from_slice(manifest).map_err(|error| {
+    json_page(manifest).map_err(|error| {
         Problem::new(format!("`manifest.json` is damaged: {error}"))
             .help("make the kit again; without `manifest.json` the tables alone are judged")
     })
 }
 
-fn listed(document: &Value) -> Vec<Value> {
-    document["files"].as_array().cloned().unwrap_or_default()
+/// What the manifest lists, by path.
+fn listed(document: &Value) -> impl Iterator<Item = (&str, &Value)> {
+    let entries = document["files"].as_array().into_iter().flatten();
+    entries.map(|entry| (entry["path"].as_str().unwrap_or_default(), entry))
 }
 
 /// A file that the manifest does not list is judged if the profile writes one of that name or the
 /// control could read it, else passed over.
 fn pass_over_unlisted(found: &mut Found, document: &Value, profile: &Profile) {
-    let listed = listed(document);
+    let listed: BTreeSet<&str> = listed(document).map(|(path, _)| path).collect();
     let files = std::mem::take(&mut found.files);
     for file in files {
         let name = shown(&file.0);
-        if listed.iter().any(|entry| entry["path"] == json!(file.0)) {
+        if listed.contains(file.0.as_str()) {
             found.files.push(file);
         } else if is_of_a_kit(profile, &file.0) || may_be_meant_for(profile, &kit_file(&file)) {
             let words =
@@ -226,12 +230,22 @@ fn pass_over_unlisted(found: &mut Found, document: &Value, profile: &Profile) {
 }
 
 fn compare_hashes(found: &mut Found, document: &Value) {
-    for entry in &listed(document) {
-        let (path, hash) = (
-            entry["path"].as_str().unwrap_or_default(),
-            entry["sha256"].as_str().unwrap_or_default(),
-        );
-        match found.files.iter().find(|(name, _, _)| name == path) {
+    let files: BTreeMap<&str, &NamedFile> = found
+        .files
+        .iter()
+        .map(|file| (file.0.as_str(), file))
+        .collect();
+    let mut times: BTreeMap<&str, usize> = BTreeMap::new();
+    for (path, entry) in listed(document) {
+        let times = times.entry(path).or_default();
+        *times += 1;
+        if *times > 1 {
+            let words = format!("`{}` is listed twice in manifest.json", shown(path));
+            found.remarks.extend((*times == 2).then_some(words));
+            continue;
+        }
+        let hash = entry["sha256"].as_str().unwrap_or_default();
+        match files.get(path) {
             None => {
                 let words = format!("`{}` is listed in manifest.json but missing", shown(path));
                 let role = entry["role"].as_str().and_then(Role::of_word);

@@ -4,11 +4,11 @@ use crate::cli::deliver::Delivery;
 use crate::cli::outcome::Outcome;
 use crate::cli::shell::shell_word;
 use crate::cli::{Answer, inputs, show};
-use crate::conformity::Verdict;
-use crate::controller::{Dialect, Role};
+use crate::control::controller::{Dialect, Role};
+use crate::judge::conformity::Verdict;
+use crate::kit::manifest::MANIFEST;
 use crate::kit::{Inputs, Kit, generate};
-use crate::manifest::MANIFEST;
-use crate::problem::Problems;
+use crate::text::problem::Problems;
 use clap::Args;
 use std::path::{Path, PathBuf};
 

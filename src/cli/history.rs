@@ -11,12 +11,14 @@ use crate::cli::inputs::read_file;
 use crate::cli::outcome::Outcome;
 use crate::cli::write::previous;
 use crate::cli::{Answer, Format};
-use crate::controller::Role;
+use crate::control::controller::Role;
+use crate::kit::manifest::MANIFEST;
 use crate::kit::sha256;
-use crate::manifest::MANIFEST;
-use crate::problem::{Problem, Problems, shown};
+use crate::text::document::json_page;
+use crate::text::problem::{Problem, Problems, shown};
 use clap::Args;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A chain of hashes cannot close to a ring; this bounds one of damaged links.
@@ -104,19 +106,24 @@ fn read_link(directory: &Path) -> Result<Link, Problem> {
             directory.display()
         ))
     })?;
-    let manifest: Value = serde_json::from_slice(&bytes).map_err(|error| {
+    let manifest = json_page(&bytes).map_err(|error| {
         Problem::new(format!(
             "manifest.json of `{}` is damaged: {error}",
             directory.display()
         ))
     })?;
     let mut faults = Vec::new();
+    let mut seen = BTreeSet::new();
     for entry in manifest["files"].as_array().into_iter().flatten() {
         let name = entry["path"].as_str().unwrap_or_default();
         let role = entry["role"].as_str().and_then(Role::of_word);
         let place = directory.join(name);
         if !is_plain_name(name) {
             faults.push(format!("`{}` is no plain file name", shown(name)));
+            continue;
+        }
+        if !seen.insert(name) {
+            faults.push(format!("`{}` is listed twice", shown(name)));
             continue;
         }
         match read_file(&place) {

@@ -1,17 +1,17 @@
 //! `nonius import FILE -o errors.csv`
 
-use crate::axis::{Axis, Direction};
 use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, paragraphs, table};
 use crate::cli::{Format, inputs, write};
-use crate::delimited::LengthUnit;
-use crate::import::choices::{
+use crate::inputs::import::choices::{
     Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel, Values,
 };
-use crate::import::stated::Stated;
-use crate::import::{self, Component, Imported, Measurement, squareness_lines, terms_of};
+use crate::inputs::import::stated::Stated;
+use crate::inputs::import::{self, Component, Imported, Measurement, squareness_lines, terms_of};
 use crate::kit::sha256;
-use crate::problem::{Problem, Problems};
+use crate::quantity::axis::{Axis, Direction};
+use crate::text::delimited::LengthUnit;
+use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};

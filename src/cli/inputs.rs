@@ -11,18 +11,18 @@ pub(super) use files::{
     read_file, standard_input, with_suffix,
 };
 
-use crate::axis::Axis;
-use crate::controller::{Origin, Profile, builtin, load};
-use crate::diagonal::PathKind;
-use crate::document::Source;
-use crate::error_table::{self, ErrorTable};
-use crate::import::source_of;
-use crate::job::ahead::ahead;
-use crate::job::{BacklashPolicy, DiagonalMeasurement, Job, MeasuredData, UseOf};
+use crate::control::controller::{Origin, Profile, builtin, load};
+use crate::inputs::error_table::{self, ErrorTable};
+use crate::inputs::import::source_of;
+use crate::inputs::job::ahead::ahead;
+use crate::inputs::job::{BacklashPolicy, DiagonalMeasurement, Job, MeasuredData, UseOf};
+use crate::kit::manifest::HashedFile;
 use crate::kit::{Inputs, hashed};
-use crate::manifest::HashedFile;
-use crate::problem::{Problem, Problems};
-use crate::separation::Separation;
+use crate::machine::separation::Separation;
+use crate::quantity::axis::Axis;
+use crate::quantity::diagonal::PathKind;
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems};
 use std::path::Path;
 
 /// Reads a job and everything it names, for tables.

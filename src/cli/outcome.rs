@@ -3,9 +3,9 @@
 
 use crate::cli::write::Ready;
 use crate::cli::{Answer, say};
-use crate::manifest;
-use crate::plain;
-use crate::problem::{Problem, Problems};
+use crate::kit::manifest;
+use crate::text::plain;
+use crate::text::problem::{Problem, Problems};
 use serde::Serialize;
 use std::fs::File;
 use std::io::{ErrorKind, Write};

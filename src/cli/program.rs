@@ -1,16 +1,16 @@
 //! `nonius program JOB -o DIR`
 
-use crate::axis::Axis;
 use crate::cli::deliver::Delivery;
 use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, table};
 use crate::cli::{inputs, show};
-use crate::emit::program::FileRole;
-use crate::job::{Job, RunType, TargetGrid};
-use crate::manifest::MANIFEST;
-use crate::problem::Problems;
-use crate::program_kit::{ProgramKit, make};
-use crate::units::Figure;
+use crate::inputs::job::{Job, RunType, TargetGrid};
+use crate::kit::manifest::MANIFEST;
+use crate::kit::program_kit::{ProgramKit, make};
+use crate::quantity::axis::Axis;
+use crate::quantity::units::Figure;
+use crate::text::problem::Problems;
+use crate::write::emit::program::FileRole;
 use clap::Args;
 use std::path::{Path, PathBuf};
 

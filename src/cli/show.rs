@@ -1,15 +1,15 @@
 //! Tables and lines for people.
 
-use crate::axis::{Axis, Direction};
-use crate::claims::{Assumption, Precondition, shared};
-use crate::compensation::{Compiled, Placement};
-use crate::conformity::Verdict;
-use crate::forecast::Forecast;
-use crate::job::Job;
+use crate::control::claims::{Assumption, Precondition, shared};
+use crate::inputs::job::Job;
+use crate::judge::conformity::Verdict;
+use crate::judge::forecast::Forecast;
 use crate::kit;
-use crate::model::ErrorModel;
-use crate::plan::Plan;
-use crate::units::Figure;
+use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::units::Figure;
+use crate::write::compensation::{Compiled, Placement};
+use crate::write::plan::Plan;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 /// A column with its heading.

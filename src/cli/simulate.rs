@@ -4,16 +4,16 @@ use crate::cli::directory::read_directory;
 use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, paragraphs, table};
 use crate::cli::{Format, inputs, write};
-use crate::diagonal::{Diagonal, PathKind};
-use crate::error_table;
-use crate::kit::{Inputs, generate, hashed};
-use crate::manifest::picometres;
-use crate::problem::{Problem, Problems};
-use crate::readback::kit::KitFile;
-use crate::simulate::{
+use crate::inputs::error_table;
+use crate::kit::manifest::picometres;
+use crate::kit::simulate::{
     Loaded, Noise, Origin, Rehearsal, SIMULATED, SimulatedMachine, Simulation, Wishes, readings,
     single_axes,
 };
+use crate::kit::{Inputs, generate, hashed};
+use crate::quantity::diagonal::{Diagonal, PathKind};
+use crate::read::readback::kit::KitFile;
+use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -146,7 +146,7 @@ fn simulated(options: &Options) -> Result<Simulated, Problems> {
     let simulation = readings(&machine, &rehearsal, &inputs.job)?;
     let comments = origin.comments(&inputs, noise);
     Ok(Simulated {
-        bytes: crate::simulate::write(&simulation, &rehearsal, &comments).into_bytes(),
+        bytes: crate::kit::simulate::write(&simulation, &rehearsal, &comments).into_bytes(),
         text: text(&inputs, &rehearsal, &simulation, &origin),
         document: document(&rehearsal, &simulation, &origin),
     })

@@ -4,7 +4,6 @@ pub(super) mod diagonals;
 mod document;
 mod text;
 
-use crate::axis::{Axis, Direction};
 use crate::cli::Format;
 use crate::cli::import::{
     axis_word, by_word, direction_word, encoding_word, material_word, millimetres, runs_word,
@@ -12,15 +11,16 @@ use crate::cli::import::{
 };
 use crate::cli::inputs::{file_name, read_argument};
 use crate::cli::outcome::Outcome;
-use crate::delimited::{LengthUnit, header_and_rows};
-use crate::document::Source;
-use crate::import::choices::{Encoding, MaterialCorrected, Runs as Ways, Sign};
-use crate::import::{self, Measurement, measured_runs};
+use crate::inputs::import::choices::{Encoding, MaterialCorrected, Runs as Ways, Sign};
+use crate::inputs::import::{self, Measurement, measured_runs};
+use crate::inputs::target_runs::{Runs, Stated, Values};
 use crate::kit::sha256;
-use crate::problem::{Problem, Problems};
-use crate::standards::iso_230_2::{self, Travel};
-use crate::standards::{Condition, vdi_3441};
-use crate::target_runs::{Runs, Stated, Values};
+use crate::machine::standards::iso_230_2::{self, Travel};
+use crate::machine::standards::{Condition, vdi_3441};
+use crate::quantity::axis::{Axis, Direction};
+use crate::text::delimited::{LengthUnit, header_and_rows};
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use std::path::PathBuf;
 

@@ -14,7 +14,7 @@ mod partial;
 mod replace;
 
 use crate::cli::inputs::{input_at, plain_words};
-use crate::problem::{Problem, Problems};
+use crate::text::problem::{Problem, Problems};
 use partial::Partial;
 pub(super) use replace::previous;
 use std::fs::{self, File};

@@ -1,15 +1,15 @@
 //! What a kit is made from.
 
-use crate::active::{self, ActiveControl};
-use crate::compensation::{Compiled, compile};
-use crate::controller::Profile;
-use crate::error_table::ErrorTable;
-use crate::forecast::Machine;
-use crate::job::Job;
-use crate::manifest::HashedFile;
-use crate::model::ErrorModel;
-use crate::plan::{Plan, Task};
-use crate::problem::Problems;
+use crate::control::controller::Profile;
+use crate::inputs::error_table::ErrorTable;
+use crate::inputs::job::Job;
+use crate::judge::active::{self, ActiveControl};
+use crate::judge::forecast::Machine;
+use crate::kit::manifest::HashedFile;
+use crate::machine::model::ErrorModel;
+use crate::text::problem::Problems;
+use crate::write::compensation::{Compiled, compile};
+use crate::write::plan::{Plan, Task};
 
 /// The inputs of a kit, read and checked.
 #[derive(Clone, Debug)]

@@ -3,15 +3,15 @@
 
 use super::loaded_state::{loaded_state, read_out_state};
 use super::{Differences, Inputs, cannot_emulate, differences, generate};
-use crate::active::ActiveControl;
-use crate::compensation::Compiled;
-use crate::control_state::ControlState;
-use crate::disagreement::{self, surroundings};
-use crate::emulate::{CannotEmulate, Emulator, emulator};
-use crate::plan::{Plan, plan};
-use crate::problem::Problems;
-use crate::readback::kit::{KitFile, read, unread};
-use crate::table::Tables;
+use crate::control::control_state::ControlState;
+use crate::control::table::Tables;
+use crate::judge::active::ActiveControl;
+use crate::judge::disagreement::{self, surroundings};
+use crate::read::emulate::{CannotEmulate, Emulator, emulator};
+use crate::read::readback::kit::{KitFile, read, unread};
+use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
+use crate::write::plan::{Plan, plan};
 
 /// Files against what the job asks for.
 pub(super) struct Loaded {

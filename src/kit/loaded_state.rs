@@ -4,10 +4,10 @@
 //! that the kit is judged by may ask for another one.
 
 use super::{Inputs, named_backlash};
-use crate::active::{ActiveControl, named_axis};
-use crate::compensation::Compiled;
-use crate::control_state::{AxisState, ControlState};
-use crate::plan::Plan;
+use crate::control::control_state::{AxisState, ControlState};
+use crate::judge::active::{ActiveControl, named_axis};
+use crate::write::compensation::Compiled;
+use crate::write::plan::Plan;
 use serde_json::Value;
 
 /// Two parameters closer than this are one, µm (a manifest holds picometres).

@@ -1,11 +1,11 @@
 //! What has to be known about the tables of a kit, one line each: for the page that is printed and
 //! for the checklist that goes to the machine.
 
-use crate::axis::Axis;
-use crate::compensation::Compiled;
-use crate::forecast::Forecast;
-use crate::plan::Plan;
-use crate::units::Millimetres;
+use crate::judge::forecast::Forecast;
+use crate::quantity::axis::Axis;
+use crate::quantity::units::Millimetres;
+use crate::write::compensation::Compiled;
+use crate::write::plan::Plan;
 
 /// Terms without a table, parts of the travel that were not measured, figures that become worse,
 /// and the notes.

@@ -18,15 +18,15 @@ mod siemens;
 
 use super::Inputs;
 use super::field::{Made, as_kit_file};
-use crate::active::{ActiveControl, Held, Origin};
-use crate::compensation::Compiled;
-use crate::controller::Role;
-use crate::emit::{self, Instead, RenderedFile, Switch, Templates};
-use crate::plan::{Plan, Task};
-use crate::problem::Problems;
-use crate::readback::kit::{KitFile, ReadBack, read_apart};
-use crate::readback::siemens::{MachineDatum, MachineValue};
-use crate::table::Tables;
+use crate::control::controller::Role;
+use crate::control::table::Tables;
+use crate::judge::active::{ActiveControl, Held, Origin};
+use crate::read::readback::kit::{KitFile, ReadBack, read_apart};
+use crate::read::readback::siemens::{MachineDatum, MachineValue};
+use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
+use crate::write::emit::{self, Instead, RenderedFile, Switch, Templates};
+use crate::write::plan::{Plan, Task};
 
 /// What a kit writes for the way back, and what it leaves to a person.
 #[derive(Default)]
@@ -156,7 +156,7 @@ impl Before<'_> {
             as_read: true,
             switches: old.data.iter().map(switch).collect(),
         };
-        let is_own = |file: &crate::controller::EmittedFile| file.role == Role::Rollback;
+        let is_own = |file: &crate::control::controller::EmittedFile| file.role == Role::Rollback;
         let files = emit::render_apart(
             self.task,
             templates,

@@ -2,15 +2,15 @@
 
 use super::loaded::Loaded;
 use super::{Inputs, cannot_emulate, doubts, field, judged};
-use crate::active::ActiveControl;
-use crate::compensation::Compiled;
-use crate::conformity::Verdict;
-use crate::control_state::ControlState;
-use crate::emulate::emulator;
-use crate::forecast::{Forecast, forecast, judged_ranges};
-use crate::plan::{Plan, plan};
-use crate::problem::Problems;
-use crate::readback::kit::KitFile;
+use crate::control::control_state::ControlState;
+use crate::judge::active::ActiveControl;
+use crate::judge::conformity::Verdict;
+use crate::judge::forecast::{Forecast, forecast, judged_ranges};
+use crate::read::emulate::emulator;
+use crate::read::readback::kit::KitFile;
+use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
+use crate::write::plan::{Plan, plan};
 
 /// What `verify` finds.
 #[derive(Clone, Debug)]
@@ -20,7 +20,7 @@ pub struct Verification {
     /// What the job compiles to (assumptions, preconditions, notes).
     pub compiled: Compiled,
     /// What the files of the directory hold.
-    pub found: crate::table::Tables,
+    pub found: crate::control::table::Tables,
     /// The control outside the files, as they go with it.
     pub state: ControlState,
     /// What the tables will leave; absent where they cannot be emulated.

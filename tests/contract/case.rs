@@ -1,12 +1,12 @@
 //! A kit under test, and what the control holds of it.
 
 use crate::support::machine::{Machine, Term};
-use nonius::axis::ErrorTerm;
-use nonius::controller::{Dialect, Profile, StraightnessForm};
-use nonius::emulate::{Emulator, Response};
+use nonius::control::controller::{Dialect, Profile, StraightnessForm};
+use nonius::control::table::Tables;
+use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
 use nonius::kit::{Inputs, Kit};
-use nonius::table::Tables;
-use nonius::table::fanuc::{FanucMemory, ParameterValue};
+use nonius::quantity::axis::ErrorTerm;
+use nonius::read::emulate::{Emulator, Response};
 
 /// A kit under test, with the control that loaded its bytes.
 pub(crate) struct Case<'a> {

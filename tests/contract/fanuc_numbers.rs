@@ -1,8 +1,8 @@
 //! The numbers of points and sets in the memory of a Fanuc control.
 
 use crate::case::{Case, whole};
-use nonius::controller::{Dialect, NumberRange, StraightnessForm};
-use nonius::table::fanuc::{FanucMemory, ParameterValue};
+use nonius::control::controller::{Dialect, NumberRange, StraightnessForm};
+use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
 
 /// (h) Numbers of points: in order, apart, none reserved, none left over; increments legal.
 pub(crate) fn numbers_are_legal(case: &Case<'_>, memory: &FanucMemory) {

@@ -4,10 +4,10 @@ use crate::case::{Case, Held, is_compensated};
 use crate::places::{NEAR_UM, bends_and_jumps, places};
 use crate::support::machine::{Errors, Term};
 use crate::support::{self, DUST_UM, um_at};
-use nonius::axis::{Axis, Direction};
-use nonius::curve::Interpolation;
-use nonius::emulate::Response;
-use nonius::forecast::TermForecast;
+use nonius::judge::forecast::TermForecast;
+use nonius::quantity::axis::{Axis, Direction};
+use nonius::quantity::curve::Interpolation;
+use nonius::read::emulate::Response;
 
 /// (b) The forecast is the largest of what a dense look finds, and not much more.
 pub(crate) fn forecast_holds(case: &Case<'_>, term: &Term, forecast: &TermForecast) {

@@ -4,12 +4,12 @@ use crate::case::{Case, Held, count_um, two_tables};
 use crate::places::{STEEPEST_UM_PER_MM, half_position_digit, jump_um, places};
 use crate::support::machine::{MachineAxis, Term};
 use crate::support::{self, DUST_UM, Lines, um_at};
-use nonius::axis::Direction;
-use nonius::compensation::Placement;
-use nonius::controller::Dialect;
-use nonius::curve::Interpolation;
-use nonius::emulate::Response;
-use nonius::plan::PlannedTable;
+use nonius::control::controller::Dialect;
+use nonius::quantity::axis::Direction;
+use nonius::quantity::curve::Interpolation;
+use nonius::read::emulate::Response;
+use nonius::write::compensation::Placement;
+use nonius::write::plan::PlannedTable;
 
 /// Every claim on what one term gets, in both directions.
 pub(crate) fn cancels(case: &Case<'_>, term: &Term, base: &str, output: &str) {

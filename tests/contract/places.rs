@@ -2,8 +2,8 @@
 
 use crate::case::{Case, Held};
 use crate::support::machine::Term;
-use nonius::controller::{Dialect, StraightnessForm};
-use nonius::curve::Interpolation;
+use nonius::control::controller::{Dialect, StraightnessForm};
+use nonius::quantity::curve::Interpolation;
 
 /// Positions of a dense look along an axis: straight lines bend at known places, cubics peak.
 const DENSE: [usize; 2] = [240, 2000];

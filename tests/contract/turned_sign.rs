@@ -3,9 +3,9 @@
 use crate::case::{Case, Held, count_um, two_tables};
 use crate::support::machine::Term;
 use crate::support::{self, DUST_UM};
-use nonius::axis::Direction;
-use nonius::controller::{Dialect, Profile, TableSign};
-use nonius::emulate::Emulator;
+use nonius::control::controller::{Dialect, Profile, TableSign};
+use nonius::quantity::axis::Direction;
+use nonius::read::emulate::Emulator;
 
 /// (c) With the sign turned the residual doubles.
 pub(crate) fn turned_sign_doubles(

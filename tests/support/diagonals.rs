@@ -2,11 +2,11 @@
 //! curves, a mirror with a normal of its own in each set-up, lost motion, noise.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
-use nonius::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use nonius::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use nonius::job::{DiagonalMeasurement, Frame, Reflector, SetUp, StatedUncertainty};
-use nonius::separation::{Campaign, Line, Separation, separate};
-use nonius::units::{Deviation, Millimetres};
+use nonius::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp, StatedUncertainty};
+use nonius::machine::separation::{Campaign, Line, Separation, separate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+use nonius::quantity::units::{Deviation, Millimetres};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 

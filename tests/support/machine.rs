@@ -4,10 +4,10 @@
 //! zero, the mean of both directions and the reversal are computed here once more.
 
 use super::{Lines, Random};
-use nonius::axis::{Axis, Direction, ErrorTerm};
-use nonius::controller::{Dialect, Profile};
-use nonius::curve::{ErrorCurve, Interpolation};
-use nonius::units::{Deviation, Millimetres};
+use nonius::control::controller::{Dialect, Profile};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
+use nonius::quantity::curve::{ErrorCurve, Interpolation};
+use nonius::quantity::units::{Deviation, Millimetres};
 use std::fmt::Write;
 
 #[derive(Clone, Debug)]

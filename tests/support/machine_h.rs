@@ -2,8 +2,8 @@
 //! fixtures/machine_h. It passes through figure 2 of paper 002 at (9, 3.5, 1.35) m.
 #![allow(dead_code, reason = "tests and benchmarks use different parts")]
 
-use nonius::axis::Axis;
-use nonius::space::grid_map::{AxisNodes, GridMap, Vector};
+use nonius::quantity::axis::Axis;
+use nonius::volume::space::grid_map::{AxisNodes, GridMap, Vector};
 use std::f64::consts::PI;
 
 /// Offsets of the measurement of Y and Z, m.

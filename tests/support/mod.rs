@@ -9,16 +9,16 @@
 
 pub(crate) mod machine;
 
-use nonius::axis::Direction;
-use nonius::controller::{Profile, builtin};
-use nonius::document::Source;
-use nonius::emulate::{Emulator, Response};
-use nonius::error_table::ErrorTable;
-use nonius::job::Job;
+use nonius::control::controller::{Profile, builtin};
+use nonius::control::table::Tables;
+use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::job::Job;
 use nonius::kit::{self, Inputs, Kit};
-use nonius::readback::kit::{KitFile, read};
-use nonius::table::Tables;
-use nonius::units::Millimetres;
+use nonius::quantity::axis::Direction;
+use nonius::quantity::units::Millimetres;
+use nonius::read::emulate::{Emulator, Response};
+use nonius::read::readback::kit::{KitFile, read};
+use nonius::text::document::Source;
 
 /// Rounding of sums and products of numbers up to a few hundred micrometres.
 pub(crate) const DUST_UM: f64 = 1e-9;

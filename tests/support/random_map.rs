@@ -1,8 +1,8 @@
 //! Random machines, some of them on purpose without shape, seeded.
 #![allow(dead_code, reason = "tests and benchmarks use different parts")]
 
-use nonius::axis::Axis;
-use nonius::space::grid_map::{AxisNodes, GridMap};
+use nonius::quantity::axis::Axis;
+use nonius::volume::space::grid_map::{AxisNodes, GridMap};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::ops::Range;

@@ -1,10 +1,10 @@
 //! The way back on a Fanuc control, from what was read out of it.
 
 use super::*;
-use nonius::controller::Role;
-use nonius::readback::kit::{read, read_apart};
-use nonius::table::Tables;
-use nonius::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use nonius::control::controller::Role;
+use nonius::control::table::Tables;
+use nonius::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use nonius::read::readback::kit::{read, read_apart};
 
 fn memory(tables: Tables) -> FanucMemory {
     match tables {
@@ -40,7 +40,7 @@ fn set(memory: &mut FanucMemory, number: u32, axis: u32, value: ParameterValue) 
 
 #[test]
 fn the_way_back_on_fanuc_brings_back_what_was_read_out() {
-    let profile = nonius::controller::builtin::profile("fanuc-30i").unwrap();
+    let profile = nonius::control::controller::builtin::profile("fanuc-30i").unwrap();
     let load = |memory: &mut FanucMemory, file: FanucMemory| {
         memory.parameters.extend(file.parameters);
         memory.points.extend(file.points);
@@ -130,7 +130,7 @@ fn the_way_back_on_fanuc_brings_back_what_was_read_out() {
 #[test]
 fn sets_out_of_use_are_old_values_and_what_was_not_read_out_is_named() {
     let (old, job, left) = old_and_new("fanuc-30i", FANUC_AXES, ("mean", "two-tables"));
-    let profile = nonius::controller::builtin::profile("fanuc-30i").unwrap();
+    let profile = nonius::control::controller::builtin::profile("fanuc-30i").unwrap();
     let mut before = memory(support::loaded(&profile, &old));
     for number in (5711..=5716).chain(5721..=5726) {
         let key = ParameterKey { number, axis: None };

@@ -1,11 +1,11 @@
 //! The way back on a Siemens control, from what was read out of it.
 
 use super::*;
-use nonius::controller::{Profile, Role};
-use nonius::readback::kit::{ReadBack, read, read_apart};
-use nonius::readback::siemens::MachineValue;
-use nonius::table::Tables;
-use nonius::table::siemens::{CecDirection, LecTable, SiemensTables};
+use nonius::control::controller::{Profile, Role};
+use nonius::control::table::Tables;
+use nonius::control::table::siemens::{CecDirection, LecTable, SiemensTables};
+use nonius::read::readback::kit::{ReadBack, read, read_apart};
+use nonius::read::readback::siemens::MachineValue;
 use std::collections::BTreeMap;
 
 /// What lies in a control: its tables, and machine data by name and indices.
@@ -45,7 +45,11 @@ impl Control {
     }
 
     /// What acts on AX1 and AX2.
-    fn acts(&self, profile: &Profile, state: &nonius::control_state::ControlState) -> Vec<f64> {
+    fn acts(
+        &self,
+        profile: &Profile,
+        state: &nonius::control::control_state::ControlState,
+    ) -> Vec<f64> {
         let mut on = self.tables.clone();
         on.lec.retain(|t| {
             t.axis != "AX4" && self.is_on(format!("MA_ENC_COMP_ENABLE[{},{}]", t.encoder, t.axis))
@@ -110,7 +114,7 @@ impl Control {
 /// A control that holds the tables of `old`, ENC_COMP and CEC tables that are switched off, tables
 /// of other axes, and its machine data.
 fn before(old: &Kit, policy: &str) -> Control {
-    let profile = nonius::controller::builtin::profile("siemens-840d-sl").unwrap();
+    let profile = nonius::control::controller::builtin::profile("siemens-840d-sl").unwrap();
     let mut control = Control::default();
     let none = "active_while_measuring = \"none\"";
     let mean = small("siemens-840d-sl", none, "backlash = \"mean\"", SIEMENS_AXES);
@@ -178,7 +182,7 @@ fn do_by_hand(control: &mut Control, new: &Kit) {
 
 #[test]
 fn the_way_back_on_siemens_brings_back_what_acted() {
-    let profile = nonius::controller::builtin::profile("siemens-840d-sl").unwrap();
+    let profile = nonius::control::controller::builtin::profile("siemens-840d-sl").unwrap();
     for way in WAYS
         .into_iter()
         .filter(|way| *way != ("mean", "two-tables"))

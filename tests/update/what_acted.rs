@@ -25,12 +25,13 @@ fn what_acted_is_found_in_a_siemens_archive() {
     };
     let on = read_out(&job, EXX_ONLY, &archive("", "")).unwrap_or_else(|p| panic!("{p}"));
     let at_end = |found: &Inputs, name| {
-        let term = found.model.terms[nonius::axis::ErrorTerm::from_name(name).unwrap()].clone();
+        let term =
+            found.model.terms[nonius::quantity::axis::ErrorTerm::from_name(name).unwrap()].clone();
         term.map(|t| {
             t.measured
                 .curve(Direction::Plus)
                 .unwrap()
-                .at(nonius::units::Millimetres::new(100.0))
+                .at(nonius::quantity::units::Millimetres::new(100.0))
                 .um()
         })
     };
@@ -104,7 +105,7 @@ fn a_backlash_parameter_that_is_replaced_has_to_be_known() {
         "mean leaves the parameter alone"
     );
     let parameter = |found: Inputs| {
-        kit::generate(&found).unwrap().plan.backlash_um[nonius::axis::Axis::X].unwrap()
+        kit::generate(&found).unwrap().plan.backlash_um[nonius::quantity::axis::Axis::X].unwrap()
     };
     // 7 µm acted and 1 µm was left: the new parameter is 8 µm.
     let file = read_out(
@@ -153,8 +154,8 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
     let mut file = String::from(
         "%\nN00010Q1L1P00000001\nN03701Q1S1P00000010\nN01240Q1A1P0.000A2P0.000A4P12.5\nN01851Q1A1P3A2P0A4P9\nN01852Q1A1P3A2P0A4P9\nN03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN10900Q1P0\n",
     );
-    let of_the_control = |f: &&nonius::emit::RenderedFile| {
-        use nonius::controller::Role;
+    let of_the_control = |f: &&nonius::write::emit::RenderedFile| {
+        use nonius::control::controller::Role;
         matches!(f.role, Role::Table | Role::Parameters)
     };
     for kit_file in old.files.iter().filter(of_the_control) {
@@ -165,7 +166,10 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
     file.push_str("%\n");
     let found = read_out(&job, EXX_ONLY, &file).unwrap_or_else(|p| panic!("{p}"));
     let active = found.active.as_ref().unwrap();
-    assert_eq!(active.backlash_um[nonius::axis::Axis::X], Some(3.0));
+    assert_eq!(
+        active.backlash_um[nonius::quantity::axis::Axis::X],
+        Some(3.0)
+    );
     assert_eq!(active.others.points.len(), 1, "{:?}", active.notes);
     let new = kit::generate(&found).unwrap_or_else(|p| panic!("{}", p.render()));
     let is = control(&found.profile, &new);

@@ -1,12 +1,12 @@
 //! What the figures rest on: frame, levers, tables that were active, notes of the measurement.
 
-use crate::axis::{Axis, PerAxis, Rotation};
-use crate::error_table::Remarks;
-use crate::job::{ActiveTables, Frame, Job, Levers, MeasuredData};
+use crate::inputs::error_table::Remarks;
+use crate::inputs::job::{ActiveTables, Frame, Job, Levers, MeasuredData};
 use crate::kit::Inputs;
-use crate::model::ErrorModel;
-use crate::units::Millimetres;
-use crate::volume_model::{Component, VolumeModel};
+use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, PerAxis, Rotation};
+use crate::quantity::units::Millimetres;
+use crate::volume::volume_model::{Component, VolumeModel};
 
 /// A deviation above this is more often a slip of the unit, µm.
 const UNLIKELY_UM: f64 = 5_000.0;

@@ -3,10 +3,10 @@
 use super::basis::Basis;
 use super::measured::{count, shows, unknown_axes};
 use super::{After, Page};
-use crate::assessment::{Assessment, Baseline, Histogram, Windows};
-use crate::axis::{Axis, PerAxis};
-use crate::manifest::picometres;
-use crate::units::Millimetres;
+use crate::kit::manifest::picometres;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::units::Millimetres;
+use crate::volume::assessment::{Assessment, Baseline, Histogram, Windows};
 use serde_json::{Map, Value, json};
 
 pub(super) fn document(page: &Page) -> Value {

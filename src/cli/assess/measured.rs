@@ -1,9 +1,9 @@
 //! How much of the machine was measured: what is missing must not look like an error of 0.
 
-use crate::axis::{Axis, PerAxis, Rotation};
-use crate::chain::unit;
-use crate::job::Levers;
-use crate::volume_model::{Component, VolumeModel};
+use crate::inputs::job::Levers;
+use crate::quantity::axis::{Axis, PerAxis, Rotation};
+use crate::quantity::chain::unit;
+use crate::volume::volume_model::{Component, VolumeModel};
 
 /// Errors of a machine with three axes.
 pub(super) const ERRORS: usize = 21;

@@ -4,10 +4,10 @@
 use super::Page;
 use super::measured::{has_no_lever, unknown_axes};
 use super::text::{place, short, um};
-use crate::assessment::{Assessment, Contribution, Histogram, Windows};
 use crate::cli::show::{Column, table};
-use crate::units::Figure;
-use crate::volume_model::Component;
+use crate::quantity::units::Figure;
+use crate::volume::assessment::{Assessment, Contribution, Histogram, Windows};
+use crate::volume::volume_model::Component;
 
 /// Parts and changes of VA below the last digit that is shown are none, µm.
 const SHOWN_UM: f64 = 0.000_5;

@@ -1,14 +1,14 @@
 //! An error table that no job describes: the machine is what was measured.
 
 use super::basis::Basis;
-use crate::axis::{Axis, PerAxis};
-use crate::chain::Chain;
-use crate::document::Source;
-use crate::error_table::ErrorTable;
-use crate::job::{Job, UseOf};
-use crate::model::ErrorModel;
-use crate::problem::{Problem, Problems};
-use crate::volume_model::VolumeModel;
+use crate::inputs::error_table::ErrorTable;
+use crate::inputs::job::{Job, UseOf};
+use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::chain::Chain;
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems};
+use crate::volume::volume_model::VolumeModel;
 use std::fmt::Write;
 
 /// Whether a file is a table (CSV) rather than a job: its first line of content names columns.

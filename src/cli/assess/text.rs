@@ -3,13 +3,13 @@
 use super::measured::{ERRORS, count, shows, unknown_axes};
 use super::parts::{contributions, grouping, histogram, windows};
 use super::{After, Page};
-use crate::assessment::{Assessment, GridChoice};
-use crate::axis::{Axis, PerAxis};
 use crate::cli::show::{self, Column, table};
-use crate::definitions::Definitions;
-use crate::diagonal::Diagonal;
-use crate::job::Levers;
-use crate::units::{Figure, Millimetres};
+use crate::inputs::job::Levers;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::Diagonal;
+use crate::quantity::units::{Figure, Millimetres};
+use crate::volume::assessment::{Assessment, GridChoice};
+use crate::volume::definitions::Definitions;
 
 pub(super) fn text(page: &Page) -> String {
     let before = &page.before;

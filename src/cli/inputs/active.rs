@@ -1,12 +1,12 @@
 //! `active_while_measuring`: the path of a job → the control as it was while measuring.
 
-use crate::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use crate::cli::inputs::{beside_job, file_names, plain_words, read_file};
-use crate::controller::Profile;
-use crate::job::{ActiveTables, Job};
+use crate::control::controller::Profile;
+use crate::inputs::job::{ActiveTables, Job};
+use crate::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use crate::kit::hashed;
-use crate::manifest::{HashedFile, MANIFEST};
-use crate::problem::{Problem, Problems};
+use crate::kit::manifest::{HashedFile, MANIFEST};
+use crate::text::problem::{Problem, Problems};
 use std::path::Path;
 
 const KEY: &str = "measurement.active_while_measuring";

@@ -1,21 +1,21 @@
 //! A measurement of body diagonals with everything that its job names.
 
 use super::{read_argument, read_named};
-use crate::after::{StraightRuns, Walk};
-use crate::causes::Slip;
-use crate::diagonal::{Diagonal, Pass, PerDiagonal, Run};
-use crate::document::Source;
-use crate::emit::TOOL;
-use crate::error_table::{Draft, ErrorTable};
-use crate::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
-use crate::manifest::HashedFile;
-use crate::problem::Problems;
-use crate::readings::Readings;
-use crate::separation::noise::{Noise, means, run_counts};
-use crate::separation::prepare::{self, NamedTables};
-use crate::separation::repeats::repeats;
-use crate::separation::straight::{StraightResult, straight};
-use crate::separation::{self, Campaign, Separation, table};
+use crate::inputs::error_table::{Draft, ErrorTable};
+use crate::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use crate::inputs::readings::Readings;
+use crate::judge::after::{StraightRuns, Walk};
+use crate::judge::causes::Slip;
+use crate::kit::manifest::HashedFile;
+use crate::machine::separation::noise::{Noise, means, run_counts};
+use crate::machine::separation::prepare::{self, NamedTables};
+use crate::machine::separation::repeats::repeats;
+use crate::machine::separation::straight::{StraightResult, straight};
+use crate::machine::separation::{self, Campaign, Separation, table};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
+use crate::text::document::Source;
+use crate::text::problem::Problems;
+use crate::write::emit::TOOL;
 use std::path::Path;
 
 /// A measurement of diagonals with everything that its job names.

@@ -1,14 +1,12 @@
 //! Files and their names, as a user gives them; and what was read in this run, over which nothing
 //! is written (`src/cli/write.rs` asks).
 
-use crate::problem::{Problem, Problems};
+use crate::text::document::LARGEST_FILE_MIB;
+use crate::text::problem::{Problem, Problems};
 use std::fs::{File, Metadata};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-
-/// Files larger than this are no job, table or profile (an error table of 10 000 points has 1 MB).
-const LARGEST_INPUT_MIB: u64 = 64;
 
 /// A file or directory that was read.
 struct Input {
@@ -182,10 +180,10 @@ fn open_pipe(path: &Path) -> std::io::Result<File> {
 /// All bytes of an input, or a refusal; `length` is what the system says that there are, `name` as
 /// it stands in a sentence.
 fn bounded(name: &str, length: u64, input: impl Read) -> Result<Vec<u8>, Problem> {
-    let limit = LARGEST_INPUT_MIB << 20;
+    let limit = LARGEST_FILE_MIB << 20;
     let too_long = || {
         Problem::new(format!(
-            "{name} holds more than {LARGEST_INPUT_MIB} MiB, too much for an input"
+            "{name} holds more than {LARGEST_FILE_MIB} MiB, too much for an input"
         ))
     };
     if length > limit {

@@ -3,8 +3,8 @@
 use super::holes::{Hole, length};
 use super::show_path::{outside_sentences, remarks, warnings};
 use super::{Followed, Page};
-use crate::manifest::picometres;
-use crate::tool_path::{Channel, Extreme};
+use crate::kit::manifest::picometres;
+use crate::volume::tool_path::{Channel, Extreme};
 use serde_json::{Map, Value, json};
 
 pub(super) fn document(page: &Page) -> Value {

@@ -1,6 +1,6 @@
 //! The error at the holes that canned cycles drill: the worst of them.
 
-use crate::tool_path::{PathMap, Sample};
+use crate::volume::tool_path::{PathMap, Sample};
 
 /// Holes that are kept; the CSV has all of them.
 const MOST_HOLES: usize = 20;

@@ -3,9 +3,9 @@
 use super::holes::length;
 use crate::cli::inputs::plain_words;
 use crate::cli::write::{self, Ready, ReadyFile};
-use crate::problem::{Problem, Problems};
-use crate::tool_path::{PathMap, Sample};
-use crate::units::Figure;
+use crate::quantity::units::Figure;
+use crate::text::problem::{Problem, Problems};
+use crate::volume::tool_path::{PathMap, Sample};
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Seek, Write};
 use std::path::Path;

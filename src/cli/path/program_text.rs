@@ -1,8 +1,8 @@
 //! A part program on disk, read line by line.
 
 use crate::cli::inputs::{STANDARD_INPUT, open, plain_words, standard_input};
-use crate::nc::{Line, Mark, Text};
-use crate::problem::Problem;
+use crate::inputs::nc::{Line, Mark, Text};
+use crate::text::problem::Problem;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -11,7 +11,8 @@ use std::path::Path;
 const LONGEST_LINE: u64 = 4096;
 /// What is taken from standard input (it is kept on disk, because subprograms are gone back to).
 const LARGEST_PIPE_BYTES: u64 = 16 * 1024 * 1024 * 1024;
-const BUFFER_BYTES: usize = 1 << 18;
+/// Filled again whenever a subprogram is called or ends that is not in it.
+const BUFFER_BYTES: usize = 1 << 16;
 
 /// A program that is open.
 pub(super) struct ProgramText {
@@ -112,9 +113,14 @@ impl Text for ProgramText {
     }
 
     fn go_to(&mut self, mark: Mark) -> Result<(), Problem> {
-        self.reader
-            .seek(SeekFrom::Start(mark.bytes))
-            .map_err(|error| failed(&self.name, &error))?;
+        let by = i64::try_from(mark.bytes).ok();
+        let here = i64::try_from(self.mark.bytes).ok();
+        // What is in the buffer is not read again.
+        let moved = match by.zip(here) {
+            Some((to, here)) => self.reader.seek_relative(to - here),
+            None => self.reader.seek(SeekFrom::Start(mark.bytes)).map(|_| ()),
+        };
+        moved.map_err(|error| failed(&self.name, &error))?;
         self.mark = mark;
         Ok(())
     }

@@ -2,10 +2,10 @@
 
 use super::holes::{Hole, length};
 use super::{Followed, Page};
-use crate::axis::Axis;
 use crate::cli::show::{self, Column, table};
-use crate::tool_path::{Channel, Extreme, Outside};
-use crate::units::Figure;
+use crate::quantity::axis::Axis;
+use crate::quantity::units::Figure;
+use crate::volume::tool_path::{Channel, Extreme, Outside};
 
 pub(super) fn text(page: &Page) -> String {
     show::paragraphs(&[

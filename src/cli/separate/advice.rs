@@ -1,7 +1,7 @@
 //! What to measure where scales are not determined, and under which key of the job it goes.
 
-use crate::axis::Axis;
-use crate::separation::metric::Metric;
+use crate::machine::separation::metric::Metric;
+use crate::quantity::axis::Axis;
 
 const LINEAR: &str =
     "[[measurement.step_diagonal.linear]] with axis, slope_um_per_m (or errors) and u_um_per_m";

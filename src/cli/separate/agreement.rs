@@ -2,8 +2,8 @@
 
 use super::words::{signed, three};
 use crate::cli::show::{Column, table};
-use crate::manifest::picometres;
-use crate::separation::agreement::{Agreement, CHECK, LineCheck};
+use crate::kit::manifest::picometres;
+use crate::machine::separation::agreement::{Agreement, CHECK, LineCheck};
 use serde_json::{Value, json};
 
 /// Linear axes and beams against each other and the diagonals.

@@ -1,11 +1,11 @@
 //! What `separate` prints of the closure and of disturbed readings.
 
 use super::words::{list, signed};
-use crate::axis::Axis;
-use crate::separation::Separation;
-use crate::separation::closure::{Closure, Ramps};
-use crate::separation::noise::{Noise, NoiseSource};
-use crate::separation::outlier::{FALSE_DOUBT, Outlier};
+use crate::machine::separation::Separation;
+use crate::machine::separation::closure::{Closure, Ramps};
+use crate::machine::separation::noise::{Noise, NoiseSource};
+use crate::machine::separation::outlier::{FALSE_DOUBT, Outlier};
+use crate::quantity::axis::Axis;
 
 pub(super) fn closure(separation: &Separation) -> String {
     let closure = &separation.closure;

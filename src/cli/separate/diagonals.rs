@@ -2,12 +2,12 @@
 
 use super::words::{shown, three};
 use crate::cli::standards::diagonals::{diagonal_json, figures_table};
-use crate::diagonal::{Diagonal, PathKind, Volume};
-use crate::problem::Problems;
-use crate::separation::diagonal_runs::diagonal_runs;
-use crate::separation::noise::CorrectedRun;
-use crate::standards::{self, DiagonalMotion, Diagonals};
-use crate::target_runs::Runs;
+use crate::inputs::target_runs::Runs;
+use crate::machine::separation::diagonal_runs::diagonal_runs;
+use crate::machine::separation::noise::CorrectedRun;
+use crate::machine::standards::{self, DiagonalMotion, Diagonals};
+use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
+use crate::text::problem::Problems;
 use serde_json::Value;
 
 /// Figures by standard, with the runs that they are made of.

@@ -2,19 +2,19 @@
 
 use super::advice::advice;
 use super::diagonals::StandardFigures;
-use crate::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::diagonal::{Diagonal, Pass, PathKind};
-use crate::job::SetUp;
-use crate::manifest::picometres;
-use crate::problem::Problems;
-use crate::separation::metric::{PerPlane, Plane};
-use crate::separation::monte_carlo::{Simulated, measured_coverage};
-use crate::separation::noise::{Noise, coverage_factor, repeatability_um};
-use crate::separation::not_counted::NotCounted;
-use crate::separation::outlier::Outlier;
-use crate::separation::reversal::{Estimate, Turn};
-use crate::separation::{Evidence, Separation};
-use crate::standards::Diagonals;
+use crate::inputs::job::SetUp;
+use crate::kit::manifest::picometres;
+use crate::machine::separation::metric::{PerPlane, Plane};
+use crate::machine::separation::monte_carlo::{Simulated, measured_coverage};
+use crate::machine::separation::noise::{Noise, coverage_factor, repeatability_um};
+use crate::machine::separation::not_counted::NotCounted;
+use crate::machine::separation::outlier::Outlier;
+use crate::machine::separation::reversal::{Estimate, Turn};
+use crate::machine::separation::{Evidence, Separation};
+use crate::machine::standards::Diagonals;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::text::problem::Problems;
 use serde_json::{Map, Value, json};
 
 fn rounded(values: &[f64]) -> Vec<f64> {

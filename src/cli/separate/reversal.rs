@@ -1,12 +1,12 @@
 //! What `separate` prints of the reversal at a turn and of repeated runs.
 
 use super::words::three;
-use crate::axis::{Axis, ErrorTerm};
 use crate::cli::show::{Column, paragraphs, table};
-use crate::diagonal::{Diagonal, Pass};
-use crate::separation::Separation;
-use crate::separation::noise::{coverage_factor, repeatability_um};
-use crate::separation::reversal::{Estimate, Turn};
+use crate::machine::separation::Separation;
+use crate::machine::separation::noise::{coverage_factor, repeatability_um};
+use crate::machine::separation::reversal::{Estimate, Turn};
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::diagonal::{Diagonal, Pass};
 
 pub(super) fn reversal(separation: &Separation) -> String {
     let Some(turn) = &separation.turn else {

@@ -7,16 +7,16 @@ use super::document::{holds_below, noise, planes};
 use super::words::{
     SQUARENESS_SIGN, doubtful, expanded, freedom, list, shown, signed, three, undetermined,
 };
-use crate::axis::Axis;
 use crate::cli::show::{Column, paragraphs, table};
-use crate::diagonal::{Diagonal, PathKind};
-use crate::manifest::picometres;
-use crate::problem::Problems;
-use crate::separation::metric::Plane;
-use crate::separation::prediction::{ClosureTest, ClosureTests};
-use crate::separation::straight::{StraightResult, scale_shares};
-use crate::separation::uncertainty::SlopeUncertainty;
-use crate::units::Squared;
+use crate::kit::manifest::picometres;
+use crate::machine::separation::metric::Plane;
+use crate::machine::separation::prediction::{ClosureTest, ClosureTests};
+use crate::machine::separation::straight::{StraightResult, scale_shares};
+use crate::machine::separation::uncertainty::SlopeUncertainty;
+use crate::quantity::axis::Axis;
+use crate::quantity::diagonal::{Diagonal, PathKind};
+use crate::quantity::units::Squared;
+use crate::text::problem::Problems;
 use serde_json::{Map, Value, json};
 
 pub(super) fn page(result: &StraightResult) -> Result<String, Problems> {

@@ -8,15 +8,15 @@ use super::reversal::{repeatability, reversal};
 use super::words::{
     SQUARENESS_SIGN, doubtful, expanded, freedom, list, shown, signed, three, undetermined,
 };
-use crate::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::cli::show::{Column, paragraphs, table};
-use crate::diagonal::PathKind;
-use crate::job::SetUp;
-use crate::problem::Problems;
-use crate::separation::line::{ReferenceLine, range};
-use crate::separation::metric::Plane;
-use crate::separation::monte_carlo::{Figure, Simulated, measured_coverage};
-use crate::separation::{Evidence, Separation};
+use crate::inputs::job::SetUp;
+use crate::machine::separation::line::{ReferenceLine, range};
+use crate::machine::separation::metric::Plane;
+use crate::machine::separation::monte_carlo::{Figure, Simulated, measured_coverage};
+use crate::machine::separation::{Evidence, Separation};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
+use crate::quantity::diagonal::PathKind;
+use crate::text::problem::Problems;
 
 pub(super) fn summary(
     separation: &Separation,

@@ -2,24 +2,24 @@
 
 use super::document::{conditions_json, insert};
 use super::text::{conditions_table, likely_words, micrometres};
-use crate::axis::{Axis, Direction, PerAxis};
 use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, paragraphs, table};
 use crate::cli::{Format, inputs};
-use crate::delimited::header_and_rows;
-use crate::diagonal::{Diagonal, PathKind, Volume};
-use crate::document::Source;
-use crate::job::{DiagonalMeasurement, Frame, Reflector, SetUp};
-use crate::problem::{Problem, Problems};
-use crate::readings::Readings;
-use crate::separation::diagonal_runs::diagonal_runs;
-use crate::separation::noise::CorrectedRun;
-use crate::standards::iso_230_2::AxisFigures;
-use crate::standards::{
+use crate::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp};
+use crate::inputs::readings::Readings;
+use crate::inputs::target_runs::Runs;
+use crate::machine::separation::diagonal_runs::diagonal_runs;
+use crate::machine::separation::noise::CorrectedRun;
+use crate::machine::standards::iso_230_2::AxisFigures;
+use crate::machine::standards::{
     DIAGONALS, DiagonalFigures, DiagonalMotion, Diagonals, diagonal, diagonal_of_unknown_length,
 };
-use crate::target_runs::Runs;
-use crate::units::Millimetres;
+use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
+use crate::quantity::units::Millimetres;
+use crate::text::delimited::header_and_rows;
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 

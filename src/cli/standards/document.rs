@@ -1,10 +1,10 @@
 //! The document of `standards --format json` for an axis.
 
-use crate::axis::Direction;
 use crate::cli::standards::Results;
-use crate::manifest::picometres;
-use crate::standards::{self, Condition, Met, iso_230_2, vdi_3441};
-use crate::target_runs::Runs;
+use crate::inputs::target_runs::Runs;
+use crate::kit::manifest::picometres;
+use crate::machine::standards::{self, Condition, Met, iso_230_2, vdi_3441};
+use crate::quantity::axis::Direction;
 use serde_json::{Map, Value, json};
 
 pub(super) fn document(runs: &Runs, results: &Results) -> Value {

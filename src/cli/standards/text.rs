@@ -1,14 +1,14 @@
 //! What `standards` prints of an axis for people.
 
-use crate::axis::Direction;
 use crate::cli::show::{Column, paragraphs, table};
 use crate::cli::standards::Results;
-use crate::standards::{
+use crate::inputs::target_runs::Runs;
+use crate::machine::standards::{
     self, ByDirection, Condition, Confidence, in_words,
     iso_230_2::{self, AxisFigures},
     vdi_3441,
 };
-use crate::target_runs::Runs;
+use crate::quantity::axis::Direction;
 
 pub(super) fn report(name: &str, runs: &Runs, results: &Results) -> String {
     let targets = runs.targets_mm();

@@ -3,21 +3,21 @@
 use super::records::First;
 use super::second::Second;
 use super::{absent, agreement, heading};
-use crate::after::{
-    AfterMeasurement, Comparison, Control, Line, Observation, compare, observations,
-    unseen_reversal,
-};
-use crate::axis::{Direction, PerAxis};
-use crate::causes::{Cause, Corrected, Diagnosis, Question, diagnose};
 use crate::cli::outcome::Outcome;
 use crate::cli::show::{self, Column};
 use crate::cli::{Answer, Format};
-use crate::conformity::Verdict;
-use crate::forecast::Forecast;
-use crate::job::{Job, MeasuredData};
+use crate::inputs::job::{Job, MeasuredData};
+use crate::judge::after::{
+    AfterMeasurement, Comparison, Control, Line, Observation, compare, observations,
+    unseen_reversal,
+};
+use crate::judge::causes::{Cause, Corrected, Diagnosis, Question, diagnose};
+use crate::judge::conformity::Verdict;
+use crate::judge::forecast::Forecast;
+use crate::kit::manifest::picometres;
 use crate::kit::{Inputs, Verification, emulator};
-use crate::manifest::picometres;
-use crate::problem::{Problem, Problems};
+use crate::quantity::axis::{Direction, PerAxis};
+use crate::text::problem::{Problem, Problems};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 

@@ -1,12 +1,12 @@
 //! The readings of the first measurement, read again as if one slip of their records were taken back.
 
-use crate::causes::{Corrected, Slip};
 use crate::cli::inputs::{CampaignFiles, campaign_files, table_of};
-use crate::diagonal::PathKind;
-use crate::job::MeasuredData;
+use crate::inputs::job::MeasuredData;
+use crate::judge::causes::{Corrected, Slip};
 use crate::kit::Inputs;
-use crate::model::ErrorModel;
-use crate::problem::Problems;
+use crate::machine::model::ErrorModel;
+use crate::quantity::diagonal::PathKind;
+use crate::text::problem::Problems;
 use std::path::Path;
 
 /// The first measurement, and where its job lies.

@@ -1,17 +1,17 @@
 //! Files of a user → the measurement with the tables active.
 
-use crate::active::ActiveControl;
-use crate::after::{AfterMeasurement, ensure_same_machine};
 use crate::cli::inputs::{self, file_name, read_argument};
-use crate::diagonal::PathKind;
-use crate::disagreement::{compare, measuring_systems};
-use crate::document::Source;
-use crate::error_table::ErrorTable;
-use crate::job::{ActiveTables, Job, MeasuredData};
+use crate::inputs::error_table::ErrorTable;
+use crate::inputs::job::{ActiveTables, Job, MeasuredData};
+use crate::judge::active::ActiveControl;
+use crate::judge::after::{AfterMeasurement, ensure_same_machine};
+use crate::judge::disagreement::{compare, measuring_systems};
+use crate::kit::manifest::HashedFile;
 use crate::kit::{Inputs, Verification, cannot_emulate, emulator, hashed};
-use crate::manifest::HashedFile;
-use crate::model::ErrorModel;
-use crate::problem::{Place, Problem, Problems};
+use crate::machine::model::ErrorModel;
+use crate::quantity::diagonal::PathKind;
+use crate::text::document::Source;
+use crate::text::problem::{Place, Problem, Problems};
 use std::path::Path;
 
 /// A second measurement, and every file that it was read from.

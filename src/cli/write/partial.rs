@@ -6,20 +6,26 @@
 use super::parent_of;
 use crate::cli::say;
 use std::fs::{self, File, TryLockError};
-use std::io::{Error, ErrorKind, Result};
+use std::io::{ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 /// Characters of chance in the name: nobody calls a file of his own so by accident.
 const CHANCE: usize = 16;
 const MARK: &str = ".partial-";
-/// How often a name is tried before the place is given up.
-const TRIES: usize = 10;
-
 /// What this run made and did not put into its place yet, for the signals.
-static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+struct Made {
+    paths: Vec<PathBuf>,
+    /// The output is in its place: the run is finished, whatever comes.
+    is_placed: bool,
+}
 
-fn made() -> MutexGuard<'static, Vec<PathBuf>> {
+static MADE: Mutex<Made> = Mutex::new(Made {
+    paths: Vec::new(),
+    is_placed: false,
+});
+
+fn made() -> MutexGuard<'static, Made> {
     MADE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -33,8 +39,8 @@ pub(super) struct Partial {
 impl Drop for Partial {
     fn drop(&mut self) {
         let mut made = made();
-        if let Some(at) = made.iter().position(|path| *path == self.path) {
-            made.swap_remove(at);
+        if let Some(at) = made.paths.iter().position(|path| *path == self.path) {
+            made.paths.swap_remove(at);
             remove(&self.path);
         }
     }
@@ -50,6 +56,17 @@ fn remove(path: &Path) {
     } else {
         fs::remove_dir(path)
     };
+}
+
+/// The same while the run still writes into it: what is new is removed, too.
+fn remove_for_good(path: &Path) {
+    const TRIES: usize = 1000;
+    for _ in 0..TRIES {
+        remove(path);
+        if !path.exists() {
+            return;
+        }
+    }
 }
 
 impl Partial {
@@ -80,27 +97,26 @@ impl Partial {
         handle: impl Fn(&Path, &T) -> Result<File>,
     ) -> Result<(Partial, T)> {
         let parent = parent_of(place);
-        clean(place, &parent);
+        let door = File::open(&parent).ok();
+        clean(place, &parent, door.as_ref());
+        // Held until the new thing is locked: no other run takes it for left over in between. Where the
+        // system locks nothing, nothing is removed either.
+        let _ = door.as_ref().map(File::lock_shared);
         hear_signals();
         let prefix = prefix_of(place);
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).rand_bytes(CHANCE);
         with_mode(&mut builder, mode);
-        for _ in 0..TRIES {
-            let mut made = made();
-            let (path, thing) = new(&mut builder, &parent)?;
-            made.push(path.clone());
-            drop(made);
-            let lock = handle(&path, &thing).ok();
-            let is_taken = lock.as_ref().is_some_and(is_taken);
-            let partial = Partial { path, _lock: lock };
-            // Between its birth and the lock another run may have taken it for left over.
-            if !is_taken && partial.path.exists() {
-                return Ok((partial, thing));
-            }
+        let mut made = made();
+        let (path, thing) = new(&mut builder, &parent)?;
+        made.paths.push(path.clone());
+        drop(made);
+        let _lock = handle(&path, &thing).ok();
+        if cfg!(unix) {
+            // Windows would keep this run itself from reading the file by another handle.
+            let _ = _lock.as_ref().map(File::try_lock);
         }
-        let reason = "another program removes what is made";
-        Err(Error::new(ErrorKind::NotFound, reason))
+        Ok((Partial { path, _lock }, thing))
     }
 
     /// A directory that was not there, and those above it; the innermost first.
@@ -116,7 +132,7 @@ impl Partial {
             match fs::create_dir(path) {
                 Err(error) if error.kind() != ErrorKind::AlreadyExists => return Err(error),
                 Err(_) => continue, // another run made it
-                Ok(()) => made.push(path.to_path_buf()),
+                Ok(()) => made.paths.push(path.to_path_buf()),
             }
             let path = path.to_path_buf();
             parents.insert(0, Partial { path, _lock: None });
@@ -135,7 +151,8 @@ impl Partial {
     ) -> std::result::Result<T, E> {
         let mut made = made();
         let done = put(&self.path)?;
-        made.clear(); // with it the directories above: they are in use
+        made.paths.clear(); // with it the directories above: they are in use
+        made.is_placed = true;
         Ok(done)
     }
 }
@@ -161,14 +178,17 @@ fn is_partial(path: &Path) -> bool {
 }
 
 /// Removes what killed runs left at this place, and says so. Where nothing tells whether a run is still
-/// at work, it is named only.
-fn clean(place: &Path, parent: &Path) {
+/// at work, it is named only; while another run makes something there, nothing is looked at.
+fn clean(place: &Path, parent: &Path, door: Option<&File>) {
+    if let Some(Err(TryLockError::WouldBlock)) = door.map(File::try_lock) {
+        return;
+    }
     let prefix = prefix_of(place);
     let entries = fs::read_dir(parent).into_iter().flatten().flatten();
     let is_left = |path: &PathBuf| {
         let kind = fs::symlink_metadata(path);
         let is_ours = kind.is_ok_and(|kind| kind.is_file() || kind.is_dir());
-        is_ours && is_partial(path) && !made().contains(path)
+        is_ours && is_partial(path)
     };
     let left = entries
         .filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix))
@@ -190,12 +210,6 @@ fn clean(place: &Path, parent: &Path) {
     }
 }
 
-/// Takes the lock, and tells whether another run has it. Windows would keep this run itself from reading
-/// the file by another handle, so there nothing is locked.
-fn is_taken(file: &File) -> bool {
-    cfg!(unix) && matches!(file.try_lock(), Err(TryLockError::WouldBlock))
-}
-
 /// Ctrl-C, the end of the session and `kill`: what is not complete goes, exit status 2.
 fn hear_signals() {
     static ONCE: Once = Once::new();
@@ -203,10 +217,13 @@ fn hear_signals() {
         // A system without signals ends the program as it always does.
         let _ = ctrlc::set_handler(|| {
             let made = made();
-            if made.is_empty() {
-                return; // everything is in its place
+            if made.paths.is_empty() || made.is_placed {
+                return; // the run goes to its end
             }
-            made.iter().rev().for_each(|path| remove(path));
+            made.paths
+                .iter()
+                .rev()
+                .for_each(|path| remove_for_good(path));
             std::process::exit(2);
         });
     });

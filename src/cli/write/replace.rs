@@ -4,15 +4,16 @@
 //!   DIR.partial-… → DIR.previous, then DIR.previous ⇄ DIR   (DIR is never absent)
 //!   where the system exchanges no names: DIR → DIR.previous, DIR.partial-… → DIR
 //! ```
-//! Nothing is removed but an older kit that is as it was made.
+//! An older DIR.previous makes it DIR.previous-2, and goes afterwards if it is as it was made: nothing else
+//! is removed, and nothing before the new one is in its place.
 
 use super::partial::Partial;
 use super::{ensure_free, not_written};
 use crate::cli::inputs::{file_names, input_at, read_file, with_suffix};
 use crate::cli::say;
-use crate::document::sha256;
-use crate::manifest::MANIFEST;
-use crate::problem::Problems;
+use crate::kit::manifest::MANIFEST;
+use crate::text::document::sha256;
+use crate::text::problem::Problems;
 use std::fs;
 use std::io::Result;
 use std::path::{Path, PathBuf};
@@ -28,22 +29,30 @@ pub(super) fn take_place(
         return partial.placed(|new| fs::rename(new, place)).map_err(failed);
     }
     ensure_free(place, force)?;
-    let latest = previous(place, 1);
-    if let Some(files) = unchanged_files(&latest) {
-        remove_older(&latest, &files, place).map_err(failed)?;
-        let name = latest.display();
-        say(&format!(
-            "removed the older {name}, which was as it was made"
-        ));
-    }
-    let is_new = |kept: &PathBuf| fs::symlink_metadata(kept).is_err();
-    let kept = (1..).map(|number| previous(place, number)).find(is_new);
-    let kept = kept.unwrap_or(latest);
+    let kept = free_name(place);
     partial
         .placed(|new| exchange(new, place, &kept))
         .map_err(failed)?;
+    let latest = previous(place, 1);
+    let kept = match kept != latest && remove_older(place, &latest) {
+        true => {
+            let name = latest.display();
+            say(&format!(
+                "removed the older {name}, which was as it was made"
+            ));
+            fs::rename(&kept, &latest).map_or(kept, |()| latest)
+        }
+        false => kept,
+    };
     say(&format!("moved {} to {}", place.display(), kept.display()));
     Ok(())
+}
+
+/// The first of DIR.previous, DIR.previous-2, … where nothing is.
+fn free_name(place: &Path) -> PathBuf {
+    let is_new = |kept: &PathBuf| fs::symlink_metadata(kept).is_err();
+    let mut names = (1..).map(|number| previous(place, number));
+    names.find(is_new).unwrap_or_else(|| previous(place, 1))
 }
 
 /// Whether nothing is at a place, or an empty directory, which a rename replaces (but not on Windows).
@@ -87,9 +96,9 @@ pub(in crate::cli) fn previous(directory: &Path, number: usize) -> PathBuf {
 }
 
 /// The files of a directory that holds what its manifest lists, each as it was made, and nothing else;
-/// `None` of any other, and of one that is read.
+/// `None` of any other.
 fn unchanged_files(directory: &Path) -> Option<Vec<String>> {
-    if !fs::symlink_metadata(directory).ok()?.is_dir() || input_at(directory).is_some() {
+    if !fs::symlink_metadata(directory).ok()?.is_dir() {
         return None;
     }
     let names = file_names(directory).ok()?;
@@ -108,17 +117,35 @@ fn unchanged_files(directory: &Path) -> Option<Vec<String>> {
     own.all(unchanged).then_some(names)
 }
 
-/// Removes a kit, and of it these files only.
-fn remove_older(kit: &Path, files: &[String], place: &Path) -> Result<()> {
-    // Moved away first: killed while removing, no half kit is left at DIR.previous.
-    let aside = Partial::directory(place)?;
+/// So many names are tried for what has to be kept.
+const MOST_KEPT: usize = 10_000;
+
+/// Removes an older kit that is as it was made, and tells whether it is gone.
+fn remove_older(place: &Path, kit: &Path) -> bool {
+    // Asked first: what is looked at counts as read.
+    if input_at(kit).is_some() || unchanged_files(kit).is_none() {
+        return false;
+    }
+    // Moved away first: killed while removing, no half kit is left at DIR.previous, and no other run
+    // exchanges it any more.
+    let Ok(aside) = Partial::directory(place) else {
+        return false;
+    };
     let moved = aside.path().join("previous");
-    fs::rename(kit, &moved)?;
-    let removed = files
-        .iter()
-        .try_for_each(|file| fs::remove_file(moved.join(file)));
-    // What somebody put there meanwhile comes back.
-    removed
-        .and_then(|()| fs::remove_dir(&moved))
-        .or_else(|error| fs::rename(&moved, kit).and(Err(error)))
+    if fs::rename(kit, &moved).is_err() {
+        return false;
+    }
+    let Some(files) = unchanged_files(&moved) else {
+        // Another run put its own there in between: it goes back, or to the next number.
+        let mut names = (1..MOST_KEPT).map(|number| previous(place, number));
+        if !names.any(|name| fs::rename(&moved, name).is_ok()) {
+            std::mem::forget(aside); // dropped, it would be removed
+        }
+        return false;
+    };
+    for file in files {
+        // What cannot be removed now goes with `aside`, or when the next run cleans up.
+        let _ = fs::remove_file(moved.join(file));
+    }
+    true
 }

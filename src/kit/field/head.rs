@@ -2,7 +2,7 @@
 //! and what has to be known about its tables.
 
 use super::Made;
-use crate::conformity::Verdict;
+use crate::judge::conformity::Verdict;
 use crate::kit::remarks;
 
 /// One paragraph each.

@@ -2,11 +2,11 @@
 
 use super::Made;
 use super::reading::trimmed;
-use crate::claims::shared;
-use crate::compensation::Compiled;
-use crate::compensation::siemens::at_reference;
-use crate::table::Tables;
-use crate::table::siemens::{CecDirection, SiemensGrid};
+use crate::control::claims::shared;
+use crate::control::table::Tables;
+use crate::control::table::siemens::{CecDirection, SiemensGrid};
+use crate::write::compensation::Compiled;
+use crate::write::compensation::siemens::at_reference;
 
 /// Where each term goes: what is overwritten.
 pub(super) fn places(made: &Made<'_>) -> Vec<String> {

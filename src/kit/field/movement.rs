@@ -1,10 +1,10 @@
 //! How far the axes can move when the tables are switched.
 
 use super::Made;
-use crate::axis::{Axis, Direction, ErrorTerm};
-use crate::emulate::{CannotEmulate, Emulator, Response, emulator};
-use crate::plan::axis_pairs;
-use crate::units::Millimetres;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::units::Millimetres;
+use crate::read::emulate::{CannotEmulate, Emulator, Response, emulator};
+use crate::write::plan::axis_pairs;
 
 /// Largest movement of each physical axis when the tables are switched, all base axes at their
 /// worst place: a bound, not a place.

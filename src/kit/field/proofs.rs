@@ -1,17 +1,17 @@
 //! Sign proofs as files: written, read back, and what their bytes do on the control.
 
 use super::{Made, as_kit_file};
-use crate::axis::Direction;
-use crate::controller::Role;
-use crate::emit::{self, Instead, RenderedFile};
-use crate::emulate::{CannotEmulate, Emulator, emulator};
-use crate::plan::{Plan, axis_pairs};
-use crate::problem::{Problem, Problems};
-use crate::readback::kit::{KitFile, ReadBack, read_apart};
-use crate::sign_proof::{SignProof, SignProofs, sign_fact, sign_proofs};
-use crate::table::Tables;
-use crate::table::siemens::LecTable;
-use crate::units::Millimetres;
+use crate::control::controller::Role;
+use crate::control::table::Tables;
+use crate::control::table::siemens::LecTable;
+use crate::quantity::axis::Direction;
+use crate::quantity::units::Millimetres;
+use crate::read::emulate::{CannotEmulate, Emulator, emulator};
+use crate::read::readback::kit::{KitFile, ReadBack, read_apart};
+use crate::text::problem::{Problem, Problems};
+use crate::write::emit::{self, Instead, RenderedFile};
+use crate::write::plan::{Plan, axis_pairs};
+use crate::write::sign_proof::{SignProof, SignProofs, sign_fact, sign_proofs};
 use serde_json::{Value, json};
 
 /// The sign proofs of a kit, read back to what was meant.
@@ -170,7 +170,7 @@ fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Result<f6
 pub(super) fn document(shown: &Shown) -> Value {
     let proof = &shown.proof;
     let [from, peak, to] = proof.bump.places().map(|place| place.mm());
-    let round = crate::manifest::picometres;
+    let round = crate::kit::manifest::picometres;
     json!({
         "files": shown.paths,
         "sign": sign_fact(proof.mechanism),

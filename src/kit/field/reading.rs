@@ -5,10 +5,10 @@
 //! common zero of both: (peak − start) with compensation, less (peak − start) without.
 
 use super::{Made, Shown};
-use crate::axis::Axis;
-use crate::controller::{Dialect, Evidence, Mechanism};
-use crate::sign_proof::{name, sign_fact};
-use crate::units::Figure;
+use crate::control::controller::{Dialect, Evidence, Mechanism};
+use crate::quantity::axis::Axis;
+use crate::quantity::units::Figure;
+use crate::write::sign_proof::{name, sign_fact};
 
 /// What one proof is, how it is read, and what that means.
 pub(super) fn items(made: &Made<'_>, shown: &Shown) -> Vec<String> {

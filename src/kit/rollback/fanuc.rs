@@ -1,9 +1,9 @@
 //! What a kit changes on a Fanuc control: parameters and points, 3605, 1851 and 1852.
 
 use super::{Before, ChangedBy, Old, Unknown};
-use crate::axis::Axis;
-use crate::table::Tables;
-use crate::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::control::table::Tables;
+use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::quantity::axis::Axis;
 use std::collections::BTreeMap;
 
 /// The magnification of the pitch points of an axis, and the moving axes of straightness sets: what
@@ -106,7 +106,7 @@ fn changed_by_hand(before: &Before<'_>, kit: &FanucMemory) -> Vec<(ParameterKey,
 
 /// Who changes 1851 and 1852 of an axis that gets pitch tables.
 fn backlash(before: &Before<'_>, axis: Axis) -> Option<ChangedBy> {
-    let own = |t: &crate::plan::PlannedTable| t.term.is_positioning() && t.term.of == axis;
+    let own = |t: &crate::write::plan::PlannedTable| t.term.is_positioning() && t.term.of == axis;
     before.plan.tables.iter().any(own).then(|| {
         if before.plan.sets_backlash(axis) {
             ChangedBy::Precondition

@@ -1,10 +1,10 @@
 //! How the axes move at the reference point when the old tables act again.
 
 use super::Before;
-use crate::axis::{Axis, ErrorTerm};
-use crate::emulate::{CannotEmulate, Emulator, emulator};
-use crate::plan::axis_pairs;
-use crate::units::Millimetres;
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::units::Millimetres;
+use crate::read::emulate::{CannotEmulate, Emulator, emulator};
+use crate::write::plan::axis_pairs;
 
 /// Movements below it are none, µm.
 const NOTHING_UM: f64 = 1e-3;

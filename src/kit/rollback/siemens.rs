@@ -1,10 +1,10 @@
 //! What a kit changes on a Siemens control: tables, their switches, weights and limit, MD32450.
 
 use super::{Before, ChangedBy, Old, Unknown};
-use crate::axis::Axis;
-use crate::compensation::siemens::encoder;
-use crate::table::Tables;
-use crate::table::siemens::{CecTable, LecTable, SiemensTables};
+use crate::control::table::Tables;
+use crate::control::table::siemens::{CecTable, LecTable, SiemensTables};
+use crate::quantity::axis::Axis;
+use crate::write::compensation::siemens::encoder;
 use ChangedBy::{File, Nobody, Precondition};
 
 const BACKLASH: &str = "MA_BACKLASH";
@@ -182,7 +182,7 @@ fn changed(before: &Before<'_>, kit: &SiemensTables) -> Vec<Changed> {
 /// What the positioning tables of an axis change beside their switches: name, measuring system, by
 /// whom.
 fn of_axis(before: &Before<'_>, axis: Axis) -> Vec<(&'static str, u32, ChangedBy)> {
-    let own = |t: &&crate::plan::PlannedTable| t.term.is_positioning() && t.term.of == axis;
+    let own = |t: &&crate::write::plan::PlannedTable| t.term.is_positioning() && t.term.of == axis;
     let mut tables = before.plan.tables.iter().filter(own).peekable();
     if tables.peek().is_none() {
         return Vec::new();

@@ -1,0 +1,90 @@
+//! What a kit relies on without being able to prove it: assumptions and preconditions.
+
+use serde::Serialize;
+
+/// A fact about the control that nobody has shown yet (contract §4).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Assumption {
+    /// Name of the fact.
+    pub fact: String,
+    /// What is assumed.
+    pub value: String,
+    /// `assumed`, always; kept as a field because scripts read it.
+    pub evidence: &'static str,
+    /// What happens on the machine if it is wrong.
+    pub consequence: String,
+    /// Why it cannot matter for this kit, where it cannot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub without_effect: Option<&'static str>,
+}
+
+impl Assumption {
+    /// An assumption that comes from the job, not from a profile.
+    pub fn of_job(
+        fact: impl Into<String>,
+        value: impl Into<String>,
+        consequence: impl Into<String>,
+    ) -> Self {
+        Assumption {
+            fact: fact.into(),
+            value: value.into(),
+            evidence: crate::control::controller::Evidence::Assumed.word(),
+            consequence: consequence.into(),
+            without_effect: None,
+        }
+    }
+}
+
+/// What a person has to see to on the control; no file of the kit writes it (contract §4).
+/// `what` and `value` read as a sentence: "`what` must be `value`".
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Precondition {
+    /// Parameter, machine datum or option.
+    pub what: String,
+    /// Value that it must have.
+    pub value: String,
+    /// Why.
+    pub why: String,
+    /// Where that is from.
+    pub source: String,
+}
+
+impl Precondition {
+    /// A precondition from its four texts.
+    pub fn new(
+        what: impl Into<String>,
+        value: impl Into<String>,
+        why: impl Into<String>,
+        source: impl Into<String>,
+    ) -> Self {
+        Precondition {
+            what: what.into(),
+            value: value.into(),
+            why: why.into(),
+            source: source.into(),
+        }
+    }
+}
+
+/// Preconditions that differ only in the last word of what they concern (`… of axis 1`) as one, for
+/// people: all these words, and the first of them.
+pub fn shared(preconditions: &[Precondition]) -> Vec<(String, &Precondition)> {
+    let mut shared: Vec<(String, &Precondition)> = Vec::new();
+    for p in preconditions {
+        let (head, last) = head_and_last(&p.what);
+        let same = |other: &&mut (String, &Precondition)| {
+            let o = other.1;
+            let asked = (&o.value, &o.why, &o.source) == (&p.value, &p.why, &p.source);
+            asked && !head.is_empty() && head_and_last(&o.what).0 == head
+        };
+        match shared.iter_mut().find(same) {
+            Some((words, _)) => *words = format!("{words}, {last}"),
+            None => shared.push((p.what.clone(), p)),
+        }
+    }
+    shared
+}
+
+fn head_and_last(what: &str) -> (&str, &str) {
+    what.rsplit_once(' ').unwrap_or(("", what))
+}

@@ -1,0 +1,137 @@
+//! The profiles and templates that are compiled into the program.
+
+use crate::control::controller::{Origin, Profile, load};
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems, nearest, shown};
+
+macro_rules! embed {
+    ($folder:literal, $($name:literal),+ $(,)?) => {
+        &[$(($name, include_str!(concat!("../../../", $folder, "/", $name)))),+]
+    };
+}
+
+/// Built-in profiles, a profile after those it builds on.
+const PROFILES: &[(&str, &str)] = embed!(
+    "controllers",
+    "siemens-840d-sl.toml",
+    "siemens-828d.toml",
+    "fanuc-30i.toml",
+    "fanuc-0i-f.toml",
+    "fanuc-16i.toml",
+    "generic.toml",
+);
+
+const TEMPLATES: &[(&str, &str)] = embed!(
+    "templates",
+    "siemens-eec.mpf.tera",
+    "siemens-cec.mpf.tera",
+    "siemens-eec.ini.tera",
+    "siemens-cec.ini.tera",
+    "siemens-memory.txt.tera",
+    "siemens-enable.mpf.tera",
+    "siemens-disable.mpf.tera",
+    "siemens-rollback.mpf.tera",
+    "siemens-program.mpf.tera",
+    "fanuc-parameters.txt.tera",
+    "fanuc-points.txt.tera",
+    "fanuc-program.nc.tera",
+    "checklist.md.tera",
+    "generic.csv.tera",
+    "generic.json.tera",
+);
+
+/// Ids of the built-in profiles, in the order of `controllers list`.
+pub fn ids() -> Vec<&'static str> {
+    PROFILES
+        .iter()
+        .map(|(file, _)| file.trim_end_matches(".toml"))
+        .collect()
+}
+
+/// The TOML page of a built-in profile.
+pub fn page(id: &str) -> Option<&'static str> {
+    PROFILES
+        .iter()
+        .find(|(file, _)| file.trim_end_matches(".toml") == id)
+        .map(|(_, text)| *text)
+}
+
+/// The text of a built-in template.
+pub fn template(name: &str) -> Option<String> {
+    TEMPLATES
+        .iter()
+        .find(|(file, _)| *file == name)
+        .map(|(_, text)| (*text).to_string())
+}
+
+/// A built-in profile by its id.
+pub fn profile(id: &str) -> Result<Profile, Problems> {
+    let Some(text) = page(id) else {
+        return Err(unknown(id).into());
+    };
+    let source = Source::from_bytes(&format!("controllers/{id}.toml"), text.as_bytes())?;
+    load::profile(source, Origin::BuiltIn, &template, &|base| {
+        profile(base).ok()
+    })
+}
+
+fn unknown(word: &str) -> Problem {
+    let list = ids().join(", ");
+    let built_in =
+        format!("built in: {list}; or give the path of a profile of your own (ending in .toml)");
+    let help = match meant(word) {
+        Some((id, name)) => format!("did you mean `{id}` ({name})? {built_in}"),
+        None => built_in,
+    };
+    Problem::new(format!("unknown controller `{}`", shown(word))).help(help)
+}
+
+/// The control that a word names: most of its parts stand in the id and the full name, one of them
+/// with a digit (`31i` in `FANUC Series 30i/31i/32i-B`); else the id that is written most alike.
+fn meant(word: &str) -> Option<(&'static str, String)> {
+    let full_name = |id: &str| profile(id).map(|known| known.name).unwrap_or_default();
+    let parts = parts(word);
+    let mut best: Option<(usize, &'static str)> = None;
+    for id in ids() {
+        let known = self::parts(&format!("{id} {}", full_name(id)));
+        let shared = parts.iter().filter(|part| known.contains(part));
+        let shared: Vec<&String> = shared.collect();
+        let with_digit = |part: &&String| part.contains(|c: char| c.is_ascii_digit());
+        let better = best.is_none_or(|(most, _)| shared.len() > most);
+        if shared.iter().any(with_digit) && better {
+            best = Some((shared.len(), id));
+        }
+    }
+    let id = best.map(|(_, id)| id).or_else(|| nearest(word, ids()))?;
+    Some((id, full_name(id)))
+}
+
+/// The parts of a name in small letters: `fanuc-30i` has `fanuc` and `30i`.
+fn parts(name: &str) -> Vec<String> {
+    name.split(|c: char| !c.is_ascii_alphanumeric())
+        .filter(|part| !part.is_empty())
+        .map(str::to_ascii_lowercase)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::meant;
+
+    #[test]
+    fn a_model_is_found_by_its_name() {
+        let words = [
+            ("fanuc-31i", "fanuc-30i"),
+            ("FANUC 32i-B", "fanuc-30i"),
+            ("fanuc-18i", "fanuc-16i"),
+            ("fanuc-0i-c", "fanuc-16i"),
+            ("fanuc-0i", "fanuc-0i-f"),
+            ("siemens-840d", "siemens-840d-sl"),
+            ("simens-828d", "siemens-828d"),
+        ];
+        for (word, id) in words {
+            assert_eq!(meant(word).map(|(id, _)| id), Some(id), "{word}");
+        }
+        assert_eq!(meant("tnc-640"), None);
+    }
+}

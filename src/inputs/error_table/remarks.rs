@@ -1,0 +1,195 @@
+//! What a table says of itself: comment lines of a fixed form, so that a table which was
+//! separated once does not lose its warnings on the way into a kit.
+//!
+//! ```text
+//!   # doubt: why the values should not be trusted as they stand
+//!   # not determined: EXX: why this term has no values
+//!   # reversal not held: 9.146 um along the diagonals
+//!   # degrees of freedom: 3
+//!   # angles not counted, um per urad: EXX 0.0012, EYX 0.2345
+//!   # beam not counted, um per mrad2: EXX 0.0012, EYX 0.2345
+//!   # note: what whoever uses the values has to know
+//! ```
+//! Any other comment is free text and means nothing to the program.
+
+use crate::quantity::axis::{ErrorTerm, PerTerm};
+use crate::quantity::units::smaller;
+
+const DOUBT: &str = "doubt:";
+const NOT_DETERMINED: &str = "not determined:";
+const REVERSAL: &str = "reversal not held:";
+const FREEDOM: &str = "degrees of freedom:";
+const ANGLES: &str = "angles not counted, um per urad:";
+const BEAM: &str = "beam not counted, um per mrad2:";
+const NOTE: &str = "note:";
+
+/// The words by which a simulation is told from a measurement: a note of the table begins so.
+pub const SIMULATED: &str = "SIMULATED, not measured";
+
+/// The remarks of a table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Remarks {
+    /// Why the values are doubtful: a verdict that rests on them is at most undecided.
+    pub doubts: Vec<String>,
+    /// Terms that the measurement was to give and did not, with the reason.
+    pub not_determined: Vec<(ErrorTerm, String)>,
+    /// Reversal along the body diagonals that the readings show and the curves do not hold, µm:
+    /// it could not be told apart by axis.
+    pub hidden_reversal_um: Option<f64>,
+    /// Degrees of freedom of the estimate behind the `u_…` columns; `None` = as good as known.
+    pub degrees_of_freedom: Option<f64>,
+    /// Standard uncertainty (k = 1) that unmeasured angles make where they move a curve most, µm for
+    /// each µrad of their bound; the columns `u_…` do not hold it. `None` = counted, or none is known.
+    pub angles_not_counted: Option<PerTerm<f64>>,
+    /// The same of the beam against the mirror's normal, µm for each mrad²: it grows with the
+    /// square of the bound.
+    pub beam_not_counted: Option<PerTerm<f64>>,
+    /// What whoever uses the values has to know.
+    pub notes: Vec<String>,
+}
+
+impl Remarks {
+    /// The remarks in the comments of a table; text that is none of them stays a comment.
+    pub fn read(table: &str) -> Remarks {
+        let mut remarks = Remarks::default();
+        for line in table.lines() {
+            if let Some(comment) = line.trim_start().strip_prefix('#') {
+                remarks.hear(comment.trim());
+            }
+        }
+        remarks
+    }
+
+    /// The notes that say that the values were simulated.
+    pub fn simulated(&self) -> impl Iterator<Item = &String> {
+        let notes = self.notes.iter();
+        notes.filter(|note| note.starts_with(SIMULATED))
+    }
+
+    /// Adds the remarks of another table of the same machine; of two hidden reversals the larger,
+    /// of two degrees of freedom the fewer.
+    pub(super) fn extend(&mut self, other: Remarks) {
+        self.doubts.extend(other.doubts);
+        self.not_determined.extend(other.not_determined);
+        self.notes.extend(other.notes);
+        let both = [self.hidden_reversal_um, other.hidden_reversal_um];
+        self.hidden_reversal_um = both.into_iter().flatten().reduce(f64::max);
+        let both = [self.degrees_of_freedom, other.degrees_of_freedom];
+        self.degrees_of_freedom = both.into_iter().flatten().reduce(smaller);
+        raise(&mut self.angles_not_counted, other.angles_not_counted);
+        raise(&mut self.beam_not_counted, other.beam_not_counted);
+    }
+
+    fn hear(&mut self, comment: &str) {
+        let after = |key: &str| Some(comment.strip_prefix(key)?.trim().to_string());
+        if let Some(words) = after(DOUBT) {
+            self.doubts.push(words);
+        } else if let Some(words) = after(NOTE) {
+            self.notes.push(words);
+        } else if let Some(found) = after(ANGLES).as_deref().and_then(by_term) {
+            raise(&mut self.angles_not_counted, Some(found));
+        } else if let Some(found) = after(BEAM).as_deref().and_then(by_term) {
+            raise(&mut self.beam_not_counted, Some(found));
+        } else if let Some(words) = after(REVERSAL) {
+            let um = words.split_whitespace().next().unwrap_or_default();
+            let um: Option<f64> = um.parse().ok();
+            self.hidden_reversal_um = um.filter(|um| um.is_finite()).or(self.hidden_reversal_um);
+        } else if let Some(words) = after(FREEDOM) {
+            let freedom: Option<f64> = words.parse().ok();
+            let freedom = freedom.filter(|freedom| *freedom >= 1.0);
+            let all = [freedom, self.degrees_of_freedom].into_iter().flatten();
+            self.degrees_of_freedom = all.reduce(smaller);
+        } else if let Some(words) = after(NOT_DETERMINED) {
+            let (term, reason) = words.split_once(':').unwrap_or((&words, ""));
+            match ErrorTerm::from_name(term.trim()) {
+                Some(term) => self.not_determined.push((term, reason.trim().to_string())),
+                None => self.notes.push(format!("{NOT_DETERMINED} {words}")),
+            }
+        }
+    }
+
+    /// The comment lines that read back to these remarks, without their `#`.
+    pub fn lines(&self) -> Vec<String> {
+        let doubts = self.doubts.iter().map(|words| format!("{DOUBT} {words}"));
+        let missing = self.not_determined.iter();
+        let missing = missing.map(|(term, why)| format!("{NOT_DETERMINED} {term}: {why}"));
+        let reversal = self.hidden_reversal_um.iter();
+        let reversal = reversal.map(|um| format!("{REVERSAL} {um:.3} um along the diagonals"));
+        let silent = [
+            (ANGLES, &self.angles_not_counted),
+            (BEAM, &self.beam_not_counted),
+        ];
+        let silent = silent.into_iter().filter_map(|(key, found)| {
+            let found = found.as_ref()?.iter();
+            let moved = found.filter(|(_, um)| **um > 0.0);
+            let words: Vec<String> = moved.map(|(term, um)| format!("{term} {um:.4}")).collect();
+            Some(format!("{key} {}", words.join(", ")))
+        });
+        let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
+        let freedom = self.degrees_of_freedom.iter();
+        let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
+        let first = doubts.chain(missing).chain(reversal).chain(freedom);
+        first.chain(silent).chain(notes).collect()
+    }
+}
+
+/// `EXX 0.0123, EYX 0.45`: a value of at least 0 for each term, 0 for the others; `None` where the
+/// words are anything else.
+fn by_term(words: &str) -> Option<PerTerm<f64>> {
+    let mut found = PerTerm::default();
+    for pair in words.split(',').filter(|pair| !pair.trim().is_empty()) {
+        let (term, um) = pair.trim().split_once(' ')?;
+        let um: f64 = um.trim().parse().ok()?;
+        let is_size = um.is_finite() && um >= 0.0;
+        found[ErrorTerm::from_name(term).filter(|_| is_size)?] = um;
+    }
+    Some(found)
+}
+
+/// The larger of both for each term.
+fn raise(of: &mut Option<PerTerm<f64>>, other: Option<PerTerm<f64>>) {
+    let Some(other) = other else { return };
+    let own = of.get_or_insert_with(PerTerm::default);
+    for (term, um) in other.iter() {
+        own[term] = own[term].max(*um);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn remarks_read_back_and_other_comments_mean_nothing() {
+        let remarks = Remarks {
+            doubts: vec!["a reading is disturbed: PPP node 58".to_string()],
+            not_determined: ErrorTerm::from_name("EXX")
+                .map(|term| (term, "two scales can be traded".to_string()))
+                .into_iter()
+                .collect(),
+            hidden_reversal_um: Some(9.125),
+            degrees_of_freedom: Some(3.0),
+            angles_not_counted: Some(PerTerm::from_fn(|term| {
+                if term.is_positioning() { 0.0 } else { 0.0625 }
+            })),
+            beam_not_counted: Some(PerTerm::default()),
+            notes: vec!["frame: X primary".to_string()],
+        };
+        let mut table = "# made by hand\n#doubtful\n".to_string();
+        for line in remarks.lines() {
+            table += &format!("# {line}\n");
+        }
+        table += "axis,position_mm,ex_um\nx,0,0\nx,1,note: none\n";
+        assert_eq!(Remarks::read(&table), remarks);
+        assert_eq!(Remarks::read("# made by hand\n"), Remarks::default());
+    }
+
+    #[test]
+    fn what_names_no_term_is_kept_as_a_note() {
+        let remarks = Remarks::read("# not determined: reversal of each axis\n");
+        assert_eq!(
+            remarks.notes,
+            ["not determined: reversal of each axis".to_string()]
+        );
+    }
+}

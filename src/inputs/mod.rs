@@ -1,0 +1,8 @@
+//! What a person brings: job, error table, readings, files of other makers, part programs.
+
+pub mod error_table;
+pub mod import;
+pub mod job;
+pub mod nc;
+pub mod readings;
+pub mod target_runs;

@@ -1,0 +1,475 @@
+//! The modal state of a control, and what one block makes of it.
+
+mod motion;
+mod once;
+
+use crate::inputs::nc::block::{Block, CALL, CodeWord, Span, TOOL_CHANGE};
+use crate::inputs::nc::codes::{Code, Level, Motion, Once, code, is_call, why_not};
+use crate::inputs::nc::cycle::Cycle;
+use crate::inputs::nc::offsets::Offsets;
+use crate::inputs::nc::scan::Wrong;
+use crate::inputs::nc::{EXTENDED, G43WithoutH, Move, Place, Plane, Refused, Setup};
+use crate::quantity::units::MM_PER_INCH;
+use std::collections::{BTreeMap, BTreeSet};
+
+pub(super) const AXES: [u8; 3] = *b"XYZ";
+
+/// What comes after a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Flow {
+    Next,
+    Call { program: u32, times: u32 },
+    Return,
+    End,
+}
+
+/// What was passed over or understood in a way that a person should know.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Tally {
+    /// M words without motion, with how often they stand.
+    pub(super) m: BTreeMap<u16, u64>,
+    /// Coordinates without a decimal point, and the first line with one.
+    pub(super) without_point: u64,
+    pub(super) first_without_point: usize,
+    pub(super) holes: u64,
+    /// G5, G5.1, G8.
+    pub(super) look_ahead: u64,
+    /// Letters that stood beside M words.
+    pub(super) m_letters: BTreeMap<u16, BTreeSet<char>>,
+    /// Largest P or Q of G64 in mm, and its line.
+    pub(super) blend: Option<(f64, usize)>,
+    pub(super) rough_arcs: Option<RoughArcs>,
+    /// First line that drills in another mode (G90, G91) than R and Z were written in.
+    pub(super) other_mode: Option<usize>,
+}
+
+impl Tally {
+    /// The letters that stood beside an M word.
+    pub(super) fn with_words(&self, m: u16) -> String {
+        let letters = self.m_letters.get(&m).into_iter().flatten();
+        letters.map(|letter| format!(" {letter}")).collect()
+    }
+}
+
+/// Arcs whose end misses the circle by more than usual.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct RoughArcs {
+    pub(super) count: u64,
+    pub(super) most_mm: f64,
+    pub(super) line: usize,
+    pub(super) allowed_mm: f64,
+}
+
+/// Where the axis words of a block count from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reach {
+    /// The program's zero.
+    Program,
+    /// G53: the machine's.
+    Machine,
+    /// The program's, on the way to a reference point (G28, G30).
+    Home,
+}
+
+/// Words of a block beside the axes.
+#[derive(Clone, Copy, Default)]
+struct Asked {
+    motion: Option<Motion>,
+    end_cycle: Option<CodeWord>,
+    machine: Option<Span>,
+    once: Option<(Once, CodeWord)>,
+    system: Option<(Option<u32>, Span)>,
+    tool: Option<(bool, Span)>,
+    blend: bool,
+}
+
+/// A control while it executes a program.
+pub(super) struct Interpreter<'s> {
+    setup: &'s Setup,
+    pub(super) at: Place,
+    pub(super) plane: Plane,
+    /// G17, G18 or G19 stood in the program.
+    has_plane: bool,
+    pub(super) incremental: bool,
+    pub(super) level: Level,
+    pub(super) offsets: Offsets,
+    pub(super) cycle: Option<Cycle>,
+    pub(super) tally: Tally,
+    pub(super) line: usize,
+    motion: Option<Motion>,
+    inch: bool,
+    absolute_centre: bool,
+    /// The last H.
+    tool_number: Option<u32>,
+    /// The last T.
+    called_tool: Option<u32>,
+    /// The tool that the last M6 changed in.
+    spindle_tool: Option<u32>,
+    /// What shows that the program is one for turning.
+    pub(super) turning: Option<Wrong>,
+    /// Number of the hole that the next move drills.
+    pub(super) hole: Option<u64>,
+    /// A zero or a length is not known: moves are judged as words only.
+    is_lost: bool,
+}
+
+impl<'s> Interpreter<'s> {
+    pub(super) fn new(setup: &'s Setup) -> Interpreter<'s> {
+        Interpreter {
+            setup,
+            at: setup.start,
+            plane: Plane::Xy,
+            has_plane: false,
+            incremental: false,
+            level: Level::Initial,
+            offsets: Offsets::new(setup),
+            cycle: None,
+            tally: Tally::default(),
+            line: 0,
+            motion: None,
+            inch: setup.inch,
+            absolute_centre: false,
+            tool_number: None,
+            called_tool: None,
+            spindle_tool: None,
+            turning: None,
+            hole: None,
+            is_lost: false,
+        }
+    }
+
+    /// Executes a block; what is wrong goes into its list.
+    pub(super) fn block<F>(&mut self, block: &mut Block, line: usize, follow: &mut F) -> Flow
+    where
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        self.line = line;
+        let asked = if block.g.is_empty() {
+            Asked::default()
+        } else {
+            self.modes(block)
+        };
+        self.change_tool(block);
+        if asked.blend {
+            self.blend(block);
+        }
+        for letter in *b"NFSTD" {
+            block.value(letter); // without effect on the path
+        }
+        let done = self
+            .select(block, asked)
+            .and_then(|()| self.once(block, asked, follow))
+            .and_then(|taken| {
+                if taken {
+                    Ok(())
+                } else {
+                    self.motion(block, asked, follow)
+                }
+            });
+        let flow = self.programs(block);
+        match (done, flow) {
+            (Err(wrong), _) | (Ok(()), Err(wrong)) => {
+                if block.wrong.is_empty() {
+                    block.wrong.push(wrong); // else it may follow from what is wrong already
+                }
+                Flow::Next
+            }
+            (Ok(()), Ok(flow)) => {
+                if !block.nothing_unused() && block.wrong.is_empty() {
+                    refuse_unused(block, self.motion);
+                }
+                flow
+            }
+        }
+    }
+
+    /// G words: modes at once, the others as what is asked of this block.
+    fn modes(&mut self, block: &mut Block) -> Asked {
+        let mut asked = Asked::default();
+        let mut groups: [Option<CodeWord>; 32] = [None; 32];
+        for index in 0..block.g.len() {
+            let word = block.g[index];
+            let Some(code) = code(word.tenths) else {
+                let message = format!("`{}` is not executed", word.name('G'));
+                block
+                    .wrong
+                    .push(Wrong::new(word.span, message, why_not(word.tenths)));
+                continue;
+            };
+            let group = &mut groups[usize::from(code.group())];
+            if let Some(other) = group.filter(|other| other.tenths != word.tenths) {
+                let message = format!(
+                    "`{}` and `{}` stand in one block, but exclude each other",
+                    other.name('G'),
+                    word.name('G')
+                );
+                block.wrong.push(Wrong::new(
+                    word.span,
+                    message,
+                    "keep one of them, or split the block",
+                ));
+            }
+            *group = Some(word);
+            if word.tenths == 500 && block.has_any(b"SXZUW") {
+                self.turning = Some(turning(word.span, "`G50` with S or a coordinate"));
+            }
+            self.mode(code, word, &mut asked);
+        }
+        if let (Some(end), Some(Motion::Cycle(_))) = (asked.end_cycle, asked.motion) {
+            block.wrong.push(Wrong::new(
+                end.span,
+                "`G80` ends a cycle that the same block begins",
+                "split the block",
+            ));
+        }
+        asked
+    }
+
+    fn mode(&mut self, code: Code, word: CodeWord, asked: &mut Asked) {
+        match code {
+            Code::Motion(motion) => asked.motion = Some(motion),
+            Code::EndCycle => asked.end_cycle = Some(word),
+            Code::Plane(plane) => {
+                self.plane = plane;
+                self.has_plane = true;
+            }
+            Code::Inch(inch) => self.inch = inch,
+            Code::Incremental(incremental) => self.incremental = incremental,
+            Code::AbsoluteCentre(absolute) => self.absolute_centre = absolute,
+            Code::Level(level) => self.level = level,
+            Code::System(system) => asked.system = Some((system, word.span)),
+            Code::ToolLength(on) => asked.tool = Some((on, word.span)),
+            Code::Once(once) => asked.once = Some((once, word)),
+            Code::MachineCoordinates => asked.machine = Some(word.span),
+            Code::Blend => asked.blend = true,
+            Code::Turning => {
+                self.turning = Some(turning(word.span, "`G96` (constant cutting speed)"))
+            }
+            Code::Harmless(_) => {}
+        }
+    }
+
+    /// T names a tool, M6 changes it in.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the number is checked to lie in the range before it is used"
+    )]
+    fn change_tool(&mut self, block: &mut Block) {
+        let whole = |number: &f64| (0.0..=99_999_999.0).contains(number) && number.fract() <= 0.0;
+        let called = block.value(b'T').filter(whole);
+        self.called_tool = called.map(|number| number as u32).or(self.called_tool);
+        if block.m_word(TOOL_CHANGE).is_some() {
+            self.spindle_tool = self.called_tool;
+        }
+    }
+
+    /// G64 P… Q…: how far the control may leave the path, in the program's unit.
+    fn blend(&mut self, block: &mut Block) {
+        let unit = if self.inch { MM_PER_INCH } else { 1.0 };
+        for letter in *b"PQ" {
+            let Some(mm) = block.value(letter).map(|value| value * unit) else {
+                continue;
+            };
+            if self.tally.blend.is_none_or(|(most, _)| mm > most) {
+                self.tally.blend = Some((mm, self.line));
+            }
+        }
+    }
+
+    /// Coordinate system and tool length.
+    fn select(&mut self, block: &mut Block, asked: Asked) -> Result<(), Wrong> {
+        if let Some((system, span)) = asked.system {
+            let number = match system {
+                Some(number) => number,
+                None => EXTENDED + named(block, b'P', span, "G54.1")?,
+            };
+            if !self.offsets.knows(number) {
+                return Err(self.lose(span, number));
+            }
+            self.offsets.select(number);
+        }
+        let number = block.whole(b'H')?;
+        self.tool_number = number.or(self.tool_number);
+        match (asked.tool, number) {
+            (Some((false, _)), _) => self.offsets.no_tool(),
+            (Some((true, span)), None) => self.use_tool(span, None)?,
+            (Some((true, _)), Some(_)) => self.use_tool(block.span(b'H'), number)?,
+            (None, Some(_)) if self.offsets.tool().is_some() => {
+                self.use_tool(block.span(b'H'), number)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The number of the tool offset where G43 stands without H.
+    fn number_without_h(&self) -> Result<u32, (&'static str, &'static str)> {
+        match self.setup.g43_without_h {
+            G43WithoutH::Refuse => Err((
+                "`G43` without H: controls differ in which tool offset is meant",
+                "write H with the number of the tool offset, e.g. `G43 H1`; or state `g43_without_h = \"last-h\"` (the last H) or `\"tool\"` (the tool in the spindle) in [path]",
+            )),
+            G43WithoutH::LastH => self.tool_number.ok_or((
+                "`G43` without H: no tool offset was named yet",
+                "write H with the number of the tool offset, e.g. `G43 H1`",
+            )),
+            G43WithoutH::Tool => self.spindle_tool.ok_or((
+                "`G43` without H: no T and M6 changed a tool in before",
+                "write H with the number of the tool offset, e.g. `G43 H1`",
+            )),
+        }
+    }
+
+    fn use_tool(&mut self, span: Span, written: Option<u32>) -> Result<(), Wrong> {
+        let number = written.map_or_else(|| self.number_without_h(), Ok);
+        let number = number.map_err(|(message, help)| {
+            self.is_lost = true;
+            Wrong::new(span, message, help)
+        })?;
+        if self.offsets.use_tool(number) {
+            return Ok(());
+        }
+        self.is_lost = true;
+        Err(Wrong::new(
+            span,
+            format!("the length of tool offset H{number} is not known"),
+            format!("add `[[path.tool]]` with `number = {number}` and `length_mm` to the job"),
+        ))
+    }
+
+    /// An M word without motion; P, Q and L that nothing else took are its own (M19 P90).
+    fn tally_m(&mut self, block: &mut Block, m: u16) {
+        *self.tally.m.entry(m).or_default() += 1;
+        if block.m_word(CALL).is_some() {
+            return; // P and L are those of the call
+        }
+        for letter in *b"PQL" {
+            if block.takes(letter) {
+                let letters = self.tally.m_letters.entry(m).or_default();
+                letters.insert(char::from(letter));
+            }
+        }
+    }
+
+    /// M words: calls, ends, and those without effect on the path.
+    fn programs(&mut self, block: &mut Block) -> Result<Flow, Wrong> {
+        let mut flow = Flow::Next;
+        for index in 0..block.m.len() {
+            let word = block.m[index];
+            let next = match word.tenths {
+                20 | 300 => Flow::End,
+                CALL => call(block, word.span)?,
+                990 => Flow::Return,
+                tenths if is_call(tenths) || tenths % 10 != 0 => {
+                    return Err(Wrong::new(
+                        word.span,
+                        format!("`{}` is not executed", word.name('M')),
+                        "M98 and M99 call and end subprograms of the same file",
+                    ));
+                }
+                tenths => {
+                    self.tally_m(block, tenths / 10);
+                    continue;
+                }
+            };
+            if flow != Flow::Next {
+                return Err(Wrong::new(
+                    word.span,
+                    "two M words end or call a program",
+                    "keep one of them",
+                ));
+            }
+            flow = next;
+        }
+        Ok(flow)
+    }
+}
+
+/// What shows that a program is one for turning.
+fn turning(span: Span, what: &str) -> Wrong {
+    Wrong::new(
+        span,
+        format!(
+            "{what} stands in turning programs, in which X is a diameter: `path` follows milling programs of X, Y and Z"
+        ),
+        "take a milling program; if this is one, remove the word: the path of the milling tool does not depend on it",
+    )
+}
+
+/// M98 P… L…; without L the digits before the last four of P are the number of calls.
+fn call(block: &mut Block, span: Span) -> Result<Flow, Wrong> {
+    let number = named(block, b'P', span, "M98")?;
+    Ok(match block.whole(b'L')? {
+        Some(times) => Flow::Call {
+            program: number,
+            times,
+        },
+        None if number > 9999 => Flow::Call {
+            program: number % 10_000,
+            times: number / 10_000,
+        },
+        None => Flow::Call {
+            program: number,
+            times: 1,
+        },
+    })
+}
+
+/// A whole number that a word needs.
+fn named(block: &mut Block, letter: u8, span: Span, word: &str) -> Result<u32, Wrong> {
+    let letter_shown = char::from(letter);
+    block.whole(letter)?.ok_or_else(|| {
+        Wrong::new(
+            span,
+            format!("`{word}` needs `{letter_shown}`"),
+            format!("write `{letter_shown}` with its number in the same block"),
+        )
+    })
+}
+
+fn unknown_system(span: Span, name: &str) -> Wrong {
+    Wrong::new(
+        span,
+        format!("the zero of {name} in machine coordinates is not known"),
+        format!(
+            "add `[[path.offset]]` with `system = \"{name}\"`, `x_mm`, `y_mm`, `z_mm` to the job (zeros, if the program is in machine coordinates)"
+        ),
+    )
+}
+
+/// The first axis word of a block, or its centre.
+pub(super) fn first_span(block: &Block) -> Span {
+    let letters = b"XYZIJKR";
+    let places = letters.iter().filter(|letter| block.has(**letter));
+    places
+        .map(|letter| block.span(*letter))
+        .min()
+        .unwrap_or((0, 1))
+}
+
+/// Words that nothing in the block takes.
+fn refuse_unused(block: &mut Block, motion: Option<Motion>) {
+    let unused: Vec<(char, Span)> = block.unused().collect();
+    for (letter, span) in unused {
+        let (message, help) = match letter {
+            'A' | 'B' | 'C' | 'U' | 'V' | 'W' | 'E' => (
+                format!("axis `{letter}` is not executed: the model has X, Y and Z"),
+                "let the CAM system write a program of three axes",
+            ),
+            'O' => (
+                "`O` begins a program before the one above ended".to_string(),
+                "end a program with M30, a subprogram with M99",
+            ),
+            'I' | 'J' | 'K' | 'R' if !matches!(motion, Some(Motion::Arc { .. })) => (
+                format!("`{letter}` without an arc or a cycle"),
+                "write G2 or G3, or remove the word",
+            ),
+            _ => (
+                format!("`{letter}` belongs to no word of this block"),
+                "remove it, or write the word that it belongs to",
+            ),
+        };
+        block.wrong.push(Wrong::new(span, message, help));
+    }
+}

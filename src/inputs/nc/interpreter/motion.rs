@@ -1,0 +1,348 @@
+//! Blocks that move: where their words lead, lines, arcs and the start of cycles.
+
+use super::{AXES, Asked, Interpreter, Reach, first_span, turning, unknown_system};
+use crate::inputs::nc::arc::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
+use crate::inputs::nc::block::{Block, Span};
+use crate::inputs::nc::codes::Motion;
+use crate::inputs::nc::cycle::Cycle;
+use crate::inputs::nc::scan::Wrong;
+use crate::inputs::nc::{Arc, Move, Place, Refused, Shape, WithoutPoint, system_name};
+use crate::quantity::units::MM_PER_INCH;
+
+const ABSOLUTE_CENTRE: &str = "the centre fits if it counts from the program's zero: write G90.1 before, if the control is set so";
+const CENTRES: [u8; 3] = *b"IJK";
+/// No machine has a kilometre of travel.
+const FARTHEST_MM: f64 = 1e6;
+/// Least input increment without a decimal point (IS-B).
+const INCREMENT_MM: f64 = 0.001;
+const INCREMENT_IN: f64 = 0.0001;
+
+impl Interpreter<'_> {
+    /// G80, then the motion word of the block.
+    pub(super) fn choose_motion(&mut self, asked: Asked) {
+        let motions = [asked.end_cycle.map(|_| Motion::Ended), asked.motion];
+        motions
+            .into_iter()
+            .flatten()
+            .for_each(|motion| self.set_motion(motion));
+    }
+
+    fn set_motion(&mut self, motion: Motion) {
+        let was_cycle = matches!(self.motion, Some(Motion::Cycle(_)));
+        if matches!(motion, Motion::Cycle(_)) {
+            let third = self.plane.axes()[2];
+            if !was_cycle {
+                let zero = self.offsets.base().map(|base| base[third]);
+                self.cycle = Some(Cycle::new(self.at[third], zero));
+            }
+        } else {
+            self.cycle = None;
+        }
+        self.motion = Some(motion);
+    }
+
+    pub(super) fn motion<F>(
+        &mut self,
+        block: &mut Block,
+        asked: Asked,
+        follow: &mut F,
+    ) -> Result<(), Wrong>
+    where
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        self.choose_motion(asked);
+        if let Some(Motion::Cycle(number)) = self.motion {
+            return self.cycle_block(block, number, asked.machine, follow);
+        }
+        let is_arc = matches!(self.motion, Some(Motion::Arc { .. }));
+        if !(block.has_any(&AXES) || is_arc && block.has_any(b"IJKR")) {
+            return match asked.machine {
+                Some(span) => Err(Wrong::new(
+                    span,
+                    "`G53` without an axis",
+                    "name the axes and their machine coordinates",
+                )),
+                None => Ok(()),
+            };
+        }
+        let span = first_span(block);
+        if asked.machine.is_some() && self.incremental {
+            return Err(Wrong::new(
+                span,
+                "`G53` takes machine coordinates, but G91 is active",
+                "write G90 before",
+            ));
+        }
+        match self.motion {
+            Some(motion @ (Motion::Rapid | Motion::Straight)) => {
+                let reach = if asked.machine.is_some() {
+                    Reach::Machine
+                } else {
+                    Reach::Program
+                };
+                let to = self.target(block, span, reach)?;
+                self.go(to, Shape::Line, motion == Motion::Rapid, span, follow)
+            }
+            Some(Motion::Arc { clockwise }) => {
+                if let Some(span) = asked.machine {
+                    return Err(Wrong::new(
+                        span,
+                        "`G53` with an arc",
+                        "position with G0 or G1 first",
+                    ));
+                }
+                self.arc(block, clockwise, span, follow)
+            }
+            Some(Motion::Ended) => Err(Wrong::new(
+                span,
+                "axis words after `G80`: controls differ in which motion is active then",
+                "write G0 or G1 before the coordinates",
+            )),
+            _ => Err(Wrong::new(
+                span,
+                "axis words, but no motion is active",
+                "write G0, G1, G2 or G3 before the first coordinates",
+            )),
+        }
+    }
+
+    /// Where the axis words of a block lead.
+    #[inline]
+    pub(super) fn target(
+        &mut self,
+        block: &mut Block,
+        span: Span,
+        reach: Reach,
+    ) -> Result<Place, Wrong> {
+        let words = self.axis_words(block)?;
+        let base = if reach == Reach::Machine || self.incremental {
+            [0.0; 3]
+        } else {
+            self.base(span)?
+        };
+        let mut to = self.at;
+        for axis in 0..3 {
+            let Some(value) = words[axis] else { continue };
+            to[axis] = if self.incremental {
+                self.at[axis] + value
+            } else {
+                base[axis] + value
+            };
+            if axis == 2 {
+                if self.incremental && reach == Reach::Program {
+                    to[2] += self.offsets.pending_z;
+                }
+                self.offsets.pending_z = 0.0; // what G43 or G49 left is made up for
+            }
+        }
+        if to.iter().all(|mm| mm.abs() <= FARTHEST_MM) {
+            return Ok(to);
+        }
+        Err(Wrong::new(
+            span,
+            "the move leads farther than a kilometre",
+            "check the coordinate and its decimal point",
+        ))
+    }
+
+    pub(in crate::inputs::nc) fn base(&mut self, span: Span) -> Result<Place, Wrong> {
+        match self.offsets.base() {
+            Some(base) => Ok(base),
+            None => Err(self.lose(span, self.offsets.active())),
+        }
+    }
+
+    /// A coordinate system whose zero is not known: told once, and no move is followed any more.
+    pub(super) fn lose(&mut self, span: Span, system: u32) -> Wrong {
+        self.is_lost = true;
+        self.offsets.set_system(system, [Some(0.0); 3], false);
+        self.offsets.select(system);
+        unknown_system(span, &system_name(system))
+    }
+
+    pub(super) fn axis_words(&mut self, block: &mut Block) -> Result<[Option<f64>; 3], Wrong> {
+        Ok([
+            self.length(block, b'X'),
+            self.length(block, b'Y'),
+            self.length(block, b'Z'),
+        ])
+    }
+
+    /// A length word in mm, as the units and the decimal point say.
+    #[inline]
+    pub(in crate::inputs::nc) fn length(&mut self, block: &mut Block, letter: u8) -> Option<f64> {
+        let value = block.value(letter)?;
+        let unit = if self.inch { MM_PER_INCH } else { 1.0 };
+        if block.has_point(letter) {
+            return Some(value * unit);
+        }
+        self.tally.without_point += u64::from(value != 0.0);
+        if self.tally.first_without_point == 0 && value != 0.0 {
+            self.tally.first_without_point = self.line;
+        }
+        Some(match (self.setup.without_point, self.inch) {
+            (WithoutPoint::Unit, _) => value * unit,
+            (WithoutPoint::Increment, false) => value * INCREMENT_MM,
+            (WithoutPoint::Increment, true) => value * INCREMENT_IN * MM_PER_INCH,
+        })
+    }
+
+    fn arc<F>(
+        &mut self,
+        block: &mut Block,
+        clockwise: bool,
+        span: Span,
+        follow: &mut F,
+    ) -> Result<(), Wrong>
+    where
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        let tolerance_mm = self.arc_mm();
+        let ends = (self.at, self.target(block, span, Reach::Program)?);
+        let in_words = |message| {
+            Wrong::new(
+                span,
+                message,
+                "check end, centre and plane (G17, G18, G19) of the arc",
+            )
+        };
+        let centre = if block.has(b'R') {
+            let radius = self.length(block, b'R').unwrap_or(0.0);
+            if block.has_any(&CENTRES) {
+                return Err(Wrong::new(
+                    block.span(b'R'),
+                    "the arc has a radius and a centre",
+                    "keep one of them",
+                ));
+            }
+            centre_of_radius(self.plane, clockwise, ends, radius, tolerance_mm).map_err(in_words)?
+        } else {
+            self.centre(block, span)?
+        };
+        if self.is_turning_arc(block) {
+            self.turning = Some(turning(block.span(b'K'), "an arc with K, but without G18,"));
+        }
+        let arc = around(self.plane, clockwise, ends, centre, tolerance_mm);
+        match arc {
+            Ok(arc) => {
+                self.tally_miss(arc, tolerance_mm);
+                self.go(ends.1, Shape::Arc(arc), false, span, follow)
+            }
+            Err(message) => {
+                let absolute = self.fits_as_absolute(block, clockwise, ends, tolerance_mm);
+                self.at = ends.1; // what follows is judged from where the program means to be
+                let mut wrong = in_words(message);
+                if absolute {
+                    wrong.help = ABSOLUTE_CENTRE.to_string();
+                }
+                Err(wrong)
+            }
+        }
+    }
+
+    /// In a program that never chose a plane: lathes have Z and X, and write no G18.
+    fn is_turning_arc(&self, block: &Block) -> bool {
+        !self.has_plane && block.has_any(b"XZ") && block.has(b'K') && !block.has_any(b"YJ")
+    }
+
+    /// Whether the centre words make an arc if they count from the program's zero.
+    fn fits_as_absolute(
+        &mut self,
+        block: &mut Block,
+        clockwise: bool,
+        ends: (Place, Place),
+        tolerance_mm: f64,
+    ) -> bool {
+        let [first, second, _] = self.plane.axes();
+        let words = [first, second].map(|axis| self.length(block, CENTRES[axis]));
+        let (Some(base), [Some(a), Some(b)]) = (self.offsets.base(), words) else {
+            return false;
+        };
+        let centre = [base[first] + a, base[second] + b];
+        !self.absolute_centre && around(self.plane, clockwise, ends, centre, tolerance_mm).is_ok()
+    }
+
+    /// How far the end of an arc may miss its circle.
+    fn arc_mm(&self) -> f64 {
+        let usual = if self.inch {
+            INCH_MISS_MM
+        } else {
+            USUAL_MISS_MM
+        };
+        self.setup.arc_mm.unwrap_or(usual)
+    }
+
+    /// Arcs that miss their circle by more than programs in millimetres do are told.
+    fn tally_miss(&mut self, arc: Arc, allowed_mm: f64) {
+        let miss = (arc.radius[1] - arc.radius[0]).abs();
+        if miss <= USUAL_MISS_MM {
+            return;
+        }
+        let line = self.line;
+        let arcs = self.tally.rough_arcs.get_or_insert_default();
+        arcs.count += 1;
+        arcs.allowed_mm = arcs.allowed_mm.max(allowed_mm);
+        if miss > arcs.most_mm {
+            (arcs.most_mm, arcs.line) = (miss, line);
+        }
+    }
+
+    /// The centre by I, J, K: those of the plane.
+    fn centre(&mut self, block: &mut Block, span: Span) -> Result<[f64; 2], Wrong> {
+        let [first, second, _] = self.plane.axes();
+        let words = [first, second].map(|axis| (axis, self.length(block, CENTRES[axis])));
+        if words.iter().all(|(_, word)| word.is_none()) {
+            return Err(Wrong::new(
+                span,
+                "the arc has neither a centre in its plane nor a radius",
+                "write two of I, J, K, or R",
+            ));
+        }
+        let base = if self.absolute_centre {
+            self.base(span)?
+        } else {
+            self.at
+        };
+        if self.absolute_centre && words.iter().any(|(_, word)| word.is_none()) {
+            return Err(Wrong::new(
+                span,
+                "with G90.1 both centre words are needed",
+                "write both",
+            ));
+        }
+        Ok(words.map(|(axis, word)| base[axis] + word.unwrap_or(0.0)))
+    }
+
+    /// Makes a move, and stands at its end.
+    pub(in crate::inputs::nc) fn go<F>(
+        &mut self,
+        to: Place,
+        shape: Shape,
+        rapid: bool,
+        span: Span,
+        follow: &mut F,
+    ) -> Result<(), Wrong>
+    where
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        let step = Move {
+            from: self.at,
+            to,
+            shape,
+            rapid,
+            plane: self.plane,
+            tool_mm: self.offsets.tool(),
+            line: self.line,
+            hole: self.hole,
+        };
+        self.at = to;
+        let stays = (0..3).all(|k| (to[k] - step.from[k]).abs() <= 0.0);
+        if matches!(step.shape, Shape::Line) && stays {
+            return Ok(());
+        }
+        if self.is_lost {
+            return Ok(());
+        }
+        follow(&step).map_err(|refused| Wrong::new(span, refused.message, refused.help))
+    }
+}

@@ -1,0 +1,483 @@
+//! A whole program: lines, subprograms, and the end.
+//!
+//! The main program begins with the text and ends with M2, M30, M99, a second `%` or the text; a
+//! subprogram that `%` or the end of the text breaks off is a problem.
+//! Subprograms follow it, each from `O…` to M99; an index of the `O` words is made when the first
+//! one is called.
+
+use crate::inputs::nc::arc::USUAL_MISS_MM;
+use crate::inputs::nc::block::{Block, CALL};
+use crate::inputs::nc::interpreter::{Flow, Interpreter, Tally};
+use crate::inputs::nc::scan::{Wrong, words};
+use crate::inputs::nc::{Move, Setup};
+use crate::text::problem::{Place, Problem, Problems};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Problems that are told of one program.
+const MOST_PROBLEMS: usize = 20;
+/// Calls inside each other; controls have 4 to 10.
+const DEEPEST_CALLS: usize = 16;
+/// Subprograms in a file.
+const MOST_PROGRAMS: usize = 10_000;
+/// Work that a program asks for beyond its own lines: blocks of subprograms and holes that a cycle repeats
+/// (K, L). The lines of a file end by themselves, however large it is; this many blocks are hours of work of a
+/// control (a thousand in a second are many) and seconds here. The largest programs seen (60 MB) have
+/// three million, and may stand in a subprogram as a whole.
+const MOST_REPEATED: u64 = 10_000_000;
+/// What a call and a return count: the text is taken up again elsewhere, which takes as long as this many blocks.
+const JUMP: u64 = 10;
+
+/// A line of a program: its number from 1, and its bytes without line end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line<'a> {
+    /// From 1.
+    pub number: usize,
+    /// Without line end.
+    pub bytes: &'a [u8],
+}
+
+/// Where a line begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mark {
+    /// Bytes before it.
+    pub bytes: u64,
+    /// Lines before it.
+    pub lines: usize,
+}
+
+/// A program that is read line by line and can be taken up again at a place.
+pub trait Text {
+    /// The next line; `None` at the end.
+    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem>;
+    /// Where the next line begins.
+    fn mark(&self) -> Mark;
+    /// Goes on at a mark.
+    fn go_to(&mut self, mark: Mark) -> Result<(), Problem>;
+}
+
+/// Why a move cannot be followed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refused {
+    /// What was found and what was expected.
+    pub message: String,
+    /// What to do next.
+    pub help: String,
+}
+
+/// What was executed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ran {
+    /// Blocks, with all repeats.
+    pub blocks: u64,
+    /// Holes of canned cycles.
+    pub holes: u64,
+    /// What a person has to know of how the program was understood, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Executes a program; `follow` gets every move. All problems are given, up to a number; after
+/// one of them the moves are those of the blocks that could be executed.
+pub fn run<T, F>(text: &mut T, name: &str, setup: &Setup, mut follow: F) -> Result<Ran, Problems>
+where
+    T: Text,
+    F: FnMut(&Move) -> Result<(), Refused>,
+{
+    let mut control = Control {
+        interpreter: Interpreter::new(setup),
+        problems: Problems::none(),
+        found: BTreeSet::new(),
+        calls: Vec::new(),
+        index: None,
+        ran: Ran::default(),
+        repeated: 0,
+        deletable: 0,
+        percent: false,
+        begun: false,
+        entered: false,
+    };
+    control.execute(text, name, setup, &mut follow)?;
+    control.close(setup)
+}
+
+/// A call that is being executed.
+struct Call {
+    program: u32,
+    /// The block that calls.
+    line: usize,
+    begin: Mark,
+    back: Mark,
+    /// Runs after this one.
+    left: u32,
+}
+
+struct Control<'s> {
+    interpreter: Interpreter<'s>,
+    problems: Problems,
+    /// Lines and bytes at which something is wrong.
+    found: BTreeSet<(usize, usize)>,
+    calls: Vec<Call>,
+    index: Option<BTreeMap<u32, Mark>>,
+    ran: Ran,
+    /// Of [`MOST_REPEATED`].
+    repeated: u64,
+    deletable: u64,
+    percent: bool,
+    begun: bool,
+    /// The next line is that of a subprogram's `O`.
+    entered: bool,
+}
+
+/// What a line asks of the text.
+enum Next {
+    Line,
+    Call {
+        program: u32,
+        times: u32,
+        place: Place,
+    },
+    Return,
+    /// M2, M30.
+    End,
+    /// The second `%`.
+    TextEnd,
+    /// It is a turning program.
+    Turning(Problem),
+}
+
+impl Control<'_> {
+    fn execute<T, F>(
+        &mut self,
+        text: &mut T,
+        name: &str,
+        setup: &Setup,
+        follow: &mut F,
+    ) -> Result<(), Problems>
+    where
+        T: Text,
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        let mut block = Block::new();
+        while self.found.len() < MOST_PROBLEMS {
+            let Some(line) = text.next_line()? else {
+                return self.ended();
+            };
+            let (number, holes) = (line.number, self.interpreter.tally.holes);
+            let next = self.line(without_mark(line), &mut block, name, setup, follow);
+            self.count(holes, number)?;
+            match next {
+                Next::Line => {}
+                Next::End => return Ok(()),
+                Next::TextEnd => return self.ended(),
+                // What else was found follows from it.
+                Next::Turning(problem) => return Err(problem.into()),
+                Next::Return if self.calls.is_empty() => return Ok(()),
+                Next::Return => self.go_back(text)?,
+                Next::Call {
+                    program,
+                    times,
+                    place,
+                } => self.call(text, program, times, place)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts the block that was executed, where it is one of a subprogram, and its holes but the first.
+    fn count(&mut self, holes_before: u64, line: usize) -> Result<(), Problems> {
+        let holes = self.interpreter.tally.holes - holes_before;
+        self.repeated += u64::from(!self.calls.is_empty()) + holes.saturating_sub(1);
+        if self.repeated <= MOST_REPEATED {
+            return Ok(());
+        }
+        let line = self.calls.first().map_or(line, |call| call.line);
+        let message = format!(
+            "the repeats of subprograms and cycles make more than {MOST_REPEATED} blocks; the last of them begin in line {line}"
+        );
+        let help = "check the numbers of repeats: L and P of M98, K and L of cycles";
+        Err(self.all(Problem::new(message).help(help)))
+    }
+
+    /// The text is over.
+    fn ended(&mut self) -> Result<(), Problems> {
+        let Some(call) = self.calls.last() else {
+            return Ok(());
+        };
+        let message = format!("subprogram O{} ends without M99", call.program);
+        Err(self.all(Problem::new(message).help("end it with M99, before the text or `%` ends it")))
+    }
+
+    /// The problems so far, and one that ends the run.
+    fn all(&mut self, problem: Problem) -> Problems {
+        let mut problems = std::mem::take(&mut self.problems);
+        problems.push(problem);
+        problems
+    }
+
+    #[inline]
+    fn line<F>(
+        &mut self,
+        line: Line<'_>,
+        block: &mut Block,
+        name: &str,
+        setup: &Setup,
+        follow: &mut F,
+    ) -> Next
+    where
+        F: FnMut(&Move) -> Result<(), Refused>,
+    {
+        block.read(line.bytes);
+        self.ran.blocks += 1;
+        if block.percent {
+            return self.percent();
+        }
+        if block.delete {
+            self.deletable += 1;
+            if setup.skip_deletable {
+                return Next::Line;
+            }
+        }
+        if std::mem::take(&mut self.entered) {
+            block.value(b'O');
+        }
+        if !self.begun && block.wrong.is_empty() {
+            // The first O word names the main program.
+            self.begun =
+                block.value(b'O').is_some() || block.has_any(b"XYZ") || !block.g.is_empty();
+        }
+        let flow = self.interpreter.block(block, line.number, follow);
+        if let Some(wrong) = self.interpreter.turning.take() {
+            return Next::Turning(problem(name, line, &wrong));
+        }
+        for wrong in &block.wrong {
+            if self.found.insert((line.number, wrong.start)) {
+                self.problems.push(problem(name, line, wrong));
+            }
+        }
+        match flow {
+            Flow::Next => Next::Line,
+            Flow::Return => Next::Return,
+            Flow::End => Next::End,
+            Flow::Call { program, times } => {
+                let span = block.m_word(CALL).map_or((0, 1), |word| word.span);
+                Next::Call {
+                    program,
+                    times,
+                    place: place(name, line, span.0, span.1),
+                }
+            }
+        }
+    }
+
+    /// The first `%` begins the text, the next one ends it.
+    fn percent(&mut self) -> Next {
+        if self.percent || self.begun {
+            return Next::TextEnd;
+        }
+        self.percent = true;
+        Next::Line
+    }
+
+    fn call<T: Text>(
+        &mut self,
+        text: &mut T,
+        program: u32,
+        times: u32,
+        place: Place,
+    ) -> Result<(), Problems> {
+        if times == 0 {
+            return Ok(());
+        }
+        if self.calls.len() == DEEPEST_CALLS {
+            let problem = Problem::new(format!(
+                "more than {DEEPEST_CALLS} subprograms call each other"
+            ));
+            return Err(self.all(problem.at(place).help("a subprogram must not call itself")));
+        }
+        let back = text.mark();
+        if self.index.is_none() {
+            let index = index(text).map_err(|problem| self.all(problem))?;
+            self.index = Some(index);
+        }
+        let begin = self
+            .index
+            .as_ref()
+            .and_then(|index| index.get(&program))
+            .copied();
+        let Some(begin) = begin else {
+            text.go_to(back)?;
+            if self.found.insert((place.line, place.column)) {
+                self.problems.push(
+                    Problem::new(format!("there is no subprogram O{program} in the file"))
+                        .at(place)
+                        .help("put the subprograms behind the main program, each from `O…` to M99"),
+                );
+            }
+            return Ok(());
+        };
+        text.go_to(begin)?;
+        self.entered = true;
+        self.repeated += JUMP;
+        self.calls.push(Call {
+            program,
+            line: place.line,
+            begin,
+            back,
+            left: times - 1,
+        });
+        Ok(())
+    }
+
+    fn go_back<T: Text>(&mut self, text: &mut T) -> Result<(), Problem> {
+        self.repeated += JUMP;
+        let Some(call) = self.calls.last_mut() else {
+            return Ok(());
+        };
+        if call.left > 0 {
+            call.left -= 1;
+            self.entered = true;
+            return text.go_to(call.begin);
+        }
+        let back = call.back;
+        self.calls.pop();
+        text.go_to(back)
+    }
+
+    fn close(mut self, setup: &Setup) -> Result<Ran, Problems> {
+        self.ran.holes = self.interpreter.tally.holes;
+        self.ran.notes = notes(&self.interpreter.tally, self.deletable, setup);
+        let mut problems = self.problems;
+        if self.found.len() >= MOST_PROBLEMS {
+            problems.push(Problem::new(format!(
+                "reading stopped after {MOST_PROBLEMS} problems; there may be more"
+            )));
+        }
+        problems.or_ok(self.ran)
+    }
+}
+
+/// The bytes that some editors put before a text (UTF-8).
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+fn without_mark(line: Line<'_>) -> Line<'_> {
+    let first = line.number == 1;
+    let bytes = line.bytes.strip_prefix(BYTE_ORDER_MARK).filter(|_| first);
+    Line {
+        bytes: bytes.unwrap_or(line.bytes),
+        ..line
+    }
+}
+
+/// The lines that begin with `O` or `:`, by its number.
+fn index<T: Text>(text: &mut T) -> Result<BTreeMap<u32, Mark>, Problem> {
+    text.go_to(Mark::default())?;
+    let mut index = BTreeMap::new();
+    loop {
+        let mark = text.mark();
+        let Some(line) = text.next_line()? else {
+            return Ok(index);
+        };
+        let number = line.number;
+        let Some(program) = program_number(without_mark(line).bytes) else {
+            continue;
+        };
+        if index.len() == MOST_PROGRAMS {
+            return Err(Problem::new(format!(
+                "the file holds more than {MOST_PROGRAMS} programs"
+            )));
+        }
+        if index.insert(program, mark).is_some() {
+            return Err(Problem::new(format!(
+                "program O{program} stands twice in the file, again in line {number}"
+            ))
+            .help("give one of them another number"));
+        }
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the number is checked to lie in the range before it is used"
+)]
+fn program_number(line: &[u8]) -> Option<u32> {
+    let first = line.iter().find(|byte| !byte.is_ascii_whitespace())?;
+    if !matches!(first, b'O' | b'o' | b'N' | b'n' | b':') {
+        return None;
+    }
+    let mut words = words(line).filter_map(Result::ok);
+    let word = words.find(|word| word.letter != b'N')?;
+    (word.letter == b'O' && (0.0..=99_999_999.0).contains(&word.value)).then_some(word.value as u32)
+}
+
+fn problem(name: &str, line: Line<'_>, wrong: &Wrong) -> Problem {
+    Problem::new(wrong.message.clone())
+        .at(place(name, line, wrong.start, wrong.end))
+        .help(wrong.help.clone())
+}
+
+/// The place of bytes of a line; bytes that are no UTF-8 (comments) are shown as such.
+fn place(name: &str, line: Line<'_>, start: usize, end: usize) -> Place {
+    let text = String::from_utf8_lossy(line.bytes);
+    let length = |bytes: usize| {
+        let part = line.bytes.get(..bytes).unwrap_or(line.bytes);
+        String::from_utf8_lossy(part).len()
+    };
+    let mut place = Place::in_text(name, &text, length(start), length(end));
+    place.line = line.number;
+    place
+}
+
+fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
+    let mut notes = Vec::new();
+    if tally.without_point > 0 {
+        let meaning = match setup.without_point {
+            crate::inputs::nc::WithoutPoint::Unit => "whole mm or inches (`X100` = 100 mm)",
+            crate::inputs::nc::WithoutPoint::Increment => {
+                "least input increments (`X100` = 0.1 mm)"
+            }
+        };
+        notes.push(format!(
+            "coordinates without a decimal point: {}, the first in line {}; taken as {meaning}; see `without_point` in [path]",
+            tally.without_point, tally.first_without_point
+        ));
+    }
+    if deletable > 0 {
+        let what = if setup.skip_deletable {
+            "left out"
+        } else {
+            "executed"
+        };
+        notes.push(format!(
+            "lines with `/`: {deletable}, {what}; see `block_delete` in [path]"
+        ));
+    }
+    if tally.look_ahead > 0 {
+        notes.push(format!(
+            "look-ahead (G5, G5.1, G8) is switched on {} times: taken not to change the path",
+            tally.look_ahead
+        ));
+    }
+    notes.extend(tally.blend.map(|(mm, line)| {
+        format!(
+            "G64 lets the control leave the path by up to {mm:.3} mm (the first so in line {line}): the path is followed as it is written"
+        )
+    }));
+    notes.extend(tally.rough_arcs.map(|arcs| {
+        format!(
+            "arcs whose end misses the circle by more than {USUAL_MISS_MM} mm: {}, most by {:.4} mm in line {}; taken up to {:.3} mm, see `arc_mm` in [path]",
+            arcs.count, arcs.most_mm, arcs.line, arcs.allowed_mm
+        )
+    }));
+    notes.extend(tally.other_mode.map(|line| {
+        format!(
+            "G90 or G91 was changed inside a cycle in line {line}: R and Z are read as they were written, in the mode of the block that drills; some controls keep the levels"
+        )
+    }));
+    if !tally.m.is_empty() {
+        let words = tally.m.iter();
+        let words = words.map(|(m, count)| format!("M{m}{} ({count})", tally.with_words(*m)));
+        let words: Vec<String> = words.collect();
+        notes.push(format!("taken to be without motion: {}", words.join(", ")));
+    }
+    notes
+}

@@ -1,0 +1,342 @@
+//! A line of a part program as words: a letter and a number, with the place of each.
+//!
+//! Blanks may stand anywhere, even inside a number; letters in either case. Comments `( … )` and
+//! `; …` are passed over. Numbers keep the full precision of what is written.
+
+use crate::quantity::units::POWERS_OF_TEN;
+
+/// A letter with its number, or one of the signs `%` and `/`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Word {
+    /// Capital letter, `%` or `/`; `O` for `:0100`, too.
+    pub letter: u8,
+    /// Its number; 0 after `%` and after `/` without one.
+    pub value: f64,
+    /// Whether the number is written with a decimal point.
+    pub has_point: bool,
+    /// First byte in the line.
+    pub start: usize,
+    /// Byte behind the last one.
+    pub end: usize,
+}
+
+/// What cannot be read or executed in a line, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Wrong {
+    /// What was found and what was expected.
+    pub message: String,
+    /// What to do next.
+    pub help: String,
+    /// First byte in the line.
+    pub start: usize,
+    /// Byte behind the last one.
+    pub end: usize,
+}
+
+impl Wrong {
+    /// Something wrong at bytes of a line.
+    pub fn new(span: (usize, usize), message: impl Into<String>, help: impl Into<String>) -> Wrong {
+        Wrong {
+            message: message.into(),
+            help: help.into(),
+            start: span.0,
+            end: span.1,
+        }
+    }
+}
+
+/// Digits of one number; nobody writes more, and `f64` holds 17.
+const MOST_DIGITS: usize = 40;
+/// Up to so many digits a number is exact in `f64`, and dividing it by a power of ten rounds once.
+const EXACT_DIGITS: usize = 15;
+
+/// The words of a line, one after the other.
+#[derive(Clone, Debug)]
+pub struct Words<'a> {
+    line: &'a [u8],
+    at: usize,
+}
+
+/// The words of a line, which may still have its `\r`.
+pub fn words(line: &[u8]) -> Words<'_> {
+    Words { line, at: 0 }
+}
+
+impl Iterator for Words<'_> {
+    type Item = Result<Word, Wrong>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let byte = *self.line.get(self.at)?;
+            match byte {
+                b' ' | b'\t' | b'\r' => self.at += 1,
+                b';' => self.at = self.line.len(),
+                b'(' => match self.comment() {
+                    Ok(()) => {}
+                    Err(wrong) => return Some(Err(wrong)),
+                },
+                b'A'..=b'Z' | b'a'..=b'z' => return Some(self.word(byte.to_ascii_uppercase())),
+                b':' if self.line.get(self.at + 1).is_some_and(u8::is_ascii_digit) => {
+                    return Some(self.word(b'O')); // the program number of ISO tapes
+                }
+                b'/' => return Some(self.slash()),
+                b'%' => return Some(Ok(self.percent())),
+                _ => return Some(Err(self.unknown(byte))),
+            }
+        }
+    }
+}
+
+impl Words<'_> {
+    /// Passes over a comment in brackets.
+    fn comment(&mut self) -> Result<(), Wrong> {
+        let start = self.at;
+        let rest = &self.line[start..];
+        match rest.iter().position(|byte| *byte == b')') {
+            Some(length) => {
+                self.at = start + length + 1;
+                Ok(())
+            }
+            None => {
+                self.at = self.line.len();
+                Err(Wrong::new(
+                    (start, self.at),
+                    "the comment is not closed in its line",
+                    "close it with `)`",
+                ))
+            }
+        }
+    }
+
+    #[inline]
+    fn word(&mut self, letter: u8) -> Result<Word, Wrong> {
+        let start = self.at;
+        self.at += 1;
+        let (value, has_point) = self.number(start)?;
+        Ok(Word {
+            letter,
+            value,
+            has_point,
+            start,
+            end: self.at,
+        })
+    }
+
+    fn slash(&mut self) -> Result<Word, Wrong> {
+        let start = self.at;
+        self.at += 1;
+        let digit = self.line.get(self.at).copied();
+        let switch = digit.filter(|byte| (b'1'..=b'9').contains(byte));
+        self.at += usize::from(switch.is_some());
+        Ok(Word {
+            letter: b'/',
+            value: switch.map_or(0.0, |digit| f64::from(digit - b'0')),
+            has_point: false,
+            start,
+            end: self.at,
+        })
+    }
+
+    /// What stands behind `%` in its line is the name of a tape.
+    fn percent(&mut self) -> Word {
+        let start = self.at;
+        self.at = self.line.len();
+        Word {
+            letter: b'%',
+            value: 0.0,
+            has_point: false,
+            start,
+            end: start + 1,
+        }
+    }
+
+    /// The number of a word, and whether it has a decimal point.
+    #[inline]
+    fn number(&mut self, start: usize) -> Result<(f64, bool), Wrong> {
+        let (mut negative, mut signed) = (false, false);
+        let (mut digits, mut decimals, mut point) = (0_usize, 0_usize, false);
+        let mut mantissa = 0_u64;
+        let mut end = self.at;
+        let first = self.at;
+        while let Some(byte) = self.line.get(self.at) {
+            match byte {
+                b'0'..=b'9' => {
+                    digits += 1;
+                    decimals += usize::from(point);
+                    mantissa = mantissa
+                        .wrapping_mul(10)
+                        .wrapping_add(u64::from(byte - b'0'));
+                }
+                b'.' if !point => point = true,
+                b'+' | b'-' if !signed && digits == 0 && !point => {
+                    signed = true;
+                    negative = *byte == b'-';
+                }
+                b' ' | b'\t' => {
+                    self.at += 1;
+                    continue;
+                }
+                _ => break,
+            }
+            self.at += 1;
+            end = self.at;
+        }
+        if digits == 0 {
+            return Err(self.no_number(start, end));
+        }
+        let size = match digits {
+            0..=EXACT_DIGITS => exact(mantissa) / POWERS_OF_TEN[decimals],
+            _ => long_number(&self.line[first..end], digits).ok_or_else(|| {
+                Wrong::new(
+                    (start, end),
+                    format!("a number has {digits} digits, expected at most {MOST_DIGITS}"),
+                    "write the number with as many digits as the control reads",
+                )
+            })?,
+        };
+        self.at = end;
+        Ok((if negative { -size } else { size }, point))
+    }
+
+    fn no_number(&mut self, start: usize, end: usize) -> Wrong {
+        self.at = end;
+        let letter = char::from(self.line[start]);
+        let next = self.line[end..]
+            .iter()
+            .find(|byte| !byte.is_ascii_whitespace());
+        let help = match next {
+            Some(b'[' | b'#') => {
+                "variables and expressions are not executed: let the CAM system write numbers"
+            }
+            Some(b'=') => "this is the language of another control; expected words like `X10.5`",
+            _ => "write letter and number, e.g. `X10.5`; text belongs into `( … )`",
+        };
+        if matches!(next, Some(b'[' | b'#' | b'=')) {
+            self.at = self.line.len(); // the rest is one expression
+        }
+        Wrong::new((start, end), format!("`{letter}` has no number"), help)
+    }
+
+    /// A sign that begins no word. The rest of the line is passed over.
+    fn unknown(&mut self, byte: u8) -> Wrong {
+        let start = self.at;
+        let skip_rest =
+            matches!(byte, b'#' | b'[' | b']' | b'=' | b',') || !byte.is_ascii_graphic();
+        self.at = if skip_rest {
+            self.line.len()
+        } else {
+            start + 1
+        };
+        let (what, help) = match byte {
+            b'#' => (
+                "variables (`#`) are not executed",
+                "let the CAM system write numbers",
+            ),
+            b'[' | b']' => (
+                "expressions (`[ ]`) are not executed",
+                "let the CAM system write numbers",
+            ),
+            b')' => ("`)` closes no comment", "open it with `(`, or remove it"),
+            b',' => (
+                "a comma, expected a point before decimals",
+                "write numbers like `X10.5`",
+            ),
+            _ => (
+                "a sign that begins no word, expected a letter",
+                "text belongs into `( … )`",
+            ),
+        };
+        Wrong::new((start, start + 1), what, help)
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "at most fifteen digits")]
+fn exact(mantissa: u64) -> f64 {
+    mantissa as f64
+}
+
+/// A number with more digits than one division can give exactly.
+fn long_number(text: &[u8], digits: usize) -> Option<f64> {
+    if digits > MOST_DIGITS {
+        return None;
+    }
+    let compact: String = text
+        .iter()
+        .filter(|byte| byte.is_ascii_digit() || **byte == b'.')
+        .map(|byte| char::from(*byte))
+        .collect();
+    compact.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use super::*;
+    use proptest::prelude::*;
+
+    fn read(line: &str) -> Vec<(char, f64)> {
+        words(line.as_bytes())
+            .map(|word| word.expect("a word"))
+            .map(|word| (char::from(word.letter), word.value))
+            .collect()
+    }
+
+    #[test]
+    fn tricky_lines_are_words() {
+        assert_eq!(
+            read("n10g1 x1.5y-.25"),
+            [('N', 10.0), ('G', 1.0), ('X', 1.5), ('Y', -0.25)]
+        );
+        assert_eq!(read("X 1 0 . 5 (X99) Y+2.;Z3"), [('X', 10.5), ('Y', 2.0)]);
+        assert_eq!(read("/1 G 54.1 P 7"), [('/', 1.0), ('G', 54.1), ('P', 7.0)]);
+        assert_eq!(read("% tape 7"), [('%', 0.0)]);
+        assert_eq!(
+            read("X12000.123456789012345"),
+            [('X', 12_000.123_456_789_012)]
+        );
+        assert_eq!(read("X12000.123Y0.1"), [('X', 12000.123), ('Y', 0.1)]);
+        assert_eq!(read("  \t"), []);
+    }
+
+    #[test]
+    fn what_is_no_word_has_its_place() {
+        let wrong = |line: &str| {
+            let found = words(line.as_bytes())
+                .find_map(Result::err)
+                .expect("something is wrong");
+            (found.start, found.end)
+        };
+        assert_eq!(wrong("G1 X#100"), (3, 4));
+        assert_eq!(wrong("G1 #100=5"), (3, 4));
+        assert_eq!(wrong("G1 X[1+2]"), (3, 4));
+        assert_eq!(wrong("G1 X=5"), (3, 4));
+        assert_eq!(wrong("G1 X--5"), (3, 5));
+        assert_eq!(wrong("G1 (open"), (3, 8));
+        assert_eq!(wrong("G1 X1.2.3"), (7, 8));
+    }
+
+    proptest! {
+        #[test]
+        fn any_line_ends(line in proptest::collection::vec(any::<u8>(), 0..200)) {
+            let mut at = 0;
+            for word in words(&line) {
+                let (start, end) = match word {
+                    Ok(word) => (word.start, word.end),
+                    Err(wrong) => (wrong.start, wrong.end),
+                };
+                prop_assert!(start >= at && end > start && end <= line.len());
+                at = start + 1;
+            }
+        }
+
+        #[test]
+        fn numbers_keep_all_digits(value in -1e7..1e7f64, decimals in 0_usize..12) {
+            let text = format!("{value:.decimals$}");
+            let word = words(format!("X{text}").as_bytes()).next().expect("a word").expect("a number");
+            let expected: f64 = text.parse().expect("a number");
+            prop_assert_eq!(word.value.to_bits() << 1, expected.to_bits() << 1);
+        }
+    }
+}

@@ -1,0 +1,376 @@
+//! Measured errors − old correction: the machine without compensation.
+//!
+//! ```text
+//!   measured(x) + (−old)(x),   knots of both; the old tables over the whole range they have
+//! ```
+//! Outside the measured range the residual is held and the old correction goes on, so what the
+//! old tables knew there is kept. Tables that a control plays in steps: at the measured positions
+//! the steps themselves are taken off, between them the straight line through the nodes, which is
+//! what the steps stand for; at the nodes both are the same.
+
+use super::{ActiveControl, KEY, Origin, problem, replaces_backlash};
+use crate::control::controller::Profile;
+use crate::inputs::job::{Job, NotMeasured};
+use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::curve::{ErrorCurve, Interpolation};
+use crate::quantity::units::{Deviation, Millimetres};
+use crate::read::emulate::{CannotEmulate, Emulator, Response, emulator};
+use crate::text::problem::{Problem, Problems};
+use crate::write::plan::{axis_names, axis_pairs};
+use crate::write::target::wants;
+
+/// Corrections below it are none, µm.
+const NOTHING_UM: f64 = 1e-6;
+/// A table may be off zero at the reference by less than what is shown, µm.
+const ZERO_UM: f64 = 1e-3;
+/// A measured position this close to a node is at it, mm.
+const AT_NODE_MM: f64 = 1e-6;
+
+/// The model of the machine without compensation, and what the user should know of it.
+///
+/// unit   as the measured model: µm, zero at the reference
+/// limits refused where the old tables correct what was not measured or is not asked for, are not
+///        zero at the reference, repeat, differ between the axes of a gantry, or where a backlash
+///        parameter that is replaced is not known
+pub fn uncompensated(
+    job: &Job,
+    profile: &Profile,
+    measured: &ErrorModel,
+    active: &ActiveControl,
+) -> Result<(ErrorModel, Vec<String>), Problems> {
+    let names = axis_names(job, profile)?;
+    check_backlash(job, measured, active)?;
+    let state = acting_state(job, &names, measured, active);
+    let control = emulator(profile, &active.tables, &state).map_err(|e| cannot(job, &e))?;
+    let mut problems = Problems::none();
+    let mut sum = Sum {
+        job,
+        model: measured.clone(),
+        notes: Vec::new(),
+    };
+    let mut acts = false;
+    for term in ErrorTerm::ALL {
+        let pairs = axis_pairs(&names, term);
+        let old = problems.take(old_correction(job, term, &pairs, control.as_ref()));
+        if let Some(Some(old)) = old {
+            acts = true;
+            sum.add(term, &old, &mut problems);
+        }
+    }
+    let has_backlash = active.backlash_um.iter().any(|(_, um)| um.is_some());
+    let tables = control.connected_axes();
+    if !acts && !tables.is_empty() {
+        let pairs = tables
+            .iter()
+            .map(|(base, output)| format!("{base} → {output}"));
+        let pairs: Vec<String> = pairs.collect();
+        let words = format!(
+            "the active tables of {} hold zeros: old = 0",
+            pairs.join(", ")
+        );
+        sum.notes.push(words);
+    } else if !acts && !has_backlash && problems.is_empty() {
+        problems.push(nothing(job, active));
+    }
+    problems.or_ok((sum.model, sum.notes))
+}
+
+fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
+    let message = format!("what the active tables did cannot be told: {}", reason.0);
+    problem(job, message, "name the complete files of the control as they were while measuring, or measure with the compensation switched off").into()
+}
+
+/// No table of the job's axes at all.
+fn nothing(job: &Job, active: &ActiveControl) -> Problem {
+    let passed_over = active
+        .notes
+        .iter()
+        .filter(|note| note.contains("left as it is"));
+    let passed_over: Vec<&str> = passed_over.map(String::as_str).collect();
+    let found = match passed_over.is_empty() {
+        true => "the files hold no correction at all".to_string(),
+        false => passed_over.join("; "),
+    };
+    let message = format!("the active tables correct nothing of the job's axes: {found}");
+    problem(
+        job,
+        message,
+        "compare `id` of [compensation.axes] with the names in the files; write \"none\" if no compensation was active",
+    )
+}
+
+/// Axes of which the new tables set the backlash parameter.
+fn sets_backlash(job: &Job, measured: &ErrorModel, axis: Axis) -> bool {
+    let term = ErrorTerm {
+        of: axis,
+        along: axis,
+    };
+    replaces_backlash(job) && measured.terms[term].is_some() && wants(job, term)
+}
+
+fn check_backlash(
+    job: &Job,
+    measured: &ErrorModel,
+    active: &ActiveControl,
+) -> Result<(), Problems> {
+    if active.origin == Origin::NoTables {
+        return Ok(()); // what is not stated is counted as 0, and the kit says so
+    }
+    let mut problems = Problems::none();
+    for axis in Axis::ALL {
+        if sets_backlash(job, measured, axis) && active.backlash_um[axis].is_none() {
+            problems.push(problem(
+                job,
+                format!("the new tables replace the backlash parameter of {axis}, but no file holds the one that acted while measuring"),
+                "read it out too (MD32450, 1851), or state `active_backlash_um = { x = …, y = …, z = … }` in [measurement]",
+            ));
+        }
+    }
+    problems.or_ok(())
+}
+
+/// The state without the backlash parameters that act before and after alike.
+fn acting_state(
+    job: &Job,
+    names: &crate::quantity::axis::PerAxis<Vec<String>>,
+    measured: &ErrorModel,
+    active: &ActiveControl,
+) -> crate::control::control_state::ControlState {
+    let mut state = active.state.clone();
+    for axis in &mut state.axes {
+        let own = super::axis_of(names, &axis.name);
+        if !own.is_some_and(|own| sets_backlash(job, measured, own)) {
+            axis.backlash_um = 0.0;
+        }
+    }
+    state
+}
+
+/// What the old tables did to one term in the two directions.
+struct Old {
+    plus: Response,
+    minus: Response,
+}
+
+impl Old {
+    fn way(&self, direction: Direction) -> &Response {
+        match direction {
+            Direction::Plus => &self.plus,
+            Direction::Minus => &self.minus,
+        }
+    }
+
+    /// All nodes, or none where only a constant acts.
+    fn nodes(&self) -> Vec<Millimetres> {
+        let tables = self.plus.tables().iter().chain(self.minus.tables());
+        let mut nodes: Vec<Millimetres> = tables
+            .flat_map(|table| table.nodes().map(|(at, _)| at))
+            .collect();
+        nodes.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
+        nodes.dedup_by(|a, b| (a.mm() - b.mm()).abs() < AT_NODE_MM);
+        nodes
+    }
+
+    fn acts(&self) -> bool {
+        let anywhere = [Millimetres::new(0.0)];
+        let nodes = self.nodes();
+        nodes.iter().chain(&anywhere).any(|at| {
+            [&self.plus, &self.minus]
+                .iter()
+                .any(|way| way.straightened().correction(*at).um().abs() > NOTHING_UM)
+        })
+    }
+}
+
+/// The old correction of a term; `None` where there is none.
+fn old_correction(
+    job: &Job,
+    term: ErrorTerm,
+    pairs: &[(&str, &str)],
+    control: &dyn Emulator,
+) -> Result<Option<Old>, Problems> {
+    if [term.of, term.along]
+        .iter()
+        .any(|axis| job.machine.axes[*axis].is_none())
+    {
+        return Ok(None); // the job has no such axis
+    }
+    let of_pair = |(base, output): &(&str, &str)| -> Result<Old, CannotEmulate> {
+        Ok(Old {
+            plus: control.response(base, output, Direction::Plus)?,
+            minus: control.response(base, output, Direction::Minus)?,
+        })
+    };
+    let mut all = Vec::new();
+    for pair in pairs {
+        all.push(of_pair(pair).map_err(|reason| cannot(job, &reason))?);
+    }
+    if let Some(index) = (1..all.len()).find(|index| differs(&all[0], &all[*index])) {
+        let (first, other) = (pairs[0].1, pairs[index].1);
+        return Err(problem(job, format!("{term}: the active tables of {first} and {other} differ, and one table for both would lose the difference"), "bring the axes of the gantry to the same table first, or measure with the compensation switched off").into());
+    }
+    let tables = all
+        .iter()
+        .flat_map(|old| old.plus.tables().iter().chain(old.minus.tables()));
+    if tables
+        .into_iter()
+        .any(crate::read::emulate::NodeTable::is_repeating)
+    {
+        return Err(problem(job, format!("{term}: the active table repeats (modulo), which no table of a linear axis of this program does"), "measure with this compensation switched off").into());
+    }
+    Ok(all.into_iter().next().filter(Old::acts))
+}
+
+fn differs(one: &Old, other: &Old) -> bool {
+    let places = [one.nodes(), other.nodes(), vec![Millimetres::new(0.0)]].concat();
+    Direction::BOTH.into_iter().any(|direction| {
+        places.iter().any(|at| {
+            let (a, b) = (one.way(direction), other.way(direction));
+            (a.correction(*at).um() - b.correction(*at).um()).abs() > NOTHING_UM
+        })
+    })
+}
+
+/// The model that grows term by term.
+struct Sum<'a> {
+    job: &'a Job,
+    model: ErrorModel,
+    notes: Vec<String>,
+}
+
+impl Sum<'_> {
+    fn add(&mut self, term: ErrorTerm, old: &Old, problems: &mut Problems) {
+        let Some(machine) = self.job.machine.axes[term.along] else {
+            return;
+        };
+        let zero = old.way(machine.homing()).correction(machine.reference);
+        let settings = &self.job.measurement.active_settings;
+        if zero.um().abs() > ZERO_UM && !settings.rezero {
+            problems.push(problem(
+                self.job,
+                format!("the active tables correct {term} by {:.3} µm at the reference {} mm, where tables are zero: they belong to another reference", zero.um(), machine.reference.mm()),
+                "correct `reference_mm`; if the control really held this value there, `active_reference = \"rezero\"` in [measurement] takes it off",
+            ));
+            return;
+        }
+        let refused = match (&self.model.terms[term], settings.not_measured) {
+            (None, None) => Some(not_measured(self.job, term)),
+            (None, Some(NotMeasured::Drop)) => {
+                self.notes.push(format!("{term}: the active tables correct it, it was not measured, and the new tables do without it (`active_terms_not_measured = \"drop\"`)"));
+                return;
+            }
+            (_, Some(NotMeasured::Drop)) => None,
+            _ => (!wants(self.job, term)).then(|| not_asked(self.job, term)),
+        };
+        match refused {
+            Some(refused) => problems.push(refused),
+            None => self.put(term, old, -zero),
+        }
+    }
+
+    fn put(&mut self, term: ErrorTerm, old: &Old, zero: Deviation) {
+        let kind = self.job.compensation.curve;
+        let nodes = old.nodes();
+        let held = |direction| held(old.way(direction), &nodes, zero);
+        let Some(own) = &self.model.terms[term] else {
+            self.notes.push(format!("{term}: it was not measured; the correction of the active tables is carried over (`active_terms_not_measured = \"keep\"`), and nothing is forecast for it"));
+            let (plus, minus) = (held(Direction::Plus), held(Direction::Minus));
+            self.model.terms[term] = Some(MeasuredTerm {
+                measured: joined(plus, minus),
+                uncertainty: Vec::new(),
+            });
+            return;
+        };
+        let with = |curve: &ErrorCurve, direction| {
+            let steps = steps(old.way(direction), curve, &nodes, kind);
+            let held = held(direction);
+            let curve = steps.map_or_else(|| curve.clone(), |steps| curve.plus(&steps));
+            curve.plus(&held)
+        };
+        let measured = match &own.measured {
+            Measured::OneWay(direction, curve) => {
+                Measured::OneWay(*direction, with(curve, *direction))
+            }
+            Measured::BothWays { plus, minus } => Measured::BothWays {
+                plus: with(plus, Direction::Plus),
+                minus: with(minus, Direction::Minus),
+            },
+            Measured::Undirected(curve) => {
+                joined(with(curve, Direction::Plus), with(curve, Direction::Minus))
+            }
+        };
+        if measured.has_both_ways() && !own.measured.has_both_ways() {
+            self.notes.push(format!("{term}: the active tables differ with the direction and the measurement does not; the difference is carried over from them"));
+        }
+        let uncertainty = own.uncertainty.clone();
+        self.model.terms[term] = Some(MeasuredTerm {
+            measured,
+            uncertainty,
+        });
+    }
+}
+
+/// One curve where both directions are the same.
+fn joined(plus: ErrorCurve, minus: ErrorCurve) -> Measured {
+    let same = |at: &Millimetres| (plus.at(*at) - minus.at(*at)).um().abs() <= NOTHING_UM;
+    if plus.knots().iter().chain(minus.knots()).all(same) {
+        Measured::Undirected(plus)
+    } else {
+        Measured::BothWays { plus, minus }
+    }
+}
+
+/// The deviation that a response cancels, straight from node to node, less its zero.
+fn held(response: &Response, nodes: &[Millimetres], zero: Deviation) -> ErrorCurve {
+    let straight = response.straightened();
+    let anywhere = [Millimetres::new(0.0)];
+    let nodes = if nodes.is_empty() { &anywhere } else { nodes };
+    let values: Vec<Deviation> = nodes
+        .iter()
+        .map(|at| -straight.correction(*at) - zero)
+        .collect();
+    ErrorCurve::through(nodes, &values, Interpolation::Linear)
+}
+
+/// What the steps of a control add to the straight line at the measured positions, as the
+/// deviation it cancels; `None` where the control plays straight lines.
+fn steps(
+    response: &Response,
+    measured: &ErrorCurve,
+    nodes: &[Millimetres],
+    kind: Interpolation,
+) -> Option<ErrorCurve> {
+    let straight = response.straightened();
+    let at_node = |at: Millimetres| {
+        let near = |node: &Millimetres| (node.mm() - at.mm()).abs() < AT_NODE_MM;
+        nodes.iter().any(near)
+    };
+    let extra = |at: &Millimetres| {
+        if at_node(*at) {
+            return Deviation::ZERO;
+        }
+        -response.correction(*at) - -straight.correction(*at)
+    };
+    let extra: Vec<Deviation> = measured.knots().iter().map(extra).collect();
+    let any = extra.iter().any(|d| d.um().abs() > NOTHING_UM);
+    any.then(|| ErrorCurve::through(measured.knots(), &extra, kind))
+}
+
+fn not_measured(job: &Job, term: ErrorTerm) -> Problem {
+    problem(
+        job,
+        format!("the active tables correct {term}, which was not measured"),
+        "measure it, or write `active_terms_not_measured = \"keep\"` (its correction is carried over) or \"drop\" (the new tables do without it) in [measurement]",
+    )
+}
+
+fn not_asked(job: &Job, term: ErrorTerm) -> Problem {
+    let path = if job.source.place_of("compensation.terms").is_some() {
+        "compensation.terms"
+    } else {
+        KEY
+    };
+    job.problem_at(path, format!("the active tables correct {term}, but `terms` does not ask for it: the new tables would do without"))
+        .help("add it to `terms`, or write `active_terms_not_measured = \"drop\"` in [measurement]")
+}

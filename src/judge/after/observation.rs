@@ -1,0 +1,265 @@
+//! What each value of the second measurement sees: which deviations, where, with which weight.
+
+use super::{AfterMeasurement, before_um};
+use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::quantity::axis::{Direction, ErrorTerm, PerTerm};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::quantity::units::{Correction, Millimetres};
+use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::write::plan::Plan;
+use crate::write::plan::axis_pairs;
+
+/// One deviation that a value sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Which error.
+    pub term: ErrorTerm,
+    /// The way its axis travels.
+    pub direction: Direction,
+    /// Where the axis stands.
+    pub at: Millimetres,
+    /// Its share: 1 for a term by itself, the direction cosine on a diagonal.
+    pub weight: f64,
+}
+
+/// One value of the second measurement: Σ weight · deviation, less a zero of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// What it sees.
+    pub parts: Vec<Part>,
+    /// The value, µm.
+    pub um: f64,
+    /// The same of the machine without tables, from the first measurement: Σ weight · deviation, µm.
+    pub found_um: f64,
+    /// Standard uncertainty (k = 1), µm; `None` = not stated.
+    pub u_um: Option<f64>,
+    /// Number of the curve or pass it stands on.
+    pub curve: usize,
+    /// Values with the same number count from the same zero.
+    pub zero: usize,
+    /// The diagonal it stands on, if it was measured along one.
+    pub diagonal: Option<Diagonal>,
+}
+
+impl Observation {
+    /// Σ weight · value of each part; `None` where one is unknown.
+    pub fn predicted(&self, value: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
+        weighted(&self.parts, value)
+    }
+
+    /// Whether it is a value of this term by itself.
+    pub fn is_of(&self, term: ErrorTerm) -> bool {
+        self.diagonal.is_none() && self.parts.iter().all(|part| part.term == term)
+    }
+}
+
+fn weighted(parts: &[Part], value: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
+    let values = parts.iter().map(|part| Some(part.weight * value(part)?));
+    values.sum()
+}
+
+/// What a control adds to every term in either direction, apart by tables and constants.
+#[derive(Clone, Debug)]
+pub struct Control(PerTerm<[Response; 2]>);
+
+impl Control {
+    /// Asks an emulator for the nine terms; a term that was not measured may concern an axis that
+    /// the control does not have.
+    pub fn new(
+        before: &ErrorModel,
+        plan: &Plan,
+        emulator: &dyn Emulator,
+    ) -> Result<Control, CannotEmulate> {
+        let mut responses = PerTerm::from_fn(|_| [Response::default(), Response::default()]);
+        for term in ErrorTerm::ALL {
+            let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
+                continue;
+            };
+            for direction in Direction::BOTH {
+                match emulator.response(base, output, direction) {
+                    Ok(response) => responses[term][index(direction)] = response,
+                    Err(reason) if before.terms[term].is_some() => return Err(reason),
+                    Err(_) => {}
+                }
+            }
+        }
+        Ok(Control(responses))
+    }
+
+    /// The correction where a part looks, µm.
+    pub fn at(&self, part: &Part) -> f64 {
+        self.correction(part.term, part.direction, part.at).um()
+    }
+
+    /// The correction of a term while its axis moves in a direction.
+    pub fn correction(&self, term: ErrorTerm, direction: Direction, at: Millimetres) -> Correction {
+        self.response(term, direction).correction(at)
+    }
+
+    /// Whether a term is corrected alike in both directions.
+    pub fn is_undirected(&self, term: ErrorTerm) -> bool {
+        let [plus, minus] = &self.0[term];
+        plus == minus
+    }
+
+    /// What the tables alone add, µm.
+    pub fn tables_um(&self, term: ErrorTerm, direction: Direction, at: Millimetres) -> f64 {
+        let tables = self.response(term, direction).tables().iter();
+        tables.map(|table| table.correction(at).um()).sum()
+    }
+
+    /// What is added beside the tables (a backlash parameter), µm.
+    pub fn constant_um(&self, term: ErrorTerm, direction: Direction) -> f64 {
+        let anywhere = Millimetres::new(0.0);
+        let all = self.response(term, direction).correction(anywhere).um();
+        all - self.tables_um(term, direction, anywhere)
+    }
+
+    /// Whether a table acts on a term.
+    pub fn has_table(&self, term: ErrorTerm) -> bool {
+        self.0[term].iter().any(|way| !way.tables().is_empty())
+    }
+
+    /// Places of the nodes of a term's tables.
+    pub fn nodes(&self, term: ErrorTerm) -> Vec<Millimetres> {
+        let tables = self.0[term].iter().flat_map(|way| way.tables());
+        tables
+            .flat_map(|table| table.nodes().map(|(at, _)| at))
+            .collect()
+    }
+
+    fn response(&self, term: ErrorTerm, direction: Direction) -> &Response {
+        &self.0[term][index(direction)]
+    }
+}
+
+const fn index(direction: Direction) -> usize {
+    match direction {
+        Direction::Plus => 0,
+        Direction::Minus => 1,
+    }
+}
+
+/// Every value of the second measurement that the first one has an answer to.
+pub fn observations(before: &ErrorModel, after: &AfterMeasurement) -> Vec<Observation> {
+    match after {
+        AfterMeasurement::Diagonals(runs) => along_diagonals(before, runs),
+        AfterMeasurement::Errors(model) => {
+            let mut seen = Vec::new();
+            for (zero, (term, measured)) in model.measured().enumerate() {
+                of_term(before, term, measured, zero, &mut seen);
+            }
+            seen
+        }
+    }
+}
+
+fn of_term(
+    before: &ErrorModel,
+    term: ErrorTerm,
+    measured: &MeasuredTerm,
+    zero: usize,
+    seen: &mut Vec<Observation>,
+) {
+    let Some(first) = &before.terms[term] else {
+        return;
+    };
+    let ways: Vec<(Option<Direction>, _)> = match &measured.measured {
+        Measured::Undirected(curve) => vec![(None, curve)],
+        Measured::OneWay(direction, curve) => vec![(Some(*direction), curve)],
+        Measured::BothWays { plus, minus } => vec![
+            (Some(Direction::Plus), plus),
+            (Some(Direction::Minus), minus),
+        ],
+    };
+    for (number, (way, curve)) in ways.into_iter().enumerate() {
+        for at in curve.knots() {
+            let parts = parts_of(term, first, way, *at);
+            if let Some(found_um) = found_um(before, &parts) {
+                seen.push(Observation {
+                    parts,
+                    um: curve.at(*at).um(),
+                    found_um,
+                    u_um: measured.u_value_um(),
+                    curve: 2 * zero + number,
+                    zero,
+                    diagonal: None,
+                });
+            }
+        }
+    }
+}
+
+/// What the first measurement says of a value; `None` where it has no answer.
+fn found_um(before: &ErrorModel, parts: &[Part]) -> Option<f64> {
+    let found = weighted(parts, |part| before_um(before, part));
+    found.filter(|_| !parts.is_empty())
+}
+
+/// A value without direction is the mean of the directions that were measured first; none where
+/// the first measurement has no answer.
+fn parts_of(
+    term: ErrorTerm,
+    first: &MeasuredTerm,
+    way: Option<Direction>,
+    at: Millimetres,
+) -> Vec<Part> {
+    let known = |direction: &Direction| {
+        let curve = first.measured.curve(*direction);
+        curve.is_some_and(|curve| {
+            let (low, high) = curve.measured_range();
+            at >= low && at <= high
+        })
+    };
+    let ways = Direction::BOTH.into_iter();
+    let ways: Vec<Direction> = ways
+        .filter(|direction| way.is_none_or(|way| way == *direction) && known(direction))
+        .collect();
+    let weight = if ways.len() == 2 { 0.5 } else { 1.0 };
+    let part = |direction| Part {
+        term,
+        direction,
+        at,
+        weight,
+    };
+    ways.into_iter().map(part).collect()
+}
+
+fn along_diagonals(before: &ErrorModel, runs: &super::StraightRuns) -> Vec<Observation> {
+    let mut seen = Vec::new();
+    for (number, walk) in runs.walks.iter().enumerate() {
+        let laser = runs.volume.laser(walk.diagonal);
+        for (node, um) in walk.readings_um.iter().enumerate() {
+            let place = runs.volume.place(walk.diagonal, PathKind::Straight, node);
+            let part = |term: ErrorTerm| Part {
+                term,
+                direction: walk.diagonal.travelled(term.along, walk.pass),
+                at: place[term.along],
+                weight: laser[term.of],
+            };
+            let parts: Vec<Part> = ErrorTerm::ALL.into_iter().map(part).collect();
+            let Some(found_um) = found_um(before, &parts) else {
+                continue; // refused before: every term was measured in every direction walked
+            };
+            seen.push(Observation {
+                parts,
+                um: *um,
+                found_um,
+                u_um: runs.u_um,
+                curve: number,
+                zero: zero_of(runs.one_zero, walk.diagonal, walk.pass),
+                diagonal: Some(walk.diagonal),
+            });
+        }
+    }
+    seen
+}
+
+/// Passes of one diagonal share a zero where the reverse pass counts from the forward start.
+fn zero_of(one_zero: bool, diagonal: Diagonal, pass: Pass) -> usize {
+    let own = Diagonal::ALL
+        .into_iter()
+        .position(|other| other == diagonal);
+    let back = usize::from(pass == Pass::Reverse && !one_zero);
+    2 * own.unwrap_or_default() + back
+}

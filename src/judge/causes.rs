@@ -1,0 +1,311 @@
+//! Why a second measurement is not what the forecast said: faults tried out on the data.
+//!
+//! ```text
+//!   as found + what the control would add with fault f  =  as left, predicted by f
+//!   as left, measured                                   ─→ misfit of f
+//!   faults that fit and are as good as the best one     ─→ the set of causes
+//! ```
+//! Every fault is played through the emulated tables. What is measured twice carries the noise of
+//! both measurements; corrections are exact. So a value has the variance
+//!
+//! ```text
+//!   σ² = u²(as left) + Σ (weight · u(as found))² + (count/√12)²
+//! ```
+//! and each term (each diagonal) a free zero, since both measurements are zeroed at one reading.
+//! The points of one curve are not independent (an angle of the beam tilts them all), so a curve
+//! counts as **one** figure: the mean of its squared residuals over σ². Thresholds are those of
+//! chi-squared with as many degrees of freedom as there are curves, at 0.1 %. That dilutes a slope or
+//! a step, so no two values of one zero may lie farther apart than their σ allows either.
+//!
+//! One fault at a time is tried; two faults at once are `unknown` unless one explains both.
+
+mod data;
+mod decide;
+mod fault;
+mod fit;
+mod question;
+mod records;
+mod tried;
+mod words;
+
+pub use self::data::Basis;
+pub use self::fault::{Fault, Scope};
+pub use self::question::Question;
+pub use self::records::{Corrected, Slip};
+
+use self::data::{Data, Fit};
+use self::tried::all_faults;
+use crate::judge::after::Observation;
+use crate::quantity::axis::ErrorTerm;
+use crate::text::problem::Problem;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Risk of rejecting what is right.
+const RISK: f64 = 0.001;
+/// A scale error of more than this is no temperature of a workshop, K.
+const MOST_KELVIN: f64 = 20.0;
+/// Predictions of one kind that differ by less are one cause, µm.
+const SAME_UM: f64 = 1e-6;
+/// A second measurement this many times the first one may be in another unit.
+const SUSPICIOUS: f64 = 30.0;
+/// One that is this many times smaller may be, too: no table leaves a hundredth.
+const SUSPICIOUSLY_SMALL: f64 = 100.0;
+/// What no laser resolves: a measurement does not scatter by less, µm.
+const NO_SCATTER_UM: f64 = 0.01;
+/// A slip of the unit: mm under a heading for µm, or the other way.
+const UNIT: f64 = 1000.0;
+
+/// A fault that the data do not exclude.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cause {
+    /// Its kind, e.g. `not active`.
+    pub kind: &'static str,
+    /// The faults of this kind that are one and the same in these data, the widest first.
+    pub faults: Vec<Fault>,
+    /// Fitted numbers: mm of a shift, factor, K of a temperature.
+    pub fitted: Vec<f64>,
+    /// What it leaves unexplained, root mean square, µm.
+    pub left_um: f64,
+    /// In words.
+    pub words: String,
+}
+
+/// What the data say of the causes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnosis {
+    /// As left is what the forecast said, within the uncertainty of both measurements.
+    pub as_forecast: bool,
+    /// Root mean square of as left − forecast, µm.
+    pub off_um: f64,
+    /// The causes that the data cannot tell apart, the usual ones first; empty if nothing fits.
+    pub causes: Vec<Cause>,
+    /// Term by term, where no single cause fits.
+    pub by_term: Vec<String>,
+    /// The one measurement that decides between the causes.
+    pub decides: Option<String>,
+    /// What the comparison rests on.
+    pub basis: Basis,
+}
+
+/// Tries all faults on the data. Refused where the second measurement makes sense in another unit
+/// only: a slip of 1000.
+pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
+    let known = |o: &&Observation| question.found_um(o).is_some();
+    let seen: Vec<Observation> = question.seen.iter().filter(known).cloned().collect();
+    let question = &Question {
+        seen: &seen,
+        ..question.clone()
+    };
+    let faults = all_faults(question);
+    let mut data = Data::new(question);
+    if data.is_empty() {
+        return Err(Problem::new("no position was measured both times")
+            .help("measure the same range of the same axes again"));
+    }
+    // Equal weights leave the fits as they are, whatever the uncertainty turns out to be.
+    let early: Option<Vec<Fit>> =
+        (!data.has_both_uncertainties()).then(|| all_fits(&data, &faults));
+    if let Some(fits) = &early {
+        data.settle(fits);
+    }
+    let forecast = data.fit(&Fault::None);
+    refuse_too_small(&data, &faults, &forecast)?;
+    let as_forecast = data.stands(&forecast);
+    let mut found = Diagnosis {
+        as_forecast,
+        off_um: data.rms(&forecast),
+        causes: Vec::new(),
+        by_term: Vec::new(),
+        decides: None,
+        basis: data.basis.clone(),
+    };
+    if as_forecast {
+        refuse_too_large(&data)?;
+        return Ok(found);
+    }
+    let fits = early.unwrap_or_else(|| all_fits(&data, &faults));
+    let standing = not_excluded(&data, &faults, fits);
+    if standing.is_empty() {
+        refuse_too_large(&data)?;
+        found.by_term = term_by_term(&data);
+        return Ok(found);
+    }
+    found.decides = Some(decide::decides(question, &standing));
+    found.causes = causes(question, &data, standing);
+    Ok(found)
+}
+
+fn all_fits(data: &Data<'_>, faults: &[Fault]) -> Vec<Fit> {
+    faults.iter().map(|fault| data.fit(fault)).collect()
+}
+
+/// Faults with their fits that fit by themselves and are as good as the best one, the usual ones
+/// first; what holds a simpler one of them as a special case is left out.
+fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault], fits: Vec<Fit>) -> Vec<(&'a Fault, Fit)> {
+    let fits = faults.iter().zip(fits);
+    let possible = fits.filter(|(fault, fit)| data.stands(fit) && fault.is_plausible(fit));
+    let possible: Vec<(&Fault, Fit)> = possible.collect();
+    let scores: Vec<f64> = possible.iter().map(|(_, fit)| data.score(fit)).collect();
+    let best = scores.iter().copied().fold(f64::INFINITY, f64::min);
+    let limit = best + quantile(1.0 - RISK, 1.0);
+    let near = possible.into_iter().zip(scores);
+    let mut near: Vec<(f64, (&Fault, Fit))> = near
+        .filter(|(_, score)| *score <= limit)
+        .map(|(found, score)| (score, found))
+        .collect();
+    near.sort_by(|(one, (a, _)), (other, (b, _))| {
+        a.rank().cmp(&b.rank()).then(one.total_cmp(other))
+    });
+    let simple: Vec<&Fault> = near.iter().map(|(_, (fault, _))| *fault).collect();
+    near.into_iter()
+        .map(|(_, found)| found)
+        .filter(|(fault, _)| !simple.iter().any(|other| fault.contains(other)))
+        .collect()
+}
+
+fn widest_first(mut standing: Vec<(&Fault, Fit)>) -> Vec<(&Fault, Fit)> {
+    standing.sort_by_key(|(fault, _)| fault.breadth());
+    standing
+}
+
+/// Faults of one kind with one prediction are one cause.
+fn causes(question: &Question<'_>, data: &Data<'_>, standing: Vec<(&Fault, Fit)>) -> Vec<Cause> {
+    let mut groups: Vec<(Vec<Fault>, Fit)> = Vec::new();
+    for (fault, fit) in widest_first(standing) {
+        let same = groups.iter_mut().find(|(faults, other)| {
+            faults[0].kind() == fault.kind() && fit.differs_from(other) < SAME_UM
+        });
+        match same {
+            Some((faults, _)) => {
+                // The kit may hold the same tables in either scope.
+                if !faults
+                    .iter()
+                    .any(|other| other.is_the_same_on(question, fault))
+                {
+                    faults.push(fault.clone());
+                }
+            }
+            None => groups.push((vec![fault.clone()], fit)),
+        }
+    }
+    groups.sort_by(|(a, one), (b, other)| {
+        let usual = a[0].rank().cmp(&b[0].rank());
+        usual.then(data.rms(one).total_cmp(&data.rms(other)))
+    });
+    let cause = |(faults, fit): (Vec<Fault>, Fit)| Cause {
+        kind: faults[0].kind(),
+        words: words::cause(question, &faults, &Numbers::of(data, &faults[0], &fit)),
+        left_um: data.rms(&fit),
+        fitted: fit.fitted,
+        faults,
+    };
+    groups.into_iter().map(cause).collect()
+}
+
+/// The numbers of a cause as they are printed.
+struct Numbers {
+    /// As [`Cause::fitted`].
+    fitted: Vec<f64>,
+    /// How far a shift may be off, mm; empty for other faults.
+    uncertainty_mm: Vec<f64>,
+}
+
+impl Numbers {
+    fn of(data: &Data<'_>, fault: &Fault, fit: &Fit) -> Numbers {
+        Numbers {
+            fitted: fit.fitted.clone(),
+            uncertainty_mm: data.shift_uncertainty_mm(fault, fit),
+        }
+    }
+}
+
+/// What each term looks like by itself: how far it is off, and every fault that fits, the best
+/// first.
+fn term_by_term(data: &Data<'_>) -> Vec<String> {
+    let forecast = data.fit(&Fault::None);
+    let alone = |term: ErrorTerm| {
+        if data.stands_alone(&forecast, term) {
+            return format!("{term}: as forecast");
+        }
+        let off = data.farthest_off(term);
+        let off = off.map_or_else(String::new, |(um, seen)| words::off_forecast(um, seen));
+        let tried = tried::alone(data.question, term);
+        let fits = tried.iter().map(|fault| (fault, data.fit(fault)));
+        let mut fits: Vec<(&Fault, Fit)> = fits
+            .filter(|(fault, fit)| data.stands_alone(fit, term) && fault.is_plausible(fit))
+            .collect();
+        fits.sort_by(|a, b| data.rms_of(&a.1, term).total_cmp(&data.rms_of(&b.1, term)));
+        match fits.as_slice() {
+            [] => format!("{term}: {off}no single fault fits"),
+            some => {
+                let kinds: Vec<&str> = some.iter().map(|(fault, _)| fault.kind()).collect();
+                format!("{term}: {off}{}", kinds.join(" or "))
+            }
+        }
+    };
+    data.single_terms().into_iter().map(alone).collect()
+}
+
+const UNIT_HELP: &str =
+    "the unit is part of the column's name (`ex_um`, `ex_mm`); correct the column or its values";
+
+fn refuse_too_large(data: &Data<'_>) -> Result<(), Problem> {
+    if data.times_found() <= SUSPICIOUS {
+        return Ok(());
+    }
+    let divided = data.in_another_unit(1.0 / UNIT, 1.0 / UNIT);
+    if divided.stands(&divided.fit(&Fault::None)) {
+        return Err(Problem::new(format!(
+            "the values measured afterwards are {:.0} times those as found; divided by 1000 they agree with the forecast: a slip of their unit",
+            data.times_found()
+        ))
+        .help(UNIT_HELP));
+    }
+    Ok(())
+}
+
+/// A machine that was not corrected looks perfect where its errors stand in mm under a heading for
+/// µm. Values that are the forecast itself come from a simulation without noise.
+fn refuse_too_small(data: &Data<'_>, faults: &[Fault], forecast: &Fit) -> Result<(), Problem> {
+    const THE_FORECAST_ITSELF: f64 = 0.1;
+    let measured_um = data.measured_rms();
+    let simulated = data.rms(forecast) <= THE_FORECAST_ITSELF * measured_um;
+    if measured_um == 0.0 || simulated || measured_um * SUSPICIOUSLY_SMALL > data.found_rms() {
+        return Ok(());
+    }
+    let why = if measured_um < NO_SCATTER_UM {
+        "no laser resolves that".to_string()
+    } else if let Some(kind) = fits_in_mm(data, faults) {
+        format!("1000 times as large they show {}", kind.to_uppercase())
+    } else {
+        return Ok(());
+    };
+    Err(Problem::new(format!(
+        "the values measured afterwards are {measured_um:.6} µm (root mean square), those as found {:.3} µm: {why}; a slip of their unit",
+        data.found_rms()
+    ))
+    .help(UNIT_HELP))
+}
+
+/// The fault that the second measurement shows once its values are multiplied by 1000.
+fn fits_in_mm(data: &Data<'_>, faults: &[Fault]) -> Option<&'static str> {
+    const FAR_FROM_NOISE: f64 = 10.0;
+    let mut multiplied = data.in_another_unit(UNIT, 1.0);
+    let fits = all_fits(&multiplied, faults);
+    if !data.has_both_uncertainties() {
+        multiplied.settle(&fits);
+    }
+    if multiplied.measured_rms() < FAR_FROM_NOISE * multiplied.basis.sigma_um {
+        return None;
+    }
+    let stands = |(fault, fit): &(&Fault, Fit)| multiplied.stands(fit) && fault.is_plausible(fit);
+    let mut found: Vec<&Fault> = (faults.iter().zip(fits).filter(stands))
+        .map(|(fault, _)| fault)
+        .collect();
+    found.sort_by_key(|fault| fault.rank());
+    found.first().map(|fault| fault.kind())
+}
+
+fn quantile(probability: f64, freedom: f64) -> f64 {
+    ChiSquared::new(freedom).map_or(f64::INFINITY, |spread| spread.inverse_cdf(probability))
+}

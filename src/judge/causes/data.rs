@@ -1,0 +1,438 @@
+//! The values of the second measurement, their weights, and the misfit of a fault.
+
+use super::fault::{Fault, Planned};
+use super::question::Question;
+use super::{RISK, quantile};
+use crate::judge::after::{Observation, Part};
+use crate::machine::model::MeasuredTerm;
+use crate::quantity::axis::ErrorTerm;
+use crate::quantity::units::{Squared, larger, smaller};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+use std::collections::BTreeMap;
+
+/// What no laser resolves, µm.
+const SMALLEST_UM: f64 = 0.01;
+/// Where no uncertainty is stated, the scatter about the best explanation is taken, up to this
+/// share of what the tables add: more would explain nothing.
+const MOST_SCATTER: f64 = 0.1;
+
+/// Fewer second differences tell no scatter.
+const FEWEST_DIFFERENCES: f64 = 8.0;
+/// Neighbouring second differences share values, and a median knows less than a mean: so many make
+/// one degree of freedom.
+const DIFFERENCES_OF_A_FREEDOM: f64 = 4.0;
+/// Median of |deviate| of a normal distribution.
+const NORMAL_MEDIAN: f64 = 0.674_5;
+/// √6, standard deviation of a second difference of independent deviates.
+const SECOND_DIFFERENCE: f64 = 2.449_489_742_783_178;
+
+/// What the comparison rests on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Basis {
+    /// Values that were compared.
+    pub values: usize,
+    /// Curves (or passes) they stand on: the degrees of freedom.
+    pub curves: usize,
+    /// Root mean square of σ, µm.
+    pub sigma_um: f64,
+    /// Where σ comes from.
+    pub words: String,
+}
+
+/// A fault, fitted.
+#[derive(Clone, Debug)]
+pub(super) struct Fit {
+    pub(super) fitted: Vec<f64>,
+    /// Predicted values, µm, less their own zeros.
+    predicted_um: Vec<f64>,
+    residuals_um: Vec<f64>,
+}
+
+impl Fit {
+    /// Largest difference of two predictions, µm.
+    pub(super) fn differs_from(&self, other: &Fit) -> f64 {
+        let pairs = self.predicted_um.iter().zip(&other.predicted_um);
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+}
+
+/// The values with everything that does not depend on the fault.
+pub(super) struct Data<'a> {
+    pub(super) question: &'a Question<'a>,
+    pub(super) basis: Basis,
+    pub(super) measured_um: Vec<f64>,
+    pub(super) found_um: Vec<f64>,
+    planned: Vec<Vec<Planned>>,
+    pub(super) sigma_um: Vec<f64>,
+    zeros: usize,
+}
+
+impl<'a> Data<'a> {
+    pub(super) fn new(question: &'a Question<'a>) -> Data<'a> {
+        let seen = question.seen;
+        let planned = |part: &Part| Planned {
+            tables: question
+                .control
+                .tables_um(part.term, part.direction, part.at),
+            constant: question.control.constant_um(part.term, part.direction),
+        };
+        let mut curves: Vec<usize> = seen.iter().map(|o| o.curve).collect();
+        curves.sort_unstable();
+        curves.dedup();
+        let (sigma_um, words) = sigmas(question);
+        Data {
+            question,
+            basis: Basis {
+                values: seen.len(),
+                curves: curves.len(),
+                sigma_um: root_mean_square(&sigma_um),
+                words,
+            },
+            measured_um: seen.iter().map(|o| o.um).collect(),
+            found_um: seen
+                .iter()
+                .map(|o| question.found_um(o).unwrap_or(0.0))
+                .collect(),
+            planned: seen
+                .iter()
+                .map(|o| o.parts.iter().map(planned).collect())
+                .collect(),
+            sigma_um,
+            zeros: seen.iter().map(|o| o.zero + 1).max().unwrap_or(0),
+        }
+    }
+
+    /// Whether both measurements state an uncertainty.
+    pub(super) fn has_both_uncertainties(&self) -> bool {
+        let after = self.question.seen.iter().all(|o| o.u_um.is_some());
+        let stated = |o: &Observation| found_variance(self.question, o) > 0.0;
+        after && self.question.seen.iter().all(stated)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.measured_um.is_empty()
+    }
+
+    /// Where an uncertainty is not stated: the scatter between neighbours about the best
+    /// explanation, which a fault of any smooth shape leaves out; with few values the root mean square.
+    pub(super) fn settle(&mut self, fits: &[Fit]) {
+        let forecast = self.fit(&Fault::None);
+        let floor = floor_um(self.question);
+        let (least, what) = match self.least_scatter(fits, &forecast) {
+            // Noise that is larger than the errors as found is no noise.
+            Some(um) => {
+                let most = larger(self.found_rms(), floor);
+                (smaller(um, most), "the scatter between neighbouring values")
+            }
+            None => {
+                let all = fits.iter().chain([&forecast]);
+                (self.bounded_rms(all, floor), "the scatter")
+            }
+        };
+        let sigma = larger(least, floor);
+        self.sigma_um = self
+            .sigma_um
+            .iter()
+            .map(|own| larger(*own, sigma))
+            .collect();
+        self.basis.sigma_um = root_mean_square(&self.sigma_um);
+        let unstated = match self.basis.words.is_empty() {
+            true => "no uncertainty is stated".to_string(),
+            false => format!("at least {}", self.basis.words),
+        };
+        self.basis.words = format!(
+            "{unstated}: {sigma:.3} µm is taken, {what} about the best explanation, at least half a count and what the forecast leaves ({floor:.3} µm)"
+        );
+    }
+
+    /// Scatter about the forecast, µm; about the best explanation where that is smaller by more than
+    /// chance (F at [`RISK`]). `None` = too few values.
+    fn least_scatter(&self, fits: &[Fit], forecast: &Fit) -> Option<f64> {
+        let (own, count) = self.scatter(forecast)?;
+        let by_rms = |a: &&Fit, b: &&Fit| self.rms(a).total_cmp(&self.rms(b));
+        let best = fits.iter().min_by(by_rms).and_then(|fit| self.scatter(fit));
+        let best = best.map_or(own, |(um, _)| um);
+        let freedom = count / DIFFERENCES_OF_A_FREEDOM;
+        let ratio = FisherSnedecor::new(freedom, freedom).ok()?;
+        let by_chance = ratio.inverse_cdf(1.0 - RISK).sqrt();
+        let sigma = if own > by_chance * best { best } else { own };
+        let student = StudentsT::new(0.0, 1.0, freedom).ok()?;
+        let widened = student.inverse_cdf(1.0 - RISK / 2.0);
+        Some(sigma * widened / quantile(1.0 - RISK, 1.0).sqrt())
+    }
+
+    /// Least root mean square of the fits, up to a share of what the tables add, µm.
+    fn bounded_rms<'b>(&self, fits: impl Iterator<Item = &'b Fit>, floor: f64) -> f64 {
+        let best = fits.map(|fit| self.rms(fit)).fold(f64::INFINITY, smaller);
+        let planned = self.effects(&Fault::None, &[]);
+        let most = MOST_SCATTER * root_mean_square(&self.less_zeros(&planned));
+        best.clamp(floor, larger(most, floor))
+    }
+
+    /// σ of independent noise from second differences of what a fit leaves along each curve, µm, and
+    /// their number; `None` = too few.
+    ///
+    /// formula  σ = median |r(i−1) − 2 r(i) + r(i+1)| / (0.6745·√6): a few wild values do not move it
+    fn scatter(&self, fit: &Fit) -> Option<(f64, f64)> {
+        let mut curves: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for (observation, left, _) in self.left(fit) {
+            curves.entry(observation.curve).or_default().push(left);
+        }
+        let second = |w: &[f64]| (w[0] - 2.0 * w[1] + w[2]).abs();
+        let windows = curves.values().flat_map(|curve| curve.windows(3));
+        let mut sizes: Vec<f64> = windows.map(second).collect();
+        sizes.sort_by(f64::total_cmp);
+        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
+        let count = sizes.len() as f64;
+        let median = *sizes.get(sizes.len() / 2)?;
+        let sigma = median / NORMAL_MEDIAN / SECOND_DIFFERENCE;
+        (count >= FEWEST_DIFFERENCES).then_some((sigma, count))
+    }
+
+    /// The same with the second measurement in another unit; its u is that of the values, or
+    /// (`u_times` = 1) right as it stands.
+    pub(super) fn in_another_unit(&self, times: f64, u_times: f64) -> Data<'a> {
+        let found = |o: &Observation| found_variance(self.question, o);
+        let seen = self.question.seen.iter();
+        let sigma = |o: &Observation| {
+            let u = o.u_um.unwrap_or(0.0) * u_times;
+            (u * u + found(o) + rounding_variance(self.question)).sqrt()
+        };
+        Data {
+            question: self.question,
+            basis: self.basis.clone(),
+            measured_um: self.measured_um.iter().map(|um| um * times).collect(),
+            found_um: self.found_um.clone(),
+            planned: self.planned.clone(),
+            sigma_um: seen.map(sigma).collect(),
+            zeros: self.zeros,
+        }
+    }
+
+    /// Largest value measured afterwards by the largest as found.
+    pub(super) fn times_found(&self) -> f64 {
+        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, um| most.max(um.abs()));
+        largest(&self.measured_um) / largest(&self.found_um).max(SMALLEST_UM)
+    }
+
+    /// Root mean square of what was measured afterwards, less its zeros, µm.
+    pub(super) fn measured_rms(&self) -> f64 {
+        root_mean_square(&self.less_zeros(&self.measured_um))
+    }
+
+    /// Root mean square of what was found, less its zeros, µm.
+    pub(super) fn found_rms(&self) -> f64 {
+        root_mean_square(&self.less_zeros(&self.found_um))
+    }
+
+    pub(super) fn effects(&self, fault: &Fault, fitted: &[f64]) -> Vec<f64> {
+        let of = |(observation, planned): (&Observation, &Vec<Planned>)| {
+            let parts = observation.parts.iter().zip(planned);
+            parts
+                .map(|(part, planned)| {
+                    part.weight * fault.effect(self.question, fitted, part, *planned)
+                })
+                .sum()
+        };
+        self.question
+            .seen
+            .iter()
+            .zip(&self.planned)
+            .map(of)
+            .collect()
+    }
+
+    pub(super) fn evaluated(&self, fault: &Fault, fitted: Vec<f64>) -> Fit {
+        let effects = self.effects(fault, &fitted);
+        let predicted: Vec<f64> = effects
+            .iter()
+            .zip(&self.found_um)
+            .map(|(a, b)| a + b)
+            .collect();
+        let left: Vec<f64> = self
+            .measured_um
+            .iter()
+            .zip(&predicted)
+            .map(|(a, b)| a - b)
+            .collect();
+        Fit {
+            fitted,
+            predicted_um: self.less_zeros(&predicted),
+            residuals_um: self.less_zeros(&left),
+        }
+    }
+
+    /// Values less the weighted mean of those that count from the same zero.
+    pub(super) fn less_zeros(&self, values: &[f64]) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.zeros];
+        for ((observation, sigma), value) in
+            self.question.seen.iter().zip(&self.sigma_um).zip(values)
+        {
+            let weight = 1.0 / (sigma * sigma);
+            let sum = &mut sums[observation.zero];
+            *sum = (sum.0 + weight * value, sum.1 + weight);
+        }
+        let seen = self.question.seen.iter().zip(values);
+        seen.map(|(o, value)| value - sums[o.zero].0 / sums[o.zero].1)
+            .collect()
+    }
+
+    /// Σ (residual/σ)².
+    pub(super) fn square(&self, fit: &Fit) -> f64 {
+        let pairs = fit.residuals_um.iter().zip(&self.sigma_um);
+        pairs.map(|(left, sigma)| (left / sigma).squared()).sum()
+    }
+
+    /// Sum over the curves of the mean squared residual over σ²; that of chi-squared with as many
+    /// degrees of freedom as curves where the points of a curve move together.
+    pub(super) fn score(&self, fit: &Fit) -> f64 {
+        self.by_curve(fit, |_| true).into_iter().sum()
+    }
+
+    fn by_curve(&self, fit: &Fit, of: impl Fn(&Observation) -> bool) -> Vec<f64> {
+        let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+        for (observation, left, sigma) in self.left(fit).filter(|(o, ..)| of(o)) {
+            let sum = sums.entry(observation.curve).or_default();
+            *sum = (sum.0 + (left / sigma).squared(), sum.1 + 1.0);
+        }
+        sums.into_values()
+            .map(|(square, count)| square / count)
+            .collect()
+    }
+
+    /// Observations with what a fit leaves of them and their σ, µm.
+    fn left<'b>(&'b self, fit: &'b Fit) -> impl Iterator<Item = (&'b Observation, f64, f64)> {
+        let seen = self.question.seen.iter();
+        let values = seen.zip(&fit.residuals_um).zip(&self.sigma_um);
+        values.map(|((observation, left), sigma)| (observation, *left, *sigma))
+    }
+
+    /// Whether a fit is not rejected: all curves together, each by itself, and the two values of
+    /// one zero that lie farthest apart.
+    pub(super) fn stands(&self, fit: &Fit) -> bool {
+        not_rejected(&self.by_curve(fit, |_| true)) && self.no_two_values_apart(fit, |_| true)
+    }
+
+    /// The same for the curves of one term.
+    pub(super) fn stands_alone(&self, fit: &Fit, term: ErrorTerm) -> bool {
+        not_rejected(&self.by_curve(fit, |o| o.is_of(term)))
+            && self.no_two_values_apart(fit, |o| o.is_of(term))
+    }
+
+    /// A slope, a step or one bad place is diluted in the mean of a curve: so no two values that
+    /// count from one zero may differ from the prediction by more than their σ allows, at
+    /// [`RISK`] shared by all pairs (Bonferroni).
+    fn no_two_values_apart(&self, fit: &Fit, of: impl Fn(&Observation) -> bool) -> bool {
+        let mut groups: BTreeMap<usize, Vec<(f64, f64)>> = BTreeMap::new();
+        for (observation, left, sigma) in self.left(fit).filter(|(o, ..)| of(o)) {
+            let group = groups.entry(observation.zero).or_default();
+            group.push((left, sigma));
+        }
+        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
+        let pairs = |group: &Vec<(f64, f64)>| (group.len() * group.len()) as f64 / 2.0;
+        let limit = quantile(1.0 - RISK / groups.values().map(pairs).sum::<f64>(), 1.0);
+        groups.values().all(|group| {
+            let by_left = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
+            let ends = (group.iter().min_by(by_left), group.iter().max_by(by_left));
+            let (Some(low), Some(high)) = ends else {
+                return true;
+            };
+            (high.0 - low.0).squared() <= limit * (low.1.squared() + high.1.squared())
+        })
+    }
+
+    /// Where a term lies farthest off the forecast, zero at the reference like the page; `None` =
+    /// not measured by itself.
+    pub(super) fn farthest_off(&self, term: ErrorTerm) -> Option<(f64, &Observation)> {
+        let planned = self.effects(&Fault::None, &[]);
+        let expected = self.found_um.iter().zip(planned).map(|(a, b)| a + b);
+        let off = self.measured_um.iter().zip(expected).map(|(a, b)| a - b);
+        let of_term = off.zip(self.question.seen).filter(|(_, o)| o.is_of(term));
+        of_term.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
+    }
+
+    /// Terms that were measured by themselves.
+    pub(super) fn single_terms(&self) -> Vec<ErrorTerm> {
+        let seen = |term: &ErrorTerm| self.question.seen.iter().any(|o| o.is_of(*term));
+        ErrorTerm::ALL.into_iter().filter(seen).collect()
+    }
+
+    /// Root mean square of what a fit leaves of one term, µm.
+    pub(super) fn rms_of(&self, fit: &Fit, term: ErrorTerm) -> f64 {
+        let seen = self.question.seen.iter().zip(&fit.residuals_um);
+        let of_term = seen.filter(|(o, _)| o.is_of(term));
+        root_mean_square(&of_term.map(|(_, um)| *um).collect::<Vec<f64>>())
+    }
+
+    /// Root mean square of what a fit leaves, µm.
+    pub(super) fn rms(&self, fit: &Fit) -> f64 {
+        root_mean_square(&fit.residuals_um)
+    }
+}
+
+fn not_rejected(curves: &[f64]) -> bool {
+    #[allow(clippy::cast_precision_loss, reason = "a handful of curves")]
+    let count = curves.len() as f64;
+    let each = quantile(1.0 - RISK / count.max(1.0), 1.0);
+    let together: f64 = curves.iter().sum();
+    together <= quantile(1.0 - RISK, count) && curves.iter().all(|mean| *mean <= each)
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
+    let count = values.len().max(1) as f64;
+    (values.iter().map(|v| v * v).sum::<f64>() / count).sqrt()
+}
+
+fn floor_um(question: &Question<'_>) -> f64 {
+    (question.count_um / 2.0)
+        .hypot(question.forecast_um)
+        .max(SMALLEST_UM)
+}
+
+/// Σ (weight · u as found)² over the errors that a value sees; parts of one term move together.
+fn found_variance(question: &Question<'_>, observation: &Observation) -> f64 {
+    let of = |term: ErrorTerm| {
+        let parts = observation.parts.iter().filter(|part| part.term == term);
+        let weight: f64 = parts.map(|part| part.weight).sum();
+        let u = question.before.terms[term]
+            .as_ref()
+            .and_then(MeasuredTerm::u_value_um);
+        (weight * u.unwrap_or(0.0)).squared()
+    };
+    ErrorTerm::ALL.into_iter().map(of).sum()
+}
+
+/// Table values are whole counts, spread evenly over one.
+fn rounding_variance(question: &Question<'_>) -> f64 {
+    question.count_um * question.count_um / 12.0 + SMALLEST_UM * SMALLEST_UM
+}
+
+/// σ of every value, and where it comes from.
+fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
+    let rounding = rounding_variance(question);
+    let sigma = |o: &Observation| {
+        let found = found_variance(question, o);
+        let left = o.u_um.map_or(found, |u| u * u);
+        let found = if found > 0.0 { found } else { left };
+        (left + found + rounding).sqrt()
+    };
+    let found = question
+        .before
+        .measured()
+        .any(|(_, m)| m.u_value_um().is_some());
+    let left = question.seen.iter().any(|o| o.u_um.is_some());
+    let words = match (found, left) {
+        (true, true) => "u of both measurements".to_string(),
+        (false, true) => {
+            "u of the second measurement; that of the first is not stated and taken as the same"
+                .to_string()
+        }
+        (true, false) => {
+            "u of the first measurement; that of the second is not stated and taken as the same"
+                .to_string()
+        }
+        (false, false) => String::new(),
+    };
+    (question.seen.iter().map(sigma).collect(), words)
+}

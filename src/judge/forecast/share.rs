@@ -1,0 +1,148 @@
+//! Over which part of each axis a verdict is passed, and how much of it was measured.
+
+use crate::inputs::job::Job;
+use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::units::{Millimetres, larger};
+
+/// Share of a judged range that has to be measured before a limit counts as kept: the offset
+/// targets of an acceptance test stay clear of the ends by half a step or so.
+const COVERED: f64 = 0.9;
+/// Of the judged range: between places farther apart nothing is known.
+const WIDEST_GAP: f64 = 0.5;
+/// Positions of inch targets are rounded.
+const ROUNDING: f64 = 1.0 + 1e-6;
+/// From here on a share is called the whole.
+const WHOLE: f64 = 0.995;
+
+type Range = (Millimetres, Millimetres);
+
+/// The part of an axis that is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JudgedRange {
+    /// The axis.
+    pub axis: Axis,
+    /// What is judged: as `[acceptance]` states it, else the travel.
+    pub judged: Range,
+    /// Whether `[acceptance]` states it.
+    pub is_stated: bool,
+    /// From where to where was measured.
+    pub measured: Range,
+    /// How much of the judged range lies between measured places that are near enough, 0 to 1.
+    pub share: f64,
+    /// Largest distance of two neighbouring places, mm.
+    pub gap_mm: f64,
+}
+
+/// The judged range of every axis along which a term was measured.
+pub fn judged_ranges(job: &Job, model: &ErrorModel) -> Vec<JudgedRange> {
+    let along = |axis: &Axis| model.measured().any(|(term, _)| term.along == *axis);
+    let axes = Axis::ALL.into_iter().filter(along);
+    let ranges = axes.filter_map(|axis| {
+        let own = model.measured().filter(|(term, _)| term.along == axis);
+        let curves = own.flat_map(|(_, measured)| measured.curves());
+        let each = curves.filter_map(|curve| range_of(job, axis, curve.knots()));
+        each.min_by(|a, b| a.share.total_cmp(&b.share))
+    });
+    ranges.collect()
+}
+
+/// The judged range of an axis that was measured at these places, in ascending order.
+pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<JudgedRange> {
+    let machine = job.machine.axes[axis]?;
+    let stated = job.acceptance.range[axis];
+    let judged = stated.unwrap_or((machine.low, machine.high));
+    let whole = (judged.1 - judged.0).mm();
+    let gaps = || places.windows(2).map(|pair| (pair[1] - pair[0]).mm());
+    let near = |pair: &&[Millimetres]| (pair[1] - pair[0]).mm() <= WIDEST_GAP * ROUNDING * whole;
+    let common = |pair: &[Millimetres]| {
+        let (low, high) = super::within(judged, Some((pair[0], pair[1])));
+        larger((high - low).mm(), 0.0)
+    };
+    Some(JudgedRange {
+        axis,
+        judged,
+        is_stated: stated.is_some(),
+        measured: (*places.first()?, *places.last()?),
+        share: places
+            .windows(2)
+            .filter(near)
+            .map(common)
+            .fold(0.0, |a, b| a + b)
+            / whole,
+        gap_mm: gaps().fold(0.0, larger),
+    })
+}
+
+impl JudgedRange {
+    /// Whether enough of it was measured for a verdict.
+    pub fn is_known(&self) -> bool {
+        self.share >= COVERED
+    }
+
+    /// Why the verdict is undecided, in a sentence; `None` = enough was measured.
+    pub fn missing(&self) -> Option<String> {
+        let (from, to) = (self.measured.0.mm(), self.measured.1.mm());
+        let (low, high) = (self.judged.0.mm(), self.judged.1.mm());
+        let (axis, key) = (self.axis, self.axis.key());
+        let what = match self.is_stated {
+            true => "of the range to be judged",
+            false => "of its travel",
+        };
+        let help = match self.is_stated {
+            true => "measure the rest".to_string(),
+            false => format!(
+                "measure the rest, or state the range to be judged in [acceptance], e.g. `range_mm = {{ {key} = [{from}, {to}] }}`"
+            ),
+        };
+        (!self.is_known()).then(|| {
+            format!(
+                "{axis} was measured from {from} to {to} mm at places up to {} mm apart, {} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}",
+                shown(self.gap_mm),
+                percent(self.share)
+            )
+        })
+    }
+}
+
+fn shown(mm: f64) -> String {
+    let text = format!("{mm:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+fn percent(share: f64) -> String {
+    match share * 100.0 {
+        small if small > 0.0 && small < 1.0 => "less than 1 %".to_string(),
+        percent => format!("{percent:.0} %"),
+    }
+}
+
+/// On which part of the machine a verdict rests, for its line.
+pub(super) fn words(ranges: &[JudgedRange]) -> String {
+    let whole = |range: &JudgedRange| range.share >= WHOLE;
+    let gap = ranges.iter().map(|range| range.gap_mm).fold(0.0, larger);
+    let gap = format!(", places up to {} mm apart", shown(gap));
+    if ranges.iter().all(|range| whole(range) && !range.is_stated) {
+        return format!("over the whole travel{gap}");
+    }
+    let one = |range: &JudgedRange| {
+        let (low, high) = (range.judged.0.mm(), range.judged.1.mm());
+        let share = percent(range.share);
+        match (range.is_stated, whole(range)) {
+            (true, true) => format!("{} from {low} to {high} mm", range.axis),
+            (true, false) => format!("{share} of {} from {low} to {high} mm", range.axis),
+            (false, _) => format!("{share} of the travel of {}", range.axis),
+        }
+    };
+    let all: Vec<String> = ranges.iter().map(one).collect();
+    format!("over {}{gap}", all.join(", "))
+}
+
+/// The stated ranges; `None` = all that was measured is judged.
+pub(super) fn stated(ranges: &[JudgedRange]) -> PerAxis<Option<Range>> {
+    PerAxis::from_fn(|axis| {
+        let own = ranges.iter().find(|r| r.axis == axis && r.is_stated)?;
+        let (low, high) = super::within(own.measured, Some(own.judged));
+        (low < high).then_some(own.judged)
+    })
+}

@@ -1,0 +1,131 @@
+//! What a forecast, or an as-left measurement, says of the acceptance, in words.
+
+use super::{DiagonalForecast, Forecast, TermForecast, share};
+use crate::inputs::job::Acceptance;
+use crate::judge::conformity::{Verdict, expanded_um};
+use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::quantity::units::larger;
+
+/// So many terms are named one by one.
+const FEW: usize = 3;
+
+/// One figure against its limit.
+struct Judged {
+    name: String,
+    um: f64,
+    expanded_um: Option<f64>,
+    limit_um: f64,
+    verdict: Verdict,
+}
+
+impl Judged {
+    /// `None` where the limit is kept.
+    fn miss(&self) -> Option<String> {
+        let expanded = match self.expanded_um {
+            None => "U not stated".to_string(),
+            Some(um) => format!("U = {um:.3} µm"),
+        };
+        (self.verdict != Verdict::Pass).then(|| {
+            format!(
+                "{}{:.3} µm ({expanded}), the limit is {} µm: {}",
+                self.name,
+                self.um,
+                self.limit_um,
+                self.verdict.word()
+            )
+        })
+    }
+}
+
+impl Forecast {
+    /// Why the acceptance is not kept for sure, one sentence each.
+    pub fn misses(&self, acceptance: Acceptance) -> Vec<String> {
+        let terms = acceptance.max_deviation_um.iter();
+        let terms = terms.flat_map(|limit| self.terms_missing(*limit));
+        let diagonals = acceptance.max_diagonal_um.iter();
+        let diagonals = diagonals.flat_map(|limit| self.diagonals_missing(*limit));
+        let asked = !acceptance.asks_nothing();
+        let ranges = self.ranges.iter().filter(|_| asked);
+        let ranges = ranges.filter_map(share::JudgedRange::missing);
+        terms.chain(diagonals).chain(ranges).collect()
+    }
+
+    fn terms_missing(&self, limit_um: f64) -> Vec<String> {
+        let one = |term: &TermForecast| Judged {
+            name: format!("{} leaves ", term.term),
+            um: term.after_um,
+            expanded_um: term.expanded_um,
+            limit_um,
+            verdict: self.judge(&term.figures, limit_um),
+        };
+        let all = Judged {
+            name: "all terms together leave ".to_string(),
+            um: self.max_residual_um(),
+            expanded_um: self.max_expanded_um(),
+            limit_um,
+            verdict: self.judge(&self.figures(), limit_um),
+        };
+        singly_or_together(self.terms.iter().map(one), &all)
+    }
+
+    fn diagonals_missing(&self, limit_um: f64) -> Vec<String> {
+        let one = |diagonal: &DiagonalForecast| Judged {
+            name: format!("diagonal {} leaves ", diagonal.name),
+            um: diagonal.after_um,
+            expanded_um: diagonal.expanded_um,
+            limit_um,
+            verdict: self.judge_diagonals(&[diagonal], limit_um),
+        };
+        let diagonals: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
+        if diagonals.is_empty() {
+            return Vec::new();
+        }
+        let halves: Vec<_> = diagonals.iter().flat_map(|d| d.halves.clone()).collect();
+        let um = diagonals.iter().map(|d| d.after_um).fold(0.0, larger);
+        let stated = diagonals.iter().any(|d| d.u_um.is_some());
+        let all = Judged {
+            name: "the diagonals together leave ".to_string(),
+            um,
+            expanded_um: stated.then(|| 2.0 * expanded_um(&halves, self.sigma)),
+            limit_um,
+            verdict: self.judge_diagonals(&diagonals, limit_um),
+        };
+        singly_or_together(self.diagonals.iter().map(one), &all)
+    }
+
+    /// On which part of the machine the verdict rests, e.g. `over the whole travel`.
+    pub fn range_words(&self) -> String {
+        share::words(&self.ranges)
+    }
+
+    /// What no figure holds because an axis was not measured both ways; `None` = all were.
+    pub fn directions_words(&self) -> Option<String> {
+        let ways: Vec<Option<Direction>> = self.terms.iter().filter_map(|t| t.one_way).collect();
+        let only = |way: Direction| !ways.is_empty() && ways.iter().all(|w| *w == Some(way));
+        match Direction::BOTH.into_iter().find(|way| only(*way)) {
+            Some(way) => Some(format!("moving {way} only")),
+            None if ways.is_empty() => None,
+            None => Some("reversal not measured".to_string()),
+        }
+    }
+
+    /// Which terms a verdict speaks of: never more than were measured.
+    pub fn terms_words(&self) -> String {
+        let names: Vec<String> = self.terms.iter().map(|t| t.term.to_string()).collect();
+        match names.as_slice() {
+            [one] => one.clone(),
+            few if few.len() <= FEW => format!("each of {}", few.join(", ")),
+            all if all.len() == ErrorTerm::ALL.len() => "every term".to_string(),
+            some => format!("each of the {} measured terms", some.len()),
+        }
+    }
+}
+
+/// The figures that miss a limit by themselves; where none does, whether all together do.
+fn singly_or_together(each: impl Iterator<Item = Judged>, all: &Judged) -> Vec<String> {
+    let missing: Vec<String> = each.filter_map(|judged| judged.miss()).collect();
+    match missing.is_empty() {
+        true => all.miss().into_iter().collect(),
+        false => missing,
+    }
+}

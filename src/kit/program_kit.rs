@@ -1,0 +1,271 @@
+//! The programs of a measuring run from end to end, in memory: plan → text → read back → walk.
+//!
+//! What is written later is exactly `ProgramKit::files`. Before that, the bytes were read by code
+//! that shares nothing with the templates and walked: every commanded point in the travel, every
+//! node in order, a standstill at each, every axis arriving in the direction of its pass.
+
+use crate::control::claims::{Assumption, Precondition};
+use crate::control::controller::program::{Language, ProgramFacts};
+use crate::control::controller::{Evidence, Profile};
+use crate::inputs::job::{Job, ProgramRequest};
+use crate::kit::manifest::{self, HashedFile, SCHEMA};
+use crate::kit::program_positions;
+use crate::kit::sha256;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::read::readback::program::positions::{
+    self as readback_positions, Position, form_differences,
+};
+use crate::read::readback::program::walk::{Bounds, Walked, walk};
+use crate::read::readback::program::{Cancelled, OwnWords, read};
+use crate::text::problem::{Problem, Problems};
+use crate::write::emit::program::{FileRole, ProgramFile, positions, programs, readings_to_fill};
+use crate::write::emit::{TOOL, other_letters};
+use crate::write::program::{MeasuringRun, MirrorSize, RunTask, SetUpProgram, plan};
+use serde_json::{Value, json};
+
+/// Programs and positions of a run, judged.
+#[derive(Clone, Debug)]
+pub struct ProgramKit {
+    /// What was planned.
+    pub run: MeasuringRun,
+    /// What the job asks for.
+    pub request: ProgramRequest,
+    /// The programs, the positions, the readings to be filled in.
+    pub files: Vec<ProgramFile>,
+    /// Facts of the profile that nobody has shown yet.
+    pub assumptions: Vec<Assumption>,
+    /// What a person has to see to.
+    pub preconditions: Vec<Precondition>,
+    /// The document of `manifest.json` and of `--format json`.
+    pub manifest: Value,
+}
+
+impl ProgramKit {
+    /// The bytes of `manifest.json`.
+    pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
+        Ok(manifest::bytes_of_kit(&self.manifest)?)
+    }
+}
+
+/// Makes and judges the programs that a job asks for.
+pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<ProgramKit, Problems> {
+    let task = RunTask::of(job, profile)?;
+    let mut run = plan(task)?;
+    run.notes.extend(other_letters(job, &profile.name));
+    let mut files = programs(task, &run)?;
+    files.push(positions(&run));
+    files.extend(readings_to_fill(&run));
+    let walked = judge(task, &files)?;
+    let mut kit = ProgramKit {
+        request: task.request.clone(),
+        assumptions: assumptions(task),
+        preconditions: preconditions(task.facts, &walked),
+        manifest: Value::Null,
+        run,
+        files,
+    };
+    kit.manifest = manifest(profile, &kit, inputs);
+    Ok(kit)
+}
+
+/// Reads bytes back and walks them, whoever made them; what is wrong comes all at once.
+pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Problems> {
+    let mut problems = Problems::none();
+    let of_role = |role: FileRole| files.iter().filter(move |file| file.role == role);
+    let rows = match of_role(FileRole::Positions).next() {
+        Some(file) => readback_positions::read(&file.path, &file.bytes)?,
+        None => Vec::new(),
+    };
+    let digit_mm = task.resolution().digit_mm();
+    let mut wrong = program_positions::differences(&rows, task.request, digit_mm);
+    let forms: Vec<&[u8]> = of_role(FileRole::Readings)
+        .map(|f| f.bytes.as_slice())
+        .collect();
+    wrong.extend(form_differences(&rows, &forms));
+    let programs: Vec<&ProgramFile> = of_role(FileRole::Program).collect();
+    let set_ups = by_set_up(&rows);
+    if programs.len() != set_ups.len() {
+        let (programs, set_ups) = (programs.len(), set_ups.len());
+        wrong.push(format!(
+            "{programs} programs for {set_ups} set-ups of the laser"
+        ));
+    }
+    for words in wrong {
+        problems.push(Problem::new(words).help("nothing was written"));
+    }
+    let bounds = bounds(task.job, task.request, digit_mm);
+    let mut walked = Vec::new();
+    for (file, rows) in programs.into_iter().zip(set_ups) {
+        walked.extend(problems.take(walk_file(task.facts, file, rows, &bounds)));
+    }
+    problems.or_ok(walked)
+}
+
+fn walk_file(
+    facts: &ProgramFacts,
+    file: &ProgramFile,
+    rows: &[Position],
+    bounds: &Bounds,
+) -> Result<Walked, Problems> {
+    let words = OwnWords {
+        letters: &facts.axis_letters.value,
+        seconds: facts.dwell_address(),
+    };
+    let steps = read(facts.language, &words, &file.path, &file.bytes)?;
+    let text = String::from_utf8_lossy(&file.bytes);
+    walk((&file.path, &text), &steps, rows, bounds)
+}
+
+fn bounds(job: &Job, request: &ProgramRequest, digit_mm: f64) -> Bounds {
+    Bounds {
+        travel: PerAxis::from_fn(|axis| {
+            let travel = job.machine.axes[axis];
+            travel.map_or((0.0, 0.0), |axis| (axis.low.mm(), axis.high.mm()))
+        }),
+        max_feed: PerAxis::from_fn(|axis| job.machine.axes[axis].and_then(|axis| axis.max_feed)),
+        dwell_s: request.dwell_s,
+        digit_mm,
+        overrun: request.overrun.mm() > 0.0,
+    }
+}
+
+/// The rows of each program: neighbours of one diagonal or axis.
+fn by_set_up(rows: &[Position]) -> Vec<&[Position]> {
+    rows.chunk_by(|a, b| a.of == b.of).collect()
+}
+
+fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
+    let RunTask { facts, request, .. } = task;
+    let unit = task.resolution().unit;
+    let assumed = facts
+        .statements_of(unit)
+        .filter(|s| s.evidence == Evidence::Assumed);
+    let mut list: Vec<Assumption> = assumed
+        .map(|s| {
+            Assumption::of_job(
+                format!("program.{}", s.fact),
+                s.value.clone(),
+                s.consequence.clone().unwrap_or_default(),
+            )
+        })
+        .collect();
+    if facts.language == Language::Fanuc {
+        list.push(Assumption::of_job(
+            "program.number",
+            format!("O{:04} and those that follow are free", request.number_of(0)),
+            "the control refuses to load a number that exists, or overwrites that program: state `number` in [program]",
+        ));
+    }
+    list
+}
+
+/// Evidence of what no manual at hand was read for.
+const FROM_MEMORY: &str = "assumed: from memory, not in the manuals read";
+
+fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
+    let mut list = vec![
+        Precondition::new(
+            "all axes",
+            "referenced",
+            "machine coordinates exist only after the reference return",
+            "docs/program.md §3",
+        ),
+        Precondition::new(
+            "tool offset",
+            "none active before cycle start",
+            "cancelling it could move an axis",
+            "docs/program.md §3",
+        ),
+    ];
+    if facts.language == Language::Siemens {
+        list.push(Precondition::new(
+            "basic frames and DRF offset",
+            "no rotation, scaling or mirroring; DRF off",
+            "increments follow a rotated, scaled or mirrored frame",
+            "docs/program.md §3",
+        ));
+    }
+    if facts.language == Language::Fanuc {
+        list.push(Precondition::new(
+            "mirror image of the machine",
+            "off for every axis, by setting (0012#0) and by signal",
+            "G50.1 cancels the programmed mirror image only; under another one increments go the wrong way",
+            FROM_MEMORY,
+        ));
+        list.push(Precondition::new(
+            "manual handle interruption",
+            "none, or cancelled (reference return) before cycle start",
+            "G91 counts from the commanded position: what the handle added shifts every node",
+            FROM_MEMORY,
+        ));
+    }
+    let wanted = [
+        (Cancelled::Rotation, "rotation"),
+        (Cancelled::Scaling, "scaling"),
+        (Cancelled::Mirroring, "mirroring"),
+    ];
+    for (what, name) in wanted {
+        if !walked.iter().all(|walked| walked.cancelled.contains(&what)) {
+            list.push(Precondition::new(
+                name,
+                "off",
+                "the profile's `cancel` does not switch it off",
+                "facts of [program] in the profile",
+            ));
+        }
+    }
+    list
+}
+
+fn manifest(profile: &Profile, kit: &ProgramKit, inputs: &[HashedFile]) -> Value {
+    let (run, request) = (&kit.run, &kit.request);
+    let readings: usize = run.programs.iter().map(|p| p.readings.len()).sum();
+    let files: Vec<Value> = kit
+        .files
+        .iter()
+        .enumerate()
+        .map(|(index, file)| file_json(file, run.programs.get(index)))
+        .collect();
+    let reach = Axis::ALL.into_iter().filter_map(|axis| {
+        let (low, high) = run.reach_mm(axis)?;
+        Some((axis.key().to_string(), json!([low, high])))
+    });
+    json!({
+        "schema": SCHEMA,
+        "tool": TOOL,
+        "controller": profile.id,
+        "what": request.what.word(),
+        "unit": run.resolution.unit.word(),
+        "overrun": request.runs_over(),
+        "inputs": inputs,
+        "files": files,
+        "readings": readings,
+        "duration_s": run.duration_s(request).round(),
+        "reach_mm": reach.collect::<serde_json::Map<_, _>>(),
+        "mirror_mm": run.mirror.map(mirror),
+        "assumptions": kit.assumptions,
+        "preconditions": kit.preconditions,
+        "notes": run.notes,
+    })
+}
+
+/// A file of the list; positions and readings belong to no single program.
+fn file_json(file: &ProgramFile, program: Option<&SetUpProgram>) -> Value {
+    json!({
+        "path": file.path,
+        "role": file.role.word(),
+        "of": program.map(|program| program.subject.name()),
+        "readings": program.map(|program| program.readings.len()),
+        "sha256": sha256(&file.bytes),
+    })
+}
+
+fn mirror(size: MirrorSize) -> Value {
+    let rounded = |mm: f64| (mm * 1e3).round() / 1e3 + 0.0;
+    json!({
+        "after_first_move": rounded(size.excursion_mm[0]),
+        "after_second_move": rounded(size.excursion_mm[1]),
+        "farthest": rounded(size.farthest_mm),
+        "circle": rounded(size.circle_mm),
+    })
+}

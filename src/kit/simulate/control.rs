@@ -1,0 +1,83 @@
+//! The control that loaded the files of a kit.
+
+use crate::judge::active::{ActiveControl, named_axis};
+use crate::judge::after::Control;
+use crate::kit::{
+    Inputs, LoadedControl, LoadedState, cannot_emulate, emulator, load_read_out, loaded_state,
+};
+use crate::quantity::axis::Axis;
+use crate::quantity::units::Figure;
+use crate::read::readback::kit::{KitFile, read};
+use crate::text::problem::Problems;
+use crate::write::compensation::compile;
+use crate::write::plan::{Task, plan};
+use serde_json::Value;
+
+/// Tables that were read from bytes, in an emulated control.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// What the control adds to every term.
+    pub(super) control: Control,
+    /// What is taken from the job because no file holds it, one sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Loaded {
+    /// Reads the files of a kit as the control of the job would; `named` = `state` of its manifest.
+    pub fn read(
+        inputs: &Inputs,
+        files: &[KitFile<'_>],
+        named: Option<&Value>,
+    ) -> Result<Loaded, Problems> {
+        let task = Task {
+            job: &inputs.job,
+            profile: &inputs.profile,
+            model: &inputs.model,
+        };
+        let plan = plan(task)?;
+        let compiled = compile(task, &plan)?;
+        let LoadedState {
+            state,
+            disagreements,
+            ..
+        } = loaded_state(inputs, &plan, &compiled, named);
+        let read = read(&inputs.profile, files)?;
+        let control = emulator(&inputs.profile, &read.tables, &state)
+            .and_then(|emulator| Control::new(&inputs.model, &plan, emulator.as_ref()))
+            .map_err(|reason| cannot_emulate(&reason))?;
+        let parameter = |axis: Axis| {
+            let name = plan.names[axis].first()?;
+            let um = state.axis(name)?.backlash_um;
+            (um.abs() > 0.0).then(|| {
+                let source = match named.and_then(|state| named_axis(state, name)) {
+                    Some(_) => {
+                        "as manifest.json of the kit names it; no file for the control holds it"
+                    }
+                    None => "as this job asks for it; no file for the control holds it",
+                };
+                format!(
+                    "backlash parameter of {axis}: {:.3} µm {source}",
+                    Figure(um)
+                )
+            })
+        };
+        let mut notes = read.notes;
+        notes.extend(disagreements);
+        notes.extend(Axis::ALL.into_iter().filter_map(parameter));
+        Ok(Loaded { control, notes })
+    }
+
+    /// What was read out of a control, in the control of the job.
+    pub fn read_out(inputs: &Inputs, active: &ActiveControl) -> Result<Loaded, Problems> {
+        let LoadedControl {
+            plan,
+            control,
+            disagreements,
+            mut notes,
+        } = load_read_out(inputs, active)?;
+        notes.extend(disagreements);
+        let control = Control::new(&inputs.model, &plan, control.as_ref())
+            .map_err(|reason| cannot_emulate(&reason))?;
+        Ok(Loaded { control, notes })
+    }
+}

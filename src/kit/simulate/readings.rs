@@ -1,0 +1,263 @@
+//! Errors that are left → readings along the laser, node by node.
+
+use super::{Rehearsal, SimulatedMachine, written};
+use crate::inputs::job::{Job, MeasuredData};
+use crate::machine::separation::corrections::{REFERENCE_C, expansion_um};
+use crate::machine::separation::noise::CorrectedRun;
+use crate::machine::separation::straight::{DiagonalFigures, figures};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
+use crate::quantity::units::Deviation;
+use crate::text::problem::{Problem, Problems};
+use crate::write::grid::EDGE_MM;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Simulated readings.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// Every run, as an instrument would hand it over (but for `laser_sign`).
+    pub runs: Vec<Run>,
+    /// Figures of every diagonal as predicted, without noise.
+    pub predicted: PerDiagonal<DiagonalFigures>,
+    /// Max − min over all diagonals as predicted, µm.
+    pub predicted_over_all_um: f64,
+    /// The same figures of the readings with their noise, means of the runs.
+    pub read: PerDiagonal<DiagonalFigures>,
+    /// Max − min over all diagonals of the readings, µm.
+    pub read_over_all_um: f64,
+}
+
+/// Readings of a pass by node, zero at the forward start, µm; the way back where it is measured.
+type Passes = (Vec<f64>, Option<Vec<f64>>);
+
+/// Predicts the readings. Refused where an error is not measured, or not everywhere in the box.
+pub fn readings(
+    machine: &SimulatedMachine<'_>,
+    rehearsal: &Rehearsal,
+    job: &Job,
+) -> Result<Simulation, Problems> {
+    let mut problems = Problems::none();
+    check_terms(machine, job, &mut problems);
+    check_box(machine, rehearsal, job, &mut problems);
+    problems.or_ok(())?;
+    let mut exact = Vec::new();
+    let mut runs = Vec::new();
+    for (index, diagonal) in Diagonal::ALL.into_iter().enumerate() {
+        let Some(passes) = passes(machine, rehearsal, diagonal) else {
+            continue; // every term was found to be measured
+        };
+        exact.extend(as_runs(rehearsal, diagonal, 1, &passes));
+        runs.extend(noisy_runs(rehearsal, diagonal, index, &passes));
+    }
+    let of = |runs: &[Run]| figures(&without_expansion(runs), rehearsal.kind);
+    let (predicted, predicted_over_all_um) = of(&exact);
+    let (read, read_over_all_um) = of(&runs);
+    for run in &mut runs {
+        add_expansion(rehearsal, run);
+    }
+    Ok(Simulation {
+        runs,
+        predicted,
+        predicted_over_all_um,
+        read,
+        read_over_all_um,
+    })
+}
+
+fn without_expansion(runs: &[Run]) -> Vec<CorrectedRun> {
+    let plain = |run: &Run| CorrectedRun {
+        diagonal: run.diagonal,
+        number: run.number,
+        pass: run.pass,
+        readings_um: run.deviations.iter().map(|d| d.um()).collect(),
+    };
+    runs.iter().map(plain).collect()
+}
+
+fn passes(
+    machine: &SimulatedMachine<'_>,
+    rehearsal: &Rehearsal,
+    diagonal: Diagonal,
+) -> Option<Passes> {
+    let walked = |pass: Pass| {
+        let error = |node: usize| error_at(machine, rehearsal, diagonal, pass, node);
+        rehearsal.volume.along_beam(diagonal, rehearsal.kind, error)
+    };
+    let forward = walked(Pass::Forward)?;
+    let zero = *forward.first()?;
+    let read = |pass: Pass, along: Vec<f64>| -> Vec<f64> {
+        let angles = rehearsal.angles.as_ref();
+        let angles = angles.and_then(|a| a.of(diagonal, pass));
+        let effect = |node: usize| angles.and_then(|a| a.get(node).copied()).unwrap_or(0.0);
+        let nodes = along.into_iter().enumerate();
+        nodes.map(|(node, um)| um - zero + effect(node)).collect()
+    };
+    let back = match rehearsal.both_directions {
+        true => Some(read(Pass::Reverse, walked(Pass::Reverse)?)),
+        false => None,
+    };
+    Some((read(Pass::Forward, forward), back))
+}
+
+/// The error of the tool at a node, µm, each term in the direction in which its axis arrived.
+fn error_at(
+    machine: &SimulatedMachine<'_>,
+    rehearsal: &Rehearsal,
+    diagonal: Diagonal,
+    pass: Pass,
+    node: usize,
+) -> Option<PerAxis<f64>> {
+    let place = rehearsal.volume.place(diagonal, rehearsal.kind, node);
+    let mut error = PerAxis::default();
+    for term in ErrorTerm::ALL {
+        let direction = rehearsal.arrived(diagonal, pass, node, term.along);
+        error[term.of] += machine.left_um(term, direction, place[term.along])?;
+    }
+    Some(error)
+}
+
+fn as_runs(rehearsal: &Rehearsal, diagonal: Diagonal, number: u32, passes: &Passes) -> Vec<Run> {
+    let recorded = rehearsal.recorded();
+    let run = |pass: Pass, readings: &Vec<f64>| Run {
+        diagonal,
+        number,
+        pass,
+        deviations: readings.iter().copied().map(Deviation::from_um).collect(),
+        temperatures_c: PerAxis::from_fn(|axis| {
+            recorded[axis].then(|| vec![REFERENCE_C; readings.len()])
+        }),
+    };
+    let back = passes.1.iter().map(|back| run(Pass::Reverse, back));
+    std::iter::once(run(Pass::Forward, &passes.0))
+        .chain(back)
+        .collect()
+}
+
+/// The runs of a diagonal. Each draws from a stream of its own, so that more runs or the way back
+/// change nothing of the others. The instrument is zeroed once, at the start of the first run.
+fn noisy_runs(
+    rehearsal: &Rehearsal,
+    diagonal: Diagonal,
+    index: usize,
+    passes: &Passes,
+) -> Vec<Run> {
+    let mut runs = Vec::new();
+    let mut zero_um = None;
+    for number in 1..=rehearsal.runs {
+        let mut random = ChaCha8Rng::seed_from_u64(rehearsal.noise.seed);
+        let stream = u64::from(number - 1) * Diagonal::ALL.len() as u64 + index as u64;
+        random.set_stream(stream);
+        let mut noisy = |readings: &Vec<f64>| -> Vec<f64> {
+            let mut read = Vec::new();
+            for um in readings {
+                let draw: f64 = StandardNormal.sample(&mut random);
+                let off = rehearsal.noise.um * draw;
+                read.push(um + off - *zero_um.get_or_insert(off));
+            }
+            read
+        };
+        let forward = noisy(&passes.0);
+        let back = passes.1.as_ref().map(&mut noisy);
+        runs.extend(as_runs(rehearsal, diagonal, number, &(forward, back)));
+    }
+    runs
+}
+
+/// Adds the expansion that the job takes off again, and rounds to the digits of a file.
+fn add_expansion(rehearsal: &Rehearsal, run: &mut Run) {
+    let material = rehearsal.material.filter(|m| !m.material_corrected);
+    let expansion = |node: usize| {
+        material.map_or(0.0, |material| {
+            expansion_um(&rehearsal.volume, rehearsal.kind, &material, run, node)
+        })
+    };
+    let nodes = run.deviations.iter().enumerate();
+    let read = nodes.map(|(node, um)| Deviation::from_um(written(um.um() + expansion(node))));
+    run.deviations = read.collect();
+}
+
+/// Notes errors that are not measured, or not in a direction in which a pass moves.
+fn check_terms(machine: &SimulatedMachine<'_>, job: &Job, problems: &mut Problems) {
+    let terms = &machine.model.terms;
+    let names = |found: &mut dyn Iterator<Item = ErrorTerm>| -> String {
+        let names: Vec<String> = found.map(|term| term.to_string()).collect();
+        names.join(", ")
+    };
+    let missing = names(&mut ErrorTerm::ALL.into_iter().filter(|t| terms[*t].is_none()));
+    if !missing.is_empty() {
+        problems.push(
+            job.problem_at(
+                data_key(job),
+                format!("readings of the diagonals need all nine errors; not known: {missing}"),
+            )
+            .help("measure them, or predict what is left of the others with `--errors`"),
+        );
+    }
+    for direction in Direction::BOTH {
+        let unknown = |term: &ErrorTerm| {
+            let measured = terms[*term].as_ref();
+            measured.is_some_and(|m| m.measured.curve(direction).is_none())
+        };
+        let found = names(&mut ErrorTerm::ALL.into_iter().filter(unknown));
+        if !found.is_empty() {
+            problems.push(
+                job.problem_at(
+                    data_key(job),
+                    format!("the diagonals move every axis in both directions, but moving in {direction} these are not known: {found}"),
+                )
+                .help("measure both directions, or predict the measured one with `--errors`"),
+            );
+        }
+    }
+}
+
+const fn data_key(job: &Job) -> &'static str {
+    match job.measurement.data {
+        MeasuredData::Errors(_) => "measurement.errors",
+        MeasuredData::Diagonals(_) => "measurement.readings",
+    }
+}
+
+/// Notes axes whose errors were not measured all over the box: nothing is extrapolated.
+fn check_box(
+    machine: &SimulatedMachine<'_>,
+    rehearsal: &Rehearsal,
+    job: &Job,
+    problems: &mut Problems,
+) {
+    let volume = &rehearsal.volume;
+    let key = match (&job.measurement.data, &job.program) {
+        (MeasuredData::Errors(_), Some(program)) => program.size_path,
+        _ => "measurement.step_diagonal.size_mm",
+    };
+    for axis in Axis::ALL {
+        let Some((low, high)) = machine.model.ranges[axis] else {
+            continue;
+        };
+        let from = volume.start[axis].mm();
+        let to = from + volume.size[axis].mm();
+        if from >= low.mm() - EDGE_MM && to <= high.mm() + EDGE_MM {
+            continue;
+        }
+        problems.push(not_measured(
+            job,
+            key,
+            axis,
+            [from, to],
+            [low.mm(), high.mm()],
+        ));
+    }
+}
+
+fn not_measured(job: &Job, key: &str, axis: Axis, way: [f64; 2], range: [f64; 2]) -> Problem {
+    job.problem_at(
+        key,
+        format!(
+            "the diagonals take {axis} from {} to {} mm, but its errors are measured from {} to {} mm only",
+            way[0], way[1], range[0], range[1]
+        ),
+    )
+    .help("keep the box inside the measured range: nothing is extrapolated")
+}

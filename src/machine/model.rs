@@ -1,0 +1,469 @@
+//! The nine errors as functions of position, zero at the reference point.
+//!
+//! ```text
+//!   error table ─┬→ one curve per term (and direction) ─→ − value at the reference ─→ ErrorModel
+//!   job ─────────┘   (+ squareness, if the slopes do not hold it)
+//! ```
+//! With two directions both curves are zeroed by the *same* value: that of the curve of the
+//! reference direction at the reference point. The other curve then carries the reversal there
+//! (contract §2.3, Zero).
+
+mod angles;
+mod uncertainty;
+
+pub use self::uncertainty::PointUncertainty;
+use self::uncertainty::laser_um_per_m;
+
+use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series};
+use crate::inputs::job::{Job, MachineAxis};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::curve::ErrorCurve;
+use crate::quantity::units::{Deviation, Millimetres, larger};
+use crate::text::problem::{Problem, Problems};
+
+/// Errors that stay below this in every term are more often a slip of the unit, µm; a laser resolves
+/// a tenth of it at best.
+const UNLIKELY_SMALL_UM: f64 = 0.1;
+
+/// How a term was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measured {
+    /// Without regard to direction (or as the mean of both).
+    Undirected(ErrorCurve),
+    /// In both directions.
+    BothWays {
+        /// Moving in +.
+        plus: ErrorCurve,
+        /// Moving in −.
+        minus: ErrorCurve,
+    },
+    /// In one direction only.
+    OneWay(Direction, ErrorCurve),
+}
+
+impl Measured {
+    /// One or two curves with their directions, + before −; `None` = there is none.
+    fn of(mut curves: impl Iterator<Item = (Option<Direction>, ErrorCurve)>) -> Option<Measured> {
+        let (direction, first) = curves.next()?;
+        Some(match (direction, curves.next()) {
+            (_, Some((_, minus))) => Measured::BothWays { plus: first, minus },
+            (Some(direction), None) => Measured::OneWay(direction, first),
+            (None, None) => Measured::Undirected(first),
+        })
+    }
+
+    /// The curve without regard to direction: of two the mean, over the range that both cover.
+    pub fn mean(&self) -> ErrorCurve {
+        match self {
+            Measured::Undirected(curve) | Measured::OneWay(_, curve) => curve.clone(),
+            Measured::BothWays { plus, minus } => {
+                plus.mean_with(minus).unwrap_or_else(|| plus.clone())
+            }
+        }
+    }
+
+    /// The curve that holds while the axis moves in `direction`, if that direction was measured.
+    pub fn curve(&self, direction: Direction) -> Option<&ErrorCurve> {
+        match (self, direction) {
+            (Measured::Undirected(curve), _)
+            | (Measured::BothWays { plus: curve, .. }, Direction::Plus)
+            | (Measured::BothWays { minus: curve, .. }, Direction::Minus) => Some(curve),
+            (Measured::OneWay(measured, curve), wanted) => (*measured == wanted).then_some(curve),
+        }
+    }
+
+    /// Whether the two directions were measured apart.
+    pub fn has_both_ways(&self) -> bool {
+        matches!(self, Measured::BothWays { .. })
+    }
+}
+
+/// One measured term.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredTerm {
+    /// Its curves, zero at the reference.
+    pub measured: Measured,
+    /// Standard uncertainty at each measured position; empty = not stated.
+    pub uncertainty: Vec<PointUncertainty>,
+}
+
+impl MeasuredTerm {
+    /// Largest standard uncertainty (k = 1) of a value against that at the reference, µm; `None` =
+    /// not stated.
+    pub fn u_um(&self) -> Option<f64> {
+        let all = self.uncertainty.iter().map(|point| point.u_um);
+        all.reduce(larger)
+    }
+
+    /// Largest standard uncertainty (k = 1) of a value by itself, µm; `None` = not stated.
+    pub fn u_value_um(&self) -> Option<f64> {
+        let all = self.uncertainty.iter().map(|point| point.value_um);
+        all.reduce(larger)
+    }
+
+    /// Largest |deviation| over the measured range and all measured directions, µm.
+    pub fn largest_um(&self) -> f64 {
+        self.largest_within_um(None)
+    }
+
+    /// The same over the part of the measured range that lies within another one (the contract's
+    /// `before_um`).
+    pub fn largest_within_um(&self, range: Option<(Millimetres, Millimetres)>) -> f64 {
+        let largest = |curve: &ErrorCurve| {
+            let (mut from, mut to) = curve.measured_range();
+            if let Some((low, high)) = range {
+                from = if low > from { low } else { from };
+                to = if high < to { high } else { to };
+            }
+            curve.largest_magnitude(from, to)
+        };
+        self.curves().map(largest).fold(0.0, larger)
+    }
+
+    /// Its curves, + before −.
+    pub fn curves(&self) -> impl Iterator<Item = &ErrorCurve> {
+        let (first, second) = match &self.measured {
+            Measured::Undirected(curve) | Measured::OneWay(_, curve) => (curve, None),
+            Measured::BothWays { plus, minus } => (plus, Some(minus)),
+        };
+        std::iter::once(first).chain(second)
+    }
+
+    /// Reversal B = mean deviation moving + minus mean deviation moving − over the target
+    /// positions that both directions cover (contract §1; ISO 230-2), µm.
+    pub fn reversal(&self) -> Option<Deviation> {
+        let Measured::BothWays { plus, minus } = &self.measured else {
+            return None;
+        };
+        let difference = plus.difference(minus)?;
+        let knots = difference.knots();
+        let sum: f64 = knots.iter().map(|at| difference.at(*at).um()).sum();
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "a curve has far fewer than 2^52 targets"
+        )]
+        let count = knots.len() as f64;
+        Some(Deviation::from_um(sum / count))
+    }
+
+    /// Slope of the line through the ends of the curve (mean of both directions), µm/m.
+    pub fn end_point_slope_um_per_m(&self) -> f64 {
+        match &self.measured {
+            Measured::Undirected(curve) | Measured::OneWay(_, curve) => {
+                curve.end_point_slope_um_per_m()
+            }
+            Measured::BothWays { plus, minus } => f64::midpoint(
+                plus.end_point_slope_um_per_m(),
+                minus.end_point_slope_um_per_m(),
+            ),
+        }
+    }
+}
+
+/// The measured errors of a machine as curves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorModel {
+    /// The measured terms; `None` = not measured.
+    pub terms: PerTerm<Option<MeasuredTerm>>,
+    /// The measured rotations (`EAX` …), µrad in place of µm; as measured, or zero at
+    /// `angles_zero_mm`. No table of a control holds them.
+    pub rotations: PerTerm<Option<Measured>>,
+    /// The measured range of each axis (where all its directions were measured).
+    pub ranges: PerAxis<Option<(Millimetres, Millimetres)>>,
+    /// The heading under which each term stands in its error table.
+    pub headings: PerTerm<Option<Heading>>,
+    /// Standard uncertainty of the laser's scale that no column holds, µm/m; 0 = not stated.
+    pub laser_um_per_m: f64,
+    /// What was measured and this version does not use, one sentence each.
+    pub unused: Vec<String>,
+    /// What the table says of itself: doubts, terms that are not determined, notes.
+    pub remarks: Remarks,
+}
+
+impl ErrorModel {
+    /// Curves from a table and a job. All problems of both are given at once; a table without any
+    /// deviation is refused.
+    pub fn build(job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
+        ErrorModel::of(job, table, true)
+    }
+
+    /// The same for figures of the volume, where angles alone will do.
+    pub fn for_figures(job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
+        ErrorModel::of(job, table, false)
+    }
+
+    fn of(job: &Job, table: &ErrorTable, deviations: bool) -> Result<ErrorModel, Problems> {
+        let mut problems = Problems::none();
+        let ranges = PerAxis::from_fn(|axis| measured_range(table.series(axis)));
+        for axis in Axis::ALL {
+            check_axis(job, table, axis, &mut problems);
+        }
+        angles::check_zeros(job, table, &mut problems);
+        let mut terms = PerTerm::from_fn(|_| None);
+        for term in ErrorTerm::ALL {
+            if let Some(machine) = job.machine.axes[term.along] {
+                terms[term] = measured_term(job, table.series(term.along), term, machine);
+            }
+        }
+        for (term, slope) in &job.measurement.squareness {
+            add_squareness(job, &mut terms, *term, *slope, &mut problems);
+        }
+        let rotations = angles::rotations(job, table);
+        let angles_do = !deviations && rotations.iter().any(|(_, angle)| angle.is_some());
+        let nothing = terms.iter().all(|(_, term)| term.is_none()) && !angles_do;
+        if nothing && problems.is_empty() {
+            problems.push(
+                Problem::new("the table holds no deviation, expected ex, ey or ez of an axis")
+                    .at(table.header.clone())
+                    .help("fill in what was measured; angles alone make no table for a control"),
+            );
+        }
+        problems.or_ok(ErrorModel {
+            terms,
+            rotations,
+            ranges,
+            laser_um_per_m: laser_um_per_m(job).unwrap_or(0.0),
+            headings: PerTerm::from_fn(|term| table.heading(term).cloned()),
+            unused: angles::not_compensated(table).into_iter().collect(),
+            remarks: table.remarks.clone(),
+        })
+    }
+
+    /// Why figures that rest on these curves are doubtful, one sentence each; `asked` = the terms
+    /// that the job wants. A verdict is then at most undecided.
+    pub fn doubts(&self, asked: impl Fn(ErrorTerm) -> bool) -> Vec<String> {
+        let mut doubts = self.remarks.doubts.clone();
+        let missing = self.remarks.not_determined.iter();
+        let missing: Vec<String> = missing
+            .filter(|(term, _)| asked(*term) && self.terms[*term].is_none())
+            .map(|(term, _)| term.to_string())
+            .collect();
+        if !missing.is_empty() {
+            doubts.push(format!(
+                "not determined by the measurement, so without table and forecast: {}",
+                missing.join(", ")
+            ));
+        }
+        if let Some(um) = self.remarks.hidden_reversal_um {
+            doubts.push(format!("the readings show a reversal of about {um:.3} µm along the diagonals, which these curves do not hold: every figure here is without it"));
+        }
+        doubts
+    }
+
+    /// Why the unit of errors is doubtful that are small throughout; `noise_um` = what the job states of
+    /// a reading, k = 1. Errors above a stated noise are believed, curves of zeros are no errors.
+    ///
+    /// limits  judged for all terms together, since one alone may be small; the usual cause is values
+    ///         in mm under a column in µm
+    pub fn unlikely_small(&self, noise_um: Option<f64>) -> Option<String> {
+        let largest = self.measured().map(|(_, measured)| measured.largest_um());
+        let largest = largest.fold(0.0, f64::max);
+        let is_believed = noise_um.is_some_and(|noise| noise < largest);
+        (largest > 0.0 && largest < UNLIKELY_SMALL_UM && !is_believed).then(|| {
+            let largest = two_digits(largest);
+            format!("no error exceeds {largest} µm, and a machine tool below {UNLIKELY_SMALL_UM} µm throughout is unlikely: check the unit of the columns (mm under `_um`?), or state a `noise_um` below it")
+        })
+    }
+
+    /// The measured terms in the contract's order.
+    pub fn measured(&self) -> impl Iterator<Item = (ErrorTerm, &MeasuredTerm)> {
+        self.terms
+            .iter()
+            .filter_map(|(term, measured)| Some((term, measured.as_ref()?)))
+    }
+
+    /// Adds the angular errors of a table of their own. What both tables hold is a problem: nobody
+    /// knows which of them counts. Deviations beside the angles are not read, and a note says so.
+    pub fn add_angles(&mut self, job: &Job, table: &ErrorTable) -> Result<(), Problems> {
+        let added = angles::added(job, table, &self.rotations)?;
+        self.rotations = added;
+        self.unused = angles::not_compensated(table).into_iter().collect();
+        self.unused.extend(angles::deviations_beside(table));
+        Ok(())
+    }
+
+    /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured; end-point
+    /// slopes. Positive = the angle between the positive axis directions is less than 90°
+    /// (contract §1).
+    pub fn squareness_um_per_m(&self, first: Axis, second: Axis) -> Option<f64> {
+        let slope = |of, along| {
+            Some(
+                self.terms[ErrorTerm { of, along }]
+                    .as_ref()?
+                    .end_point_slope_um_per_m(),
+            )
+        };
+        Some(slope(first, second)? + slope(second, first)?)
+    }
+}
+
+/// A number with its first two digits that are not zero, as in `0.018`.
+fn two_digits(number: f64) -> String {
+    let rounded = format!("{number:.1e}").parse::<f64>();
+    rounded.unwrap_or(number).to_string()
+}
+
+fn measured_range(series: &[Series]) -> Option<(Millimetres, Millimetres)> {
+    let ends = |s: &Series| Some((*s.positions.first()?, *s.positions.last()?));
+    series.iter().filter_map(ends).reduce(|a, b| {
+        let low = if a.0 > b.0 { a.0 } else { b.0 };
+        let high = if a.1 < b.1 { a.1 } else { b.1 };
+        (low, high)
+    })
+}
+
+fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &mut Problems) {
+    let series = table.series(axis);
+    if series.is_empty() {
+        return;
+    }
+    let Some(machine) = job.machine.axes[axis] else {
+        problems.push(
+            job.problem_at(
+                "machine.axes",
+                format!(
+                    "axis {axis} was measured, but [machine.axes.{}] is missing",
+                    axis.key()
+                ),
+            )
+            .help("add travel_mm and reference_mm of this axis"),
+        );
+        return;
+    };
+    for series in series {
+        check_inside_travel(table, axis, series, machine, problems);
+    }
+    if measured_range(series).is_some_and(|(low, high)| low >= high) {
+        let problem = Problem::new(format!(
+            "the two directions of axis {axis} were measured at places that do not overlap"
+        ))
+        .help("measure both directions over the same range");
+        let second = series.last().and_then(|second| table.place(second, 0));
+        problems.push(match second {
+            Some(place) => problem.at(place),
+            None => problem,
+        });
+    }
+}
+
+/// Targets may miss the stated travel by this much (rounding of inch positions).
+const TRAVEL_TOLERANCE_MM: f64 = 0.01;
+
+fn check_inside_travel(
+    table: &ErrorTable,
+    axis: Axis,
+    series: &Series,
+    machine: MachineAxis,
+    problems: &mut Problems,
+) {
+    let outside = |p: &Millimetres| {
+        p.mm() < machine.low.mm() - TRAVEL_TOLERANCE_MM
+            || p.mm() > machine.high.mm() + TRAVEL_TOLERANCE_MM
+    };
+    let rows: Vec<usize> = (0..series.positions.len())
+        .filter(|row| outside(&series.positions[*row]))
+        .collect();
+    let Some(first) = rows.first() else {
+        return;
+    };
+    let position = series.positions[*first].mm();
+    let more = if rows.len() > 1 {
+        let rows_too = if rows.len() > 2 { "rows" } else { "row" };
+        format!(", and {} more {rows_too}", rows.len() - 1)
+    } else {
+        String::new()
+    };
+    let problem = Problem::new(format!(
+        "position {position} mm of axis {axis} lies outside its travel {} … {} mm{more}",
+        machine.low.mm(),
+        machine.high.mm()
+    ))
+    .help("positions are machine coordinates in the unit of their column; correct them or `travel_mm`");
+    problems.push(match table.place(series, *first) {
+        Some(place) => problem.at(place),
+        None => problem,
+    });
+}
+
+fn measured_term(
+    job: &Job,
+    series: &[Series],
+    term: ErrorTerm,
+    machine: MachineAxis,
+) -> Option<MeasuredTerm> {
+    let curves: Vec<(Option<Direction>, ErrorCurve)> = series
+        .iter()
+        .filter_map(|s| {
+            let deviations = s.deviations[term.of].as_ref()?;
+            Some((
+                s.direction,
+                ErrorCurve::through(&s.positions, deviations, job.compensation.curve),
+            ))
+        })
+        .collect();
+    let zero = value_at_reference(&curves, machine)?;
+    let zeroed = curves
+        .into_iter()
+        .map(|(direction, curve)| (direction, curve.less(zero)));
+    let measured = Measured::of(zeroed)?;
+    Some(MeasuredTerm {
+        measured,
+        uncertainty: uncertainty::points(job, series, term, machine),
+    })
+}
+
+fn value_at_reference(
+    curves: &[(Option<Direction>, ErrorCurve)],
+    machine: MachineAxis,
+) -> Option<Deviation> {
+    let homing = Some(machine.homing());
+    let (_, curve) = curves
+        .iter()
+        .find(|(direction, _)| *direction == homing)
+        .or(curves.first())?;
+    Some(curve.at(machine.reference))
+}
+
+fn add_squareness(
+    job: &Job,
+    terms: &mut PerTerm<Option<MeasuredTerm>>,
+    term: ErrorTerm,
+    slope: f64,
+    problems: &mut Problems,
+) {
+    let machine = job.machine.axes[term.along];
+    let (Some(measured), Some(machine)) = (terms[term].as_mut(), machine) else {
+        let key = format!(
+            "measurement.squareness_um_per_m.{}{}",
+            term.of.key(),
+            term.along.key()
+        );
+        problems.push(
+            job.problem_at(
+                &key,
+                format!("squareness is added to {term}, but {term} was not measured"),
+            )
+            .help(format!(
+                "give the straightness {term} in the error table, or leave this squareness out"
+            )),
+        );
+        return;
+    };
+    // Outside the measured range the tilt is held with the curve, so off that range the line has
+    // its zero at the near end: the reference stays zero.
+    let homing = measured.measured.curve(machine.homing());
+    let Some(curve) = homing.or(measured.curves().next()) else {
+        return;
+    };
+    let (low, high) = curve.measured_range();
+    let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
+    let tilt = |curve: &ErrorCurve| curve.plus_slope(slope, zero);
+    measured.measured = match &measured.measured {
+        Measured::Undirected(curve) => Measured::Undirected(tilt(curve)),
+        Measured::OneWay(direction, curve) => Measured::OneWay(*direction, tilt(curve)),
+        Measured::BothWays { plus, minus } => Measured::BothWays {
+            plus: tilt(plus),
+            minus: tilt(minus),
+        },
+    };
+}

@@ -1,0 +1,304 @@
+//! What is taken off the readings before they are separated: expansion of the scales and the
+//! effects of angular errors. The raw readings stay as they are.
+
+use super::lookup::at;
+use super::unmeasured::AngleEvidence;
+use crate::inputs::error_table::{ErrorTable, Series};
+use crate::inputs::job::{AxisMaterial, Levers, Material, Reflector};
+use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
+use crate::quantity::chain::Chain;
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+use crate::quantity::units::Deviation;
+use crate::text::problem::{Problem, Problems};
+
+/// Reference temperature of ISO 1, °C.
+pub const REFERENCE_C: f64 = 20.0;
+
+/// Expansion of the scales at a node, µm: Σ_k α_k (T_k − 20 °C) u_dk (P_k(q) − P_k(0)), one
+/// temperature and coefficient for each axis.
+pub fn expansion_um(
+    volume: &Volume,
+    kind: PathKind,
+    material: &Material,
+    run: &Run,
+    node: usize,
+) -> f64 {
+    let laser = volume.laser(run.diagonal);
+    let here = volume.inside_mm(run.diagonal, kind, node);
+    let start = volume.inside_mm(run.diagonal, kind, 0);
+    let of_axis = |axis: Axis| {
+        let material = material.axes[axis]?;
+        let recorded = run.temperatures_c[axis].as_ref();
+        let temperature = recorded.map_or(material.temperature_c, |t| t.get(node).copied())?;
+        let strain = material.alpha_per_k * (temperature - REFERENCE_C);
+        Some(1000.0 * strain * laser[axis] * (here[axis] - start[axis]))
+    };
+    Axis::ALL.into_iter().filter_map(of_axis).sum()
+}
+
+/// The material with the mean of the recorded temperatures where the readings carry their own.
+pub fn recorded(material: &Material, runs: &[Run]) -> Material {
+    let mean = |axis: Axis| {
+        let recorded = runs
+            .iter()
+            .filter_map(|run| run.temperatures_c[axis].as_ref());
+        let all: Vec<f64> = recorded.flatten().copied().collect();
+        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
+        let count = all.len() as f64;
+        (!all.is_empty()).then(|| all.iter().sum::<f64>() / count)
+    };
+    Material {
+        axes: PerAxis::from_fn(|axis| {
+            material.axes[axis].map(|known| AxisMaterial {
+                temperature_c: mean(axis).or(known.temperature_c),
+                ..known
+            })
+        }),
+        ..*material
+    }
+}
+
+/// The run with the expansion of the scales taken off.
+pub fn without_expansion(
+    volume: &Volume,
+    kind: PathKind,
+    material: &Material,
+    run: &Run,
+) -> Vec<f64> {
+    let correct = |(node, deviation): (usize, &Deviation)| {
+        deviation.um() - expansion_um(volume, kind, material, run, node)
+    };
+    run.deviations.iter().enumerate().map(correct).collect()
+}
+
+/// Measured angular errors and the levers on which they act.
+///
+/// Chain order 1, 2, 3 from workpiece to tool, r the rotations, a the positions less the
+/// offsets (rigid bodies, small angles; the project's reference on volumetric errors, §1.1):
+///
+/// ```text
+///   e = r_1 × (a_2 + a_3) + r_2 × a_3        + Σ r_i × tool offset
+///   flat mirror: + (Σ r_i − Σ r_i at the start) × u · lateral distance from the diagonal
+/// ```
+#[derive(Clone, Debug)]
+pub struct AngleModel<'a> {
+    table: &'a ErrorTable,
+    chain: [Axis; 3],
+    levers: Levers,
+    /// Where the levers count from, mm.
+    origin: PerAxis<f64>,
+    reflector: Reflector,
+}
+
+impl<'a> AngleModel<'a> {
+    /// The model of a job's angles. `chain` is that of contract §1, e.g. `wXYZt`; `origin` =
+    /// [`Levers::origin`].
+    pub fn new(
+        table: &'a ErrorTable,
+        chain: Chain,
+        (levers, origin): (&Levers, PerAxis<f64>),
+        reflector: Reflector,
+    ) -> AngleModel<'a> {
+        AngleModel {
+            table,
+            chain: chain.order(),
+            levers: *levers,
+            origin,
+            reflector,
+        }
+    }
+
+    /// Whether no angle is known.
+    pub fn is_empty(&self) -> bool {
+        Axis::ALL.into_iter().all(|axis| {
+            let none = |s: &Series| s.angles_urad.iter().all(|(_, angles)| angles.is_none());
+            self.table.series(axis).iter().all(none)
+        })
+    }
+
+    /// Whether a rotation is known, in every direction that the table has.
+    fn knows(&self, wanted: Rotation) -> bool {
+        let all = self.table.series(wanted.along);
+        let known = |s: &Series| s.angles_urad[wanted.about].is_some();
+        !all.is_empty() && all.iter().all(known)
+    }
+
+    /// Rotation of an axis at a machine position, µrad. What was not measured counts as zero;
+    /// [`AngleEvidence`] names it.
+    fn rotation(&self, axis: Axis, position: f64, direction: Direction) -> PerAxis<f64> {
+        measured_rotation(self.table, axis, position, direction)
+    }
+
+    /// What is known of the angles and their levers.
+    fn evidence(&self, volume: &Volume) -> AngleEvidence {
+        let missing = Rotation::all().filter(|rotation| !self.knows(*rotation));
+        let mut largest_urad = 0.0f64;
+        for axis in Axis::ALL {
+            let low = volume.start[axis].mm();
+            let at = |place: f64| self.rotation(axis, place, Direction::Plus);
+            let change = at(low + volume.size[axis].mm()).minus(at(low));
+            let size = change.iter().map(|(_, urad)| urad.abs());
+            largest_urad = size.fold(largest_urad, f64::max);
+        }
+        AngleEvidence {
+            missing: missing.collect(),
+            order: Some(self.chain),
+            levers: self.levers,
+            origin: self.origin,
+            largest_urad,
+        }
+    }
+
+    /// What the angular errors add to the readings of a pass along a diagonal, µm, by node.
+    pub fn effect_um(
+        &self,
+        volume: &Volume,
+        kind: PathKind,
+        diagonal: Diagonal,
+        pass: Pass,
+    ) -> Vec<f64> {
+        let u = volume.laser(diagonal);
+        let states: Vec<(PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)> = (0..=volume.last_node(kind))
+            .map(|node| {
+                let place = volume.place(diagonal, kind, node);
+                let place = PerAxis::from_fn(|axis| place[axis].mm());
+                let (error, rotation) = self.error(diagonal, pass, &place);
+                (place, error, rotation)
+            })
+            .collect();
+        let Some((first_place, first_error, first_rotation)) = states.first().copied() else {
+            return Vec::new();
+        };
+        let effect = |(place, error, rotation): &(PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
+            let moved = place.minus(first_place);
+            let lever = u.dot(error.minus(first_error));
+            let along = u.dot(moved);
+            let lateral = PerAxis::from_fn(|axis| moved[axis] - along * u[axis]);
+            let turned = rotation.minus(first_rotation).cross(u);
+            match self.reflector {
+                Reflector::FlatMirror => lever + turned.dot(lateral) / 1000.0,
+                Reflector::Retroreflector => lever,
+            }
+        };
+        states.iter().map(effect).collect()
+    }
+
+    /// Error of the tool point (µm) and its rotation (µrad) by the angular errors at a place.
+    fn error(
+        &self,
+        diagonal: Diagonal,
+        pass: Pass,
+        place: &PerAxis<f64>,
+    ) -> (PerAxis<f64>, PerAxis<f64>) {
+        let (mut error, mut sum) = (PerAxis::default(), PerAxis::default());
+        for (index, axis) in self.chain.into_iter().enumerate() {
+            let direction = diagonal.travelled(axis, pass);
+            let rotation = self.rotation(axis, place[axis], direction);
+            let carried = &self.chain[index + 1..];
+            let arm = PerAxis::from_fn(|other| {
+                let own = if carried.contains(&other) {
+                    place[other] - self.origin[other]
+                } else {
+                    0.0
+                };
+                own + self.levers.tool.map_or(0.0, |tool| tool[other].mm())
+            });
+            let lever = rotation.cross(arm);
+            error = PerAxis::from_fn(|axis| error[axis] + lever[axis] / 1000.0);
+            sum = PerAxis::from_fn(|axis| sum[axis] + rotation[axis]);
+        }
+        (error, sum)
+    }
+
+    /// Problems: angles that do not cover the measured box.
+    pub fn check(&self, volume: &Volume) -> Result<(), Problems> {
+        let mut problems = Problems::none();
+        let table = self.table;
+        for axis in Axis::ALL {
+            let (low, high) = (
+                volume.start[axis].mm(),
+                (volume.start[axis] + volume.size[axis]).mm(),
+            );
+            for series in table.series(axis) {
+                let measured = series
+                    .angles_urad
+                    .iter()
+                    .any(|(_, angles)| angles.is_some());
+                let ends = series.positions.first().zip(series.positions.last());
+                if let Some((first, last)) = ends.filter(|_| measured)
+                    && (first.mm() > low + 0.01 || last.mm() < high - 0.01)
+                {
+                    problems.push(
+                        Problem::new(format!(
+                            "the angles of {axis} are measured from {} to {} mm, but the diagonals go from {low} to {high} mm",
+                            first.mm(),
+                            last.mm()
+                        ))
+                        .at(table.header.clone())
+                        .help("measure the angles over the whole box; nothing is extrapolated"),
+                    );
+                }
+            }
+        }
+        problems.or_ok(())
+    }
+}
+
+/// Rotation by the angles of a table, µrad.
+fn measured_rotation(
+    table: &ErrorTable,
+    axis: Axis,
+    position: f64,
+    direction: Direction,
+) -> PerAxis<f64> {
+    let all = table.series(axis);
+    let directed = all.iter().find(|s| s.direction == Some(direction));
+    let series = directed.or_else(|| all.first());
+    PerAxis::from_fn(|about| {
+        let series = series.and_then(|s| Some((s, s.angles_urad[about].as_ref()?)));
+        series.map_or(0.0, |(s, angles)| at(&s.positions, angles, position))
+    })
+}
+
+/// The runs' readings less the effects of the angles, µm.
+pub fn without_angles(readings: &mut [f64], effect: &[f64]) {
+    for (reading, effect) in readings.iter_mut().zip(effect) {
+        *reading -= effect;
+    }
+}
+
+/// Effects of the measured angles on both passes along every diagonal, and what is known of the
+/// angles.
+#[derive(Clone, Debug)]
+pub struct AngleEffects {
+    /// µm by node; `None` where no angle was measured.
+    by_pass: Option<PerDiagonal<[Vec<f64>; 2]>>,
+    /// What was measured and what was not.
+    pub evidence: AngleEvidence,
+}
+
+impl AngleEffects {
+    /// No angle was measured.
+    pub fn unmeasured(chain: Option<Chain>) -> AngleEffects {
+        let order = chain.map(Chain::order);
+        AngleEffects {
+            by_pass: None,
+            evidence: AngleEvidence::nothing(order),
+        }
+    }
+
+    /// Effects on a pass, µm by node; `None` where no angle was measured.
+    pub fn of(&self, diagonal: Diagonal, pass: Pass) -> Option<&[f64]> {
+        let both = &self.by_pass.as_ref()?[diagonal];
+        Some(&both[usize::from(pass == Pass::Reverse)])
+    }
+}
+
+/// The effects of a model on all passes.
+pub fn angle_effects(model: &AngleModel<'_>, volume: &Volume, kind: PathKind) -> AngleEffects {
+    let of = |diagonal| Pass::BOTH.map(|pass| model.effect_um(volume, kind, diagonal, pass));
+    AngleEffects {
+        by_pass: Some(PerDiagonal::from_fn(of)),
+        evidence: model.evidence(volume),
+    }
+}

@@ -1,0 +1,434 @@
+//! Diagonals whose readings stand under each other's name, and steps that went in another order.
+//!
+//! The four programs are alike, so a file that was saved under another diagonal's name, and a walk
+//! whose steps went in another order than recorded, are complete and plausible. Each of the 24 ways
+//! to share out the names is a hypothesis of its own with as many unknowns: nine curves, the
+//! constants of the closure. So they are compared by what each leaves over,
+//!
+//! ```text
+//!   Q(names) = min over c of (w − Kc)ᵀ C⁻¹ (w − Kc)       w, C as in `closure`, K: constants of the axes
+//!   gain     = (Q(recorded) − Q(other))/σ², or ν ln of the ratio where no σ is known     2 ln of the odds
+//! ```
+//! The closure holds signs only, no edges of the box: renaming the axes changes nothing in it. So
+//! every other order of the steps is the same to it as one way to share out NPP, PNP and PPN, and
+//! the 24 ways hold the 6 orders. Of a name and an order that are wrong together in the matching way
+//! nothing is seen.
+//!
+//! Noise moves a gain as well, by √(4(n − 1)) between names that this machine tells apart by nothing
+//! else. The margin is what it makes in one of a hundred sound measurements:
+//!
+//! ```text
+//!   m = z·√(4(n − 1)), at least 9        Φ(z) = 1 − 0.006/k; k: assignments that lie within 3·√(4(n − 1))
+//!                                        of the best; 9: odds of e^4.5 to one
+//! ```
+//! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
+//! (docs/accuracy.md §8, tests/exchanged.rs).
+
+use super::campaign::{Campaign, corrected};
+use super::closure::{Closure, Known, RunCounts, Undisturbed, closure};
+use super::doubt::of_closure;
+use super::increments::Means;
+use super::noise::{CorrectedRun, Noise, NoiseSource, known_noise, means, run_counts};
+use super::outlier::{Outlier, float};
+use super::repeats::{Repeats, repeats};
+use super::reversal::separable;
+use crate::inputs::job::SetUp;
+use crate::quantity::axis::Axis;
+use crate::quantity::diagonal::{Diagonal, PerDiagonal, Run, Volume};
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+
+/// A closure that no instrument resolves is in no doubt, µm.
+const SMALLEST_SPREAD_UM: f64 = 0.02;
+/// Standard deviation of rounding to 0.01 µm: no reading is better known, µm.
+const DIGIT_UM: f64 = 0.003;
+/// 2 ln of the odds from which another assignment counts, however few the steps.
+const CLEARLY: f64 = 9.0;
+/// Share of sound measurements that may be accused; the tails of a gain are wider than normal.
+const ACCUSED: f64 = 0.006;
+/// Assignments that are nearer to the best than so many standard deviations of noise compete with it.
+const NEAR: f64 = 3.0;
+/// 2 ln of a thousand to one against any one reading being off.
+const DISTURBED: f64 = 14.0;
+/// Below this probability of finding it, the page says that a slip would hardly show.
+const SURE: f64 = 0.95;
+/// A scatter of the best assignment above this quantile belies the noise that is known otherwise.
+const BELIEVED: f64 = 0.999;
+
+/// What the closure of the readings says under the names of the file.
+pub(super) struct AsRead<'a> {
+    pub(super) closure: &'a Closure,
+    pub(super) noise: Option<Noise>,
+    pub(super) overrun: Option<bool>,
+}
+
+/// What the readings say of their names and of the order of their steps.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Names {
+    /// Another assignment is clearly likelier.
+    pub(super) doubt: Option<String>,
+    /// Slips that these readings would hardly show.
+    pub(super) blind: Option<String>,
+}
+
+/// Compares the recorded names with every other way to share them out.
+pub(super) fn names(campaign: &Campaign<'_>, runs: &[Run], as_read: &AsRead<'_>) -> Names {
+    let volume = &campaign.measurement.volume;
+    let Some(trial) = Trial::new(campaign, runs, as_read) else {
+        return Names::default();
+    };
+    let doubts = of_closure(as_read.closure, as_read.noise, volume, SetUp::Solve);
+    let doubt = trial.likelier().map(|better| better.sentence(volume.order));
+    let sound = doubt.is_none() && doubts.is_empty();
+    Names {
+        doubt,
+        blind: sound.then(|| trial.hardly_shown()).flatten(),
+    }
+}
+
+/// Under which diagonal's name the readings of a file belong: by the name in the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Naming(PerDiagonal<Diagonal>);
+
+impl Naming {
+    const RECORDED: [Diagonal; 4] = Diagonal::ALL;
+
+    fn of(belong: [Diagonal; 4]) -> Naming {
+        let mut rest = belong.into_iter();
+        Naming(PerDiagonal::from_fn(|name| rest.next().unwrap_or(name)))
+    }
+
+    /// All 24, the recorded one first.
+    fn all() -> Vec<Naming> {
+        let mut found = vec![Vec::new()];
+        for _ in Self::RECORDED {
+            let longer = |part: &Vec<Diagonal>| -> Vec<Vec<Diagonal>> {
+                let free = Diagonal::ALL.into_iter().filter(|d| !part.contains(d));
+                free.map(|d| [part.as_slice(), &[d]].concat()).collect()
+            };
+            found = found.iter().flat_map(longer).collect();
+        }
+        let complete = found.into_iter().filter_map(|all| all.try_into().ok());
+        complete.map(Naming::of).collect()
+    }
+
+    fn renamed(&self, runs: &[Run]) -> Vec<Run> {
+        let mut runs = runs.to_vec();
+        for run in &mut runs {
+            run.diagonal = self.0[run.diagonal];
+        }
+        runs
+    }
+
+    /// The names that are not their own: name in the file, diagonal that was walked.
+    fn moved(&self) -> Vec<(Diagonal, Diagonal)> {
+        let all = self.0.iter().map(|(name, walked)| (name, *walked));
+        all.filter(|(name, walked)| name != walked).collect()
+    }
+
+    fn is_exchange(&self) -> bool {
+        self.moved().len() == 2
+    }
+
+    /// The order of the steps that looks the same, if there is one: PPP keeps its name, and each
+    /// other diagonal stands for the axis that it walks in −.
+    fn as_order(&self, recorded: [Axis; 3]) -> Option<[Axis; 3]> {
+        let keeps = self.0[Diagonal::Ppp] == Diagonal::Ppp;
+        let named = |axis: Axis| {
+            let walks_back = |d: Diagonal, axis: Axis| d.sign(axis) < 0.0;
+            let mut all = self.0.iter();
+            let (name, _) = all.find(|(_, walked)| walks_back(**walked, axis))?;
+            Axis::ALL.into_iter().find(|axis| walks_back(name, *axis))
+        };
+        let [first, second, third] = recorded.map(named);
+        keeps.then_some([first?, second?, third?])
+    }
+
+    /// What happened, if these names are right; `recorded`: the order of the steps in the job.
+    fn words(&self, recorded: [Axis; 3]) -> String {
+        let moved = self.moved();
+        let list = |all: Vec<Diagonal>| all.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let (names, walked): (Vec<_>, Vec<_>) = moved.into_iter().unzip();
+        let (names, walked) = (list(names).join(", "), list(walked));
+        let exchanged = match walked.as_slice() {
+            [other, one] => format!("the readings of {one} and {other} were exchanged"),
+            _ => format!(
+                "the readings named {names} were those of {}",
+                walked.join(", ")
+            ),
+        };
+        match self.as_order(recorded) {
+            Some(order) => format!("{exchanged}, or the steps went {}", in_words(order)),
+            None => exchanged,
+        }
+    }
+}
+
+fn in_words(order: [Axis; 3]) -> String {
+    order.map(|axis| axis.to_string()).join(", ")
+}
+
+/// One way to share out the names and what it leaves over.
+#[derive(Clone, Copy)]
+struct Tried {
+    naming: Naming,
+    /// Q for readings of 1 µm, disturbed readings of single runs left out.
+    square: f64,
+}
+
+/// All ways, and what they are compared by.
+struct Trial<'a, 'c> {
+    campaign: &'a Campaign<'c>,
+    runs: &'a [Run],
+    as_read: &'a AsRead<'a>,
+    /// What repeated runs say, under the recorded names.
+    judged: Repeats,
+    recorded: Tried,
+    others: Vec<Tried>,
+    /// ν of each.
+    freedom: usize,
+    /// σ where repeats or the job give it, µm.
+    sigma_um: Option<f64>,
+}
+
+impl<'a, 'c> Trial<'a, 'c> {
+    /// `None` where the closure has no degrees of freedom.
+    fn new(
+        campaign: &'a Campaign<'c>,
+        runs: &'a [Run],
+        as_read: &'a AsRead<'a>,
+    ) -> Option<Trial<'a, 'c>> {
+        let volume = &campaign.measurement.volume;
+        let judged = repeats(&corrected(campaign, runs));
+        let mut shared: Option<(RunCounts, Vec<Outlier>, Undisturbed)> = None;
+        let mut tried = Naming::all().into_iter().map_while(|naming| {
+            let readings = Readings::new(campaign, runs, &naming, &judged, as_read.overrun);
+            let counts = run_counts(&readings.runs);
+            let same = |(known, outliers, _): &(RunCounts, Vec<Outlier>, Undisturbed)| {
+                *known == counts && *outliers == readings.outliers
+            };
+            if !shared.as_ref().is_some_and(same) {
+                let left = Undisturbed::new(volume, &readings.means, &counts, readings.known())?;
+                shared = Some((counts, readings.outliers.clone(), left));
+            }
+            let (_, _, left) = shared.as_ref()?;
+            let square = left.square(volume, &readings.means);
+            Some((Tried { naming, square }, left.freedom()))
+        });
+        let (recorded, freedom) = tried.next()?;
+        let others: Vec<Tried> = tried.map(|(tried, _)| tried).collect();
+        let known = as_read.noise.filter(|n| n.source != NoiseSource::Closure);
+        (freedom > 0).then_some(Trial {
+            campaign,
+            runs,
+            as_read,
+            judged,
+            recorded,
+            others,
+            freedom,
+            sigma_um: known.map(|noise| noise.sigma_um.max(DIGIT_UM)),
+        })
+    }
+
+    /// 2 ln of the odds of `better` against what leaves `worse` over.
+    fn gain(&self, worse: f64, better: f64) -> f64 {
+        let freedom = float(self.freedom);
+        match self.sigma_um {
+            Some(sigma_um) => {
+                let spread = ChiSquared::new(freedom).map_or(freedom, |s| s.inverse_cdf(BELIEVED));
+                (worse - better) / (sigma_um * sigma_um).max(better / spread)
+            }
+            None => {
+                let digit = freedom * DIGIT_UM * DIGIT_UM;
+                freedom * ((worse + digit) / (better + digit)).ln()
+            }
+        }
+    }
+
+    /// m, where `best` leaves this over.
+    fn margin(&self, best: f64) -> f64 {
+        let deviation = 2.0 * self.intervals().sqrt();
+        let near = |one: &&Tried| self.gain(one.square, best) < NEAR * deviation;
+        let competing = float(self.others.iter().filter(near).count().max(1));
+        let z = Normal::standard().inverse_cdf(1.0 - ACCUSED / competing);
+        (z * deviation).max(CLEARLY)
+    }
+
+    /// n − 1.
+    fn intervals(&self) -> f64 {
+        self.campaign.measurement.volume.steps_f64() - 1.0
+    }
+
+    /// The names that are clearly likelier than the recorded ones and leave nothing to doubt. What
+    /// disturbed readings and roll explain of the recorded names is left out of these before.
+    fn likelier(&self) -> Option<Likelier> {
+        let by_square = |a: &&Tried, b: &&Tried| a.square.total_cmp(&b.square);
+        let best = self.others.iter().min_by(by_square)?;
+        let before = self.as_read.closure;
+        let seen = before.sigma_um().unwrap_or(0.0) > SMALLEST_SPREAD_UM;
+        let gain = self.gain(before.weighted_square, best.square) + self.accused();
+        if !seen || gain <= self.margin(best.square) {
+            return None;
+        }
+        let after = self.judged(&best.naming)?;
+        Some(Likelier {
+            naming: best.naming,
+            before_um: before.sigma_um()?,
+            after_um: after.sigma_um()?,
+            gain,
+        })
+    }
+
+    /// What the readings that the closure of the recorded names calls disturbed count against these:
+    /// that just this reading is off has a chance of its own.
+    fn accused(&self) -> f64 {
+        let singly = |o: &&Outlier| o.readings.iter().all(|place| place.run.is_none());
+        let accused = self.as_read.closure.outliers.iter().filter(singly).count();
+        DISTURBED * float(accused)
+    }
+
+    /// The closure under other names; `None` where it leaves a doubt.
+    fn judged(&self, naming: &Naming) -> Option<Closure> {
+        let volume = &self.campaign.measurement.volume;
+        let (judged, overrun) = (&self.judged, self.as_read.overrun);
+        let readings = Readings::new(self.campaign, self.runs, naming, judged, overrun);
+        let counts = run_counts(&readings.runs);
+        let closure = closure(volume, &readings.means, &counts, readings.known());
+        let noise = readings.noise.or_else(|| closure.noise());
+        of_closure(&closure, noise, volume, SetUp::Solve)
+            .is_empty()
+            .then_some(closure)
+    }
+
+    /// Probability that these names, had they been right, would have been found: the gain is
+    /// normal about G with variance 4G + 4(n − 1) for each exchange, and so is G itself, which these
+    /// readings tell, taken one standard deviation low; two and by ln where σ is that of the
+    /// closure.
+    fn power(&self, slip: &Tried) -> f64 {
+        let (worse, better) = (slip.square, self.recorded.square);
+        let gain = self.gain(worse, better);
+        let scatter =
+            |square: f64, many: f64| (8.0 * (square.max(0.0) + many * self.intervals())).sqrt();
+        let (square, share) = match self.sigma_um {
+            Some(_) => (gain, 1.0),
+            None => {
+                let digit = float(self.freedom) * DIGIT_UM * DIGIT_UM;
+                let ratio = (worse + digit) / (better + digit);
+                (float(self.freedom) * (ratio - 1.0), 1.0 / ratio)
+            }
+        };
+        let moved = float(slip.naming.moved().len().saturating_sub(1));
+        let spread = share * scatter(square, moved);
+        let low = self.sigma_um.map_or(2.0, |_| 1.0);
+        let far = (gain - self.margin(better)) / spread.max(f64::MIN_POSITIVE);
+        Normal::standard().cdf(far - low)
+    }
+
+    /// The exchanges of two names and the orders that would be found in less than 95 %; no order is
+    /// shown surely by a single run, whose closure is its own yardstick.
+    fn hardly_shown(&self) -> Option<String> {
+        let recorded = self.campaign.measurement.volume.order;
+        let is_weak = |slip: &&Tried| self.power(slip) < SURE;
+        let exchanges = self.others.iter().filter(|one| one.naming.is_exchange());
+        let weak: Vec<&Tried> = exchanges.clone().filter(is_weak).collect();
+        let orders = self.others.iter().filter_map(|one| {
+            let order = one.naming.as_order(recorded)?;
+            (self.sigma_um.is_none() || is_weak(&one)).then(|| in_words(order))
+        });
+        let orders: Vec<String> = orders.collect();
+        if weak.len() == exchanges.count() {
+            return Some("these readings would hardly show diagonals under each other's name, nor steps in another order: check the file names and the order of the steps".to_string());
+        }
+        let pairs = weak.iter().filter_map(|slip| pair_in_words(&slip.naming));
+        let pairs: Vec<String> = pairs.collect();
+        let said = !pairs.is_empty() || !orders.is_empty();
+        said.then(|| hardly(&pairs, &orders))
+    }
+}
+
+fn pair_in_words(naming: &Naming) -> Option<String> {
+    let (one, other) = *naming.moved().first()?;
+    Some(format!("{one} and {other}"))
+}
+
+fn hardly(pairs: &[String], orders: &[String]) -> String {
+    let (pairs, orders) = (pairs.join(" or "), orders.join(" or "));
+    match (pairs.as_str(), orders.as_str()) {
+        (pairs, "") => {
+            format!("these readings would hardly show {pairs} exchanged: check the file names")
+        }
+        ("", orders) => format!(
+            "these readings would hardly show steps that went {orders}: check the order of the steps"
+        ),
+        (pairs, orders) => format!(
+            "these readings would hardly show {pairs} exchanged, nor steps that went {orders}: check the file names and the order of the steps"
+        ),
+    }
+}
+
+/// Names that are clearly likelier than the recorded ones.
+struct Likelier {
+    naming: Naming,
+    /// σ of a reading by the closure, as recorded and under these names, µm.
+    before_um: f64,
+    after_um: f64,
+    /// 2 ln of the odds.
+    gain: f64,
+}
+
+impl Likelier {
+    fn sentence(&self, order: [Axis; 3]) -> String {
+        let cannot_tell = match self.naming.as_order(order) {
+            Some(_) => "; the closure cannot tell these apart",
+            None => "",
+        };
+        format!(
+            "as if {}: then the closure speaks for {:.3} µm of noise, as recorded for {:.3} µm, and nothing of it is against the nine errors (odds e^{:.0} to 1){cannot_tell}; compare the names in the file and the order in the job with the programs that were run",
+            self.naming.words(order),
+            self.after_um,
+            self.before_um,
+            (self.gain / 2.0).min(999.0)
+        )
+    }
+}
+
+/// The readings under some names.
+struct Readings {
+    runs: Vec<CorrectedRun>,
+    means: Means,
+    outliers: Vec<Outlier>,
+    noise: Option<Noise>,
+    skip_ends: bool,
+}
+
+impl Readings {
+    fn new(
+        campaign: &Campaign<'_>,
+        runs: &[Run],
+        naming: &Naming,
+        judged: &Repeats,
+        overrun: Option<bool>,
+    ) -> Readings {
+        let volume: &Volume = &campaign.measurement.volume;
+        let runs = corrected(campaign, &naming.renamed(runs));
+        let means = separable(&means(&runs), volume, overrun == Some(false)).into_owned();
+        let mut outliers = judged.outliers.clone();
+        for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
+            place.diagonal = naming.0[place.diagonal];
+        }
+        Readings {
+            skip_ends: means.reverse.is_some() && overrun != Some(true),
+            noise: known_noise(&campaign.stated, judged.noise),
+            outliers,
+            runs,
+            means,
+        }
+    }
+
+    fn known(&self) -> Known<'_> {
+        Known {
+            noise: self.noise,
+            outliers: &self.outliers,
+            skip_ends: self.skip_ends,
+        }
+    }
+}

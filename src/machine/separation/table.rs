@@ -1,0 +1,94 @@
+//! Nine errors → the rows of an error table (contract §2.1).
+
+use super::evidence::Evidence;
+use super::noise::Noise;
+use super::not_counted::Silent;
+use super::separate::Separation;
+use crate::inputs::error_table::{Draft, DraftSeries, Remarks};
+use crate::inputs::job::{BacklashPolicy, SetUp};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+
+/// The table that `separate` writes and `generate` reads. Terms that are not determined are
+/// absent. Directions stand apart only where the reversal between them is determined; without it
+/// a job that asks for the curves moving + gets these alone, any other one the mean of both.
+pub fn draft(
+    separation: &Separation,
+    policy: Option<BacklashPolicy>,
+    mut comments: Vec<String>,
+) -> Draft {
+    let plus_only =
+        policy == Some(BacklashPolicy::ForwardOnly) && separation.means.reverse.is_some();
+    let directions = |axis: Axis| -> &[Option<Direction>] {
+        if separation.is_directed(axis) {
+            &[Some(Direction::Plus), Some(Direction::Minus)]
+        } else if plus_only {
+            &[Some(Direction::Plus)]
+        } else {
+            &[None]
+        }
+    };
+    comments.extend(remarks(separation).lines());
+    let mut series = Vec::new();
+    for axis in Axis::ALL {
+        for direction in directions(axis) {
+            series.push(one_series(separation, axis, *direction));
+        }
+    }
+    Draft { comments, series }
+}
+
+/// What the table has to say of itself, so that it reaches whoever uses the table.
+pub fn remarks(separation: &Separation) -> Remarks {
+    let undetermined = &separation.undetermined;
+    let missing = separation.missing();
+    let open = match separation.setup {
+        SetUp::Solve => separation.metric.undetermined(),
+        SetUp::AssumePerfect => Vec::new(),
+    };
+    let why = open.join("; ");
+    let other = undetermined
+        .iter()
+        .filter(|words| missing.is_empty() || !open.contains(words));
+    let mut notes: Vec<String> = other
+        .map(|words| format!("not determined: {words}"))
+        .collect();
+    notes.extend(separation.labels.iter().cloned());
+    Remarks {
+        doubts: separation.doubts.clone(),
+        not_determined: missing
+            .into_iter()
+            .map(|term| (term, why.clone()))
+            .collect(),
+        hidden_reversal_um: separation.hidden_reversal_um,
+        degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
+        angles_not_counted: by_term(&separation.not_counted.angles),
+        beam_not_counted: by_term(&separation.not_counted.beam),
+        notes,
+    }
+}
+
+fn by_term(silent: &Option<Silent>) -> Option<PerTerm<f64>> {
+    silent.as_ref().map(|silent| silent.by_term.clone())
+}
+
+fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> DraftSeries {
+    let positions = separation.volume.positions(axis);
+    let positions = positions
+        .into_iter()
+        .map(|position| position.mm())
+        .collect();
+    let mut series = DraftSeries::new(axis, direction, positions);
+    let evidence =
+        PerAxis::from_fn(|of| separation.of_table(ErrorTerm { of, along: axis }, direction));
+    series.deviations_um =
+        PerAxis::from_fn(|of| evidence[of].map(|found: &Evidence| written(&found.deviation_um)));
+    series.uncertainties_um =
+        PerAxis::from_fn(|of| evidence[of].and_then(|found| found.u_um.as_deref().map(written)));
+    series
+}
+
+/// Nine decimals, 10⁻⁹ µm: as many as readings carry, without the dust of binary sums.
+fn written(values_um: &[f64]) -> Vec<f64> {
+    let written = |value: &f64| (value * 1e9).round() / 1e9 + 0.0;
+    values_um.iter().map(written).collect()
+}

@@ -1,0 +1,119 @@
+//! Positioning figures by standard, from the runs of an axis or of the body diagonals.
+//!
+//! [`iso_230_2`] and [`vdi_3441`] take the [`crate::inputs::target_runs::Runs`] of one axis; [`diagonal`]
+//! takes those of the body diagonals. A figure that the data cannot give is absent (`None`), never estimated. The
+//! conditions of a standard that a file can show are tested, the others are named as not tested:
+//! docs/standards.md lists formulas, editions and how surely they are known.
+
+use crate::quantity::units::Figure;
+
+mod diagonals;
+pub mod iso_230_2;
+pub mod vdi_3441;
+
+pub use self::diagonals::{
+    DiagonalFigures, DiagonalMotion, Diagonals, diagonal, diagonal_of_unknown_length,
+};
+
+/// How surely a formula or a condition is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Confidence {
+    /// The same in all sources, and recomputed on measured data.
+    Sure,
+    /// From secondary sources; not compared with the text of the standard.
+    Likely,
+}
+
+impl Confidence {
+    /// `sure` or `likely`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Confidence::Sure => "sure",
+            Confidence::Likely => "likely",
+        }
+    }
+}
+
+/// How surely the formulas of VDI/DGQ 3441 are known.
+pub const VDI_3441: Confidence = Confidence::Likely;
+/// How surely the formulas of ISO 230-2 are known.
+pub const ISO_230_2: Confidence = Confidence::Sure;
+/// How surely the figures of ISO 230-6 and ASME B5.54 are known.
+pub const DIAGONALS: Confidence = Confidence::Likely;
+
+/// Whether a condition of a standard is met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Met {
+    /// The data meet it.
+    Yes,
+    /// The data do not meet it; figures are not according to the standard.
+    No,
+    /// The data cannot show it.
+    NotTested,
+}
+
+impl Met {
+    const fn of(yes: bool) -> Met {
+        if yes { Met::Yes } else { Met::No }
+    }
+
+    /// `met`, `not met` or `not tested`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Met::Yes => "met",
+            Met::No => "not met",
+            Met::NotTested => "not tested",
+        }
+    }
+}
+
+/// A condition of a standard.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Condition {
+    /// What the standard asks for.
+    pub asked: String,
+    /// What the data show; empty where they cannot show it.
+    pub found: String,
+    /// The outcome.
+    pub met: Met,
+    /// Editions that ask for it, by their year.
+    pub editions: &'static [u16],
+    /// How surely it is known that they do.
+    pub confidence: Confidence,
+}
+
+impl Condition {
+    /// What was found where a condition is not met.
+    pub fn missed(conditions: &[Condition]) -> Vec<String> {
+        let missed = conditions.iter().filter(|of| of.met == Met::No);
+        missed.map(|of| of.found.clone()).collect()
+    }
+}
+
+/// A figure moving up, moving down and of both; `None` where the data cannot give it. µm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ByDirection {
+    /// ↑, approached in the + direction.
+    pub up_um: Option<f64>,
+    /// ↓, approached in the - direction.
+    pub down_um: Option<f64>,
+    /// Of both directions.
+    pub both_um: Option<f64>,
+}
+
+/// Largest of some values; `None` of none.
+fn largest(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    values.into_iter().reduce(f64::max)
+}
+
+/// Largest minus smallest of some values; `None` of none.
+fn range(values: impl IntoIterator<Item = f64> + Clone) -> Option<f64> {
+    let smallest = values.clone().into_iter().reduce(f64::min)?;
+    Some(largest(values)? - smallest)
+}
+
+/// A length in mm without zeros at its end.
+pub fn in_words(mm: f64) -> String {
+    let text = format!("{:.4}", Figure(mm));
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}

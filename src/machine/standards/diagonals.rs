@@ -1,0 +1,216 @@
+//! ISO 230-6 and ASME B5.54: figures of the body diagonals.
+
+use crate::inputs::target_runs::Runs;
+use crate::machine::standards::iso_230_2::{self, AxisFigures, Travel};
+use crate::machine::standards::{Condition, DIAGONALS, Met, largest, range};
+
+/// Body diagonals of a machine.
+const BODY_DIAGONALS: usize = 4;
+/// Edition of ISO 230-6 that is meant.
+const EDITION: [u16; 1] = [2002];
+
+/// How the runs along a diagonal were made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DiagonalMotion {
+    /// All three axes moved at once, along the diagonal.
+    StraightRuns,
+    /// One axis after the other; the runs hold the ends of the cells.
+    StepDiagonalCellEnds,
+}
+
+impl DiagonalMotion {
+    /// How the figures have to be labelled by the motion alone.
+    pub const fn label(self) -> &'static str {
+        match self {
+            DiagonalMotion::StraightRuns => "after ISO 230-6 (likely)",
+            DiagonalMotion::StepDiagonalCellEnds => "from step-diagonal cell ends, not ISO 230-6",
+        }
+    }
+}
+
+/// Figures of one body diagonal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DiagonalFigures {
+    /// Its name, e.g. `PPN`.
+    pub name: String,
+    /// E, M, B, B̄, R and A as for an axis, on the coordinate along the diagonal.
+    pub figures: AxisFigures,
+    /// Largest minus smallest mean deviation over all directions that were measured, µm: E where
+    /// both were, E↑ or E↓ where one was.
+    pub range_um: Option<f64>,
+}
+
+/// Figures of the body diagonals and of the machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagonals {
+    /// How they have to be labelled: by the motion, and by the conditions that are missed.
+    pub label: String,
+    /// Each diagonal, in the order given.
+    pub diagonals: Vec<DiagonalFigures>,
+    /// E_d of ISO 230-6; absent unless there are four diagonals in both directions.
+    pub e_d_um: Option<f64>,
+    /// B_d of ISO 230-6; absent unless there are four diagonals in both directions.
+    pub b_d_um: Option<f64>,
+    /// Largest range of a single diagonal, in the style of ASME B5.54; absent unless there are four.
+    pub largest_range_um: Option<f64>,
+    /// Range over all diagonals together, in the style of ASME B5.54; absent unless there are four.
+    pub range_over_all_um: Option<f64>,
+    /// Conditions of ISO 230-6.
+    pub conditions: Vec<Condition>,
+}
+
+/// Figures of the body diagonals, in the style of ISO 230-6 and ASME B5.54.
+///
+///   per diagonal   E↑ E↓ E M B B̄ R A as in [`iso_230_2::figures`], on the diagonal's coordinate
+///   E_d = max E     B_d = max B                                 over the four body diagonals
+///   largest range = max over the diagonals of (largest − smallest mean deviation)
+///   range over all = largest − smallest mean deviation of all four together
+///
+/// shape  one name and one [`Runs`] for each diagonal; up = the forward run
+/// unit   targets: mm along the diagonal from its start; deviations: µm along the diagonal
+/// source ISO 230-6:2002 and ASME B5.54, both likely: from secondary sources. Whether R and A are
+///        reported, and how many runs are asked for, has to be looked up before conformity is claimed
+/// limits ISO 230-6 asks for straight motion; cell ends of a step-diagonal run lie on the same
+///        line but were reached by another motion, see [`DiagonalMotion::label`]. The range over
+///        all depends on the zero of each diagonal: here its first target, as the readings have it
+pub fn diagonal(diagonals: &[(&str, &Runs)], motion: DiagonalMotion) -> Diagonals {
+    let targets = diagonals.iter().map(|(name, runs)| {
+        let travel = Travel::of(runs, None).ok()?;
+        Some((*name, iso_230_2::number_of_targets(runs, travel)))
+    });
+    figures_of(diagonals, motion, targets.collect())
+}
+
+/// The same where nothing is known of the box: no figure depends on the targets' places along the
+/// diagonal, but whether they are enough cannot be told.
+pub fn diagonal_of_unknown_length(
+    diagonals: &[(&str, &Runs)],
+    motion: DiagonalMotion,
+) -> Diagonals {
+    figures_of(diagonals, motion, None)
+}
+
+fn figures_of(
+    diagonals: &[(&str, &Runs)],
+    motion: DiagonalMotion,
+    targets: Option<Vec<(&str, Condition)>>,
+) -> Diagonals {
+    let figures: Vec<DiagonalFigures> = diagonals
+        .iter()
+        .map(|(name, runs)| DiagonalFigures {
+            name: (*name).to_string(),
+            figures: iso_230_2::figures(runs).axis,
+            range_um: range(means_um(runs)),
+        })
+        .collect();
+    let means: Vec<f64> = diagonals
+        .iter()
+        .flat_map(|(_, runs)| means_um(runs))
+        .collect();
+    let complete = figures.len() == BODY_DIAGONALS;
+    let of_machine = |figure: &dyn Fn(&DiagonalFigures) -> Option<f64>| {
+        let all: Option<Vec<f64>> = figures.iter().map(figure).collect();
+        largest(all.filter(|_| complete)?)
+    };
+    let conditions = conditions(diagonals, motion, targets);
+    Diagonals {
+        label: label(motion, &conditions),
+        e_d_um: of_machine(&|of| of.figures.e.both_um),
+        b_d_um: of_machine(&|of| of.figures.b_um),
+        largest_range_um: of_machine(&|of| of.range_um),
+        range_over_all_um: range(means).filter(|_| complete),
+        diagonals: figures,
+        conditions,
+    }
+}
+
+/// Mean deviations x̄_i↑ and x̄_i↓ of all targets, µm.
+fn means_um(runs: &Runs) -> Vec<f64> {
+    let targets = iso_230_2::figures(runs).targets;
+    targets
+        .iter()
+        .flat_map(|target| [target.mean.up_um, target.mean.down_um])
+        .flatten()
+        .collect()
+}
+
+// ---------------------------------------------------------------------------------------------
+// Conditions
+
+/// Conditions of ISO 230-6: motion, the four diagonals, and targets and approaches as in ISO 230-2.
+fn conditions(
+    diagonals: &[(&str, &Runs)],
+    motion: DiagonalMotion,
+    targets: Option<Vec<(&str, Condition)>>,
+) -> Vec<Condition> {
+    let straight = motion == DiagonalMotion::StraightRuns;
+    let names: Vec<&str> = diagonals.iter().map(|(name, _)| *name).collect();
+    let directions = diagonals
+        .iter()
+        .map(|(name, runs)| (*name, iso_230_2::directions(runs)));
+    let asked_targets = "targets as in ISO 230-2: five per metre and at least five";
+    vec![
+        likely(
+            "all three axes move at once, straight along the diagonal",
+            if straight {
+                "straight runs"
+            } else {
+                "single-axis steps"
+            }
+            .to_string(),
+            Met::of(straight),
+        ),
+        likely(
+            "the four body diagonals",
+            names.join(", "),
+            Met::of(diagonals.len() == BODY_DIAGONALS),
+        ),
+        match targets {
+            Some(targets) => of_all(asked_targets, targets),
+            None => likely(
+                asked_targets,
+                "the length of the diagonals is not known".to_string(),
+                Met::NotTested,
+            ),
+        },
+        of_all("approach in both directions", directions.collect()),
+        likely(
+            "number of runs, whether R and A are reported: to be looked up in the standard",
+            diagonals
+                .first()
+                .map_or_else(String::new, |(_, runs)| iso_230_2::runs_words(runs)),
+            Met::NotTested,
+        ),
+    ]
+}
+
+fn likely(asked: &str, found: String, met: Met) -> Condition {
+    Condition {
+        asked: asked.to_string(),
+        found,
+        met,
+        editions: &EDITION,
+        confidence: DIAGONALS,
+    }
+}
+
+/// A condition that every diagonal has to meet; what is said is that of the first that does not.
+fn of_all(asked: &str, each: Vec<(&str, Condition)>) -> Condition {
+    let missed = each.iter().find(|(_, of)| of.met == Met::No);
+    match (missed, each.first()) {
+        (Some((name, of)), _) => likely(asked, format!("{name}: {}", of.found), Met::No),
+        (None, Some((_, of))) => likely(asked, of.found.clone(), Met::Yes),
+        (None, None) => likely(asked, String::new(), Met::NotTested),
+    }
+}
+
+/// The label of the motion; of straight runs also the conditions that they miss.
+fn label(motion: DiagonalMotion, conditions: &[Condition]) -> String {
+    let missed = Condition::missed(conditions);
+    match motion {
+        DiagonalMotion::StraightRuns if !missed.is_empty() => {
+            format!("NOT after ISO 230-6: {}", missed.join("; "))
+        }
+        _ => motion.label().to_string(),
+    }
+}

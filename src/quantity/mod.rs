@@ -1,0 +1,8 @@
+//! Axes, units, signs, places, curves.
+
+pub mod axis;
+pub mod chain;
+pub mod curve;
+pub mod diagonal;
+pub mod fit;
+pub mod units;

@@ -1,0 +1,337 @@
+//! What a control would add to an axis, computed from the tables that were read back.
+//!
+//! ```text
+//!   bytes → readback → Tables ─┐
+//!   profile facts ─────────────┼→ emulator of the dialect → Response (base axis, output axis, direction)
+//!   state of the control ──────┘
+//! ```
+//! An emulator turns tables into [`NodeTable`]s: corrections at equally spaced nodes and a rule
+//! for what happens between them. Everything after that (evaluation, exact extremes, forecast)
+//! is common to all controls. Emulators follow the formal semantics of the references
+//! (docs/siemens.md §5, docs/fanuc.md §5) and know nothing of how a table was made.
+
+pub mod fanuc;
+pub mod generic;
+pub mod siemens;
+
+use self::fanuc::FanucControl;
+use self::generic::GenericControl;
+use self::siemens::SiemensControl;
+use crate::control::control_state::ControlState;
+use crate::control::controller::{Dialect, Profile};
+use crate::control::table::Tables;
+use crate::quantity::axis::Direction;
+use crate::quantity::units::{Correction, Millimetres};
+
+/// Why an emulator cannot tell what a control would do with these tables, in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CannotEmulate(pub String);
+
+/// What a control does between two nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Between {
+    /// Straight line from node to node.
+    Linear,
+    /// The whole change at one place of the section: `fraction` 0 = lower end, 1 = upper end.
+    Step {
+        /// Place of the step inside the section.
+        fraction: f64,
+    },
+    /// Single pulses of `pulse_um` at equal distances in the section (docs/fanuc.md §5.2).
+    Pulses {
+        /// Size of one pulse, µm.
+        pulse_um: f64,
+    },
+}
+
+/// Corrections at equally spaced nodes of a base axis. Outside the first and last node the end
+/// value is held, unless `modulo`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeTable {
+    start_mm: f64,
+    step_mm: f64,
+    per_mm: f64,
+    values_um: Vec<f64>,
+    between: Between,
+    modulo: bool,
+}
+
+impl NodeTable {
+    /// A table with its first node at `start` and the corrections of its nodes.
+    ///
+    /// `step` must be positive and there must be at least two nodes, else nothing is returned.
+    pub fn new(
+        start: Millimetres,
+        step: Millimetres,
+        corrections: &[Correction],
+        between: Between,
+    ) -> Option<NodeTable> {
+        let finite = start.mm().is_finite() && step.mm().is_finite();
+        (finite && step.mm() > 0.0 && corrections.len() >= 2).then(|| NodeTable {
+            start_mm: start.mm(),
+            step_mm: step.mm(),
+            per_mm: 1.0 / step.mm(),
+            values_um: corrections.iter().map(|c| c.um()).collect(),
+            between,
+            modulo: false,
+        })
+    }
+
+    /// The same table, repeating with the period last − first node.
+    #[must_use]
+    pub fn repeating(mut self) -> NodeTable {
+        self.modulo = true;
+        self
+    }
+
+    /// Whether it repeats with its period.
+    pub fn is_repeating(&self) -> bool {
+        self.modulo
+    }
+
+    /// Position of the first node.
+    pub fn first(&self) -> Millimetres {
+        Millimetres::new(self.start_mm)
+    }
+
+    /// Position of the last node.
+    pub fn last(&self) -> Millimetres {
+        Millimetres::new(self.node_mm(self.values_um.len() - 1))
+    }
+
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "a table has far fewer than 2^52 nodes"
+    )]
+    fn node_mm(&self, index: usize) -> f64 {
+        self.start_mm + self.step_mm * index as f64
+    }
+
+    /// Nodes as position and correction.
+    pub fn nodes(&self) -> impl Iterator<Item = (Millimetres, Correction)> {
+        self.values_um.iter().enumerate().map(|(index, um)| {
+            (
+                Millimetres::new(self.node_mm(index)),
+                Correction::from_um(*um),
+            )
+        })
+    }
+
+    /// The correction at a position.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the section index is checked to lie inside the table before it is used"
+    )]
+    pub fn correction(&self, at: Millimetres) -> Correction {
+        let last = self.values_um.len() - 1;
+        let mut u = (at.mm() - self.start_mm) * self.per_mm;
+        if self.modulo {
+            u = u.rem_euclid(last as f64);
+        }
+        if u <= 0.0 {
+            return Correction::from_um(self.values_um[0]);
+        }
+        if u >= last as f64 {
+            return Correction::from_um(self.values_um[last]);
+        }
+        let section = u as usize;
+        let (low, high) = (self.values_um[section], self.values_um[section + 1]);
+        let inside = u - section as f64;
+        Correction::from_um(match self.between {
+            Between::Linear => low + inside * (high - low),
+            Between::Step { fraction } => {
+                if inside >= fraction {
+                    high
+                } else {
+                    low
+                }
+            }
+            Between::Pulses { pulse_um } => {
+                let pulses = (high - low) / pulse_um;
+                low + pulse_um * pulses.signum() * (inside * pulses.abs() + 0.5).floor()
+            }
+        })
+    }
+
+    /// Positions inside `from..to` where the correction bends or jumps.
+    fn breaks(&self, from: f64, to: f64, out: &mut Vec<f64>) {
+        let last = self.values_um.len() - 1;
+        let period = self.node_mm(last) - self.start_mm;
+        let (mut shift, end) = if self.modulo {
+            let first = ((from - self.start_mm) / period).floor() * period;
+            (first, to - self.start_mm)
+        } else {
+            (0.0, 0.0)
+        };
+        loop {
+            for section in 0..last {
+                self.section_breaks(section, shift, out);
+            }
+            out.push(self.node_mm(last) + shift);
+            shift += period;
+            if shift > end || !self.modulo {
+                break;
+            }
+        }
+        out.retain(|x| *x > from && *x < to);
+    }
+
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the number of pulses of one section is small and not negative"
+    )]
+    fn section_breaks(&self, section: usize, shift: f64, out: &mut Vec<f64>) {
+        let low = self.node_mm(section) + shift;
+        match self.between {
+            Between::Linear => out.push(low),
+            Between::Step { fraction } => out.push(low + fraction * self.step_mm),
+            Between::Pulses { pulse_um } => {
+                let change = self.values_um[section + 1] - self.values_um[section];
+                let pulses = (change / pulse_um).abs();
+                let count = pulses.round() as usize;
+                out.extend((0..count).map(|k| low + self.step_mm * (k as f64 + 0.5) / pulses));
+            }
+        }
+    }
+}
+
+/// A stretch of the base axis on which a correction is one straight line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Where it begins.
+    pub from: Millimetres,
+    /// Where it ends.
+    pub to: Millimetres,
+    /// Correction at the beginning, coming from inside.
+    pub at_from: Correction,
+    /// Correction at the end, coming from inside.
+    pub at_to: Correction,
+}
+
+/// What one output axis gets because one base axis stands at a position, having come there in
+/// one direction: the sum of node tables and a constant.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Response {
+    tables: Vec<NodeTable>,
+    constant_um: f64,
+}
+
+impl Response {
+    /// The sum of these tables and a constant correction (a backlash parameter, for instance).
+    pub fn new(tables: Vec<NodeTable>, constant: Correction) -> Response {
+        Response {
+            tables,
+            constant_um: constant.um(),
+        }
+    }
+
+    /// The correction at a position.
+    pub fn correction(&self, at: Millimetres) -> Correction {
+        self.tables
+            .iter()
+            .map(|table| table.correction(at))
+            .fold(Correction::from_um(self.constant_um), |sum, c| sum + c)
+    }
+
+    /// The node tables it is made of.
+    pub fn tables(&self) -> &[NodeTable] {
+        &self.tables
+    }
+
+    /// The same nodes with straight lines between them, where a control steps.
+    #[must_use]
+    pub fn straightened(&self) -> Response {
+        let straight = |table: &NodeTable| NodeTable {
+            between: Between::Linear,
+            ..table.clone()
+        };
+        Response {
+            tables: self.tables.iter().map(straight).collect(),
+            constant_um: self.constant_um,
+        }
+    }
+
+    /// The correction over `from..to` as straight stretches; jumps lie between two stretches.
+    /// Exact: no position is skipped, so extremes found on the stretches are the extremes.
+    pub fn stretches(&self, from: Millimetres, to: Millimetres) -> Vec<Stretch> {
+        self.breaks(from, to)
+            .windows(2)
+            .map(|pair| self.stretch(pair[0], pair[1]))
+            .collect()
+    }
+
+    /// `from`, `to` and every place between them where the correction bends or jumps, mm,
+    /// ascending.
+    pub fn breaks(&self, from: Millimetres, to: Millimetres) -> Vec<f64> {
+        let nodes: usize = self.tables.iter().map(|table| table.values_um.len()).sum();
+        let mut breaks = Vec::with_capacity(nodes + 2);
+        for table in &self.tables {
+            table.breaks(from.mm(), to.mm(), &mut breaks);
+        }
+        breaks.push(from.mm());
+        breaks.push(to.mm());
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup_by(|a, b| (*a - *b).abs() < SAME_PLACE_MM);
+        breaks
+    }
+
+    fn stretch(&self, from: f64, to: f64) -> Stretch {
+        // Two places inside carry the line; its ends follow, so a jump at an end cannot mislead.
+        let quarter = (to - from) * 0.25;
+        let a = self.correction(Millimetres::new(from + quarter)).um();
+        let b = self.correction(Millimetres::new(to - quarter)).um();
+        let half = (b - a) * 0.5;
+        Stretch {
+            from: Millimetres::new(from),
+            to: Millimetres::new(to),
+            at_from: Correction::from_um(a - half),
+            at_to: Correction::from_um(b + half),
+        }
+    }
+}
+
+/// Two breaks closer than this are one (a picometre: rounding of the node positions).
+const SAME_PLACE_MM: f64 = 1e-9;
+
+/// An emulated control, loaded with tables.
+pub trait Emulator {
+    /// Pairs (base axis, output axis) that at least one table connects, in the control's names.
+    fn connected_axes(&self) -> Vec<(String, String)>;
+
+    /// What `output` gets while `base` moves in `direction`. Axes that no table connects give a
+    /// response of zero. Fails where the semantics do not say what the control would do.
+    fn response(
+        &self,
+        base: &str,
+        output: &str,
+        direction: Direction,
+    ) -> Result<Response, CannotEmulate>;
+}
+
+/// The emulator of a profile's dialect, loaded with tables.
+pub fn emulator(
+    profile: &Profile,
+    tables: &Tables,
+    state: &ControlState,
+) -> Result<Box<dyn Emulator>, CannotEmulate> {
+    Ok(match (&profile.dialect, tables) {
+        (Dialect::Siemens(facts), Tables::Siemens(tables)) => {
+            Box::new(SiemensControl::new(tables, facts, state)?)
+        }
+        (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
+            Box::new(FanucControl::new(memory, facts, state)?)
+        }
+        (Dialect::Generic(_), Tables::Generic(table)) => {
+            Box::new(GenericControl::new(table, state)?)
+        }
+        _ => {
+            return Err(CannotEmulate(
+                "the tables are not of the profile's dialect".to_string(),
+            ));
+        }
+    })
+}

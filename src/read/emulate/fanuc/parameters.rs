@@ -1,0 +1,243 @@
+//! Typed look at the parameters of a kit, and what it holds that is not emulated.
+//!
+//! A parameter that no file writes keeps its old content, so a missing one is never taken as 0.
+
+use crate::control::control_state::{AxisState, ControlState};
+use crate::control::controller::FanucFacts;
+use crate::control::table::fanuc::{FanucMemory, ParameterValue};
+use crate::read::emulate::CannotEmulate;
+
+/// Everything the tables of a control are built from.
+#[derive(Clone, Copy)]
+pub(super) struct Loading<'a> {
+    /// What the kit writes.
+    pub(super) memory: &'a FanucMemory,
+    /// What the control does with it.
+    pub(super) facts: &'a FanucFacts,
+    /// What the job states.
+    pub(super) state: &'a ControlState,
+}
+
+/// Refusal in words.
+pub(super) fn cannot<T>(words: impl Into<String>) -> Result<T, CannotEmulate> {
+    Err(CannotEmulate(words.into()))
+}
+
+/// `parameter 3620 of axis 1`, as messages name it.
+pub(super) fn name(number: u32, axis: Option<u32>) -> String {
+    let axis = axis.map_or(String::new(), |axis| format!(" of axis {axis}"));
+    format!("parameter {number}{axis}")
+}
+
+impl<'a> Loading<'a> {
+    /// The stated axis of a controlled-axis number.
+    pub(super) fn axis(self, number: u32) -> Result<&'a AxisState, CannotEmulate> {
+        match self.state.axis(&number.to_string()) {
+            Some(axis) => Ok(axis),
+            None => cannot(format!(
+                "the files name axis {number}, which the job does not state"
+            )),
+        }
+    }
+
+    /// Detection unit of an axis, µm.
+    pub(super) fn detection_unit_um(self, axis: &AxisState) -> Result<f64, CannotEmulate> {
+        match axis.detection_unit_um {
+            Some(um) if um.is_finite() && um > 0.0 => Ok(um),
+            Some(um) => cannot(format!(
+                "axis {}: the detection unit is {um} µm, expected more than 0",
+                axis.name
+            )),
+            None => cannot(format!(
+                "axis {}: the detection unit is not stated",
+                axis.name
+            )),
+        }
+    }
+
+    /// Whether the kit writes a parameter.
+    pub(super) fn holds(self, number: u32, axis: Option<u32>) -> bool {
+        self.memory.parameter(number, axis).is_some()
+    }
+
+    /// A whole number, which has to be there.
+    pub(super) fn integer(self, number: u32, axis: Option<u32>) -> Result<i64, CannotEmulate> {
+        match self.memory.parameter(number, axis) {
+            Some(ParameterValue::Integer(value)) => Ok(value),
+            Some(_) => cannot(format!("{} is not a whole number", name(number, axis))),
+            None => cannot(format!(
+                "{} is missing; a parameter left out keeps its old content",
+                name(number, axis)
+            )),
+        }
+    }
+
+    /// A whole number that has to lie in `0..=limit`.
+    pub(super) fn count(
+        self,
+        number: u32,
+        axis: Option<u32>,
+        limit: u32,
+    ) -> Result<u32, CannotEmulate> {
+        let value = self.integer(number, axis)?;
+        match u32::try_from(value) {
+            Ok(count) if count <= limit => Ok(count),
+            _ => cannot(format!(
+                "{} is {value}, expected 0 to {limit}",
+                name(number, axis)
+            )),
+        }
+    }
+
+    /// A whole number that has to lie in `-limit..=limit`.
+    pub(super) fn amount(
+        self,
+        number: u32,
+        axis: Option<u32>,
+        limit: u32,
+    ) -> Result<f64, CannotEmulate> {
+        let value = self.integer(number, axis)?;
+        match i32::try_from(value) {
+            Ok(amount) if amount.unsigned_abs() <= limit => Ok(f64::from(amount)),
+            _ => cannot(format!(
+                "{} is {value}, expected -{limit} to {limit}",
+                name(number, axis)
+            )),
+        }
+    }
+
+    /// Eight bits, if the kit writes them.
+    pub(super) fn bits(self, number: u32, axis: Option<u32>) -> Result<Option<u8>, CannotEmulate> {
+        match self.memory.parameter(number, axis) {
+            Some(ParameterValue::Bits(bits)) => Ok(Some(bits)),
+            Some(_) => cannot(format!("{} does not hold eight bits", name(number, axis))),
+            None => Ok(None),
+        }
+    }
+
+    /// Values of `count` points from `first` on, detection units. A real control holds more than the
+    /// `increment_max` that is written, so no other limit than that of the data word counts here.
+    pub(super) fn increments(self, first: u32, count: u32) -> Result<Vec<i32>, CannotEmulate> {
+        (first..first + count)
+            .map(|point| match self.memory.points.get(&point) {
+                Some(value) => Ok(*value),
+                None => cannot(format!(
+                    "point {point} is missing; a point left out keeps its old content"
+                )),
+            })
+            .collect()
+    }
+
+    /// Refuses what the kit holds beyond pitch and straightness compensation.
+    pub(super) fn refuse_others(self) -> Result<(), CannotEmulate> {
+        for key in self.memory.parameters.keys() {
+            let what = name(key.number, key.axis);
+            if let Some((_, _, words)) = OTHERS
+                .iter()
+                .find(|(a, b, _)| (*a..=*b).contains(&key.number))
+            {
+                return cannot(format!("{what}: {words}"));
+            }
+            if AXIS_TYPE.contains(&key.number) && key.axis.is_none() {
+                return cannot(format!("{what} names no axis, but each axis has its own"));
+            }
+            if key.axis.is_some() && self.is_without_axis(key.number) {
+                return cannot(format!("{what}: no axis owns this parameter"));
+            }
+            self.refuse_bits(key.number, key.axis)?;
+        }
+        Ok(())
+    }
+
+    fn is_without_axis(self, number: u32) -> bool {
+        let sets = self.facts.straightness_sets.value;
+        let per_point = [
+            self.facts.straightness_magnification_parameter.value,
+            self.facts.straightness_start_parameter.value,
+        ];
+        NO_AXIS.iter().any(|(a, b)| (*a..=*b).contains(&number))
+            || per_point
+                .iter()
+                .any(|first| (*first..*first + sets).contains(&number))
+    }
+
+    fn refuse_bits(self, number: u32, axis: Option<u32>) -> Result<(), CannotEmulate> {
+        let Some((_, mask, words)) = OTHER_BITS.iter().find(|(bits, _, _)| *bits == number) else {
+            return Ok(());
+        };
+        match self.bits(number, axis)? {
+            Some(bits) if bits & mask != 0 => cannot(format!("{}: {words}", name(number, axis))),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Pitch parameters, one for each axis (docs/fanuc.md §1.1).
+const AXIS_TYPE: [u32; 9] = [3605, 3620, 3621, 3622, 3623, 3624, 3625, 3626, 3627];
+
+/// Straightness parameters, which no axis owns (docs/fanuc.md §2.1).
+const NO_AXIS: [(u32, u32); 8] = [
+    (5711, 5716),
+    (5721, 5726),
+    (5731, 5734),
+    (5741, 5744),
+    (5751, 5754),
+    (5761, 5764),
+    (5771, 5774),
+    (5781, 5784),
+];
+
+/// First, last, and why the emulation would be wrong if it passed over them (docs/fanuc.md §5.6).
+const OTHERS: [(u32, u32, &str); 8] = [
+    (
+        1240,
+        1240,
+        "the reference position is taken from the job, a kit must not change it",
+    ),
+    (
+        1851,
+        1852,
+        "the backlash is taken from the job, a kit must not change it",
+    ),
+    (
+        3666,
+        3671,
+        "separate point numbers of slave axes are not emulated",
+    ),
+    (
+        3676,
+        3677,
+        "separate point numbers of slave axes are not emulated",
+    ),
+    (5861, 5864, "inclination compensation is not emulated"),
+    (5871, 5874, "inclination compensation is not emulated"),
+    (
+        10800,
+        10814,
+        "three-dimensional error compensation is not emulated",
+    ),
+    (
+        14985,
+        14988,
+        "cyclic second pitch compensation is not emulated",
+    ),
+];
+
+/// Parameter, bits that must be 0, and what they would mean (docs/fanuc.md §1.1).
+const OTHER_BITS: [(u32, u8, &str); 3] = [
+    (
+        3602,
+        0b0000_0001,
+        "pitch data as total values (bit 0) are not emulated",
+    ),
+    (
+        3605,
+        0b0000_1100,
+        "arbitrary-pitch and cyclic second compensation (bits 2, 3) are not emulated",
+    ),
+    (
+        8135,
+        0b0000_0001,
+        "pitch compensation is not available on this control (bit 0)",
+    ),
+];

@@ -1,0 +1,267 @@
+//! Stored pitch error compensation of one axis (docs/fanuc.md §5.2, §5.3; B-63980EN/01 p. 100).
+//!
+//! ```text
+//!   point          Nmin     …     N0      N0+1     …     Nmax
+//!   section     |---------|-…-|---------|---------|-…-|---------|
+//!   node      Nmin−1    Nmin  N0−1      N0      N0+1          Nmax
+//!   S           …                       0                      …
+//! ```
+//! Point n is the section between node n−1 and node n; node N0 is the reference position. A value
+//! is the step of the curve in its section, seen from − to +.
+
+use super::parameters::{Loading, cannot, name};
+use super::{Link, Run};
+use crate::control::control_state::AxisState;
+use crate::control::controller::{IntervalForm, LengthUnit, NumberRange};
+use crate::control::table::fanuc::ParameterValue;
+use crate::quantity::axis::Direction;
+use crate::quantity::units::{Correction, Millimetres, power_of_ten};
+use crate::read::emulate::{Between, CannotEmulate, NodeTable};
+
+/// 3627 is a signed word (B-63530EN).
+const REVERSAL_MAX: u32 = 32767;
+
+/// Where the points of an axis lie.
+pub(super) struct Grid {
+    /// N0, the point of the reference position (3620).
+    pub(super) reference_point: u32,
+    /// Nmin and Nmax (3621, 3622).
+    pub(super) points: NumberRange,
+    /// L, mm (3624).
+    interval: Millimetres,
+    reference: Millimetres,
+    /// Interpolated form (3605#1).
+    interpolated: bool,
+}
+
+impl Grid {
+    /// The grid of a controlled axis.
+    pub(super) fn load(from: Loading, axis: u32) -> Result<Grid, CannotEmulate> {
+        let stated = from.axis(axis)?;
+        refuse_rotary(from, axis)?;
+        let [reference_point, first, last] = point_numbers(from, axis)?;
+        let points = NumberRange { first, last };
+        if !lies_in(points, &from.facts.pitch_points.value) {
+            return cannot(format!(
+                "axis {axis}: points {first} to {last} (3621, 3622) are not in one block of the control's points"
+            ));
+        }
+        Ok(Grid {
+            reference_point,
+            points,
+            interval: interval(from, axis)?,
+            reference: stated.reference,
+            interpolated: switch(from, axis, 1)?.unwrap_or(stated.interpolated),
+        })
+    }
+
+    /// Number of points, Nmin and Nmax included.
+    pub(super) fn count(&self) -> u32 {
+        self.points.last - self.points.first + 1
+    }
+
+    /// Index of the reference among the nodes Nmin−1 … Nmax.
+    pub(super) fn zero_node(&self) -> u32 {
+        self.reference_point - self.points.first + 1
+    }
+
+    /// What happens between two nodes: one step, or pulses of the output axis' unit.
+    pub(super) fn between(&self, from: Loading, pulse_um: f64) -> Between {
+        if self.interpolated {
+            Between::Pulses { pulse_um }
+        } else {
+            Between::Step {
+                fraction: from.facts.output_fraction.value,
+            }
+        }
+    }
+
+    /// A table with these corrections at the nodes Nmin−1 … Nmax.
+    pub(super) fn table(
+        &self,
+        nodes: &[Correction],
+        between: Between,
+    ) -> Result<NodeTable, CannotEmulate> {
+        let below = f64::from(self.zero_node()) * self.interval.mm();
+        let start = self.reference - Millimetres::new(below);
+        NodeTable::new(start, self.interval, nodes, between)
+            .ok_or_else(|| CannotEmulate("the points do not make a table".to_string()))
+    }
+}
+
+/// 3620, 3621, 3622 in the order that the control requires (docs/fanuc.md §1.1).
+fn point_numbers(from: Loading, axis: u32) -> Result<[u32; 3], CannotEmulate> {
+    let read = |number| from.count(number, Some(axis), u32::MAX);
+    let (reference, first, last) = (read(3620)?, read(3621)?, read(3622)?);
+    if first <= reference && reference < last {
+        return Ok([reference, first, last]);
+    }
+    cannot(format!(
+        "axis {axis}: 3621 = {first}, 3620 = {reference}, 3622 = {last}, expected 3621 ≤ 3620 < 3622"
+    ))
+}
+
+fn refuse_rotary(from: Loading, axis: u32) -> Result<(), CannotEmulate> {
+    let rotary = match from.memory.parameter(3625, Some(axis)) {
+        None | Some(ParameterValue::Integer(0)) => false,
+        Some(ParameterValue::Real(travel)) => travel.abs() > 0.0,
+        Some(_) => true,
+    };
+    if rotary {
+        return cannot(format!(
+            "axis {axis}: 3625 is not 0; rotary axes are not emulated"
+        ));
+    }
+    Ok(())
+}
+
+/// 3624 as a length: a real number in mm or inch, or a number of least input increments.
+fn interval(from: Loading, axis: u32) -> Result<Millimetres, CannotEmulate> {
+    let what = name(3624, Some(axis));
+    let facts = from.facts;
+    let length = match (
+        facts.interval_form.value,
+        from.memory.parameter(3624, Some(axis)),
+    ) {
+        (_, None) => {
+            return cannot(format!(
+                "{what} is missing; a parameter left out keeps its old content"
+            ));
+        }
+        (IntervalForm::Real, Some(ParameterValue::Real(length))) => length,
+        (IntervalForm::Real, Some(_)) => return cannot(format!("{what} has no decimal point")),
+        (IntervalForm::Integer, Some(_)) => {
+            let decimals = match from.state.unit {
+                LengthUnit::Millimetre => facts.interval_decimals_mm.value,
+                LengthUnit::Inch => facts.interval_decimals_inch.value,
+            };
+            let increments = f64::from(from.count(3624, Some(axis), u32::MAX)?);
+            increments / power_of_ten(decimals)
+        }
+    };
+    if length.is_finite() && length > 0.0 {
+        return Ok(Millimetres::new(length * from.state.unit.in_mm()));
+    }
+    cannot(format!("{what} is {length}, expected an interval above 0"))
+}
+
+/// A bit of 3605, if the kit writes it.
+fn switch(from: Loading, axis: u32, bit: u8) -> Result<Option<bool>, CannotEmulate> {
+    let bits = from.bits(3605, Some(axis))?;
+    Ok(bits.map(|bits| bits & (1 << bit) != 0))
+}
+
+/// Whether one of the control's blocks holds all points of a run.
+pub(super) fn lies_in(run: NumberRange, blocks: &[NumberRange]) -> bool {
+    blocks
+        .iter()
+        .any(|block| block.contains(run.first) && block.contains(run.last))
+}
+
+/// Sums S of the increments at the nodes Nmin−1 … Nmax, zero at the node `zero_node`.
+///
+///   S(n) = Σ v(N0+1 … N0+n), n ≥ 0;  S(n) = −Σ v(N0+n+1 … N0), n < 0
+///
+/// unit   as the increments
+/// source docs/fanuc.md §5.2; the figure of B-64303CM-1/01 §1.3.1 fits no other sign
+pub(super) fn node_sums(increments: &[i32], zero_node: u32) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut sums = vec![sum];
+    for value in increments {
+        sum += f64::from(*value);
+        sums.push(sum);
+    }
+    let at_reference = usize::try_from(zero_node)
+        .ok()
+        .and_then(|index| sums.get(index).copied());
+    sums.iter()
+        .map(|s| s - at_reference.unwrap_or(0.0))
+        .collect()
+}
+
+/// Pitch compensation of an axis for both directions; magnification 0 gives none.
+pub(super) fn load(from: Loading, axis: u32, runs: &mut Vec<Run>) -> Result<Link, CannotEmulate> {
+    let state = from.axis(axis)?;
+    let magnification = from.count(3623, Some(axis), from.facts.magnification_max.value)?;
+    let mut link = Link::default();
+    if magnification == 0 {
+        return Ok(link);
+    }
+    let pitch = Pitch {
+        from,
+        axis,
+        grid: Grid::load(from, axis)?,
+        unit_um: from.detection_unit_um(state)?,
+        magnification: f64::from(magnification),
+    };
+    runs.push(Run::new(format!("axis {axis}"), pitch.grid.points));
+    let table = pitch.table(pitch.grid.points.first)?;
+    link.plus.tables.push(table.clone());
+    if switch(from, axis, 0)?.unwrap_or(state.bidirectional) {
+        let run = pitch.second_run()?;
+        runs.push(Run::new(format!("axis {axis}, travel in -"), run));
+        link.minus.tables.push(pitch.table(run.first)?);
+        link.way_mut(against_return(state)).constant = pitch.reversal()?;
+    } else {
+        link.minus.tables.push(table);
+    }
+    Ok(link)
+}
+
+/// The direction that 3627 and the backlash belong to: opposite to the reference return.
+pub(super) fn against_return(state: &AxisState) -> Direction {
+    state.reference_direction.opposite()
+}
+
+struct Pitch<'a> {
+    from: Loading<'a>,
+    axis: u32,
+    grid: Grid,
+    unit_um: f64,
+    magnification: f64,
+}
+
+impl Pitch<'_> {
+    /// The table whose values begin at point `first`.
+    fn table(&self, first: u32) -> Result<NodeTable, CannotEmulate> {
+        let increments = self.from.increments(first, self.grid.count())?;
+        let nodes: Vec<Correction> = node_sums(&increments, self.grid.zero_node())
+            .into_iter()
+            .map(|sum| self.correction(self.magnification * sum))
+            .collect();
+        self.grid
+            .table(&nodes, self.grid.between(self.from, self.unit_um))
+    }
+
+    fn correction(&self, units: f64) -> Correction {
+        self.from
+            .facts
+            .pitch_sign
+            .value
+            .correction(units * self.unit_um)
+    }
+
+    /// Points of the table for travel in − (3626), as many as of the other one.
+    fn second_run(&self) -> Result<NumberRange, CannotEmulate> {
+        let first = self
+            .from
+            .count(3626, Some(self.axis), u32::MAX - self.grid.count())?;
+        let last = first + self.grid.count() - 1;
+        let run = NumberRange { first, last };
+        if lies_in(run, &self.from.facts.minus_points.value) {
+            return Ok(run);
+        }
+        cannot(format!(
+            "axis {}: points {first} to {last} from 3626 on are not in one block of the control's points",
+            self.axis
+        ))
+    }
+
+    /// 3627: the value at the reference of the curve against the reference return.
+    fn reversal(&self) -> Result<Correction, CannotEmulate> {
+        let units = self.from.amount(3627, Some(self.axis), REVERSAL_MAX)?;
+        let magnified = self.from.facts.reversal_magnified.value;
+        let factor = if magnified { self.magnification } else { 1.0 };
+        Ok(self.correction(units * factor))
+    }
+}

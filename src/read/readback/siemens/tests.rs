@@ -1,0 +1,446 @@
+use super::*;
+use crate::control::table::siemens::CecDirection;
+
+/// A complete small LEC table; `{}` stands for more lines.
+const LEC: &str = "$AA_ENC_COMP[1,0,AX1]=0.001
+$AA_ENC_COMP[1,1,AX1]=0.002
+$AA_ENC_COMP[1,2,AX1]=0.0
+$AA_ENC_COMP_STEP[1,AX1]=50
+$AA_ENC_COMP_MIN[1,AX1]=-50.0
+$AA_ENC_COMP_MAX[1,AX1]=50.0
+$AA_ENC_COMP_IS_MODULO[1,AX1]=0
+";
+const CEC: &str = "$AN_CEC[0,0]=0.001
+$AN_CEC[0,1]=0.002
+$AN_CEC_INPUT_AXIS[0]=(AX1)
+$AN_CEC_OUTPUT_AXIS[0]=(AX2)
+$AN_CEC_STEP[0]=50.0
+$AN_CEC_MIN[0]=0.0
+$AN_CEC_MAX[0]=50.0
+$AN_CEC_DIRECTION[0]=0
+$AN_CEC_MULT_BY_TABLE[0]=0
+$AN_CEC_IS_MODULO[0]=0
+";
+
+fn contents(text: &str) -> SiemensContents {
+    read("test.mpf", text).unwrap_or_else(|problems| panic!("{text}\n{problems}"))
+}
+
+fn messages(text: &str) -> Vec<String> {
+    let problems = read("test.mpf", text).expect_err(text);
+    for problem in problems.iter() {
+        assert!(
+            problem.place.is_some() && problem.help.is_some(),
+            "{problem:?}"
+        );
+    }
+    problems.iter().map(|p| p.message.clone()).collect()
+}
+
+/// What is refused: text, place (line:column), part of the message.
+#[test]
+fn each_flaw_is_refused_at_its_place() {
+    let end = "M30\n";
+    let lec = |from: &str, to: &str| format!("{}{end}", LEC.replacen(from, to, 1));
+    let cec = |from: &str, to: &str| format!("{}{end}", CEC.replacen(from, to, 1));
+    let step = "$AA_ENC_COMP_STEP[1,AX1]=50\n";
+    let with = |line: &str| lec(step, &format!("{line}{step}"));
+    let cases = [
+        (lec("=0.001", "=0,001"), "1:23", "decimal comma"),
+        (lec("]=0.001", "] 0.001"), "1:23", "`=` is missing"),
+        (lec("=0.001", "=1EX-3"), "1:23", "exponent"),
+        (lec("=0.001", "=1e-3"), "1:23", "exponent"),
+        (lec("=0.001", "=n/a"), "1:23", "is not a value"),
+        (lec("=0.001", "="), "1:23", "value is missing"),
+        (lec("=0.001", "=-"), "1:23", "is not a number"),
+        (lec("=0.001", "=0.001.2"), "1:23", "is not a number"),
+        (
+            lec("=0.001", "=0.001+1"),
+            "1:28",
+            "follows a complete statement",
+        ),
+        (
+            lec("=0.001", "=0.001 M30"),
+            "1:29",
+            "follows a complete statement",
+        ),
+        (lec("=0.001", "=(AX1)"), "1:23", "cannot have this value"),
+        (
+            lec("ENC_COMP[1,0", "ENC_KOMP[1,0"),
+            "1:1",
+            "unknown variable",
+        ),
+        (
+            lec("$AA_ENC_COMP[1,0", "$AC_TIMER[1,0"),
+            "1:1",
+            "unknown variable",
+        ),
+        (lec("[1,0,AX1]", "[1.0,AX1]"), "1:15", "`,` or `]`"),
+        (lec("[1,0,AX1]", "1,0,AX1]"), "1:14", "`[` expected"),
+        (lec("[1,0,AX1]", "[1,AX1]"), "1:1", "is not an index"),
+        (lec("[1,0,AX1]", "[2,0,AX1]"), "1:1", "is not an index"),
+        (
+            lec("[1,0,AX1]", "[1,-1,AX1]"),
+            "1:16",
+            "a number or an axis",
+        ),
+        (with("G0 X100\n"), "4:1", "does not belong here"),
+        (with("X100\n"), "4:1", "does not belong here"),
+        (with("N40 G1 F500\n"), "4:5", "does not belong here"),
+        (with("M3\n"), "4:1", "does not belong here"),
+        (with("/NEWCONF\n"), "4:1", "does not belong here"),
+        (with("CHANDATA\n"), "4:9", "channel number"),
+        (with("%_N_AX_EEC_INI\n"), "4:1", "first line"),
+        (
+            with("$AA_ENC_COMP_STEP[1,AX1]=5\u{b5}\n"),
+            "4:27",
+            "not an ASCII",
+        ),
+        (with("; \u{7}\n"), "4:3", "control character U+0007"),
+        (lec("=0\n", "=-1\n"), "7:31", "cannot have this value"),
+        (lec("=0\n", "=2\n"), "7:31", "cannot have this value"),
+        (lec("=50\n", "=0\n"), "4:26", "must be greater than 0"),
+        (lec("=50\n", "=-50\n"), "4:26", "must be greater than 0"),
+        (lec("=50\n", "=49\n"), "4:26", "expected a whole number"),
+        (lec("=50\n", "=300\n"), "4:26", "expected a whole number"),
+        (
+            lec("=50\n", "=0.0001\n"),
+            "4:26",
+            "would have 1000000 points",
+        ),
+        (lec("=50.0\n", "=-50.0\n"), "6:25", "not greater than MIN"),
+        (
+            lec(step, ""),
+            "1:1",
+            "STEP of $AA_ENC_COMP[1,AX1] is missing",
+        ),
+        (lec("$AA_ENC_COMP_MIN[1,AX1]=-50.0", ""), "1:1", "MIN of"),
+        (lec("$AA_ENC_COMP_MAX[1,AX1]=50.0", ""), "1:1", "MAX of"),
+        (lec("[1,2,", "[1,3,"), "3:23", "has point 3"),
+        (
+            cec("$AN_CEC_INPUT_AXIS[0]=(AX1)\n", ""),
+            "1:1",
+            "INPUT_AXIS of",
+        ),
+        (
+            cec("$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n", ""),
+            "1:1",
+            "OUTPUT_AXIS of",
+        ),
+        (cec("=(AX1)", "=AX1"), "3:23", "is not a value"),
+        (cec("=(AX1)", "=(AX1"), "3:23", "is not an axis name"),
+        (cec("=(AX1)", "=1"), "3:23", "cannot have this value"),
+        (
+            cec("DIRECTION[0]=0", "DIRECTION[0]=2"),
+            "8:22",
+            "cannot have this value",
+        ),
+        (
+            cec("DIRECTION[0]=0", "DIRECTION[0]=0.5"),
+            "8:22",
+            "cannot have this value",
+        ),
+        (
+            cec("TABLE[0]=0", "TABLE[0]=-1"),
+            "9:26",
+            "cannot have this value",
+        ),
+        (
+            cec("IS_MODULO[0]=0", "TYPE[0]=1"),
+            "10:17",
+            "cannot have this value",
+        ),
+        (
+            cec("IS_MODULO[0]=0", "INPUT_NCU[0]=2"),
+            "10:22",
+            "cannot have this value",
+        ),
+        (
+            cec("IS_MODULO[0]=0", "OUTPUT_NCU[0]=-1"),
+            "10:23",
+            "cannot have this value",
+        ),
+        (
+            format!("{LEC}M30\nNEWCONF\n"),
+            "9:1",
+            "follows the end word",
+        ),
+        (
+            format!("{LEC}M30\n$AA_ENC_COMP[1,0,AX1]=0\n"),
+            "9:1",
+            "follows the end word",
+        ),
+        (LEC.to_string(), "8:1", "no end word"),
+        (String::new(), "1:1", "no end word"),
+        (format!("%_N_TOO LONG_INI\n{LEC}M17"), "1:1", "header"),
+        (
+            format!("$MA_ENC_COMP_ENABEL[1,AX1]=1\n{LEC}M17"),
+            "1:1",
+            "unknown variable",
+        ),
+        (
+            format!("$MA_ENC_COMP_ENABLE[1,AX1]=1\n{LEC}M17"),
+            "2:1",
+            "alarm 17070",
+        ),
+        (
+            format!("$SN_CEC_TABLE_WEIGHT[0]=TRUE\n{CEC}M17"),
+            "1:25",
+            "cannot have this value",
+        ),
+        (
+            format!("$MA_CEC_ENABLE[AX2]=1\n{CEC}M17"),
+            "5:1",
+            "alarm 17070",
+        ),
+    ];
+    for (text, place, message) in cases {
+        let problems = read("test.mpf", &text).expect_err(&text);
+        assert_eq!(problems.iter().count(), 1, "{text}\n{problems}");
+        let problem = problems.iter().next().expect("one problem");
+        let found = problem.place.as_ref().expect("a place");
+        assert!(problem.message.contains(message), "{message}: {problem:?}");
+        assert_eq!(
+            format!("{}:{}", found.line, found.column),
+            place,
+            "{text}\n{problems}"
+        );
+        assert!(problem.help.is_some(), "{problem:?}");
+    }
+}
+
+#[test]
+fn all_problems_of_a_file_are_told_in_its_order() {
+    let text = format!(
+        "G0 X1\n{}{}",
+        LEC.replace("=0.002", "=0,002"),
+        CEC.replace("=50.0", "=0")
+    );
+    let found = messages(&text);
+    assert_eq!(found.len(), 4, "{found:#?}");
+    for (message, part) in found.iter().zip(["G0", "comma", "STEP", "end word"]) {
+        assert!(message.contains(part), "{message}");
+    }
+}
+
+#[test]
+fn a_binary_file_gives_a_bounded_list() {
+    assert_eq!(messages(&"\u{1}\n".repeat(5000)).len(), 1);
+}
+
+/// Structure of the file: Function Manual Extended Functions 03/2013, K3 p. 242; `$PATH` from
+/// HMI Advanced Operator's Guide 03.04.
+#[test]
+fn program_form_and_data_form_are_the_same_tables() {
+    let program = contents(&format!("{LEC}{CEC}M30\n"));
+    let data = contents(&format!(
+        "%_N_NC_CEC_INI\n;$PATH=/_N_NC_ACT_DIR\nCHANDATA(1)\n{LEC}{CEC}M17\n"
+    ));
+    assert_eq!(program, data);
+    assert_eq!(
+        program.tables.lec[0].values,
+        [Some(0.001), Some(0.002), Some(0.0)]
+    );
+    assert_eq!(program.tables.cec[0].direction, CecDirection::Both);
+    assert!(program.notes.is_empty(), "{:?}", program.notes);
+    assert!(program.unwritten.is_empty(), "{:?}", program.unwritten);
+}
+
+#[test]
+fn forms_that_a_control_accepts_are_accepted() {
+    let plain = contents(&format!("{LEC}{CEC}M30\n"));
+    let both = format!("{LEC}{CEC}");
+    let numbered: String = both.lines().map(|line| format!("N10 {line}\n")).collect();
+    let forms = [
+        both.replace('\n', "\r\n") + "M30\r\n",
+        both.to_lowercase() + "m17",
+        both.replace('[', " [ ")
+            .replace(']', " ]\t")
+            .replace('=', " = ")
+            + "M2",
+        both.replace('\n', " ; \u{b5}m comment\n") + "M02 ; end\n\n  \n; after\n",
+        both.replace("(AX1)", "\"AX1\"").replace("(AX2)", "( AX2 )") + "  M30",
+        numbered + "N20 M30",
+        both.replace("]=0\n", "]=FALSE\n")
+            .replace("DIRECTION[0]=FALSE", "DIRECTION[0]=0")
+            .replace("TABLE[0]=FALSE", "TABLE[0]=+0.0")
+            + "M30",
+        both.replace("=0.001\n", "=9\n") + &both + "STOPRE\nNEWCONF\nM30",
+        both + "$AN_CEC_TYPE[0]=0\n$AN_CEC_INPUT_NCU[0]=0\n$AN_CEC_OUTPUT_NCU[0]=1\nM30",
+    ];
+    for text in forms {
+        assert_eq!(contents(&text), plain, "{text}");
+    }
+}
+
+#[test]
+fn parameters_that_no_line_writes_and_stops_are_told() {
+    let text = CEC.replace("$AN_CEC_DIRECTION[0]=0\n", "M0\n");
+    let contents = contents(&(text + "M17"));
+    assert_eq!(contents.tables.cec[0].direction, CecDirection::Both);
+    assert_eq!(contents.unwritten, ["DIRECTION of $AN_CEC[0]"]);
+    assert!(
+        contents.notes.iter().any(|note| note.contains("M0 waits")),
+        "{:?}",
+        contents.notes
+    );
+}
+
+/// As a real control writes them: points behind MAX, MAX between two points, tables that nobody filled.
+#[test]
+fn a_control_may_write_more_than_acts() {
+    let held = |text: &str| super::read_out("eec.ini", &format!("{text}M17\n")).unwrap();
+    let reserved = format!("{LEC}$AA_ENC_COMP[1,3,AX1]=0.009\n$AA_ENC_COMP[1,4,AX1]=0\n");
+    assert_eq!(held(&reserved).tables, held(LEC).tables);
+    assert!(!messages(&format!("{reserved}M17\n")).is_empty());
+    let grid = held(LEC).tables.lec[0].grid;
+    let open = |points: &str| {
+        let max = grid.max + grid.step / 2.0;
+        let text = format!("{LEC}$AA_ENC_COMP_MAX[1,AX1]={max}\n{points}");
+        held(&text).tables.lec[0].clone()
+    };
+    let without = open("");
+    assert_eq!((without.values.len(), without.grid.is_whole()), (3, false));
+    let with = open("$AA_ENC_COMP[1,3,AX1]=0.004\n$AA_ENC_COMP[1,4,AX1]=7\n");
+    assert_eq!(with.values.len(), 4);
+    let closed =
+        |table: &LecTable| crate::control::table::siemens::closed(table.grid, &table.values);
+    let (grid_of, values, end) = closed(&with).unwrap();
+    assert_eq!((grid_of, values.len()), (grid, 3));
+    assert_eq!((end.point, end.differs_by), (2, Some(0.002)));
+    assert_eq!(closed(&without).unwrap().2.differs_by, None);
+    assert_eq!(closed(&held(LEC).tables.lec[0]), None);
+    let empty = "$AN_CEC[8,0]=0\n$AN_CEC_STEP[8]=10\n$AN_CEC_MIN[8]=5\n$AN_CEC_MAX[8]=5\n";
+    assert_eq!(held(empty).idle, ["AN_CEC[8]"]);
+    let filled = format!("{}M17\n", empty.replace("[8,0]=0", "[8,0]=0.1"));
+    assert!(super::read_out("cec.ini", &filled).is_err());
+}
+
+/// 802D sl Function Manual 11/2012: a point left out keeps what the control holds.
+#[test]
+fn a_point_left_out_is_missing_and_not_zero() {
+    let contents = contents(&(LEC.replace("$AA_ENC_COMP[1,1,AX1]=0.002\n", "") + "M30"));
+    assert_eq!(
+        contents.tables.lec[0].values,
+        [Some(0.001), None, Some(0.0)]
+    );
+}
+
+/// A generated file of a public archive tool: 770 / 19.7436 = 38.99998.
+#[test]
+fn a_rounded_step_is_tolerated() {
+    let text = LEC
+        .replace("=50\n", "=19.7436\n")
+        .replace("=-50.0", "=-215")
+        .replace("=50.0", "=555");
+    assert_eq!(contents(&(text + "M30")).tables.lec[0].values.len(), 40);
+}
+
+#[test]
+fn tables_come_back_in_order() {
+    let lec = format!(
+        "{}{}{LEC}",
+        LEC.replace("AX1", "AX2"),
+        LEC.replace("[1,", "[0,")
+    );
+    let cec = format!(
+        "{}{CEC}",
+        CEC.replace("CEC[0", "CEC[7").replace("S[0]", "S[7]")
+    );
+    let cec = cec.replacen("$AN_CEC_STEP[0]", "$AN_CEC_STEP[7]", 1);
+    let cec = cec.replacen("$AN_CEC_MIN[0]", "$AN_CEC_MIN[7]", 1);
+    let cec = cec.replacen("$AN_CEC_MAX[0]", "$AN_CEC_MAX[7]", 1);
+    let tables = contents(&(lec + &cec + "M30")).tables;
+    let order: Vec<_> = tables
+        .lec
+        .iter()
+        .map(|t| (t.axis.as_str(), t.encoder))
+        .collect();
+    assert_eq!(order, [("AX1", 0), ("AX1", 1), ("AX2", 1)]);
+    assert_eq!(
+        tables.cec.iter().map(|t| t.number).collect::<Vec<_>>(),
+        [0, 7]
+    );
+}
+
+/// A line in the style of `%_N_COMPLETE_TEA_INI`.
+#[test]
+fn machine_data_keep_their_last_value() {
+    let text = "N38000 $MA_MM_ENC_COMP_MAX_POINTS[1,AX1]=26\n$MA_ENC_COMP_ENABLE[1,AX1]=0\n\
+                NEWCONF\n$ma_enc_comp_enable[01,ax1]=TRUE\nM30\n";
+    let datum = |name: &str, value| MachineDatum {
+        name: name.to_string(),
+        indices: vec!["1".to_string(), "AX1".to_string()],
+        value: MachineValue::Number(value),
+    };
+    let expected = [
+        datum("MA_MM_ENC_COMP_MAX_POINTS", 26.0),
+        datum("MA_ENC_COMP_ENABLE", 1.0),
+    ];
+    assert_eq!(contents(text).machine_data, expected);
+}
+
+fn merged(texts: &[String]) -> Result<SiemensContents, Problems> {
+    merge(
+        texts
+            .iter()
+            .map(|text| contents(&format!("{text}M30\n")))
+            .collect(),
+    )
+}
+
+#[test]
+fn files_of_a_kit_make_one_memory() {
+    let first = LEC.replace("$AA_ENC_COMP[1,1,AX1]=0.002\n", "");
+    let all = merged(&[CEC.to_string(), first, LEC.to_string()]).expect("no conflict");
+    assert_eq!(all.tables, contents(&format!("{LEC}{CEC}M30")).tables);
+}
+
+#[test]
+fn conflicting_files_are_refused() {
+    let memory = |points| format!("$MA_MM_ENC_COMP_MAX_POINTS[1,AX1]={points}\n");
+    let cases = [
+        (
+            LEC.to_string(),
+            LEC.replace("=0.002", "=0.003"),
+            "point 1 of $AA_ENC_COMP[1,AX1]",
+        ),
+        (
+            LEC.to_string(),
+            LEC.replace("50", "60"),
+            "parameters of $AA_ENC_COMP[1,AX1]",
+        ),
+        (
+            LEC.to_string(),
+            LEC.replace("=0\n", "=1\n"),
+            "parameters of $AA_ENC_COMP[1,AX1]",
+        ),
+        (
+            CEC.to_string(),
+            CEC.replace("=0.002", "=0.003"),
+            "point 1 of $AN_CEC[0]",
+        ),
+        (
+            CEC.to_string(),
+            CEC.replace("ION[0]=0", "ION[0]=1"),
+            "parameters of $AN_CEC[0]",
+        ),
+        (
+            CEC.to_string(),
+            CEC.replace("AX2", "AX3"),
+            "parameters of $AN_CEC[0]",
+        ),
+        (memory(26), memory(27), "$MA_MM_ENC_COMP_MAX_POINTS[1,AX1]"),
+    ];
+    for (first, second, message) in cases {
+        let problems = merged(&[first, second]).expect_err(message);
+        assert!(problems.render().contains(message), "{message}: {problems}");
+    }
+}
+
+#[test]
+fn a_switch_may_be_changed_by_a_later_file() {
+    let switch = |on| format!("$MA_ENC_COMP_ENABLE[1,AX1]={on}\n");
+    let all = merged(&[switch(0), switch(1)]).expect("no conflict");
+    assert_eq!(all.machine_data[0].value, MachineValue::Number(1.0));
+}

@@ -1,0 +1,416 @@
+//! Text files of rows and columns that users write: comma or semicolon, a header, comments.
+//!
+//! Every cell keeps its place. The unit is part of a column's name; a decimal comma is read only
+//! where semicolons separate the columns. What the columns mean is the reader's who asks:
+//! [`crate::inputs::error_table`], `crate::inputs::readings`.
+
+use crate::quantity::units::{MM_PER_INCH, UM_PER_MM};
+use crate::text::document::{LARGEST_NUMBER, Source};
+use crate::text::problem::{Place, Problem, Problems, nearest, shown};
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// A unit of length that a measurement is given in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// Micrometres.
+    Um,
+    /// Millimetres.
+    Mm,
+    /// Inches.
+    In,
+    /// Microinches.
+    Uin,
+}
+
+impl LengthUnit {
+    /// All of them.
+    pub const ALL: [LengthUnit; 4] = [
+        LengthUnit::Um,
+        LengthUnit::Mm,
+        LengthUnit::In,
+        LengthUnit::Uin,
+    ];
+
+    /// Its word in the names of columns and on the command line.
+    pub const fn word(self) -> &'static str {
+        match self {
+            LengthUnit::Um => "um",
+            LengthUnit::Mm => "mm",
+            LengthUnit::In => "in",
+            LengthUnit::Uin => "uin",
+        }
+    }
+
+    /// How many micrometres it has.
+    pub const fn um(self) -> f64 {
+        match self {
+            LengthUnit::Um => 1.0,
+            LengthUnit::Mm => UM_PER_MM,
+            LengthUnit::In => MM_PER_INCH * UM_PER_MM,
+            LengthUnit::Uin => MM_PER_INCH * UM_PER_MM / 1e6,
+        }
+    }
+
+    /// The unit of a text as people write it, such as `mm`, `µm` or `inch`.
+    pub fn from_text(text: &str) -> Option<LengthUnit> {
+        match text.trim().to_lowercase().as_str() {
+            "um" | "µm" | "μm" | "micron" | "microns" => Some(LengthUnit::Um),
+            "mm" => Some(LengthUnit::Mm),
+            "in" | "inch" | "inches" => Some(LengthUnit::In),
+            "uin" | "µin" | "μin" | "microinch" => Some(LengthUnit::Uin),
+            _ => None,
+        }
+    }
+}
+
+/// Units of lengths in the names of columns, and how many µm they have.
+pub const LENGTHS_UM: [(&str, f64); 4] = [
+    (LengthUnit::Um.word(), LengthUnit::Um.um()),
+    (LengthUnit::Mm.word(), LengthUnit::Mm.um()),
+    (LengthUnit::In.word(), LengthUnit::In.um()),
+    (LengthUnit::Uin.word(), LengthUnit::Uin.um()),
+];
+
+/// One line of the file. Its cells and places are found when they are asked for: a table may have
+/// a million of them.
+#[derive(Clone, Copy)]
+pub struct Line<'a> {
+    file: &'a str,
+    number: usize,
+    text: &'a str,
+    delimiter: u8,
+    decimal_comma: bool,
+}
+
+impl<'a> Line<'a> {
+    /// The line with other separators between its columns; a comma is read as a decimal comma where
+    /// `decimal_comma` says so.
+    pub const fn separated_by(&self, delimiter: u8, decimal_comma: bool) -> Line<'a> {
+        Line {
+            delimiter,
+            decimal_comma,
+            ..*self
+        }
+    }
+
+    /// What separates its columns.
+    pub const fn delimiter(&self) -> u8 {
+        self.delimiter
+    }
+
+    /// What stands in the line.
+    pub const fn text(&self) -> &'a str {
+        self.text
+    }
+
+    /// Whether it holds nothing but separators, as spreadsheets write below a table.
+    pub fn is_empty_row(&self) -> bool {
+        let empty = |c: char| c == char::from(self.delimiter) || c == '"' || c.is_whitespace();
+        self.text.chars().all(empty)
+    }
+
+    /// Number of the line in the file, from 1.
+    pub const fn number(&self) -> usize {
+        self.number
+    }
+
+    /// Its cells, without quotation marks and the spaces around them.
+    pub fn cells(&self) -> Vec<Cow<'a, str>> {
+        cells_of(self.text, self.delimiter)
+    }
+
+    /// Its cells, if they are as many as in the header.
+    pub fn cells_under(
+        &self,
+        columns: usize,
+        problems: &mut Problems,
+    ) -> Option<Vec<Cow<'a, str>>> {
+        if self.text.bytes().filter(|byte| *byte == b'"').count() % 2 == 1 {
+            problems.push(
+                Problem::new("a quotation mark is opened but not closed in this row")
+                    .at(self.whole())
+                    .help("remove it; numbers need none"),
+            );
+            return None;
+        }
+        let cells = self.cells();
+        if cells.len() != columns {
+            problems.push_with(|| wrong_length(self, cells.len(), columns));
+            return None;
+        }
+        Some(cells)
+    }
+
+    fn place(&self, span: Range<usize>) -> Place {
+        let inside = Place::in_text(self.file, self.text, span.start, span.end);
+        Place {
+            line: self.number,
+            ..inside
+        }
+    }
+
+    /// The place of the whole line.
+    pub fn whole(&self) -> Place {
+        self.place(0..self.text.len())
+    }
+
+    /// The place of a cell.
+    pub fn cell_place(&self, index: usize) -> Place {
+        let starts = starts_of(self.text, self.delimiter);
+        let start = starts.get(index).copied().unwrap_or(self.text.len());
+        let end = starts
+            .get(index + 1)
+            .map_or(self.text.len(), |next| next - 1);
+        let cell = &self.text[start.min(end)..end];
+        let indent = cell.len() - cell.trim_start().len();
+        self.place(start + indent..start + indent + cell.trim().len().max(1))
+    }
+
+    /// The finite number of a cell; `expected` is the next step where it is none.
+    pub fn number_in(
+        &self,
+        index: usize,
+        cell: &str,
+        name: &str,
+        expected: &str,
+        problems: &mut Problems,
+    ) -> Option<f64> {
+        let number = number_of(cell, self.decimal_comma);
+        if let Some(number) = number.filter(|number| number.abs() <= LARGEST_NUMBER) {
+            return Some(number);
+        }
+        problems.push_with(|| {
+            let quoted = shown(cell);
+            let (message, help) = if number.is_some() {
+                (
+                    format!("`{name}` is `{quoted}`, which is too large for any machine"),
+                    "check the cell",
+                )
+            } else {
+                let comma = cell.contains(',');
+                let help = if comma { DECIMAL_COMMA } else { expected };
+                (
+                    format!("`{name}` is `{quoted}`, expected a finite number"),
+                    help,
+                )
+            };
+            Problem::new(message).at(self.cell_place(index)).help(help)
+        });
+        None
+    }
+}
+
+const DECIMAL_COMMA: &str =
+    "a decimal comma needs semicolons between the columns; or write a decimal point";
+
+fn number_of(cell: &str, decimal_comma: bool) -> Option<f64> {
+    if decimal_comma {
+        plain_number(&cell.replace(',', "."))
+    } else {
+        plain_number(cell)
+    }
+}
+
+/// A number of digits, signs, a decimal point and an exponent; no words such as `inf` and `NaN`.
+pub fn plain_number(text: &str) -> Option<f64> {
+    let plain = text
+        .bytes()
+        .all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
+    let number = text.parse::<f64>().ok().filter(|_| plain)?;
+    Some(number + 0.0) // −0 becomes 0
+}
+
+fn wrong_length(row: &Line<'_>, found: usize, expected: usize) -> Problem {
+    let help = if found > expected {
+        "a decimal comma needs semicolons between the columns, or write a decimal point; if it is none, remove what is too much"
+    } else {
+        "every row has as many cells as the header: a cell that may be empty keeps its separator"
+    };
+    let plural = if found == 1 { "" } else { "s" };
+    Problem::new(format!(
+        "the row has {found} cell{plural}, expected {expected} as in the header"
+    ))
+    .at(row.whole())
+    .help(help)
+}
+
+/// Every line of a text; what separates its columns is taken from the line itself: the first of
+/// semicolon, tab and comma that it holds.
+pub fn lines(source: &Source) -> impl Iterator<Item = Line<'_>> {
+    let numbered = source.text.split('\n').zip(1..);
+    numbered.map(|(text, number)| {
+        let separators = [b';', b'\t', b','];
+        let found = separators
+            .into_iter()
+            .find(|d| text.contains(char::from(*d)));
+        let delimiter = found.unwrap_or(b',');
+        Line {
+            file: &source.name,
+            number,
+            text: text.trim_end_matches('\r'),
+            delimiter,
+            decimal_comma: delimiter == b';',
+        }
+    })
+}
+
+/// The header and the rows below it, without comments and empty rows; `None` = neither.
+pub fn header_and_rows(source: &Source) -> Option<(Line<'_>, Vec<Line<'_>>)> {
+    let content = lines(source)
+        .filter(|line| !line.text.trim().is_empty() && !line.text.trim_start().starts_with('#'));
+    let mut content = content.peekable();
+    let delimiter = match content.peek() {
+        Some(header) if header.text.contains(';') => b';',
+        _ => b',',
+    };
+    let mut lines = content
+        .map(|line| line.separated_by(delimiter, delimiter == b';'))
+        .filter(|line| !line.is_empty_row());
+    let header = lines.next()?;
+    Some((header, lines.collect()))
+}
+
+fn cells_of(line: &str, delimiter: u8) -> Vec<Cow<'_, str>> {
+    if !line.contains('"') {
+        let cells = line.split(char::from(delimiter));
+        return cells.map(|cell| Cow::Borrowed(cell.trim())).collect();
+    }
+    let starts = starts_of(line, delimiter);
+    let ends = starts.iter().skip(1).map(|next| next - 1);
+    starts
+        .iter()
+        .zip(ends.chain(std::iter::once(line.len())))
+        .map(|(start, end)| unquoted(line[*start..end].trim()))
+        .collect()
+}
+
+/// A cell without the quotation marks around it; two of them inside stand for one.
+fn unquoted(cell: &str) -> Cow<'_, str> {
+    let inside = cell.strip_prefix('"').and_then(|c| c.strip_suffix('"'));
+    match inside {
+        Some(inside) if inside.contains('"') => Cow::Owned(inside.replace("\"\"", "\"")),
+        Some(inside) => Cow::Borrowed(inside.trim()),
+        None => Cow::Borrowed(cell),
+    }
+}
+
+fn starts_of(line: &str, delimiter: u8) -> Vec<usize> {
+    let mut quoted = false;
+    let mut starts = vec![0];
+    for (at, byte) in line.bytes().enumerate() {
+        quoted ^= byte == b'"';
+        if byte == delimiter && !quoted {
+            starts.push(at + 1);
+        }
+    }
+    starts
+}
+
+/// What a file of rows and columns is expected to begin with.
+pub struct Expected<'a, C> {
+    /// The columns that may stand in the header.
+    pub known: Vec<(String, C)>,
+    /// Whether two columns give the same thing.
+    pub same: fn(&C, &C) -> bool,
+    /// The next step where the first line is something else.
+    pub first_line: &'a str,
+    /// The next step where a column's name is near none of the known ones.
+    pub columns: &'a str,
+}
+
+/// The columns of a header, in its order, and their names.
+pub fn columns_of<C: Copy>(
+    header: &Line<'_>,
+    expected: &Expected<'_, C>,
+) -> Result<(Vec<C>, Vec<String>), Problems> {
+    refuse_other_first_line(header, expected.first_line)?;
+    let mut problems = Problems::none();
+    let mut kinds: Vec<C> = Vec::new();
+    let mut names: Vec<String> = Vec::new();
+    for (index, name) in header.cells().iter().enumerate() {
+        let Some((name, kind)) = expected.known.iter().find(|(known, _)| known == name) else {
+            problems.push(unknown_column(header, index, name, expected));
+            continue;
+        };
+        let twin = kinds.iter().position(|other| (expected.same)(other, kind));
+        if let Some(twin) = twin {
+            problems.push(
+                Problem::new(format!(
+                    "column `{name}` gives the same as column `{}` before it",
+                    names[twin]
+                ))
+                .at(header.cell_place(index))
+                .help("keep one of the two"),
+            );
+        }
+        kinds.push(*kind);
+        names.push(name.clone());
+    }
+    problems.or_ok((kinds, names))
+}
+
+/// A table without header, or with tabs, would be one unknown column after the other.
+fn refuse_other_first_line(header: &Line<'_>, help: &str) -> Result<(), Problem> {
+    let message = if header.text.contains('\t') {
+        "the columns are separated by tabs, expected commas or semicolons"
+    } else if header
+        .cells()
+        .iter()
+        .any(|cell| cell.parse::<f64>().is_ok())
+    {
+        "the first line holds numbers, expected the names of the columns"
+    } else {
+        return Ok(());
+    };
+    Err(Problem::new(message).at(header.whole()).help(help))
+}
+
+fn unknown_column<C>(
+    header: &Line<'_>,
+    index: usize,
+    name: &str,
+    expected: &Expected<'_, C>,
+) -> Problem {
+    let names = || expected.known.iter().map(|(name, _)| name.as_str());
+    let with_unit = |quantity: &str| -> Vec<String> {
+        names()
+            .filter(|known| known.rsplit_once('_').is_some_and(|(q, _)| q == quantity))
+            .map(|known| format!("`{known}`"))
+            .collect()
+    };
+    let without = (with_unit(name), "has no unit");
+    let other = name.rsplit_once('_').map(|(quantity, _)| quantity);
+    let other = (
+        other.map(with_unit).unwrap_or_default(),
+        "has an unknown unit",
+    );
+    for (list, what) in [without, other] {
+        if !list.is_empty() {
+            return Problem::new(format!(
+                "column `{}` {what}, expected {}",
+                shown(name),
+                list.join(", ")
+            ))
+            .at(header.cell_place(index))
+            .help("the unit is part of the column's name");
+        }
+    }
+    let help = nearest(name, names()).map_or_else(
+        || expected.columns.to_string(),
+        |near| {
+            // A quantity may stand in several units; which of them was meant nobody knows.
+            let quantity = near.rsplit_once('_').map_or(near, |(quantity, _)| quantity);
+            let in_units = with_unit(quantity);
+            let meant = if in_units.is_empty() {
+                format!("`{near}`")
+            } else {
+                in_units.join(" or ")
+            };
+            format!("did you mean {meant}?")
+        },
+    );
+    Problem::new(format!("unknown column `{}`", shown(name)))
+        .at(header.cell_place(index))
+        .help(help)
+}

@@ -1,0 +1,304 @@
+//! TOML pages that users write, read key by key with every place kept.
+//!
+//! Jobs and controller profiles are read through [`Section`]. It notes each problem (wrong type,
+//! unknown key, missing key) with its line and goes on, so that one run shows all of them. The
+//! places of all keys stay available for later checks through [`Source::place_of`].
+
+mod section;
+
+use crate::text::problem::{LineIndex, Place, Problem, Problems, refuse_long_lines, shown};
+pub use section::Section;
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+use std::cell::RefCell;
+use std::ops::Range;
+use std::sync::Arc;
+use toml::de::DeTable;
+
+/// A text file with its name as the user gave it, and the places of its keys.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// The name, as shown in messages.
+    pub name: String,
+    /// The text, without byte order mark.
+    pub text: String,
+    /// The place of each value that was read; looked through only for problems.
+    spots: Vec<Spot>,
+    lines: LineIndex,
+}
+
+/// Lines of a text that a user writes or an instrument saves, and rows of a table of corrections that the
+/// program writes or reads. What is made of one line takes some 300 bytes, so this keeps all of it in
+/// 30 MB; a measurement of 1000 points with five runs each way has 10 000 lines, a table of nine errors in
+/// two directions with 500 points 9000.
+pub const MOST_LINES: usize = 100_000;
+/// Bytes of a page: a job or a profile (TOML), or a manifest (JSON). Each value of a page takes up to a
+/// hundred bytes of memory; the largest page of the program itself has 20 kB.
+pub const LARGEST_PAGE: usize = 1 << 18;
+
+impl Source {
+    /// A file from its bytes; UTF-8 with or without byte order mark, text only.
+    ///
+    /// limits [`MOST_LINES`] lines, none longer than [`crate::text::problem::LONGEST_LINE_BYTES`]
+    pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Source, Problems> {
+        let text = std::str::from_utf8(bytes)
+            .ok()
+            .filter(|text| !text.contains('\0'))
+            .ok_or_else(|| not_text(name, bytes))?;
+        if text.split('\n').nth(MOST_LINES + 1).is_some() {
+            return Err(too_many_lines(name).into());
+        }
+        refuse_long_lines(name, text)?;
+        Ok(Source {
+            name: name.to_string(),
+            text: text.strip_prefix('\u{feff}').unwrap_or(text).to_string(),
+            spots: Vec::new(),
+            lines: LineIndex::default(),
+        })
+    }
+
+    /// The place of bytes of the text.
+    pub fn place(&self, span: &Range<usize>) -> Place {
+        self.lines
+            .place(&self.name, &self.text, span.start, span.end)
+    }
+
+    /// The place of a key's value, by its dotted path, e.g. `compensation.axes.x.spacing_mm`.
+    pub fn place_of(&self, path: &str) -> Option<Place> {
+        let spot = self.spots.iter().find(|spot| spot.is_at(path))?;
+        Some(self.place(&spot.span))
+    }
+
+    /// A problem at a key, or at the nearest section above it that exists.
+    pub fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
+        let mut path = path;
+        let problem = Problem::new(message);
+        loop {
+            if let Some(place) = self.place_of(path) {
+                return problem.at(place);
+            }
+            match path.rfind('.') {
+                Some(dot) => path = &path[..dot],
+                None => return problem.at(self.place(&(0..0))),
+            }
+        }
+    }
+}
+
+/// Where the value of a key stands.
+#[derive(Clone, Debug, PartialEq)]
+struct Spot {
+    /// Dotted path of its section, with the number of each entry of a list (`linear[1]`).
+    section: Arc<str>,
+    key: &'static str,
+    span: Range<usize>,
+}
+
+impl Spot {
+    /// Whether a dotted path leads here.
+    fn is_at(&self, path: &str) -> bool {
+        let section = path.strip_suffix(self.key);
+        section.is_some_and(|section| match section.strip_suffix('.') {
+            Some(section) => *self.section == *section,
+            None => section.is_empty() && self.section.is_empty(),
+        })
+    }
+}
+
+fn too_many_lines(name: &str) -> Problem {
+    Problem::new(format!(
+        "`{name}` has more than {MOST_LINES} lines, too many for a measurement or a job"
+    ))
+    .help("check that the file is what it should be; remove blank lines, and measure fewer points")
+}
+
+/// Refuses a page that is larger than anybody writes.
+pub fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
+    if bytes <= LARGEST_PAGE {
+        return Ok(());
+    }
+    Err(Problem::new(format!(
+        "`{name}` holds more than {} KiB, too much for a job, a profile or a manifest",
+        LARGEST_PAGE >> 10
+    ))
+    .help("check that the file is what it should be"))
+}
+
+/// A page of JSON from its bytes, or what is wrong with them, in words that follow "is damaged:".
+///
+/// limits [`LARGEST_PAGE`] bytes, which whoever writes such a page keeps too ([`refuse_large_page`])
+pub fn json_page(bytes: &[u8]) -> Result<Value, String> {
+    if bytes.len() > LARGEST_PAGE {
+        let most = LARGEST_PAGE >> 10;
+        return Err(format!(
+            "it holds more than {most} KiB, too much for a manifest"
+        ));
+    }
+    serde_json::from_slice(bytes).map_err(|error| error.to_string())
+}
+
+fn not_text(name: &str, bytes: &[u8]) -> Problems {
+    let good = std::str::from_utf8(bytes).map_or_else(|error| error.valid_up_to(), str::len);
+    let what = if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        "is UTF-16 text".to_string()
+    } else if bytes.starts_with(b"PK") {
+        "is a spreadsheet or an archive".to_string()
+    } else if bytes.contains(&0) {
+        "is not a text file".to_string()
+    } else {
+        let line = bytes[..good].split(|byte| *byte == b'\n').count();
+        format!("holds a letter in another encoding in line {line}")
+    };
+    Problem::new(format!("`{name}` {what}, expected UTF-8 text"))
+        .help("save it as plain text in UTF-8 (a spreadsheet: `CSV UTF-8`)")
+        .into()
+}
+
+/// Reads a TOML page: `read` takes what it knows from the root section and gives a value if it
+/// could; every problem is collected. The source comes back with the places of its keys.
+pub fn read_page<T>(
+    mut source: Source,
+    read: impl FnOnce(&Section<'_>) -> Option<T>,
+) -> Result<(T, Source), Problems> {
+    refuse_large_page(&source.name, source.text.len())?;
+    let (root, errors) = DeTable::parse_recoverable(&source.text);
+    if !errors.is_empty() {
+        return Err(syntax_problems(&source, &errors));
+    }
+    let notes = Notes::default();
+    let section = Section::root(&source, root.get_ref(), &notes);
+    let value = read(&section);
+    section.refuse_unknown_keys();
+    let spots = notes.spots.into_inner();
+    let problems = notes.problems.into_inner();
+    match value {
+        Some(value) if problems.is_empty() => {
+            source.spots = spots;
+            Ok((value, source))
+        }
+        None if problems.is_empty() => {
+            Err(Problem::new(format!("`{}` could not be read", source.name)).into())
+        }
+        _ => Err(problems),
+    }
+}
+
+fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
+    let mut problems = Problems::none();
+    let mut commas = Vec::new();
+    for error in errors {
+        if problems.is_full() {
+            break; // nobody reads further
+        }
+        let message = error.message().lines().next().unwrap_or("not TOML");
+        let span = error.span();
+        if let Some(comma) = span
+            .as_ref()
+            .and_then(|s| decimal_comma(&source.text, s.start))
+        {
+            // One comma leads to several complaints.
+            if !commas.contains(&comma) {
+                commas.push(comma);
+                let number = with_a_point(&source.text, comma);
+                let problem = Problem::new("`,` in a number, expected a decimal point").help(
+                    format!("{number}; numbers of a list stand in brackets, as `[0, 500]`"),
+                );
+                problems.push(problem.at(source.place(&(comma..comma + 1))));
+            }
+            continue;
+        }
+        let written = span.clone().and_then(|span| source.text.get(span));
+        let problem = match (message, written) {
+            ("duplicate key", Some(key)) => {
+                Problem::new(format!("`{}` stands twice in its section", shown(key)))
+                    .help("keep one of the two")
+            }
+            _ if span.clone().is_some_and(|span| in_escape(&source.text, span.start)) => {
+                Problem::new("a backslash between double quotes begins an escape such as `\\n`, expected a text without it")
+                    .help(WINDOWS_PATH)
+            }
+            _ => Problem::new(format!("not valid TOML: {message}"))
+                .help("see https://toml.io; strings need quotes, numbers a decimal point"),
+        };
+        problems.push(match span {
+            Some(span) => problem.at(source.place(&span)),
+            None => problem,
+        });
+    }
+    problems
+}
+
+/// What to write in place of a number with a decimal comma: the number itself where it is plain, sign
+/// and digits, else an example.
+fn with_a_point(text: &str, comma: usize) -> String {
+    let of_number = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '+' | '-');
+    let whole = &text[..comma];
+    let whole = &whole[whole.trim_end_matches(of_number).len()..];
+    let rest = &text[comma + 1..];
+    let rest = &rest[..rest.len() - rest.trim_start_matches(of_number).len()];
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    match digits(whole.strip_prefix(['-', '+']).unwrap_or(whole)) && digits(rest) {
+        true => format!("write `{whole}.{rest}`"),
+        false => "write a point, as in `0.5`".to_string(),
+    }
+}
+
+const WINDOWS_PATH: &str = r"write `/` in a path, which Windows takes as well, or single quotes around it: 'C:\data\x.csv'";
+
+/// Whether a complaint at `at` is one of an escape: in its line an odd number of double quotes stands
+/// before it, and a backslash at it or behind the last of them.
+fn in_escape(text: &str, at: usize) -> bool {
+    let (Some(before), Some(rest)) = (text.get(..at), text.get(at..)) else {
+        return false;
+    };
+    let line = before.rsplit('\n').next().unwrap_or(before);
+    let begun = line.rsplit('"').next().unwrap_or(line);
+    let is_open = line.matches('"').count() % 2 == 1;
+    is_open && (begun.contains('\\') || rest.starts_with('\\'))
+}
+
+/// Where a decimal comma stands that a complaint at `at` follows from: there, or in braces on its
+/// line, where nothing but digits stand between a comma and the next comma or brace.
+fn decimal_comma(text: &str, at: usize) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
+    let between_digits = |at: &usize| {
+        bytes.get(*at) == Some(&b',') && at.checked_sub(1).is_some_and(is_digit) && is_digit(at + 1)
+    };
+    if between_digits(&at) {
+        return Some(at);
+    }
+    let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
+    let line = text[start..].split('\n').next()?;
+    let open = start + line.find('{')?;
+    let ends_a_value = |comma: &usize| {
+        let rest = text[comma + 1..].trim_start_matches(|c: char| c.is_ascii_digit());
+        rest.trim_start_matches(' ').starts_with([',', '}'])
+    };
+    (open..start + line.len())
+        .filter(between_digits)
+        .find(ends_a_value)
+}
+
+#[derive(Default)]
+struct Notes {
+    problems: RefCell<Problems>,
+    spots: RefCell<Vec<Spot>>,
+}
+
+/// Files larger than this are no job, table or profile (an error table of 10 000 points has 1 MB), and none
+/// is made: what was written must be readable again.
+pub const LARGEST_FILE_MIB: u64 = 64;
+/// No length, deviation or feed of a machine comes near, whatever its unit.
+pub const LARGEST_NUMBER: f64 = 1e9;
+/// No machine has a kilometre of travel.
+pub const LONGEST_MM: f64 = 1e6;
+
+/// SHA-256 in hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 16] = b"0123456789abcdef";
+    let digit = |half: u8| char::from(DIGITS[usize::from(half)]);
+    let digest = Sha256::digest(bytes);
+    let digits = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
+    digits.map(digit).collect()
+}

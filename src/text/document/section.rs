@@ -1,0 +1,520 @@
+//! One section of a page, read key by key.
+
+use super::{LARGEST_NUMBER, LONGEST_MM, Notes, Source, Spot};
+use crate::text::problem::{Problem, nearest, shown};
+use std::cell::RefCell;
+use std::ops::Range;
+use std::sync::Arc;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Room for the keys that a section is asked for, so that it grows only for large ones.
+const USUAL_KEYS: usize = 16;
+
+/// A table of the page, e.g. `[machine.axes.x]`.
+pub struct Section<'a> {
+    source: &'a Source,
+    table: &'a DeTable<'a>,
+    span: Range<usize>,
+    path: String,
+    /// The path with the number of each entry of a list (`linear[1]`), by which places are kept.
+    spot: Arc<str>,
+    asked: RefCell<Vec<&'static str>>,
+    notes: &'a Notes,
+}
+
+/// Endings of keys that are units of length.
+const LENGTHS: [&str; 4] = ["um", "mm", "inch", "in"];
+
+impl<'a> Section<'a> {
+    /// The page itself.
+    pub(super) fn root(source: &'a Source, table: &'a DeTable<'a>, notes: &'a Notes) -> Self {
+        Section {
+            source,
+            table,
+            span: 0..0,
+            path: String::new(),
+            spot: Arc::from(""),
+            asked: RefCell::new(Vec::with_capacity(USUAL_KEYS)),
+            notes,
+        }
+    }
+
+    /// Dotted path of the section, empty for the root.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Dotted path of a key of this section.
+    pub fn path_of(&self, key: &str) -> String {
+        joined(&self.path, key)
+    }
+
+    /// Notes a problem at a key (or at the section, if the key is absent).
+    pub fn problem(&self, key: &str, message: impl Into<String>, help: impl Into<String>) {
+        let span = self
+            .table
+            .get(key)
+            .map_or_else(|| self.span.clone(), Spanned::span);
+        self.note(|| {
+            Problem::new(message)
+                .at(self.source.place(&span))
+                .help(help)
+        });
+    }
+
+    fn note(&self, make: impl FnOnce() -> Problem) {
+        self.notes.problems.borrow_mut().push_with(make);
+    }
+
+    fn value(&self, key: &'static str) -> Option<&'a DeValue<'a>> {
+        self.asked.borrow_mut().push(key);
+        let value = self.table.get(key)?;
+        self.notes.spots.borrow_mut().push(Spot {
+            section: Arc::clone(&self.spot),
+            key,
+            span: value.span(),
+        });
+        Some(value.get_ref())
+    }
+
+    fn wrong_type(&self, key: &str, expected: &str) {
+        let found = match self.table.get(key).map(Spanned::get_ref) {
+            Some(DeValue::Array(_)) => "a list".to_string(),
+            Some(DeValue::Table(_)) => "a section".to_string(),
+            _ => format!("`{}`", shown(self.as_written(key).unwrap_or_default())),
+        };
+        self.problem(
+            key,
+            format!("`{}` is {found}, expected {expected}", self.path_of(key)),
+            format!("write `{key} = …` with {expected}"),
+        );
+    }
+
+    /// Whether the key is present (it then counts as known).
+    pub fn has(&self, key: &'static str) -> bool {
+        self.value(key).is_some()
+    }
+
+    /// Notes that a required key is missing.
+    pub fn missing(&self, key: &str, expected: &str) {
+        let place = if self.path.is_empty() {
+            format!("`{key}` is missing")
+        } else {
+            format!("`{key}` is missing in [{}]", self.path)
+        };
+        self.note(|| {
+            Problem::new(format!("{place}, expected {expected}"))
+                .at(self.source.place(&self.span))
+                .help(format!("add `{key} = …`"))
+        });
+    }
+
+    /// A sub-section that must be there.
+    pub fn required_section(&self, key: &'static str) -> Option<Section<'a>> {
+        if !self.has(key) {
+            let name = self.path_of(key);
+            let end = self.source.text.trim_end().len();
+            let span = if self.path.is_empty() {
+                end..end
+            } else {
+                self.span.clone()
+            };
+            self.note(|| {
+                Problem::new(format!("there is no section [{name}]"))
+                    .at(self.source.place(&span))
+                    .help(format!("add `[{name}]`"))
+            });
+        }
+        self.section(key)
+    }
+
+    /// Whether the key holds a list (it then counts as known).
+    pub fn is_list(&self, key: &'static str) -> bool {
+        self.value(key).is_some_and(DeValue::is_array)
+    }
+
+    /// The value of a key as it is written in the page.
+    pub fn as_written(&self, key: &str) -> Option<&'a str> {
+        let span = self.table.get(key)?.span();
+        self.source.text.get(span)
+    }
+
+    /// A text, if the key is present.
+    pub fn text(&self, key: &'static str) -> Option<String> {
+        match self.value(key)? {
+            DeValue::String(text) => Some(text.to_string()),
+            _ => {
+                self.wrong_type(key, "a text in quotes");
+                None
+            }
+        }
+    }
+
+    /// A text that must be there.
+    pub fn required_text(&self, key: &'static str, expected: &str) -> Option<String> {
+        if !self.has(key) {
+            self.missing(key, expected);
+        }
+        self.text(key)
+    }
+
+    /// A finite number, if the key is present.
+    pub fn number(&self, key: &'static str) -> Option<f64> {
+        let number = number_of(self.value(key)?);
+        match number {
+            None => self.wrong_type(key, "a finite number"),
+            Some(number) if number.abs() > LARGEST_NUMBER => self.too_large(key),
+            Some(_) => return number,
+        }
+        None
+    }
+
+    /// A position or length in mm, no longer than any machine, if the key is present.
+    pub fn millimetres(&self, key: &'static str) -> Option<f64> {
+        let number = self.number(key)?;
+        if number.abs() > LONGEST_MM {
+            self.too_large(key);
+            return None;
+        }
+        Some(number)
+    }
+
+    /// Two positions in mm in square brackets, if the key is present.
+    pub fn pair_of_millimetres(&self, key: &'static str) -> Option<[f64; 2]> {
+        let pair = self.pair(key)?;
+        if pair.iter().any(|number| number.abs() > LONGEST_MM) {
+            self.too_large(key);
+            return None;
+        }
+        Some(pair)
+    }
+
+    /// A number from `low` to `high`, if the key is present.
+    pub fn within(&self, key: &'static str, low: f64, high: f64, unit: &str) -> Option<f64> {
+        let number = self.positive(key)?;
+        if (low..=high).contains(&number) {
+            return Some(number);
+        }
+        let written = shown(self.as_written(key).unwrap_or_default());
+        self.problem(
+            key,
+            format!(
+                "`{}` is `{written}`, expected {low} … {high} {unit}",
+                self.path_of(key)
+            ),
+            "check the number and its unit",
+        );
+        None
+    }
+
+    /// A number of at least zero, if the key is present.
+    pub fn not_negative(&self, key: &'static str) -> Option<f64> {
+        let number = self.number(key)?;
+        if number >= 0.0 {
+            return Some(number);
+        }
+        self.problem(
+            key,
+            format!(
+                "`{}` is {number}, expected a number of at least 0",
+                self.path_of(key)
+            ),
+            format!("write `{key} = …` with a number of at least 0"),
+        );
+        None
+    }
+
+    fn too_large(&self, key: &str) {
+        let written = shown(self.as_written(key).unwrap_or_default());
+        self.problem(
+            key,
+            format!(
+                "`{}` is `{written}`, which is too large for any machine",
+                self.path_of(key)
+            ),
+            "check the number and its unit",
+        );
+    }
+
+    /// A number greater than zero, if the key is present.
+    pub fn positive(&self, key: &'static str) -> Option<f64> {
+        let number = self.number(key)?;
+        if number > 0.0 {
+            return Some(number);
+        }
+        let path = self.path_of(key);
+        self.problem(
+            key,
+            format!("`{path}` is {number}, expected a number above 0"),
+            format!("write `{key} = …` with a number above 0"),
+        );
+        None
+    }
+
+    /// A whole number from 0, if the key is present.
+    pub fn whole(&self, key: &'static str) -> Option<u32> {
+        let whole = match self.value(key)? {
+            DeValue::Integer(integer) => {
+                u32::from_str_radix(integer.as_str(), integer.radix()).ok()
+            }
+            _ => None,
+        };
+        if whole.is_none() {
+            self.wrong_type(key, "a whole number from 0");
+        }
+        whole
+    }
+
+    /// `true` or `false`, if the key is present.
+    pub fn flag(&self, key: &'static str) -> Option<bool> {
+        match self.value(key)? {
+            DeValue::Boolean(flag) => Some(*flag),
+            _ => {
+                self.wrong_type(key, "`true` or `false`");
+                None
+            }
+        }
+    }
+
+    /// One of a list of words, if the key is present.
+    pub fn choice<T: Copy>(&self, key: &'static str, words: &[(&'static str, T)]) -> Option<T> {
+        self.choice_by(key, words, |known, word| known == word)
+    }
+
+    /// The same, in capitals or not.
+    pub fn choice_in_any_case<T: Copy>(
+        &self,
+        key: &'static str,
+        words: &[(&'static str, T)],
+    ) -> Option<T> {
+        self.choice_by(key, words, str::eq_ignore_ascii_case)
+    }
+
+    fn choice_by<T: Copy>(
+        &self,
+        key: &'static str,
+        words: &[(&'static str, T)],
+        same: impl Fn(&str, &str) -> bool,
+    ) -> Option<T> {
+        let word = self.text(key)?;
+        let found = words.iter().find(|(known, _)| same(known, &word));
+        if found.is_none() {
+            let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
+            let list: Vec<String> = known.iter().map(|word| format!("`{word}`")).collect();
+            let help = nearest(&word, known.iter().copied()).map_or_else(
+                || "choose one of them".to_string(),
+                |near| format!("did you mean `{near}`?"),
+            );
+            let path = self.path_of(key);
+            self.problem(
+                key,
+                format!(
+                    "`{path}` is `{}`, expected one of {}",
+                    shown(&word),
+                    list.join(", ")
+                ),
+                help,
+            );
+        }
+        found.map(|(_, value)| *value)
+    }
+
+    /// Two finite numbers in square brackets, if the key is present.
+    pub fn pair(&self, key: &'static str) -> Option<[f64; 2]> {
+        let numbers: Option<Vec<f64>> = match self.value(key)? {
+            DeValue::Array(items) => items.iter().map(|item| number_of(item.get_ref())).collect(),
+            _ => None,
+        };
+        match numbers.as_deref() {
+            Some([first, second]) if first.abs().max(second.abs()) > LARGEST_NUMBER => {
+                self.too_large(key);
+                None
+            }
+            Some([first, second]) => Some([*first, *second]),
+            _ => {
+                self.wrong_type(key, "two finite numbers, e.g. [0.0, 900.0]");
+                None
+            }
+        }
+    }
+
+    /// A list of texts, if the key is present.
+    pub fn texts(&self, key: &'static str) -> Option<Vec<String>> {
+        let texts: Option<Vec<String>> = match self.value(key)? {
+            DeValue::Array(items) => items
+                .iter()
+                .map(|item| item.get_ref().as_str().map(str::to_string))
+                .collect(),
+            _ => None,
+        };
+        if texts.is_none() {
+            self.wrong_type(key, "a list of texts, e.g. [\"a\", \"b\"]");
+        }
+        texts
+    }
+
+    /// A list of pairs of whole numbers, if the key is present.
+    pub fn whole_pairs(&self, key: &'static str) -> Option<Vec<[u32; 2]>> {
+        let pairs: Option<Vec<[u32; 2]>> = match self.value(key)? {
+            DeValue::Array(items) => items
+                .iter()
+                .map(|item| whole_pair(item.get_ref()))
+                .collect(),
+            _ => None,
+        };
+        if pairs.is_none() {
+            self.wrong_type(key, "pairs of whole numbers, e.g. [[512, 767]]");
+        }
+        pairs
+    }
+
+    /// A sub-section, if it is present.
+    pub fn section(&self, key: &'static str) -> Option<Section<'a>> {
+        self.value(key)?;
+        let entry = self.table.get(key)?;
+        match entry.get_ref() {
+            DeValue::Table(table) => {
+                let spot = joined(&self.spot, key);
+                Some(self.child(table, entry.span(), key, &spot))
+            }
+            _ => {
+                self.wrong_type(key, "a section");
+                None
+            }
+        }
+    }
+
+    /// A list of sub-sections (`[[key]]`); empty if absent. The places of their keys are kept
+    /// under `key[0]`, `key[1]` …
+    pub fn sections(&self, key: &'static str) -> Vec<Section<'a>> {
+        match self.value(key) {
+            None => Vec::new(),
+            Some(DeValue::Array(items)) if items.iter().all(|item| item.get_ref().is_table()) => {
+                items
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(index, item)| {
+                        let table = item.get_ref().as_table()?;
+                        let spot = format!("{}[{index}]", joined(&self.spot, key));
+                        Some(self.child(table, item.span(), key, &spot))
+                    })
+                    .collect()
+            }
+            Some(_) => {
+                self.wrong_type(key, "a list of sections");
+                Vec::new()
+            }
+        }
+    }
+
+    fn child(
+        &self,
+        table: &'a DeTable<'a>,
+        span: Range<usize>,
+        key: &str,
+        spot: &str,
+    ) -> Section<'a> {
+        Section {
+            source: self.source,
+            table,
+            span,
+            path: self.path_of(key),
+            spot: Arc::from(spot),
+            asked: RefCell::new(Vec::with_capacity(USUAL_KEYS)),
+            notes: self.notes,
+        }
+    }
+
+    /// Keys and texts of a free section (protocol); numbers are kept as they are written.
+    pub fn entries(&self) -> Vec<(String, String)> {
+        self.table
+            .iter()
+            .filter_map(|(key, value)| match value.get_ref() {
+                DeValue::String(text) => Some((key.get_ref().to_string(), text.to_string())),
+                DeValue::Integer(number) => {
+                    Some((key.get_ref().to_string(), number.as_str().to_string()))
+                }
+                DeValue::Float(number) => {
+                    Some((key.get_ref().to_string(), number.as_str().to_string()))
+                }
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// Notes every key that nobody asked for, with the nearest known one. Call it last.
+    pub fn refuse_unknown_keys(&self) {
+        let known = self.asked.borrow();
+        for (key, _) in self.table.iter() {
+            let name: &str = key.get_ref();
+            if known.contains(&name) {
+                continue;
+            }
+            self.note(|| self.unknown_key(name, key.span(), &known));
+        }
+    }
+
+    fn unknown_key(&self, name: &str, span: Range<usize>, known: &[&str]) -> Problem {
+        let unit = |name: &str| name.rsplit_once('_').map(|(_, unit)| unit.to_string());
+        let help = nearest(name, known.iter().copied()).map_or_else(
+            || format!("keys that are known here: {}", list_of(known)),
+            |near| match unit(near).filter(|own| LENGTHS.contains(&own.as_str())) {
+                Some(own) if unit(name).is_some_and(|other| other != own && LENGTHS.contains(&other.as_str())) => {
+                    format!("did you mean `{near}`? its unit is another: 1 mm = 1000 µm, 1 inch = 25.4 mm")
+                }
+                _ => format!("did you mean `{near}`?"),
+            },
+        );
+        let section = if self.path.is_empty() {
+            String::new()
+        } else {
+            format!(" in [{}]", self.path)
+        };
+        Problem::new(format!("unknown key `{}`{section}", shown(name)))
+            .at(self.source.place(&span))
+            .help(help)
+    }
+}
+
+fn joined(path: &str, key: &str) -> String {
+    if path.is_empty() {
+        key.to_string()
+    } else {
+        [path, ".", key].concat()
+    }
+}
+
+/// Words in back-quotes, each once.
+fn list_of(words: &[&str]) -> String {
+    let mut list: Vec<String> = Vec::new();
+    for word in words {
+        let quoted = format!("`{word}`");
+        if !list.contains(&quoted) {
+            list.push(quoted);
+        }
+    }
+    list.join(", ")
+}
+
+fn number_of(value: &DeValue<'_>) -> Option<f64> {
+    let text = match value {
+        DeValue::Float(float) => float.as_str(),
+        DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
+        _ => return None,
+    };
+    let number = text
+        .parse::<f64>()
+        .ok()
+        .filter(|number| number.is_finite())?;
+    Some(number + 0.0) // −0 becomes 0
+}
+
+fn whole_pair(value: &DeValue<'_>) -> Option<[u32; 2]> {
+    let items = value.as_array()?;
+    let numbers: Option<Vec<u32>> = items
+        .iter()
+        .map(|item| item.get_ref().as_integer()?.as_str().parse().ok())
+        .collect();
+    numbers?.try_into().ok()
+}

@@ -1,0 +1,6 @@
+//! Files of people and machines in, problems with places out.
+
+pub mod delimited;
+pub mod document;
+pub mod plain;
+pub mod problem;

@@ -1,0 +1,536 @@
+//! A program's failure: what is wrong, where, and what to do next.
+//!
+//! *Error* means the machine's error in this program; whatever keeps the program from doing its
+//! work is a [`Problem`]. All problems of one input are collected and shown together. The text
+//! is drawn by `annotate-snippets`, the way rustc shows its own.
+
+use crate::text::plain::line as seen;
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
+use std::fmt;
+use std::sync::OnceLock;
+
+/// A place in a text file that a user wrote.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file as the user named it.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// How many characters are meant (at least 1).
+    pub width: usize,
+    /// The line without its line end; of a long line the part around the column.
+    pub text: String,
+    /// How many characters of the line stand before `text`.
+    pub skipped: usize,
+}
+
+/// Longest part of a user's text that is repeated in a sentence, in characters.
+const LONGEST_QUOTE: usize = 60;
+/// Longest part of a line that is shown, in characters.
+const LONGEST_LINE: usize = 200;
+/// Longest sentence; a bound for whatever was put into it.
+const LONGEST_SENTENCE: usize = 1000;
+/// How many different problems of one input are kept; the rest is counted.
+const MOST_PROBLEMS: usize = 200;
+/// How many problems of one input are looked at; the rest is counted.
+const MOST_LOOKED_AT: usize = 2000;
+/// Lines that are named where a problem stands in many.
+const MOST_LINES: usize = 3;
+/// How many problems are shown; the rest is counted.
+const MOST_SHOWN: usize = 100;
+
+/// A user's text as it is repeated in a sentence: cut where it is long.
+pub fn shown(text: &str) -> String {
+    cut(text, LONGEST_QUOTE)
+}
+
+fn cut(text: &str, longest: usize) -> String {
+    match text.char_indices().nth(longest) {
+        None => text.to_string(),
+        Some((at, _)) => format!("{}…", &text[..at]),
+    }
+}
+
+/// The part of a line that is shown, and how many characters stand before it.
+fn window(line: &str, column: usize) -> (String, usize) {
+    if line.chars().nth(LONGEST_LINE).is_none() {
+        return (line.to_string(), 0);
+    }
+    let skipped = if column <= LONGEST_LINE / 2 {
+        0
+    } else {
+        column - LONGEST_LINE / 4
+    };
+    let start = byte_of_column(line, skipped + 1);
+    let part = cut(&line[start..], LONGEST_LINE);
+    if skipped == 0 {
+        (part, 0)
+    } else {
+        (format!("…{part}"), skipped - 1)
+    }
+}
+
+/// Where the lines of one text begin, for places in it: how many end in each block of bytes before
+/// the place, counted once for the whole text when the first place is asked for.
+#[derive(Clone, Debug, Default)]
+pub struct LineIndex {
+    /// Line ends before the n-th block.
+    before: OnceLock<Vec<usize>>,
+}
+
+/// Bytes of a text in which line ends are counted again for each place.
+const INDEX_BLOCK: usize = 1 << 14;
+
+impl LineIndex {
+    /// The place of the bytes `start..end` of `source`, which is the same text in every call.
+    pub fn place(&self, file: &str, source: &str, start: usize, end: usize) -> Place {
+        let start = floor_boundary(source, start);
+        let line_start = source[..start].rfind('\n').map_or(0, |at| at + 1);
+        // Lines of some controls end with LF CR CR, so the next one begins with what is left.
+        let rest = source[line_start..].trim_start_matches('\r');
+        let line_start = source.len() - rest.len();
+        let start = start.max(line_start);
+        let text = rest.split('\n').next().unwrap_or("").trim_end_matches('\r');
+        let end = floor_boundary(
+            source,
+            end.clamp(start, line_start + text.len().max(start - line_start)),
+        );
+        let column = source[line_start..start].chars().count() + 1;
+        let (text, skipped) = window(text, column);
+        Place {
+            file: file.to_string(),
+            line: self.ends_before(source.as_bytes(), start) + 1,
+            column,
+            width: source[start..end].chars().count().max(1),
+            text,
+            skipped,
+        }
+    }
+
+    fn ends_before(&self, text: &[u8], at: usize) -> usize {
+        let blocks = self.before.get_or_init(|| counted(text));
+        let block = at / INDEX_BLOCK;
+        blocks[block] + line_ends(&text[block * INDEX_BLOCK..at])
+    }
+}
+
+fn counted(text: &[u8]) -> Vec<usize> {
+    let blocks = text.chunks(INDEX_BLOCK).map(line_ends);
+    let sums = blocks.scan(0, |sum, own| {
+        *sum += own;
+        Some(*sum)
+    });
+    std::iter::once(0).chain(sums).collect()
+}
+
+fn line_ends(text: &[u8]) -> usize {
+    text.iter().filter(|byte| **byte == b'\n').count()
+}
+
+/// It follows from the text, so two texts that are equal have equal ones.
+impl PartialEq for LineIndex {
+    fn eq(&self, _: &LineIndex) -> bool {
+        true
+    }
+}
+
+impl Place {
+    /// The place of the bytes `start..end` of `source`. For several places in one long text there is
+    /// [`LineIndex`].
+    pub fn in_text(file: &str, source: &str, start: usize, end: usize) -> Place {
+        LineIndex::default().place(file, source, start, end)
+    }
+}
+
+/// No line of a file that is read as a whole has more bytes: columns are counted and parts are shown
+/// without ever passing over more. The longest line of any file seen so far has 8 kB.
+pub const LONGEST_LINE_BYTES: usize = 1 << 16;
+
+/// Refuses a text with a line that is longer than anybody writes: with other line ends, or of another
+/// kind.
+pub fn refuse_long_lines(file: &str, text: &str) -> Result<(), Problem> {
+    let is_long = |line: &&str| line.len() > LONGEST_LINE_BYTES;
+    match text.split('\n').position(|line| is_long(&line)) {
+        None => Ok(()),
+        Some(index) => Err(Problem::new(format!(
+            "line {} of `{file}` has more than {LONGEST_LINE_BYTES} bytes, too many for a line",
+            index + 1
+        ))
+        .help("check that the file is what it should be; lines end with LF or CR LF")),
+    }
+}
+
+fn floor_boundary(source: &str, at: usize) -> usize {
+    let mut at = at.min(source.len());
+    while !source.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+/// Why the program could not do its work.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// One lower-case sentence: what was found and what was expected.
+    pub message: String,
+    /// Where, if it came from a file.
+    pub place: Option<Place>,
+    /// What to do next.
+    pub help: Option<String>,
+}
+
+impl Problem {
+    /// A problem without a place.
+    pub fn new(message: impl Into<String>) -> Self {
+        Problem {
+            message: bounded(message.into()),
+            place: None,
+            help: None,
+        }
+    }
+
+    /// The same, at a place.
+    #[must_use]
+    pub fn at(mut self, place: Place) -> Self {
+        self.place = Some(place);
+        self
+    }
+
+    /// The same, with the next step.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(bounded(help.into()));
+        self
+    }
+
+    /// The problem as a person reads it: sentence, place, line with carets, next step.
+    pub fn render(&self) -> String {
+        self.render_with(None)
+    }
+
+    /// The same, with what is to be known of other places.
+    fn render_with(&self, note: Option<&str>) -> String {
+        let level = Level::ERROR.with_name("problem");
+        let mut group = Group::with_title(level.primary_title(seen(&self.message)));
+        let source;
+        if let Some(place) = &self.place {
+            source = seen(&place.text);
+            let column = place.column.saturating_sub(place.skipped).max(1);
+            let start = byte_of_column(&source, column);
+            let end = byte_of_column(&source, column + place.width).max(start);
+            let mut snippet = Snippet::source(&*source).line_start(place.line);
+            if place.skipped == 0 {
+                snippet = snippet.path(seen(&place.file));
+            } else {
+                let origin = Origin::path(seen(&place.file));
+                group = group.element(origin.line(place.line).char_column(place.column));
+            }
+            group = group.element(snippet.annotation(AnnotationKind::Primary.span(start..end)));
+        }
+        if let Some(note) = note {
+            group = group.element(Level::NOTE.message(note.to_string()));
+        }
+        if let Some(help) = &self.help {
+            group = group.element(Level::HELP.message(seen(help)));
+        }
+        Renderer::plain().render(&[group])
+    }
+}
+
+fn bounded(sentence: String) -> String {
+    if sentence.len() <= LONGEST_SENTENCE {
+        sentence
+    } else {
+        cut(&sentence, LONGEST_SENTENCE)
+    }
+}
+
+fn byte_of_column(text: &str, column: usize) -> usize {
+    text.char_indices()
+        .nth(column - 1)
+        .map_or(text.len(), |(at, _)| at)
+}
+
+/// One problem, and where else the same one stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Kept {
+    problem: Problem,
+    /// In how many more places.
+    again: usize,
+    /// The first lines of them.
+    lines: Vec<usize>,
+}
+
+impl Kept {
+    /// Whether another problem has the same cause: the same words in the same file.
+    fn is_same(&self, other: &Problem) -> bool {
+        let places = (&self.problem.place, &other.place);
+        let same_file = match places {
+            (Some(own), Some(other)) => own.file == other.file,
+            (own, other) => own.is_none() && other.is_none(),
+        };
+        same_file && self.problem.message == other.message && self.problem.help == other.help
+    }
+
+    /// Takes a problem with the same cause; in the same line it is the same one.
+    fn take(&mut self, other: Kept) {
+        let Some(place) = &other.problem.place else {
+            return;
+        };
+        let own = self.problem.place.as_ref().map(|place| place.line);
+        if own
+            .into_iter()
+            .chain(self.lines.last().copied())
+            .any(|line| line == place.line)
+        {
+            return;
+        }
+        self.again += 1 + other.again;
+        for line in std::iter::once(place.line).chain(other.lines) {
+            if self.lines.len() < MOST_LINES && !self.lines.contains(&line) {
+                self.lines.push(line);
+            }
+        }
+    }
+
+    fn render(&self) -> String {
+        let lines: Vec<String> = self.lines.iter().map(usize::to_string).collect();
+        let note = match self.again {
+            0 => None,
+            1 => Some(format!("the same in line {}", lines.join(", "))),
+            more if more == lines.len() => Some(format!("the same in lines {}", lines.join(", "))),
+            more => Some(format!(
+                "the same in {more} more lines, the next are {}",
+                lines.join(", ")
+            )),
+        };
+        self.problem.render_with(note.as_deref())
+    }
+}
+
+/// The problems of an input, in the order they were found. Those that differ in their place only are
+/// one, which counts the places. A long list is cut: what comes after the first hundred is only
+/// counted when it is shown.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Problems {
+    kept: Vec<Kept>,
+    looked_at: usize,
+    more: usize,
+}
+
+impl Problems {
+    /// No problem so far.
+    pub fn none() -> Self {
+        Problems::default()
+    }
+
+    /// Adds one.
+    pub fn push(&mut self, problem: Problem) {
+        self.push_with(|| problem);
+    }
+
+    /// Adds one that is only made if it is going to be looked at.
+    pub fn push_with(&mut self, make: impl FnOnce() -> Problem) {
+        if self.looked_at >= MOST_LOOKED_AT {
+            self.more += 1;
+            return;
+        }
+        self.add(Kept {
+            problem: make(),
+            again: 0,
+            lines: Vec::new(),
+        });
+    }
+
+    fn add(&mut self, new: Kept) {
+        self.looked_at += 1;
+        let same = self.kept.iter_mut().find(|kept| kept.is_same(&new.problem));
+        if let Some(kept) = same {
+            kept.take(new);
+        } else if self.kept.len() < MOST_PROBLEMS {
+            self.kept.push(new);
+        } else {
+            self.more += 1 + new.again;
+        }
+    }
+
+    /// Adds all of another list.
+    pub fn extend(&mut self, others: Problems) {
+        for other in others.kept {
+            self.add(other);
+        }
+        self.more += others.more;
+    }
+
+    /// Keeps the value, or notes the problems and gives nothing.
+    pub fn take<T>(&mut self, result: Result<T, Problems>) -> Option<T> {
+        match result {
+            Ok(value) => Some(value),
+            Err(problems) => {
+                self.extend(problems);
+                None
+            }
+        }
+    }
+
+    /// Whether the next one would only be counted.
+    pub fn is_full(&self) -> bool {
+        self.kept.len() >= MOST_PROBLEMS || self.looked_at >= MOST_LOOKED_AT
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
+    /// The different problems that were kept, each at its first place.
+    pub fn iter(&self) -> impl Iterator<Item = &Problem> {
+        self.kept.iter().map(|kept| &kept.problem)
+    }
+
+    /// `Ok` with the value if there is no problem.
+    pub fn or_ok<T>(self, value: T) -> Result<T, Problems> {
+        if self.is_empty() {
+            Ok(value)
+        } else {
+            Err(self)
+        }
+    }
+
+    /// All problems as a person reads them, a blank line between.
+    pub fn render(&self) -> String {
+        let shown = self.kept.iter().take(MOST_SHOWN);
+        let mut texts: Vec<String> = shown.map(Kept::render).collect();
+        let not_shown = self.kept.iter().skip(MOST_SHOWN);
+        let not_shown: usize = not_shown.map(|kept| 1 + kept.again).sum();
+        match self.more + not_shown {
+            0 => {}
+            1 => texts.push("… and 1 more problem".to_string()),
+            more => texts.push(format!("… and {more} more problems")),
+        }
+        texts.join("\n\n")
+    }
+}
+
+impl From<Problem> for Problems {
+    fn from(problem: Problem) -> Self {
+        let mut problems = Problems::none();
+        problems.push(problem);
+        problems
+    }
+}
+
+impl fmt::Display for Problems {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.render())
+    }
+}
+
+/// The nearest of `known` to a mistyped word, if one is near.
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    const LIKENESS: f64 = 0.75; // jaro-winkler; below it a suggestion misleads more than it helps
+    known
+        .into_iter()
+        .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
+        .filter(|(likeness, _)| *likeness >= LIKENESS)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use super::*;
+
+    #[test]
+    fn a_long_list_is_counted_and_twins_are_dropped() {
+        let mut problems = Problems::none();
+        for row in 0..250 {
+            problems.push(Problem::new(format!("row {row}")));
+            problems.push(Problem::new("row 0"));
+        }
+        assert_eq!(problems.iter().count(), MOST_PROBLEMS);
+        let text = problems.render();
+        assert!(text.ends_with("more problems"), "{text}");
+        assert_eq!(text.matches("row 0\n").count(), 1);
+    }
+
+    #[test]
+    fn one_cause_in_many_lines_is_one_message_that_counts() {
+        let text = "empty\n".repeat(801);
+        let mut problems = Problems::none();
+        for line in 0..801 {
+            let place = Place::in_text("r.csv", &text, line * 6, line * 6 + 5);
+            let problem = Problem::new("`um` is empty").at(place).help("measure it");
+            problems.push(problem);
+        }
+        let mut all = Problems::from(Problem::new("before"));
+        all.extend(problems);
+        let shown = all.render();
+        assert_eq!(shown.matches("`um` is empty").count(), 1, "{shown}");
+        assert!(
+            shown.contains("the same in 800 more lines, the next are 2, 3, 4"),
+            "{shown}"
+        );
+    }
+
+    #[test]
+    fn a_long_line_is_cut_around_its_column() {
+        let line = format!("{}wrong{}", "ä".repeat(5000), "b".repeat(5000));
+        let start = "ä".len() * 5000;
+        let place = Place::in_text("table.csv", &line, start, start + 5);
+        assert_eq!((place.column, place.width), (5001, 5));
+        assert!(place.text.chars().count() <= LONGEST_LINE + 2);
+        let text = Problem::new("it is wrong").at(place).render();
+        assert!(text.contains("table.csv:1:5001"), "{text}");
+        let lines: Vec<&str> = text.lines().collect();
+        let carets = lines.iter().position(|line| line.contains('^'));
+        let carets = carets.expect("the place is marked");
+        let at = |text: &str, what: &str| text.find(what).map(|at| text[..at].chars().count());
+        assert_eq!(at(lines[carets], "^^^^^"), at(lines[carets - 1], "wrong"));
+    }
+
+    #[test]
+    fn a_long_text_is_cut_in_a_sentence() {
+        assert_eq!(
+            shown(&"x".repeat(3_000_000)).chars().count(),
+            LONGEST_QUOTE + 1
+        );
+        assert_eq!(shown("short"), "short");
+        let message = Problem::new("x".repeat(3_000_000)).message;
+        assert_eq!(message.chars().count(), LONGEST_SENTENCE + 1);
+    }
+
+    #[test]
+    fn line_ends_are_counted_once_for_all_places_of_a_text() {
+        let text = "ä,1\r\n".repeat(3 * INDEX_BLOCK);
+        let index = LineIndex::default();
+        for line in [
+            0,
+            1,
+            2,
+            INDEX_BLOCK,
+            2 * INDEX_BLOCK + 1,
+            3 * INDEX_BLOCK - 1,
+        ] {
+            let start = line * "ä,1\r\n".len() + "ä,".len();
+            let place = index.place("a.csv", &text, start, start + 1);
+            assert_eq!((place.line, place.column, place.width), (line + 1, 3, 1));
+            let counted = index.before.get().map(Vec::len);
+            assert_eq!(counted, Some(text.len().div_ceil(INDEX_BLOCK) + 1));
+        }
+        let end = index.place("a.csv", &text, text.len(), text.len() + 1);
+        assert_eq!((end.line, end.column), (3 * INDEX_BLOCK + 1, 1));
+    }
+
+    #[test]
+    fn a_line_that_nobody_writes_is_refused() {
+        let long = "x".repeat(LONGEST_LINE_BYTES);
+        assert!(refuse_long_lines("a", &format!("{long}\n{long}")).is_ok());
+        let problem = refuse_long_lines("a", &format!("1\n{long}x")).expect_err("it is longer");
+        assert!(problem.message.starts_with("line 2 of `a`"), "{problem:?}");
+    }
+}

@@ -1,0 +1,126 @@
+//! The machine as the tables of a control leave it.
+
+use crate::machine::model::{ErrorModel, Measured};
+use crate::quantity::axis::Direction;
+use crate::quantity::curve::{ErrorCurve, Interpolation, JUMP_MM};
+use crate::quantity::units::{Deviation, Millimetres};
+use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response, Stretch};
+use crate::volume::volume_model::VolumeModel;
+use crate::write::plan::{Plan, axis_pairs};
+
+/// Places of jumps count on a raster of a picometre, so those of several tables are one.
+const PER_MM: f64 = 1e9;
+/// Corrections and jumps below it are none: rounding, µm.
+const NOTHING_UM: f64 = 1e-9;
+
+/// The machine as the tables of a control leave it: each deviation with what the emulated control
+/// adds, everywhere. Angles stay.
+///
+/// `volume`: the machine as it was measured. `uncompensated`: its errors without the tables that
+/// were active meanwhile, which is what the new corrections are added to; the measured errors
+/// themselves where none were.
+pub fn with_tables(
+    volume: &VolumeModel,
+    uncompensated: &ErrorModel,
+    plan: &Plan,
+    control: &dyn Emulator,
+) -> Result<VolumeModel, CannotEmulate> {
+    let mut left = volume.with_errors_of(uncompensated);
+    for (term, measured) in uncompensated.measured() {
+        let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
+            continue;
+        };
+        let mut responses = Vec::new();
+        for direction in directions(&measured.measured) {
+            responses.push((*direction, control.response(base, output, *direction)?));
+        }
+        let (from, to) = acts_over(&responses, measured.measured.mean().measured_range());
+        let corrections = responses
+            .iter()
+            .map(|(_, r)| correction(&r.stretches(from, to)));
+        let corrections: Vec<ErrorCurve> = corrections.collect();
+        if let Some(mean) = mean(&corrections).filter(acts) {
+            let homing = left.homing(term.along);
+            let there = homing.and_then(|homing| at_reference(&responses, homing));
+            left.correct(term, &mean, there);
+        }
+    }
+    Ok(left)
+}
+
+/// What is added at the reference where an axis came there as it homes.
+fn at_reference(
+    responses: &[(Direction, Response)],
+    (reference, homing): (Millimetres, Direction),
+) -> Option<Deviation> {
+    let (_, response) = responses
+        .iter()
+        .find(|(direction, _)| *direction == homing)?;
+    Some(Deviation::from_um(response.correction(reference).um()))
+}
+
+/// The directions that a term was measured in: both, if nothing is said of it.
+fn directions(measured: &Measured) -> &'static [Direction] {
+    match measured {
+        Measured::OneWay(Direction::Plus, _) => &[Direction::Plus],
+        Measured::OneWay(Direction::Minus, _) => &[Direction::Minus],
+        _ => &Direction::BOTH,
+    }
+}
+
+/// The measured range with that of the tables: beyond it both are held.
+fn acts_over(
+    responses: &[(Direction, Response)],
+    (from, to): (Millimetres, Millimetres),
+) -> (Millimetres, Millimetres) {
+    let tables = || responses.iter().flat_map(|(_, response)| response.tables());
+    let firsts = tables().map(NodeTable::first);
+    let lasts = tables().map(NodeTable::last);
+    let from = firsts.fold(from, |low, first| if first < low { first } else { low });
+    let to = lasts.fold(to, |high, last| if last > high { last } else { high });
+    (from, to)
+}
+
+/// The stretches of a correction as one curve, a jump between two as a line over [`JUMP_MM`].
+fn correction(stretches: &[Stretch]) -> ErrorCurve {
+    let long = |s: &&Stretch| (s.to - s.from).mm() >= 2.0 * JUMP_MM;
+    let stretches: Vec<&Stretch> = stretches.iter().filter(long).collect();
+    let raster = |at: Millimetres| (at.mm() * PER_MM).round() / PER_MM;
+    let mut points: Vec<(f64, f64)> = Vec::with_capacity(2 * stretches.len() + 1);
+    for (index, stretch) in stretches.iter().enumerate() {
+        let before = index
+            .checked_sub(1)
+            .map(|before| stretches[before].at_to.um());
+        let (at, um) = (raster(stretch.from), stretch.at_from.um());
+        if let Some(before) = before.filter(|before| (before - um).abs() > NOTHING_UM) {
+            points.push((at - JUMP_MM, before));
+        }
+        points.push((at, um));
+    }
+    points.extend(
+        stretches
+            .last()
+            .map(|last| (raster(last.to), last.at_to.um())),
+    );
+    let places: Vec<Millimetres> = points.iter().map(|(mm, _)| Millimetres::new(*mm)).collect();
+    let values: Vec<Deviation> = points
+        .iter()
+        .map(|(_, um)| Deviation::from_um(*um))
+        .collect();
+    ErrorCurve::through(&places, &values, Interpolation::Linear)
+}
+
+/// The mean of the corrections of both directions, or the one there is.
+fn mean(corrections: &[ErrorCurve]) -> Option<ErrorCurve> {
+    match corrections {
+        [one] => Some(one.clone()),
+        [plus, minus] => plus.mean_with(minus),
+        _ => None,
+    }
+}
+
+/// Whether anything is added.
+fn acts(correction: &ErrorCurve) -> bool {
+    let (from, to) = correction.measured_range();
+    correction.largest_magnitude(from, to) > NOTHING_UM
+}

@@ -1,0 +1,171 @@
+//! One number for a volume: the definitions that are in use, side by side.
+//!
+//! ```text
+//!   nine curves ─→ largest and smallest value ─→ ELv · ELSv · existing · proposed (papers 000, 001)
+//!   error vectors at the nodes ─→ ranges · box · VA · largest from one place
+//!   places and error vectors   ─→ length error (does not depend on how the axes were aligned)
+//! ```
+//! Which one to quote when, and why they differ: docs/volumetric.md §4.
+
+mod diagonals;
+mod length;
+
+pub use self::diagonals::diagonal_ranges;
+pub use self::length::{LengthError, length_error};
+
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::diagonal::PerDiagonal;
+use crate::quantity::units::Millimetres;
+use crate::volume::space::diameter::diameter;
+use crate::volume::volume_model::{Component, ErrorMap, VolumeModel};
+
+/// Largest and smallest value of each of the nine deviations, µm (or any one unit of length).
+pub type Extremes = PerTerm<Option<(f64, f64)>>;
+
+/// The definitions that look at the nine deviations one by one. `None` where one that the
+/// definition needs was not measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ByComponent {
+    /// ELv = √(ELx² + ELy² + ELz²), EL = range of the axis' own deviation (paper 001, eq. 1 and 2).
+    pub elv: Option<f64>,
+    /// ELSv: the same with the sum of the three ranges in each direction (range form).
+    pub elsv: Option<f64>,
+    /// √Σ max² + √Σ min² over the nine (paper 000 §I).
+    pub existing: Option<f64>,
+    /// √Σ (Σ max)² + √Σ (Σ min)² over the three directions (paper 000 §II).
+    pub proposed: Option<f64>,
+}
+
+impl ByComponent {
+    /// From the extremes of the nine deviations.
+    ///
+    /// limits  `max` and `min` are taken as they are: one with the sign of the other counts against
+    ///         its own sense, and the first two figures move with the zero of the curves
+    pub fn of(extremes: &Extremes) -> ByComponent {
+        let range = |(low, high): (f64, f64)| high - low;
+        let own = |axis| {
+            extremes[ErrorTerm {
+                of: axis,
+                along: axis,
+            }]
+        };
+        let all: Option<Vec<(f64, f64)>> = extremes.iter().map(|(_, pair)| *pair).collect();
+        let summed = |of: Axis, value: fn((f64, f64)) -> f64| -> Option<f64> {
+            let pairs = Axis::ALL.map(|along| extremes[ErrorTerm { of, along }]);
+            pairs.into_iter().map(|pair| pair.map(value)).sum()
+        };
+        let by_direction =
+            |value: fn((f64, f64)) -> f64| root_of_squares(Axis::ALL.map(|of| summed(of, value)));
+        let nine = |value: fn((f64, f64)) -> f64| {
+            let all = all.as_ref()?;
+            root_of_squares(all.iter().map(|pair| Some(value(*pair))))
+        };
+        let low: fn((f64, f64)) -> f64 = |pair| pair.0;
+        let high: fn((f64, f64)) -> f64 = |pair| pair.1;
+        ByComponent {
+            elv: root_of_squares(Axis::ALL.map(|axis| own(axis).map(range))),
+            elsv: by_direction(range),
+            existing: nine(high).zip(nine(low)).map(|(a, b)| a + b),
+            proposed: by_direction(high)
+                .zip(by_direction(low))
+                .map(|(a, b)| a + b),
+        }
+    }
+}
+
+fn root_of_squares(values: impl IntoIterator<Item = Option<f64>>) -> Option<f64> {
+    let squares = values.into_iter().map(|value| value.map(|v| v * v));
+    squares.sum::<Option<f64>>().map(f64::sqrt)
+}
+
+/// The largest difference of two error vectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LargestDifference {
+    /// Its length: the volumetric accuracy VA of paper 002 §4.1, µm.
+    pub um: f64,
+    /// The two places, mm.
+    pub places_mm: [PerAxis<f64>; 2],
+    /// e(first) − e(second), µm.
+    pub difference_um: PerAxis<f64>,
+}
+
+/// All figures of a volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Definitions {
+    /// Nodes of each axis.
+    pub grid: PerAxis<usize>,
+    /// From the nine deviations, squareness in them.
+    pub by_component: ByComponent,
+    /// Paper 000's proposed definition with the whole error vector in place of the nine:
+    /// |max e| + |min e|, each taken direction by direction, µm. It moves with the zero of e. As in
+    /// paper 002 the arms of squareness, like those of angles, count from the offsets; of a
+    /// term that a table corrects no squareness is left apart, and it is zero at the reference.
+    pub proposed_um: f64,
+    /// Volumetric accuracy.
+    pub va: LargestDifference,
+    /// Range of the error in X, Y and Z over the nodes, µm (ISO 230-1).
+    pub ranges_um: PerAxis<f64>,
+    /// √ of the sum of the squared ranges, µm.
+    pub box_um: f64,
+    /// Largest |e − e(place)|, µm.
+    pub from_origin_um: f64,
+    /// Where that place is: the origin of the levers, mm.
+    pub origin_mm: PerAxis<f64>,
+    /// Largest error of a length between two nodes.
+    pub length: LengthError,
+    /// Range along each body diagonal, µm (ISO 230-6, from the model).
+    pub diagonals_um: PerDiagonal<f64>,
+}
+
+/// All figures of a model at the nodes of its map.
+pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
+    let origin_mm = model.lever_origin();
+    let at_origin = model.error_at(origin_mm);
+    let (mut low, mut high) = (
+        PerAxis::from_fn(|_| f64::INFINITY),
+        PerAxis::from_fn(|_| f64::NEG_INFINITY),
+    );
+    let mut from_origin_um = 0.0_f64;
+    for (_, error) in map.points() {
+        low = PerAxis::from_fn(|axis| low[axis].min(error[axis]));
+        high = PerAxis::from_fn(|axis| high[axis].max(error[axis]));
+        from_origin_um = from_origin_um.max(error.minus(at_origin).length());
+    }
+    let ranges_um = high.minus(low);
+    let squareness = |component| matches!(component, Component::Squareness(_));
+    let squareness_um = model.part_at(origin_mm, squareness);
+    Definitions {
+        grid: map.counts(),
+        by_component: ByComponent::of(&extremes(model)),
+        proposed_um: high.minus(squareness_um).length() + low.minus(squareness_um).length(),
+        va: largest_difference(map),
+        ranges_um,
+        box_um: ranges_um.length(),
+        from_origin_um,
+        origin_mm,
+        length: length_error(map),
+        diagonals_um: diagonal_ranges(model),
+    }
+}
+
+/// Largest and smallest value of each deviation over the judged range, squareness in it, zero at
+/// the reference (between nodes too: a curve is known there).
+fn extremes(model: &VolumeModel) -> Extremes {
+    PerTerm::from_fn(|term: ErrorTerm| {
+        let (low, high) = model.range(term.along);
+        let (from, to) = (Millimetres::new(low), Millimetres::new(high));
+        let curve = model.from_reference(term)?;
+        Some(curve.extremes_against_line(from, to, 0.0, 0.0))
+    })
+}
+
+/// The volumetric accuracy of a map: max |e(p) − e(q)| over all pairs of nodes, exact.
+pub fn largest_difference(map: &ErrorMap) -> LargestDifference {
+    let found = diameter(map.vectors());
+    let [p, q] = found.nodes;
+    LargestDifference {
+        um: found.um,
+        places_mm: found.nodes.map(|node| map.place(node)),
+        difference_um: map.error(p).minus(map.error(q)),
+    }
+}

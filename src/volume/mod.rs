@@ -1,0 +1,7 @@
+//! Errors in space and along a path.
+
+pub mod assessment;
+pub mod definitions;
+pub mod space;
+pub mod tool_path;
+pub mod volume_model;

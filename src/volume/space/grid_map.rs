@@ -1,0 +1,223 @@
+//! The error vectors of a grid, kept as three lists of nodes instead of one vector a point.
+
+use crate::quantity::axis::Axis;
+
+/// An error vector, x, y, z in µm.
+pub type Vector = [f64; 3];
+
+/// A node of the grid: its place on the first, second and third axis of the chain.
+pub type Node = [usize; 3];
+
+/// What one axis does at each of its nodes.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct AxisNodes {
+    /// Translation x, y, z in µm, tool side relative to workpiece side.
+    pub translation_um: Vec<Vector>,
+    /// Rotation about x, y, z in µrad, right-handed.
+    pub rotation_urad: Vec<Vector>,
+    /// Lever of the axis in m: position less offset, strictly ascending.
+    pub arm_m: Vec<f64>,
+}
+
+/// Node of axis 1, components in the order of the chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct First {
+    pub(super) shift: Vector,
+    /// Component 1 for a metre of axis 2.
+    pub(super) by_second: f64,
+    /// Component 1 for a metre of axis 3.
+    pub(super) by_third: f64,
+    /// Component 3 for a metre of axis 2, less component 2 for a metre of axis 3.
+    pub(super) roll: f64,
+}
+
+/// Node of axis 2, components in the order of the chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Second {
+    pub(super) shift: Vector,
+    pub(super) arm: f64,
+    /// Component 1 for a metre of axis 3.
+    pub(super) by_third: f64,
+    /// Less component 2 for a metre of axis 3.
+    pub(super) roll: f64,
+}
+
+/// Node of axis 3, components in the order of the chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Third {
+    pub(super) shift: Vector,
+    pub(super) arm: f64,
+}
+
+/// Error vectors over a grid of a three-axis machine.
+///
+/// what   e(i,j,k) = A_i + B_j + C_k + r1_i × (a2_j + a3_k) + r2_j × a3_k, with translations A, B,
+///        C, rotations r and levers a along their axis; 1, 2, 3 is the chain from workpiece to tool
+/// unit   µm from µm, µrad and m
+/// sign   actual − commanded, rotations right-handed
+/// limits first order in the angles; r1 about its own axis counts once, r2 about axis 3 and all
+///        of r3 have no lever, so their lists are read for their length only. A tool offset t is
+///        folded in by the caller: r × t added to the translations; squareness likewise
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridMap {
+    chain: [Axis; 3],
+    /// Place of x, y, z in the chain.
+    place: [usize; 3],
+    pub(super) first: Vec<First>,
+    pub(super) second: Vec<Second>,
+    pub(super) third: Vec<Third>,
+}
+
+impl GridMap {
+    /// The map of three axes in the order of the chain. `None` where the chain names an axis
+    /// twice, an axis has no node or lists of different lengths, a number is not finite or
+    /// levers do not ascend.
+    pub fn new(chain: [Axis; 3], axes: [AxisNodes; 3]) -> Option<GridMap> {
+        let at = |axis: Axis| Axis::ALL.iter().position(|known| *known == axis);
+        let roles = [at(chain[0])?, at(chain[1])?, at(chain[2])?];
+        let mut place = [3; 3];
+        for (role, component) in roles.into_iter().enumerate() {
+            place[component] = role;
+        }
+        if place.contains(&3) || !axes.iter().all(AxisNodes::is_sound) {
+            return None;
+        }
+        let right_handed = (roles[0] + 1) % 3 == roles[1];
+        let parity = if right_handed { 1.0 } else { -1.0 };
+        let nodes = axes.map(|axis| axis.in_order_of(roles));
+        Some(GridMap {
+            chain,
+            place,
+            first: nodes[0].iter().map(|node| node.first(parity)).collect(),
+            second: nodes[1].iter().map(|node| node.second(parity)).collect(),
+            third: nodes[2].iter().map(Plain::third).collect(),
+        })
+    }
+
+    /// The axes from workpiece to tool.
+    pub fn chain(&self) -> [Axis; 3] {
+        self.chain
+    }
+
+    /// Nodes of the first, second and third axis of the chain.
+    pub fn size(&self) -> Node {
+        [self.first.len(), self.second.len(), self.third.len()]
+    }
+
+    /// Number of nodes.
+    pub fn count(&self) -> usize {
+        self.size().iter().product()
+    }
+
+    /// The error vector at a node, x, y, z in µm. **The only place where one is computed.**
+    ///
+    /// Panics where the grid has no such node.
+    #[inline]
+    pub fn at(&self, node: Node) -> Vector {
+        let (a, b, c) = (
+            &self.first[node[0]],
+            &self.second[node[1]],
+            &self.third[node[2]],
+        );
+        let along_chain = [
+            ((a.shift[0] + b.shift[0]) + c.shift[0])
+                + (a.by_second * b.arm + (a.by_third + b.by_third) * c.arm),
+            ((a.shift[1] + b.shift[1]) + c.shift[1]) - (a.roll + b.roll) * c.arm,
+            ((a.shift[2] + b.shift[2]) + c.shift[2]) + a.roll * b.arm,
+        ];
+        self.place.map(|role| along_chain[role])
+    }
+
+    /// All vectors, the last axis of the chain fastest.
+    pub fn vectors(&self) -> Vec<Vector> {
+        (0..self.count()).map(|n| self.at(self.node(n))).collect()
+    }
+
+    /// The node of a place in [`GridMap::vectors`].
+    pub fn node(&self, number: usize) -> Node {
+        let [_, second, third] = self.size();
+        let line = number / third;
+        [line / second, line % second, number % third]
+    }
+
+    /// The place of a node in [`GridMap::vectors`].
+    pub fn number(&self, node: Node) -> usize {
+        let [_, second, third] = self.size();
+        (node[0] * second + node[1]) * third + node[2]
+    }
+
+    /// Values given in the order of the chain, such as a node, in the order x, y, z.
+    pub fn xyz<T: Copy>(&self, along_chain: [T; 3]) -> [T; 3] {
+        self.place.map(|role| along_chain[role])
+    }
+
+    /// Values given as x, y, z in the order of the chain.
+    pub fn along_chain<T: Copy>(&self, xyz: [T; 3]) -> [T; 3] {
+        let mut roles = xyz;
+        for (component, role) in self.place.into_iter().enumerate() {
+            roles[role] = xyz[component];
+        }
+        roles
+    }
+}
+
+/// Shift, rotation and lever of a node, components in the order of the chain.
+struct Plain {
+    shift: Vector,
+    rotation: Vector,
+    arm: f64,
+}
+
+impl Plain {
+    fn first(&self, parity: f64) -> First {
+        First {
+            shift: self.shift,
+            by_second: -parity * self.rotation[2],
+            by_third: parity * self.rotation[1],
+            roll: parity * self.rotation[0],
+        }
+    }
+
+    fn second(&self, parity: f64) -> Second {
+        Second {
+            shift: self.shift,
+            arm: self.arm,
+            by_third: parity * self.rotation[1],
+            roll: parity * self.rotation[0],
+        }
+    }
+
+    fn third(&self) -> Third {
+        Third {
+            shift: self.shift,
+            arm: self.arm,
+        }
+    }
+}
+
+impl AxisNodes {
+    fn is_sound(&self) -> bool {
+        let count = self.arm_m.len();
+        let vectors = || self.translation_um.iter().chain(&self.rotation_urad);
+        count > 0
+            && self.translation_um.len() == count
+            && self.rotation_urad.len() == count
+            && vectors()
+                .flatten()
+                .chain(&self.arm_m)
+                .all(|v| v.is_finite())
+            && self.arm_m.windows(2).all(|pair| pair[0] < pair[1])
+    }
+
+    fn in_order_of(&self, roles: [usize; 3]) -> Vec<Plain> {
+        let vectors = self.translation_um.iter().zip(&self.rotation_urad);
+        let nodes = vectors.zip(&self.arm_m);
+        nodes
+            .map(|((shift, rotation), arm)| Plain {
+                shift: roles.map(|role| shift[role]),
+                rotation: roles.map(|role| rotation[role]),
+                arm: *arm,
+            })
+            .collect()
+    }
+}

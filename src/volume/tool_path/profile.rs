@@ -1,0 +1,500 @@
+//! Following the moves of a program: extremes, samples, and what lies outside.
+
+use super::cloud::Cloud;
+use super::extremes::{Channel, Range};
+use super::map::PathMap;
+use super::polynomial::{squares, through, turning_points};
+use crate::inputs::nc::{Move, Place, Plane, Refused, Shape};
+use crate::quantity::units::Figure;
+
+/// Samples of one move: a kilometre in steps of a micrometre.
+const MOST_STEPS: f64 = 2e9;
+/// A move that ends so near to the travel keeps it (rounding of inch programs), mm.
+const TRAVEL_TOLERANCE_MM: f64 = 1e-4;
+
+/// How a path is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfileLimits {
+    /// How far chords may leave an arc, mm.
+    pub chord_mm: f64,
+    /// Largest distance of two samples, mm.
+    pub sample_mm: f64,
+    /// Whether rapid moves count.
+    pub rapid: bool,
+    /// Length of the tool (or the optics) that was measured with, mm.
+    pub measured_tool_mm: f64,
+    /// The range of each axis that was measured; `None` = the axis was not measured.
+    pub measured: [Option<(f64, f64)>; 3],
+    /// The travel of each axis, if it is known.
+    pub travel: [Option<(f64, f64)>; 3],
+    /// Whether places outside the measured range are refused.
+    pub refuse_outside: bool,
+}
+
+/// A sample of the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Length of the path up to here, mm (followed moves only).
+    pub s_mm: f64,
+    /// Machine coordinates, mm.
+    pub place: Place,
+    /// Error vector, µm.
+    pub error_um: [f64; 3],
+    /// What the tool is longer than the one measured with, mm.
+    pub longer_mm: f64,
+    /// Line of the program.
+    pub line: usize,
+    /// Whether the place lies outside the measured range, so that end values are held.
+    pub is_held: bool,
+    /// Along the path, unit vector.
+    pub ahead: [f64; 3],
+    /// Across it to the left in the plane, unit vector; `None` where the path runs along the third
+    /// axis.
+    pub left: Option<[f64; 3]>,
+    /// Number of the hole whose bottom this is.
+    pub hole: Option<u64>,
+}
+
+/// Where a path leaves the measured range of an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outside {
+    /// Number of the axis.
+    pub axis: usize,
+    /// Lowest and highest position of the path, mm.
+    pub reached_mm: (f64, f64),
+    /// The measured range, mm.
+    pub measured_mm: (f64, f64),
+    /// First line of the program that does.
+    pub line: usize,
+}
+
+/// What was found along a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Length of the moves that were followed, mm.
+    pub length_mm: f64,
+    /// Straight moves that were followed.
+    pub lines: u64,
+    /// Arcs that were followed.
+    pub arcs: u64,
+    /// Rapid moves that were left out.
+    pub rapids_left_out: u64,
+    /// Range of each channel, in the order of [`Channel::ALL`]; `None` = there is none.
+    pub ranges: [Option<Range>; 6],
+    /// Number of samples.
+    pub samples: u64,
+    /// Error vectors of samples, µm: those among which the ends of the largest difference are.
+    pub vectors: Vec<[f64; 3]>,
+    /// What the largest difference of all samples may be longer than that of these, µm; 0 = it is
+    /// theirs.
+    pub room_um: f64,
+    /// Where the path leaves the measured range.
+    pub outside: Vec<Outside>,
+    /// Whether a tool length was used.
+    pub with_tool: bool,
+}
+
+/// Follows moves on one machine.
+pub struct Profile<'m> {
+    map: &'m PathMap,
+    limits: ProfileLimits,
+    cell: [usize; 3],
+    cuts: Vec<f64>,
+    ranges: [Range; 6],
+    outside: [Option<Outside>; 3],
+    length_mm: f64,
+    counts: [u64; 3],
+    samples: u64,
+    cloud: Cloud,
+    with_tool: bool,
+}
+
+/// A straight stretch of a move.
+#[derive(Clone, Copy)]
+struct Stretch {
+    from: Place,
+    to: Place,
+    line: usize,
+    longer: f64,
+    tangent: [f64; 3],
+    normal: Option<[f64; 3]>,
+    begins: bool,
+    hole: Option<u64>,
+}
+
+impl<'m> Profile<'m> {
+    /// Nothing followed yet.
+    pub fn new(map: &'m PathMap, limits: ProfileLimits) -> Profile<'m> {
+        Profile {
+            map,
+            limits,
+            cell: [0; 3],
+            cuts: Vec::new(),
+            ranges: [Range::NONE; 6],
+            outside: [None; 3],
+            length_mm: 0.0,
+            counts: [0; 3],
+            samples: 0,
+            cloud: Cloud::new(),
+            with_tool: false,
+        }
+    }
+
+    /// Follows a move; every sample is given to `sample`.
+    pub fn follow(&mut self, step: &Move, sample: &mut impl FnMut(&Sample)) -> Result<(), Refused> {
+        if step.rapid && !self.limits.rapid {
+            self.counts[2] += 1;
+            return self.check_travel(step.to);
+        }
+        let longer = step
+            .tool_mm
+            .map_or(0.0, |mm| mm - self.limits.measured_tool_mm);
+        self.with_tool |= step.tool_mm.is_some();
+        let mut stretch = Stretch {
+            from: step.from,
+            to: step.to,
+            line: step.line,
+            longer,
+            tangent: [0.0; 3],
+            normal: None,
+            begins: true,
+            hole: step.hole,
+        };
+        match step.shape {
+            Shape::Line => {
+                self.counts[0] += 1;
+                self.stretch(stretch, step.plane, sample)
+            }
+            Shape::Arc(arc) => {
+                self.counts[1] += 1;
+                let chords = chords(
+                    arc.sweep_rad,
+                    arc.radius[0].max(arc.radius[1]),
+                    self.limits.chord_mm,
+                );
+                for chord in 1..=chords {
+                    stretch.to = step.at(f64::from(chord) / f64::from(chords));
+                    stretch.begins = chord == 1;
+                    self.stretch(stretch, step.plane, sample)?;
+                    stretch.from = stretch.to;
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// A straight stretch: split at nodes, each part a polynomial.
+    fn stretch(
+        &mut self,
+        mut stretch: Stretch,
+        plane: Plane,
+        sample: &mut impl FnMut(&Sample),
+    ) -> Result<(), Refused> {
+        self.check_travel(stretch.to)?;
+        self.check_measured(&stretch)?;
+        let way: [f64; 3] = std::array::from_fn(|k| stretch.to[k] - stretch.from[k]);
+        let length = (way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt();
+        if length <= 0.0 {
+            return Ok(());
+        }
+        stretch.tangent = way.map(|part| part / length);
+        stretch.normal = normal(plane, stretch.tangent);
+        self.cut(&stretch);
+        if stretch.begins {
+            self.cell = self.map.cell(stretch.from, self.cell);
+            let error = self.map.error_in(self.cell, stretch.from, stretch.longer);
+            self.take(&stretch, stretch.from, error);
+            self.sample(&stretch, (stretch.from, error, None), 0.0, sample);
+        }
+        let cuts = std::mem::take(&mut self.cuts);
+        let mut done = 0.0;
+        for cut in &cuts {
+            self.part(&stretch, (done, *cut), length, sample);
+            done = *cut;
+        }
+        self.cuts = cuts;
+        self.length_mm += length;
+        Ok(())
+    }
+
+    /// Where the stretch meets nodes, as parts of it, with its end.
+    fn cut(&mut self, stretch: &Stretch) {
+        self.cuts.clear();
+        for axis in 0..3 {
+            let (from, to) = (stretch.from[axis], stretch.to[axis]);
+            let (low, high) = if from < to { (from, to) } else { (to, from) };
+            let hint = self.cell[axis];
+            let piece = self.map.piece(axis, low, hint);
+            if piece == self.map.piece(axis, high, piece) {
+                continue;
+            }
+            let nodes = &self.map.nodes(axis)[piece..];
+            let inside = nodes.iter().take_while(|node| **node < high);
+            self.cuts
+                .extend(inside.map(|node| (node - from) / (to - from)));
+        }
+        self.cuts.retain(|part| *part > 0.0 && *part < 1.0);
+        self.cuts.sort_by(f64::total_cmp);
+        self.cuts.dedup_by(|next, kept| *next <= *kept);
+        self.cuts.push(1.0);
+    }
+
+    /// A part inside one cell.
+    #[inline]
+    fn part(
+        &mut self,
+        stretch: &Stretch,
+        (from, to): (f64, f64),
+        length: f64,
+        sample: &mut impl FnMut(&Sample),
+    ) {
+        let at = |part: f64| -> Place {
+            if part >= 1.0 {
+                stretch.to
+            } else {
+                std::array::from_fn(|k| stretch.from[k] + (stretch.to[k] - stretch.from[k]) * part)
+            }
+        };
+        self.cell = self.map.cell(at(f64::midpoint(from, to)), self.cell);
+        self.turns(stretch, &at, (from, to));
+        let steps = steps((to - from) * length, self.limits.sample_mm);
+        let cell = self.map.in_cell(self.cell);
+        for step in 1..steps {
+            let part = from + (to - from) * f64::from(step) / f64::from(steps);
+            let place = at(part);
+            let error = cell.error_at(place, stretch.longer);
+            if !self.map.is_linear() {
+                self.take(stretch, place, error);
+            } // else the ends and the turning points hold the extremes
+            self.sample(stretch, (place, error, None), part * length, sample);
+        }
+        let place = at(to);
+        let error = cell.error_at(place, stretch.longer);
+        self.take(stretch, place, error);
+        let hole = stretch.hole.filter(|_| to >= 1.0);
+        self.sample(stretch, (place, error, hole), to * length, sample);
+    }
+
+    /// The extremes inside a part.
+    #[inline]
+    fn turns(&mut self, stretch: &Stretch, at: &impl Fn(f64) -> Place, (from, to): (f64, f64)) {
+        let error = |part: f64| {
+            let place = at(from + (to - from) * part);
+            channels(stretch, self.map.error_in(self.cell, place, stretch.longer))
+        };
+        if self.map.is_linear() {
+            let values = [error(0.0), error(0.5), error(1.0)];
+            if self.may_pass(&values) {
+                self.take_turns(stretch, at, (from, to), &values);
+            }
+        } else {
+            let values = [0.0, 0.25, 0.5, 0.75, 1.0].map(error);
+            self.take_turns(stretch, at, (from, to), &values);
+        }
+    }
+
+    /// Whether a parabola can leave the ranges: it lies inside its three Bézier points.
+    #[inline]
+    fn may_pass(&self, values: &[[f64; 5]; 3]) -> bool {
+        let inner: [f64; 5] =
+            std::array::from_fn(|k| 2.0 * values[1][k] - f64::midpoint(values[0][k], values[2][k]));
+        let square = |v: &[f64; 5]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let length = self.ranges[5];
+        let points = [&values[0], &inner, &values[2]];
+        // A vector is at least as long as its part along the one in the middle.
+        let middle = &values[1];
+        let along = |v: &[f64; 5]| v[0] * middle[0] + v[1] * middle[1] + v[2] * middle[2];
+        let least = length.min.um * square(middle).sqrt();
+        (0..5).any(|k| self.ranges[k].is_passed_by(inner[k]))
+            || points.iter().any(|v| square(v).sqrt() > length.max.um)
+            || length.min.um > 0.0 && points.iter().any(|v| along(v) < least)
+    }
+
+    fn take_turns(
+        &mut self,
+        stretch: &Stretch,
+        at: &impl Fn(f64) -> Place,
+        (from, to): (f64, f64),
+        values: &[[f64; 5]],
+    ) {
+        let polynomial = |k: usize| {
+            let list: Vec<f64> = values.iter().map(|value| value[k]).collect();
+            through(&list)
+        };
+        let five: Vec<Vec<f64>> = (0..5).map(polynomial).collect();
+        let mut turns: Vec<f64> = five.iter().flat_map(|p| turning_points(p)).collect();
+        turns.extend(turning_points(&squares(&five[..3])));
+        for turn in turns {
+            let place = at(from + (to - from) * turn);
+            let error = self.map.error_in(self.cell, place, stretch.longer);
+            self.take(stretch, place, error);
+        }
+    }
+
+    #[inline]
+    fn take(&mut self, stretch: &Stretch, place: Place, error: [f64; 3]) {
+        let values = channels(stretch, error);
+        let count = if stretch.normal.is_some() { 5 } else { 4 };
+        for (range, value) in self.ranges.iter_mut().zip(&values[..count]) {
+            range.take(*value, place, stretch.line);
+        }
+        self.ranges[5].take(length_of(error), place, stretch.line);
+    }
+
+    #[inline]
+    fn sample(
+        &mut self,
+        stretch: &Stretch,
+        (place, error, hole): (Place, [f64; 3], Option<u64>),
+        done: f64,
+        sample: &mut impl FnMut(&Sample),
+    ) {
+        self.cloud.take(error);
+        self.samples += 1;
+        sample(&Sample {
+            s_mm: self.length_mm + done,
+            place,
+            error_um: error,
+            longer_mm: stretch.longer,
+            line: stretch.line,
+            is_held: self.is_held(place),
+            ahead: stretch.tangent,
+            left: stretch.normal,
+            hole,
+        });
+    }
+
+    fn is_held(&self, place: Place) -> bool {
+        let outside = |(axis, mm): (usize, f64)| {
+            self.limits.measured[axis].is_some_and(|(low, high)| mm < low || mm > high)
+        };
+        place.into_iter().enumerate().any(outside)
+    }
+
+    fn check_travel(&self, place: Place) -> Result<(), Refused> {
+        for (axis, travel) in self.limits.travel.iter().enumerate() {
+            let Some((low, high)) = *travel else { continue };
+            let at = place[axis];
+            if at < low - TRAVEL_TOLERANCE_MM || at > high + TRAVEL_TOLERANCE_MM {
+                return Err(Refused {
+                    message: format!(
+                        "the move leads to {} = {:.3} mm in machine coordinates, outside the travel {low} … {high} mm",
+                        letter(axis),
+                        Figure(at)
+                    ),
+                    help: "check the zero of the coordinate system ([[path.offset]]), the tool length and `travel_mm`".to_string(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_measured(&mut self, stretch: &Stretch) -> Result<(), Refused> {
+        for axis in 0..3 {
+            let Some((low, high)) = self.limits.measured[axis] else {
+                continue;
+            };
+            for at in [stretch.from[axis], stretch.to[axis]] {
+                if at >= low && at <= high {
+                    continue;
+                }
+                if self.limits.refuse_outside {
+                    return Err(Refused {
+                        message: format!(
+                            "the path is at {} = {:.3} mm, outside the measured range {low} … {high} mm",
+                            letter(axis),
+                            Figure(at)
+                        ),
+                        help: "measure there, or write `outside = \"hold\"` in [path]".to_string(),
+                    });
+                }
+                let outside = self.outside[axis].get_or_insert(Outside {
+                    axis,
+                    reached_mm: (at, at),
+                    measured_mm: (low, high),
+                    line: stretch.line,
+                });
+                let (lowest, highest) = outside.reached_mm;
+                outside.reached_mm = (lowest.min(at), highest.max(at));
+            }
+        }
+        Ok(())
+    }
+
+    /// What was found.
+    pub fn summary(self) -> Summary {
+        let (vectors, room_um) = self.cloud.ends();
+        Summary {
+            length_mm: self.length_mm,
+            lines: self.counts[0],
+            arcs: self.counts[1],
+            rapids_left_out: self.counts[2],
+            ranges: self.ranges.map(Range::found),
+            samples: self.samples,
+            vectors,
+            room_um,
+            outside: self.outside.into_iter().flatten().collect(),
+            with_tool: self.with_tool,
+        }
+    }
+}
+
+impl Summary {
+    /// Range of a channel.
+    pub fn range(&self, channel: Channel) -> Option<&Range> {
+        let index = Channel::ALL.iter().position(|other| *other == channel)?;
+        self.ranges[index].as_ref()
+    }
+}
+
+/// Letter of an axis by its number.
+pub(super) fn letter(axis: usize) -> char {
+    ['X', 'Y', 'Z'][axis.min(2)]
+}
+
+/// X, Y, Z, tangent, normal (0 where there is none).
+#[inline]
+fn channels(stretch: &Stretch, e: [f64; 3]) -> [f64; 5] {
+    let dot = |v: [f64; 3]| v[0] * e[0] + v[1] * e[1] + v[2] * e[2];
+    [
+        e[0],
+        e[1],
+        e[2],
+        dot(stretch.tangent),
+        dot(stretch.normal.unwrap_or([0.0; 3])),
+    ]
+}
+
+fn length_of(e: [f64; 3]) -> f64 {
+    (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]).sqrt()
+}
+
+/// To the left of the path in the plane; `None` where the path runs along the third axis.
+#[inline]
+fn normal(plane: Plane, tangent: [f64; 3]) -> Option<[f64; 3]> {
+    let [first, second, _] = plane.axes();
+    let size = tangent[first].hypot(tangent[second]);
+    if size < 1e-9 {
+        return None;
+    }
+    let mut normal = [0.0; 3];
+    normal[first] = -tangent[second] / size;
+    normal[second] = tangent[first] / size;
+    Some(normal)
+}
+
+/// Equal steps of a length that are not longer than `longest`.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the number is bounded before it is used"
+)]
+fn steps(length: f64, longest: f64) -> u32 {
+    (length / longest).ceil().clamp(1.0, MOST_STEPS) as u32
+}
+
+/// Chords of an arc whose middles lie within a tolerance of it.
+fn chords(sweep: f64, radius: f64, tolerance: f64) -> u32 {
+    let widest = 2.0 * (1.0 - (tolerance / radius).min(1.0)).acos();
+    steps(sweep.abs(), widest.clamp(1e-6, 0.5))
+}

@@ -1,0 +1,348 @@
+//! The rigid-body model of a three-axis machine: 21 errors → the error vector at a place.
+//!
+//! ```text
+//!   e = Σ dᵢ + r₁ × (a₂ + a₃) + r₂ × a₃ + (r₁ + r₂ + r₃) × t + squareness        [µm; µrad·mm/1000]
+//!
+//!   1, 2, 3   the axes from the workpiece to the tool (chain)
+//!   dᵢ, rᵢ    deviations (EX, EY, EZ) and rotations (EA, EB, EC) of axis i where it stands
+//!   aᵢ        its position less `offsets_mm`, along its own direction
+//!   t         tool offset: what the tool point lies away from the point that was measured
+//! ```
+//! The same formula holds for every chain, because all errors are those of the tool relative to the
+//! workpiece; products of two small angles are left out (under 0.12 µm for 100 µrad on 12 m).
+//! **Squareness** φ is a straight line in one deviation of one axis, so it needs no term of its own:
+//! φxy is a slope of EXY, φ·(position − reference), held where the curve is held (contract §2.3). It
+//! tilts the way that the axis goes, not what the axis carries: a tool that is longer by ΔL moves
+//! along the same tilted line, so its error differs by nothing. (How the spindle is aligned to
+//! the axis is none of the 21 errors.) So a slope in the table and a stated φ are the same machine,
+//! with every tool.
+//!
+//! **An optic on the table** (`straightness_optic_mm`): r × (own travel) is added once, to the
+//! straightness at the positions where it was measured; between them the curve runs as chosen.
+//!
+//! An error that was not measured is left out and *named* ([`VolumeModel::missing`]).
+
+mod component;
+mod map;
+mod missing;
+mod optic;
+mod range;
+
+pub use self::component::Component;
+pub use self::map::{ErrorMap, Nodes};
+pub use self::missing::Missing;
+
+use crate::inputs::job::{Job, Levers, MachineAxis};
+use crate::machine::model::{ErrorModel, Measured};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
+use crate::quantity::chain::{Chain, unit};
+use crate::quantity::curve::{ErrorCurve, Interpolation};
+use crate::quantity::units::{Deviation, Millimetres};
+use crate::text::problem::Problems;
+
+/// mm in a metre: µrad × mm = 10⁻³ µm, and slopes are in µm/m.
+const MM_PER_M: f64 = 1000.0;
+
+/// The errors of a machine everywhere in its volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VolumeModel {
+    /// The order of the axes; only angles ask for it.
+    pub chain: Chain,
+    /// Whether the job states it; else all axes are taken to move the tool.
+    pub chain_is_stated: bool,
+    /// The nine deviations without stated squareness, zero at the reference; mean of the directions.
+    deviations: PerTerm<Option<ErrorCurve>>,
+    /// What the lever of an optic on the table adds to the straightness of its axis.
+    optics: PerTerm<Option<ErrorCurve>>,
+    /// The nine rotations, µrad; mean of the directions.
+    rotations: PerTerm<Option<ErrorCurve>>,
+    /// Stated squareness.
+    squareness: Vec<Squareness>,
+    levers: Levers,
+    /// Where levers count from: the stated offsets, else the reference.
+    origin: PerAxis<f64>,
+    /// Where the deviations of an axis are zero.
+    machine: PerAxis<Option<MachineAxis>>,
+    /// The range of each axis that the model holds for, mm; a single place where nothing is known.
+    ranges: PerAxis<(f64, f64)>,
+    /// What whoever reads a figure of this model has to know, one sentence each.
+    pub labels: Vec<String>,
+}
+
+/// Stated squareness: the slope of one term.
+#[derive(Clone, Debug, PartialEq)]
+struct Squareness {
+    term: ErrorTerm,
+    um_per_m: f64,
+    /// φ·(position − reference) over the measured range, held beyond it.
+    line: ErrorCurve,
+}
+
+/// What one axis contributes where it stands: a deviation, a rotation and a lever for the rotations
+/// of the axes before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisState {
+    /// Machine coordinate, mm.
+    pub position_mm: f64,
+    /// Its deviation with squareness, and its rotation × tool offset, µm.
+    pub deviation_um: PerAxis<f64>,
+    /// Its rotation, µrad.
+    pub rotation_urad: PerAxis<f64>,
+    /// Its position less the offset along its own direction, mm.
+    pub arm_mm: PerAxis<f64>,
+}
+
+impl VolumeModel {
+    /// The model of a job's measured errors. Angles need the chain.
+    pub fn build(job: &Job, model: &ErrorModel) -> Result<VolumeModel, Problems> {
+        let has_angles = model.rotations.iter().any(|(_, angle)| angle.is_some());
+        let Some(chain) = job
+            .machine
+            .chain
+            .or((!has_angles).then_some(Chain::ALL_AXES_MOVE_THE_TOOL))
+        else {
+            return Err(job
+                .problem_at("machine", "angles act through levers, which need the order of the axes: `machine.chain` is missing")
+                .help("state it, e.g. `chain = \"wXYZt\"`")
+                .into());
+        };
+        let levers = job.measurement.levers;
+        check_optics(job, chain, levers)?;
+        let mut built = VolumeModel {
+            chain,
+            chain_is_stated: job.machine.chain.is_some(),
+            deviations: PerTerm::from_fn(|_| None),
+            optics: PerTerm::from_fn(|_| None),
+            rotations: PerTerm::from_fn(|term: ErrorTerm| {
+                model.rotations[term].as_ref().map(Measured::mean)
+            }),
+            squareness: squareness(job, model),
+            levers,
+            origin: levers.origin(&job.machine.axes),
+            machine: job.machine.axes,
+            ranges: PerAxis::default(),
+            labels: Vec::new(),
+        };
+        built.optics = built.optics(model, job.compensation.curve);
+        built.deviations = built.deviations(model);
+        built.ranges = built.common_ranges(job)?;
+        built.labels = built.statements(job, model);
+        Ok(built)
+    }
+
+    /// The same machine with the deviations of another model (without the tables that were active
+    /// while measuring); judged over the range that was measured.
+    #[must_use]
+    pub fn with_errors_of(&self, model: &ErrorModel) -> VolumeModel {
+        VolumeModel {
+            deviations: self.deviations(model),
+            ..self.clone()
+        }
+    }
+
+    /// The curves of a model without stated squareness, with the levers of optics. The mean of two
+    /// directions is zero at the reference: which direction a return to it takes is no error
+    /// of the volume.
+    fn deviations(&self, model: &ErrorModel) -> PerTerm<Option<ErrorCurve>> {
+        PerTerm::from_fn(|term: ErrorTerm| {
+            let measured = &model.terms[term].as_ref()?.measured;
+            let mut curve = measured.mean();
+            if let (true, Some(machine)) = (measured.has_both_ways(), self.machine[term.along]) {
+                curve = curve.rezeroed_at(machine.reference);
+            }
+            let stated = self.squareness.iter().filter(|s| s.term == term);
+            let lines = stated.map(|s| line(&s.line, -s.um_per_m, self.machine[term.along]));
+            let optic = self.optics[term].iter().cloned();
+            Some(lines.chain(optic).fold(curve, |sum, more| sum.plus(&more)))
+        })
+    }
+
+    /// Every position where a curve of an axis bends or ends, mm, ascending; where it has none, the
+    /// ends of its range.
+    pub fn bends(&self, axis: Axis) -> Vec<f64> {
+        let knots = self.curves_along(axis).flat_map(ErrorCurve::knots);
+        let mut bends: Vec<f64> = knots.map(|knot| knot.mm()).collect();
+        if bends.is_empty() {
+            bends.extend([self.ranges[axis].0, self.ranges[axis].1]);
+        }
+        bends.sort_by(f64::total_cmp);
+        bends.dedup_by(|next, kept| next <= kept);
+        bends
+    }
+
+    /// Whether anything of an axis was measured.
+    pub fn is_measured(&self, axis: Axis) -> bool {
+        self.curves_along(axis).next().is_some()
+    }
+
+    /// The range of an axis that the figures hold for, mm.
+    pub fn range(&self, axis: Axis) -> (f64, f64) {
+        self.ranges[axis]
+    }
+
+    /// Where the levers of the angles count from, mm: there they have no effect.
+    pub fn lever_origin(&self) -> PerAxis<f64> {
+        self.origin
+    }
+
+    /// What an axis contributes at a position, of the components that are to be kept.
+    pub fn state(
+        &self,
+        axis: Axis,
+        position_mm: f64,
+        keep: impl Fn(Component) -> bool,
+    ) -> AxisState {
+        let at = Millimetres::new(position_mm);
+        let tool = PerAxis::from_fn(|axis| self.levers.tool.map_or(0.0, |tool| tool[axis].mm()));
+        let rotation_urad = PerAxis::from_fn(|about| {
+            let rotation = Rotation { about, along: axis };
+            let curve = self.rotations[rotation].as_ref();
+            let kept = curve.filter(|_| keep(Component::Rotation(rotation)));
+            kept.map_or(0.0, |curve| curve.at(at).um())
+        });
+        let deviation = PerAxis::from_fn(|of| {
+            let term = ErrorTerm { of, along: axis };
+            let curve = self.deviations[term].as_ref();
+            let kept = curve.filter(|_| keep(Component::Deviation(term)));
+            let stated = self.squareness.iter();
+            let lines = stated.filter(|s| s.term == term && keep(Component::Squareness(term)));
+            let lines = lines.map(|s| &s.line);
+            kept.into_iter()
+                .chain(lines)
+                .map(|curve| curve.at(at).um())
+                .sum()
+        });
+        AxisState {
+            position_mm,
+            deviation_um: deviation.plus(rotation_urad.cross(tool).times(1.0 / MM_PER_M)),
+            rotation_urad,
+            arm_mm: unit(axis).times(position_mm - self.origin[axis]),
+        }
+    }
+
+    /// The error vector at a place, machine coordinates, µm: actual − commanded, tool relative to
+    /// workpiece. Outside the measured range the curves are held.
+    pub fn error_at(&self, place_mm: PerAxis<f64>) -> PerAxis<f64> {
+        self.part_at(place_mm, |_| true)
+    }
+
+    /// The part of some components in the error vector at a place, µm.
+    pub fn part_at(
+        &self,
+        place_mm: PerAxis<f64>,
+        keep: impl Fn(Component) -> bool,
+    ) -> PerAxis<f64> {
+        let order = self.chain.order();
+        let [first, second, third] = order.map(|axis| self.state(axis, place_mm[axis], &keep));
+        error_of(&first, &second, &third)
+    }
+
+    /// The components that were measured or stated, in the order EXX … EZZ, EAX … ECZ, squareness.
+    pub fn components(&self) -> Vec<Component> {
+        let deviations = ErrorTerm::ALL.into_iter().map(Component::Deviation);
+        let rotations = Rotation::all().map(Component::Rotation);
+        let squareness = self.squareness.iter();
+        deviations
+            .chain(rotations)
+            .filter(|component| match component {
+                Component::Deviation(term) => self.deviations[*term].is_some(),
+                Component::Rotation(rotation) => self.rotations[*rotation].is_some(),
+                Component::Squareness(_) => false,
+            })
+            .chain(squareness.map(|s| Component::Squareness(s.term)))
+            .collect()
+    }
+
+    /// Adds what a control adds to one term. Squareness of this term is from now on part of it: a
+    /// table takes off the sum, and what the two would contribute apart is nothing that is left.
+    ///
+    /// `at_reference`: what the control adds at the reference where the axis came there as it
+    /// homes; the mean of two corrections that differ by a reversal is shifted to it, as that of
+    /// the measured curves is.
+    pub fn correct(
+        &mut self,
+        term: ErrorTerm,
+        correction: &ErrorCurve,
+        at_reference: Option<Deviation>,
+    ) {
+        let Some(curve) = self.deviation(term) else {
+            return;
+        };
+        let homing = self.homing(term.along).zip(at_reference);
+        let reversal = homing.map(|((reference, _), um)| correction.at(reference) - um);
+        let mean = reversal.map_or(correction.clone(), |um| correction.less(um));
+        self.deviations[term] = Some(curve.plus(&mean));
+        self.squareness.retain(|stated| stated.term != term);
+    }
+
+    /// The reference of an axis, and the direction in which it comes there.
+    pub fn homing(&self, axis: Axis) -> Option<(Millimetres, Direction)> {
+        self.machine[axis].map(|machine| (machine.reference, machine.homing()))
+    }
+
+    /// The deviation of a term with stated squareness.
+    pub fn deviation(&self, term: ErrorTerm) -> Option<ErrorCurve> {
+        let curve = self.deviations[term].clone()?;
+        let stated = self.squareness.iter().filter(|s| s.term == term);
+        Some(stated.fold(curve, |sum, s| sum.plus(&s.line)))
+    }
+
+    /// The deviation of a term with stated squareness, zero at the reference.
+    pub fn from_reference(&self, term: ErrorTerm) -> Option<ErrorCurve> {
+        let curve = self.deviation(term)?;
+        let machine = self.machine[term.along];
+        Some(machine.map_or(curve.clone(), |m| curve.rezeroed_at(m.reference)))
+    }
+}
+
+/// e = Σ dᵢ + r₁ × (a₂ + a₃) + r₂ × a₃, µm; the states in chain order.
+pub fn error_of(first: &AxisState, second: &AxisState, third: &AxisState) -> PerAxis<f64> {
+    let sum = first.deviation_um.plus(second.deviation_um);
+    let swung = first.rotation_urad.cross(second.arm_mm.plus(third.arm_mm));
+    let swung = swung.plus(second.rotation_urad.cross(third.arm_mm));
+    sum.plus(third.deviation_um)
+        .plus(swung.times(1.0 / MM_PER_M))
+}
+
+/// The lines of stated squareness, each over the range in which its term was measured.
+fn squareness(job: &Job, model: &ErrorModel) -> Vec<Squareness> {
+    let stated = job.measurement.squareness.iter();
+    let lines = stated.filter_map(|(term, um_per_m)| {
+        let measured = model.terms[*term].as_ref()?.measured.mean();
+        Some(Squareness {
+            term: *term,
+            um_per_m: *um_per_m,
+            line: line(&measured, *um_per_m, job.machine.axes[term.along]),
+        })
+    });
+    lines.collect()
+}
+
+/// φ·(position − reference) over the range of a curve, held beyond it; with the reference outside
+/// the range the line is zero at its nearer end, which is what is held there.
+fn line(curve: &ErrorCurve, um_per_m: f64, machine: Option<MachineAxis>) -> ErrorCurve {
+    let (low, high) = curve.measured_range();
+    let reference = machine.map_or(low.mm(), |machine| machine.reference.mm());
+    let zero = reference.clamp(low.mm(), high.mm());
+    let at = |place: Millimetres| Deviation::from_um(um_per_m * (place.mm() - zero) / MM_PER_M);
+    ErrorCurve::through(&[low, high], &[at(low), at(high)], Interpolation::Linear)
+}
+
+/// An optic can ride on a table only.
+fn check_optics(job: &Job, chain: Chain, levers: Levers) -> Result<(), Problems> {
+    let mut problems = Problems::none();
+    for (axis, place) in levers.straightness_optic.iter() {
+        if place.is_some() && !chain.moves_workpiece(axis) {
+            let key = format!("measurement.straightness_optic_mm.{}", axis.key());
+            let words = format!(
+                "axis {axis} of the chain {chain} does not carry the workpiece, so no optic rides on its table"
+            );
+            problems.push(
+                job.problem_at(&key, words).help(
+                    "remove it: the straightness of such an axis is measured at the tool point",
+                ),
+            );
+        }
+    }
+    problems.or_ok(())
+}

@@ -1,0 +1,153 @@
+//! The error vectors at the nodes of a grid, in the structured form of [`crate::volume::space`].
+
+use super::{AxisState, Component, MM_PER_M, VolumeModel};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::volume::space::grid_map::{AxisNodes, GridMap, Node};
+
+/// The positions of each axis, mm, ascending.
+pub type Nodes = PerAxis<Vec<f64>>;
+
+impl Nodes {
+    /// Number of nodes of each axis.
+    pub fn counts(&self) -> PerAxis<usize> {
+        PerAxis::from_fn(|axis| self[axis].len())
+    }
+
+    /// The nodes of both.
+    #[must_use]
+    pub fn and(&self, other: &Nodes) -> Nodes {
+        PerAxis::from_fn(|axis| ascending(self[axis].iter().chain(&other[axis]).copied()))
+    }
+}
+
+fn ascending(nodes: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut nodes: Vec<f64> = nodes.collect();
+    nodes.sort_by(f64::total_cmp);
+    nodes.dedup_by(|next, kept| *next - *kept < SAME_MM);
+    nodes
+}
+
+/// Two nodes nearer than this are one (a picometre: rounding of positions), mm.
+const SAME_MM: f64 = 1e-9;
+
+/// The machine at the nodes of a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorMap {
+    nodes: Nodes,
+    vectors: GridMap,
+}
+
+impl VolumeModel {
+    /// Every place where a curve bends, with the ends of the range: between neighbouring nodes of
+    /// linear curves the error is a straight line in each coordinate, so its extremes and its
+    /// largest differences lie at nodes.
+    pub fn own_nodes(&self) -> Nodes {
+        PerAxis::from_fn(|axis| {
+            let (low, high) = self.range(axis);
+            let knots = self.curves_along(axis).flat_map(|curve| curve.knots());
+            let nodes = knots.map(|knot| knot.mm()).chain([low, high]);
+            ascending(nodes.filter(|node| *node >= low && *node <= high))
+        })
+    }
+
+    /// So many equally spaced nodes of each axis over its range; of a range of no length, one.
+    pub fn equal_nodes(&self, counts: PerAxis<usize>) -> Nodes {
+        PerAxis::from_fn(|axis| {
+            let (low, high) = self.range(axis);
+            if high - low < SAME_MM || counts[axis] < 2 {
+                return vec![low];
+            }
+            let last = counts[axis] - 1;
+            let place = |index: usize| low + (high - low) * part(index, last);
+            (0..last).map(place).chain([high]).collect()
+        })
+    }
+
+    /// The machine at these nodes; `None` where those of an axis do not ascend.
+    pub fn map(&self, nodes: &Nodes) -> Option<ErrorMap> {
+        self.map_of(nodes, |_| true)
+    }
+
+    /// The machine with some of its components only, at these nodes.
+    pub fn map_of(&self, nodes: &Nodes, keep: impl Fn(Component) -> bool) -> Option<ErrorMap> {
+        let order = self.chain.order();
+        let lists = order.map(|axis| {
+            let mut list = AxisNodes::default();
+            for position in &nodes[axis] {
+                add(&mut list, axis, &self.state(axis, *position, &keep));
+            }
+            list
+        });
+        Some(ErrorMap {
+            nodes: nodes.clone(),
+            vectors: GridMap::new(order, lists)?,
+        })
+    }
+}
+
+fn add(list: &mut AxisNodes, axis: Axis, state: &AxisState) {
+    let vector = |v: PerAxis<f64>| [v.x, v.y, v.z];
+    list.translation_um.push(vector(state.deviation_um));
+    list.rotation_urad.push(vector(state.rotation_urad));
+    list.arm_m.push(state.arm_mm[axis] / MM_PER_M);
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "a grid has far fewer than 2^52 nodes"
+)]
+fn part(index: usize, last: usize) -> f64 {
+    index as f64 / last as f64
+}
+
+impl ErrorMap {
+    /// The vectors without their places.
+    pub fn vectors(&self) -> &GridMap {
+        &self.vectors
+    }
+
+    /// The positions of each axis, mm.
+    pub fn nodes(&self) -> &Nodes {
+        &self.nodes
+    }
+
+    /// Number of nodes.
+    pub fn count(&self) -> usize {
+        self.vectors.count()
+    }
+
+    /// Number of nodes of each axis.
+    pub fn counts(&self) -> PerAxis<usize> {
+        self.nodes.counts()
+    }
+
+    /// Every node with its error vector, µm; X slowest, Z fastest, whatever the chain.
+    pub fn points(&self) -> impl Iterator<Item = (PerAxis<f64>, PerAxis<f64>)> {
+        let counts = self.counts();
+        let indices = (0..counts.x).flat_map(move |x| {
+            (0..counts.y).flat_map(move |y| (0..counts.z).map(move |z| PerAxis { x, y, z }))
+        });
+        indices.map(|index| self.point(index))
+    }
+
+    /// One node with its error vector, µm, by its numbers along X, Y and Z.
+    pub fn point(&self, index: PerAxis<usize>) -> (PerAxis<f64>, PerAxis<f64>) {
+        let node = self.vectors.along_chain([index.x, index.y, index.z]);
+        (self.place(node), self.error(node))
+    }
+
+    /// Place of a node, its numbers in the order of the chain, mm.
+    pub fn place(&self, node: Node) -> PerAxis<f64> {
+        let mut place = PerAxis::default();
+        for (axis, number) in self.vectors.chain().into_iter().zip(node) {
+            place[axis] = self.nodes[axis][number];
+        }
+        place
+    }
+
+    /// Error vector of a node, its numbers in the order of the chain, µm.
+    pub fn error(&self, node: Node) -> PerAxis<f64> {
+        let [x, y, z] = self.vectors.at(node);
+        PerAxis { x, y, z }
+    }
+}

@@ -1,0 +1,214 @@
+//! Point numbers: which axis gets which, without overlap.
+
+use crate::control::controller::{FanucFacts, NumberRange};
+use crate::quantity::axis::Axis;
+use crate::text::problem::Problems;
+use crate::write::compensation::fanuc::is_four_point;
+use crate::write::grid::Grid;
+use crate::write::plan::{Plan, Task};
+
+/// The pitch points of one physical axis.
+pub(super) struct Run {
+    /// The axis of the machine.
+    pub(super) axis: Axis,
+    /// Number of the controlled axis.
+    pub(super) id: u32,
+    /// Its grid.
+    pub(super) grid: Grid,
+    /// Node of the first point (point `first` is the section that ends at this node).
+    pub(super) lowest: i64,
+    /// Number of points.
+    pub(super) count: u32,
+    /// First point number (3621).
+    pub(super) first: u32,
+    /// First point number of the table for travel in − (3626).
+    pub(super) minus_first: Option<u32>,
+}
+
+impl Run {
+    /// Point number of the reference (3620).
+    pub(super) fn reference_point(&self) -> u32 {
+        self.point(0)
+    }
+
+    /// Last point number (3622).
+    pub(super) fn last(&self) -> u32 {
+        self.first + self.count - 1
+    }
+
+    /// Point number of the section that ends at a node.
+    pub(super) fn point(&self, node: i64) -> u32 {
+        u32::try_from(i64::from(self.first) + node - self.lowest).unwrap_or(u32::MAX)
+    }
+}
+
+/// Point numbers in use.
+pub(super) struct Space {
+    used: Vec<NumberRange>,
+}
+
+impl Space {
+    pub(super) fn reserving(reserved: &[[u32; 2]]) -> Space {
+        Space {
+            used: reserved
+                .iter()
+                .map(|[first, last]| NumberRange {
+                    first: *first,
+                    last: *last,
+                })
+                .collect(),
+        }
+    }
+
+    fn is_free(&self, range: NumberRange) -> bool {
+        !self.used.iter().any(|used| used.overlaps(range))
+    }
+
+    /// Takes `count` numbers from `first`, if they lie in one of the blocks and are free.
+    pub(super) fn take_at(
+        &mut self,
+        blocks: &[NumberRange],
+        first: u32,
+        count: u32,
+    ) -> Option<u32> {
+        let range = NumberRange {
+            first,
+            last: first.checked_add(count - 1)?,
+        };
+        let inside = blocks
+            .iter()
+            .any(|block| block.contains(range.first) && block.contains(range.last));
+        (inside && self.is_free(range)).then(|| {
+            self.used.push(range);
+            first
+        })
+    }
+
+    /// Takes the first free `count` numbers, beginning at a multiple of ten if there are such.
+    pub(super) fn take(&mut self, blocks: &[NumberRange], count: u32) -> Option<u32> {
+        [10, 1].into_iter().find_map(|multiple| {
+            blocks.iter().find_map(|block| {
+                let mut first = block.first.next_multiple_of(multiple);
+                while block.contains(first) {
+                    if let Some(first) = self.take_at(&[*block], first, count) {
+                        return Some(first);
+                    }
+                    first += multiple;
+                }
+                None
+            })
+        })
+    }
+}
+
+/// The runs of all physical axes that need pitch points; stated numbers are placed first.
+pub(super) fn runs(
+    task: Task<'_>,
+    plan: &Plan,
+    facts: &FanucFacts,
+    space: &mut Space,
+    problems: &mut Problems,
+) -> Vec<Run> {
+    let mut runs = needed(plan, facts);
+    let stated = |run: &Run| {
+        let settings = task.job.compensation.axes[run.axis].as_ref();
+        settings.and_then(|s| s.first_point).filter(|_| {
+            plan.names[run.axis]
+                .first()
+                .is_some_and(|n| *n == run.id.to_string())
+        })
+    };
+    for run in runs.iter_mut().filter(|run| stated(run).is_some()) {
+        let first = stated(run).unwrap_or(0);
+        match space.take_at(&facts.pitch_points.value, first, run.count) {
+            Some(first) => run.first = first,
+            None => problems.push(
+                task.job
+                    .problem_at(&format!("compensation.axes.{}.first_point", run.axis.key()), format!("points {first}…{} of axis {} are reserved, in use by another axis, or outside the control's {}", first.saturating_add(run.count - 1), run.axis, blocks_text(&facts.pitch_points.value)))
+                    .help("choose another `first_point`, or leave it out"),
+            ),
+        }
+    }
+    for run in runs.iter_mut().filter(|run| stated(run).is_none()) {
+        match space.take(&facts.pitch_points.value, run.count) {
+            Some(first) => run.first = first,
+            None => problems.push(no_room(task, run, &facts.pitch_points.value)),
+        }
+    }
+    for run in &mut runs {
+        let directed = plan
+            .tables
+            .iter()
+            .any(|t| t.term.is_positioning() && t.term.of == run.axis && t.direction.is_some());
+        if !directed {
+            continue;
+        }
+        run.minus_first = space.take(&facts.minus_points.value, run.count);
+        if run.minus_first.is_none() {
+            problems.push(no_room(task, run, &facts.minus_points.value));
+        }
+    }
+    runs
+}
+
+fn no_room(task: Task<'_>, run: &Run, blocks: &[NumberRange]) -> crate::text::problem::Problem {
+    task.job
+        .problem_at(
+            &format!("compensation.axes.{}", run.axis.key()),
+            format!(
+                "there is no room for {} points of axis {} ({}) in {}",
+                run.count,
+                run.axis,
+                run.id,
+                blocks_text(blocks)
+            ),
+        )
+        .help("use a larger spacing, or free `reserved_points`")
+}
+
+fn blocks_text(blocks: &[NumberRange]) -> String {
+    let texts: Vec<String> = blocks
+        .iter()
+        .map(|b| format!("points {}…{}", b.first, b.last))
+        .collect();
+    texts.join(", ")
+}
+
+fn needed(plan: &Plan, facts: &FanucFacts) -> Vec<Run> {
+    let mut runs = Vec::new();
+    for axis in Axis::ALL {
+        let Some(grid) = plan.grids[axis] else {
+            continue;
+        };
+        let own = plan
+            .tables
+            .iter()
+            .any(|t| t.term.is_positioning() && t.term.of == axis);
+        let crosses = plan
+            .tables
+            .iter()
+            .any(|t| t.term.is_cross() && t.term.along == axis);
+        for (index, name) in plan.names[axis].iter().enumerate() {
+            let moves_others = crosses && index == 0;
+            if !own && !moves_others {
+                continue;
+            }
+            // Four-point amounts stand at point numbers; the lowest node needs one of its own.
+            let lowest = if moves_others && is_four_point(facts) {
+                grid.first.min(0)
+            } else {
+                (grid.first + 1).min(0)
+            };
+            runs.push(Run {
+                axis,
+                id: name.parse().unwrap_or(0),
+                grid,
+                lowest,
+                count: u32::try_from(grid.last.max(1) - lowest + 1).unwrap_or(u32::MAX),
+                first: 0,
+                minus_first: None,
+            });
+        }
+    }
+    runs
+}

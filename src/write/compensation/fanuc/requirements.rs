@@ -1,0 +1,220 @@
+//! What a person has to see to on the control: reference, bits, backlash, options.
+
+use crate::control::claims::{Assumption, Precondition};
+use crate::control::controller::FanucFacts;
+use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::units::Figure;
+use crate::text::problem::Problems;
+use crate::write::compensation::fanuc::numbers::Run;
+use crate::write::compensation::fanuc::{detection_unit, is_four_point};
+use crate::write::compensation::{backlash_why, two_tables_why};
+use crate::write::plan::{Plan, PlannedTable, Task};
+
+const MEMORY: &str = "parameter manual of the family, from memory";
+const LARGEST_BACKLASH: f64 = 9999.0; // 1851, detection units; parameter manual, from memory
+
+/// Backlash parameter of an axis in detection units, and the unit in µm.
+pub(super) fn backlash_counts(task: Task<'_>, plan: &Plan, axis: Axis) -> Option<(f64, f64)> {
+    let unit_um = detection_unit(task, axis);
+    plan.backlash_um[axis].map(|um| ((um / unit_um).round() + 0.0, unit_um))
+}
+
+pub(super) fn check_backlash(task: Task<'_>, plan: &Plan, problems: &mut Problems) {
+    for axis in Axis::ALL {
+        if let Some((counts, unit_um)) = backlash_counts(task, plan, axis)
+            && counts.abs() > LARGEST_BACKLASH
+        {
+            problems.push(
+                task.job
+                    .problem_at("compensation.backlash", format!("axis {axis} would need a backlash parameter of {counts} × {unit_um} µm, the control takes ±{LARGEST_BACKLASH}"))
+                    .help("check the measurement and `detection_unit_um`"),
+            );
+        }
+    }
+}
+
+pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assumption> {
+    let mut assumptions = Vec::new();
+    let nothing_reserved = task.job.compensation.reserved_points.is_empty();
+    if nothing_reserved
+        && runs.iter().any(|run| {
+            task.job.compensation.axes[run.axis]
+                .as_ref()
+                .is_some_and(|s| s.first_point.is_none())
+        })
+    {
+        assumptions.push(Assumption::of_job(
+            "reserved_points",
+            "none",
+            "points already used by other axes would be overwritten: state `reserved_points`",
+        ));
+    }
+    for run in runs {
+        let own = |t: &PlannedTable| t.term.is_positioning() && t.term.of == run.axis;
+        if !plan.tables.iter().any(own) {
+            assumptions.push(Assumption::of_job(
+                format!("pitch_compensation_of_axis_{}", run.id),
+                "none in use",
+                format!(
+                    "an existing pitch compensation of axis {} would be replaced by zeros: compensate E{1}{1} in the same job",
+                    run.id, run.axis
+                ),
+            ));
+        }
+    }
+    let crosses = plan.tables.iter().any(|t| t.term.is_cross());
+    if crosses && task.job.compensation.first_set.is_none() {
+        assumptions.push(Assumption::of_job(
+            "first_set",
+            "1",
+            "straightness sets already in use from set 1 would be overwritten: state `first_set`",
+        ));
+    }
+    assumptions
+}
+
+/// A length as it is named: up to six decimals, no trailing zeros, no `-0`.
+fn trimmed(length: f64) -> String {
+    let text = format!("{:.6}", Figure(length));
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+pub(super) fn preconditions(
+    task: Task<'_>,
+    plan: &Plan,
+    facts: &FanucFacts,
+    runs: &[Run],
+) -> Vec<Precondition> {
+    let mut list = vec![Precondition::new(
+        "option stored pitch error compensation",
+        "available (8135#0 = 0 where the control has it)",
+        "without it the tables stay without effect",
+        "B-64303CM-1/01 section 1.3.1",
+    )];
+    if plan.tables.iter().any(|t| t.term.is_cross()) {
+        let name = if is_four_point(facts) {
+            "option straightness compensation"
+        } else {
+            "option 128-point straightness compensation"
+        };
+        list.push(Precondition::new(
+            name,
+            "available",
+            "the cross terms need it",
+            MEMORY,
+        ));
+    }
+    if runs.iter().any(|run| run.minus_first.is_some()) {
+        list.push(Precondition::new(
+            "option bidirectional pitch error compensation",
+            "available",
+            "separate tables for travel in + and -",
+            "A-77810E/02",
+        ));
+    }
+    list.push(Precondition::new(
+        "the power of the control",
+        "switched off and on after loading 3620 to 3627",
+        "the parameters act only then (alarm PW0000 or P/S 000)",
+        "cnc.wiki, FANUC pitch error compensation; alarm numbers from memory",
+    ));
+    list.push(Precondition::new(
+        "every axis concerned",
+        "returned to its reference point after power-on",
+        "the compensation acts only after the reference return",
+        "cnc.wiki, FANUC pitch error compensation",
+    ));
+    list.push(Precondition::new(
+        "3602#0",
+        "0",
+        "the data are increments, not totals",
+        MEMORY,
+    ));
+    for run in runs {
+        list.extend(axis_preconditions(task, plan, run));
+    }
+    list
+}
+
+fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Precondition> {
+    let id = run.id;
+    let Some(machine) = task.job.machine.axes[run.axis] else {
+        return Vec::new();
+    };
+    let unit = task.job.compensation.control_unit;
+    let mut list = vec![Precondition::new(
+        format!("1240 of axis {id}"),
+        format!(
+            "{} {}",
+            trimmed(machine.reference.mm() / unit.in_mm()),
+            unit.word()
+        ),
+        "the points are anchored on the reference position",
+        "B-64303CM-1/01 section 1.3.1",
+    )];
+    let settings = task.job.compensation.axes[run.axis].as_ref();
+    let directed = run.minus_first.is_some();
+    if settings.is_none_or(|s| s.parameter_3605.is_none()) {
+        list.push(Precondition::new(
+            format!("3605#0 of axis {id}"),
+            if directed { "1" } else { "0" },
+            "bidirectional pitch error compensation; the parameter holds other bits too, so it is not written",
+            "A-77810E/02",
+        ));
+        let stated = settings.and_then(|s| s.interpolated);
+        list.push(Precondition::new(
+            format!("3605#1 of axis {id}"),
+            if stated == Some(true) { "1" } else { "0" },
+            match stated {
+                Some(_) => "interpolated pitch error compensation, as the job states or the files of the control hold it",
+                None => {
+                    "the job does not state `interpolated`; the forecast is for output in steps"
+                }
+            },
+            MEMORY,
+        ));
+    }
+    let bit = if machine.homing() == Direction::Plus {
+        "0"
+    } else {
+        "1"
+    };
+    list.push(Precondition::new(
+        format!("1006#5 of axis {id}"),
+        bit,
+        format!(
+            "reference return in {}; it decides which direction carries the reversal",
+            machine.homing()
+        ),
+        MEMORY,
+    ));
+    list.extend(backlash(task, plan, run));
+    list
+}
+
+fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
+    let own = plan
+        .tables
+        .iter()
+        .any(|t| t.term.is_positioning() && t.term.of == run.axis);
+    if !own {
+        return None;
+    }
+    let (value, why) = match backlash_counts(task, plan, run.axis) {
+        Some((counts, unit_um)) => (
+            format!("{counts} (detection units of {unit_um} µm)"),
+            backlash_why(task.job, run.axis),
+        ),
+        None if run.minus_first.is_some() => ("0".to_string(), two_tables_why(task.job, run.axis)),
+        None => (
+            "as during the measurement".to_string(),
+            "backlash acts beside the table and adds to it",
+        ),
+    };
+    Some(Precondition::new(
+        format!("1851 and 1852 of axis {}", run.id),
+        value,
+        why,
+        MEMORY,
+    ))
+}

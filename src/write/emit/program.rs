@@ -1,0 +1,419 @@
+//! Planned moves → part programs and the positions beside them.
+
+use crate::control::controller::LengthUnit;
+use crate::control::controller::program::Language;
+use crate::inputs::job::{Reflector, RunType, TargetGrid};
+use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::diagonal::Pass;
+use crate::text::problem::{Problem, Problems};
+use crate::write::emit::ascii::ascii;
+use crate::write::emit::{COMMENT_TEXT, LONGEST_TEXT};
+use crate::write::emit::{TOOL, Templates, fixed, is_comment_text, with_line_ends};
+use crate::write::program::{
+    Digits, MeasuringRun, Move, Reading, Resolution, RunTask, SetUpProgram, Subject,
+};
+use serde::Serialize;
+
+/// A file of a measuring run, ready to be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProgramFile {
+    /// Its name.
+    pub path: String,
+    /// What it is for.
+    pub role: FileRole,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// What a file of a measuring run is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileRole {
+    /// A part program.
+    Program,
+    /// Where each reading is taken.
+    Positions,
+    /// A file of readings whose last column is to be filled in.
+    Readings,
+}
+
+impl FileRole {
+    /// The word of the manifest.
+    pub const fn word(self) -> &'static str {
+        match self {
+            FileRole::Program => "program",
+            FileRole::Positions => "positions",
+            FileRole::Readings => "readings",
+        }
+    }
+}
+
+const POSITIONS: &str = "positions.csv";
+
+/// What the template of a program sees. Every number is finished text.
+#[derive(Clone, Debug, Serialize)]
+struct ProgramContext<'a> {
+    name: String,
+    number: String,
+    header: Vec<String>,
+    opening: String,
+    cancel: &'a [String],
+    machine_position: &'a str,
+    increment: &'a str,
+    dwell: &'a str,
+    dwell_s: String,
+    unit_word: &'static str,
+    feed: String,
+    blocks: Vec<Block>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+enum Block {
+    Comment { text: String },
+    Stop { text: String },
+    Approach { words: String },
+    Feed { words: String },
+    Dwell { number: String },
+}
+
+/// Decimals of times and feeds: a thousandth of a second, of a millimetre per minute.
+const TIME_DECIMALS: u32 = 3;
+
+/// The programs of a run as files, in the order of the plan.
+pub fn programs(task: RunTask<'_>, run: &MeasuringRun) -> Result<Vec<ProgramFile>, Problems> {
+    refuse_unsafe_text(task)?;
+    let templates = Templates::default();
+    let mut problems = Problems::none();
+    let mut files = Vec::new();
+    for (index, program) in run.programs.iter().enumerate() {
+        let number = task.request.number_of(index);
+        let context = context(task, program, run.resolution, number);
+        files.extend(problems.take(render(task, &templates, &context, number, program)));
+    }
+    problems.or_ok(files)
+}
+
+fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
+    let RunTask {
+        job,
+        profile,
+        facts,
+        ..
+    } = task;
+    let mut problems = Problems::none();
+    let serial = job.machine.serial.clone().unwrap_or_default();
+    for (path, text) in [
+        ("machine.name", &job.machine.name),
+        ("machine.serial", &serial),
+    ] {
+        if !is_comment_text(&ascii(text)) {
+            let message =
+                format!("`{path}` goes into comments of the programs, expected {COMMENT_TEXT}");
+            problems.push(
+                job.problem_at(path, message)
+                    .help("write it in plain letters and digits"),
+            );
+        }
+    }
+    let blocks = facts.cancel.value.iter().chain([
+        &facts.machine_position.value,
+        &facts.increment.value,
+        &facts.dwell.value,
+    ]);
+    let profile_name = ascii(&profile.name).into_owned();
+    for text in blocks.chain([&profile_name]) {
+        if !is_comment_text(text) || text.len() > LONGEST_TEXT {
+            problems.push(
+                Problem::new(format!(
+                    "the profile's text `{}` cannot stand in a program",
+                    crate::text::problem::shown(text)
+                ))
+                .help(format!("expected {COMMENT_TEXT}")),
+            );
+        }
+    }
+    problems.or_ok(())
+}
+
+fn context<'a>(
+    task: RunTask<'a>,
+    program: &SetUpProgram,
+    resolution: Resolution,
+    number: u32,
+) -> ProgramContext<'a> {
+    let RunTask { request, facts, .. } = task;
+    let unit = resolution.unit;
+    let letters = &facts.axis_letters.value;
+    let name = program.subject.name();
+    let start = program
+        .places()
+        .first()
+        .copied()
+        .unwrap_or(PerAxis::from_fn(|_| 0));
+    let [plane, height] = approach(letters, &start, resolution);
+    let tool_axis = letters.get(2).map_or("", String::as_str);
+    ProgramContext {
+        name: format!("NONIUS {name}"),
+        number: format!("{number:04}"),
+        header: header(task, program, unit),
+        opening: format!(
+            "RETRACT {tool_axis}, NO TOOL OFFSET. {name} GOES TO{plane}, THEN{height}: PATH FREE, CYCLE START"
+        ),
+        cancel: &facts.cancel.value,
+        machine_position: &facts.machine_position.value,
+        increment: &facts.increment.value,
+        dwell: &facts.dwell.value,
+        dwell_s: decimal(request.dwell_s),
+        unit_word: unit_word(facts.language, unit),
+        feed: decimal(request.feed_mm_per_min / unit.in_mm()),
+        blocks: blocks(program, letters, resolution),
+    }
+}
+
+const fn unit_word(language: Language, unit: LengthUnit) -> &'static str {
+    match (language, unit) {
+        (Language::Siemens, LengthUnit::Millimetre) => "G710",
+        (Language::Siemens, LengthUnit::Inch) => "G700",
+        (Language::Fanuc, LengthUnit::Millimetre) => "G21",
+        (Language::Fanuc, LengthUnit::Inch) => "G20",
+    }
+}
+
+fn header(task: RunTask<'_>, program: &SetUpProgram, unit: LengthUnit) -> Vec<String> {
+    let RunTask {
+        job,
+        request,
+        profile,
+        ..
+    } = task;
+    let unit = unit.word();
+    let serial = ascii(job.machine.serial.as_deref().unwrap_or("NOT STATED"));
+    let directions = if request.bidirectional {
+        "BOTH DIRECTIONS"
+    } else {
+        "FORWARD ONLY"
+    };
+    let order = Axis::letters(&request.volume.order);
+    let reflector = match request.target {
+        Reflector::FlatMirror => "FLAT MIRROR",
+        Reflector::Retroreflector => "RETROREFLECTOR",
+    };
+    let path = match request.what {
+        RunType::StepDiagonal => format!("ORDER OF MOVES {order}, {reflector}"),
+        RunType::StraightDiagonal => format!("ALL AXES TOGETHER, {reflector}"),
+        RunType::SingleAxis => match request.targets {
+            TargetGrid::Equal => "EQUAL TARGETS".to_string(),
+            TargetGrid::Offset { .. } => "OFFSET TARGETS".to_string(),
+        },
+    };
+    let lines = [
+        format!(
+            "MEASURING RUN {}: {}",
+            request.what.word(),
+            program.subject.name()
+        ),
+        format!("MACHINE {}", ascii(&job.machine.name)),
+        format!("SERIAL {serial}"),
+        format!("MADE BY {TOOL} FOR {}", ascii(&profile.name)),
+        path,
+        format!(
+            "STEPS {}, RUNS {}, {directions}, UNIT {unit}",
+            request.volume.steps, request.runs
+        ),
+        format!(
+            "{} READINGS: BLOCK N IS READING N OF positions.csv",
+            program.readings.len()
+        ),
+        "NO OFFSET IS WRITTEN; POSITIONS ARE MACHINE COORDINATES".to_string(),
+    ];
+    lines.map(|line| line.to_uppercase()).to_vec()
+}
+
+fn blocks(program: &SetUpProgram, letters: &[String], resolution: Resolution) -> Vec<Block> {
+    let block = |step: &Move| match step {
+        Move::Stop(text) => vec![Block::Stop { text: text.clone() }],
+        Move::Remark(text) => vec![Block::Comment { text: text.clone() }],
+        Move::Approach(place) => approach(letters, place, resolution)
+            .map(|words| Block::Approach { words })
+            .into(),
+        Move::Feed(by) => vec![Block::Feed {
+            words: words(letters, by, resolution, |axis| by[axis] != 0),
+        }],
+        Move::Dwell(reading) => vec![Block::Dwell {
+            number: (reading + 1).to_string(),
+        }],
+    };
+    program.moves.iter().flat_map(block).collect()
+}
+
+/// The first place in two blocks: X and Y at the height where the operator left Z, then Z alone.
+fn approach(letters: &[String], place: &PerAxis<Digits>, resolution: Resolution) -> [String; 2] {
+    [false, true].map(|last| words(letters, place, resolution, |axis| (axis == Axis::Z) == last))
+}
+
+/// ` X1.000 Y-2.000` of the axes that are wanted.
+fn words(
+    letters: &[String],
+    of: &PerAxis<Digits>,
+    resolution: Resolution,
+    wanted: impl Fn(Axis) -> bool,
+) -> String {
+    let word = |(axis, letter): (Axis, &String)| {
+        wanted(axis).then(|| format!(" {letter}{}", resolution.text(of[axis])))
+    };
+    Axis::ALL
+        .into_iter()
+        .zip(letters)
+        .filter_map(word)
+        .collect()
+}
+
+fn render(
+    task: RunTask<'_>,
+    templates: &Templates,
+    context: &ProgramContext<'_>,
+    number: u32,
+    program: &SetUpProgram,
+) -> Result<ProgramFile, Problems> {
+    let RunTask { profile, facts, .. } = task;
+    let stem = match facts.language {
+        Language::Siemens => format!("NONIUS_{}", program.subject.name()),
+        Language::Fanuc => format!("O{number:04}"),
+    };
+    let seen = tera::Context::from_serialize(context).map_err(|error| {
+        Problem::new(format!(
+            "the context of the program cannot be made: {error}"
+        ))
+    })?;
+    let text = templates.text(&facts.template_name, &facts.template, &seen)?;
+    Ok(ProgramFile {
+        path: format!("{stem}.{}", facts.extension),
+        role: FileRole::Program,
+        bytes: with_line_ends(text, profile.line_end.value.text()).into_bytes(),
+    })
+}
+
+/// Expected positions: one row for each reading, in the order in which they are taken.
+pub fn positions(run: &MeasuringRun) -> ProgramFile {
+    let of_diagonals = run
+        .programs
+        .iter()
+        .any(|p| matches!(p.subject, Subject::Diagonal(_)));
+    let subject = if of_diagonals { "diagonal" } else { "axis" };
+    let mut text = format!("{subject},run,direction,node,moved,nominal_mm,x_mm,y_mm,z_mm,block\n");
+    for program in &run.programs {
+        let name = match program.subject {
+            Subject::Diagonal(diagonal) => diagonal.name().to_string(),
+            Subject::Axis(axis) => axis.key().to_string(),
+        };
+        for (index, reading) in program.readings.iter().enumerate() {
+            let place = reading
+                .place
+                .iter()
+                .map(|(_, d)| shortest(run.resolution.mm(*d)));
+            let place: Vec<String> = place.collect();
+            text.push_str(&format!(
+                "{name},{},{},{},{},{},{},{}\n",
+                reading.run,
+                reading.pass.word(),
+                reading.node,
+                reading.moved.map_or("", Axis::key),
+                shortest(reading.nominal_mm),
+                place.join(","),
+                index + 1
+            ));
+        }
+    }
+    ProgramFile {
+        path: POSITIONS.to_string(),
+        role: FileRole::Positions,
+        bytes: text.into_bytes(),
+    }
+}
+
+/// Files of readings with an empty last column: of diagonals one in the form of contract §2.2, of
+/// single axes one each in the form of §2.4. What stays empty is refused as missing.
+pub fn readings_to_fill(run: &MeasuringRun) -> Vec<ProgramFile> {
+    let mut files: Vec<ProgramFile> = Vec::new();
+    for program in &run.programs {
+        let (path, header) = form_of(program);
+        if files.last().is_none_or(|file| file.path != path) {
+            files.push(ProgramFile {
+                path,
+                role: FileRole::Readings,
+                bytes: header.as_bytes().to_vec(),
+            });
+        }
+        let rows = program.readings.iter();
+        let rows: String = rows
+            .map(|reading| empty_row(program, reading, run.resolution))
+            .collect();
+        if let Some(file) = files.last_mut() {
+            file.bytes.extend(rows.into_bytes());
+        }
+    }
+    files
+}
+
+/// Name and header of the file that a program's readings belong to.
+fn form_of(program: &SetUpProgram) -> (String, &'static str) {
+    let diagonals = "readings.csv".to_string();
+    match program.subject {
+        Subject::Axis(axis) => {
+            let path = format!("readings-{}.csv", axis.key());
+            (path, "target_mm,run,direction,deviation_um\n")
+        }
+        Subject::Diagonal(_) if is_stepped(program) => (
+            diagonals,
+            "diagonal,run,direction,node,moved,displacement_mm\n",
+        ),
+        Subject::Diagonal(_) => (diagonals, "diagonal,run,direction,node,displacement_mm\n"),
+    }
+}
+
+/// Straight runs have no column `moved`.
+fn is_stepped(program: &SetUpProgram) -> bool {
+    program.readings.iter().any(|r| r.moved.is_some())
+}
+
+fn empty_row(program: &SetUpProgram, reading: &Reading, resolution: Resolution) -> String {
+    let Reading {
+        run, node, pass, ..
+    } = reading;
+    match program.subject {
+        Subject::Axis(axis) => {
+            let target = shortest(resolution.mm(reading.place[axis]));
+            let direction = match pass {
+                Pass::Forward => Direction::Plus,
+                Pass::Reverse => Direction::Minus,
+            };
+            format!("{target},{run},{},\n", direction.symbol())
+        }
+        Subject::Diagonal(of) => {
+            let moved = reading.moved.map_or("", Axis::key);
+            let moved = if is_stepped(program) {
+                format!("{moved},")
+            } else {
+                String::new()
+            };
+            format!("{of},{run},{},{node},{moved}\n", pass.word())
+        }
+    }
+}
+
+/// A time or a feed: at least one decimal, so that no control takes it for its smallest units.
+fn decimal(number: f64) -> String {
+    let text = fixed(number, TIME_DECIMALS);
+    let short = text.trim_end_matches('0');
+    if short.ends_with('.') {
+        format!("{short}0")
+    } else {
+        short.to_string()
+    }
+}
+
+/// A length in mm with all digits that a laser can show, 1e-6 mm, without trailing zeros.
+fn shortest(mm: f64) -> String {
+    let text = fixed(mm, 6);
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}

@@ -1,0 +1,271 @@
+//! The templates of a profile, each parsed once. The only user of Tera beside its contexts.
+
+use crate::text::document::LARGEST_FILE_MIB;
+use crate::text::problem::{Place, Problem};
+use crate::write::emit::layout::{Layout, Wrong};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::io::{Error, Result as Written, Write};
+
+/// Bytes of one file.
+const MOST_BYTES: usize = (LARGEST_FILE_MIB as usize) << 20;
+/// Tags that one file executes; nearly every one writes a byte.
+const MOST_TAGS: u64 = LARGEST_FILE_MIB << 20;
+
+/// The templates of one profile, in which a name always means the same text.
+pub struct Templates {
+    /// What all of them have: the filters and functions of Tera.
+    without_any: tera::Tera,
+    /// Those that were asked for; each stands alone and sees nothing of the others.
+    parsed: RefCell<BTreeMap<String, (tera::Tera, Layout)>>,
+}
+
+impl Default for Templates {
+    fn default() -> Templates {
+        let mut without_any = tera::Tera::default();
+        without_any.autoescape_on(Vec::<&'static str>::new());
+        Templates {
+            without_any,
+            parsed: RefCell::default(),
+        }
+    }
+}
+
+impl Templates {
+    /// One file as text with `\n` line ends.
+    pub(super) fn text(
+        &self,
+        name: &str,
+        template: &str,
+        context: &tera::Context,
+    ) -> Result<String, Problem> {
+        let refuse = |error: tera::Error| template_problem(name, template, &error);
+        let mut parsed = self.parsed.borrow_mut();
+        let (alone, layout) = match parsed.entry(name.to_string()) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => {
+                let mut alone = self.without_any.clone();
+                alone.add_raw_template(name, template).map_err(refuse)?;
+                let layout = Layout::of(template);
+                let layout = layout.map_err(|wrong| no_layout(name, template, wrong))?;
+                new.insert((alone, layout))
+            }
+        };
+        if layout.work(context, MOST_TAGS).is_none() {
+            let what =
+                format!("executes more than {MOST_TAGS} tags, counted from the lists of its loops");
+            return Err(too_much(name, &what));
+        }
+        let mut text = Bounded {
+            bytes: Vec::new(),
+            most: MOST_BYTES,
+            is_full: false,
+        };
+        let rendered = alone.render_to(name, context, &mut text);
+        if text.is_full {
+            return Err(too_much(
+                name,
+                &format!("writes more than {LARGEST_FILE_MIB} MiB"),
+            ));
+        }
+        rendered.map_err(refuse)?;
+        String::from_utf8(text.bytes)
+            .map_err(|_| Problem::new(format!("template `{name}` does not write text")))
+    }
+}
+
+/// A text that does not grow beyond a limit.
+struct Bounded {
+    bytes: Vec<u8>,
+    most: usize,
+    is_full: bool,
+}
+
+impl Write for Bounded {
+    fn write(&mut self, bytes: &[u8]) -> Written<usize> {
+        if bytes.len() > self.most - self.bytes.len() {
+            self.is_full = true;
+            return Err(Error::other("too long"));
+        }
+        self.bytes.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Written<()> {
+        Ok(())
+    }
+}
+
+fn too_much(name: &str, what: &str) -> Problem {
+    Problem::new(format!("template `{name}` {what}, too much for a file of a kit"))
+        .help("a loop inside another one runs once for each of its items: loop over the lists of that item")
+}
+
+/// A problem of a template that says more than a layout.
+fn no_layout(name: &str, template: &str, wrong: Wrong) -> Problem {
+    let place = Place::in_text(name, template, wrong.span.start, wrong.span.end);
+    Problem::new(format!("template `{name}` is refused: {}", wrong.message))
+        .at(place)
+        .help("a template prints names of the context with `{{ … }}`, loops over its lists with `for … in` and chooses with `if` (docs/templates.md §1)")
+}
+
+/// A problem of a template at its place in the template.
+fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem {
+    let (message, place) = match error.kind() {
+        tera::ErrorKind::SyntaxError(report) | tera::ErrorKind::RenderingError(report) => {
+            let span = report.span();
+            let text = template.lines().nth(span.start_line.max(1) - 1);
+            let place = Place {
+                file: name.to_string(),
+                line: span.start_line,
+                column: span.start_col + 1,
+                width: span.end_col.saturating_sub(span.start_col).max(1),
+                text: text.unwrap_or_default().to_string(),
+                skipped: 0,
+            };
+            (report.message().to_string(), Some(place))
+        }
+        _ => (error.to_string(), None),
+    };
+    let problem = Problem::new(format!("template `{name}` cannot be rendered: {message}"))
+        .help("`nonius context JOB` prints what a template sees");
+    match place {
+        Some(place) => problem.at(place),
+        None => problem,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use super::Templates;
+    use proptest::prelude::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_template_sees_nothing_of_those_rendered_before() {
+        let (templates, nothing) = (Templates::default(), tera::Context::new());
+        let first = templates.text("first", "one line\n", &nothing);
+        assert_eq!(first.expect("it is text"), "one line\n");
+        let including = "{% include \"first\" %}";
+        assert!(templates.text("second", including, &nothing).is_err());
+        let again = templates.text("first", "one line\n", &nothing);
+        assert_eq!(again.expect("it is text"), "one line\n");
+    }
+
+    /// A context with a list of tables, each with its points.
+    fn context(tables: usize, points: usize) -> tera::Context {
+        let points: Vec<_> = (0..points)
+            .map(|k| json!({ "value": k.to_string() }))
+            .collect();
+        let tables: Vec<_> = (0..tables).map(|_| json!({ "points": points })).collect();
+        let mut context = tera::Context::new();
+        context.insert("tables", &tables);
+        context.insert("name", "a \"name\"");
+        context
+    }
+
+    fn said(template: &str, context: &tera::Context) -> Result<String, String> {
+        let rendered = Templates::default().text("own.tera", template, context);
+        rendered.map_err(|problem| problem.render())
+    }
+
+    #[test]
+    fn what_a_layout_needs_is_rendered() {
+        let (seen, nothing) = (context(2, 2), context(0, 0));
+        let layout = "{#- a {% set %} -#}{{- name }}: {% for t in tables -%}\n{% for p in t.points %}{{ p.value }}\
+                      {% if not loop.last and p.value == \"0\" %},{% elif (p.value != 'x%}') %};{% else %}{% endif %}\
+                      {% endfor %}{% else %}none{% endfor -%}{{ \"}}\" }}{{ missing | default(value=name) | upper }}";
+        let both = said(layout, &seen);
+        assert_eq!(both, Ok("a \"name\": 0,1;0,1;}}A \"NAME\"".to_string()));
+        let none = said(layout, &nothing);
+        assert_eq!(none, Ok("a \"name\": none}}A \"NAME\"".to_string()));
+    }
+
+    #[test]
+    fn what_could_grow_without_bound_is_refused_with_its_place() {
+        for (template, found) in [
+            ("{% set s = \"x\" %}{% set s = s ~ s %}{{ s }}", "`set`"),
+            ("{{ name ~ name }}", "`~`"),
+            ("{% for a in range(end=100000) %}{% endfor %}", "`range(…)`"),
+            ("{{ range(end=9) | length }}", "`range(…)`"),
+            ("{% for t in [1, 2] %}{% endfor %}", "`[`"),
+            ("{% for t in tables | first %}{% endfor %}", "this loop"),
+            ("{{ [t for t in tables] }}", "`[`"),
+            ("{{ tables[0] }}", "`[`"),
+            ("{{ {\"a\": 1} }}", "`{`"),
+            (
+                "{{ name | replace(from=\"a\", to=\"aa\") }}",
+                "the filter `replace`",
+            ),
+            ("{{ tables | sort }}", "the filter `sort`"),
+            (
+                "{% if tables == tables %}{% endif %}",
+                "`==` between two names",
+            ),
+            ("{% if name in tables %}{% endif %}", "`in`"),
+            ("{{ __tera_context }}", "`__tera_context`"),
+            ("{% filter upper %}{% endfilter %}", "`filter`"),
+            ("{% raw %}{{ x }}{% endraw %}", "`raw`"),
+            ("{% block a %}{% endblock %}", "`block`"),
+            ("{{ 1 + 1 }}", "`+`"),
+            ("{% for k, v in tables %}{% endfor %}", "this loop"),
+        ] {
+            let refused = said(&format!("one\n{template}"), &context(1, 1));
+            let words = refused.expect_err(template);
+            let says =
+                format!("template `own.tera` is refused: {found} is more than a layout needs");
+            assert!(words.contains(&says), "{template}\n{words}");
+            assert!(words.contains("own.tera:2:"), "{template}\n{words}");
+        }
+    }
+
+    /// Counted from the lists, before anything is rendered: it takes no time to refuse them.
+    #[test]
+    fn loops_that_never_end_are_refused_with_the_name_of_the_template() {
+        let seen = context(60, 500);
+        let nested = |depth: usize, body: &str| {
+            let begin = "{% for t in tables %}{% for p in t.points %}".repeat(depth);
+            format!("{begin}{body}{}", "{% endfor %}{% endfor %}".repeat(depth))
+        };
+        assert!(said(&nested(1, "{{ p.value }}"), &seen).is_ok());
+        for body in ["", "{{ p.value }}", "{% for letter in name %}{% endfor %}"] {
+            let words = said(&nested(2, body), &seen).expect_err("too much work");
+            let says = "template `own.tera` executes more than 67108864 tags";
+            assert!(words.contains(says), "{words}");
+        }
+        let other = "{% for x in name %}{% for y in x %}{% for t in tables %}{% for u in tables %}{% for v in tables %}{% for w in tables %}{{ w }}{% endfor %}{% endfor %}{% endfor %}{% endfor %}{% endfor %}{% endfor %}";
+        assert!(said(other, &seen).is_err());
+        let in_else = format!(
+            "{{% for x in tables.x %}}{{% else %}}{}{{% endfor %}}",
+            nested(3, "")
+        );
+        assert!(said(&in_else, &seen).is_err());
+    }
+
+    #[test]
+    fn a_file_that_nobody_could_read_back_is_refused() {
+        let seen = context(60, 500);
+        let long = format!(
+            "{{% for t in tables %}}{{{{ t }}}}{{% for p in t.points %}}{}{{% endfor %}}{{% endfor %}}",
+            "x".repeat(5000)
+        );
+        let words = said(&long, &seen).expect_err("150 MB");
+        assert!(
+            words.contains("template `own.tera` writes more than 64 MiB"),
+            "{words}"
+        );
+        assert!(words.contains("too much for a file of a kit"), "{words}");
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_is_rendered_or_refused(template in "([{]{1,2}[%#-]?|[-%#]?[}]{1,2}| |for|in|if|set|endfor|endif|tables|t|\"|'|[(~)]|==|[.]){0,12}") {
+            let rendered = said(&template, &context(1, 2));
+            let length = rendered.map_or_else(|words| words.len(), |text| text.len() + 1);
+            prop_assert!((1..10_000).contains(&length));
+        }
+    }
+}

@@ -1,0 +1,354 @@
+//! The points of a table: equally spaced, one of them on the reference point.
+//!
+//! ```text
+//!          start                reference              end
+//!   ─────────┼────────┼────────┼────────●────────┼────────┼──────
+//!   index   first    …        −1        0        1       last
+//!            └ at or beyond the end of the travel ┘
+//! ```
+//! Spacing is a whole number of the smallest digit the control writes, so a grid position is
+//! never rounded a second time.
+
+use crate::control::controller::LengthUnit;
+use crate::inputs::job::{AxisSettings, Job, MachineAxis};
+use crate::quantity::axis::Axis;
+use crate::quantity::fit::Nodes;
+use crate::quantity::units::{Millimetres, power_of_ten};
+use crate::text::problem::{Problem, Problems};
+
+/// Smallest difference of two spacings when the number of points is given (contract §2.3).
+const SPACING_STEP_MM: f64 = 0.001;
+/// A table may end short of the travel by this much (rounding of binary fractions), mm: a millionth
+/// of a millimetre, less than every control writes.
+const SHORT_MM: f64 = 1e-6;
+/// A stated end of a table may miss its grid point by this much (rounding of the spacing), mm.
+const SAME_PLACE_MM: f64 = 0.001;
+/// Part of a spacing by which a place may miss a grid point and still be on it (floating point).
+const ON_GRID: f64 = 1e-6;
+
+/// A table may pass the measured range by this much without being refused or named (rounding of
+/// inch positions), mm.
+pub const EDGE_MM: f64 = 0.01;
+
+/// The last digit of a length in the control's files.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LengthDigit {
+    /// Unit of the control.
+    pub unit: LengthUnit,
+    /// Decimals of that unit.
+    pub decimals: u32,
+}
+
+impl LengthDigit {
+    /// One last digit, mm.
+    pub fn mm(self) -> f64 {
+        self.unit.in_mm() / self.per_unit()
+    }
+
+    /// Last digits in one unit: 10^decimals.
+    pub fn per_unit(self) -> f64 {
+        power_of_ten(self.decimals)
+    }
+}
+
+/// Equally spaced points anchored on the reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// Machine coordinate of index 0.
+    pub reference: Millimetres,
+    /// Spacing in last digits of the control's length.
+    pub spacing_digits: i64,
+    /// What a last digit is.
+    pub digit: LengthDigit,
+    /// Index of the first point, ≤ 0.
+    pub first: i64,
+    /// Index of the last point, ≥ 0.
+    pub last: i64,
+}
+
+impl Grid {
+    /// Distance of two points.
+    pub fn spacing(&self) -> Millimetres {
+        Millimetres::new(written_mm(self.spacing_digits, self.digit))
+    }
+
+    /// Machine coordinate of a point.
+    #[allow(clippy::cast_precision_loss, reason = "indices are small")]
+    pub fn position(&self, index: i64) -> Millimetres {
+        Millimetres::new(self.reference.mm() + index as f64 * self.spacing().mm())
+    }
+
+    /// Number of points.
+    pub fn count(&self) -> usize {
+        usize::try_from(self.last - self.first + 1).unwrap_or(0)
+    }
+
+    /// First and last machine coordinate.
+    pub fn range(&self) -> (Millimetres, Millimetres) {
+        (self.position(self.first), self.position(self.last))
+    }
+
+    /// The same points as a list of nodes for fitting.
+    pub fn nodes(&self) -> Nodes {
+        Nodes {
+            first: self.position(self.first),
+            step: self.spacing(),
+            count: self.count(),
+            reference_node: usize::try_from(-self.first).unwrap_or(0),
+        }
+    }
+}
+
+/// What a grid has to cover.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Span {
+    below: f64,
+    above: f64,
+}
+
+impl Span {
+    fn of(machine: MachineAxis) -> Span {
+        Span {
+            below: (machine.reference - machine.low).mm().max(0.0),
+            above: (machine.high - machine.reference).mm().max(0.0),
+        }
+    }
+
+    /// Indices that cover the span with a spacing, but for [`SHORT_MM`].
+    fn indices(self, spacing_mm: f64) -> (i64, i64) {
+        (
+            -steps(self.below, spacing_mm),
+            steps(self.above, spacing_mm),
+        )
+    }
+
+    fn count(self, spacing_mm: f64) -> i64 {
+        let (first, last) = self.indices(spacing_mm);
+        last - first + 1
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "lengths of a job are bounded where it is read, spacings by the last digit"
+)]
+fn steps(length_mm: f64, spacing_mm: f64) -> i64 {
+    ((length_mm - SHORT_MM) / spacing_mm).ceil().max(0.0) as i64
+}
+
+/// A grid of the spacing that the job asks for.
+pub fn with_spacing(
+    job: &Job,
+    axis: Axis,
+    machine: MachineAxis,
+    settings: &AxisSettings,
+    digit: LengthDigit,
+    spacing_mm: f64,
+) -> Result<Grid, Problems> {
+    let path = |key: &str| format!("compensation.axes.{}.{key}", axis.key());
+    if spacing_mm < digit.mm() {
+        return Err(job
+            .problem_at(
+                &path("spacing_mm"),
+                format!(
+                    "a spacing of {spacing_mm} mm is below the last digit of the control ({} {})",
+                    digit.mm() / digit.unit.in_mm(),
+                    digit.unit.word()
+                ),
+            )
+            .help("use a larger spacing")
+            .into());
+    }
+    let mut problems = Problems::none();
+    let spacing_digits = digits_of(spacing_mm, digit);
+    let spacing_mm = written_mm(spacing_digits, digit);
+    let (mut first, mut last) = Span::of(machine).indices(spacing_mm);
+    if let Some(start) = settings.start_mm {
+        first = problems
+            .take(on_grid(job, &path("start_mm"), machine, spacing_mm, start))
+            .unwrap_or(first);
+    }
+    if let Some(end) = settings.end_mm {
+        last = problems
+            .take(on_grid(job, &path("end_mm"), machine, spacing_mm, end))
+            .unwrap_or(last);
+    }
+    if first > 0 || last < 0 {
+        let key = if first > 0 { "start_mm" } else { "end_mm" };
+        problems.push(
+            job.problem_at(&path(key), format!("the table of axis {axis} would not hold the reference point {} mm, where it must be zero", machine.reference.mm()))
+                .help("let the table begin at or before the reference and end at or behind it"),
+        );
+    }
+    if first == last && problems.is_empty() {
+        problems.push(
+            job.problem_at(
+                &path("spacing_mm"),
+                format!("the table of axis {axis} would have a single point"),
+            )
+            .help("use a smaller spacing"),
+        );
+    }
+    problems.or_ok(Grid {
+        reference: machine.reference,
+        spacing_digits,
+        digit,
+        first,
+        last,
+    })
+}
+
+/// A spacing in last digits of the control, rounded up: the table then never ends before the
+/// travel because of the rounding.
+fn digits_of(spacing_mm: f64, digit: LengthDigit) -> i64 {
+    let digits = spacing_mm / digit.mm();
+    let near = digits.round();
+    if (digits - near).abs() <= ON_GRID {
+        whole(near)
+    } else {
+        whole(digits.ceil())
+    }
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "spacings are far below 2^52 digits"
+)]
+fn written_mm(spacing_digits: i64, digit: LengthDigit) -> f64 {
+    spacing_digits as f64 * digit.mm()
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the number was rounded and is far below 2^52"
+)]
+fn whole(rounded: f64) -> i64 {
+    rounded as i64
+}
+
+fn on_grid(
+    job: &Job,
+    path: &str,
+    machine: MachineAxis,
+    spacing_mm: f64,
+    place_mm: f64,
+) -> Result<i64, Problems> {
+    let index = (place_mm - machine.reference.mm()) / spacing_mm;
+    if (index - index.round()).abs() * spacing_mm <= SAME_PLACE_MM {
+        return Ok(whole(index.round()));
+    }
+    let near = |index: f64| machine.reference.mm() + index * spacing_mm;
+    Err(job
+        .problem_at(path, format!("{place_mm} mm is not on the grid of {spacing_mm} mm anchored on the reference {} mm", machine.reference.mm()))
+        .help(format!("the nearest grid points are {} mm and {} mm", near(index.floor()), near(index.ceil())))
+        .into())
+}
+
+/// A grid of a number of points: the smallest spacing (rounded up to 0.001 mm) with which that
+/// many points anchored on the reference cover the travel. Where fewer points would do with this
+/// spacing, the table goes on beyond the upper end of the travel.
+pub fn with_points(machine: MachineAxis, digit: LengthDigit, points: u32) -> Result<Grid, Problem> {
+    let span = Span::of(machine);
+    let wanted = i64::from(points);
+    let fits = |step: i64| span.count(spacing_of(step)) <= wanted;
+    let longest = whole(
+        ((span.below + span.above) / SPACING_STEP_MM)
+            .ceil()
+            .max(1.0),
+    );
+    if !fits(longest) {
+        return Err(Problem::new(format!(
+            "{points} points cannot be anchored on the reference {} mm and cover the travel on both sides",
+            machine.reference.mm()
+        ))
+        .help("3 points are needed where the reference lies inside the travel"));
+    }
+    let (mut too_short, mut enough) = (0, longest);
+    while enough - too_short > 1 {
+        let middle = i64::midpoint(too_short, enough);
+        if fits(middle) {
+            enough = middle;
+        } else {
+            too_short = middle;
+        }
+    }
+    let spacing_digits = digits_of(spacing_of(enough), digit);
+    let (first, last) = span.indices(written_mm(spacing_digits, digit));
+    Ok(Grid {
+        reference: machine.reference,
+        spacing_digits,
+        digit,
+        first,
+        last: last + (wanted - (last - first + 1)).max(0),
+    })
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "a spacing in micrometres, far below 2^52"
+)]
+fn spacing_of(step: i64) -> f64 {
+    step as f64 * SPACING_STEP_MM
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(low: f64, high: f64, reference: f64) -> MachineAxis {
+        MachineAxis {
+            low: Millimetres::new(low),
+            high: Millimetres::new(high),
+            reference: Millimetres::new(reference),
+            reference_direction: None,
+            max_feed: None,
+        }
+    }
+
+    const MICRON: LengthDigit = LengthDigit {
+        unit: LengthUnit::Millimetre,
+        decimals: 3,
+    };
+
+    #[test]
+    fn thirty_one_points_on_900_mm_are_30_mm_apart() {
+        let grid = with_points(axis(0.0, 900.0, 0.0), MICRON, 31).expect("31 points fit");
+        assert_eq!(
+            (grid.spacing_digits, grid.first, grid.last),
+            (30_000, 0, 30)
+        );
+    }
+
+    #[test]
+    fn a_reference_inside_the_travel_is_a_point() {
+        let grid = with_points(axis(0.0, 900.0, 100.0), MICRON, 10).expect("10 points fit");
+        // 100 mm below: 1 step; 800 mm above: 8 steps of 100 mm.
+        assert_eq!(
+            (grid.spacing_digits, grid.first, grid.last),
+            (100_000, -1, 8)
+        );
+    }
+
+    #[test]
+    fn as_many_points_as_asked_for_even_where_fewer_would_do() {
+        let grid = with_points(axis(-10.0, 10.0, 0.0), MICRON, 4).expect("4 points fit");
+        assert_eq!(
+            (grid.spacing_digits, grid.first, grid.last),
+            (10_000, -1, 2)
+        );
+    }
+
+    #[test]
+    fn two_points_cannot_hold_a_reference_inside() {
+        assert!(with_points(axis(-10.0, 10.0, 0.0), MICRON, 2).is_err());
+    }
+
+    #[test]
+    fn seven_does_not_divide_900() {
+        let grid = with_points(axis(0.0, 900.0, 0.0), MICRON, 8).expect("8 points fit");
+        assert_eq!(
+            grid.spacing_digits, 128_572,
+            "900 / 7 = 128.571…, rounded up"
+        );
+    }
+}

@@ -1,0 +1,292 @@
+//! The points of each moving axis, and what the tables hold there.
+
+use super::Task;
+use crate::control::controller::{Dialect, Profile};
+use crate::inputs::job::ahead::{GRID_HELP, UNIT_HELP, without_grid, without_unit};
+use crate::inputs::job::{AxisSettings, GridRequest, MachineAxis, OutsideMeasured};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::fit::{residual, table_values};
+use crate::quantity::units::{Deviation, Millimetres};
+use crate::text::problem::{Problem, Problems};
+use crate::write::grid::{self, EDGE_MM, Grid};
+use crate::write::target::Target;
+
+pub(super) fn grids(
+    task: Task<'_>,
+    targets: &[Target],
+    notes: &mut Vec<String>,
+) -> Result<PerAxis<Option<Grid>>, Problems> {
+    let mut problems = Problems::none();
+    let mut grids = PerAxis::default();
+    check_settings(task, targets, &mut problems);
+    for axis in Axis::ALL {
+        let along: Vec<&Target> = targets.iter().filter(|t| t.term.along == axis).collect();
+        let Some((machine, settings)) = task.axis(axis) else {
+            continue;
+        };
+        if along.is_empty() {
+            continue;
+        }
+        if let Some(grid) = problems.take(axis_grid(task, axis, machine, settings, &along)) {
+            check_grid(task, axis, machine, settings, &grid, &mut problems);
+            note_spacing(axis, settings, &grid, notes);
+            grids[axis] = Some(grid);
+        }
+    }
+    problems.or_ok(grids)
+}
+
+fn check_settings(task: Task<'_>, targets: &[Target], problems: &mut Problems) {
+    for axis in Axis::ALL {
+        let moves = targets.iter().any(|t| t.term.along == axis);
+        let corrected = targets.iter().any(|t| t.term.of == axis);
+        let settings = task.job.compensation.axes[axis].as_ref();
+        let path = format!("compensation.axes.{}", axis.key());
+        if moves && settings.is_none_or(|s| s.grid.is_none()) {
+            problems.push(
+                task.job
+                    .problem_at(&path, without_grid(axis, &path))
+                    .help(GRID_HELP),
+            );
+        }
+        let unit_missing = settings.is_none_or(|s| s.detection_unit_um.is_none());
+        if (moves || corrected) && task.profile.detection_unit_required.value && unit_missing {
+            problems.push(
+                task.job
+                    .problem_at(&path, without_unit(&path, &task.profile.name))
+                    .help(UNIT_HELP),
+            );
+        }
+        if corrected && task.job.machine.axes[axis].is_none() {
+            problems.push(
+                task.job
+                    .problem_at(
+                        "machine.axes",
+                        format!(
+                            "axis {axis} is corrected, but [machine.axes.{}] is missing",
+                            axis.key()
+                        ),
+                    )
+                    .help("add travel_mm and reference_mm of this axis"),
+            );
+        }
+    }
+}
+
+fn axis_grid(
+    task: Task<'_>,
+    axis: Axis,
+    machine: MachineAxis,
+    settings: &AxisSettings,
+    targets: &[&Target],
+) -> Result<Grid, Problems> {
+    let digit = task.length_digit();
+    let path = |key: &str| format!("compensation.axes.{}.{key}", axis.key());
+    let request = settings.grid.unwrap_or(GridRequest::Points(2));
+    let ends_given = settings.start_mm.is_some() || settings.end_mm.is_some();
+    if ends_given && !matches!(request, GridRequest::Spacing(_)) {
+        let key = if settings.start_mm.is_some() {
+            "start_mm"
+        } else {
+            "end_mm"
+        };
+        return Err(task
+            .job
+            .problem_at(
+                &path(key),
+                format!("`{key}` needs a grid of stated spacing"),
+            )
+            .help("give `spacing_mm`, or leave `start_mm` and `end_mm` out")
+            .into());
+    }
+    match request {
+        GridRequest::Spacing(spacing) => {
+            grid::with_spacing(task.job, axis, machine, settings, digit, spacing)
+        }
+        GridRequest::Points(points) => grid::with_points(machine, digit, points)
+            .map_err(|problem| at_key(task, &path("points"), problem)),
+        GridRequest::MaxResidual(limit) => coarsest(task, axis, machine, targets, limit),
+    }
+}
+
+fn at_key(task: Task<'_>, path: &str, problem: Problem) -> Problems {
+    match task.job.source.place_of(path) {
+        Some(place) => problem.at(place).into(),
+        None => problem.into(),
+    }
+}
+
+/// Every number of points is tried, so the work grows with the square of this; a table with more
+/// points is not what `max_residual_um` is for.
+const MOST_PLANNED_POINTS: u32 = 2000;
+
+/// The grid of the fewest points whose own residual (before rounding) keeps the limit for every
+/// term of the axis.
+fn coarsest(
+    task: Task<'_>,
+    axis: Axis,
+    machine: MachineAxis,
+    targets: &[&Target],
+    limit_um: f64,
+) -> Result<Grid, Problems> {
+    let most = point_limit(task.profile, targets)
+        .0
+        .min(MOST_PLANNED_POINTS);
+    let mut least = f64::INFINITY;
+    for points in 2..=most {
+        let Ok(grid) = grid::with_points(machine, task.length_digit(), points) else {
+            continue;
+        };
+        let worst = targets
+            .iter()
+            .map(|target| tabulate(task, target, &grid).1)
+            .fold(0.0, f64::max);
+        if worst <= limit_um {
+            return Ok(grid);
+        }
+        least = least.min(worst);
+        if grid.spacing_digits <= 1 {
+            break;
+        }
+    }
+    let path = format!("compensation.axes.{}.max_residual_um", axis.key());
+    Err(task
+        .job
+        .problem_at(&path, format!("no grid of up to {most} points keeps {limit_um} µm on axis {axis}; the best leaves {least:.3} µm"))
+        .help("allow a larger residual, or compensate fewer terms")
+        .into())
+}
+
+/// Most points of a table for these targets, and why.
+pub(super) fn point_limit(profile: &Profile, targets: &[&Target]) -> (u32, String) {
+    let crosses = targets.iter().any(|t| t.term.is_cross());
+    let directed = targets.iter().any(|t| t.direction.is_some());
+    let name = &profile.name;
+    match &profile.dialect {
+        Dialect::Siemens(facts) => {
+            let lec = targets
+                .iter()
+                .any(|t| t.term.is_positioning() && t.direction.is_none());
+            let cec = crosses || directed;
+            match (lec, cec) {
+                (true, true) => (
+                    facts.lec_points.value.min(facts.cec_points.value),
+                    format!("a CEC table of {name}"),
+                ),
+                (false, true) => (facts.cec_points.value, format!("a CEC table of {name}")),
+                _ => (
+                    facts.lec_points.value,
+                    format!("an ENC_COMP table of {name}"),
+                ),
+            }
+        }
+        Dialect::Fanuc(facts) => {
+            let space = facts
+                .pitch_points
+                .value
+                .iter()
+                .map(|r| r.last - r.first + 1)
+                .max()
+                .unwrap_or(0);
+            if crosses {
+                (
+                    facts.straightness_axis_points.value.min(space),
+                    format!("the moving axis of a straightness compensation of {name}"),
+                )
+            } else {
+                (space, format!("the pitch points of {name}"))
+            }
+        }
+        Dialect::Generic(facts) => (facts.points.value, format!("a table of {name}")),
+    }
+}
+
+fn check_grid(
+    task: Task<'_>,
+    axis: Axis,
+    machine: MachineAxis,
+    settings: &AxisSettings,
+    grid: &Grid,
+    problems: &mut Problems,
+) {
+    refuse_unmeasured(task, axis, settings, grid, problems);
+    if let (Dialect::Fanuc(facts), Some(feed)) = (&task.profile.dialect, machine.max_feed) {
+        let least = feed / facts.interval_feed_divisor.value;
+        let spacing = grid.spacing().mm();
+        if spacing < least {
+            problems.push(
+                task.job
+                    .problem_at(&format!("compensation.axes.{}", axis.key()), format!("a spacing of {spacing} mm is below {least} mm, the smallest that {} takes at {feed} mm/min", task.profile.name))
+                    .help("use a larger spacing"),
+            );
+        }
+    }
+}
+
+fn refuse_unmeasured(
+    task: Task<'_>,
+    axis: Axis,
+    settings: &AxisSettings,
+    grid: &Grid,
+    problems: &mut Problems,
+) {
+    let Some((low, high)) = task.model.ranges[axis] else {
+        return;
+    };
+    let (first, last) = grid.range();
+    let beyond = first.mm() < low.mm() - EDGE_MM || last.mm() > high.mm() + EDGE_MM;
+    if beyond && settings.outside == OutsideMeasured::Refuse {
+        let path = format!("compensation.axes.{}.outside", axis.key());
+        problems.push(
+            task.job
+                .problem_at(&path, format!("the table of axis {axis} runs from {} to {} mm, but only {} … {} mm was measured", first.mm(), last.mm(), low.mm(), high.mm()))
+                .help("measure the whole travel, give `start_mm` and `end_mm`, or hold the end value with `outside = \"hold\"`"),
+        );
+    }
+}
+
+fn note_spacing(axis: Axis, settings: &AxisSettings, grid: &Grid, notes: &mut Vec<String>) {
+    let spacing = grid.spacing().mm();
+    if let Some(GridRequest::Spacing(asked)) = settings.grid
+        && (asked - spacing).abs() > 1e-9
+    {
+        let per_unit = grid.digit.per_unit();
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "spacings are far below 2^52 digits"
+        )]
+        let written = grid.spacing_digits as f64 / per_unit;
+        notes.push(format!(
+            "{axis}: the control writes a spacing of {asked} mm as {written} {} = {spacing:.6} mm; points and values are those of the written spacing",
+            grid.digit.unit.word()
+        ));
+    }
+}
+
+pub(super) fn tabulate(task: Task<'_>, target: &Target, grid: &Grid) -> (Vec<Deviation>, f64) {
+    // The reference node of a table is exactly zero, except for the direction that carries the
+    // reversal: its curve is fitted about its own value there.
+    let nodes = grid.nodes();
+    let homing = task.job.machine.axes[target.term.along].map(|machine| machine.homing());
+    let carries_reversal = target.direction.is_some_and(|own| Some(own) != homing);
+    let offset = if carries_reversal {
+        target.curve.at(grid.reference)
+    } else {
+        Deviation::ZERO
+    };
+    let values: Vec<Deviation> = table_values(
+        &target.curve.less(offset),
+        &nodes,
+        task.job.compensation.fit,
+    )
+    .into_iter()
+    .map(|value| Deviation::from_um(value.um() + offset.um()))
+    .collect();
+    let (low, high) = whole_axis(task, target.term.along, grid);
+    let worst = residual(&target.curve, &nodes, &values, low, high);
+    (values, worst)
+}
+
+fn whole_axis(task: Task<'_>, axis: Axis, grid: &Grid) -> (Millimetres, Millimetres) {
+    task.job.machine.axes[axis].map_or_else(|| grid.range(), |machine| (machine.low, machine.high))
+}

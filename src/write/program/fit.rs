@@ -1,0 +1,337 @@
+//! What a run must keep: travel, feed, readings; and the largest box that would fit.
+
+use crate::control::controller::program::Language;
+use crate::inputs::job::{
+    DiagonalMeasurement, Job, MeasuredData, ProgramRequest, RunType, TargetGrid,
+};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::text::problem::Problems;
+use crate::write::program::route::readings_of;
+use crate::write::program::{MOST_READINGS, Resolution, RunTask, problem};
+
+pub(super) fn refuse_too_many_readings(
+    job: &Job,
+    request: &ProgramRequest,
+    problems: &mut Problems,
+) {
+    let readings = readings_of(request);
+    if readings > MOST_READINGS {
+        problems.push(problem(
+            job,
+            "program",
+            format!("one program would take {readings} readings, expected at most {MOST_READINGS}"),
+            "fewer runs or steps: four digits number the blocks of a program",
+        ));
+    }
+}
+
+/// The feed along the path may reach every axis alone, so the slowest axis counts.
+pub(super) fn refuse_feed(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
+    for axis in moving(request) {
+        let largest = job.machine.axes[axis].and_then(|axis| axis.max_feed);
+        if let Some(largest) = largest.filter(|largest| request.feed_mm_per_min > *largest) {
+            problems.push(problem(
+                job,
+                "program.feed_mm_per_min",
+                format!(
+                    "the feed is {} mm/min, but {axis} is stated with at most {largest} mm/min",
+                    request.feed_mm_per_min
+                ),
+                "write `feed_mm_per_min` with a feed that every axis reaches",
+            ));
+        }
+    }
+}
+
+/// Neighbouring targets must not change places.
+pub(super) fn refuse_shift(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
+    if let TargetGrid::Offset { shift } = request.targets {
+        for axis in moving(request) {
+            let step = request.volume.step_mm(axis);
+            let shift = shift.map_or(step / 4.0, |shift| shift.mm());
+            if shift >= step / 2.0 {
+                problems.push(problem(
+                    job,
+                    "program.shift_mm",
+                    format!("targets {step} mm apart on {axis} are shifted by up to {shift} mm, expected less than half the step"),
+                    "a smaller shift, or fewer steps",
+                ));
+            }
+        }
+    }
+}
+
+/// The axes that move while readings are taken.
+pub(super) fn moving(request: &ProgramRequest) -> Vec<Axis> {
+    match request.what {
+        RunType::SingleAxis => request.axes.clone(),
+        RunType::StepDiagonal | RunType::StraightDiagonal => Axis::ALL.to_vec(),
+    }
+}
+
+/// What a person should know of the run, one sentence each.
+pub(super) fn notes(task: RunTask<'_>, programs: usize) -> Vec<String> {
+    let RunTask { job, request, .. } = task;
+    let mut notes = unchecked(job, request);
+    notes.extend(near_the_end(job, request, task.resolution()));
+    notes.extend(other_box(job, request));
+    notes.extend(protected_number(task, programs));
+    notes
+}
+
+/// The measurement that the job describes, where this run is of diagonals too; and whether it has
+/// the same nodes, so that it will describe the readings of this run.
+fn described<'a>(
+    job: &'a Job,
+    request: &ProgramRequest,
+) -> Option<(&'a DiagonalMeasurement, bool)> {
+    let MeasuredData::Diagonals(measured) = &job.measurement.data else {
+        return None;
+    };
+    let kind = request.what.path()?;
+    let same = measured.volume == request.volume && measured.kind == kind;
+    Some((measured, same))
+}
+
+/// Readings of this run must be described with this box, not with that of another measurement.
+fn other_box(job: &Job, request: &ProgramRequest) -> Option<String> {
+    let (measured, same) = described(job, request)?;
+    let turn = match (measured.overrun, request.runs_over()) {
+        (Some(stated), Some(over)) if stated != over => ", overrun",
+        _ => "",
+    };
+    (!same).then(|| {
+        format!("box, steps, order{turn} or kind differ from [measurement.step_diagonal]: change that section before the readings of this run are separated")
+    })
+}
+
+/// The section that describes the readings of this run must not say that the axes turned in
+/// another way: the reversal would be looked for where it is not.
+pub(super) fn refuse_other_turn(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
+    let (Some((measured, true)), Some(over)) = (described(job, request), request.runs_over())
+    else {
+        return;
+    };
+    let Some(stated) = measured.overrun.filter(|stated| *stated != over) else {
+        return;
+    };
+    let (does, other) = if over {
+        let mm = request.overrun.mm();
+        (
+            format!("goes {mm} mm over the far end before the way back"),
+            "`overrun_mm = 0` in [program] for a turn without it",
+        )
+    } else {
+        (
+            "turns at the last node without overrun".to_string(),
+            "an `overrun_mm` above 0 in [program]",
+        )
+    };
+    problems.push(problem(
+        job,
+        "measurement.step_diagonal.overrun",
+        format!("`overrun` is {stated}, but this run {does}: its readings would be separated with the wrong reversal"),
+        format!("write `overrun = {over}`, or {other}"),
+    ));
+}
+
+/// Only Fanuc programs have numbers.
+pub(super) fn refuse_number(task: RunTask<'_>, problems: &mut Problems) {
+    if task.request.number.is_some() && task.facts.language != Language::Fanuc {
+        problems.push(problem(
+            task.job,
+            "program.number",
+            format!(
+                "`number` is stated, but programs of `{}` have names",
+                task.profile.id
+            ),
+            "remove it",
+        ));
+    }
+}
+
+/// Numbers from here on can be protected against loading and editing.
+const PROTECTED_FROM: u32 = 8000;
+
+fn protected_number(task: RunTask<'_>, programs: usize) -> Option<String> {
+    let last = task.request.number_of(programs.saturating_sub(1));
+    (task.facts.language == Language::Fanuc && last >= PROTECTED_FROM).then(|| {
+        format!("program numbers from O{PROTECTED_FROM} on may be protected against loading and editing (parameter 3202, NE8 and NE9; from memory, not in the manuals read): take another `number`, or see to it that they are not")
+    })
+}
+
+fn unchecked(job: &Job, request: &ProgramRequest) -> Vec<String> {
+    let unknown: Vec<String> = moving(request)
+        .into_iter()
+        .filter(|axis| job.machine.axes[*axis].is_none_or(|axis| axis.max_feed.is_none()))
+        .map(|axis| axis.to_string())
+        .collect();
+    if unknown.is_empty() {
+        return Vec::new();
+    }
+    vec![format!(
+        "the feed is not checked for {}: no `max_feed_mm_per_min` is stated",
+        unknown.join(", ")
+    )]
+}
+
+pub(super) fn refuse_outside_travel(
+    job: &Job,
+    request: &ProgramRequest,
+    resolution: Resolution,
+    problems: &mut Problems,
+) {
+    let mut outside = Vec::new();
+    for axis in Axis::ALL {
+        let Some(travel) = job.machine.axes[axis] else {
+            problems.push(problem(
+                job,
+                "machine.axes",
+                format!("the travel of {axis} is not stated, so nobody could tell where the program leaves it"),
+                format!("add [machine.axes.{}] with travel_mm and reference_mm", axis.key()),
+            ));
+            continue;
+        };
+        if !moving(request).contains(&axis) {
+            continue;
+        }
+        let (low, high) = reach(request, resolution, axis);
+        let slack = resolution.digit_mm() / 100.0;
+        if low < travel.low.mm() - slack || high > travel.high.mm() + slack {
+            outside.push(format!(
+                "{axis} from {} to {} mm (travel {} … {} mm)",
+                plain(low),
+                plain(high),
+                travel.low.mm(),
+                travel.high.mm()
+            ));
+        }
+    }
+    if outside.is_empty() {
+        return;
+    }
+    problems.push(problem(
+        job,
+        request.size_path,
+        format!(
+            "with {} mm of preload and {} mm of overrun the run needs {}",
+            request.preload.mm(),
+            if request.bidirectional {
+                request.overrun.mm()
+            } else {
+                0.0
+            },
+            outside.join(", ")
+        ),
+        largest_box(job, request, resolution),
+    ));
+}
+
+/// From where to where an axis moves: both ends of a diagonal's box are start corners. What lies
+/// beside the box is rounded up to whole digits, as it is in the program.
+fn reach(request: &ProgramRequest, resolution: Resolution, axis: Axis) -> (f64, f64) {
+    let low = request.volume.start[axis].mm();
+    let high = low + request.volume.size[axis].mm();
+    let whole = |mm: f64| resolution.mm(resolution.at_least(mm));
+    let preload = whole(request.preload.mm());
+    let overrun = if request.bidirectional {
+        whole(request.overrun.mm())
+    } else {
+        0.0
+    };
+    match request.what {
+        RunType::SingleAxis => (low - preload, high + overrun),
+        RunType::StepDiagonal | RunType::StraightDiagonal => {
+            let margin = preload.max(overrun);
+            (low - margin, high + margin)
+        }
+    }
+}
+
+/// The largest box of whole steps inside the travel, as the job would state it.
+fn largest_box(job: &Job, request: &ProgramRequest, resolution: Resolution) -> String {
+    let (volume, steps) = (
+        &request.volume,
+        i64::try_from(request.volume.steps).unwrap_or(1),
+    );
+    let fitted: PerAxis<Option<(f64, f64)>> = PerAxis::from_fn(|axis| {
+        let travel = job.machine.axes[axis]?;
+        if !moving(request).contains(&axis) {
+            return Some((volume.start[axis].mm(), volume.size[axis].mm()));
+        }
+        let (low, high) = reach(request, resolution, axis);
+        let before = volume.start[axis].mm() - low;
+        let after = high - volume.start[axis].mm() - volume.size[axis].mm();
+        let first = resolution.at_least(travel.low.mm() + before);
+        let last = resolution.at_most(travel.high.mm() - after);
+        let step = (last - first) / steps;
+        (step > 0).then(|| (resolution.mm(first), resolution.mm(step * steps)))
+    });
+    let (Some(x), Some(y), Some(z)) = (fitted.x, fitted.y, fitted.z) else {
+        return "no box of that many steps fits: less preload and overrun, or fewer steps"
+            .to_string();
+    };
+    let of = |a: f64, b: f64, c: f64| format!("{{ x = {a:?}, y = {b:?}, z = {c:?} }}");
+    format!(
+        "the largest box that fits: start_mm = {} and size_mm = {} in [program]; the readings of it are described with the same box",
+        of(x.0, y.0, z.0),
+        of(x.1, y.1, z.1)
+    )
+}
+
+/// Where the other axes rest while one is measured.
+pub(super) fn refuse_rest_outside(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
+    if request.what != RunType::SingleAxis {
+        return;
+    }
+    for axis in Axis::ALL {
+        let Some(travel) = job.machine.axes[axis] else {
+            continue;
+        };
+        let rests = request.axes.iter().any(|moving| *moving != axis);
+        let place = request.rest_of(axis);
+        if rests && (place < travel.low || place > travel.high) {
+            problems.push(problem(
+                job,
+                "program.rest_mm",
+                format!(
+                    "{axis} would rest at {} mm, but the travel is {} … {} mm",
+                    plain(place.mm()),
+                    travel.low.mm(),
+                    travel.high.mm()
+                ),
+                "write `rest_mm = { x = …, y = …, z = … }` with places inside the travel",
+            ));
+        }
+    }
+}
+
+/// Less than this between a run and the end of the travel is worth a word, mm.
+const NEAR_THE_END_MM: f64 = 1.0;
+
+/// Axes that go to the very end of their travel: software limits may lie before it.
+fn near_the_end(job: &Job, request: &ProgramRequest, resolution: Resolution) -> Vec<String> {
+    let near = |axis: &Axis| {
+        let (low, high) = reach(request, resolution, *axis);
+        job.machine.axes[*axis].is_some_and(|travel| {
+            low - travel.low.mm() < NEAR_THE_END_MM || travel.high.mm() - high < NEAR_THE_END_MM
+        })
+    };
+    let axes: Vec<String> = moving(request)
+        .into_iter()
+        .filter(near)
+        .map(|axis| axis.to_string())
+        .collect();
+    if axes.is_empty() {
+        return Vec::new();
+    }
+    vec![format!(
+        "{} goes to the end of its travel: the software limits have to lie there or behind",
+        axes.join(", ")
+    )]
+}
+
+/// A coordinate without the digits that binary numbers add.
+fn plain(mm: f64) -> f64 {
+    (mm * 1e6).round() / 1e6 + 0.0
+}

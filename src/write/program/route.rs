@@ -1,0 +1,228 @@
+//! The way over the nodes of one set-up, in both directions.
+
+use crate::inputs::job::{ProgramRequest, RunType, WayBack};
+use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::write::program::places::Scale;
+use crate::write::program::{Digits, Move, Reading, SetUpProgram, Subject};
+
+/// The nodes of a set-up along the forward path.
+struct Route {
+    subject: Subject,
+    nodes: Vec<PerAxis<Digits>>,
+    moved: Vec<Option<Axis>>,
+    nominal_mm: Vec<f64>,
+    /// +1, −1 or 0: direction of each axis on the forward path.
+    ahead: PerAxis<Digits>,
+}
+
+/// The programs of a run, one for each set-up of the laser.
+pub(super) fn programs(request: &ProgramRequest, scale: &Scale) -> Vec<SetUpProgram> {
+    let routes: Vec<Route> = match request.what.path() {
+        Some(kind) => Diagonal::ALL
+            .into_iter()
+            .map(|diagonal| along_diagonal(request, scale, diagonal, kind))
+            .collect(),
+        None => request
+            .axes
+            .iter()
+            .map(|axis| along_axis(scale, *axis))
+            .collect(),
+    };
+    let program = |route: &Route| Walk::new(request, scale, route).whole();
+    routes.iter().map(program).collect()
+}
+
+fn along_diagonal(
+    request: &ProgramRequest,
+    scale: &Scale,
+    diagonal: Diagonal,
+    kind: PathKind,
+) -> Route {
+    let volume = &request.volume;
+    let count = |number: usize| Digits::try_from(number).unwrap_or(0);
+    let node = |node: usize| {
+        PerAxis::from_fn(|axis| {
+            let made = count(volume.steps_made(kind, node, axis));
+            let from_low = match diagonal.forward(axis) {
+                Direction::Plus => made,
+                Direction::Minus => count(volume.steps) - made,
+            };
+            scale.start[axis] + from_low * scale.step[axis]
+        })
+    };
+    let moved = |node: usize| {
+        let alone = kind == PathKind::Step && node > 0;
+        alone.then(|| volume.moved(node))
+    };
+    let nodes = 0..=volume.last_node(kind);
+    Route {
+        subject: Subject::Diagonal(diagonal),
+        nodes: nodes.clone().map(node).collect(),
+        moved: nodes.clone().map(moved).collect(),
+        nominal_mm: nodes
+            .map(|node| volume.nominal_mm(diagonal, kind, node))
+            .collect(),
+        ahead: PerAxis::from_fn(|axis| match diagonal.forward(axis) {
+            Direction::Plus => 1,
+            Direction::Minus => -1,
+        }),
+    }
+}
+
+fn along_axis(scale: &Scale, axis: Axis) -> Route {
+    let targets = &scale.targets[axis];
+    let first = targets.first().copied().unwrap_or(0);
+    let place = |target: &Digits| {
+        PerAxis::from_fn(|other| {
+            if other == axis {
+                *target
+            } else {
+                scale.rest[other]
+            }
+        })
+    };
+    let moved = |node: usize| (node > 0).then_some(axis);
+    Route {
+        subject: Subject::Axis(axis),
+        nodes: targets.iter().map(place).collect(),
+        moved: (0..targets.len()).map(moved).collect(),
+        nominal_mm: targets
+            .iter()
+            .map(|target| scale.resolution.mm(target - first))
+            .collect(),
+        ahead: PerAxis::from_fn(|other| Digits::from(other == axis)),
+    }
+}
+
+/// Writes the moves of a route down, keeping the place.
+struct Walk<'a> {
+    request: &'a ProgramRequest,
+    scale: &'a Scale,
+    route: &'a Route,
+    here: PerAxis<Digits>,
+    moves: Vec<Move>,
+    readings: Vec<Reading>,
+}
+
+impl<'a> Walk<'a> {
+    fn new(request: &'a ProgramRequest, scale: &'a Scale, route: &'a Route) -> Self {
+        Walk {
+            request,
+            scale,
+            route,
+            here: PerAxis::from_fn(|_| 0),
+            moves: Vec::new(),
+            readings: Vec::new(),
+        }
+    }
+
+    fn whole(mut self) -> SetUpProgram {
+        let before = self.beside(0, -self.scale.preload);
+        self.moves.push(Move::Approach(before));
+        self.here = before;
+        self.to(self.route.nodes[0]);
+        if self.request.alignment_pass {
+            self.align(before);
+        }
+        let name = self.route.subject.name();
+        let zero = format!("{name} NODE 0: ZERO THE LASER, CYCLE START");
+        self.moves.push(Move::Stop(zero));
+        for run in 1..=self.request.runs {
+            self.run(run);
+        }
+        SetUpProgram {
+            subject: self.route.subject,
+            moves: self.moves,
+            readings: self.readings,
+        }
+    }
+
+    /// To the far end and back, straight, with a halt at both ends; again through the preload.
+    fn align(&mut self, before: PerAxis<Digits>) {
+        let name = self.route.subject.name();
+        let halt = |end: &str| Move::Stop(format!("{name} {end} END: ALIGN, CYCLE START"));
+        self.moves.push(halt("NEAR"));
+        self.to(self.route.nodes[self.route.nodes.len() - 1]);
+        self.moves.push(halt("FAR"));
+        self.to(before);
+        self.to(self.route.nodes[0]);
+    }
+
+    /// One run, from node 0 in its forward direction to the place where the next one begins.
+    fn run(&mut self, run: u32) {
+        let name = self.route.subject.name();
+        let last = self.route.nodes.len() - 1;
+        self.moves
+            .push(Move::Remark(format!("{name} RUN {run} FORWARD")));
+        self.read(run, Pass::Forward, 0);
+        for node in 1..=last {
+            self.to(self.route.nodes[node]);
+            self.read(run, Pass::Forward, node);
+        }
+        if self.request.bidirectional {
+            self.moves
+                .push(Move::Remark(format!("{name} RUN {run} REVERSE")));
+            self.turn(last);
+            self.read(run, Pass::Reverse, last);
+            for node in (0..last).rev() {
+                self.to(self.route.nodes[node]);
+                self.read(run, Pass::Reverse, node);
+            }
+        } else {
+            self.moves
+                .push(Move::Remark("BACK, NO READINGS".to_string()));
+            if self.request.way_back == WayBack::Retrace {
+                for node in (0..last).rev() {
+                    self.to(self.route.nodes[node]);
+                }
+            }
+        }
+        if run < self.request.runs || !self.request.bidirectional {
+            self.to(self.beside(0, -self.scale.preload));
+            self.to(self.route.nodes[0]);
+        }
+    }
+
+    /// Over the far end and back to it, so that every axis arrives in its reverse direction.
+    fn turn(&mut self, last: usize) {
+        if self.scale.overrun > 0 {
+            self.to(self.beside(last, self.scale.overrun));
+            self.to(self.route.nodes[last]);
+        }
+    }
+
+    /// The place beside a node, on every axis that is measured by this much ahead.
+    fn beside(&self, node: usize, ahead: Digits) -> PerAxis<Digits> {
+        let route = self.route;
+        PerAxis::from_fn(|axis| route.nodes[node][axis] + ahead * route.ahead[axis])
+    }
+
+    fn to(&mut self, place: PerAxis<Digits>) {
+        let by = PerAxis::from_fn(|axis| place[axis] - self.here[axis]);
+        self.moves.push(Move::Feed(by));
+        self.here = place;
+    }
+
+    fn read(&mut self, run: u32, pass: Pass, node: usize) {
+        self.moves.push(Move::Dwell(self.readings.len()));
+        self.readings.push(Reading {
+            run,
+            pass,
+            node,
+            moved: self.route.moved[node],
+            nominal_mm: self.route.nominal_mm[node],
+            place: self.route.nodes[node],
+        });
+    }
+}
+
+/// Number of readings of one program; known before any of them is made.
+pub(super) fn readings_of(request: &ProgramRequest) -> usize {
+    let nodes = match request.what {
+        RunType::StepDiagonal => request.volume.last_node(PathKind::Step) + 1,
+        RunType::StraightDiagonal | RunType::SingleAxis => request.volume.steps + 1,
+    };
+    let passes = if request.bidirectional { 2 } else { 1 };
+    nodes * passes * usize::try_from(request.runs).unwrap_or(1)
+}

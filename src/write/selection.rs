@@ -1,0 +1,396 @@
+//! A control with fewer tables than terms: which terms get one, and which get two.
+//!
+//! A term can be left without a table, take the mean of both directions, or take what the policy
+//! asks for (two tables, one for each direction). The tables go to the combination that leaves
+//! the smallest largest error in the volume. For every combination that the control can hold and
+//! that cannot be enlarged, the error vector left at a point is the sum of what the three axes
+//! leave,
+//!
+//! ```text
+//!   e(x, y, z) = v_X(x) + v_Y(y) + v_Z(z),   v_A = Σ terms along A of deviation(direction) − table(direction)
+//! ```
+//! and its largest length over all measured positions and directions decides. On straight curve
+//! pieces a length is largest at the ends of the pieces, so with linear curves the search over
+//! the measured positions is exact; with cubic ones it is exact at the measured positions.
+//! Angular errors are not part of it; grid and rounding are not either, they are far smaller than
+//! a term without a table.
+
+use crate::machine::model::{ErrorModel, Measured};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::curve::ErrorCurve;
+use crate::quantity::units::Millimetres;
+use crate::write::target::{Omission, TermTargets};
+use std::collections::HashMap;
+
+type Vector = [f64; 3];
+
+/// What one term costs of a limited resource.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cost {
+    /// Which error.
+    pub term: ErrorTerm,
+    /// Tables (or straightness sets) that it takes as the policy asks.
+    pub tables: u32,
+    /// Tables that the mean of both directions takes, where that can stand in for two tables.
+    pub mean_tables: Option<u32>,
+}
+
+/// How many tables of a kind a control has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Tables of the control.
+    pub tables: u32,
+    /// How many of them are in use already.
+    pub used: u32,
+    /// What they are called.
+    pub resource: &'static str,
+    /// The key of the job that says which are in use.
+    pub key: &'static str,
+}
+
+impl Budget {
+    fn free(&self) -> u32 {
+        self.tables.saturating_sub(self.used)
+    }
+
+    fn words(&self, wanted: u32) -> String {
+        let Budget {
+            tables,
+            used,
+            resource,
+            key,
+        } = self;
+        if *used == 0 {
+            format!("the control has {tables} {resource} for {wanted}")
+        } else {
+            format!(
+                "the control has {tables} {resource}, of which {used} are in use (`{key}`), for {wanted}"
+            )
+        }
+    }
+}
+
+/// A term that gets the mean of both directions instead of two tables.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reduction {
+    /// Which error.
+    pub term: ErrorTerm,
+    /// Why, in a sentence.
+    pub reason: String,
+}
+
+/// The outcome of a choice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// Terms that get no table.
+    pub omitted: Vec<Omission>,
+    /// Terms that get the mean of both directions.
+    pub reduced: Vec<Reduction>,
+    /// Largest error vector in the measured volume that the chosen tables leave, µm.
+    pub left_um: f64,
+}
+
+/// What a term gets; in the order of what it costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+enum Form {
+    Nothing,
+    Mean,
+    Whole,
+}
+
+impl Cost {
+    /// What the term can get. A mean that costs nothing is always taken rather than nothing.
+    fn forms(&self) -> Vec<(Form, u32)> {
+        let nothing = (self.mean_tables != Some(0)).then_some((Form::Nothing, 0));
+        let mean = self.mean_tables.map(|tables| (Form::Mean, tables));
+        let whole = Some((Form::Whole, self.tables));
+        [nothing, mean, whole].into_iter().flatten().collect()
+    }
+
+    fn of_form(&self, form: Form) -> u32 {
+        match form {
+            Form::Nothing => 0,
+            Form::Mean => self.mean_tables.unwrap_or(0),
+            Form::Whole => self.tables,
+        }
+    }
+}
+
+/// The best combination within a budget; `None` if all terms fit as they are wanted.
+pub fn choose(
+    model: &ErrorModel,
+    targets: &[TermTargets],
+    costs: &[Cost],
+    budget: Budget,
+) -> Option<Choice> {
+    let wanted: u32 = costs.iter().map(|cost| cost.tables).sum();
+    if wanted <= budget.free() {
+        return None;
+    }
+    let mut parts = Parts::of(model, targets, costs);
+    let mut best: Option<(f64, Vec<Form>)> = None;
+    for forms in maximal(costs, budget.free()) {
+        let limit = best.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
+        let left = parts.largest(&forms, limit + TIE_UM);
+        // A hair's breadth of a difference is no reason to prefer a combination of fewer terms.
+        let better = best.as_ref().is_none_or(|(least, chosen)| {
+            left < least - TIE_UM || (left < least + TIE_UM && weight(&forms) > weight(chosen))
+        });
+        if better {
+            best = Some((left, forms));
+        }
+    }
+    let (left_um, forms) = best?;
+    Some(explain(
+        &mut parts,
+        costs,
+        &forms,
+        left_um,
+        &budget.words(wanted),
+    ))
+}
+
+/// Two largest errors closer than this are equal, µm.
+const TIE_UM: f64 = 1e-9;
+
+/// Terms with a table, then terms with all their tables.
+fn weight(forms: &[Form]) -> (usize, usize) {
+    let count = |least: Form| forms.iter().filter(|form| **form >= least).count();
+    (count(Form::Mean), count(Form::Whole))
+}
+
+/// All combinations within `free` tables of which no term can get more.
+fn maximal(costs: &[Cost], free: u32) -> Vec<Vec<Form>> {
+    let mut combinations: Vec<(Vec<Form>, u32)> = vec![(Vec::new(), 0)];
+    for cost in costs {
+        let longer = |(forms, used): &(Vec<Form>, u32)| {
+            let (forms, used) = (forms.clone(), *used);
+            cost.forms().into_iter().filter_map(move |(form, tables)| {
+                let used = used + tables;
+                let with = || forms.iter().copied().chain([form]).collect();
+                (used <= free).then(|| (with(), used))
+            })
+        };
+        combinations = combinations.iter().flat_map(longer).collect();
+    }
+    combinations
+        .into_iter()
+        .filter(|(forms, used)| {
+            costs.iter().zip(forms).all(|(cost, form)| {
+                let more = cost.forms().into_iter().filter(|(other, _)| other > form);
+                more.into_iter()
+                    .all(|(_, tables)| used - cost.of_form(*form) + tables > free)
+            })
+        })
+        .map(|(forms, _)| forms)
+        .collect()
+}
+
+fn explain(
+    parts: &mut Parts,
+    costs: &[Cost],
+    forms: &[Form],
+    left_um: f64,
+    shortage: &str,
+) -> Choice {
+    let mut choice = Choice {
+        omitted: Vec::new(),
+        reduced: Vec::new(),
+        left_um,
+    };
+    for (index, (cost, form)) in costs.iter().zip(forms).enumerate() {
+        let mut fuller = forms.to_vec();
+        fuller[index] = Form::Whole;
+        let term = cost.term;
+        let with = if *form == Form::Whole {
+            continue;
+        } else {
+            parts.largest(&fuller, f64::INFINITY)
+        };
+        let left =
+            format!("{shortage}; the chosen tables leave at most {left_um:.1} µm in the volume");
+        if *form == Form::Nothing {
+            let reason = format!("{left} ({with:.1} µm if there were a table for {term} too)");
+            choice.omitted.push(Omission { term, reason });
+        } else {
+            let reason = format!(
+                "{term}: the mean of both directions is used instead of two tables; {left} ({with:.1} µm with two tables for {term})"
+            );
+            choice.reduced.push(Reduction { term, reason });
+        }
+    }
+    choice
+}
+
+/// What one axis contributes at one of its positions in one direction.
+struct State {
+    /// For each term along the axis: what is left without a table, with the mean, with all.
+    terms: Vec<(ErrorTerm, [f64; 3])>,
+}
+
+/// What the axes leave; the vectors of an axis depend on the forms of its own terms only.
+struct Parts {
+    states: PerAxis<Vec<State>>,
+    terms: Vec<ErrorTerm>,
+    known: PerAxis<HashMap<Vec<Form>, Vec<Vector>>>,
+}
+
+impl Parts {
+    fn of(model: &ErrorModel, targets: &[TermTargets], costs: &[Cost]) -> Parts {
+        Parts {
+            states: PerAxis::from_fn(|axis| states_of(model, targets, axis)),
+            terms: costs.iter().map(|cost| cost.term).collect(),
+            known: PerAxis::from_fn(|_| HashMap::new()),
+        }
+    }
+
+    /// Largest error vector if the terms have tables of these forms, and all terms that cost
+    /// nothing have theirs. Above `enough` any larger value may be returned.
+    fn largest(&mut self, forms: &[Form], enough: f64) -> f64 {
+        let keys = PerAxis::from_fn(|axis| self.key(axis, forms));
+        for axis in Axis::ALL {
+            if !self.known[axis].contains_key(&keys[axis]) {
+                let vectors = vectors_of(&self.states[axis], |term| self.form_of(term, forms));
+                self.known[axis].insert(keys[axis].clone(), vectors);
+            }
+        }
+        let set = |axis: Axis| {
+            self.known[axis]
+                .get(&keys[axis])
+                .map_or(&[][..], Vec::as_slice)
+        };
+        largest_sum([set(Axis::X), set(Axis::Y), set(Axis::Z)], enough)
+    }
+
+    fn key(&self, axis: Axis, forms: &[Form]) -> Vec<Form> {
+        let of_terms = self.terms.iter().zip(forms);
+        of_terms
+            .filter(|(term, _)| term.along == axis)
+            .map(|(_, form)| *form)
+            .collect()
+    }
+
+    fn form_of(&self, term: ErrorTerm, forms: &[Form]) -> Form {
+        let index = self.terms.iter().position(|own| *own == term);
+        index.map_or(Form::Whole, |index| forms[index])
+    }
+}
+
+fn states_of(model: &ErrorModel, targets: &[TermTargets], axis: Axis) -> Vec<State> {
+    let mut states = Vec::new();
+    for direction in directions_of(model, axis) {
+        for position in positions_of(model, axis, *direction) {
+            let terms = model
+                .measured()
+                .filter(|(term, _)| term.along == axis)
+                .filter_map(|(term, measured)| {
+                    let curve = measured.measured.curve(*direction)?;
+                    let deviation = curve.at(position).um();
+                    let own = targets.iter().find(|t| t.term == term);
+                    let whole = own.and_then(|t| t.curve(*direction));
+                    let mean = own.and_then(|t| t.mean.as_ref()).or(whole);
+                    let left = |table: Option<&ErrorCurve>| {
+                        deviation - table.map_or(0.0, |curve| curve.at(position).um())
+                    };
+                    Some((term, [deviation, left(mean), left(whole)]))
+                })
+                .collect();
+            states.push(State { terms });
+        }
+    }
+    states
+}
+
+/// The directions in which an axis has curves of its own; without directions one tells all.
+fn directions_of(model: &ErrorModel, axis: Axis) -> &'static [Direction] {
+    let undirected = model
+        .measured()
+        .filter(|(term, _)| term.along == axis)
+        .all(|(_, measured)| matches!(measured.measured, Measured::Undirected(_)));
+    if undirected {
+        &[Direction::Plus]
+    } else {
+        &Direction::BOTH
+    }
+}
+
+fn positions_of(model: &ErrorModel, axis: Axis, direction: Direction) -> Vec<Millimetres> {
+    let mut positions: Vec<Millimetres> = model
+        .measured()
+        .filter(|(term, _)| term.along == axis)
+        .filter_map(|(_, measured)| measured.measured.curve(direction))
+        .flat_map(|curve| curve.knots().iter().copied())
+        .collect();
+    positions.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
+    positions.dedup();
+    positions
+}
+
+/// What the states leave, longest first, so that a search can end early.
+fn vectors_of(states: &[State], form_of: impl Fn(ErrorTerm) -> Form) -> Vec<Vector> {
+    let mut vectors: Vec<Vector> = states
+        .iter()
+        .map(|state| {
+            let mut vector = [0.0; 3];
+            for (term, left) in &state.terms {
+                vector[component(term.of)] += match form_of(*term) {
+                    Form::Nothing => left[0],
+                    Form::Mean => left[1],
+                    Form::Whole => left[2],
+                };
+            }
+            vector
+        })
+        .collect();
+    vectors.sort_by(|a, b| length(*b).total_cmp(&length(*a)));
+    if vectors.iter().all(|v| length(*v) < TIE_UM) {
+        vectors.truncate(1);
+    }
+    if vectors.is_empty() {
+        vectors.push([0.0; 3]);
+    }
+    vectors
+}
+
+fn component(axis: Axis) -> usize {
+    match axis {
+        Axis::X => 0,
+        Axis::Y => 1,
+        Axis::Z => 2,
+    }
+}
+
+fn length(v: Vector) -> f64 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}
+
+fn sum(a: Vector, b: Vector) -> Vector {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// Largest |a + b + c| over three sets of vectors, each with its longest first; the search ends
+/// as soon as it is above `enough`. A partial sum that cannot beat the best even with the longest
+/// partner is passed over.
+fn largest_sum([first, second, third]: [&[Vector]; 3], enough: f64) -> f64 {
+    let longest = |set: &[Vector]| set.first().map_or(0.0, |v| length(*v));
+    let (of_second, of_third) = (longest(second), longest(third));
+    let mut best = 0.0_f64;
+    for a in first {
+        if length(*a) + of_second + of_third <= best {
+            break;
+        }
+        for b in second {
+            let partial = sum(*a, *b);
+            if length(partial) + of_third <= best {
+                continue;
+            }
+            for c in third {
+                best = best.max(length(sum(partial, *c)));
+            }
+            if best > enough {
+                return best;
+            }
+        }
+    }
+    best
+}
