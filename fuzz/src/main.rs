@@ -37,7 +37,7 @@ const USAGE: &str = "\
 cargo run --release --manifest-path fuzz/Cargo.toml -- [--seconds N | --hours N] [--cases N] [--jobs N] [--seed N]
                                                        [--only TARGET] [--keep DIR]
                                                     -- replay FILE      run one case again
-                                                    -- distil DIR       make corpus/ anew from what --keep kept";
+                                                    -- distil DIR [TARGET]   make corpus/ anew from what --keep kept";
 
 /// Stacks of the program's threads are as small as on any system.
 fn main() -> ExitCode {
@@ -49,8 +49,8 @@ fn main() -> ExitCode {
             as_worker(place, [seed, time, cases], only.first().copied())
         }
         ["replay", path] => replay(Path::new(path)),
-        ["distil", run] => {
-            distil::distil(Path::new(run));
+        ["distil", run, ref only @ ..] => {
+            distil::distil(Path::new(run), only.first().copied());
             ExitCode::SUCCESS
         }
         _ => match plan(&words) {
