@@ -12,7 +12,7 @@ use super::{ensure_free, not_written};
 use crate::cli::inputs::{file_names, input_at, read_file, with_suffix};
 use crate::cli::say;
 use crate::kit::manifest::MANIFEST;
-use crate::text::document::sha256;
+use crate::text::document::{json_page, sha256};
 use crate::text::problem::Problems;
 use std::fs;
 use std::io::Result;
@@ -106,7 +106,7 @@ fn unchanged_files(directory: &Path) -> Option<Vec<String>> {
         return None;
     }
     let bytes = |name: &str| read_file(&directory.join(name)).ok();
-    let manifest: serde_json::Value = serde_json::from_slice(&bytes(MANIFEST)?).ok()?;
+    let manifest = json_page(&bytes(MANIFEST)?).ok()?;
     let listed = manifest["files"].as_array()?;
     let unchanged = |name: &String| {
         let entry = listed.iter().find(|entry| entry["path"] == name.as_str());

@@ -67,7 +67,10 @@ struct Line {
 
 /// The code of a line: upper case, without comment, block number, blanks and checksum.
 fn code(text: &str) -> String {
-    let text = without_checksum(text);
+    let text = match text.trim_ascii() {
+        "" => return String::new(), // a file can hold millions of blank lines
+        _ => without_checksum(text),
+    };
     let code = text.split(';').next().unwrap_or_default();
     let code: String = code
         .chars()
