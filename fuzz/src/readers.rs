@@ -2,24 +2,26 @@
 //! refusal comes to; src/case.rs judges it.
 
 use crate::bundle::Bundle;
-use nonius::quantity::axis::{Axis, Direction};
 use nonius::control::controller::{Dialect, FanucFacts, Origin, Profile, builtin, load};
-use nonius::text::delimited::LengthUnit;
-use nonius::text::document::Source;
 use nonius::inputs::error_table::{ErrorTable, Remarks};
 use nonius::inputs::import::choices::{
     Decimal, Encoding, MaterialCorrected, Rows, Runs as Travelled, Sign, Travel, Values as Counted,
 };
 use nonius::inputs::import::stated::Stated;
-use nonius::inputs::import::{Component, Format, Measurement, import as import_file, measured_runs};
+use nonius::inputs::import::{
+    Component, Format, Measurement, import as import_file, measured_runs,
+};
 use nonius::inputs::job::{Job, UseOf};
 use nonius::inputs::nc::{G43WithoutH, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
-use nonius::text::problem::{Problem, Problems};
+use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
+use nonius::machine::standards::{iso_230_2, vdi_3441};
+use nonius::quantity::axis::{Axis, Direction};
 use nonius::read::readback::{
     control_data, fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
-use nonius::machine::standards::{iso_230_2, vdi_3441};
-use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
+use nonius::text::delimited::LengthUnit;
+use nonius::text::document::Source;
+use nonius::text::problem::{Problem, Problems};
 use std::sync::OnceLock;
 
 /// What a reader answered, in words.
@@ -211,7 +213,8 @@ pub fn archive(input: &[u8]) -> Answer {
     Ok(answer)
 }
 
-const CONTROL_UNIT: nonius::control::controller::LengthUnit = nonius::control::controller::LengthUnit::Millimetre;
+const CONTROL_UNIT: nonius::control::controller::LengthUnit =
+    nonius::control::controller::LengthUnit::Millimetre;
 
 /// A built-in profile; each is read once, before the first case counts.
 pub fn built_in(id: &str) -> Result<Profile, Problems> {
