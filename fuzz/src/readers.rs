@@ -31,12 +31,13 @@ pub type Answer = Result<String, Problems>;
 pub fn job(input: &[u8]) -> Answer {
     let figures = Job::read_for(Source::from_bytes("job.toml", input)?, UseOf::Figures);
     let job = Job::read(Source::from_bytes("job.toml", input)?)?;
-    figures.map(|_| job.machine.name)
+    figures.map(|_| format!("{:?}", job.measurement.data))
 }
 
 /// A profile with its templates; the first file is the profile.
 pub fn profile(input: &[u8]) -> Answer {
-    profile_of(&Bundle::read(input), None).map(|profile| profile.name)
+    let profile = profile_of(&Bundle::read(input), None)?;
+    Ok(format!("{} {}", profile.id, profile.statements.len()))
 }
 
 /// A profile of a bundle, by its name; the first file that is one without a name.
@@ -124,22 +125,15 @@ pub fn import(input: &[u8]) -> Answer {
             option => state(&mut stated, option, pair[1]),
         }
     }
-    let runs = measured_runs(
-        file,
-        encoding,
-        &Stated {
-            columns: None,
-            ..stated.clone()
-        },
-    )
-    .map_or(String::new(), |runs| format!("{:?}", runs.facts));
+    let single = Stated {
+        columns: None,
+        ..stated.clone()
+    };
+    let runs = measured_runs(file, encoding, &single).is_ok();
     let imported = import_file(file, from, encoding, &stated)?;
-    Ok(format!(
-        "{}\n{}\n{:?}\n{runs}",
-        imported.text,
-        imported.facts.join("\n"),
-        imported.warnings
-    ))
+    // Facts and warnings are made fit for a terminal where they are printed; the target `commands` looks at that.
+    let (facts, warnings) = (imported.facts.len(), imported.warnings.len());
+    Ok(format!("{}\n{facts} {warnings} {runs}", imported.text))
 }
 
 fn by<T: Copy>(all: &[T], word: impl Fn(T) -> &'static str, text: &str) -> Option<T> {
