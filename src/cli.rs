@@ -124,11 +124,16 @@ impl Answer {
 
 /// Runs the program with its arguments (the first is its name) and gives the exit status.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let arguments = match Arguments::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let arguments = match Arguments::try_parse_from(&arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
             // Help and version are answers, everything else is wrong usage (2).
             let failed = error.use_stderr();
+            if failed && arguments.iter().any(|argument| is_foreign(argument)) {
+                say(&error.render().to_string());
+                return could_not();
+            }
             return if error.print().is_ok() && !failed {
                 ExitCode::SUCCESS
             } else {
@@ -144,6 +149,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             could_not()
         }
     }
+}
+
+/// Whether an argument holds what a terminal may obey; it is not repeated as it is.
+fn is_foreign(argument: &OsString) -> bool {
+    argument.to_string_lossy().chars().any(plain::is_unseen)
 }
 
 /// Exit status 2: could not do it.

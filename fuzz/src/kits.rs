@@ -3,18 +3,18 @@
 use crate::bundle::Bundle;
 use crate::grammar::{self, Family};
 use crate::readers::{Answer, built_in, profile_of};
-use nonius::judge::active::{ReadOutFor, from_kit, from_read_out};
 use nonius::control::controller::{Dialect, Profile, Role};
-use nonius::text::document::Source;
 use nonius::inputs::error_table::{self, Draft, ErrorTable};
 use nonius::inputs::job::{ActiveTables, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
-use nonius::kit::{Inputs, generate as make, hashed, verify as judge};
-use nonius::text::problem::{Problem, Problems};
-use nonius::read::readback::kit::KitFile;
 use nonius::inputs::readings::Readings;
+use nonius::judge::active::{ReadOutFor, from_kit, from_read_out};
+use nonius::kit::{Inputs, generate as make, hashed, verify as judge};
 use nonius::machine::separation::prepare::{NamedTables, campaign};
 use nonius::machine::separation::straight::straight;
 use nonius::machine::separation::{separate, table};
+use nonius::read::readback::kit::KitFile;
+use nonius::text::document::Source;
+use nonius::text::problem::{Problem, Problems};
 
 fn source(bundle: &Bundle, name: &str) -> Result<Source, Problems> {
     let bytes = bundle

@@ -13,13 +13,11 @@ use std::process::{Command, ExitCode};
 const AS_WRAPPER: &str = "NONIUS_FUZZ_WRAPPER";
 
 /// One 8-bit counter for every edge between basic blocks (Clang's SanitizerCoverage, in LLVM).
-const COUNTERS: [&str; 6] = [
+const COUNTERS: [&str; 4] = [
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=3",
     "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
     "-Cllvm-args=-sanitizer-coverage-prune-blocks=1",
-    "--cfg=fuzzing",
-    "--check-cfg=cfg(fuzzing)",
 ];
 
 fn main() -> ExitCode {

@@ -39,7 +39,6 @@ cargo run --release --manifest-path fuzz/Cargo.toml -- [--seconds N | --hours N]
                                                     -- replay FILE      run one case again
                                                     -- distil DIR [TARGET]   make corpus/ anew from what --keep kept";
 
-/// Stacks of the program's threads are as small as on any system.
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();

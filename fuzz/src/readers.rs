@@ -2,24 +2,26 @@
 //! refusal comes to; src/case.rs judges it.
 
 use crate::bundle::Bundle;
-use nonius::quantity::axis::{Axis, Direction};
 use nonius::control::controller::{Dialect, FanucFacts, Origin, Profile, builtin, load};
-use nonius::text::delimited::LengthUnit;
-use nonius::text::document::Source;
 use nonius::inputs::error_table::{ErrorTable, Remarks};
 use nonius::inputs::import::choices::{
     Decimal, Encoding, MaterialCorrected, Rows, Runs as Travelled, Sign, Travel, Values as Counted,
 };
 use nonius::inputs::import::stated::Stated;
-use nonius::inputs::import::{Component, Format, Measurement, import as import_file, measured_runs};
+use nonius::inputs::import::{
+    Component, Format, Measurement, import as import_file, measured_runs,
+};
 use nonius::inputs::job::{Job, UseOf};
 use nonius::inputs::nc::{G43WithoutH, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
-use nonius::text::problem::{Problem, Problems};
+use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
+use nonius::machine::standards::{iso_230_2, vdi_3441};
+use nonius::quantity::axis::{Axis, Direction};
 use nonius::read::readback::{
     control_data, fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
-use nonius::machine::standards::{iso_230_2, vdi_3441};
-use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
+use nonius::text::delimited::LengthUnit;
+use nonius::text::document::Source;
+use nonius::text::problem::{Problem, Problems};
 use std::sync::OnceLock;
 
 /// What a reader answered, in words.
@@ -29,12 +31,13 @@ pub type Answer = Result<String, Problems>;
 pub fn job(input: &[u8]) -> Answer {
     let figures = Job::read_for(Source::from_bytes("job.toml", input)?, UseOf::Figures);
     let job = Job::read(Source::from_bytes("job.toml", input)?)?;
-    figures.map(|_| job.machine.name)
+    figures.map(|_| format!("{:?}", job.measurement.data))
 }
 
 /// A profile with its templates; the first file is the profile.
 pub fn profile(input: &[u8]) -> Answer {
-    profile_of(&Bundle::read(input), None).map(|profile| profile.name)
+    let profile = profile_of(&Bundle::read(input), None)?;
+    Ok(format!("{} {}", profile.id, profile.statements.len()))
 }
 
 /// A profile of a bundle, by its name; the first file that is one without a name.
@@ -122,22 +125,15 @@ pub fn import(input: &[u8]) -> Answer {
             option => state(&mut stated, option, pair[1]),
         }
     }
-    let runs = measured_runs(
-        file,
-        encoding,
-        &Stated {
-            columns: None,
-            ..stated.clone()
-        },
-    )
-    .map_or(String::new(), |runs| format!("{:?}", runs.facts));
+    let single = Stated {
+        columns: None,
+        ..stated.clone()
+    };
+    let runs = measured_runs(file, encoding, &single).is_ok();
     let imported = import_file(file, from, encoding, &stated)?;
-    Ok(format!(
-        "{}\n{}\n{:?}\n{runs}",
-        imported.text,
-        imported.facts.join("\n"),
-        imported.warnings
-    ))
+    // Facts and warnings are made fit for a terminal where they are printed; the target `commands` looks at that.
+    let (facts, warnings) = (imported.facts.len(), imported.warnings.len());
+    Ok(format!("{}\n{facts} {warnings} {runs}", imported.text))
 }
 
 fn by<T: Copy>(all: &[T], word: impl Fn(T) -> &'static str, text: &str) -> Option<T> {
@@ -211,7 +207,8 @@ pub fn archive(input: &[u8]) -> Answer {
     Ok(answer)
 }
 
-const CONTROL_UNIT: nonius::control::controller::LengthUnit = nonius::control::controller::LengthUnit::Millimetre;
+const CONTROL_UNIT: nonius::control::controller::LengthUnit =
+    nonius::control::controller::LengthUnit::Millimetre;
 
 /// A built-in profile; each is read once, before the first case counts.
 pub fn built_in(id: &str) -> Result<Profile, Problems> {
