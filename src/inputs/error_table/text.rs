@@ -191,7 +191,7 @@ mod tests {
     fn comments_come_first_and_axes_in_their_order() {
         let text = write(&draft());
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], "# first line");
+        assert_eq!(lines[0], "# first�line");
         assert_eq!(
             lines[1],
             "axis,direction,position_mm,ex_um,ey_um,ec_urad,u_ex_um"
