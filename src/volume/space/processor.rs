@@ -54,6 +54,7 @@ impl Tally {
 }
 
 /// Bin of a distance, by the routine that decides.
+#[inline]
 pub(super) fn bin(p: &Vector, q: &Vector, bin_um: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
