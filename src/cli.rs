@@ -17,6 +17,7 @@ mod inputs;
 mod outcome;
 mod path;
 mod program;
+mod screen;
 mod separate;
 mod shell;
 mod show;
