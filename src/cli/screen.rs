@@ -3,6 +3,7 @@
 
 use super::show::paragraphs;
 use clap::Args;
+use std::io::IsTerminal;
 
 /// Findings on the screen; those that decide the verdict stand under it and are not counted.
 const MOST_FINDINGS: usize = 5;
@@ -88,8 +89,16 @@ impl Screen {
     }
 }
 
-/// Lines that are longer than the screen, broken at blanks; what follows is indented.
+/// For a person's screen: lines that are longer, broken at blanks; what follows is indented. Another
+/// program gets its lines whole.
 pub(super) fn wrapped(text: &str) -> String {
+    match std::io::stdout().is_terminal() {
+        true => broken_lines(text),
+        false => text.to_string(),
+    }
+}
+
+fn broken_lines(text: &str) -> String {
     let lines: Vec<String> = text.lines().map(broken).collect();
     lines.join("\n")
 }
@@ -116,12 +125,12 @@ fn broken(line: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Detail, More, Screen, wrapped};
+    use super::{Detail, More, Screen, broken_lines};
 
     #[test]
     fn long_lines_are_broken_at_blanks_and_lose_nothing() {
         let line = format!("  verdict: {}", "word ".repeat(60).trim_end());
-        let page = wrapped(&line);
+        let page = broken_lines(&line);
         assert!(page.lines().all(|line| line.chars().count() <= 100));
         assert!(
             page.lines()
@@ -130,7 +139,7 @@ mod tests {
         );
         let words = |text: &str| text.split_whitespace().count();
         assert_eq!(words(&page), words(&line));
-        assert_eq!(wrapped("a  b\nc"), "a  b\nc");
+        assert_eq!(broken_lines("a  b\nc"), "a  b\nc");
     }
 
     #[test]
