@@ -16,6 +16,8 @@
 //! Levers count from the middle of the box: another origin, or a tool offset, moves the machine's
 //! own figures along with the readings.
 
+use crate::inputs::job::StatedUncertainty;
+
 use super::curves::noise_gain;
 use super::metric::{PerPlane, Plane};
 use super::plane::per_plane;
@@ -311,4 +313,15 @@ impl<'a> Rotated<'a> {
             change.totals_um[term] += step;
         }
     }
+}
+
+/// Uncertainty of φ by the unmeasured angles with the bound that the job states, µm/m.
+pub(super) fn counted_angles(
+    bound: Option<&AngleBound>,
+    stated: &StatedUncertainty,
+) -> PerPlane<f64> {
+    let counted = bound.zip(stated.angle_urad);
+    counted.map_or_else(PerPlane::default, |(bound, urad)| {
+        bound.squareness_um_per_m.map(|u| urad * u)
+    })
 }

@@ -3,8 +3,9 @@
 //! The patterns are kept as an orthonormal basis in the metric of C⁻¹, so that
 //! P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step.
 
+use crate::quantity::diagonal::PerDiagonal;
+
 use crate::machine::separation::banded::{Banded, Factor};
-use crate::machine::separation::closure::RunCounts;
 use crate::machine::separation::curves::closure_sign;
 use crate::machine::separation::increments::Group;
 use crate::machine::separation::outlier::{MOST_OUTLIERS, Outlier, ReadingPlace, stands_out};
@@ -321,3 +322,6 @@ fn covariance(
     }
     matrix
 }
+
+/// How many runs stand behind the mean readings.
+pub type RunCounts = PerDiagonal<[f64; 2]>;
