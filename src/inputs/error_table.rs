@@ -11,10 +11,9 @@ mod rows;
 mod series;
 mod text;
 
-pub use self::series::Series;
-
 pub use self::columns::Heading;
 pub use self::remarks::{Remarks, SIMULATED};
+pub use self::series::Series;
 pub use self::text::{Draft, DraftSeries, write};
 
 use self::columns::{Columns, FIRST_LINE};
@@ -117,6 +116,7 @@ mod tests {
     #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
     use super::*;
+    use crate::quantity::units::Millimetres;
 
     #[test]
     fn quotation_marks_and_empty_rows_do_not_matter() {

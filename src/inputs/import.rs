@@ -39,11 +39,10 @@ mod rtl_tested;
 mod rtl_texts;
 pub mod stated;
 
-use self::reading::Reading;
-pub use self::reading::{Measurement, Squareness};
-
 pub use self::component::{Component, Kind, terms_of};
 pub use self::format::Format;
+use self::reading::Reading;
+pub use self::reading::{Measurement, Squareness};
 pub use self::rtl_tested::{MeasuredRuns, measured_runs};
 
 use self::choices::Encoding;

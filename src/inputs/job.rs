@@ -23,22 +23,17 @@ mod read_places;
 mod read_program;
 mod read_words;
 
-pub use self::limits::{Acceptance, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits};
-
+pub use self::active::{ActiveSettings, ActiveTables, NotMeasured};
 pub use self::compensation::{
     AxisSettings, BacklashPolicy, Compensation, GridRequest, OutsideMeasured, UseOf, WantedTerms,
 };
-
-pub use self::measurement::{MeasuredData, Measurement};
-
-pub use self::machine::{Machine, MachineAxis};
-
-pub use self::active::{ActiveSettings, ActiveTables, NotMeasured};
 pub use self::diagonals::{
     AxisMaterial, Beam, DiagonalMeasurement, Frame, Levers, Linear, LinearSlope, Material,
     Reflector, SetUp, StatedUncertainty,
 };
-
+pub use self::limits::{Acceptance, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits};
+pub use self::machine::{Machine, MachineAxis};
+pub use self::measurement::{MeasuredData, Measurement};
 pub use self::path::PathRequest;
 pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 

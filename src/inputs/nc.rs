@@ -24,10 +24,9 @@ mod run;
 pub mod scan;
 mod setup;
 
+pub use self::moves::{Arc, Move, Place, Plane, Shape};
 pub(crate) use self::setup::EXTENDED;
 pub use self::setup::{G43WithoutH, Setup, WithoutPoint, system_name, system_number};
-
-pub use self::moves::{Arc, Move, Place, Plane, Shape};
 #[cfg(test)]
 mod tests;
 

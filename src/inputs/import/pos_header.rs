@@ -1,7 +1,6 @@
 //! Lines `Key: value` above and below the tables of a `.pos` file; several may share a line.
 
 use crate::inputs::import::lines::{Word, lines};
-
 use crate::text::delimited::LengthUnit;
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};

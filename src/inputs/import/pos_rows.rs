@@ -1,10 +1,8 @@
 //! The two tables of a `.pos` file: measured rows, and the maker's averages.
 
-use crate::text::delimited::plain_number;
-
 use crate::inputs::import::lines::{Line, lines, looks_like_number};
-use crate::inputs::import::pos_header::AGAIN;
-use crate::inputs::import::pos_header::Header;
+use crate::inputs::import::pos_header::{AGAIN, Header};
+use crate::text::delimited::plain_number;
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems, shown};
 

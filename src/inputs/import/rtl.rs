@@ -8,11 +8,10 @@
 //! A deviation belongs to the target whose number stands in its line; the order of the lines means
 //! nothing. docs/import.md §2 names the sources.
 
-use crate::inputs::import::rtl_file::File;
-
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::choices::Sign;
 use crate::inputs::import::placing::Placing;
+use crate::inputs::import::rtl_file::File;
 use crate::inputs::import::rtl_runs::Travelled;
 use crate::inputs::import::rtl_sections::Sections;
 use crate::inputs::import::rtl_texts::{

@@ -1,13 +1,12 @@
 //! Job TOML → [`crate::inputs::job::Job`]: every key of contract §2.3, and nothing else.
 
-use crate::inputs::job::read_words::{
-    LARGEST_LIMIT, SMALLEST_LIMIT, axes, direction, refuse_control_characters,
-};
-
 use crate::inputs::job::read_compensation::compensation;
 use crate::inputs::job::read_measurement::measurement;
 use crate::inputs::job::read_path::path;
 use crate::inputs::job::read_program::program;
+use crate::inputs::job::read_words::{
+    LARGEST_LIMIT, SMALLEST_LIMIT, axes, direction, refuse_control_characters,
+};
 use crate::inputs::job::{
     Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis,
     Measurement, PathRequest, ProgramRequest, UseOf,

@@ -1,10 +1,9 @@
 //! `[measurement.step_diagonal]` of a job: how the body diagonals were measured.
 
+use crate::inputs::job::read_beams::{beams, linear};
 use crate::inputs::job::read_places::{
     Axes, TRAVEL_TOLERANCE_MM, between, order, places, size, steps,
 };
-
-use crate::inputs::job::read_beams::{beams, linear};
 use crate::inputs::job::read_words::direction;
 use crate::inputs::job::{AxisMaterial, DiagonalMeasurement, Frame, Material, Reflector, SetUp};
 use crate::quantity::axis::{Axis, Direction, PerAxis};

@@ -9,12 +9,9 @@
 //! R and Z stay as they were written. What they count from, zero or the level above, is the mode (G90,
 //! G91) of the block that drills, as in RS274/NGC: their numbers are modal, their meaning is not.
 
-use crate::inputs::nc::depths::Depth;
-
-use crate::inputs::nc::depths::Cycle;
-
 use crate::inputs::nc::block::{Block, Span};
 use crate::inputs::nc::codes::Level;
+use crate::inputs::nc::depths::{Cycle, Depth};
 use crate::inputs::nc::interpreter::{AXES, Interpreter, first_span};
 use crate::inputs::nc::scan::Wrong;
 use crate::inputs::nc::{Move, Place, Refused, Shape};

@@ -5,11 +5,10 @@
 //! Subprograms follow it, each from `O…` to M99; an index of the `O` words is made when the first
 //! one is called.
 
-use crate::inputs::nc::refused::Refused;
-
 use crate::inputs::nc::arc::USUAL_MISS_MM;
 use crate::inputs::nc::block::{Block, CALL};
 use crate::inputs::nc::interpreter::{Flow, Interpreter, Tally};
+use crate::inputs::nc::refused::Refused;
 use crate::inputs::nc::scan::{Wrong, words};
 use crate::inputs::nc::{Move, Setup};
 use crate::text::problem::{Place, Problem, Problems};

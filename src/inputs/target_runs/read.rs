@@ -1,11 +1,8 @@
 //! Rows of a file of runs → readings, each with its cell.
 
-use crate::inputs::target_runs::reading::Length;
-
-use crate::inputs::target_runs::reading::Reading;
-
 use crate::inputs::target_runs::complete::complete;
 use crate::inputs::target_runs::header::{Content, FIRST_LINE, Form, Layout};
+use crate::inputs::target_runs::reading::{Length, Reading};
 use crate::inputs::target_runs::{Runs, Stated};
 use crate::quantity::axis::Direction;
 use crate::text::delimited::{Line, header_and_rows};

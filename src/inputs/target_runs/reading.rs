@@ -1,12 +1,9 @@
 //! One value of a run, as it is written.
 
-use crate::text::delimited::LengthUnit;
-
 use crate::inputs::target_runs::Values;
-
 use crate::quantity::axis::Direction;
 use crate::quantity::units::UM_PER_MM;
-use crate::text::delimited::Line;
+use crate::text::delimited::{LengthUnit, Line};
 
 /// One value of a run, with the cell it stands in.
 pub(super) struct Reading<'a> {

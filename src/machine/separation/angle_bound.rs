@@ -16,13 +16,12 @@
 //! Levers count from the middle of the box: another origin, or a tool offset, moves the machine's
 //! own figures along with the readings.
 
-use crate::inputs::job::StatedUncertainty;
+use crate::inputs::job::{Reflector, StatedUncertainty};
 
 use super::curves::noise_gain;
 use super::metric::{PerPlane, Plane};
 use super::plane::per_plane;
 use super::slope_gains::SlopeGains;
-use crate::inputs::job::Reflector;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Volume};
 

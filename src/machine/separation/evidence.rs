@@ -1,14 +1,13 @@
 //! The nine separated curves with their uncertainties.
 
 use crate::machine::separation::linear_reversal::{LinearReversal, LinearReversals, own_term};
-use crate::quantity::axis::Axis;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
 
 use super::curves::Curve;
 use super::line::ReferenceLine;
 use super::metric::{PerPlane, Plane};
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::propagation::AlongCurve;
-use crate::quantity::axis::{Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::Volume;
 
 /// One separated curve.

@@ -13,7 +13,7 @@ pub struct Totals {
 }
 
 /// Formula (4) from the readings at the far ends, µm.
-pub fn totals(volume: &Volume, ends_um: &PerDiagonal<f64>) -> Totals {
+pub(crate) fn totals(volume: &Volume, ends_um: &PerDiagonal<f64>) -> Totals {
     let total = |d: Diagonal| volume.diagonal_mm() * ends_um[d];
     let squareness = |plane: Plane| {
         let (a, b) = plane.axes();
@@ -32,7 +32,7 @@ pub fn totals(volume: &Volume, ends_um: &PerDiagonal<f64>) -> Totals {
 }
 
 /// u(φ) = R/(2 V_j V_k)·u(e_end), µm/m.
-pub fn u_squareness(volume: &Volume, u_end_um: f64) -> PerPlane<f64> {
+pub(crate) fn u_squareness(volume: &Volume, u_end_um: f64) -> PerPlane<f64> {
     let of = |plane: Plane| {
         let (a, b) = plane.axes();
         let area = volume.size[a].mm() * volume.size[b].mm();

@@ -16,7 +16,6 @@ mod steps;
 pub mod walk;
 mod words;
 
-use self::steps::Complaint;
 pub use self::steps::{Cancelled, Deed, OwnWords, Step};
 
 use crate::control::controller::program::Language;

@@ -3,14 +3,12 @@
 //! The patterns are kept as an orthonormal basis in the metric of C⁻¹, so that
 //! P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step.
 
-use crate::quantity::diagonal::PerDiagonal;
-
 use crate::machine::separation::banded::{Banded, Factor};
 use crate::machine::separation::curves::closure_sign;
 use crate::machine::separation::increments::Group;
 use crate::machine::separation::outlier::{MOST_OUTLIERS, Outlier, ReadingPlace, stands_out};
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use nalgebra::{DMatrix, DVector};
 
 /// One w.

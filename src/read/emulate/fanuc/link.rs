@@ -13,7 +13,7 @@ pub(super) struct Link {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-struct Way {
+pub(super) struct Way {
     pub(super) tables: Vec<NodeTable>,
     pub(super) constant: Correction,
 }
