@@ -18,6 +18,7 @@ mod later;
 mod outcome;
 mod path;
 mod program;
+mod screen;
 mod separate;
 mod shell;
 mod show;

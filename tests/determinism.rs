@@ -7,9 +7,12 @@
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
+#[path = "support/refusals.rs"]
+mod refusals;
 #[path = "support/tree.rs"]
 mod tree;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
@@ -156,39 +159,64 @@ fn emptied<'a>(place: &'a TempDir, content: &Tree) -> &'a TempDir {
     place
 }
 
-/// Every job below the fixtures with the commands that it may be meant for, and its folder.
-fn all_commands() -> Vec<(PathBuf, String)> {
+/// Inputs and a command for them.
+struct Asked {
+    name: String,
+    inputs: Tree,
+    words: String,
+}
+
+/// Every folder of the fixtures with a job, and every refusal, with the commands that they may be meant for.
+fn all_commands() -> Vec<Asked> {
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
     let pattern = format!("{}/**/*.toml", fixtures.display());
-    let mut commands = Vec::new();
-    for path in glob::glob(&pattern).expect("a pattern") {
-        let path = path.expect("a file");
-        let folder = path.parent().expect("a folder").to_path_buf();
-        let name = path.file_name().expect("a name").to_string_lossy();
-        if let Ok(own) = std::fs::read_to_string(folder.join("command")) {
-            commands.extend(own.lines().map(|line| (folder.clone(), line.to_string())));
-        }
-        for words in [
+    let jobs = glob::glob(&pattern).expect("a pattern");
+    let folder = |path: PathBuf| path.parent().expect("a folder").to_path_buf();
+    let folders: BTreeSet<PathBuf> = jobs.map(|path| folder(path.expect("a file"))).collect();
+    let of_folder = |folder: &PathBuf| for_jobs(&folder.display().to_string(), &tree(folder));
+    let mut commands: Vec<Asked> = folders.iter().flat_map(of_folder).collect();
+    for case in refusals::all(&fixtures) {
+        let place = tempfile::tempdir().expect("a temporary directory can be made");
+        case.lay_out(place.path());
+        let (name, inputs, words) = (case.name, tree(place.path()), case.command);
+        commands.extend(for_jobs(&name, &inputs));
+        commands.push(Asked {
+            name,
+            inputs,
+            words,
+        });
+    }
+    commands
+}
+
+/// What may be asked of the jobs among some inputs.
+fn for_jobs(name: &str, inputs: &Tree) -> Vec<Asked> {
+    let jobs = inputs
+        .keys()
+        .filter(|file| file.ends_with(".toml") && !file.contains('/'));
+    let asked = |job: &String| {
+        [
             "generate JOB -o out.kit",
             "separate JOB -o out.csv --trials 100 --format json",
             "assess JOB --format json",
             "program JOB -o out.run",
             "simulate JOB --errors -o out.sim.csv --format json",
             "context JOB",
-        ] {
-            commands.push((folder.clone(), words.replace("JOB", &name)));
-        }
-    }
-    commands.sort();
-    commands.dedup();
-    commands
+        ]
+        .map(|words| Asked {
+            name: name.to_string(),
+            inputs: inputs.clone(),
+            words: words.replace("JOB", job),
+        })
+    };
+    jobs.flat_map(asked).collect()
 }
 
-fn made_by(program: &Path, folder: &Path, words: &str) -> (Made, String) {
+fn made_by(program: &Path, asked: &Asked) -> (Made, String) {
     let place = tempfile::tempdir().expect("a temporary directory can be made");
-    lay(&tree(folder), place.path());
+    lay(&asked.inputs, place.path());
     let output = Command::new(program)
-        .args(words.split_whitespace())
+        .args(asked.words.split_whitespace())
         .current_dir(place.path())
         .stdin(Stdio::null())
         .output()
@@ -212,12 +240,13 @@ fn another_build_makes_the_same_bytes_of_all_fixtures() {
     let commands = all_commands();
     let mut differing = Vec::new();
     let mut written = 0;
-    for (folder, words) in &commands {
-        let (made, talk) = made_by(own, folder, words);
-        assert!(made.0.is_some_and(|status| status < 3), "{words}\n{talk}");
+    for asked in &commands {
+        let (made, talk) = made_by(own, asked);
+        let said = format!("{}: {}", asked.name, asked.words);
+        assert!(made.0.is_some_and(|status| status < 3), "{said}\n{talk}");
         written += usize::from(made.0 != Some(2));
-        if (made, talk) != made_by(&other, folder, words) {
-            differing.push(format!("{}: {words}", folder.display()));
+        if (made, talk) != made_by(&other, asked) {
+            differing.push(said);
         }
     }
     assert!(differing.is_empty(), "{}", differing.join("\n"));

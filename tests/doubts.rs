@@ -676,7 +676,10 @@ fn an_assumed_set_up_is_said_of_the_kit_made_from_the_table() {
         0,
     );
     two_step(directory.path());
-    let text = said(&nonius(directory.path(), "generate nine.toml -o kit"), 0);
+    let text = said(
+        &nonius(directory.path(), "generate nine.toml -o kit --explain"),
+        0,
+    );
     for words in [
         "set-up assumed perfect",
         "reversal is mixed into the curves",

@@ -1,6 +1,6 @@
 //! Other makers' files become error tables: whole texts, and what must not matter.
 //!
-//! What is refused stands in `fixtures/cases/refuses/import-*`.
+//! What is refused stands in `fixtures/cases/refuses/import*.txt`.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

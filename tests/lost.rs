@@ -256,23 +256,39 @@ fn force_never_removes_what_was_put_into_a_kit() {
 }
 
 #[test]
-fn force_removes_an_older_kit_that_is_as_it_was_made_and_says_so() {
+fn force_removes_nothing_that_lies_where_older_kits_are_kept() {
     let place = copy_of("start/errors");
     let at = place.path();
     let force = "generate job.toml -o kit --force";
     expect(at, force, 0, "wrote");
-    expect(at, force, 0, "moved kit to kit.previous\n");
-    let removed = "removed the older kit.previous, which was as it was made";
-    expect(at, force, 0, removed);
-    assert!(!at.join("kit.previous-2").exists());
-    let manifest = at.join("kit.previous/manifest.json");
-    let listed = fs::read_to_string(&manifest).expect("a manifest");
-    put(manifest, listed.replace("\"notes\"", "\"own_notes\""));
-    let mut names: Vec<_> = all_files(&at.join("kit.previous"));
-    names.retain(|(path, _)| !path.ends_with("manifest.json"));
-    put(names[0].0.clone(), "changed by hand");
+    fs::create_dir(at.join("kit.previous")).expect("a directory");
+    put(at.join("kit.previous/photo.jpg"), "of the machine");
+    put(at.join("kit.previous/manifest.json"), r#"{"files":[]}"#);
     expect(at, force, 0, "moved kit to kit.previous-2\n");
-    assert_eq!(copies(at, b"changed by hand"), 1);
+    expect(at, force, 0, "moved kit to kit.previous-3\n");
+    assert_eq!(copies(at, b"of the machine"), 1);
+}
+
+/// What is replaced gives its permissions.
+#[cfg(unix)]
+#[test]
+fn what_is_replaced_keeps_its_permissions() {
+    use std::os::unix::fs::PermissionsExt;
+    let place = copy_of("start/errors");
+    let at = place.path();
+    let simulate = "simulate job.toml --errors -o after.csv --force";
+    expect(at, simulate, 0, "wrote");
+    expect(at, "generate job.toml -o kit", 0, "wrote");
+    for (name, mode) in [("after.csv", 0o600), ("kit", 0o2750)] {
+        let permissions = fs::Permissions::from_mode(mode);
+        fs::set_permissions(at.join(name), permissions).expect("a mode");
+    }
+    expect(at, simulate, 0, "wrote");
+    expect(at, "generate job.toml -o kit --force", 0, "wrote");
+    for (name, mode) in [("after.csv", 0o600), ("kit", 0o2750)] {
+        let found = fs::metadata(at.join(name)).expect("it is there");
+        assert_eq!(found.permissions().mode() & 0o7777, mode, "{name}");
+    }
 }
 
 #[test]

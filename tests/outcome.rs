@@ -227,6 +227,43 @@ fn what_a_killed_run_left_is_named_and_removed_by_the_next_but_not_what_is_at_wo
     assert_eq!(partials(at), ["points.csv.partial-backup"]);
 }
 
+/// `nohup`, and a shell's `&`.
+#[cfg(target_os = "linux")]
+#[test]
+fn signals_that_the_run_was_started_to_ignore_stay_ignored() {
+    let place = place();
+    let at = place.path();
+    long_program(at);
+    let script = "trap '' HUP; exec $N path path.toml long.nc -o points.csv";
+    let mut child = Command::new("sh")
+        .args(["-c", script])
+        .env("N", env!("CARGO_BIN_EXE_nonius"))
+        .current_dir(at)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("a shell");
+    while partials(at).is_empty() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    signal(&child, "HUP");
+    let status = child.wait().expect("it ends");
+    assert_eq!(status.code(), Some(0));
+    assert!(at.join("points.csv").exists());
+}
+
+/// A program that holds the folder's lock for its own reasons does not hold the run up.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_lock_on_the_folder_is_not_waited_for() {
+    let place = place();
+    let at = place.path();
+    let folder = File::open(at).expect("the folder");
+    folder.lock().expect("its lock");
+    let output = shell(at, "$N generate job.toml -o kit");
+    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+}
+
 #[test]
 fn the_directory_is_never_absent_while_it_is_replaced() {
     let place = place();

@@ -1,135 +1,107 @@
-//! What the program refuses, and in which words: one folder of `fixtures/cases/refuses` each.
+//! What the program refuses, and in which words: the cases of `fixtures/cases/refuses`.
 //!
 //! The real program runs in a fresh directory that holds the inputs of the case only. It must end
-//! with status 2, say exactly what `expected.txt` says, and leave the directory as it was.
+//! with status 2, say exactly what the case expects, and leave the directory as it was.
 //! `NONIUS_UPDATE=1 cargo test --test refuses` rewrites the expectations (fixtures/cases/README.md).
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
+#[path = "support/refusals.rs"]
+mod refusals;
+#[path = "support/run.rs"]
+mod run;
+#[path = "support/tree.rs"]
+mod tree;
+
+use refusals::Case;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
 
-/// Arguments of a case without a `command` file.
-const DEFAULT_COMMAND: &str = "generate job.toml -o kit";
-/// Files of a case that are not its inputs.
-const NOT_INPUTS: [&str; 2] = ["command", "expected.txt"];
-/// A glob that finds nothing must not pass.
-const LEAST_CASES: usize = 55;
+/// A search that finds nothing must not pass.
+const LEAST_CASES: usize = 500;
+
+fn fixtures() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures"))
+}
 
 #[test]
 fn every_refusal_says_what_is_wrong_and_writes_nothing() {
-    let cases = cases();
-    assert!(
-        cases.len() >= LEAST_CASES,
-        "only {} cases found, expected at least {LEAST_CASES}",
-        cases.len()
-    );
-    let failures: Vec<String> = cases.iter().filter_map(|case| run(case).err()).collect();
+    let (mut failures, mut count) = (Vec::new(), 0);
+    for path in refusals::pages(fixtures()) {
+        let page = fs::read_to_string(&path).expect("it is text");
+        let cases = refusals::cases(fixtures(), &page);
+        count += cases.len();
+        let said: Vec<String> = cases.iter().map(said).collect();
+        if std::env::var_os("NONIUS_UPDATE").is_some() {
+            let page = refusals::with_expectations(&page, &said);
+            fs::write(&path, page).expect("the page can be written");
+        } else {
+            failures.extend(cases.iter().zip(&said).filter_map(differs));
+        }
+    }
+    assert!(count >= LEAST_CASES, "only {count} cases found");
     assert!(
         failures.is_empty(),
-        "{} of {} cases differ; if the new words are meant, run with NONIUS_UPDATE=1\n\n{}",
+        "{} of {count} cases differ; if the new words are meant, run with NONIUS_UPDATE=1\n\n{}",
         failures.len(),
-        cases.len(),
         failures.join("\n\n")
     );
 }
 
-fn cases() -> Vec<PathBuf> {
-    let pattern = format!(
-        "{}/fixtures/cases/refuses/*/",
-        env!("CARGO_MANIFEST_DIR").replace('\\', "/")
-    );
-    glob::glob(&pattern)
-        .expect("the pattern is valid")
-        .map(|entry| entry.expect("a case can be read"))
-        .collect()
+fn differs((case, said): (&Case, &String)) -> Option<String> {
+    let (name, expected) = (&case.name, &case.expected);
+    (expected != said).then(|| format!("{name}:\n--- expected\n{expected}--- got\n{said}"))
 }
 
-/// Runs one case; the failure says what differs.
-fn run(case: &Path) -> Result<(), String> {
-    let name = case.file_name().expect("a case has a name");
-    let name = name.to_string_lossy();
-    let directory = tempfile::tempdir().expect("a temporary directory can be made");
-    copy_inputs(case, directory.path());
-    let before = content(directory.path());
-    let command = fs::read_to_string(case.join("command"));
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(
-            command
-                .as_deref()
-                .unwrap_or(DEFAULT_COMMAND)
-                .split_whitespace(),
-        )
-        .current_dir(directory.path())
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts");
-    if content(directory.path()) != before {
-        return Err(format!("{name}: something was written"));
-    }
-    let said = told(&output);
-    if output.status.code() != Some(2) {
-        return Err(format!("{name}: expected exit status 2\n{said}"));
-    }
-    let path = case.join("expected.txt");
-    if std::env::var_os("NONIUS_UPDATE").is_some() {
-        fs::write(&path, said).expect("expected.txt can be written");
-        return Ok(());
-    }
-    let expected = fs::read_to_string(&path).unwrap_or_default();
-    if expected.replace('\r', "") == said {
-        return Ok(());
-    }
-    Err(format!("{name}:\n--- expected\n{expected}--- got\n{said}"))
+/// Exit status, standard error, then standard output of a case, which writes nothing.
+fn said(case: &Case) -> String {
+    let place = tempfile::tempdir().expect("a temporary directory can be made");
+    case.lay_out(place.path());
+    let before = tree::tree(place.path());
+    let output = run::nonius(place.path(), &case.command);
+    assert_eq!(before, tree::tree(place.path()), "{}: written", case.name);
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the program prints UTF-8");
+    let told = text(output.stderr) + &text(output.stdout);
+    let told = told.replace('\r', "").replace("nonius.exe", "nonius");
+    assert_eq!(output.status.code(), Some(2), "{}: {told}", case.name);
+    format!("exit status 2\n{told}")
 }
 
-/// Exit status, standard error, then standard output, as one text.
-fn told(output: &Output) -> String {
-    let text = |bytes: &[u8]| {
-        let text = String::from_utf8(bytes.to_vec()).expect("the program prints UTF-8");
-        text.replace('\r', "").replace("nonius.exe", "nonius")
-    };
-    let status = output
-        .status
-        .code()
-        .map_or("none".to_string(), |c| c.to_string());
-    format!(
-        "exit status {status}\n\n{}{}",
-        text(&output.stderr),
-        text(&output.stdout)
-    )
+/// A name is how a case is found again.
+#[test]
+fn every_case_has_a_name_of_its_own() {
+    let mut times: BTreeMap<String, usize> = BTreeMap::new();
+    for case in refusals::all(fixtures()) {
+        *times.entry(case.name).or_default() += 1;
+    }
+    times.retain(|_, times| *times > 1);
+    assert!(times.is_empty(), "{times:?}");
 }
 
-fn copy_inputs(case: &Path, to: &Path) {
-    for entry in fs::read_dir(case).expect("a case can be read") {
-        let entry = entry.expect("a case can be read");
-        let (from, name) = (entry.path(), entry.file_name());
-        if NOT_INPUTS.iter().any(|other| name == *other) {
-            continue;
-        }
-        if from.is_dir() {
-            fs::create_dir(to.join(&name)).expect("a directory can be made");
-            copy_inputs(&from, &to.join(name));
-        } else {
-            fs::copy(&from, to.join(name)).expect("an input can be copied");
-        }
+/// What `NONIUS_UPDATE=1` writes of expectations that hold is the file as it was.
+#[test]
+fn expectations_are_written_as_they_stand() {
+    for path in refusals::pages(fixtures()) {
+        let page = fs::read_to_string(&path).expect("it is text");
+        let page = page.replace('\r', "");
+        let cases = refusals::cases(fixtures(), &page);
+        let said: Vec<String> = cases.into_iter().map(|case| case.expected).collect();
+        assert_eq!(refusals::with_expectations(&page, &said), page);
     }
 }
 
-/// Every file below a directory with its bytes; directories have none.
-fn content(directory: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
-    let mut found = BTreeMap::new();
-    for entry in fs::read_dir(directory).expect("the directory can be read") {
-        let path = entry.expect("the directory can be read").path();
-        if path.is_dir() {
-            found.extend(content(&path));
-            found.insert(path, None);
-        } else {
-            let bytes = fs::read(&path).expect("a file can be read");
-            found.insert(path, Some(bytes));
-        }
-    }
-    found
+#[test]
+fn lines_are_replaced_where_they_stand_once() {
+    let page = "\n== a\n@ b.csv CR LF\n+ 1\n+ 2\n+ 1\n@ b.csv\n  2\n- 1\n+ \\u{202e}\n> c\n>\n";
+    let case = refusals::cases(fixtures(), page).remove(0);
+    assert_eq!(case.files["b.csv"], "1\r\n2\r\n\u{202e}\r\n".as_bytes());
+    assert_eq!(case.expected, "c\n\n");
+    assert_eq!(case.command, "generate job.toml -o kit");
+}
+
+#[test]
+#[should_panic(expected = "times that these lines are found")]
+fn lines_that_stand_twice_are_not_replaced() {
+    refusals::cases(fixtures(), "\n== a\n@ b.csv\n+ 1\n+ 1\n@ b.csv\n- 1\n> c\n");
 }

@@ -33,7 +33,10 @@ fn told(controller: &str, profile: Option<&str>) -> (TempDir, String, String) {
     if let Some(page) = profile {
         fs::write(directory.path().join(controller), page).expect("the profile can be written");
     }
-    let output = nonius(directory.path(), &["generate", "job.toml", "-o", "kit"]);
+    let output = nonius(
+        directory.path(),
+        &["generate", "job.toml", "-o", "kit", "--explain"],
+    );
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("it is text");
     let (data, talk) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success(), "{talk}");
@@ -65,11 +68,9 @@ fn names_in_other_letters_and_paths_with_blanks_are_taken() {
 }
 
 #[test]
-fn the_verdict_stands_in_the_last_line() {
-    let (_directory, data, talk) = told("siemens-840d-sl", None);
-    let last = talk.lines().last().expect("something is said");
-    assert!(last.starts_with("verdict: pass (asked: "), "{talk}");
-    assert!(data.contains(last), "the report holds it too\n{data}");
+fn the_verdict_stands_in_the_first_line() {
+    let (_directory, data, _talk) = told("siemens-840d-sl", None);
+    assert!(data.starts_with("verdict: pass (asked: "), "{data}");
 }
 
 #[test]

@@ -30,16 +30,15 @@ fn json(at: &Path, arguments: &str) -> Value {
     serde_json::from_str(&out).unwrap()
 }
 
-/// The last part of what a command says: its verdict.
+/// The first part of what a command prints: its verdict.
 fn verdict(at: &Path, arguments: &str) -> String {
-    let (status, _, err) = ended(at, arguments);
+    let (status, out, err) = ended(at, arguments);
     assert!(
         status.is_some_and(|status| status < 2),
         "{arguments}\n{err}"
     );
-    err.split_once("verdict:")
-        .map(|(_, said)| said.to_string())
-        .unwrap()
+    let page = out.split_once("verdict:").unwrap().1;
+    page.split("\n\n").next().unwrap().to_string()
 }
 
 /// X alone, 0 to 900 mm every 30 mm; `lines` go under [acceptance].

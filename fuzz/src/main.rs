@@ -23,6 +23,8 @@ mod oracles;
 mod queue;
 mod random;
 mod readers;
+#[path = "../../tests/support/refusals.rs"]
+mod refusals;
 mod supervisor;
 mod targets;
 mod watch;

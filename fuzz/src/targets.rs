@@ -4,6 +4,7 @@ use crate::bundle::Bundle;
 use crate::case::{self, Ran};
 use crate::mutate::Dictionary;
 use crate::readers::{self, Answer};
+use crate::refusals::{self, Case};
 use crate::{commands, kits};
 use std::path::Path;
 
@@ -165,7 +166,7 @@ pub fn all() -> Vec<Target> {
 impl Fixtures {
     fn read(folder: &Path) -> Fixtures {
         let mut cases = Vec::new();
-        add_cases(&folder.join("cases/refuses"), &mut cases, &[]);
+        cases.extend(refusals::all(folder).into_iter().map(refusal));
         for story in [
             "diagonals",
             "start",
@@ -343,6 +344,12 @@ fn add_cases(folder: &Path, cases: &mut Vec<Bundle>, commands: &[&str]) {
     }
 }
 
+/// A refusal: its command, then its inputs.
+fn refusal(case: Case) -> Bundle {
+    let command = ("command".to_string(), case.command.into_bytes());
+    Bundle(std::iter::once(command).chain(case.files).collect())
+}
+
 /// A directory, once for every command; a directory with jobs of other names once for each of them.
 fn add_case(directory: &Path, cases: &mut Vec<Bundle>, commands: &[&str]) {
     let mut files = Bundle::default();
@@ -350,9 +357,6 @@ fn add_case(directory: &Path, cases: &mut Vec<Bundle>, commands: &[&str]) {
     files.0.retain(|(name, _)| {
         !["expected.txt", "expected.json", "README.md"].contains(&name.as_str())
     });
-    if commands.is_empty() {
-        return cases.push(files);
-    }
     let is_job = |(name, bytes): &&(String, Vec<u8>)| {
         name.ends_with(".toml") && bytes.windows(9).any(|part| part == b"[machine]")
     };

@@ -1,6 +1,7 @@
 //! A finished kit on its way to the user: written, then shown, then what to do with it.
 
 use crate::cli::outcome::Outcome;
+use crate::cli::screen::{Detail, Screen};
 use crate::cli::{Format, write};
 use crate::kit::manifest::MANIFEST;
 use crate::text::problem::Problems;
@@ -16,6 +17,8 @@ pub(super) struct Delivery {
     /// What to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
+    #[command(flatten)]
+    detail: Detail,
 }
 
 impl Delivery {
@@ -24,22 +27,26 @@ impl Delivery {
         write::ensure_free(directory, self.force)
     }
 
-    /// The files and then the bytes of the manifest, complete beside their place; `report` or the manifest
+    /// The files and then the bytes of the manifest, complete beside their place; the screen or the manifest
     /// is printed, `next_steps` is said.
     pub(super) fn outcome<'a>(
         &self,
         directory: &Path,
         files: impl Iterator<Item = write::NamedBytes<'a>>,
         manifest: &[u8],
-        report: impl FnOnce() -> String,
+        screen: &Screen,
         next_steps: String,
     ) -> Result<Outcome, Problems> {
         let files: Vec<_> = files.collect();
         let ready = write::write_kit(directory, &files, (MANIFEST, manifest), self.force)?;
         let outcome = match self.format {
             Format::Json => Outcome::bytes(manifest.to_vec()),
-            Format::Text => Outcome::text(&report()),
+            Format::Text => Outcome::text(&screen.page(self.detail)),
         };
-        Ok(outcome.writing(ready).saying(next_steps))
+        let outcome = outcome.writing(ready);
+        Ok(match self.detail.talks() {
+            true => outcome.saying(next_steps),
+            false => outcome,
+        })
     }
 }

@@ -2,12 +2,13 @@
 
 use crate::cli::deliver::Delivery;
 use crate::cli::outcome::Outcome;
+use crate::cli::screen::{More, Screen, wrapped};
 use crate::cli::shell::shell_word;
 use crate::cli::{Answer, inputs, show};
 use crate::control::controller::{Dialect, Role};
 use crate::judge::conformity::Verdict;
 use crate::kit::manifest::MANIFEST;
-use crate::kit::{Inputs, Kit, generate};
+use crate::kit::{Inputs, Kit, generate, remarks};
 use crate::text::problem::Problems;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -34,14 +35,15 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         directory,
         files.map(|file| (file.path.as_str(), file.bytes.as_slice())),
         &kit.manifest_bytes()?,
-        || report(&inputs, &kit),
+        &screen(&inputs, &kit),
         next_steps(job, directory, &inputs, &kit),
     )?;
     Ok(outcome.answering(Answer::yes(kit.verdict == Verdict::Pass)))
 }
 
-fn report(inputs: &Inputs, kit: &Kit) -> String {
+fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
     let job = &inputs.job;
+    let (model, compiled) = (inputs.as_measured(), &kit.compiled);
     let heading = format!(
         "machine {} - {}, measured {}",
         job.machine.name,
@@ -51,35 +53,47 @@ fn report(inputs: &Inputs, kit: &Kit) -> String {
             .as_deref()
             .unwrap_or("at a date not stated")
     );
-    show::paragraphs(&[
-        heading,
-        show::placements(&kit.compiled.placements),
-        show::forecast(&kit.forecast),
-        [
-            show::slopes(inputs.as_measured()),
-            show::reversals(inputs.as_measured()),
-        ]
-        .join("\n")
-        .trim()
-        .to_string(),
-        show::remarks(&kit.plan, &kit.compiled, Some(&kit.forecast)),
-        show::verdict(kit.verdict, job, Some(&kit.forecast), false, &kit.doubts),
-        show::assumptions(&kit.compiled.assumptions),
-        show::preconditions(&kit.compiled.preconditions),
-    ])
+    let verdict = show::verdict(kit.verdict, job, Some(&kit.forecast), false, &kit.doubts);
+    let of_axes = [show::squareness(model), show::reversals(model)];
+    let proofs = kit.files.iter().filter(|f| f.role == Role::SignProof);
+    let proofs: Vec<&str> = proofs.map(|file| file.path.as_str()).collect();
+    Screen {
+        verdict: format!("{verdict}\n{heading}"),
+        figures: vec![
+            show::forecast(&kit.forecast, &compiled.placements),
+            of_axes.join("\n").trim().to_string(),
+        ],
+        findings: remarks(&kit.plan, compiled, Some(&kit.forecast)),
+        always: show::assumed_signs(&compiled.assumptions, &proofs),
+        more: vec![
+            More {
+                count: compiled.placements.len(),
+                what: "tables with their points and counts",
+                text: [show::placements(&compiled.placements), show::slopes(model)].join("\n"),
+            },
+            More {
+                count: show::effective(&compiled.assumptions),
+                what: "assumptions",
+                text: show::assumptions(&compiled.assumptions),
+            },
+            More {
+                count: compiled.preconditions.len(),
+                what: "preconditions",
+                text: show::preconditions(&compiled.preconditions),
+            },
+        ],
+    }
 }
 
-/// What was written, what to do with it, and the verdict once more: the page above is long.
+/// What was written, and what to do with it.
 fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> String {
-    let mut lines = Vec::new();
-    for file in &kit.files {
-        lines.push(format!(
-            "wrote {} ({})",
-            directory.join(&file.path).display(),
-            purpose(file.role)
-        ));
-    }
-    lines.push(format!("wrote {}", directory.join(MANIFEST).display()));
+    let names = kit.files.iter().map(|file| file.path.as_str());
+    let names: Vec<&str> = names.chain([MANIFEST]).collect();
+    let mut lines = vec![format!(
+        "wrote {}: {}",
+        directory.display(),
+        names.join(", ")
+    )];
     let checklist = kit.files.iter().find(|file| file.role == Role::Checklist);
     lines.extend(checklist.map(|file| {
         let path = directory.join(&file.path);
@@ -94,14 +108,8 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
         shell_word(job),
         shell_word(directory)
     ));
-    lines.push(show::verdict(
-        kit.verdict,
-        &inputs.job,
-        Some(&kit.forecast),
-        false,
-        &kit.doubts,
-    ));
-    lines.join("\n")
+    let wrapped: Vec<String> = lines.iter().map(|line| wrapped(line)).collect();
+    wrapped.join("\n")
 }
 
 /// Archive, what switches off, and where the order of loading stands.
@@ -132,17 +140,4 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
         (None, None) => String::new(),
     };
     format!("before loading: archive the control; {off}{order}")
-}
-
-fn purpose(role: Role) -> &'static str {
-    match role {
-        Role::Table => "compensation values",
-        Role::Parameters => "parameters or memory, read before use",
-        Role::Enable => "switches on",
-        Role::Disable => "switches off",
-        Role::Rollback => "way back to what was read out",
-        Role::SignProof => "proves the sign, loaded before the tables",
-        Role::Checklist => "what to do at the machine",
-        Role::Report => "not read back",
-    }
 }

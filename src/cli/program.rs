@@ -2,6 +2,7 @@
 
 use crate::cli::deliver::Delivery;
 use crate::cli::outcome::Outcome;
+use crate::cli::screen::{More, Screen};
 use crate::cli::show::{Column, table};
 use crate::cli::{inputs, show};
 use crate::inputs::job::{Job, RunType, TargetGrid};
@@ -36,27 +37,36 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         directory,
         files.map(|file| (file.path.as_str(), file.bytes.as_slice())),
         &kit.manifest_bytes()?,
-        || report(&job, &profile.name, &kit),
+        &screen(&job, &profile.name, &kit),
         next_steps(directory, &kit),
     )
 }
 
-fn report(job: &Job, control: &str, kit: &ProgramKit) -> String {
+fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
     let heading = format!(
         "{} - {control}: {}",
         job.machine.name,
         kit.request.what.word()
     );
-    show::paragraphs(&[
-        heading,
-        motion(kit),
-        files(kit),
-        reach(job, kit),
-        mirror(kit),
-        notes(kit),
-        show::assumptions(&kit.assumptions),
-        show::preconditions(&kit.preconditions),
-    ])
+    let notes = kit.run.notes.iter();
+    Screen {
+        verdict: heading,
+        figures: vec![motion(kit), files(kit), reach(job, kit), mirror(kit)],
+        findings: notes.map(|note| format!("note: {note}")).collect(),
+        always: Vec::new(),
+        more: vec![
+            More {
+                count: show::effective(&kit.assumptions),
+                what: "assumptions",
+                text: show::assumptions(&kit.assumptions),
+            },
+            More {
+                count: kit.preconditions.len(),
+                what: "preconditions",
+                text: show::preconditions(&kit.preconditions),
+            },
+        ],
+    }
 }
 
 fn motion(kit: &ProgramKit) -> String {
@@ -148,16 +158,6 @@ fn mirror(kit: &ProgramKit) -> String {
         ),
     ]
     .join("\n")
-}
-
-fn notes(kit: &ProgramKit) -> String {
-    let lines: Vec<String> = kit
-        .run
-        .notes
-        .iter()
-        .map(|note| format!("note: {note}"))
-        .collect();
-    lines.join("\n")
 }
 
 fn next_steps(directory: &Path, kit: &ProgramKit) -> String {

@@ -4,12 +4,10 @@ use crate::control::claims::{Assumption, Precondition, shared};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
-use crate::kit;
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Figure;
-use crate::write::compensation::{Compiled, Placement};
-use crate::write::plan::Plan;
+use crate::write::compensation::Placement;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 /// A column with its heading.
@@ -93,8 +91,8 @@ fn short(number: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
-/// Every measured term before and after.
-pub(super) fn forecast(forecast: &Forecast) -> String {
+/// Every measured term before and after, with the place of its table.
+pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String {
     let columns = [
         Column::Left("term"),
         Column::Right("before/µm"),
@@ -113,7 +111,7 @@ pub(super) fn forecast(forecast: &Forecast) -> String {
             expanded(t.expanded_um),
             format!(
                 "{}{}",
-                if t.compensated { "yes" } else { "none" },
+                places(placements, t.term, t.compensated),
                 if t.term.is_positioning() {
                     reversal.as_str()
                 } else {
@@ -146,6 +144,21 @@ pub(super) fn forecast(forecast: &Forecast) -> String {
     rows + &all.unwrap_or_default()
 }
 
+/// Where the control holds a term.
+fn places(placements: &[Placement], term: ErrorTerm, compensated: bool) -> String {
+    let place = |p: &Placement| match p.direction {
+        None => p.place.clone(),
+        Some(direction) => format!("{} ({})", p.place, direction.symbol()),
+    };
+    let own = placements.iter().filter(|p| p.term == term);
+    let own: Vec<String> = own.map(place).collect();
+    match (compensated, own.is_empty()) {
+        (false, _) => "none".to_string(),
+        (true, true) => "yes".to_string(),
+        (true, false) => own.join(", "),
+    }
+}
+
 /// The largest of all terms with the U that holds for all of them together.
 pub(super) fn together(forecast: &Forecast) -> Option<String> {
     let expanded = forecast.max_expanded_um()?;
@@ -159,7 +172,7 @@ pub(super) fn expanded(expanded_um: Option<f64>) -> String {
     expanded_um.map_or_else(|| "not stated".to_string(), |um| format!("{um:.3}"))
 }
 
-/// Slope of each cross term, and squareness where both terms of a pair were measured.
+/// Slope of each cross term.
 pub(super) fn slopes(model: &ErrorModel) -> String {
     let slopes: Vec<String> = model
         .measured()
@@ -168,13 +181,17 @@ pub(super) fn slopes(model: &ErrorModel) -> String {
             format!("{term} {:+.3}", Figure(measured.end_point_slope_um_per_m()))
         })
         .collect();
-    if slopes.is_empty() {
-        return String::new();
+    match slopes.is_empty() {
+        true => String::new(),
+        false => format!(
+            "slopes of the cross terms (end points), µm/m: {}",
+            slopes.join(", ")
+        ),
     }
-    let mut lines = vec![format!(
-        "slopes of the cross terms (end points), µm/m: {}",
-        slopes.join(", ")
-    )];
+}
+
+/// Squareness where both terms of a pair were measured.
+pub(super) fn squareness(model: &ErrorModel) -> String {
     let pairs = [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)];
     let squareness: Vec<String> = pairs
         .into_iter()
@@ -187,14 +204,13 @@ pub(super) fn slopes(model: &ErrorModel) -> String {
             ))
         })
         .collect();
-    if !squareness.is_empty() {
-        lines.push(format!("squareness, µm/m: {}", squareness.join(", ")));
-        lines.push(
-            "  positive = the angle between the two positive axis directions is less than 90°"
-                .to_string(),
-        );
+    match squareness.is_empty() {
+        true => String::new(),
+        false => format!(
+            "squareness, µm/m: {} (positive: less than 90° between the positive axes)",
+            squareness.join(", ")
+        ),
     }
-    lines.join("\n")
 }
 
 /// Reversal of each axis, where both directions were measured.
@@ -335,9 +351,27 @@ pub(super) fn preconditions(preconditions: &[Precondition]) -> String {
     lines.join("\n")
 }
 
-/// Terms without a table, stretches that were not measured, notes.
-pub(super) fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Forecast>) -> String {
-    kit::remarks(plan, compiled, forecast).join("\n")
+/// The signs that are only assumed, in one line, with what proves them.
+pub(super) fn assumed_signs(assumptions: &[Assumption], proofs: &[&str]) -> Vec<String> {
+    let signs = assumptions
+        .iter()
+        .filter(|a| a.fact.ends_with("_sign") && a.without_effect.is_none());
+    let signs: Vec<String> = signs.map(|a| format!("{} = {}", a.fact, a.value)).collect();
+    let proof = match proofs {
+        [] => "prove it with one small bump before use".to_string(),
+        files => format!("prove it first: {} (checklist.md)", files.join(", ")),
+    };
+    let line = format!(
+        "SIGN ASSUMED, not seen on a control: {}; {proof}",
+        signs.join(", ")
+    );
+    (!signs.is_empty()).then_some(line).into_iter().collect()
+}
+
+/// Assumptions that can matter for a kit.
+pub(super) fn effective(assumptions: &[Assumption]) -> usize {
+    let matter = assumptions.iter().filter(|a| a.without_effect.is_none());
+    matter.count()
 }
 
 /// Paragraphs with a blank line between; empty ones are left out.

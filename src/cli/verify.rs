@@ -8,11 +8,12 @@ use self::records::First;
 use crate::cli::directory::{Found, read_directory};
 use crate::cli::inputs;
 use crate::cli::outcome::Outcome;
+use crate::cli::screen::{Detail, More, Screen};
 use crate::cli::{Answer, Format, show};
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
 use crate::kit::manifest::{MANIFEST, diagonals, picometres};
-use crate::kit::{Inputs, Verification, verify, verify_read_out};
+use crate::kit::{Inputs, Verification, remarks, verify, verify_read_out};
 use crate::text::problem::{Problems, shown};
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -32,6 +33,8 @@ pub(super) struct Options {
     /// What to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
+    #[command(flatten)]
+    detail: Detail,
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
@@ -55,14 +58,19 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
             inputs: &inputs,
             folder,
         };
-        return page::answer(first, directory, &verification, &second, format);
+        return page::answer(
+            first,
+            directory,
+            &verification,
+            &second,
+            (format, options.detail),
+        );
     }
     let outcome = match format {
         Format::Json => Outcome::json(&document(&inputs, &verification))?,
         Format::Text => {
-            let verdict = verdict(&inputs, &verification);
-            // Once more after the page, which is long.
-            Outcome::text(&report(&inputs, directory, &verification, &verdict)).saying(verdict)
+            let screen = screen(&inputs, directory, &verification);
+            Outcome::text(&screen.page(options.detail))
         }
     };
     Ok(outcome.answering(Answer::yes(verification.verdict == Verdict::Pass)))
@@ -132,22 +140,30 @@ fn verdict(inputs: &Inputs, verification: &Verification) -> String {
     )
 }
 
-fn report(inputs: &Inputs, directory: &Path, verification: &Verification, verdict: &str) -> String {
-    let forecast = verification.forecast.as_ref();
-    show::paragraphs(&[
-        heading(inputs, directory),
-        agreement(verification),
-        forecast.map(show::forecast).unwrap_or_default(),
-        verdict.to_string(),
-        absent(&verification.absent),
-        show::remarks(&verification.plan, &verification.compiled, forecast),
-        show::assumptions(&verification.compiled.assumptions),
-    ])
+fn screen(inputs: &Inputs, directory: &Path, verification: &Verification) -> Screen {
+    let (forecast, compiled) = (verification.forecast.as_ref(), &verification.compiled);
+    let table = |forecast| show::forecast(forecast, &compiled.placements);
+    let remarks = remarks(&verification.plan, compiled, forecast);
+    Screen {
+        verdict: [
+            verdict(inputs, verification),
+            agreement(verification),
+            heading(inputs, directory),
+        ]
+        .join("\n"),
+        figures: forecast.map(table).into_iter().collect(),
+        findings: [absent(&verification.absent), remarks].concat(),
+        always: show::assumed_signs(&compiled.assumptions, &[]),
+        more: vec![More {
+            count: show::effective(&compiled.assumptions),
+            what: "assumptions",
+            text: show::assumptions(&compiled.assumptions),
+        }],
+    }
 }
 
-fn absent(notes: &[String]) -> String {
-    let lines: Vec<String> = notes.iter().map(|note| format!("note: {note}")).collect();
-    lines.join("\n")
+fn absent(notes: &[String]) -> Vec<String> {
+    notes.iter().map(|note| format!("note: {note}")).collect()
 }
 
 fn document(inputs: &Inputs, verification: &Verification) -> Value {

@@ -35,6 +35,16 @@ pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems>
         .help("choose another directory; of a link, name what it leads to")
         .into());
     }
+    if is_drive(directory) {
+        return Err(
+            Problem::new(format!("`{name}` is a drive, expected a directory on it"))
+                .help(format!(
+                    "name one, e.g. `{}`",
+                    directory.join("kit").display()
+                ))
+                .into(),
+        );
+    }
     match fs::read_dir(directory).map(Iterator::count) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(Problem::new(format!(
@@ -77,6 +87,20 @@ pub(super) struct ReadyKit {
     _parents: Vec<Partial>,
     place: PathBuf,
     force: bool,
+}
+
+/// Whether a directory is where a drive begins: nothing can take its place.
+#[cfg(unix)]
+fn is_drive(directory: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let device = |path: &Path| fs::metadata(path).map(|found| found.dev()).ok();
+    let own = device(directory);
+    own.is_some() && own != device(&directory.join(".."))
+}
+
+#[cfg(not(unix))]
+fn is_drive(_: &Path) -> bool {
+    false
 }
 
 /// Writes all files, then `manifest`, beside the place of the directory.
@@ -213,7 +237,7 @@ impl ReadyFile {
 
     fn put(self) -> Result<(), Problems> {
         ensure_new(&self.place, self.force)?;
-        let put = self.partial.placed(|new| match self.force {
+        let put = self.partial.placed(&self.place, |new| match self.force {
             true => fs::rename(new, &self.place),
             false => {
                 let new = tempfile::TempPath::try_from_path(new)?;

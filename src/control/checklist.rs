@@ -12,8 +12,26 @@ pub struct KitFacts<'a> {
     pub reference: String,
     /// Whether it uses a mechanism.
     pub uses: &'a dyn Fn(Mechanism) -> bool,
-    /// What stands in a list, one line each.
-    pub list: &'a dyn Fn(List) -> Vec<String>,
+    /// What stands in a list.
+    pub list: &'a dyn Fn(List) -> Listed,
+}
+
+/// What a list tells at its step, and what stands in the annex, one line each.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Listed {
+    /// To be done or seen.
+    pub items: Vec<String>,
+    /// Reasons, sources and ways around.
+    pub notes: Vec<String>,
+}
+
+impl From<Vec<String>> for Listed {
+    fn from(items: Vec<String>) -> Self {
+        Listed {
+            items,
+            notes: Vec::new(),
+        }
+    }
 }
 
 /// Steps under one heading.
@@ -29,6 +47,7 @@ struct FilledStep {
     number: String,
     text: String,
     items: Vec<String>,
+    notes: Vec<String>,
     evidence: &'static str,
     source: String,
     consequence: String,
@@ -40,14 +59,17 @@ pub fn parts(steps: &[Step], kit: &KitFacts<'_>) -> Vec<Part> {
     let mut number = 0;
     for step in steps.iter().filter(|step| is_for(step.when, kit)) {
         let items = step.list.map(kit.list);
-        if items.as_ref().is_some_and(Vec::is_empty) {
+        let is_empty = |l: &Listed| l.items.is_empty() && l.notes.is_empty();
+        if items.as_ref().is_some_and(is_empty) {
             continue;
         }
+        let Listed { items, notes } = items.unwrap_or_default();
         number += 1;
         let filled = FilledStep {
             number: number.to_string(),
             text: filled(&step.text, kit),
-            items: items.unwrap_or_default(),
+            items,
+            notes,
             evidence: match step.evidence {
                 Evidence::Assumed => "ASSUMED",
                 Evidence::Manual => "from",

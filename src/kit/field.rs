@@ -54,11 +54,11 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         List::Places => lists::places(made),
         List::Preconditions => lists::preconditions(made.compiled),
         List::Assumptions => lists::assumptions(made.compiled),
-        List::Movement => movement.clone(),
-        List::SignProofs => shown.iter().flat_map(|s| reading::items(made, s)).collect(),
-        List::Display => lists::display(made),
-        List::NotWritten => not_written.clone(),
-        List::WayBack => rollback.by_hand.clone(),
+        List::Movement => movement.clone().into(),
+        List::SignProofs => reading::listed(made, &shown),
+        List::Display => lists::display(made).into(),
+        List::NotWritten => not_written.clone().into(),
+        List::WayBack => rollback.by_hand.clone().into(),
     };
     let (task, compiled) = (made.task(), made.compiled);
     let facts = KitFacts {

@@ -4,8 +4,10 @@ use super::records::First;
 use super::second::Second;
 use super::{absent, agreement, heading};
 use crate::cli::outcome::Outcome;
+use crate::cli::screen::{Detail, More, Screen};
 use crate::cli::show::{self, Column};
 use crate::cli::{Answer, Format};
+use crate::control::claims::Assumption;
 use crate::inputs::job::{Job, MeasuredData};
 use crate::judge::after::{
     AfterMeasurement, Comparison, Control, Line, Observation, compare, observations,
@@ -38,13 +40,13 @@ pub(super) fn answer(
     directory: &Path,
     verification: &Verification,
     second: &Second,
-    format: Format,
+    (format, detail): (Format, Detail),
 ) -> Result<Outcome, Problems> {
     second.ensure_active(first.inputs, verification)?;
     let page = page(first, verification, second)?;
     let outcome = match format {
         Format::Json => Outcome::json(&page.document())?,
-        Format::Text => Outcome::text(&page.text(directory)).saying(page.verdict_words()),
+        Format::Text => Outcome::text(&page.screen(directory).page(detail)),
     };
     Ok(outcome.answering(Answer::yes(page.verdict == Verdict::Pass)))
 }
@@ -242,34 +244,45 @@ impl Page<'_> {
             )
     }
 
-    fn text(&self, directory: &Path) -> String {
+    /// The verdict, then what the data say of the causes.
+    fn screen(&self, directory: &Path) -> Screen {
         let verification = self.verification;
-        show::paragraphs(&[
-            heading(self.inputs, directory),
-            self.measured_after(),
-            agreement(verification),
-            lines(&self.comparison),
-            self.verdict_words(),
-            self.diagnosis
-                .as_ref()
-                .map(|found| self.explained(found))
-                .unwrap_or_default(),
-            absent(&[self.comparison.notes.clone(), self.second.notes.clone()].concat()),
-            absent(&verification.absent),
-            self.assumptions(),
-        ])
+        let explained = self.diagnosis.as_ref().map(|found| self.explained(found));
+        let verdict: Vec<String> = std::iter::once(self.verdict_words())
+            .chain(explained.filter(|words| !words.is_empty()))
+            .chain([
+                agreement(verification),
+                heading(self.inputs, directory),
+                self.measured_after(),
+            ])
+            .collect();
+        let notes = [
+            &self.comparison.notes[..],
+            &self.second.notes,
+            &verification.absent,
+        ];
+        let assumptions = self.assumptions();
+        Screen {
+            verdict: verdict.join("\n"),
+            figures: vec![lines(&self.comparison)],
+            findings: absent(&notes.concat()),
+            always: show::assumed_signs(assumptions, &[]),
+            more: vec![More {
+                count: show::effective(assumptions),
+                what: "assumptions",
+                text: show::assumptions(assumptions),
+            }],
+        }
     }
 
     /// What was assumed of the control matters until a measurement has shown it.
-    fn assumptions(&self) -> String {
-        let shown = self
-            .diagnosis
-            .as_ref()
-            .is_some_and(|found| found.as_forecast);
-        if shown && self.verdict == Verdict::Pass {
-            return String::new();
+    fn assumptions(&self) -> &[Assumption] {
+        let diagnosis = self.diagnosis.as_ref();
+        let shown = diagnosis.is_some_and(|found| found.as_forecast);
+        match shown && self.verdict == Verdict::Pass {
+            true => &[],
+            false => &self.verification.compiled.assumptions,
         }
-        show::assumptions(&self.verification.compiled.assumptions)
     }
 
     fn explained(&self, found: &Diagnosis) -> String {

@@ -9,6 +9,7 @@ use std::fs::{self, File, TryLockError};
 use std::io::{ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+use std::time::Duration;
 
 /// Characters of chance in the name: nobody calls a file of his own so by accident.
 const CHANCE: usize = 16;
@@ -101,7 +102,7 @@ impl Partial {
         clean(place, &parent, door.as_ref());
         // Held until the new thing is locked: no other run takes it for left over in between. Where the
         // system locks nothing, nothing is removed either.
-        let _ = door.as_ref().map(File::lock_shared);
+        let _ = door.as_ref().map(hold);
         hear_signals();
         let prefix = prefix_of(place);
         let mut builder = tempfile::Builder::new();
@@ -144,11 +145,17 @@ impl Partial {
         &self.path
     }
 
-    /// Puts it into its place; a signal waits until that is done.
+    /// Puts it into its place, with the permissions of what it replaces; a signal waits until that is done.
     pub(super) fn placed<T, E>(
         &self,
+        place: &Path,
         put: impl FnOnce(&Path) -> std::result::Result<T, E>,
     ) -> std::result::Result<T, E> {
+        let replaced = fs::symlink_metadata(place).map(|found| found.permissions());
+        if let (true, Ok(permissions)) = (cfg!(unix), replaced) {
+            // Of another user's file they cannot be had; the mask holds then.
+            let _ = fs::set_permissions(&self.path, permissions);
+        }
         let mut made = made();
         let done = put(&self.path)?;
         made.paths.clear(); // with it the directories above: they are in use
@@ -210,10 +217,36 @@ fn clean(place: &Path, parent: &Path, door: Option<&File>) {
     }
 }
 
+/// Shares the lock of a folder. Another run has it for moments, another program perhaps for long: then
+/// it is done without.
+fn hold(door: &File) {
+    const TRIES: usize = 50;
+    const PAUSE: Duration = Duration::from_millis(10);
+    for _ in 0..TRIES {
+        match door.try_lock_shared() {
+            Err(TryLockError::WouldBlock) => std::thread::sleep(PAUSE),
+            _ => return,
+        }
+    }
+}
+
+/// Whether the run was started so that it outlives its terminal (`nohup`, a shell's `&`): signals that
+/// are ignored stay ignored, and what they would leave the next run removes.
+fn ignores_signals() -> bool {
+    const HUP_INT_TERM: u64 = 1 << 0 | 1 << 1 | 1 << 14;
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    ignored.is_some_and(|mask| mask & HUP_INT_TERM != 0)
+}
+
 /// Ctrl-C, the end of the session and `kill`: what is not complete goes, exit status 2.
 fn hear_signals() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
+        if ignores_signals() {
+            return;
+        }
         // A system without signals ends the program as it always does.
         let _ = ctrlc::set_handler(|| {
             let made = made();

@@ -2,33 +2,47 @@
 
 use super::Made;
 use super::reading::trimmed;
-use crate::control::claims::shared;
+use crate::control::checklist::Listed;
+use crate::control::claims::{Precondition, shared};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{CecDirection, SiemensGrid};
 use crate::write::compensation::Compiled;
 use crate::write::compensation::siemens::at_reference;
 
 /// Where each term goes: what is overwritten.
-pub(super) fn places(made: &Made<'_>) -> Vec<String> {
+pub(super) fn places(made: &Made<'_>) -> Listed {
     let placements = made.compiled.placements.iter();
-    placements
+    let places: Vec<String> = placements
         .map(|p| format!("{}: {} ({} points)", p.term, p.place, p.points))
-        .collect()
+        .collect();
+    vec![places.join("; ")].into()
 }
 
-pub(super) fn preconditions(compiled: &Compiled) -> Vec<String> {
-    let list = shared(&compiled.preconditions).into_iter();
-    list.map(|(what, p)| format!("{what} must be {}: {} *({})*", p.value, p.why, p.source))
-        .collect()
+pub(super) fn preconditions(compiled: &Compiled) -> Listed {
+    let list = shared(&compiled.preconditions);
+    let item =
+        |(what, p): &(String, &Precondition)| format!("{what} must be {}; found: {BLANK}", p.value);
+    let note = |(what, p): &(String, &Precondition)| format!("{what}: {} *({})*", p.why, p.source);
+    Listed {
+        items: list.iter().map(item).collect(),
+        notes: list.iter().map(note).collect(),
+    }
 }
 
 /// What is assumed of the control and matters for this kit.
-pub(super) fn assumptions(compiled: &Compiled) -> Vec<String> {
+pub(super) fn assumptions(compiled: &Compiled) -> Listed {
     let list = compiled.assumptions.iter();
-    list.filter(|a| a.without_effect.is_none())
-        .map(|a| format!("{} = {}; if wrong: {}", a.fact, a.value, a.consequence))
-        .collect()
+    let list = list.filter(|a| a.without_effect.is_none());
+    Listed {
+        items: Vec::new(),
+        notes: list
+            .map(|a| format!("{} = {}; if wrong: {}", a.fact, a.value, a.consequence))
+            .collect(),
+    }
 }
+
+/// Where a person writes.
+pub(super) const BLANK: &str = "________";
 
 /// One place of each table with what the file holds there: where that is largest. Siemens only,
 /// no display of another control is known.

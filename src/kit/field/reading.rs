@@ -4,24 +4,31 @@
 //! off between the two states. So the reading is one of two places in **one** state, which needs no
 //! common zero of both: (peak − start) with compensation, less (peak − start) without.
 
+use super::lists::BLANK;
 use super::{Made, Shown};
+use crate::control::checklist::Listed;
 use crate::control::controller::{Dialect, Evidence, Mechanism};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
 use crate::write::sign_proof::{name, sign_fact};
 
-/// What one proof is, how it is read, and what that means.
-pub(super) fn items(made: &Made<'_>, shown: &Shown) -> Vec<String> {
-    let mut items = vec![
-        bump(made, shown),
-        two_places(made, shown),
-        expected(made, shown),
-        with_a_gauge(made, shown),
-        sign(made, shown),
-    ];
-    items.extend(beside(shown.proof.mechanism));
-    items.push(other_way_round(shown));
-    items
+/// What one proof is and what has to be seen; how it is read, and what that means.
+pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
+    let mut all = Listed::default();
+    for shown in shown {
+        let beside = beside(shown.proof.mechanism);
+        all.items
+            .extend([two_places(made, shown), expected(made, shown)]);
+        all.items.extend(beside);
+        all.items.push(format!("seen: {BLANK} µm"));
+        all.notes.extend([
+            bump(made, shown),
+            with_a_gauge(made, shown),
+            sign(made, shown),
+            other_way_round(shown),
+        ]);
+    }
+    all
 }
 
 /// Where the bump begins, is highest and ends, mm.
@@ -44,8 +51,11 @@ fn bump(made: &Made<'_>, shown: &Shown) -> String {
 fn two_places(made: &Made<'_>, shown: &Shown) -> String {
     let (term, [from, peak, _]) = (shown.proof.term, places(shown));
     let (moving, seen) = (made.axes(term.along), made.axes(term.of));
+    let files: Vec<String> = shown.paths.iter().map(|path| format!("`{path}`")).collect();
     format!(
-        "read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
+        "{}, {}: read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
+        name(shown.proof.mechanism),
+        files.join(", "),
         term.of
     )
 }

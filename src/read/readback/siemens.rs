@@ -24,6 +24,7 @@ pub use self::contents::{MOST_STATEMENTS, MachineDatum, MachineValue, SiemensCon
 
 use super::complaint::Complaint;
 use crate::control::table::siemens::{CecTable, LecTable, SiemensGrid};
+use crate::text::plain::is_unseen;
 use crate::text::problem::{LineIndex, Problem, Problems, refuse_long_lines};
 use memory::Memory;
 use statement::{Statement, statement};
@@ -51,7 +52,19 @@ pub fn read(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
 /// effect and are left out, and MAX may lie between two points ([`crate::control::table::siemens::closed`]):
 /// then the point behind it is kept where it is there.
 pub fn read_out(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
-    read_from(Writer::Control, file_name, text)
+    // Comments are in the letters of the control's language, in whatever bytes: no control obeys them.
+    let is_seen = |c: char| !is_unseen(c) || matches!(c, '\n' | '\r' | '\t');
+    let seen = text.chars();
+    let seen: String = seen
+        .map(|c| {
+            if is_seen(c) {
+                c
+            } else {
+                char::REPLACEMENT_CHARACTER
+            }
+        })
+        .collect();
+    read_from(Writer::Control, file_name, &seen)
 }
 
 fn read_from(writer: Writer, file_name: &str, text: &str) -> Result<SiemensContents, Problems> {

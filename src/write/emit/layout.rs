@@ -72,7 +72,7 @@ impl Layout {
         let mut open = Vec::new();
         let mut whole = Layout::default();
         let mut at = 0;
-        while let Some(tag) = next_tag(template, at) {
+        while let Some(tag) = next_tag(template, at)? {
             at = tag.end;
             let is_print = template[tag.clone()].starts_with("{{");
             let tokens = tokens(template, tag.start + 2..tag.end - 2)?;
@@ -186,28 +186,33 @@ fn innermost<'a>(whole: &'a mut Layout, open: &'a mut [Open]) -> &'a mut Layout 
     around.unwrap_or(whole)
 }
 
-/// The next `{{ … }}` or `{% … %}` from `at` on, comments passed over.
-fn next_tag(template: &str, mut at: usize) -> Option<Range<usize>> {
+/// The next `{{ … }}` or `{% … %}` from `at` on, comments passed over; one that does not end is wrong.
+fn next_tag(template: &str, mut at: usize) -> Result<Option<Range<usize>>, Wrong> {
     loop {
         let begins = |pair: &[u8]| pair[0] == b'{' && b"{%#".contains(&pair[1]);
-        let start = at + template.as_bytes()[at..].windows(2).position(begins)?;
+        let Some(start) = template.as_bytes()[at..].windows(2).position(begins) else {
+            return Ok(None);
+        };
+        let start = at + start;
+        let endless = || wrong(start..start + 2, "a tag or comment without its end");
         let close = match &template[start..start + 2] {
             "{{" => "}}",
             "{%" => "%}",
             _ => {
-                at = start + template[start..].find("#}")? + 2;
+                let inside = start + 2; // `{#}` is no whole comment
+                at = inside + template[inside..].find("#}").ok_or_else(endless)? + 2;
                 continue;
             }
         };
         let mut inside = start + 2;
         while !template[inside..].starts_with(close) {
-            let letter = template[inside..].chars().next()?;
+            let letter = template[inside..].chars().next().ok_or_else(endless)?;
             inside += match letter {
-                '"' | '\'' | '`' => quoted(&template[inside..])?,
+                '"' | '\'' | '`' => quoted(&template[inside..]).ok_or_else(endless)?,
                 other => other.len_utf8(),
             };
         }
-        return Some(start..inside + 2);
+        return Ok(Some(start..inside + 2));
     }
 }
 

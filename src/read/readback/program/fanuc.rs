@@ -19,12 +19,18 @@ pub(super) fn read(text: &str, words: &OwnWords<'_>) -> Result<Vec<Step>, Compla
     for (start, line) in lines(text) {
         let code = without_comments(line, start)?;
         let code = code.trim();
-        // A second number would begin another program.
-        let is_number = frames == 1 && steps.is_empty() && is_number_of_program(code);
+        // The control stores what stands before the number, or behind a second one, as another program.
+        let is_number = frames == 1 && !numbered && is_number_of_program(code);
         if code == "%" {
             frames += 1;
-        } else if code.is_empty() || (is_number && !numbered) {
+        } else if code.is_empty() || is_number {
             numbered |= is_number;
+        } else if frames == 1 && !numbered {
+            let span = start..start + line.len();
+            return Err(Complaint::new(
+                span,
+                "a block before the number of the program (`O` and four digits)",
+            ));
         } else if frames == 1 {
             steps.extend(modal.block(&block(code, start)?, &rules)?);
         } else {

@@ -81,7 +81,9 @@ fn check_characters(
     for (offset, c) in source[line.clone()].char_indices() {
         let at = line.start + offset;
         let span = at..at + c.len_utf8();
-        if (is_unseen(c) || is_line_end_elsewhere(c)) && c != '\t' {
+        // Among them U+2028: an editor shows a line end there; a control ends a comment at LF alone
+        // (SINUMERIK Programming Manual 12/2019 p. 52) and would run less, or more, than a person sees.
+        if is_unseen(c) && c != '\t' {
             let kind = if c.is_control() { "control " } else { "" };
             let message = format!("{kind}character U+{:04X} in the file", u32::from(c));
             return Err(Complaint::new(
@@ -97,12 +99,6 @@ fn check_characters(
         }
     }
     Ok(())
-}
-
-/// U+2028, U+2029: an editor shows, and some write, a line end there; a control ends a comment at LF
-/// alone (SINUMERIK Programming Manual 12/2019 p. 52) and would run less, or more, than a person sees.
-fn is_line_end_elsewhere(c: char) -> bool {
-    matches!(c, '\u{2028}' | '\u{2029}')
 }
 
 /// `%_N_<name>_<ext>` in column 1 of the first line; name up to 24 letters, digits and `_`

@@ -1,0 +1,175 @@
+//! The cases of fixtures/cases/refuses, in the form that fixtures/cases/README.md says.
+
+#![allow(
+    dead_code,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "each user takes a part of it; a test may stop where a case is not in its form"
+)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Arguments of a case without a line `$`.
+const DEFAULT_COMMAND: &str = "generate job.toml -o kit";
+/// What stands before the name of a case.
+const HEAD: &str = "\n== ";
+
+/// The inputs of a case by name, with `/` for folders.
+pub(crate) type Files = BTreeMap<String, Vec<u8>>;
+
+/// One refusal: what is asked of which files, and what is said then.
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) command: String,
+    pub(crate) files: Files,
+    /// Exit status, then everything that is printed.
+    pub(crate) expected: String,
+}
+
+impl Case {
+    /// Writes the inputs into an empty directory.
+    pub(crate) fn lay_out(&self, directory: &Path) {
+        for (name, bytes) in &self.files {
+            let path = directory.join(name);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder can be made");
+            fs::write(path, bytes).expect("an input can be written");
+        }
+    }
+}
+
+/// The files that hold cases, in order of their names.
+pub(crate) fn pages(fixtures: &Path) -> Vec<PathBuf> {
+    let folder = fs::read_dir(fixtures.join("cases/refuses")).expect("the cases are there");
+    let mut pages: Vec<PathBuf> = folder.flatten().map(|entry| entry.path()).collect();
+    pages.sort();
+    pages
+}
+
+/// All cases of all files.
+pub(crate) fn all(fixtures: &Path) -> Vec<Case> {
+    let read = |page: PathBuf| cases(fixtures, &fs::read_to_string(page).expect("it is text"));
+    pages(fixtures).into_iter().flat_map(read).collect()
+}
+
+/// The cases of one file.
+pub(crate) fn cases(fixtures: &Path, page: &str) -> Vec<Case> {
+    let parts = page.split(HEAD).skip(1);
+    parts.map(|part| case(fixtures, part)).collect()
+}
+
+/// The file with what is said now, in the order of its cases.
+pub(crate) fn with_expectations(page: &str, said: &[String]) -> String {
+    let mut parts = page.split(HEAD);
+    let mut written = parts.next().unwrap_or_default().to_string();
+    for (part, said) in parts.zip(said) {
+        written += HEAD;
+        for line in part.lines().take_while(|line| !line.starts_with('>')) {
+            written += &format!("{line}\n");
+        }
+        for line in said.lines() {
+            written += &format!("> {line}\n").replace("> \n", ">\n");
+        }
+    }
+    written
+}
+
+fn case(fixtures: &Path, part: &str) -> Case {
+    let mut lines = part.lines();
+    let mut case = Case {
+        name: lines.next().unwrap_or_default().to_string(),
+        command: DEFAULT_COMMAND.to_string(),
+        files: Files::new(),
+        expected: String::new(),
+    };
+    let mut lines = lines.peekable();
+    while let Some(line) = lines.next() {
+        let told = line.get(2..).unwrap_or_default();
+        match line.get(..1) {
+            Some("$") => case.command = unescaped(told),
+            Some("<") => add_folder(&fixtures.join(told), "", &mut case.files),
+            Some("!") => assert!(case.files.remove(told).is_some(), "{}: {line}", case.name),
+            Some("@") => {
+                let is_own = |line: &&str| line.is_empty() || line.starts_with([' ', '-', '+']);
+                let own: Vec<&str> = std::iter::from_fn(|| lines.next_if(is_own)).collect();
+                put(fixtures, told, &own, &mut case);
+            }
+            Some(">") => case.expected += &format!("{told}\n"),
+            _ => panic!("{}: `{line}` begins with none of $ < ! @ >", case.name),
+        }
+    }
+    case
+}
+
+/// A file as a whole, a copy of another one, or one of both with other lines in it.
+fn put(fixtures: &Path, head: &str, own: &[&str], case: &mut Case) {
+    let (name, source) = head.split_once(" = ").unzip();
+    let (head, crlf) = head
+        .strip_suffix(" CR LF")
+        .map_or((head, false), |head| (head, true));
+    let name = name.unwrap_or(head).to_string();
+    let source = source.map(|path| fs::read(fixtures.join(path)).expect("the source is there"));
+    let whole = source.is_none() && own.iter().all(|line| line.starts_with('+'));
+    let bytes = match source.or_else(|| case.files.remove(&name)) {
+        Some(bytes) if !whole => edited(bytes, own, &case.name),
+        _ if crlf => lines_of(own, "+").replace('\n', "\r\n").into_bytes(),
+        _ => lines_of(own, "+").into_bytes(),
+    };
+    case.files.insert(name, bytes);
+}
+
+/// Each group of lines replaced, which stands in the file once; the line ends stay.
+fn edited(bytes: Vec<u8>, own: &[&str], case: &str) -> Vec<u8> {
+    if own.is_empty() {
+        return bytes;
+    }
+    let text = String::from_utf8(bytes).expect("only a file of text is edited");
+    let mut lines = format!("\n{}", text.replace("\r\n", "\n"));
+    for group in own.split(|line| line.is_empty()) {
+        let (old, new) = (lines_of(group, " -"), lines_of(group, " +"));
+        let (old, new) = (format!("\n{old}"), format!("\n{new}"));
+        let windows = lines.as_bytes().windows(old.len());
+        let found = windows.filter(|part| *part == old.as_bytes()).count();
+        assert_eq!(found, 1, "{case}: times that these lines are found{old}");
+        lines = lines.replace(&old, &new);
+    }
+    match text.contains("\r\n") {
+        true => lines[1..].replace('\n', "\r\n").into_bytes(),
+        false => lines[1..].as_bytes().to_vec(),
+    }
+}
+
+/// The text of the lines that begin with one of the marks.
+fn lines_of(own: &[&str], marks: &str) -> String {
+    let marked = own
+        .iter()
+        .filter(|line| line.starts_with(|mark| marks.contains(mark)));
+    let text = marked.map(|line| unescaped(line.get(2..).unwrap_or_default()) + "\n");
+    text.collect()
+}
+
+/// A text in which `\u{…}` stands for what an editor does not show.
+fn unescaped(text: &str) -> String {
+    let mut parts = text.split("\\u{");
+    let mut whole = parts.next().unwrap_or_default().to_string();
+    for part in parts {
+        let (code, rest) = part.split_once('}').expect("an escape ends with a brace");
+        let code = u32::from_str_radix(code, 16).expect("an escape is hexadecimal");
+        whole.push(char::from_u32(code).expect("an escape is a character"));
+        whole += rest;
+    }
+    whole
+}
+
+fn add_folder(folder: &Path, prefix: &str, files: &mut Files) {
+    for entry in fs::read_dir(folder).expect("the base is a folder below fixtures") {
+        let path = entry.expect("the folder can be read").path();
+        let name = path.file_name().expect("a name").to_string_lossy();
+        let name = format!("{prefix}{name}");
+        match path.is_dir() {
+            true => add_folder(&path, &format!("{name}/"), files),
+            false => drop(files.insert(name, fs::read(&path).expect("a file"))),
+        }
+    }
+}
