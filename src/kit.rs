@@ -16,7 +16,6 @@ mod rollback;
 pub mod simulate;
 mod verification;
 
-
 use crate::control::controller::Profile;
 use crate::inputs::job::ActiveTables;
 use crate::judge::conformity::Verdict;
