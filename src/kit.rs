@@ -34,7 +34,7 @@ use crate::write::emit::{self, RenderedFile, TOOL, Templates};
 use crate::write::plan::{Plan, plan};
 use crate::write::target::wants;
 use field::{Made, as_kit_file};
-pub use inputs::Inputs;
+pub use inputs::{Inputs, cannot_emulate};
 pub use loaded::{LoadedControl, load, load_own, load_read_out};
 pub use loaded_state::{LoadedState, loaded_state};
 pub use remarks::remarks;
@@ -234,13 +234,6 @@ fn differences(inputs: &Inputs, plan: &Plan, compiled: &Compiled, read: &ReadBac
         diagnosis.as_ref(),
     ));
     Differences { words, found }
-}
-
-/// Tables whose effect the semantics do not tell.
-pub fn cannot_emulate(reason: &CannotEmulate) -> Problems {
-    Problem::new(format!("the tables cannot be emulated: {}", reason.0))
-        .help("nothing is written, because no forecast could be given")
-        .into()
 }
 
 fn build_manifest(

@@ -13,32 +13,14 @@ mod text;
 
 pub use self::columns::Heading;
 pub use self::remarks::{Remarks, SIMULATED};
+pub use self::series::Series;
 pub use self::text::{Draft, DraftSeries, write};
 
 use self::columns::{Columns, FIRST_LINE};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::units::{Deviation, Millimetres};
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
-
-/// All measured positions of one axis in one direction (or without regard to direction).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Series {
-    /// Direction of travel; `None` = both.
-    pub direction: Option<Direction>,
-    /// Machine coordinates, strictly ascending.
-    pub positions: Vec<Millimetres>,
-    /// Deviations in X, Y, Z, one for each position; `None` = not measured.
-    pub deviations: PerAxis<Option<Vec<Deviation>>>,
-    /// Standard uncertainties (k = 1) of the deviations, µm.
-    pub uncertainties_um: PerAxis<Option<Vec<f64>>>,
-    /// Rotations about X, Y, Z (`ea`, `eb`, `ec`), µrad, right-handed.
-    pub angles_urad: PerAxis<Option<Vec<f64>>>,
-    lines: Vec<usize>,
-    /// Which table it stands in: 0 = the first, n = the n-th of `ErrorTable::more`.
-    table: usize,
-}
 
 /// A checked error table.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,6 +116,7 @@ mod tests {
     #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
     use super::*;
+    use crate::quantity::units::Millimetres;
 
     #[test]
     fn quotation_marks_and_empty_rows_do_not_matter() {

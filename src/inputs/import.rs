@@ -26,11 +26,13 @@ mod placing;
 mod pos;
 mod pos_header;
 mod pos_rows;
+mod reading;
 mod refused;
 mod ren;
 mod ren_header;
 mod reversal;
 mod rtl;
+mod rtl_file;
 mod rtl_runs;
 mod rtl_sections;
 mod rtl_tested;
@@ -39,48 +41,15 @@ pub mod stated;
 
 pub use self::component::{Component, Kind, terms_of};
 pub use self::format::Format;
+use self::reading::Reading;
+pub use self::reading::{Measurement, Squareness};
 pub use self::rtl_tested::{MeasuredRuns, measured_runs};
 
 use self::choices::Encoding;
 use self::stated::Stated;
-use crate::inputs::error_table::{self, Draft, DraftSeries, ErrorTable};
+use crate::inputs::error_table::{self, Draft, ErrorTable};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
-
-/// A file to be imported.
-#[derive(Clone, Copy, Debug)]
-pub struct Measurement<'a> {
-    /// The file as the user named it, for messages.
-    pub path: &'a str,
-    /// Its name without folders, for the table.
-    pub name: &'a str,
-    /// SHA-256 of its bytes, in hexadecimal digits.
-    pub sha256: &'a str,
-    /// Its bytes.
-    pub bytes: &'a [u8],
-}
-
-/// Two axes whose squareness a file gives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Squareness {
-    /// `xy`, `xz` or `yz`.
-    pub pair: &'static str,
-    /// φ in µm/m; positive = the angle between the two positive axis directions is less than 90°.
-    pub um_per_m: f64,
-    /// The name in the file, e.g. `C0Y`.
-    pub name: &'static str,
-}
-
-/// What a file gave, in our words.
-#[derive(Clone, Debug, Default)]
-struct Reading {
-    series: Vec<DraftSeries>,
-    /// What the file states and what was done with it.
-    facts: Vec<String>,
-    /// What the user should look at before the table is used.
-    warnings: Vec<String>,
-    squareness: Vec<Squareness>,
-}
 
 /// An imported measurement.
 #[derive(Clone, Debug)]

@@ -19,7 +19,9 @@
 
 mod beside;
 mod fanuc;
+mod found;
 mod held;
+mod interpolation;
 mod kit;
 mod machine;
 mod read_out;
@@ -27,10 +29,12 @@ mod siemens;
 mod without_tables;
 
 pub use self::beside::{collisions, left_over};
+pub use self::found::ReadOutFor;
 pub use self::held::Held;
+pub use self::interpolation::take_interpolation;
 pub use self::kit::{from_kit, named_axis};
 pub use self::machine::uncompensated;
-pub use self::read_out::{ReadOutFor, from_read_out};
+pub use self::read_out::from_read_out;
 pub use self::without_tables::without_tables;
 
 use crate::control::claims::Assumption;
@@ -103,40 +107,6 @@ pub struct Others {
     pub points: Vec<NumberRange>,
     /// Fanuc: straightness sets, from 1.
     pub sets: Vec<u32>,
-}
-
-/// Lets the job say what the files do of 3605#1 (lines or steps between the points), where it does
-/// not state it; gives what is to be told.
-pub fn take_interpolation(
-    job: &mut Job,
-    profile: &Profile,
-    active: &ActiveControl,
-) -> Option<String> {
-    let Tables::Fanuc(memory) = &active.tables else {
-        return None;
-    };
-    let names = axis_names(job, profile).ok()?;
-    let mut on = Vec::new();
-    for (axis, names) in names.iter() {
-        let Some(settings) = &mut job.compensation.axes[axis] else {
-            continue;
-        };
-        if settings.interpolated.is_some() || settings.parameter_3605.is_some() {
-            continue;
-        }
-        let in_state = |name: &String| active.state.axis(name).is_some_and(|a| a.interpolated);
-        let in_state = names.iter().all(in_state).then_some(true);
-        settings.interpolated = fanuc::interpolated(memory, names).or(in_state);
-        if settings.interpolated == Some(true) {
-            on.extend(names.iter().cloned());
-        }
-    }
-    (!on.is_empty()).then(|| {
-        format!(
-            "3605#1 of axis {} was 1 while measuring: the forecast is for interpolated pitch compensation, lines between the points",
-            on.join(", ")
-        )
-    })
 }
 
 /// Where the job speaks of the active tables.

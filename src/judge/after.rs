@@ -12,114 +12,29 @@
 mod doubts;
 mod ground;
 mod machine;
+mod measurement;
 mod observation;
 mod reversal;
 
 pub use self::machine::ensure_same_machine;
-pub use self::observation::{Control, Observation, Part, observations};
+pub use self::measurement::{AfterMeasurement, StraightRuns, Walk};
+pub use self::observation::{Control, Observation, Part, before_um, observations};
 pub use self::reversal::{UnseenReversal, unseen_reversal};
 
 use self::doubts::{doubts, not_measured, notes};
 use self::ground::ensure_common_ground;
-use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::Job;
 use crate::judge::conformity::Sigma;
 use crate::judge::forecast::{
     Basis, DiagonalForecast, Forecast, Machine, TermForecast, forecast, judged_ranges, range_of,
 };
-use crate::machine::model::{ErrorModel, MeasuredTerm};
+use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::smaller;
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use crate::text::problem::{Problem, Problems};
 use crate::write::plan::Plan;
-
-/// A measurement of the machine with its tables active.
-#[derive(Clone, Debug, PartialEq)]
-pub enum AfterMeasurement {
-    /// Error curves, zero at the reference.
-    Errors(Box<ErrorModel>),
-    /// Straight runs along the body diagonals.
-    Diagonals(StraightRuns),
-}
-
-/// Straight runs along the body diagonals: their means and figures.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StraightRuns {
-    /// The box and its nodes.
-    pub volume: Volume,
-    /// Mean readings of each pass that was walked.
-    pub walks: Vec<Walk>,
-    /// Max − min along each diagonal, both passes, µm.
-    pub range_um: PerDiagonal<f64>,
-    /// Standard uncertainty (k = 1) of a mean reading, µm; `None` = neither stated nor repeated.
-    pub u_um: Option<f64>,
-    /// Degrees of freedom of the estimate behind it; `None` = it is stated.
-    pub degrees_of_freedom: Option<f64>,
-    /// Standard uncertainty of the laser's scale, µm/m; 0 = not stated.
-    pub scale_um_per_m: f64,
-    /// The reverse passes count from the forward start.
-    pub one_zero: bool,
-    /// What the readings say of themselves and what their evaluation rests on, one sentence each.
-    pub labels: Vec<String>,
-}
-
-impl AfterMeasurement {
-    /// Whether the values say of themselves that they were simulated.
-    pub fn is_simulated(&self) -> bool {
-        match self {
-            AfterMeasurement::Errors(model) => model.remarks.simulated().next().is_some(),
-            AfterMeasurement::Diagonals(runs) => {
-                let mut labels = runs.labels.iter();
-                labels.any(|label| label.starts_with(SIMULATED))
-            }
-        }
-    }
-
-    /// What was measured at five places or more and is the same at all of them, to the last digit.
-    fn flat(&self) -> Vec<String> {
-        let is_flat = |measured: &MeasuredTerm| {
-            measured.largest_um() <= 0.0 && measured.curves().any(|c| c.knots().len() >= 5)
-        };
-        match self {
-            AfterMeasurement::Errors(model) => {
-                let flat = model.measured().filter(|(_, measured)| is_flat(measured));
-                flat.map(|(term, _)| term.to_string()).collect()
-            }
-            AfterMeasurement::Diagonals(runs) => {
-                let flat = runs.range_um.iter().filter(|(_, um)| **um <= 0.0);
-                flat.map(|(diagonal, _)| diagonal.to_string()).collect()
-            }
-        }
-    }
-}
-
-impl StraightRuns {
-    /// From where to where the diagonals take an axis, mm.
-    fn range_mm(&self, axis: Axis) -> (f64, f64) {
-        let low = self.volume.start[axis].mm();
-        (low, low + self.volume.size[axis].mm())
-    }
-
-    /// Standard uncertainty of max − min along a diagonal, µm: two mean readings, and the scale
-    /// over the length of the diagonal.
-    fn u_range_um(&self) -> Option<f64> {
-        let scale_um = self.scale_um_per_m * self.volume.diagonal_mm() / 1000.0;
-        Some((std::f64::consts::SQRT_2 * self.u_um?).hypot(scale_um))
-    }
-}
-
-/// Mean readings of one pass, µm, by node of the forward path.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Walk {
-    /// The diagonal.
-    pub diagonal: Diagonal,
-    /// Forward or reverse.
-    pub pass: Pass,
-    /// Measured − nominal displacement, positive along the forward direction.
-    pub readings_um: Vec<f64>,
-}
 
 /// What stands on one line of the page; `None` = not measured, or no forecast.
 #[derive(Clone, Debug, PartialEq)]
@@ -258,13 +173,6 @@ fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[Line]) -> Opti
 
 fn not_evaluated(reason: CannotEmulate) -> Problems {
     Problem::new(reason.0).into()
-}
-
-/// The deviation as found where a part of an observation looks, µm; `None` = not measured in this
-/// direction.
-pub fn before_um(before: &ErrorModel, part: &Part) -> Option<f64> {
-    let measured = before.terms[part.term].as_ref()?;
-    Some(measured.measured.curve(part.direction)?.at(part.at).um())
 }
 
 /// Measured figures of straight runs.

@@ -19,6 +19,7 @@
 //!
 //! One fault at a time is tried; two faults at once are `unknown` unless one explains both.
 
+mod corrected;
 mod data;
 mod decide;
 mod fault;
@@ -28,22 +29,21 @@ mod records;
 mod tried;
 mod words;
 
+use self::words::Numbers;
+
+use self::data::{Data, RISK, quantile};
+
+pub use self::corrected::{Corrected, Slip};
 pub use self::data::Basis;
 pub use self::fault::{Fault, Scope};
 pub use self::question::Question;
-pub use self::records::{Corrected, Slip};
 
-use self::data::{Data, Fit};
+use self::fault::Fit;
 use self::tried::all_faults;
 use crate::judge::after::Observation;
 use crate::quantity::axis::ErrorTerm;
 use crate::text::problem::Problem;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Risk of rejecting what is right.
-const RISK: f64 = 0.001;
-/// A scale error of more than this is no temperature of a workshop, K.
-const MOST_KELVIN: f64 = 20.0;
 /// Predictions of one kind that differ by less are one cause, µm.
 const SAME_UM: f64 = 1e-6;
 /// A second measurement this many times the first one may be in another unit.
@@ -202,23 +202,6 @@ fn causes(question: &Question<'_>, data: &Data<'_>, standing: Vec<(&Fault, Fit)>
     groups.into_iter().map(cause).collect()
 }
 
-/// The numbers of a cause as they are printed.
-struct Numbers {
-    /// As [`Cause::fitted`].
-    fitted: Vec<f64>,
-    /// How far a shift may be off, mm; empty for other faults.
-    uncertainty_mm: Vec<f64>,
-}
-
-impl Numbers {
-    fn of(data: &Data<'_>, fault: &Fault, fit: &Fit) -> Numbers {
-        Numbers {
-            fitted: fit.fitted.clone(),
-            uncertainty_mm: data.shift_uncertainty_mm(fault, fit),
-        }
-    }
-}
-
 /// What each term looks like by itself: how far it is off, and every fault that fits, the best
 /// first.
 fn term_by_term(data: &Data<'_>) -> Vec<String> {
@@ -304,8 +287,4 @@ fn fits_in_mm(data: &Data<'_>, faults: &[Fault]) -> Option<&'static str> {
         .collect();
     found.sort_by_key(|fault| fault.rank());
     found.first().map(|fault| fault.kind())
-}
-
-fn quantile(probability: f64, freedom: f64) -> f64 {
-    ChiSquared::new(freedom).map_or(f64::INFINITY, |spread| spread.inverse_cdf(probability))
 }

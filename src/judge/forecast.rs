@@ -11,18 +11,20 @@
 //! between its knots, so no position has to be sampled.
 
 mod diagonals;
+mod figures;
+mod machine;
 mod share;
 mod silent;
 mod words;
 
+pub use self::machine::Machine;
+use self::machine::within;
+
+pub use self::figures::{Basis, DiagonalForecast, Forecast, Silent, TermForecast};
 pub(crate) use self::share::range_of;
 pub use self::share::{JudgedRange, judged_ranges};
-pub use self::silent::Silent;
 
-use crate::inputs::job::Acceptance;
-use crate::judge::conformity::{
-    Magnitude, Sigma, Verdict, expanded_um, judge_forecast, judge_measured, largest_um,
-};
+use crate::judge::conformity::{Magnitude, Sigma, expanded_um, largest_um};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
@@ -30,263 +32,6 @@ use crate::quantity::units::{Millimetres, larger};
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use crate::write::grid::EDGE_MM;
 use crate::write::plan::{Plan, axis_pairs};
-
-/// Forecast of one term.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TermForecast {
-    /// Which error.
-    pub term: ErrorTerm,
-    /// Largest |deviation| as measured, relative to the reference, µm.
-    pub before_um: f64,
-    /// Largest |deviation + emulated correction|, µm.
-    pub after_um: f64,
-    /// `after_um`, but with straight lines between the points of a table where old tables were
-    /// active, whose steps are not in `before_um` either.
-    pub comparable_um: f64,
-    /// Largest standard uncertainty (k = 1) of a value, µm; `None` = not stated.
-    pub u_um: Option<f64>,
-    /// U of `after_um`, the largest of its values, with 95 %, µm; `None` = not stated.
-    pub expanded_um: Option<f64>,
-    /// What is left around each measured position; one where no uncertainty is stated.
-    pub figures: Vec<Magnitude>,
-    /// Whether a table was planned for it.
-    pub compensated: bool,
-    /// `None` = measured both ways; else in which direction, without regard to it where it is `None`.
-    pub one_way: Option<Option<Direction>>,
-}
-
-/// Forecast along one body diagonal of the measured box: max − min of the deviation along it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DiagonalForecast {
-    /// `PPP`, `NPP`, `PNP` or `PPN` (contract §2.2).
-    pub name: &'static str,
-    /// As measured, µm.
-    pub before_um: f64,
-    /// With the tables, µm.
-    pub after_um: f64,
-    /// `after_um` with straight lines, as of a term.
-    pub comparable_um: f64,
-    /// Standard uncertainty (k = 1) of a difference of two values on it, µm; `None` if any of the
-    /// nine is not stated.
-    pub u_um: Option<f64>,
-    /// U of `after_um` with 95 %, µm; `None` = not stated.
-    pub expanded_um: Option<f64>,
-    /// Half of max − min with the uncertainty of a value, at each place of a measured position, one where none is stated:
-    /// max − min keeps a limit where every value lies within half of it about the middle.
-    pub halves: Vec<Magnitude>,
-    /// Share of a deviation in X, Y, Z along the beam.
-    pub cosines: PerAxis<f64>,
-}
-
-impl DiagonalForecast {
-    /// A diagonal whose values have these standard uncertainties, µm; empty = not stated. `scale_um` =
-    /// that of the laser over its length, which is one error of all values.
-    pub fn new(
-        name: &'static str,
-        before_um: f64,
-        after_um: f64,
-        sigma: Sigma,
-        u_um: &[f64],
-        scale_um: f64,
-    ) -> Self {
-        let half = |u_um: f64| Magnitude {
-            um: after_um / 2.0,
-            u_um: u_um.hypot(scale_um / 2.0),
-        };
-        let mut halves: Vec<Magnitude> = u_um.iter().copied().map(half).collect();
-        if halves.is_empty() {
-            halves.push(half(0.0));
-        }
-        let largest = u_um.iter().copied().reduce(larger);
-        DiagonalForecast {
-            name,
-            before_um,
-            after_um,
-            comparable_um: after_um,
-            u_um: largest.map(|u| (std::f64::consts::SQRT_2 * u).hypot(scale_um)),
-            expanded_um: largest.map(|_| 2.0 * expanded_um(&halves, sigma)),
-            halves,
-            cosines: PerAxis::default(),
-        }
-    }
-
-    /// max − min as one figure: the difference of two values.
-    fn difference(&self) -> Magnitude {
-        Magnitude {
-            um: self.after_um,
-            u_um: self.u_um.unwrap_or(0.0),
-        }
-    }
-}
-
-/// What the figures come from, which decides how they are judged ([`crate::judge::conformity`]).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Basis {
-    /// The emulated tables.
-    Forecast,
-    /// A measurement with the tables active.
-    Measured,
-}
-
-/// What the tables will leave.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Forecast {
-    /// What the figures come from.
-    pub basis: Basis,
-    /// How the σ behind the uncertainties is known.
-    pub sigma: Sigma,
-    /// The part of each axis that is judged, and how much of it was measured.
-    pub ranges: Vec<JudgedRange>,
-    /// What no uncertainty holds because the job does not state it.
-    pub silent: Vec<Silent>,
-    /// Every measured term, in the contract's order.
-    pub terms: Vec<TermForecast>,
-    /// The four body diagonals; empty unless all nine errors were measured, none in one direction only.
-    pub diagonals: Vec<DiagonalForecast>,
-    /// Stretches of each axis where the table passes the measured range.
-    pub unmeasured: PerAxis<Vec<(Millimetres, Millimetres)>>,
-    /// Terms that the measurement was to give and did not.
-    pub not_determined: Vec<ErrorTerm>,
-    /// Reversal along the diagonals that no curve holds, µm: positioning and diagonals are
-    /// forecast without it.
-    pub without_reversal_um: Option<f64>,
-}
-
-impl Forecast {
-    /// Largest residual of all measured terms, µm.
-    pub fn max_residual_um(&self) -> f64 {
-        let all = self.terms.iter().map(|term| term.after_um);
-        all.fold(0.0, larger)
-    }
-
-    /// Figures that the tables make larger than they were measured, one sentence each.
-    ///
-    /// limits the steps of old tables between the measured positions are not in the figures as
-    ///        measured; where only steps make a figure larger, the sentence says so
-    pub fn worsened(&self) -> Vec<String> {
-        let sentence = |name: String, before_um: f64, after_um: f64, comparable_um: f64| {
-            let larger = |um: f64| um > before_um + SHOWN_UM;
-            let why = match larger(comparable_um) {
-                true => "",
-                false => {
-                    ", by the steps between the points; those of the old tables are not in the figure as measured"
-                }
-            };
-            larger(after_um).then(|| {
-                format!(
-                    "{name} becomes larger with the tables: {before_um:.3} → {after_um:.3} µm{why}"
-                )
-            })
-        };
-        let terms = self.terms.iter();
-        let terms = terms
-            .filter_map(|t| sentence(t.term.to_string(), t.before_um, t.after_um, t.comparable_um));
-        let diagonals = self.diagonals.iter();
-        let diagonals = diagonals.filter_map(|d| {
-            let name = format!("diagonal {}", d.name);
-            sentence(name, d.before_um, d.after_um, d.comparable_um)
-        });
-        terms.chain(diagonals).collect()
-    }
-
-    /// What is left of all terms, at every measured position.
-    fn figures(&self) -> Vec<Magnitude> {
-        let all = self.terms.iter().flat_map(|term| &term.figures);
-        all.copied().collect()
-    }
-
-    /// U of [`Forecast::max_residual_um`], the largest of all terms, with 95 %, µm; `None` = no
-    /// uncertainty is stated.
-    pub fn max_expanded_um(&self) -> Option<f64> {
-        let stated = self.terms.iter().any(|term| term.u_um.is_some());
-        stated.then(|| expanded_um(&self.figures(), self.sigma))
-    }
-
-    fn judge(&self, figures: &[Magnitude], limit_um: f64) -> Verdict {
-        match self.basis {
-            Basis::Forecast => judge_forecast(figures, self.sigma, limit_um),
-            Basis::Measured => judge_measured(figures, self.sigma, limit_um),
-        }
-    }
-
-    /// Diagonals of a forecast are judged together; a measured one passes on the difference of its
-    /// two extreme values and fails on all its values.
-    fn judge_diagonals(&self, diagonals: &[&DiagonalForecast], limit_um: f64) -> Verdict {
-        let halves: Vec<Magnitude> = (diagonals.iter())
-            .flat_map(|diagonal| diagonal.halves.clone())
-            .collect();
-        let together = self.judge(&halves, limit_um / 2.0);
-        if self.basis == Basis::Forecast {
-            return together;
-        }
-        let differences: Vec<Magnitude> = diagonals.iter().map(|d| d.difference()).collect();
-        match judge_measured(&differences, self.sigma, limit_um) {
-            Verdict::Pass => Verdict::Pass,
-            _ => together.max(Verdict::Undecided),
-        }
-    }
-
-    /// Compares with the acceptance of the job.
-    pub fn verdict(&self, acceptance: Acceptance) -> Verdict {
-        let terms = acceptance
-            .max_deviation_um
-            .map(|limit| self.judge(&self.figures(), limit));
-        let all: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
-        let diagonals = acceptance
-            .max_diagonal_um
-            .map(|limit| match all.is_empty() {
-                true => Verdict::Undecided,
-                false => self.judge_diagonals(&all, limit),
-            });
-        let judged = [terms, diagonals].into_iter().flatten().max();
-        let short = judged.is_some() && !self.is_range_known();
-        let short = short.then_some(Verdict::Undecided);
-        judged.max(short).unwrap_or(Verdict::Pass)
-    }
-
-    /// Whether enough of every judged range was measured.
-    fn is_range_known(&self) -> bool {
-        self.ranges.iter().all(JudgedRange::is_known)
-    }
-}
-
-/// Differences below the last digit that is shown are none, µm.
-const SHOWN_UM: f64 = 0.001;
-
-/// One machine, before and without compensation. Both are the same model where no table was
-/// active while measuring.
-#[derive(Clone, Copy, Debug)]
-pub struct Machine<'a> {
-    /// As it was measured: what the forecast compares with, and the range that is known.
-    pub as_measured: &'a ErrorModel,
-    /// Without any table: what corrections are added to.
-    pub uncompensated: &'a ErrorModel,
-}
-
-impl<'a> Machine<'a> {
-    /// A machine that was measured without any table.
-    pub fn alone(model: &'a ErrorModel) -> Machine<'a> {
-        Machine {
-            as_measured: model,
-            uncompensated: model,
-        }
-    }
-
-    /// Whether tables were active while measuring.
-    fn was_under_tables(self) -> bool {
-        !std::ptr::eq(self.as_measured, self.uncompensated)
-    }
-
-    /// The curves of a term in a direction: as measured, and without tables.
-    fn curves(
-        self,
-        term: ErrorTerm,
-        direction: Direction,
-    ) -> Option<(&'a ErrorCurve, &'a ErrorCurve)> {
-        let of = |model: &'a ErrorModel| model.terms[term].as_ref()?.measured.curve(direction);
-        Some((of(self.as_measured)?, of(self.uncompensated)?))
-    }
-}
 
 /// A control that plays straight lines where the real one plays steps.
 struct Straightened<'a>(&'a dyn Emulator);
@@ -468,17 +213,6 @@ fn largest_in(curve: &ErrorCurve, response: &Response, cell: Cell) -> f64 {
         }
     }
     largest
-}
-
-/// What two ranges have in common; the first where there is no second.
-fn within(
-    (from, to): (Millimetres, Millimetres),
-    other: Option<(Millimetres, Millimetres)>,
-) -> (Millimetres, Millimetres) {
-    let (low, high) = other.unwrap_or((from, to));
-    let from = if low > from { low } else { from };
-    let to = if high < to { high } else { to };
-    (from, to)
 }
 
 /// A correction that jumps at an end of the measured range (a picometre either way) counts with

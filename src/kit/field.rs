@@ -8,24 +8,24 @@
 
 mod head;
 mod lists;
+mod made;
 mod movement;
 mod proofs;
 mod reading;
 
-use super::rollback;
-use super::{Inputs, cannot_emulate};
+pub(super) use self::made::{Made, as_kit_file};
+
+use super::{Inputs, rollback};
 use crate::control::checklist::{KitFacts, parts};
 use crate::control::controller::checklist::List;
 use crate::control::controller::{Mechanism, Role};
-use crate::judge::conformity::Verdict;
-use crate::judge::forecast::Forecast;
-use crate::quantity::axis::Axis;
+use crate::kit::inputs::cannot_emulate;
 use crate::read::readback::kit::{KitFile, ReadBack, read_apart};
 use crate::text::problem::Problems;
 use crate::write::compensation::siemens::reference_text;
 use crate::write::compensation::{Compiled, uses};
-use crate::write::emit::{self, Context, RenderedFile, Templates};
-use crate::write::plan::{Plan, Task};
+use crate::write::emit::{self, RenderedFile};
+use crate::write::plan::Plan;
 use crate::write::sign_proof::{SignProof, sign_proofs};
 use proofs::{Proofs, Shown};
 use serde_json::Value;
@@ -37,36 +37,6 @@ pub(super) struct FieldKit {
     pub(super) sign_proofs: Vec<Value>,
     /// Mechanisms without a sign proof, and a rollback that is not whole, one sentence each.
     pub(super) notes: Vec<String>,
-}
-
-/// What a field kit is made from.
-pub(super) struct Made<'a> {
-    pub(super) inputs: &'a Inputs,
-    pub(super) plan: &'a Plan,
-    pub(super) compiled: &'a Compiled,
-    pub(super) context: &'a Context,
-    pub(super) templates: &'a Templates,
-    /// The files of the kit itself.
-    pub(super) files: &'a [RenderedFile],
-    /// What was read back from them.
-    pub(super) read: &'a ReadBack,
-    /// What the files will leave.
-    pub(super) forecast: &'a Forecast,
-    /// Forecast against the acceptance of the job.
-    pub(super) verdict: Verdict,
-    /// Why the measured errors are doubtful.
-    pub(super) doubts: &'a [String],
-}
-
-impl Made<'_> {
-    fn task(&self) -> Task<'_> {
-        self.inputs.task()
-    }
-
-    /// `X (AX1)`, or `X (AX1 and AX4)` for a gantry.
-    fn axes(&self, axis: Axis) -> String {
-        format!("{axis} ({})", self.plan.names[axis].join(" and "))
-    }
 }
 
 /// Makes the field kit; refused unless every file reads back to what was meant.
@@ -116,15 +86,6 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         sign_proofs,
         notes,
     })
-}
-
-/// A file as the readers take it.
-pub(super) fn as_kit_file(file: &RenderedFile) -> KitFile<'_> {
-    KitFile {
-        path: &file.path,
-        role: file.role,
-        bytes: &file.bytes,
-    }
 }
 
 /// How the files of a directory that stand apart differ from those of the job, one sentence each.

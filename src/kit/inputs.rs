@@ -7,7 +7,8 @@ use crate::judge::active::{self, ActiveControl};
 use crate::judge::forecast::Machine;
 use crate::kit::manifest::HashedFile;
 use crate::machine::model::ErrorModel;
-use crate::text::problem::Problems;
+use crate::read::emulate::CannotEmulate;
+use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, compile};
 use crate::write::plan::{Plan, Task};
 
@@ -115,4 +116,11 @@ impl Inputs {
             model: &self.model,
         }
     }
+}
+
+/// Tables whose effect the semantics do not tell.
+pub fn cannot_emulate(reason: &CannotEmulate) -> Problems {
+    Problem::new(format!("the tables cannot be emulated: {}", reason.0))
+        .help("nothing is written, because no forecast could be given")
+        .into()
 }

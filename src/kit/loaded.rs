@@ -2,11 +2,12 @@
 //! control; and how they differ from what the job asks for.
 
 use super::loaded_state::{loaded_state, read_out_state};
-use super::{Differences, Inputs, cannot_emulate, differences, generate};
+use super::{Differences, Inputs, differences, generate};
 use crate::control::control_state::ControlState;
 use crate::control::table::Tables;
 use crate::judge::active::ActiveControl;
 use crate::judge::disagreement::{self, surroundings};
+use crate::kit::inputs::cannot_emulate;
 use crate::read::emulate::{CannotEmulate, Emulator, emulator};
 use crate::read::readback::kit::{KitFile, read, unread};
 use crate::text::problem::Problems;

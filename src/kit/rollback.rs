@@ -12,21 +12,24 @@
 //! point and parameter that the files overwrite, there is no rollback file, and what is missing is
 //! named. Zeros are not a rollback.
 
+mod before;
 mod fanuc;
 mod movement;
 mod siemens;
+
+use self::before::{Before, Old, Unknown};
 
 use super::Inputs;
 use super::field::{Made, as_kit_file};
 use crate::control::controller::Role;
 use crate::control::table::Tables;
-use crate::judge::active::{ActiveControl, Held, Origin};
+use crate::judge::active::Origin;
 use crate::read::readback::kit::{KitFile, ReadBack, read_apart};
 use crate::read::readback::siemens::{MachineDatum, MachineValue};
 use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
 use crate::write::emit::{self, Instead, RenderedFile, Switch, Templates};
-use crate::write::plan::{Plan, Task};
+use crate::write::plan::Plan;
 
 /// What a kit writes for the way back, and what it leaves to a person.
 #[derive(Default)]
@@ -53,44 +56,6 @@ impl Rollback {
             format!("the rollback files leave {left} kind(s) of settings to a person, because the files that were read out do not hold them: see \"Not written\" and \"Way back\" of the checklist")
         })
     }
-}
-
-/// A kit, and what the control held before it.
-struct Before<'a> {
-    task: Task<'a>,
-    plan: &'a Plan,
-    compiled: &'a Compiled,
-    active: &'a ActiveControl,
-    held: &'a Held,
-}
-
-/// What the control held of all that the kit changes.
-struct Old {
-    tables: Tables,
-    /// Switches, backlash and weights (Siemens).
-    data: Vec<MachineDatum>,
-    /// What no file that was read out holds.
-    unknown: Vec<Unknown>,
-    /// What is left in the control although the kit brought it.
-    stays: Vec<String>,
-}
-
-/// Something that the kit changes and no rollback file restores.
-struct Unknown {
-    /// Names, as the control shows them.
-    what: String,
-    by: ChangedBy,
-}
-
-/// What changes a datum beside the tables.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ChangedBy {
-    /// A file of the kit.
-    File,
-    /// A person, because a precondition asks for a value.
-    Precondition,
-    /// Nobody: it acts beside the tables and goes along where it was read out.
-    Nobody,
 }
 
 /// Makes the rollback files of a kit.
@@ -179,32 +144,6 @@ impl Before<'_> {
             not_written: unknown.map(Unknown::not_written).collect(),
             by_hand,
         })
-    }
-}
-
-impl Unknown {
-    fn not_written(&self) -> String {
-        let changes = match self.by {
-            ChangedBy::File => "The files of this kit switch it",
-            ChangedBy::Precondition | ChangedBy::Nobody => "A precondition may make you change it",
-        };
-        format!(
-            "{}: not in the rollback files. {changes}, and the files that were read out hold it not at all or with several values. Look at it now and note it",
-            self.what
-        )
-    }
-
-    fn by_hand(&self) -> String {
-        match self.by {
-            ChangedBy::File => format!(
-                "{}: not in the rollback files; switch on what was on before this kit, as noted",
-                self.what
-            ),
-            ChangedBy::Precondition | ChangedBy::Nobody => format!(
-                "{}: not in the rollback files; where it was changed, bring back what was noted before this kit",
-                self.what
-            ),
-        }
     }
 }
 

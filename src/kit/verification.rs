@@ -1,11 +1,12 @@
 //! The bytes of a directory, judged against a job.
 
 use super::loaded::Loaded;
-use super::{Inputs, cannot_emulate, doubts, field, judged};
+use super::{Inputs, doubts, field, judged};
 use crate::control::control_state::ControlState;
 use crate::judge::active::ActiveControl;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
+use crate::kit::inputs::cannot_emulate;
 use crate::read::emulate::emulator;
 use crate::read::readback::kit::KitFile;
 use crate::text::problem::Problems;

@@ -27,6 +27,7 @@
 
 pub mod agreement;
 pub mod angle_bound;
+mod angle_evidence;
 pub mod closure;
 pub mod corrections;
 pub mod curves;
@@ -51,6 +52,7 @@ pub mod slope_gains;
 pub mod straight;
 pub mod table;
 pub mod tilt;
+mod totals;
 pub mod uncertainty;
 pub mod unmeasured;
 

@@ -15,6 +15,8 @@
 
 mod pieces;
 
+pub use self::pieces::Interpolation;
+
 use crate::quantity::units::{Deviation, Millimetres};
 
 pub(crate) use pieces::solve_tridiagonal;
@@ -27,21 +29,6 @@ const MM_PER_M: f64 = 1000.0;
 /// as a straight line over this nanometre, mm: the value before it stands so far below the place,
 /// the value behind it at the place. No measured curve moves by more than 10⁻⁶ µm over it.
 pub const JUMP_MM: f64 = 1e-6;
-
-/// How the curve runs between the measured positions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Interpolation {
-    /// Straight lines from target to target.
-    Linear,
-    /// Monotone piecewise cubic: no overshoot, extremes only at targets, continuous slope.
-    /// Fritsch & Carlson, SIAM J. Numer. Anal. 17 (1980) 238–246; slopes after Fritsch &
-    /// Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300–304; ends as in SciPy's
-    /// `PchipInterpolator`, from Moler, *Numerical Computing with MATLAB* (2004) §3.
-    Pchip,
-    /// Cubic spline, second derivative continuous and zero at both ends; may overshoot.
-    /// de Boor, *A Practical Guide to Splines* (1978) ch. IV.
-    NaturalSpline,
-}
 
 /// Deviation as a function of position: piecewise cubic, held constant outside the knots.
 #[derive(Clone, Debug, PartialEq)]

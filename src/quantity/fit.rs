@@ -14,6 +14,9 @@
 //! look at the whole table, first to last node, with the ends of the curve held.
 
 mod minimax;
+mod nodes;
+
+pub use self::nodes::Nodes;
 
 use crate::quantity::curve::{ErrorCurve, solve_tridiagonal};
 use crate::quantity::units::{Deviation, Millimetres};
@@ -27,26 +30,6 @@ pub enum Fit {
     LeastSquares,
     /// The smallest largest residual.
     Minimax,
-}
-
-/// The equally spaced points of a table, mm in machine coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Nodes {
-    /// Position of node 0.
-    pub first: Millimetres,
-    /// From one node to the next, > 0.
-    pub step: Millimetres,
-    /// How many nodes, ≥ 1.
-    pub count: usize,
-    /// The node at the reference position, < `count`; its value is 0.
-    pub reference_node: usize,
-}
-
-impl Nodes {
-    /// The position of a node: first + node · step.
-    pub fn position(&self, node: usize) -> Millimetres {
-        Millimetres::new(self.first.mm() + self.step.mm() * node as f64)
-    }
 }
 
 /// The values of the table at its nodes, unrounded.

@@ -10,16 +10,13 @@
 //! is common to all controls. Emulators follow the formal semantics of the references
 //! (docs/siemens.md §5, docs/fanuc.md §5) and know nothing of how a table was made.
 
+mod emulator;
 pub mod fanuc;
 pub mod generic;
 pub mod siemens;
 
-use self::fanuc::FanucControl;
-use self::generic::GenericControl;
-use self::siemens::SiemensControl;
-use crate::control::control_state::ControlState;
-use crate::control::controller::{Dialect, Profile};
-use crate::control::table::Tables;
+pub use self::emulator::emulator;
+
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres};
 
@@ -310,28 +307,4 @@ pub trait Emulator {
         output: &str,
         direction: Direction,
     ) -> Result<Response, CannotEmulate>;
-}
-
-/// The emulator of a profile's dialect, loaded with tables.
-pub fn emulator(
-    profile: &Profile,
-    tables: &Tables,
-    state: &ControlState,
-) -> Result<Box<dyn Emulator>, CannotEmulate> {
-    Ok(match (&profile.dialect, tables) {
-        (Dialect::Siemens(facts), Tables::Siemens(tables)) => {
-            Box::new(SiemensControl::new(tables, facts, state)?)
-        }
-        (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
-            Box::new(FanucControl::new(memory, facts, state)?)
-        }
-        (Dialect::Generic(_), Tables::Generic(table)) => {
-            Box::new(GenericControl::new(table, state)?)
-        }
-        _ => {
-            return Err(CannotEmulate(
-                "the tables are not of the profile's dialect".to_string(),
-            ));
-        }
-    })
 }

@@ -4,16 +4,17 @@
 //! unknown key, missing key) with its line and goes on, so that one run shows all of them. The
 //! places of all keys stay available for later checks through [`Source::place_of`].
 
+mod page;
 mod section;
 
-use crate::text::problem::{LineIndex, Place, Problem, Problems, refuse_long_lines, shown};
+pub use self::page::read_page;
+
+use crate::text::problem::{LineIndex, Place, Problem, Problems, refuse_long_lines};
 pub use section::Section;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
-use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
-use toml::de::DeTable;
 
 /// A text file with its name as the user gave it, and the places of its keys.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,138 +153,6 @@ fn not_text(name: &str, bytes: &[u8]) -> Problems {
     Problem::new(format!("`{name}` {what}, expected UTF-8 text"))
         .help("save it as plain text in UTF-8 (a spreadsheet: `CSV UTF-8`)")
         .into()
-}
-
-/// Reads a TOML page: `read` takes what it knows from the root section and gives a value if it
-/// could; every problem is collected. The source comes back with the places of its keys.
-pub fn read_page<T>(
-    mut source: Source,
-    read: impl FnOnce(&Section<'_>) -> Option<T>,
-) -> Result<(T, Source), Problems> {
-    refuse_large_page(&source.name, source.text.len())?;
-    let (root, errors) = DeTable::parse_recoverable(&source.text);
-    if !errors.is_empty() {
-        return Err(syntax_problems(&source, &errors));
-    }
-    let notes = Notes::default();
-    let section = Section::root(&source, root.get_ref(), &notes);
-    let value = read(&section);
-    section.refuse_unknown_keys();
-    let spots = notes.spots.into_inner();
-    let problems = notes.problems.into_inner();
-    match value {
-        Some(value) if problems.is_empty() => {
-            source.spots = spots;
-            Ok((value, source))
-        }
-        None if problems.is_empty() => {
-            Err(Problem::new(format!("`{}` could not be read", source.name)).into())
-        }
-        _ => Err(problems),
-    }
-}
-
-fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
-    let mut problems = Problems::none();
-    let mut commas = Vec::new();
-    for error in errors {
-        if problems.is_full() {
-            break; // nobody reads further
-        }
-        let message = error.message().lines().next().unwrap_or("not TOML");
-        let span = error.span();
-        if let Some(comma) = span
-            .as_ref()
-            .and_then(|s| decimal_comma(&source.text, s.start))
-        {
-            // One comma leads to several complaints.
-            if !commas.contains(&comma) {
-                commas.push(comma);
-                let number = with_a_point(&source.text, comma);
-                let problem = Problem::new("`,` in a number, expected a decimal point").help(
-                    format!("{number}; numbers of a list stand in brackets, as `[0, 500]`"),
-                );
-                problems.push(problem.at(source.place(&(comma..comma + 1))));
-            }
-            continue;
-        }
-        let written = span.clone().and_then(|span| source.text.get(span));
-        let problem = match (message, written) {
-            ("duplicate key", Some(key)) => {
-                Problem::new(format!("`{}` stands twice in its section", shown(key)))
-                    .help("keep one of the two")
-            }
-            _ if span.clone().is_some_and(|span| in_escape(&source.text, span.start)) => {
-                Problem::new("a backslash between double quotes begins an escape such as `\\n`, expected a text without it")
-                    .help(WINDOWS_PATH)
-            }
-            _ => Problem::new(format!("not valid TOML: {message}"))
-                .help("see https://toml.io; strings need quotes, numbers a decimal point"),
-        };
-        problems.push(match span {
-            Some(span) => problem.at(source.place(&span)),
-            None => problem,
-        });
-    }
-    problems
-}
-
-/// What to write in place of a number with a decimal comma: the number itself where it is plain, sign
-/// and digits, else an example.
-fn with_a_point(text: &str, comma: usize) -> String {
-    let of_number = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '+' | '-');
-    let whole = &text[..comma];
-    let whole = &whole[whole.trim_end_matches(of_number).len()..];
-    let rest = &text[comma + 1..];
-    let rest = &rest[..rest.len() - rest.trim_start_matches(of_number).len()];
-    let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
-    match digits(whole.strip_prefix(['-', '+']).unwrap_or(whole)) && digits(rest) {
-        true => format!("write `{whole}.{rest}`"),
-        false => "write a point, as in `0.5`".to_string(),
-    }
-}
-
-const WINDOWS_PATH: &str = r"write `/` in a path, which Windows takes as well, or single quotes around it: 'C:\data\x.csv'";
-
-/// Whether a complaint at `at` is one of an escape: in its line an odd number of double quotes stands
-/// before it, and a backslash at it or behind the last of them.
-fn in_escape(text: &str, at: usize) -> bool {
-    let (Some(before), Some(rest)) = (text.get(..at), text.get(at..)) else {
-        return false;
-    };
-    let line = before.rsplit('\n').next().unwrap_or(before);
-    let begun = line.rsplit('"').next().unwrap_or(line);
-    let is_open = line.matches('"').count() % 2 == 1;
-    is_open && (begun.contains('\\') || rest.starts_with('\\'))
-}
-
-/// Where a decimal comma stands that a complaint at `at` follows from: there, or in braces on its
-/// line, where nothing but digits stand between a comma and the next comma or brace.
-fn decimal_comma(text: &str, at: usize) -> Option<usize> {
-    let bytes = text.as_bytes();
-    let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
-    let between_digits = |at: &usize| {
-        bytes.get(*at) == Some(&b',') && at.checked_sub(1).is_some_and(is_digit) && is_digit(at + 1)
-    };
-    if between_digits(&at) {
-        return Some(at);
-    }
-    let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
-    let line = text[start..].split('\n').next()?;
-    let open = start + line.find('{')?;
-    let ends_a_value = |comma: &usize| {
-        let rest = text[comma + 1..].trim_start_matches(|c: char| c.is_ascii_digit());
-        rest.trim_start_matches(' ').starts_with([',', '}'])
-    };
-    (open..start + line.len())
-        .filter(between_digits)
-        .find(ends_a_value)
-}
-
-#[derive(Default)]
-struct Notes {
-    problems: RefCell<Problems>,
-    spots: RefCell<Vec<Spot>>,
 }
 
 /// Files larger than this are no job, table or profile (an error table of 10 000 points has 1 MB), and none

@@ -12,6 +12,8 @@ mod grid;
 mod tables;
 mod windows;
 
+use self::windows::no_map;
+
 pub use self::baseline::Baseline;
 pub use self::exactness::holds_everywhere;
 pub use self::grid::{Grid, GridChoice, MOST_POINTS};
@@ -98,11 +100,6 @@ pub fn assess(model: &VolumeModel, grid: &Grid, request: &Request) -> Result<Ass
         windows: windows.transpose()?,
         histogram: histogram.transpose()?,
     })
-}
-
-fn no_map() -> Problem {
-    Problem::new("the nodes of an axis cannot be told apart, expected ascending positions")
-        .help("use fewer nodes")
 }
 
 /// (e_c(p) − e_c(q)) · u at the worst pair p, q; u = their difference by its length.

@@ -7,57 +7,27 @@
 //! a profile's sense of a table enters. Rounding is half away from zero, on totals, so no point
 //! is off by more than half a count.
 
+mod compiled;
 pub mod fanuc;
 pub mod four_point;
 pub mod generic;
+mod reasons;
 pub mod siemens;
 
-use crate::control::claims::{Assumption, Precondition};
-use crate::control::control_state::{AxisState, ControlState};
+use self::reasons::counts_as_zero;
+
+pub(crate) use self::reasons::{backlash_why, two_tables_why};
+
+pub use self::compiled::{Compiled, Placement};
+
+use crate::control::claims::Assumption;
 use crate::control::controller::{Dialect, Evidence, LengthUnit, Mechanism, StraightnessForm};
 use crate::control::table::Tables;
-use crate::inputs::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::inputs::job::{ActiveTables, BacklashPolicy, Job};
+use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::text::problem::Problems;
 use crate::write::grid::EDGE_MM;
 use crate::write::plan::{Plan, Task};
-
-/// Where one planned table went and how coarse it is there.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Placement {
-    /// Which error.
-    pub term: ErrorTerm,
-    /// Direction of the moving axis it acts in; `None` = both.
-    pub direction: Option<Direction>,
-    /// The place in the control's words, e.g. `ENC_COMP[0,AX1]` or `points 0…30`.
-    pub place: String,
-    /// Number of points.
-    pub points: usize,
-    /// The smallest step the table can express, µm (contract §1, count).
-    pub count_um: f64,
-    /// Largest difference of curve and unrounded table over the whole axis, µm.
-    pub grid_residual_um: f64,
-    /// What the form of the control leaves at its points beyond rounding, µm (four-point
-    /// straightness only).
-    pub fit_residual_um: Option<f64>,
-}
-
-/// A kit before it becomes text.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Compiled {
-    /// What the files will write.
-    pub tables: Tables,
-    /// Where each planned table went.
-    pub placements: Vec<Placement>,
-    /// The state of the control that the job states or requires.
-    pub state: ControlState,
-    /// What is assumed.
-    pub assumptions: Vec<Assumption>,
-    /// What a person has to see to.
-    pub preconditions: Vec<Precondition>,
-    /// What the user should know.
-    pub notes: Vec<String>,
-}
 
 /// Puts a plan into the numbers of the task's control; all problems are given at once.
 pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
@@ -112,14 +82,6 @@ fn active_note(active: &ActiveTables) -> Option<String> {
     }
 }
 
-/// Whether the backlash parameter of an axis counts as 0 while measuring because nothing says what
-/// it was. Where files are named it has to be known (`active`).
-fn counts_as_zero(job: &Job, axis: Axis) -> bool {
-    let measurement = &job.measurement;
-    let stated = measurement.active_settings.backlash_um[axis];
-    !matches!(measurement.active, ActiveTables::Path(_)) && stated.is_none()
-}
-
 /// Axes of which the tables replace a backlash parameter that counts as 0 while measuring.
 fn counted_as_zero(job: &Job, plan: &Plan) -> Vec<Axis> {
     let axes = Axis::ALL.into_iter();
@@ -138,24 +100,6 @@ fn parameter_note(job: &Job, plan: &Plan) -> Option<String> {
         "the tables replace the backlash parameter of {} (MD32450, 1851), which is counted as 0 while measuring; a machine normally holds one even with its tables off: look, and if it was on, state `active_backlash_um = {{ … }}` beside `active_while_measuring = \"none\"`",
         axes.join(", ")
     ))
-}
-
-/// Why the backlash parameter of an axis has to be −B.
-pub(crate) fn backlash_why(job: &Job, axis: Axis) -> &'static str {
-    if counts_as_zero(job, axis) {
-        "−B of the measurement, which counts the backlash parameter as 0 while measuring (else state `active_backlash_um`); the table holds the curve of the reference direction"
-    } else {
-        "−B of the machine without compensation: the parameter that was active while measuring is contained in it; the table holds the curve of the reference direction"
-    }
-}
-
-/// Why the backlash parameter of an axis with two tables has to be 0.
-pub(crate) fn two_tables_why(job: &Job, axis: Axis) -> &'static str {
-    if counts_as_zero(job, axis) {
-        "the reversal is in the two tables; counted twice it would turn round. The measurement counts the parameter as 0 while measuring (else state `active_backlash_um`)"
-    } else {
-        "the reversal is in the two tables, with the parameter that was active while measuring; counted twice it would turn round"
-    }
 }
 
 /// Ordinary lost motion gives B < 0 (contract §1); the other sign is more often a slip.
@@ -266,36 +210,4 @@ fn job_assumptions(task: Task<'_>, plan: &Plan) -> Vec<Assumption> {
         }
     }
     assumptions
-}
-
-/// The state of the control that the job states: one entry for each physical axis.
-/// `backlash_um` is what the backlash parameter will hold, −B rounded as it is named.
-fn control_state(task: Task<'_>, plan: &Plan, backlash_um: impl Fn(Axis) -> f64) -> ControlState {
-    let mut axes = Vec::new();
-    for (axis, names) in plan.names.iter() {
-        let Some(machine) = task.job.machine.axes[axis] else {
-            continue;
-        };
-        let settings = task.job.compensation.axes[axis].as_ref();
-        let own = |directed: bool| {
-            plan.tables.iter().any(|t| {
-                t.term.is_positioning() && t.term.of == axis && t.direction.is_some() == directed
-            })
-        };
-        for name in names {
-            axes.push(AxisState {
-                name: name.clone(),
-                reference: machine.reference,
-                reference_direction: machine.homing(),
-                detection_unit_um: settings.and_then(|s| s.detection_unit_um),
-                backlash_um: backlash_um(axis),
-                bidirectional: own(true),
-                interpolated: settings.is_some_and(AxisSettings::is_interpolated),
-            });
-        }
-    }
-    ControlState {
-        unit: task.job.compensation.control_unit,
-        axes,
-    }
 }

@@ -8,9 +8,15 @@ mod ascii;
 mod fanuc;
 mod generic;
 mod layout;
+mod number;
 pub mod program;
 mod siemens;
+mod switch;
 mod templates;
+
+pub use self::switch::Switch;
+
+use self::number::fixed;
 
 use crate::control::checklist::Part;
 use crate::control::controller::{Dialect, EmittedFile, Role};
@@ -18,7 +24,6 @@ use crate::control::table::Tables;
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::axis::Direction;
-use crate::quantity::units::Figure;
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, Placement};
@@ -116,17 +121,6 @@ pub struct Instead<'a> {
     pub as_read: bool,
     /// Machine data that it restores (Siemens).
     pub switches: Vec<Switch>,
-}
-
-/// A machine or setting datum with its value, as found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Switch {
-    /// Name without `$`.
-    pub name: String,
-    /// What stands in brackets.
-    pub indices: String,
-    /// Its value.
-    pub value: String,
 }
 
 /// What the templates of a control see.
@@ -395,11 +389,6 @@ fn with_line_ends(text: String, line_end: &str) -> String {
     } else {
         text.replace('\n', line_end)
     }
-}
-
-/// A number with a fixed number of decimals, never `-0`.
-fn fixed(number: f64, decimals: u32) -> String {
-    format!("{:.*}", decimals as usize, Figure(number))
 }
 
 #[cfg(test)]

@@ -10,31 +10,22 @@
 //! reads the table as its profile says; if it reads it the other way round, the axis goes h
 //! further. Tables, grids and numbers are those of the kit, so nothing else is overwritten.
 
+mod bump;
 mod fanuc;
 mod siemens;
+
+use self::bump::whole_below;
+pub use self::bump::{Bump, SignProof};
 
 use crate::control::controller::{Dialect, Mechanism, StraightnessForm};
 use crate::control::table::Tables;
 use crate::inputs::job::LEAST_BUMP_UM;
 use crate::quantity::axis::{Axis, ErrorTerm};
-use crate::quantity::units::{Deviation, Millimetres};
+use crate::quantity::units::Millimetres;
 use crate::write::compensation::Compiled;
 use crate::write::compensation::siemens::is_lec;
 use crate::write::grid::Grid;
 use crate::write::plan::{Plan, PlannedTable, Task};
-
-/// One bump of one mechanism.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SignProof {
-    /// What it proves the sign of.
-    pub mechanism: Mechanism,
-    /// The term whose table holds the bump.
-    pub term: ErrorTerm,
-    /// Its place and size.
-    pub bump: Bump,
-    /// Everything that the file writes.
-    pub tables: Tables,
-}
 
 /// The proofs of a kit.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,59 +34,6 @@ pub struct SignProofs {
     pub proofs: Vec<SignProof>,
     /// Why the others have none, one sentence each.
     pub missing: Vec<String>,
-}
-
-/// A bump on the grid of a moving axis: it rises over some sections and falls over as many.
-///
-/// **unit** whole counts of the table · **limits** at most `limits.max_bump_um`; at least one
-/// section away from the reference; inside the travel; at most `limits.max_slope_um_per_mm` and,
-/// on Fanuc, the largest increment in each section (four points: where there is room for that)
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bump {
-    grid: Grid,
-    peak: i64,
-    rise: i64,
-    counts: i64,
-    count_um: f64,
-}
-
-impl Bump {
-    /// Where it begins, is highest, and ends, machine coordinates.
-    pub fn places(&self) -> [Millimetres; 3] {
-        [self.peak - self.rise, self.peak, self.peak + self.rise].map(|n| self.grid.position(n))
-    }
-
-    /// The deviation that the table pretends at the peak.
-    pub fn height(&self) -> Deviation {
-        Deviation::from_um(as_number(self.counts) * self.count_um)
-    }
-
-    /// Counts at a node, counted from the reference; a half is rounded up.
-    fn counts_at(&self, node: i64) -> i64 {
-        let inside = (self.rise - (node - self.peak).abs()).max(0);
-        (2 * self.counts * inside + self.rise) / (2 * self.rise)
-    }
-
-    /// The deviations that a table of this grid pretends.
-    fn deviations(&self) -> Vec<Deviation> {
-        (self.grid.first..=self.grid.last)
-            .map(|node| Deviation::from_um(as_number(self.counts_at(node)) * self.count_um))
-            .collect()
-    }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "far below 2^52 counts")]
-fn as_number(counts: i64) -> f64 {
-    counts as f64
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "a bump has few counts, a grid few nodes; NaN and infinity saturate"
-)]
-fn whole_below(number: f64) -> i64 {
-    const DUST: f64 = 1e-9;
-    (number + DUST).floor() as i64
 }
 
 /// The sign proofs of a kit; a mechanism without a place for a bump is named.

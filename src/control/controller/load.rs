@@ -6,7 +6,7 @@
 use crate::control::controller::load_check::check;
 use crate::control::controller::load_checklist::checklist;
 use crate::control::controller::load_facts::{FactReader, evidence};
-use crate::control::controller::load_files::read_files;
+use crate::control::controller::load_files::{TemplateFinder, read_files};
 use crate::control::controller::load_program::program;
 use crate::control::controller::{
     Dialect, Evidence, Fact, FanucFacts, GenericFacts, IntervalForm, LineEnd, MultiplyMode, Origin,
@@ -15,9 +15,6 @@ use crate::control::controller::{
 use crate::text::document::{Section, Source, read_page};
 use crate::text::problem::{Problems, shown};
 use std::cell::RefCell;
-
-/// Finds the text of a template by its name; `None` if there is none.
-pub type TemplateFinder<'a> = &'a dyn Fn(&str) -> Option<String>;
 
 /// Finds a built-in profile by its id.
 pub type BaseFinder<'a> = &'a dyn Fn(&str) -> Option<Profile>;

@@ -1,6 +1,5 @@
 //! `[[files]]` of a profile: which files are written, from which templates.
 
-use crate::control::controller::load::TemplateFinder;
 use crate::control::controller::{EmittedFile, Mechanism, Profile, Role, TableForm};
 use crate::text::document::Section;
 use crate::text::problem::shown;
@@ -143,3 +142,6 @@ fn is_device_of_windows(path: &str) -> bool {
     };
     ["con", "prn", "aux", "nul"].contains(&stem.as_str()) || numbered("com") || numbered("lpt")
 }
+
+/// Finds the text of a template by its name; `None` if there is none.
+pub(crate) type TemplateFinder<'a> = &'a dyn Fn(&str) -> Option<String>;

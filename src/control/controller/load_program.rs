@@ -1,7 +1,7 @@
 //! `[program]` of a profile.
 
-use crate::control::controller::load::TemplateFinder;
 use crate::control::controller::load_facts::FactReader;
+use crate::control::controller::load_files::TemplateFinder;
 use crate::control::controller::program::{Language, ProgramFacts};
 use crate::text::document::Section;
 use crate::text::problem::shown;

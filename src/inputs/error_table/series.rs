@@ -1,6 +1,5 @@
 //! Records of an error table → the series of each axis and direction.
 
-use crate::inputs::error_table::Series;
 use crate::inputs::error_table::columns::{Column, Columns};
 use crate::inputs::error_table::rows::Record;
 use crate::quantity::axis::{Axis, Direction, PerAxis};
@@ -156,4 +155,22 @@ fn column_values(
     rows.iter()
         .map(|row| row.numbers[index].map(|number| number * factor))
         .collect()
+}
+
+/// All measured positions of one axis in one direction (or without regard to direction).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Direction of travel; `None` = both.
+    pub direction: Option<Direction>,
+    /// Machine coordinates, strictly ascending.
+    pub positions: Vec<Millimetres>,
+    /// Deviations in X, Y, Z, one for each position; `None` = not measured.
+    pub deviations: PerAxis<Option<Vec<Deviation>>>,
+    /// Standard uncertainties (k = 1) of the deviations, µm.
+    pub uncertainties_um: PerAxis<Option<Vec<f64>>>,
+    /// Rotations about X, Y, Z (`ea`, `eb`, `ec`), µrad, right-handed.
+    pub angles_urad: PerAxis<Option<Vec<f64>>>,
+    pub(super) lines: Vec<usize>,
+    /// Which table it stands in: 0 = the first, n = the n-th of `ErrorTable::more`.
+    pub(super) table: usize,
 }

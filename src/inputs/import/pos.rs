@@ -24,8 +24,6 @@ use crate::text::delimited::LengthUnit;
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems, shown};
 
-pub(super) const AGAIN: &str = "the file is incomplete or was changed: save it again";
-
 pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
     let mut problems = Problems::none();
     let header = Header::of(source)?;

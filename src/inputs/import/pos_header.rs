@@ -1,9 +1,7 @@
 //! Lines `Key: value` above and below the tables of a `.pos` file; several may share a line.
 
 use crate::inputs::import::lines::{Word, lines};
-use crate::inputs::import::pos::AGAIN;
-use crate::inputs::import::pos_rows::{CHANGED, Measured};
-use crate::text::delimited::{LengthUnit, plain_number};
+use crate::text::delimited::LengthUnit;
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
 
@@ -148,34 +146,6 @@ impl<'a> Header<'a> {
             }
         }
     }
-
-    /// The header names the first and the last position of a pass.
-    pub(super) fn compare_ends(&self, measured: &Measured<'_>, problems: &mut Problems) {
-        let count = self.value("numofpos").and_then(|w| w.text.parse().ok());
-        let last = count.and_then(|count: usize| measured.rows.get(count.checked_sub(1)?));
-        let ends = [
-            ("inipos", "IniPos", measured.rows.first()),
-            ("endpos", "EndPos", last),
-        ];
-        for (key, name, row) in ends {
-            let (Some(word), Some(row)) = (self.value(key), row) else {
-                continue;
-            };
-            let Some(expected) = plain_number(word.text) else {
-                continue;
-            };
-            if (row.position - expected).abs() > row.position_digit {
-                problems.push(
-                    Problem::new(format!(
-                        "the row stands at position {}, expected {expected} as in `{name}`",
-                        row.position
-                    ))
-                    .at(row.place.clone())
-                    .help(CHANGED),
-                );
-            }
-        }
-    }
 }
 
 /// Whether a text begins as such a file does.
@@ -183,3 +153,5 @@ pub(super) fn is_first_line(text: &str) -> bool {
     let text = text.trim().to_lowercase();
     text.starts_with("api ") && text.contains("laser measurement") && text.contains("data table")
 }
+
+pub(super) const AGAIN: &str = "the file is incomplete or was changed: save it again";

@@ -1,8 +1,8 @@
 //! The two tables of a `.pos` file: measured rows, and the maker's averages.
 
 use crate::inputs::import::lines::{Line, lines, looks_like_number};
-use crate::inputs::import::pos::AGAIN;
-use crate::inputs::import::pos_header::Header;
+use crate::inputs::import::pos_header::{AGAIN, Header};
+use crate::text::delimited::plain_number;
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems, shown};
 
@@ -451,5 +451,35 @@ impl Passes {
         let values: Vec<f64> = values.filter_map(|pass| pass.get(index).copied()).collect();
         let (mean, _) = crate::inputs::import::placing::mean(&values);
         Some((*self.targets.get(index)?, mean))
+    }
+}
+
+impl<'a> Header<'a> {
+    /// The header names the first and the last position of a pass.
+    pub(super) fn compare_ends(&self, measured: &Measured<'_>, problems: &mut Problems) {
+        let count = self.value("numofpos").and_then(|w| w.text.parse().ok());
+        let last = count.and_then(|count: usize| measured.rows.get(count.checked_sub(1)?));
+        let ends = [
+            ("inipos", "IniPos", measured.rows.first()),
+            ("endpos", "EndPos", last),
+        ];
+        for (key, name, row) in ends {
+            let (Some(word), Some(row)) = (self.value(key), row) else {
+                continue;
+            };
+            let Some(expected) = plain_number(word.text) else {
+                continue;
+            };
+            if (row.position - expected).abs() > row.position_digit {
+                problems.push(
+                    Problem::new(format!(
+                        "the row stands at position {}, expected {expected} as in `{name}`",
+                        row.position
+                    ))
+                    .at(row.place.clone())
+                    .help(CHANGED),
+                );
+            }
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::inputs::import::choices::Runs;
 use crate::inputs::import::placing::{Placing, freedom_remark};
-use crate::inputs::import::rtl::File;
+use crate::inputs::import::rtl_file::File;
 use crate::inputs::import::stated::{Stated, missing};
 use crate::quantity::axis::Direction;
 use crate::text::problem::{Problem, Problems};

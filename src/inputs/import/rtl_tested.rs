@@ -3,7 +3,8 @@
 
 use crate::inputs::import::choices::{Encoding, Sign};
 use crate::inputs::import::placing::Placing;
-use crate::inputs::import::rtl::{File, linear_kind};
+use crate::inputs::import::rtl::linear_kind;
+use crate::inputs::import::rtl_file::File;
 use crate::inputs::import::rtl_runs::Travelled;
 use crate::inputs::import::rtl_sections::Sections;
 use crate::inputs::import::rtl_texts::{

@@ -4,15 +4,17 @@ use crate::inputs::job::read_compensation::compensation;
 use crate::inputs::job::read_measurement::measurement;
 use crate::inputs::job::read_path::path;
 use crate::inputs::job::read_program::program;
+use crate::inputs::job::read_words::{
+    LARGEST_LIMIT, SMALLEST_LIMIT, axes, direction, refuse_control_characters,
+};
 use crate::inputs::job::{
     Acceptance, Compensation, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis,
     Measurement, PathRequest, ProgramRequest, UseOf,
 };
-use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::chain::Chain;
 use crate::quantity::units::Millimetres;
 use crate::text::document::Section;
-use crate::text::plain::is_unseen;
 use crate::text::problem::shown;
 
 const DEFAULT_MAX_CORRECTION_UM: f64 = 500.0; // contract §2.3
@@ -24,8 +26,6 @@ const DEFAULT_MAX_SLOPE_UM_PER_MM: f64 = 1.0; // contract §2.3
 // Beyond these numbers a job describes no machine; within them no calculation overflows.
 const SMALLEST_FEED_MM_PER_MIN: f64 = 1e-3;
 const LARGEST_FEED_MM_PER_MIN: f64 = 1e6;
-pub(super) const SMALLEST_LIMIT: f64 = 1e-6;
-pub(super) const LARGEST_LIMIT: f64 = 1e9;
 
 type Parts = (
     Machine,
@@ -85,18 +85,6 @@ pub(super) fn job(root: &Section<'_>, use_of: UseOf) -> Option<Parts> {
     ))
 }
 
-pub(super) fn axes<T>(
-    parent: &Section<'_>,
-    read: impl Fn(&Section<'_>) -> Option<T>,
-) -> PerAxis<Option<T>> {
-    let Some(section) = parent.section("axes") else {
-        return PerAxis::default();
-    };
-    let axes = PerAxis::from_fn(|axis| section.section(axis.key()).and_then(|axis| read(&axis)));
-    section.refuse_unknown_keys();
-    axes
-}
-
 fn machine(section: &Section<'_>) -> Option<Machine> {
     let name = section.required_text("name", "the machine's name");
     let serial = section.text("serial");
@@ -125,20 +113,6 @@ fn chain(section: &Section<'_>) -> Option<Chain> {
         );
     }
     chain
-}
-
-/// Such a text would reach files and the terminal as commands.
-pub(super) fn refuse_control_characters(section: &Section<'_>, key: &str, text: Option<&str>) {
-    if text.is_some_and(|text| text.contains(is_unseen)) {
-        section.problem(
-            key,
-            format!(
-                "`{}` holds a line break or another character that is not seen",
-                section.path_of(key)
-            ),
-            "write it in one line of plain letters and digits",
-        );
-    }
 }
 
 fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {
@@ -203,10 +177,6 @@ fn refuse_far_reference(
             format!("correct `reference_mm` or `travel_mm` (machine coordinates); if the axis really has it there, write `reference_outside_mm = {}` below it", outside.ceil()),
         );
     }
-}
-
-pub(super) fn direction(section: &Section<'_>, key: &'static str) -> Option<Direction> {
-    section.choice(key, &[("+", Direction::Plus), ("-", Direction::Minus)])
 }
 
 fn limits(root: &Section<'_>) -> Limits {

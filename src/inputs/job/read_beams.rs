@@ -1,6 +1,6 @@
 //! `[[…linear]]` and `[[…beam]]` of a job: lines that were measured beside the diagonals.
 
-use crate::inputs::job::read_diagonals::{
+use crate::inputs::job::read_places::{
     Axes, SMALLEST_SIZE_MM, TRAVEL_TOLERANCE_MM, between, places,
 };
 use crate::inputs::job::{Beam, Linear, LinearSlope};

@@ -1,7 +1,7 @@
 //! `[compensation]` of a job.
 
 use crate::control::controller::LengthUnit;
-use crate::inputs::job::read::{LARGEST_LIMIT, SMALLEST_LIMIT, axes};
+use crate::inputs::job::read_words::{LARGEST_LIMIT, SMALLEST_LIMIT, axes};
 use crate::inputs::job::{
     AxisSettings, BacklashPolicy, Compensation, GridRequest, OutsideMeasured, WantedTerms,
 };

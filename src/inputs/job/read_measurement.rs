@@ -1,8 +1,9 @@
 //! `[measurement]` of a job.
 
-use crate::inputs::job::read::refuse_control_characters;
 use crate::inputs::job::read_active::active;
-use crate::inputs::job::read_diagonals::{diagonals, places, some_places};
+use crate::inputs::job::read_diagonals::diagonals;
+use crate::inputs::job::read_places::{places, some_places};
+use crate::inputs::job::read_words::refuse_control_characters;
 use crate::inputs::job::{Levers, MachineAxis, MeasuredData, Measurement, StatedUncertainty};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::text::document::Section;

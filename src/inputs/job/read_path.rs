@@ -1,6 +1,6 @@
 //! `[path]` of a job.
 
-use crate::inputs::job::read_diagonals::{all_of, places};
+use crate::inputs::job::read_places::{all_of, places};
 use crate::inputs::job::{MachineAxis, PathRequest};
 use crate::inputs::nc::{G43WithoutH, WithoutPoint, system_number};
 use crate::quantity::axis::{Axis, PerAxis};

@@ -1,6 +1,6 @@
 //! `[program]` of a job.
 
-use crate::inputs::job::read_diagonals::{order, places, size, steps};
+use crate::inputs::job::read_places::{order, places, size, steps};
 use crate::inputs::job::{
     DiagonalMeasurement, MeasuredData, Measurement, ProgramRequest, Reflector, RunType, TargetGrid,
     WayBack,

@@ -11,42 +11,13 @@
 
 use crate::inputs::nc::block::{Block, Span};
 use crate::inputs::nc::codes::Level;
+use crate::inputs::nc::depths::{Cycle, Depth};
 use crate::inputs::nc::interpreter::{AXES, Interpreter, first_span};
 use crate::inputs::nc::scan::Wrong;
 use crate::inputs::nc::{Move, Place, Refused, Shape};
 
 /// Holes of one block.
 const MOST_REPEATS: u32 = 9999;
-
-/// A depth as it is written, and the mode of that block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Depth {
-    mm: f64,
-    incremental: bool,
-}
-
-/// Modal values of a cycle. Its depths are kept as they are written: a change of zero or length
-/// inside the cycle moves them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cycle {
-    /// Where the tool stood along the third axis when the cycle was called, machine coordinate, mm.
-    initial: f64,
-    /// The program's zero there at that time.
-    zero: Option<f64>,
-    retract: Option<Depth>,
-    bottom: Option<Depth>,
-}
-
-impl Cycle {
-    pub(super) fn new(initial: f64, zero: Option<f64>) -> Cycle {
-        Cycle {
-            initial,
-            zero,
-            retract: None,
-            bottom: None,
-        }
-    }
-}
 
 impl Interpreter<'_> {
     /// A block while a cycle is active.

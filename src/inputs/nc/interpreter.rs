@@ -5,7 +5,7 @@ mod once;
 
 use crate::inputs::nc::block::{Block, CALL, CodeWord, Span, TOOL_CHANGE};
 use crate::inputs::nc::codes::{Code, Level, Motion, Once, code, is_call, why_not};
-use crate::inputs::nc::cycle::Cycle;
+use crate::inputs::nc::depths::Cycle;
 use crate::inputs::nc::offsets::Offsets;
 use crate::inputs::nc::scan::Wrong;
 use crate::inputs::nc::{EXTENDED, G43WithoutH, Move, Place, Plane, Refused, Setup};

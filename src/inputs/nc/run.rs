@@ -8,6 +8,7 @@
 use crate::inputs::nc::arc::USUAL_MISS_MM;
 use crate::inputs::nc::block::{Block, CALL};
 use crate::inputs::nc::interpreter::{Flow, Interpreter, Tally};
+use crate::inputs::nc::refused::Refused;
 use crate::inputs::nc::scan::{Wrong, words};
 use crate::inputs::nc::{Move, Setup};
 use crate::text::problem::{Place, Problem, Problems};
@@ -55,15 +56,6 @@ pub trait Text {
     fn mark(&self) -> Mark;
     /// Goes on at a mark.
     fn go_to(&mut self, mark: Mark) -> Result<(), Problem>;
-}
-
-/// Why a move cannot be followed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused {
-    /// What was found and what was expected.
-    pub message: String,
-    /// What to do next.
-    pub help: String,
 }
 
 /// What was executed.

@@ -4,6 +4,7 @@
 use super::*;
 use crate::text::problem::{Problem, Problems};
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 
 /// A program in memory.
 struct Lines<'a> {

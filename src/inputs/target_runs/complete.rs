@@ -2,7 +2,7 @@
 //! and not whether a value is a position or a deviation, unless the values leave no doubt.
 
 use crate::inputs::target_runs::header::{Content, Form, Layout, STATE_VALUES, and_more};
-use crate::inputs::target_runs::read::Reading;
+use crate::inputs::target_runs::reading::Reading;
 use crate::inputs::target_runs::{Runs, Values};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Figure, UM_PER_MM};

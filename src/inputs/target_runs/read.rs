@@ -2,10 +2,10 @@
 
 use crate::inputs::target_runs::complete::complete;
 use crate::inputs::target_runs::header::{Content, FIRST_LINE, Form, Layout};
-use crate::inputs::target_runs::{Runs, Stated, Values};
+use crate::inputs::target_runs::reading::{Length, Reading};
+use crate::inputs::target_runs::{Runs, Stated};
 use crate::quantity::axis::Direction;
-use crate::quantity::units::UM_PER_MM;
-use crate::text::delimited::{LengthUnit, Line, header_and_rows};
+use crate::text::delimited::{Line, header_and_rows};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
 
@@ -34,48 +34,6 @@ pub(super) fn runs(source: &Source, stated: Stated) -> Result<Runs, Problems> {
 /// Readings of a test: each takes some 700 bytes of memory until the figures are printed. A test of 100
 /// targets with five runs each way has 1000.
 const MOST_READINGS: usize = 50_000;
-
-/// One value of a run, with the cell it stands in.
-pub(super) struct Reading<'a> {
-    pub(super) line: Line<'a>,
-    pub(super) cell: usize,
-    pub(super) direction: Direction,
-    pub(super) run: u32,
-    target: Length,
-    value: Length,
-}
-
-impl Reading<'_> {
-    pub(super) fn target_mm(&self) -> f64 {
-        self.target.um() / UM_PER_MM
-    }
-
-    /// x_ij = P_ij − P_i. In one unit the subtraction comes first: it is exact for numbers that
-    /// are near to each other.
-    pub(super) fn deviation_um(&self, values: Values) -> f64 {
-        let (value, target) = (self.value, self.target);
-        match values {
-            Values::Deviations => value.um(),
-            Values::Positions if value.unit == target.unit => {
-                (value.number - target.number) * target.unit.um()
-            }
-            Values::Positions => value.um() - target.um(),
-        }
-    }
-}
-
-/// A length in the unit of its column.
-#[derive(Clone, Copy)]
-struct Length {
-    number: f64,
-    unit: LengthUnit,
-}
-
-impl Length {
-    fn um(self) -> f64 {
-        self.number * self.unit.um()
-    }
-}
 
 fn read_rows<'a>(layout: &Layout, lines: &[Line<'a>]) -> Result<Vec<Reading<'a>>, Problems> {
     let mut problems = Problems::none();

@@ -1,12 +1,12 @@
 //! Pitch, straightness and backlash parameters of a Fanuc read-out.
 
-use super::read_out::{Contrary, Found, NamedBacklash, ReadOutFor, beside_words};
 use super::{Held, Others, axis_of};
 use crate::control::claims::Assumption;
 use crate::control::controller::{FanucFacts, LengthUnit, NumberRange, StraightnessForm};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
 use crate::inputs::job::Job;
+use crate::judge::active::found::{Contrary, Found, NamedBacklash, ReadOutFor, beside_words};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::power_of_ten;
 use crate::read::readback::control_data::{self, Text};

@@ -1,13 +1,15 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
 use super::held::agreed;
-use super::read_out::{Contrary, Found, NamedBacklash, ReadOutFor, beside_words, listed};
 use super::{Held, Others, axis_of};
 use crate::control::claims::Assumption;
 use crate::control::controller::LengthUnit;
 use crate::control::table::Tables;
 use crate::control::table::siemens::{CecTable, LecTable, OpenEnd, SiemensTables, closed};
 use crate::inputs::job::Job;
+use crate::judge::active::found::{
+    Contrary, Found, NamedBacklash, ReadOutFor, beside_words, listed,
+};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::UM_PER_MM;
 use crate::read::readback::control_data::{self, Programs, Text, has_active_data};

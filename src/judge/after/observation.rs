@@ -1,13 +1,12 @@
 //! What each value of the second measurement sees: which deviations, where, with which weight.
 
-use super::{AfterMeasurement, before_um};
+use super::AfterMeasurement;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::quantity::units::{Correction, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
-use crate::write::plan::Plan;
-use crate::write::plan::axis_pairs;
+use crate::write::plan::{Plan, axis_pairs};
 
 /// One deviation that a value sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -262,4 +261,11 @@ fn zero_of(one_zero: bool, diagonal: Diagonal, pass: Pass) -> usize {
         .position(|other| other == diagonal);
     let back = usize::from(pass == Pass::Reverse && !one_zero);
     2 * own.unwrap_or_default() + back
+}
+
+/// The deviation as found where a part of an observation looks, µm; `None` = not measured in this
+/// direction.
+pub fn before_um(before: &ErrorModel, part: &Part) -> Option<f64> {
+    let measured = before.terms[part.term].as_ref()?;
+    Some(measured.measured.curve(part.direction)?.at(part.at).um())
 }

@@ -1,13 +1,15 @@
 //! The values of the second measurement, their weights, and the misfit of a fault.
 
+use crate::judge::causes::fault::Fit;
+
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
+
 use super::fault::{Fault, Planned};
 use super::question::Question;
-use super::{RISK, quantile};
 use crate::judge::after::{Observation, Part};
 use crate::machine::model::MeasuredTerm;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::{Squared, larger, smaller};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use std::collections::BTreeMap;
 
 /// What no laser resolves, µm.
@@ -37,23 +39,6 @@ pub struct Basis {
     pub sigma_um: f64,
     /// Where σ comes from.
     pub words: String,
-}
-
-/// A fault, fitted.
-#[derive(Clone, Debug)]
-pub(super) struct Fit {
-    pub(super) fitted: Vec<f64>,
-    /// Predicted values, µm, less their own zeros.
-    predicted_um: Vec<f64>,
-    residuals_um: Vec<f64>,
-}
-
-impl Fit {
-    /// Largest difference of two predictions, µm.
-    pub(super) fn differs_from(&self, other: &Fit) -> f64 {
-        let pairs = self.predicted_um.iter().zip(&other.predicted_um);
-        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    }
 }
 
 /// The values with everything that does not depend on the fault.
@@ -435,4 +420,11 @@ fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
         (false, false) => String::new(),
     };
     (question.seen.iter().map(sigma).collect(), words)
+}
+
+/// Risk of rejecting what is right.
+pub(super) const RISK: f64 = 0.001;
+
+pub(super) fn quantile(probability: f64, freedom: f64) -> f64 {
+    ChiSquared::new(freedom).map_or(f64::INFINITY, |spread| spread.inverse_cdf(probability))
 }

@@ -5,12 +5,12 @@
 //! where only a sign is in question a bump decides; where the control does as planned
 //! (temperature), a linear run; where the first readings may be filed wrongly, their records.
 
-use super::data::Fit;
 use super::fault::{Fault, Planned};
 use super::question::Question;
-use super::records::Slip;
 use super::words::{label, short};
 use crate::judge::after::Part;
+use crate::judge::causes::corrected::Slip;
+use crate::judge::causes::fault::Fit;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Millimetres;
 

@@ -1,10 +1,9 @@
 //! The faults that are tried, and what each makes of the corrections.
 
-use super::MOST_KELVIN;
-use super::data::Fit;
 use super::question::{Question, deviation_um};
-use super::records::{Slip, beyond_um};
+use super::records::beyond_um;
 use crate::judge::after::Part;
+use crate::judge::causes::corrected::Slip;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Millimetres;
 
@@ -360,5 +359,25 @@ pub(super) fn came_from(map: &[Axis; 3], term: ErrorTerm) -> ErrorTerm {
     ErrorTerm {
         of: back(term.of),
         along: back(term.along),
+    }
+}
+
+/// A scale error of more than this is no temperature of a workshop, K.
+const MOST_KELVIN: f64 = 20.0;
+
+/// A fault, fitted.
+#[derive(Clone, Debug)]
+pub(super) struct Fit {
+    pub(super) fitted: Vec<f64>,
+    /// Predicted values, µm, less their own zeros.
+    pub(super) predicted_um: Vec<f64>,
+    pub(super) residuals_um: Vec<f64>,
+}
+
+impl Fit {
+    /// Largest difference of two predictions, µm.
+    pub(super) fn differs_from(&self, other: &Fit) -> f64 {
+        let pairs = self.predicted_um.iter().zip(&other.predicted_um);
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 }

@@ -1,8 +1,9 @@
 //! The numbers of a fault, fitted: factors and slopes in closed form, shifts by search.
 
-use super::data::{Data, Fit};
+use super::data::Data;
 use super::fault::Fault;
 use super::quantile;
+use crate::judge::causes::fault::Fit;
 use crate::quantity::axis::{Axis, ErrorTerm};
 use nalgebra::{DMatrix, DVector};
 

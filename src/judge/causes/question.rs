@@ -1,7 +1,7 @@
 //! What is known when a cause is asked for.
 
-use super::records::Corrected;
 use crate::judge::after::{Control, Observation, Part};
+use crate::judge::causes::corrected::Corrected;
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::Deviation;

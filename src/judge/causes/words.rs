@@ -1,10 +1,12 @@
 //! Causes in words for the shop floor.
 
-use super::Numbers;
+use crate::judge::causes::data::Data;
+use crate::judge::causes::fault::Fit;
+
 use super::fault::{Fault, Scope};
 use super::question::Question;
-use super::records::Slip;
 use crate::judge::after::Observation;
+use crate::judge::causes::corrected::Slip;
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::units::{Figure, MM_PER_INCH, Millimetres};
 
@@ -252,4 +254,21 @@ fn kelvin(question: &Question<'_>, axes: &[(Axis, f64)]) -> String {
         "grew: {}: temperature of scale or workpiece, or its correction in the laser",
         each.join(", ")
     )
+}
+
+/// The numbers of a cause as they are printed.
+pub(super) struct Numbers {
+    /// As [`Cause::fitted`].
+    pub(super) fitted: Vec<f64>,
+    /// How far a shift may be off, mm; empty for other faults.
+    uncertainty_mm: Vec<f64>,
+}
+
+impl Numbers {
+    pub(super) fn of(data: &Data<'_>, fault: &Fault, fit: &Fit) -> Numbers {
+        Numbers {
+            fitted: fit.fitted.clone(),
+            uncertainty_mm: data.shift_uncertainty_mm(fault, fit),
+        }
+    }
 }

@@ -1,11 +1,13 @@
 //! Causes that no uncertainty holds because the job does not state them: how large they may be before
 //! a verdict changes. To say nothing must not look better than to state a bound.
 
+use crate::judge::forecast::figures::Silent;
+
 use super::{DiagonalForecast, Forecast, TermForecast};
 use crate::inputs::error_table::Remarks;
 use crate::inputs::job::Acceptance;
 use crate::judge::conformity::{Magnitude, Verdict};
-use crate::quantity::axis::{ErrorTerm, PerTerm};
+use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::rounded_down;
 
 /// Halvings of the search for a bound.
@@ -14,17 +16,6 @@ const ROUNDS: usize = 30;
 const LARGEST: f64 = 1000.0;
 /// A smaller one is none.
 const SMALLEST: f64 = 0.01;
-
-/// One cause that is not counted.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Silent {
-    what: &'static str,
-    unit: &'static str,
-    /// Whether the effect grows with the square of the bound.
-    is_square: bool,
-    /// Standard uncertainty (k = 1) that a bound of one unit makes where it moves a curve most, µm.
-    by_term: PerTerm<f64>,
-}
 
 /// What a table says of itself.
 pub(super) fn of(remarks: &Remarks) -> Vec<Silent> {

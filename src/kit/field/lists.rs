@@ -1,7 +1,9 @@
 //! Lists of a checklist: what is overwritten, what has to be set, what the display shows.
 
+use crate::quantity::units::Figure;
+
 use super::Made;
-use super::reading::trimmed;
+
 use crate::control::checklist::Listed;
 use crate::control::claims::{Precondition, shared};
 use crate::control::table::Tables;
@@ -90,4 +92,10 @@ fn shown(
         trimmed(grid.position(index)),
         trimmed(at_reference(&made.compiled.state, base, grid, values))
     )
+}
+
+/// A number with at most six decimals, no trailing zeros, no `-0`.
+pub(super) fn trimmed(number: f64) -> String {
+    let text = format!("{:.6}", Figure(number));
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

@@ -4,12 +4,13 @@
 //! off between the two states. So the reading is one of two places in **one** state, which needs no
 //! common zero of both: (peak − start) with compensation, less (peak − start) without.
 
+use crate::kit::field::lists::trimmed;
+
 use super::lists::BLANK;
 use super::{Made, Shown};
 use crate::control::checklist::Listed;
 use crate::control::controller::{Dialect, Evidence, Mechanism};
 use crate::quantity::axis::Axis;
-use crate::quantity::units::Figure;
 use crate::write::sign_proof::{name, sign_fact};
 
 /// What one proof is and what has to be seen; how it is read, and what that means.
@@ -144,10 +145,4 @@ fn signed(um: f64) -> String {
 fn towards(um: f64, axis: Axis) -> String {
     let side = if um > 0.0 { "+" } else { "−" };
     format!("{:.1} µm towards {side}{axis}", um.abs())
-}
-
-/// A number with at most six decimals, no trailing zeros, no `-0`.
-pub(super) fn trimmed(number: f64) -> String {
-    let text = format!("{:.6}", Figure(number));
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

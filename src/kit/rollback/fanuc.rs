@@ -1,8 +1,9 @@
 //! What a kit changes on a Fanuc control: parameters and points, 3605, 1851 and 1852.
 
-use super::{Before, ChangedBy, Old, Unknown};
+use super::{Before, Old, Unknown};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::kit::rollback::before::ChangedBy;
 use crate::quantity::axis::Axis;
 use std::collections::BTreeMap;
 

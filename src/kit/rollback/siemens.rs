@@ -1,8 +1,9 @@
 //! What a kit changes on a Siemens control: tables, their switches, weights and limit, MD32450.
 
-use super::{Before, ChangedBy, Old, Unknown};
+use super::{Before, Old, Unknown};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{CecTable, LecTable, SiemensTables};
+use crate::kit::rollback::before::ChangedBy;
 use crate::quantity::axis::Axis;
 use crate::write::compensation::siemens::encoder;
 use ChangedBy::{File, Nobody, Precondition};

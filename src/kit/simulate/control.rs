@@ -2,9 +2,8 @@
 
 use crate::judge::active::{ActiveControl, named_axis};
 use crate::judge::after::Control;
-use crate::kit::{
-    Inputs, LoadedControl, LoadedState, cannot_emulate, emulator, load_read_out, loaded_state,
-};
+use crate::kit::inputs::cannot_emulate;
+use crate::kit::{Inputs, LoadedControl, LoadedState, emulator, load_read_out, loaded_state};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
 use crate::read::readback::kit::{KitFile, read};

@@ -16,11 +16,12 @@
 //! Levers count from the middle of the box: another origin, or a tool offset, moves the machine's
 //! own figures along with the readings.
 
+use crate::inputs::job::{Reflector, StatedUncertainty};
+
 use super::curves::noise_gain;
 use super::metric::{PerPlane, Plane};
 use super::plane::per_plane;
 use super::slope_gains::SlopeGains;
-use crate::inputs::job::Reflector;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Volume};
 
@@ -311,4 +312,15 @@ impl<'a> Rotated<'a> {
             change.totals_um[term] += step;
         }
     }
+}
+
+/// Uncertainty of φ by the unmeasured angles with the bound that the job states, µm/m.
+pub(super) fn counted_angles(
+    bound: Option<&AngleBound>,
+    stated: &StatedUncertainty,
+) -> PerPlane<f64> {
+    let counted = bound.zip(stated.angle_urad);
+    counted.map_or_else(PerPlane::default, |(bound, urad)| {
+        bound.squareness_um_per_m.map(|u| urad * u)
+    })
 }

@@ -3,8 +3,8 @@
 use super::corrections::{AngleEffects, without_angles, without_expansion};
 use super::linear_reversal::LinearReversals;
 use super::noise::CorrectedRun;
-use super::unmeasured::AngleEvidence;
 use crate::inputs::job::{DiagonalMeasurement, StatedUncertainty};
+use crate::machine::separation::angle_evidence::AngleEvidence;
 use crate::quantity::axis::PerAxis;
 use crate::quantity::diagonal::Run;
 use crate::quantity::units::Millimetres;

@@ -19,13 +19,15 @@
 
 mod patterns;
 
+pub use self::patterns::RunCounts;
+
 use self::patterns::{Patterns, Row};
 use super::curves::closures;
 use super::increments::{Group, Means};
 use super::noise::{Noise, NoiseSource};
 use super::outlier::{FALSE_DOUBT, Outlier, float};
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, Volume};
 use crate::quantity::units::Squared;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
@@ -129,9 +131,6 @@ impl Closure {
         sigma_um * self.scatter[axis] / float(self.by_interval[axis].len()).sqrt()
     }
 }
-
-/// How many runs stand behind the mean readings.
-pub type RunCounts = PerDiagonal<[f64; 2]>;
 
 /// What is known of the readings before the closure is judged.
 #[derive(Clone, Copy, Debug, Default)]

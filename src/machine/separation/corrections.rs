@@ -2,9 +2,9 @@
 //! effects of angular errors. The raw readings stay as they are.
 
 use super::lookup::at;
-use super::unmeasured::AngleEvidence;
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{AxisMaterial, Levers, Material, Reflector};
+use crate::machine::separation::angle_evidence::AngleEvidence;
 use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
 use crate::quantity::chain::Chain;
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};

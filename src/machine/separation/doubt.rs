@@ -1,5 +1,7 @@
 //! Why a result is doubtful, in words: what the readings themselves say against it.
 
+use crate::machine::separation::linear_reversal::SMALLEST_REVERSAL_UM;
+
 use super::closure::Closure;
 use super::curves::noise_gain;
 use super::increments::Means;
@@ -20,8 +22,6 @@ const SMALLEST_MEAN_UM: f64 = 0.02;
 const ASSUMED_NOISE_UM: f64 = 1.0;
 /// A stated noise is a round figure: so many times of it count as far above.
 const FAR_ABOVE: f64 = 2.0;
-/// A reversal that no instrument resolves is none, µm.
-pub(super) const SMALLEST_REVERSAL_UM: f64 = 0.02;
 
 /// What the closure says against the nine errors.
 pub fn of_closure(

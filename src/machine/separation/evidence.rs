@@ -1,11 +1,13 @@
 //! The nine separated curves with their uncertainties.
 
+use crate::machine::separation::linear_reversal::{LinearReversal, LinearReversals, own_term};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
+
 use super::curves::Curve;
 use super::line::ReferenceLine;
 use super::metric::{PerPlane, Plane};
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::propagation::AlongCurve;
-use crate::quantity::axis::{Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::Volume;
 
 /// One separated curve.
@@ -85,5 +87,42 @@ pub(super) fn least_squares_squareness(
         xy: of(Plane::Xy),
         xz: of(Plane::Xz),
         yz: of(Plane::Yz),
+    }
+}
+
+/// Sets the two directions of each positioning error apart by its reversal.
+pub(super) fn set_apart(errors: &mut NineErrors, reversals: &LinearReversals) {
+    for axis in Axis::ALL {
+        let term = own_term(axis);
+        let (Some(reversal), Some(mean)) = (&reversals[axis], &errors.mean[term]) else {
+            continue;
+        };
+        let (plus, minus) = (reversal.beside(mean, 1.0), reversal.beside(mean, -1.0));
+        errors.plus.get_or_insert_default()[term] = Some(plus);
+        errors.minus.get_or_insert_default()[term] = Some(minus);
+    }
+}
+
+impl LinearReversal {
+    /// The curve of a direction beside the mean curve, `sign` = +1 or −1.
+    fn beside(&self, mean: &Evidence, sign: f64) -> Evidence {
+        let start = self.um.first().copied().unwrap_or(0.0);
+        let pairs = mean.deviation_um.iter().zip(&self.um);
+        let deviation_um = pairs.map(|(mean, b)| mean + (sign * b - start) / 2.0);
+        let u_um = mean.u_um.as_ref().zip(self.u_um.as_ref());
+        let u_um = u_um.map(|(mean, of_reversal)| {
+            let start = of_reversal.first().copied().unwrap_or(0.0);
+            let at = |(index, (mean, u)): (usize, (&f64, &f64))| match (index, sign > 0.0) {
+                (0, true) => *mean,
+                (0, false) => mean.hypot(start),
+                _ => mean.hypot(u.hypot(start) / 2.0),
+            };
+            mean.iter().zip(of_reversal).enumerate().map(at).collect()
+        });
+        Evidence {
+            deviation_um: deviation_um.collect(),
+            u_noise_um: mean.u_noise_um.clone().filter(|_| u_um.is_some()),
+            u_um,
+        }
     }
 }

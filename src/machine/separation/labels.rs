@@ -6,9 +6,9 @@ use super::increments::Means;
 use super::metric::Plane;
 use super::noise::coverage_factor;
 use super::reversal::Turn;
-use super::straight::u_squareness;
 use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
+use crate::machine::separation::totals::u_squareness;
 use crate::quantity::axis::{Axis, ErrorTerm};
 
 /// What was assumed and what counts in the uncertainty, one sentence each.

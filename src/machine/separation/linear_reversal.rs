@@ -10,8 +10,6 @@
 //! E is the mean curve of the separation, x0 the low end of the box. The cross terms of that axis
 //! hold the mean of both directions: nothing tells their reversal.
 
-use super::doubt::SMALLEST_REVERSAL_UM;
-use super::evidence::{Evidence, NineErrors};
 use super::lookup::at;
 use super::outlier::float;
 use super::reversal::Turn;
@@ -61,43 +59,6 @@ pub(super) fn of_table(volume: &Volume, axis: Axis, table: &ErrorTable) -> Optio
     })
 }
 
-/// Sets the two directions of each positioning error apart by its reversal.
-pub(super) fn set_apart(errors: &mut NineErrors, reversals: &LinearReversals) {
-    for axis in Axis::ALL {
-        let term = own_term(axis);
-        let (Some(reversal), Some(mean)) = (&reversals[axis], &errors.mean[term]) else {
-            continue;
-        };
-        let (plus, minus) = (reversal.beside(mean, 1.0), reversal.beside(mean, -1.0));
-        errors.plus.get_or_insert_default()[term] = Some(plus);
-        errors.minus.get_or_insert_default()[term] = Some(minus);
-    }
-}
-
-impl LinearReversal {
-    /// The curve of a direction beside the mean curve, `sign` = +1 or −1.
-    fn beside(&self, mean: &Evidence, sign: f64) -> Evidence {
-        let start = self.um.first().copied().unwrap_or(0.0);
-        let pairs = mean.deviation_um.iter().zip(&self.um);
-        let deviation_um = pairs.map(|(mean, b)| mean + (sign * b - start) / 2.0);
-        let u_um = mean.u_um.as_ref().zip(self.u_um.as_ref());
-        let u_um = u_um.map(|(mean, of_reversal)| {
-            let start = of_reversal.first().copied().unwrap_or(0.0);
-            let at = |(index, (mean, u)): (usize, (&f64, &f64))| match (index, sign > 0.0) {
-                (0, true) => *mean,
-                (0, false) => mean.hypot(start),
-                _ => mean.hypot(u.hypot(start) / 2.0),
-            };
-            mean.iter().zip(of_reversal).enumerate().map(at).collect()
-        });
-        Evidence {
-            deviation_um: deviation_um.collect(),
-            u_noise_um: mean.u_noise_um.clone().filter(|_| u_um.is_some()),
-            u_um,
-        }
-    }
-}
-
 /// What the known reversals make of the forward less the reverse reading of a node, µm:
 /// Σ_k (V_k/R) B_k at that place.
 pub(super) fn along_diagonal_um(
@@ -145,7 +106,7 @@ pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<St
     Axis::ALL.into_iter().filter_map(of_axis).collect()
 }
 
-const fn own_term(axis: Axis) -> ErrorTerm {
+pub(super) const fn own_term(axis: Axis) -> ErrorTerm {
     ErrorTerm {
         of: axis,
         along: axis,
@@ -187,3 +148,6 @@ fn ends_of(values: &[f64]) -> (f64, f64) {
             (low.min(*value), high.max(*value))
         })
 }
+
+/// A reversal that no instrument resolves is none, µm.
+pub(super) const SMALLEST_REVERSAL_UM: f64 = 0.02;

@@ -1,17 +1,17 @@
 //! A whole measurement of step diagonals, from its runs to the nine errors.
 
+use crate::machine::separation::angle_bound::counted_angles;
+
 use super::agreement::Agreement;
-use super::angle_bound::AngleBound;
 use super::campaign::{Campaign, corrected};
 use super::closure::{Closure, Known, closure};
 use super::corrections::recorded;
 use super::curves::{Curve, with_slope};
-use super::doubt;
 use super::evidence::{Evidence, NineErrors, least_squares_squareness};
 use super::exchange::{AsRead, names};
 use super::increments::{Group, Means};
 use super::labels::labels;
-use super::linear_reversal::{self, LinearReversals, set_apart};
+use super::linear_reversal::{self, LinearReversals};
 use super::metric::{Metric, PerPlane, Plane};
 use super::noise::{CorrectedRun, Noise, coverage_factor, known_noise, means, run_counts};
 use super::not_counted::{Figures, NotCounted};
@@ -21,8 +21,9 @@ use super::solved::{naive_squareness, solve_readings};
 use super::straight::{DiagonalFigures, figures};
 use super::tilt::{Tilt, tilts};
 use super::uncertainty::Budget;
-use super::unmeasured;
-use crate::inputs::job::{Material, SetUp, StatedUncertainty};
+use super::{doubt, unmeasured};
+use crate::inputs::job::{Material, SetUp};
+use crate::machine::separation::evidence::set_apart;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 
@@ -289,17 +290,6 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
         zeroed_runs,
         means: measured,
     }
-}
-
-/// Uncertainty of φ by the unmeasured angles with the bound that the job states, µm/m.
-pub(super) fn counted_angles(
-    bound: Option<&AngleBound>,
-    stated: &StatedUncertainty,
-) -> PerPlane<f64> {
-    let counted = bound.zip(stated.angle_urad);
-    counted.map_or_else(PerPlane::default, |(bound, urad)| {
-        bound.squareness_um_per_m.map(|u| urad * u)
-    })
 }
 
 /// Nine curves (without regard to direction, without uncertainties) and squareness of mean

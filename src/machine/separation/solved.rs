@@ -13,9 +13,9 @@ use super::metric::{
 use super::plane::per_plane;
 use super::reversal::Turn;
 use super::slope_gains::SlopeGains;
-use super::straight::{Totals, totals};
 use super::uncertainty::{Budget, Side, Slope, SlopeFrom, SlopeUncertainty};
 use crate::inputs::job::{Frame, SetUp};
+use crate::machine::separation::totals::{Totals, totals};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
 

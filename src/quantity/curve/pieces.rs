@@ -1,6 +1,5 @@
 //! The cubics of an error curve: how they come from measured points, and their algebra.
 
-use crate::quantity::curve::Interpolation;
 use crate::quantity::units::Millimetres;
 
 /// c0 + c1·s + c2·s² + c3·s³ in µm, s in mm from the left knot of the interval.
@@ -159,4 +158,19 @@ pub(super) fn stationary_points(c: &Cubic, slope: f64) -> [f64; 2] {
     let q = -(b + discriminant.sqrt().copysign(b));
     let (one, two) = (q / a, c / q);
     if one > two { [two, one] } else { [one, two] }
+}
+
+/// How the curve runs between the measured positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Straight lines from target to target.
+    Linear,
+    /// Monotone piecewise cubic: no overshoot, extremes only at targets, continuous slope.
+    /// Fritsch & Carlson, SIAM J. Numer. Anal. 17 (1980) 238–246; slopes after Fritsch &
+    /// Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300–304; ends as in SciPy's
+    /// `PchipInterpolator`, from Moler, *Numerical Computing with MATLAB* (2004) §3.
+    Pchip,
+    /// Cubic spline, second derivative continuous and zero at both ends; may overshoot.
+    /// de Boor, *A Practical Guide to Splines* (1978) ch. IV.
+    NaturalSpline,
 }

@@ -9,18 +9,20 @@
 //! points of one table. Everything is checked while loading; after that a response cannot fail
 //! but for an unknown axis. Signs turn in [`crate::control::controller::TableSign::correction`] only.
 
+mod link;
 mod parameters;
 mod pitch;
 mod straightness;
+
+use self::link::{Link, Run};
 #[cfg(test)]
 mod tests;
 
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{FanucFacts, NumberRange};
+use crate::control::controller::FanucFacts;
 use crate::control::table::fanuc::FanucMemory;
 use crate::quantity::axis::Direction;
-use crate::quantity::units::Correction;
-use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
+use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use parameters::{Loading, cannot};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -42,56 +44,6 @@ pub struct FanucControl {
 
 /// By base and output axis.
 type Links = BTreeMap<(String, String), Link>;
-
-/// What a base axis gives an output axis, by direction of the base.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Link {
-    plus: Way,
-    minus: Way,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-struct Way {
-    tables: Vec<NodeTable>,
-    constant: Correction,
-}
-
-impl Default for Way {
-    fn default() -> Self {
-        Way {
-            tables: Vec::new(),
-            constant: Correction::ZERO,
-        }
-    }
-}
-
-impl Link {
-    fn way(&self, direction: Direction) -> &Way {
-        match direction {
-            Direction::Plus => &self.plus,
-            Direction::Minus => &self.minus,
-        }
-    }
-
-    fn way_mut(&mut self, direction: Direction) -> &mut Way {
-        match direction {
-            Direction::Plus => &mut self.plus,
-            Direction::Minus => &mut self.minus,
-        }
-    }
-}
-
-/// The points of one table and whose they are.
-struct Run {
-    owner: String,
-    points: NumberRange,
-}
-
-impl Run {
-    fn new(owner: String, points: NumberRange) -> Run {
-        Run { owner, points }
-    }
-}
 
 impl FanucControl {
     /// Loads a kit into a control; refuses, in words, where the control would not run it, or

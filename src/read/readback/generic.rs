@@ -15,14 +15,12 @@ mod csv;
 mod json;
 mod row;
 
+use self::check::MOST_COMPLAINTS;
+
 use super::complaint::Complaint;
 use crate::control::table::generic::{GenericRow, GenericTable};
-use crate::text::document::MOST_LINES;
 use crate::text::problem::{LineIndex, Problem, Problems, refuse_long_lines};
 use row::Column;
-
-/// Nobody reads further, and a binary file has millions.
-const MOST_COMPLAINTS: usize = 200;
 
 /// Reads one file: JSON if its first character is `{`, else CSV.
 pub fn read(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
@@ -89,14 +87,6 @@ fn located(file_name: &str, text: &str, mut complaints: Vec<Complaint>) -> Probl
         problems.push(problem.help(complaint.help));
     }
     problems
-}
-
-fn too_many_rows(place: std::ops::Range<usize>) -> Complaint {
-    Complaint::new(
-        place,
-        format!("the table has more than {MOST_LINES} rows, too many for any control"),
-        "check that this is a table of corrections",
-    )
 }
 
 /// Makes one table of the files of a kit, which are twins: all must say the same, row by row.

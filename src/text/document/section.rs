@@ -1,7 +1,8 @@
 //! One section of a page, read key by key.
 
-use super::{LARGEST_NUMBER, LONGEST_MM, Notes, Source, Spot};
-use crate::text::problem::{Problem, nearest, shown};
+use crate::text::problem::{Problem, Problems, nearest, shown};
+
+use super::{LARGEST_NUMBER, LONGEST_MM, Source, Spot};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -517,4 +518,10 @@ fn whole_pair(value: &DeValue<'_>) -> Option<[u32; 2]> {
         .map(|item| item.get_ref().as_integer()?.as_str().parse().ok())
         .collect();
     numbers?.try_into().ok()
+}
+
+#[derive(Default)]
+pub(super) struct Notes {
+    pub(super) problems: RefCell<Problems>,
+    pub(super) spots: RefCell<Vec<Spot>>,
 }

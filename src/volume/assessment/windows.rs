@@ -1,6 +1,6 @@
 //! Sub-volumes of a size, wherever they fit between nodes.
 
-use super::{Grid, no_map};
+use super::Grid;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problem;
 use crate::volume::space::diameter::Diameter;
@@ -104,4 +104,9 @@ fn nodes_in(axis: Axis, nodes: &[f64], size_mm: f64) -> Result<usize, Problem> {
         reason = "a whole number not above the number of nodes"
     )]
     Ok(whole as usize + 1)
+}
+
+pub(super) fn no_map() -> Problem {
+    Problem::new("the nodes of an axis cannot be told apart, expected ascending positions")
+        .help("use fewer nodes")
 }

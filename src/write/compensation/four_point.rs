@@ -14,8 +14,11 @@
 //! the best so far; only one that has an answer is followed to its own least. Nothing is missed:
 //! the answer is the best of all whole amounts, not only of those beside the best fractional ones.
 
+mod chain;
 mod gates;
 mod sieve;
+
+use self::chain::{Chain, Side, output_between};
 
 use gates::Gates;
 use sieve::Sieve;
@@ -119,42 +122,12 @@ fn joined(reference: usize, (left, right): &(Chain, Chain)) -> FourPoint {
     }
 }
 
-/// The rounded line at a node from `inner` to `outer`, both included. The division comes last:
-/// all before it is exact, so a half is met as a half.
-fn output_between(inner: (usize, f64), outer: (usize, f64), node: usize) -> f64 {
-    let (before, after) = ((node - inner.0) as f64, (outer.0 - node) as f64);
-    ((inner.1 * after + outer.1 * before) / (before + after)).round()
-}
-
 #[allow(
     clippy::cast_possible_truncation,
     reason = "a whole number within the control's amounts"
 )]
 fn whole(amount: f64) -> i64 {
     amount as i64
-}
-
-/// One side of the reference, nodes counted outwards from it.
-struct Side {
-    wanted: Vec<f64>,
-    amount_max: f64,
-    /// 1/k for every distance k.
-    inverse: Vec<f64>,
-    /// Outwards is towards node 0.
-    mirrored: bool,
-}
-
-/// Pieces outwards from the reference: where each ends, the amount there, and what is left.
-struct Chain {
-    ends: Vec<usize>,
-    amounts: Vec<f64>,
-    residual: f64,
-}
-
-impl Chain {
-    fn knots(&self) -> impl DoubleEndedIterator<Item = (usize, f64)> {
-        self.ends.iter().copied().zip(self.amounts.iter().copied())
-    }
 }
 
 impl Side {

@@ -6,7 +6,8 @@ use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::{Deviation, power_of_ten};
-use crate::write::compensation::{Compiled, Placement, backlash_why, control_state};
+use crate::write::compensation::compiled::control_state;
+use crate::write::compensation::{Compiled, Placement, backlash_why};
 use crate::write::plan::{Plan, PlannedTable, Task};
 
 /// Puts a plan into rows.

@@ -6,18 +6,22 @@
 //! * A cross term goes into one CEC table (or two) for each physical output axis.
 //! * No product tables are ever made: a misreading of their meaning moves an axis by millimetres.
 
+mod parameters;
 mod requirements;
 
-use crate::control::control_state::ControlState;
+pub(crate) use self::parameters::{at_reference, encoder, is_lec, reference_text};
+use self::parameters::{backlash_text, largest_sum_um};
+
 use crate::control::controller::{SiemensFacts, TableSign};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{
     CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
 };
 use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::{Deviation, Figure, UM_PER_MM, power_of_ten};
+use crate::quantity::units::{Deviation, UM_PER_MM, power_of_ten};
 use crate::text::problem::Problems;
-use crate::write::compensation::{Compiled, Placement, control_state};
+use crate::write::compensation::compiled::control_state;
+use crate::write::compensation::{Compiled, Placement};
 use crate::write::grid::Grid;
 use crate::write::plan::{Plan, PlannedTable, Task};
 
@@ -66,19 +70,6 @@ pub fn compile(task: Task<'_>, plan: &Plan, facts: &SiemensFacts) -> Result<Comp
         placements,
         state,
     })
-}
-
-/// Whether a planned table goes into ENC_COMP.
-pub(crate) fn is_lec(planned: &PlannedTable) -> bool {
-    planned.term.is_positioning() && planned.direction.is_none()
-}
-
-/// Index of the measuring system of an axis in the files: 0 = the first.
-pub(crate) fn encoder(task: Task<'_>, axis: Axis) -> u32 {
-    let system = task.job.compensation.axes[axis]
-        .as_ref()
-        .and_then(|s| s.measuring_system);
-    system.unwrap_or(1) - 1
 }
 
 fn lec_table(task: Task<'_>, facts: &SiemensFacts, planned: &PlannedTable, axis: &str) -> LecTable {
@@ -162,28 +153,8 @@ fn count_um(task: Task<'_>, facts: &SiemensFacts) -> f64 {
     task.job.compensation.control_unit.in_mm() * UM_PER_MM / per_unit
 }
 
-/// MD32450 as it is named: four decimals of a millimetre, five of an inch.
-fn backlash_text(task: Task<'_>, um: f64) -> (String, f64) {
-    let unit = task.job.compensation.control_unit;
-    let decimals = match unit {
-        crate::control::controller::LengthUnit::Millimetre => 4,
-        crate::control::controller::LengthUnit::Inch => 5,
-    };
-    let text = format!("{:.decimals$}", um / (unit.in_mm() * UM_PER_MM) + 0.0);
-    let rounded_um = text.parse::<f64>().unwrap_or(0.0) * unit.in_mm() * UM_PER_MM;
-    (format!("{text} {}", unit.word()), rounded_um)
-}
-
 fn backlash_um(task: Task<'_>, plan: &Plan, axis: Axis) -> Option<f64> {
     plan.backlash_um[axis].map(|um| backlash_text(task, um).1)
-}
-
-/// Largest sum of CEC corrections of any output axis, µm ([`SiemensTables::largest_cec_sum`]).
-fn largest_sum_um(task: Task<'_>, tables: &SiemensTables) -> f64 {
-    let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
-    let outputs = tables.cec.iter().map(|table| table.output_axis.as_str());
-    let sums = outputs.map(|output| tables.largest_cec_sum(output));
-    sums.fold(0.0, f64::max) * um_per_unit
 }
 
 /// What the control would cut off is refused before it is written.
@@ -200,33 +171,4 @@ fn check_sum(task: Task<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Re
         )
         .help("check the measurement; a control with another MD32720 needs a profile with its own `cec_max_sum_um`")
         .into())
-}
-
-/// What a table holds at the reference point of its base axis, in the unit of the file.
-pub(crate) fn at_reference(
-    state: &ControlState,
-    base: &str,
-    grid: &SiemensGrid,
-    values: &[Option<f64>],
-) -> f64 {
-    let reference = state.axis(base).map(|axis| axis.reference.mm());
-    let position = reference.map(|mm| mm / state.unit.in_mm());
-    let held = position.and_then(|position| grid.nearest(values, position));
-    held.unwrap_or(0.0)
-}
-
-/// Machine coordinates of the reference points, as they stand in files and preconditions.
-pub(crate) fn reference_text(task: Task<'_>) -> String {
-    let texts: Vec<String> = task
-        .job
-        .machine
-        .axes
-        .iter()
-        .filter_map(|(axis, machine)| {
-            let text = format!("{:.6}", Figure(machine.as_ref()?.reference.mm()));
-            let text = text.trim_end_matches('0').trim_end_matches('.');
-            Some(format!("{axis} {text} mm"))
-        })
-        .collect();
-    texts.join(", ")
 }

@@ -6,8 +6,10 @@ use crate::inputs::job::{
 };
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
+use crate::write::program::places::moving;
 use crate::write::program::route::readings_of;
-use crate::write::program::{MOST_READINGS, Resolution, RunTask, problem};
+use crate::write::program::run::{MOST_READINGS, problem};
+use crate::write::program::{Resolution, RunTask};
 
 pub(super) fn refuse_too_many_readings(
     job: &Job,
@@ -58,14 +60,6 @@ pub(super) fn refuse_shift(job: &Job, request: &ProgramRequest, problems: &mut P
                 ));
             }
         }
-    }
-}
-
-/// The axes that move while readings are taken.
-pub(super) fn moving(request: &ProgramRequest) -> Vec<Axis> {
-    match request.what {
-        RunType::SingleAxis => request.axes.clone(),
-        RunType::StepDiagonal | RunType::StraightDiagonal => Axis::ALL.to_vec(),
     }
 }
 

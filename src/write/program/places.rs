@@ -3,8 +3,8 @@
 use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
-use crate::write::program::fit::moving;
-use crate::write::program::{Digits, Resolution, problem};
+use crate::write::program::run::problem;
+use crate::write::program::{Digits, Resolution};
 
 /// A run's lengths in digits.
 pub(super) struct Scale {
@@ -133,4 +133,12 @@ fn targets(
         resolution.nearest(volume.start[axis].mm() + volume.along_mm(axis, index) + shift)
     };
     (0..=last).map(of_index).collect()
+}
+
+/// The axes that move while readings are taken.
+pub(super) fn moving(request: &ProgramRequest) -> Vec<Axis> {
+    match request.what {
+        RunType::SingleAxis => request.axes.clone(),
+        RunType::StepDiagonal | RunType::StraightDiagonal => Axis::ALL.to_vec(),
+    }
 }

@@ -3,13 +3,14 @@
 //! The parameters of the kit (3620 to 3624, magnifications, sets) stay as they are: the bump is in
 //! counts of these magnifications.
 
-use super::{Bump, SignProof, as_number, whole_below};
+use super::{Bump, SignProof, whole_below};
 use crate::control::controller::{FanucFacts, Mechanism, TableSign};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Deviation;
 use crate::write::plan::{Plan, axis_pairs};
+use crate::write::sign_proof::bump::as_number;
 
 const MOST_SETS: u32 = 6;
 

@@ -4,7 +4,7 @@ use super::{AXES, Asked, Interpreter, Reach, first_span, turning, unknown_system
 use crate::inputs::nc::arc::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
 use crate::inputs::nc::block::{Block, Span};
 use crate::inputs::nc::codes::Motion;
-use crate::inputs::nc::cycle::Cycle;
+use crate::inputs::nc::depths::Cycle;
 use crate::inputs::nc::scan::Wrong;
 use crate::inputs::nc::{Arc, Move, Place, Refused, Shape, WithoutPoint, system_name};
 use crate::quantity::units::MM_PER_INCH;

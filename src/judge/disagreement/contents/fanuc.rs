@@ -1,8 +1,8 @@
 //! Points and parameters by their numbers.
 
-use super::{it, listed, runs, same};
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::judge::disagreement::Diagnosis;
+use crate::judge::disagreement::contents::words::{it, listed, runs, same};
 
 /// Surplus, missing and other points and parameters.
 pub(super) fn memory(

@@ -1,8 +1,8 @@
 //! Rows of the generic table, block by block.
 
-use super::{it, runs, same};
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::judge::disagreement::Diagnosis;
+use crate::judge::disagreement::contents::words::{it, runs, same};
 
 /// Surplus, missing and other rows.
 pub(super) fn rows(

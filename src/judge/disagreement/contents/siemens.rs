@@ -2,11 +2,11 @@
 
 pub(super) mod machine_data;
 
-use super::{it, listed, runs, same};
 use crate::control::table::siemens::{
     CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
 };
 use crate::judge::disagreement::Diagnosis;
+use crate::judge::disagreement::contents::words::{it, listed, runs, same};
 
 /// Surplus, missing and other tables.
 pub(super) fn tables(

@@ -4,12 +4,11 @@
 //! P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step.
 
 use crate::machine::separation::banded::{Banded, Factor};
-use crate::machine::separation::closure::RunCounts;
 use crate::machine::separation::curves::closure_sign;
 use crate::machine::separation::increments::Group;
 use crate::machine::separation::outlier::{MOST_OUTLIERS, Outlier, ReadingPlace, stands_out};
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use nalgebra::{DMatrix, DVector};
 
 /// One w.
@@ -321,3 +320,6 @@ fn covariance(
     }
     matrix
 }
+
+/// How many runs stand behind the mean readings.
+pub type RunCounts = PerDiagonal<[f64; 2]>;

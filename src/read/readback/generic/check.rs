@@ -3,7 +3,9 @@
 //! Rows are gathered into blocks while they are read; [`Reading::finish`] walks each block once.
 //! A block that lost a row to a flaw is not walked: its gaps would only repeat the flaw.
 
-use super::MOST_COMPLAINTS;
+use crate::read::readback::complaint::Complaint;
+use crate::text::document::MOST_LINES;
+
 use super::row::{BlockKey, Column, RawRow, RowFlaw, Unusable, read_row};
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::Axis;
@@ -235,4 +237,15 @@ fn median(steps: &[f64]) -> Option<f64> {
     let mut sorted = steps.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len().saturating_sub(1) / 2).copied()
+}
+
+/// Nobody reads further, and a binary file has millions.
+pub(super) const MOST_COMPLAINTS: usize = 200;
+
+pub(super) fn too_many_rows(place: std::ops::Range<usize>) -> Complaint {
+    Complaint::new(
+        place,
+        format!("the table has more than {MOST_LINES} rows, too many for any control"),
+        "check that this is a table of corrections",
+    )
 }

@@ -22,7 +22,7 @@ pub(super) fn read(text: &str) -> Result<GenericTable, Vec<Complaint>> {
     let columns = columns(text, header.clone())?;
     let rows: Vec<Range<usize>> = lines.take(MOST_LINES + 1).collect();
     if let Some(first) = rows.get(MOST_LINES) {
-        return Err(vec![super::too_many_rows(first.clone())]);
+        return Err(vec![super::check::too_many_rows(first.clone())]);
     }
     if rows.is_empty() {
         let message = "the table has a header but no rows";

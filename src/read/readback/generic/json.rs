@@ -253,7 +253,7 @@ impl<'a> Taker<'a> for &mut Rows<'a> {
         while let Some(row) = elements.next_element_seed(To(Row::new(self.number)))? {
             self.number += 1;
             if self.number > MOST_LINES {
-                return Err(S::Error::custom(super::too_many_rows(0..1).message));
+                return Err(S::Error::custom(super::check::too_many_rows(0..1).message));
             }
             if self.reading.is_full() {
                 continue;

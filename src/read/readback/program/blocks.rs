@@ -2,8 +2,9 @@
 
 use crate::control::controller::LengthUnit;
 use crate::quantity::axis::{Axis, PerAxis};
+use crate::read::readback::program::steps::Complaint;
 use crate::read::readback::program::words::{Block, Word};
-use crate::read::readback::program::{Cancelled, Complaint, Deed, Step};
+use crate::read::readback::program::{Cancelled, Deed, Step};
 
 /// How a block moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,9 @@
 
 use crate::control::controller::LengthUnit;
 use crate::read::readback::program::blocks::{Meaning, Modal, Motion, Rules};
+use crate::read::readback::program::steps::Complaint;
 use crate::read::readback::program::words::{block, lines};
-use crate::read::readback::program::{Cancelled, Complaint, OwnWords, Step};
+use crate::read::readback::program::{Cancelled, OwnWords, Step};
 
 pub(super) fn read(text: &str, words: &OwnWords<'_>) -> Result<Vec<Step>, Complaint> {
     let rules = Rules {

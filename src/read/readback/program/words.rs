@@ -1,6 +1,6 @@
 //! Words of a block: a letter with a number, or a name.
 
-use crate::read::readback::program::Complaint;
+use crate::read::readback::program::steps::Complaint;
 use std::ops::Range;
 
 /// One word.

@@ -4,12 +4,14 @@
 //! order and the last assignment of each counts (Function Manual Extended Functions 03/2013, K3
 //! p. 240-249: the assignments are independent statements).
 
-use super::statement::{Assignment, Value};
 use super::variable::{self, Key, number_of};
-use super::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES};
-use super::{MachineDatum, MachineValue, SiemensContents, Writer, is_switch, variable_text};
+use super::{
+    MOST_DATA, MOST_STATEMENTS, MOST_TABLES, MachineDatum, MachineValue, SiemensContents, Writer,
+    is_switch, variable_text,
+};
 use crate::control::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid};
 use crate::read::readback::complaint::Complaint;
+use crate::read::readback::siemens::assignment::{Assignment, Value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;

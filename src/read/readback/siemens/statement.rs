@@ -9,6 +9,8 @@
 //! structure of a part program). Whatever is not in this grammar is a complaint: a word that this
 //! program does not know could move the machine.
 
+use crate::read::readback::siemens::assignment::{Assignment, Value, is_digits};
+
 use super::variable::is_alone;
 use crate::read::readback::complaint::Complaint;
 use crate::text::plain::is_unseen;
@@ -31,32 +33,6 @@ pub(super) enum Statement<'a> {
     End,
     /// An assignment to a `$` variable.
     Set(Assignment<'a>),
-}
-
-/// `$NAME[index,…]=value`.
-#[derive(Debug)]
-pub(super) struct Assignment<'a> {
-    /// Name without `$`, upper case.
-    pub(super) name: Cow<'a, str>,
-    /// Name and indices in the text.
-    pub(super) head: Range<usize>,
-    /// The indices, upper case.
-    pub(super) indices: Vec<Cow<'a, str>>,
-    /// Where the value stands.
-    pub(super) value_span: Range<usize>,
-    /// The value; a complaint if it cannot be read.
-    pub(super) value: Result<Value, Complaint>,
-}
-
-/// The right side of an assignment.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
-    /// A number.
-    Number(f64),
-    /// `TRUE` or `FALSE`.
-    Truth(bool),
-    /// A name in parentheses or quotes, upper case.
-    Name(String),
 }
 
 /// Reads the line `line` (bytes of `source`, without its line end).
@@ -335,10 +311,6 @@ fn number(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
 }
 
 const NOT_A_NUMBER: (&str, &str) = ("is not a number", "write sign, digits, `.` and digits");
-
-pub(super) fn is_digits(text: &str) -> bool {
-    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
-}
 
 fn is_word_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'

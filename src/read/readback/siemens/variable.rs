@@ -2,9 +2,9 @@
 //!
 //! Function Manual Extended Functions 03/2013, K3 p. 237-249 and 268.
 
-use super::statement::{Assignment, Value, is_digits};
 use crate::control::table::siemens::CecDirection;
 use crate::read::readback::complaint::Complaint;
+use crate::read::readback::siemens::assignment::{Assignment, Value, is_digits};
 use crate::text::problem::nearest;
 
 /// Largest table or point number that is read at all.

@@ -3,7 +3,7 @@
 use crate::control::controller::{FanucFacts, NumberRange};
 use crate::quantity::axis::Axis;
 use crate::text::problem::Problems;
-use crate::write::compensation::fanuc::is_four_point;
+use crate::write::compensation::fanuc::form::is_four_point;
 use crate::write::grid::Grid;
 use crate::write::plan::{Plan, Task};
 

@@ -5,8 +5,9 @@ use crate::control::controller::FanucFacts;
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::Figure;
 use crate::text::problem::Problems;
+use crate::write::compensation::fanuc::detection_unit;
+use crate::write::compensation::fanuc::form::is_four_point;
 use crate::write::compensation::fanuc::numbers::Run;
-use crate::write::compensation::fanuc::{detection_unit, is_four_point};
 use crate::write::compensation::{backlash_why, two_tables_why};
 use crate::write::plan::{Plan, PlannedTable, Task};
 

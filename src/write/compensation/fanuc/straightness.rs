@@ -2,9 +2,10 @@
 
 use crate::control::controller::FanucFacts;
 use crate::text::problem::Problems;
+use crate::write::compensation::fanuc::form::is_four_point;
 use crate::write::compensation::fanuc::numbers::{Run, Space};
 use crate::write::compensation::fanuc::{
-    Curve, Output, detection_unit, is_four_point, magnify, too_steep, wanted,
+    Curve, Output, detection_unit, magnify, too_steep, wanted,
 };
 use crate::write::compensation::four_point::best_fit;
 use crate::write::plan::{Plan, PlannedTable, Task};

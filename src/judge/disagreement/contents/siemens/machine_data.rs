@@ -1,9 +1,9 @@
 //! The machine data that files set: switches and memory of the job's tables, and nothing else.
 
-use super::super::{it, listed};
 use super::lec_name;
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::siemens::SiemensTables;
+use crate::judge::disagreement::contents::words::{it, listed};
 use crate::read::readback::kit::FileData;
 use crate::read::readback::siemens::{MachineDatum, MachineValue};
 

@@ -1,0 +1,197 @@
+//! A measuring run, move by move.
+
+use crate::control::controller::program::ProgramFacts;
+use crate::control::controller::{Profile, builtin};
+use crate::inputs::job::{Job, ProgramRequest};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass};
+use crate::quantity::units::Squared;
+use crate::text::problem::Problem;
+use crate::write::program::mirror::MirrorSize;
+use crate::write::program::resolution::{Digits, Resolution};
+
+/// What one program measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// A body diagonal.
+    Diagonal(Diagonal),
+    /// A single axis along its length.
+    Axis(Axis),
+}
+
+impl Subject {
+    /// `PPP` … or `X` ….
+    pub fn name(self) -> String {
+        match self {
+            Subject::Diagonal(diagonal) => diagonal.name().to_string(),
+            Subject::Axis(axis) => axis.to_string(),
+        }
+    }
+}
+
+/// One standstill that is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// Number of the run, from 1.
+    pub run: u32,
+    /// Forward or back.
+    pub pass: Pass,
+    /// Node along the forward path, or target of a single axis.
+    pub node: usize,
+    /// Axis of the forward step from node − 1 to node; `None` at node 0 and where all move.
+    pub moved: Option<Axis>,
+    /// Nominal displacement along the laser from node 0, mm.
+    pub nominal_mm: f64,
+    /// Machine coordinates.
+    pub place: PerAxis<Digits>,
+}
+
+/// One thing that the machine does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Move {
+    /// Waits for cycle start; the text is shown to the operator.
+    Stop(String),
+    /// A remark in the program.
+    Remark(String),
+    /// To a place in machine coordinates, at rapid traverse: X and Y together, then Z alone.
+    Approach(PerAxis<Digits>),
+    /// By an increment, at the feed.
+    Feed(PerAxis<Digits>),
+    /// Stands still; the reading with this index is taken.
+    Dwell(usize),
+}
+
+/// The program of one set-up of the laser.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SetUpProgram {
+    /// What it measures.
+    pub subject: Subject,
+    /// Its moves in order.
+    pub moves: Vec<Move>,
+    /// Its readings in order.
+    pub readings: Vec<Reading>,
+}
+
+/// A measuring run, complete.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuringRun {
+    /// The last digit of a position.
+    pub resolution: Resolution,
+    /// One program for each set-up.
+    pub programs: Vec<SetUpProgram>,
+    /// What the mirror has to cover; step diagonals only.
+    pub mirror: Option<MirrorSize>,
+    /// What has to be known beside the files, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Most readings of one program: block numbers have four digits on every control.
+pub(super) const MOST_READINGS: usize = 9999;
+
+/// A run to be planned and written: what is asked for, and what the control understands.
+#[derive(Clone, Copy, Debug)]
+pub struct RunTask<'a> {
+    /// The job.
+    pub job: &'a Job,
+    /// Its `[program]`.
+    pub request: &'a ProgramRequest,
+    /// The control.
+    pub profile: &'a Profile,
+    /// Its part programs.
+    pub facts: &'a ProgramFacts,
+}
+
+impl<'a> RunTask<'a> {
+    /// Refused where the job asks for no run, or where the control has no language for it.
+    pub fn of(job: &'a Job, profile: &'a Profile) -> Result<RunTask<'a>, Problem> {
+        Ok(RunTask {
+            job,
+            request: job.program.as_ref().ok_or_else(|| no_section(job))?,
+            profile,
+            facts: profile
+                .program
+                .as_ref()
+                .ok_or_else(|| no_language(job, profile))?,
+        })
+    }
+
+    /// The last digit of a position.
+    pub fn resolution(&self) -> Resolution {
+        let unit = self.job.compensation.control_unit;
+        Resolution {
+            unit,
+            decimals: self.facts.decimals(unit),
+        }
+    }
+}
+
+fn no_section(job: &Job) -> Problem {
+    job.problem_at("program", "the job has no section [program], so there is no run to write programs for")
+        .help("add `[program]` with `what = \"step-diagonal\"`, `\"straight-diagonal\"` or `\"single-axis\"` (docs/program.md)")
+}
+
+fn no_language(job: &Job, profile: &Profile) -> Problem {
+    let known = builtin::ids()
+        .into_iter()
+        .filter(|id| builtin::profile(id).is_ok_and(|profile| profile.program.is_some()));
+    let known: Vec<&str> = known.collect();
+    job.problem_at(
+        "compensation.controller",
+        format!(
+            "`{}` says nothing about part programs, so none can be written",
+            profile.id
+        ),
+    )
+    .help(format!(
+        "choose the control that will run the program: {}; or a profile of your own with [program]",
+        known.join(", ")
+    ))
+}
+
+impl MeasuringRun {
+    /// Time of all programs without operator and approach, s: path / feed and standstills.
+    pub fn duration_s(&self, request: &ProgramRequest) -> f64 {
+        let moves = self.programs.iter().flat_map(|program| &program.moves);
+        let seconds = moves.map(|step| match step {
+            Move::Feed(by) => {
+                let squares = by.iter().map(|(_, d)| self.resolution.mm(*d).squared());
+                60.0 * squares.sum::<f64>().sqrt() / request.feed_mm_per_min
+            }
+            Move::Dwell(_) => request.dwell_s,
+            _ => 0.0,
+        });
+        seconds.sum()
+    }
+
+    /// Smallest and largest commanded coordinate of an axis, mm.
+    pub fn reach_mm(&self, axis: Axis) -> Option<(f64, f64)> {
+        let mut reach: Option<(Digits, Digits)> = None;
+        for place in self.programs.iter().flat_map(SetUpProgram::places) {
+            let (low, high) = reach.unwrap_or((place[axis], place[axis]));
+            reach = Some((low.min(place[axis]), high.max(place[axis])));
+        }
+        reach.map(|(low, high)| (self.resolution.mm(low), self.resolution.mm(high)))
+    }
+}
+
+impl SetUpProgram {
+    /// Every commanded place, machine coordinates.
+    pub fn places(&self) -> Vec<PerAxis<Digits>> {
+        let mut here = PerAxis::from_fn(|_| 0);
+        let mut places = Vec::new();
+        for step in &self.moves {
+            match step {
+                Move::Approach(place) => here = *place,
+                Move::Feed(by) => here = PerAxis::from_fn(|axis| here[axis] + by[axis]),
+                _ => continue,
+            }
+            places.push(here);
+        }
+        places
+    }
+}
+
+/// A problem at a key of the job's `[program]`.
+pub(super) fn problem(job: &Job, path: &str, message: String, help: impl Into<String>) -> Problem {
+    job.problem_at(path, message).help(help)
+}
