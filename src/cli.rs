@@ -130,7 +130,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => {
             // Help and version are answers, everything else is wrong usage (2).
             let failed = error.use_stderr();
-            if failed && arguments.iter().any(|argument| is_foreign(argument)) {
+            if failed && arguments.iter().any(is_foreign) {
                 say(&error.render().to_string());
                 return could_not();
             }
