@@ -14,7 +14,6 @@
 
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use std::cell::OnceCell;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -49,16 +48,6 @@ fn true_of_system() -> Option<&'static str> {
 
 fn empty_program() -> Command {
     true_of_system().map_or_else(version, Command::new)
-}
-
-/// On Linux the system forgets what it has of the program in memory, so that the runs before the
-/// measuring load it as after switching on. Just linked or copied in one piece it lies there in
-/// other blocks, and all figures differ by some tenths of a millisecond.
-fn forget_program() {
-    let program = File::open(NONIUS).expect("the program was built");
-    program.sync_all().expect("the program was built");
-    #[cfg(target_os = "linux")]
-    rustix::fs::fadvise(&program, 0, None, rustix::fs::Advice::DontNeed).expect("only advice");
 }
 
 /// Where kits are written to.
@@ -126,7 +115,6 @@ fn median(mut times: Vec<Duration>) -> Duration {
 }
 
 fn processes(criterion: &mut Criterion) {
-    forget_program();
     let mut group = criterion.benchmark_group("process");
     group.sampling_mode(SamplingMode::Flat);
     group.sample_size(60);

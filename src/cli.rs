@@ -14,7 +14,6 @@ mod generate;
 mod history;
 mod import;
 mod inputs;
-mod later;
 mod outcome;
 mod path;
 mod program;
@@ -30,7 +29,6 @@ mod write;
 use crate::text::plain;
 use crate::text::problem::Problems;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
-use later::Later;
 use outcome::Outcome;
 use std::ffi::OsString;
 use std::io::Write;
@@ -59,39 +57,39 @@ enum Command {
     #[command(
         after_help = "Exit status: 0 made, and the forecast keeps the acceptance · 1 made, but it does not or is undecided · 2 nothing written"
     )]
-    Generate(Later<generate::Options>),
+    Generate(generate::Options),
     /// Read the files of a directory back and judge them against a job
     #[command(after_help = "Exit status: 0 pass · 1 fail or undecided · 2 could not judge")]
-    Verify(Later<verify::Options>),
+    Verify(verify::Options),
     /// Print the chain of tables that a kit stands in, back to the first one
     #[command(
         after_help = "Exit status: 0 all is as it was made · 1 the chain breaks or a file was changed · 2 could not read"
     )]
-    History(Later<history::Options>),
+    History(history::Options),
     /// Separate the readings of four body diagonals into the nine errors
     #[command(
         after_help = "Exit status: 0 separated · 1 separated, but something speaks against the result · 2 nothing written"
     )]
-    Separate(Later<separate::Options>),
+    Separate(separate::Options),
     /// What the errors do in the volume: volumetric accuracy and the other definitions
-    Assess(Later<assess::Options>),
+    Assess(assess::Options),
     /// Write the part programs of a measuring run, with the expected positions
-    Program(Later<program::Options>),
+    Program(program::Options),
     /// Predict the readings of a measurement with the tables active: a rehearsal, no measurement
-    Simulate(Later<simulate::Options>),
+    Simulate(simulate::Options),
     /// Turn another maker's measurement into an error table
-    Import(Later<import::Options>),
+    Import(import::Options),
     /// Figures by standard: ISO 230-2 and VDI/DGQ 3441 of one axis, ISO 230-6 of the body diagonals
-    Standards(Later<standards::Options>),
+    Standards(standards::Options),
     /// Tell the machine's error along the path of a part program (G-code)
-    Path(Later<path::Options>),
+    Path(path::Options),
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
         command: controllers::Command,
     },
     /// Print what the templates of a job's control see (always JSON)
-    Context(Later<context::Options>),
+    Context(context::Options),
     /// Print completions for a shell
     Completions {
         /// The shell
@@ -131,7 +129,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => {
             // Help and version are answers, everything else is wrong usage (2).
             let failed = error.use_stderr();
-            if failed && arguments.iter().any(|argument| is_foreign(argument)) {
+            if failed && arguments.iter().any(is_foreign) {
                 say(&error.render().to_string());
                 return could_not();
             }

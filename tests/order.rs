@@ -349,16 +349,3 @@ fn templates_lay_out_and_do_not_compute() {
     }
     assert!(templates > 5, "only {templates} templates were found");
 }
-
-#[test]
-fn unsafe_code_stands_in_one_module() {
-    for (file, _, code) in sources() {
-        let found = code
-            .iter()
-            .any(|line| line.contains("unsafe {") || line.contains("unsafe fn"));
-        assert!(
-            !found || file == "volume/space/processor.rs",
-            "src/{file} has unsafe code"
-        );
-    }
-}

@@ -143,8 +143,8 @@ fn what_is_written_has_the_permissions_that_the_users_mask_leaves() {
 }
 
 /// A part program that takes long.
-fn long_program(at: &Path) {
-    let block = "G1 X100 Y50 F500\nX0 Y0\n".repeat(200_000);
+fn long_program(at: &Path, repeats: usize) {
+    let block = "G1 X100 Y50 F500\nX0 Y0\n".repeat(repeats);
     fs::write(at.join("long.nc"), format!("G21 G90\n{block}M30\n")).expect("a program");
     let job = fs::read_to_string(at.join("job.toml")).expect("the job");
     let zero = "[[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n";
@@ -186,7 +186,7 @@ fn signal(child: &std::process::Child, name: &str) {
 fn a_run_that_is_ended_cleans_up() {
     let place = place();
     let at = place.path();
-    long_program(at);
+    long_program(at, 200_000);
     for name in ["INT", "TERM", "HUP"] {
         let mut child = started(at);
         signal(&child, name);
@@ -201,7 +201,7 @@ fn a_run_that_is_ended_cleans_up() {
 fn what_a_killed_run_left_is_named_and_removed_by_the_next_but_not_what_is_at_work() {
     let place = place();
     let at = place.path();
-    long_program(at);
+    long_program(at, 200_000);
     let mut killed = started(at);
     signal(&killed, "KILL");
     killed.wait().expect("it ends");
@@ -233,7 +233,7 @@ fn what_a_killed_run_left_is_named_and_removed_by_the_next_but_not_what_is_at_wo
 fn signals_that_the_run_was_started_to_ignore_stay_ignored() {
     let place = place();
     let at = place.path();
-    long_program(at);
+    long_program(at, 5_000);
     let script = "trap '' HUP; exec $N path path.toml long.nc -o points.csv";
     let mut child = Command::new("sh")
         .args(["-c", script])

@@ -24,7 +24,7 @@ use std::path::PathBuf;
 /// Most nodes of one axis.
 const MOST_NODES: usize = 1001;
 
-/// Options of `assess`.
+// Options of `assess`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// The job (TOML), or an error table (CSV); `-` = standard input

@@ -7,7 +7,7 @@ use crate::text::problem::Problems;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Options of `context`.
+// Options of `context`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// The job (TOML); `-` = standard input

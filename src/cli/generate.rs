@@ -13,7 +13,7 @@ use crate::text::problem::Problems;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Options of `generate`.
+// Options of `generate`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// The job (TOML); `-` = standard input

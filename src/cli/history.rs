@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 /// A chain of hashes cannot close to a ring; this bounds one of damaged links.
 const LONGEST_CHAIN: usize = 1000;
 
-/// Options of `history`.
+// Options of `history`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// Directory of a kit

@@ -16,7 +16,7 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
-/// Options of `import`. What a file does not carry has to be stated; see docs/import.md.
+// Options of `import`. What a file does not carry has to be stated; see docs/import.md.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// The measurement; `-` = standard input

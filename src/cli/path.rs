@@ -21,7 +21,7 @@ use points::Points;
 use program_text::ProgramText;
 use std::path::{Path, PathBuf};
 
-/// Options of `path`.
+// Options of `path`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// The job (TOML)

@@ -15,7 +15,7 @@ use crate::write::emit::program::FileRole;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Options of `program`.
+// Options of `program`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// The job (TOML) with a section [program]; `-` = standard input

@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// Options of `separate`.
+// Options of `separate`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// The job (TOML) with readings of the body diagonals; `-` = standard input

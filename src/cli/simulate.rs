@@ -18,7 +18,7 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
-/// Options of `simulate`.
+// Options of `simulate`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// The job (TOML); `-` = standard input

@@ -24,7 +24,7 @@ use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Options of `standards`. Which of them have a meaning depends on the file.
+// Options of `standards`. Which of them have a meaning depends on the file.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// Runs of one axis (CSV or Renishaw .rtl), or a job or file of readings of the body diagonals;

@@ -19,7 +19,7 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
-/// Options of `verify`.
+// Options of `verify`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// The job (TOML); `-` = standard input

@@ -123,14 +123,10 @@ pub(super) fn write_kit(
         .map_err(|e| not_written("cannot make the directory", &parent, &e))?;
     let partial = Partial::directory(&place)
         .map_err(|e| not_written("cannot make a directory in", &parent, &e))?;
-    let mut written = Vec::new();
     for (file, bytes) in files.iter().chain([&manifest]) {
         let path = partial.path().join(file);
-        let handle = write_new(&path, bytes).map_err(|e| not_written("cannot write", &path, &e))?;
-        written.push((path, handle));
+        write_new(&path, bytes).map_err(|e| not_written("cannot write", &path, &e))?;
     }
-    begin_sync(&written);
-    sync_and_close(written)?;
     sync_directory(partial.path());
     Ok(Ready::Kit(ReadyKit {
         partial,
@@ -265,11 +261,11 @@ fn trimmed(directory: &Path) -> PathBuf {
     directory.components().collect()
 }
 
-/// Writes a new file and reads it back from the system; its bytes may not be on the disk yet.
-fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
+/// Writes a new file, reads it back from the system and waits until it is on the disk.
+fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut file = File::create_new(path)?;
     write_and_read_back(&mut file, bytes)?;
-    Ok(file)
+    file.sync_all()
 }
 
 fn write_and_read_back(file: &mut File, bytes: &[u8]) -> std::io::Result<()> {
@@ -282,32 +278,6 @@ fn write_and_read_back(file: &mut File, bytes: &[u8]) -> std::io::Result<()> {
     }
     let other = "the bytes in the file are not those that were written";
     Err(std::io::Error::other(other))
-}
-
-/// Asks the system to begin with writing the files to the disk, and does not wait: all of them are
-/// then on their way together, and waiting for one after the other takes little more than for one.
-/// Linux writes pages out that are not needed any more; elsewhere nothing is begun.
-#[cfg(target_os = "linux")]
-fn begin_sync(files: &[(PathBuf, File)]) {
-    for (_, file) in files {
-        // Only advice; `sync_all` waits for the bytes, and tells what failed.
-        let _ = rustix::fs::fadvise(file, 0, None, rustix::fs::Advice::DontNeed);
-    }
-}
-
-#[cfg(not(target_os = "linux"))]
-fn begin_sync(_: &[(PathBuf, File)]) {}
-
-/// Waits until all files are on the disk, and closes them: Windows renames no directory that holds
-/// an open file.
-fn sync_and_close(files: Vec<(PathBuf, File)>) -> Result<(), Problems> {
-    let mut problems = Problems::none();
-    for (path, file) in files {
-        if let Err(error) = file.sync_all() {
-            problems.extend(not_written("cannot write", &path, &error));
-        }
-    }
-    problems.or_ok(())
 }
 
 /// Makes a rename durable where the system can; elsewhere the system does it in its own time.

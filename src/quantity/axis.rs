@@ -61,6 +61,7 @@ impl Axis {
             .find(|axis| axis.key().eq_ignore_ascii_case(text))
     }
 
+    #[inline]
     const fn index(self) -> usize {
         match self {
             Axis::X => 0,
@@ -229,6 +230,7 @@ pub struct PerAxis<T> {
 
 impl<T> PerAxis<T> {
     /// The value of each axis from a function of the axis.
+    #[inline]
     pub fn from_fn(mut of: impl FnMut(Axis) -> T) -> Self {
         PerAxis {
             x: of(Axis::X),
@@ -245,6 +247,7 @@ impl<T> PerAxis<T> {
 
 impl<T> Index<Axis> for PerAxis<T> {
     type Output = T;
+    #[inline]
     fn index(&self, axis: Axis) -> &T {
         match axis {
             Axis::X => &self.x,
@@ -273,6 +276,7 @@ impl PerAxis<f64> {
     /// assert_eq!(x.cross(y), PerAxis { x: 0.0, y: 0.0, z: 1.0 });
     /// ```
     #[must_use]
+    #[inline]
     pub fn cross(self, other: PerAxis<f64>) -> PerAxis<f64> {
         PerAxis {
             x: self.y * other.z - self.z * other.y,
@@ -283,30 +287,35 @@ impl PerAxis<f64> {
 
     /// The scalar product a · b.
     #[must_use]
+    #[inline]
     pub fn dot(self, other: PerAxis<f64>) -> f64 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     /// Its length, √(a · a).
     #[must_use]
+    #[inline]
     pub fn length(self) -> f64 {
         self.dot(self).sqrt()
     }
 
     /// The sum of two vectors.
     #[must_use]
+    #[inline]
     pub fn plus(self, other: PerAxis<f64>) -> PerAxis<f64> {
         PerAxis::from_fn(|axis| self[axis] + other[axis])
     }
 
     /// The difference of two vectors.
     #[must_use]
+    #[inline]
     pub fn minus(self, other: PerAxis<f64>) -> PerAxis<f64> {
         PerAxis::from_fn(|axis| self[axis] - other[axis])
     }
 
     /// The vector times a number.
     #[must_use]
+    #[inline]
     pub fn times(self, factor: f64) -> PerAxis<f64> {
         PerAxis::from_fn(|axis| factor * self[axis])
     }

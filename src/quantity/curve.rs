@@ -89,6 +89,7 @@ impl ErrorCurve {
     }
 
     /// The deviation at a position, µm; outside the measured range that of the nearer end.
+    #[inline]
     pub fn at(&self, position: Millimetres) -> Deviation {
         Deviation::from_um(self.um_at(position.mm()))
     }
@@ -251,6 +252,7 @@ impl ErrorCurve {
     }
 
     /// The deviation in plain numbers: mm to µm.
+    #[inline]
     pub(crate) fn um_at(&self, x: f64) -> f64 {
         let above = self.knots.partition_point(|knot| knot.mm() <= x);
         let index = above.saturating_sub(1);

@@ -134,10 +134,11 @@ fn edited(bytes: Vec<u8>, own: &[&str], case: &str) -> Vec<u8> {
         assert_eq!(found, 1, "{case}: times that these lines are found{old}");
         lines = lines.replace(&old, &new);
     }
-    match text.contains("\r\n") {
-        true => lines[1..].replace('\n', "\r\n").into_bytes(),
-        false => lines[1..].as_bytes().to_vec(),
+    lines.remove(0);
+    if text.contains("\r\n") {
+        lines = lines.replace('\n', "\r\n");
     }
+    lines.into_bytes()
 }
 
 /// The text of the lines that begin with one of the marks.

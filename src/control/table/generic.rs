@@ -1,7 +1,6 @@
 //! The generic table of contract §4.1: deviation, correction and increment side by side.
 
 use crate::quantity::axis::{Direction, ErrorTerm};
-use compact_str::CompactString;
 
 /// One row: one point of one term (and direction).
 #[derive(Clone, Debug, PartialEq)]
@@ -9,9 +8,9 @@ pub struct GenericRow {
     /// Which error.
     pub term: ErrorTerm,
     /// Name of the moving axis.
-    pub base_axis: CompactString,
+    pub base_axis: String,
     /// Name of the corrected axis.
-    pub output_axis: CompactString,
+    pub output_axis: String,
     /// Direction of the moving axis the row is for; `None` = both.
     pub direction: Option<Direction>,
     /// Index of the point, from 0.

@@ -3,8 +3,6 @@
 //! Blanks may stand anywhere, even inside a number; letters in either case. Comments `( … )` and
 //! `; …` are passed over. Numbers keep the full precision of what is written.
 
-use crate::quantity::units::POWERS_OF_TEN;
-
 /// A letter with its number, or one of the signs `%` and `/`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
@@ -47,8 +45,6 @@ impl Wrong {
 
 /// Digits of one number; nobody writes more, and `f64` holds 17.
 const MOST_DIGITS: usize = 40;
-/// Up to so many digits a number is exact in `f64`, and dividing it by a power of ten rounds once.
-const EXACT_DIGITS: usize = 15;
 
 /// The words of a line, one after the other.
 #[derive(Clone, Debug)]
@@ -154,49 +150,41 @@ impl Words<'_> {
     /// The number of a word, and whether it has a decimal point.
     #[inline]
     fn number(&mut self, start: usize) -> Result<(f64, bool), Wrong> {
-        let (mut negative, mut signed) = (false, false);
-        let (mut digits, mut decimals, mut point) = (0_usize, 0_usize, false);
-        let mut mantissa = 0_u64;
-        let mut end = self.at;
+        let (mut digits, mut signed, mut point) = (0_usize, false, false);
         let first = self.at;
+        let mut end = first;
+        let mut has_blank = false;
         while let Some(byte) = self.line.get(self.at) {
             match byte {
-                b'0'..=b'9' => {
-                    digits += 1;
-                    decimals += usize::from(point);
-                    mantissa = mantissa
-                        .wrapping_mul(10)
-                        .wrapping_add(u64::from(byte - b'0'));
-                }
+                b'0'..=b'9' => digits += 1,
                 b'.' if !point => point = true,
-                b'+' | b'-' if !signed && digits == 0 && !point => {
-                    signed = true;
-                    negative = *byte == b'-';
-                }
+                b'+' | b'-' if !signed && digits == 0 && !point => signed = true,
                 b' ' | b'\t' => {
                     self.at += 1;
                     continue;
                 }
                 _ => break,
             }
+            has_blank |= self.at > end;
             self.at += 1;
             end = self.at;
         }
         if digits == 0 {
             return Err(self.no_number(start, end));
         }
-        let size = match digits {
-            0..=EXACT_DIGITS => exact(mantissa) / POWERS_OF_TEN[decimals],
-            _ => long_number(&self.line[first..end], digits).ok_or_else(|| {
-                Wrong::new(
-                    (start, end),
-                    format!("a number has {digits} digits, expected at most {MOST_DIGITS}"),
-                    "write the number with as many digits as the control reads",
-                )
-            })?,
-        };
+        if digits > MOST_DIGITS {
+            return Err(too_long((start, end), digits));
+        }
         self.at = end;
-        Ok((if negative { -size } else { size }, point))
+        let written = String::from_utf8_lossy(&self.line[first..end]);
+        let number = match has_blank {
+            true => written.replace([' ', '\t'], "").parse(),
+            false => written.parse(),
+        };
+        match number {
+            Ok(number) => Ok((number, point)),
+            Err(_) => Err(self.no_number(start, end)),
+        }
     }
 
     fn no_number(&mut self, start: usize, end: usize) -> Wrong {
@@ -251,22 +239,12 @@ impl Words<'_> {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "at most fifteen digits")]
-fn exact(mantissa: u64) -> f64 {
-    mantissa as f64
-}
-
-/// A number with more digits than one division can give exactly.
-fn long_number(text: &[u8], digits: usize) -> Option<f64> {
-    if digits > MOST_DIGITS {
-        return None;
-    }
-    let compact: String = text
-        .iter()
-        .filter(|byte| byte.is_ascii_digit() || **byte == b'.')
-        .map(|byte| char::from(*byte))
-        .collect();
-    compact.parse().ok()
+fn too_long(span: (usize, usize), digits: usize) -> Wrong {
+    Wrong::new(
+        span,
+        format!("a number has {digits} digits, expected at most {MOST_DIGITS}"),
+        "write the number with as many digits as the control reads",
+    )
 }
 
 #[cfg(test)]

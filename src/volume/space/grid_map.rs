@@ -134,6 +134,7 @@ impl GridMap {
     }
 
     /// The node of a place in [`GridMap::vectors`].
+    #[inline]
     pub fn node(&self, number: usize) -> Node {
         let [_, second, third] = self.size();
         let line = number / third;
@@ -141,6 +142,7 @@ impl GridMap {
     }
 
     /// The place of a node in [`GridMap::vectors`].
+    #[inline]
     pub fn number(&self, node: Node) -> usize {
         let [_, second, third] = self.size();
         (node[0] * second + node[1]) * third + node[2]

@@ -33,6 +33,7 @@ pub struct Longest {
 
 impl Longest {
     /// Length of the difference, µm.
+    #[inline]
     pub fn um(&self) -> f64 {
         self.square_um2.sqrt()
     }
@@ -62,6 +63,7 @@ impl Longest {
 }
 
 /// What a bound may be wrong by, µm, where the largest magnitudes add up to `size_um`.
+#[inline]
 pub(super) fn room(size_um: f64) -> f64 {
     ROUNDING * size_um
 }
@@ -73,6 +75,7 @@ pub(super) fn dot(d: &Vector, p: &Vector) -> f64 {
 }
 
 /// The direction of a vector; `None` where it has no length.
+#[inline]
 pub(super) fn unit(v: Vector) -> Option<Vector> {
     let largest = v.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
     if largest <= 0.0 || !largest.is_finite() {

@@ -1,12 +1,9 @@
-//! The one loop that is compiled more than once: distances of one vector to many, put into bins.
+//! The one loop that takes time: distances of one vector to many, put into bins, in a form that the
+//! compiler turns into instructions for many numbers at once.
 //!
 //! The numbers are single precision and only sort: a distance that is not clearly inside a bin
-//! is computed again by [`square`](super::pair::square). So the counts do not depend on which
-//! version runs.
-//!
-//! **Unsafe code** of the crate stands here and nowhere else: two calls of functions that are
-//! compiled for instructions which the processor was asked for in the line before. The functions
-//! themselves are safe Rust, the same source as the version for every processor.
+//! is computed again by [`square`](super::pair::square). So the counts do not depend on the
+//! processor.
 
 use super::grid_map::Vector;
 use super::pair::square;
@@ -57,6 +54,7 @@ impl Tally {
 }
 
 /// Bin of a distance, by the routine that decides.
+#[inline]
 pub(super) fn bin(p: &Vector, q: &Vector, bin_um: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
@@ -69,37 +67,6 @@ pub(super) fn bin(p: &Vector, q: &Vector, bin_um: f64) -> usize {
 
 /// Counts the pairs of the vectors `these` with all that follow them.
 pub(super) fn count(cloud: &Cloud<'_>, these: Range<usize>, tally: &mut Tally) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if std::arch::is_x86_feature_detected!("avx512f") {
-            #[expect(unsafe_code, reason = "the processor has the instructions")]
-            // SAFETY: the function needs avx512f and what it implies, which was just detected.
-            return unsafe { count_avx512(cloud, these, tally) };
-        }
-        if std::arch::is_x86_feature_detected!("avx2") {
-            #[expect(unsafe_code, reason = "the processor has the instructions")]
-            // SAFETY: the function needs avx2 and what it implies, which was just detected.
-            return unsafe { count_avx2(cloud, these, tally) };
-        }
-    }
-    count_here(cloud, these, tally);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn count_avx512(cloud: &Cloud<'_>, these: Range<usize>, tally: &mut Tally) {
-    count_here(cloud, these, tally);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn count_avx2(cloud: &Cloud<'_>, these: Range<usize>, tally: &mut Tally) {
-    count_here(cloud, these, tally);
-}
-
-/// The loop itself, inlined into every version.
-#[inline(always)]
-fn count_here(cloud: &Cloud<'_>, these: Range<usize>, tally: &mut Tally) {
     let all = cloud.exact.len();
     let mut block = these.start;
     while block < all {
@@ -175,10 +142,8 @@ mod tests {
     use super::*;
     use crate::volume::space::histogram::prepared;
 
-    type Version = fn(&Cloud<'_>, Range<usize>, &mut Tally);
-
     #[test]
-    fn every_version_counts_the_same() {
+    fn rough_distances_are_counted_as_exact_ones() {
         let wave = |n: usize, turn: f64| (n as f64 * turn).sin() * 40.0;
         let exact: Vec<Vector> = (0..700)
             .map(|n| [wave(n, 0.7), wave(n, 1.3) * 0.5, wave(n, 2.9) * 0.1])
@@ -190,13 +155,10 @@ mod tests {
                 expected[bin(p, q, 0.25)] += 1;
             }
         }
-        let versions: [Version; 2] = [count, count_here];
-        for version in versions {
-            let mut tally = Tally::new();
-            version(&cloud, 0..300, &mut tally);
-            version(&cloud, 300..700, &mut tally);
-            let counts: Vec<u64> = (0..BINS - 1).map(|bin| tally.of(bin)).collect();
-            assert_eq!(counts, expected);
-        }
+        let mut tally = Tally::new();
+        count(&cloud, 0..300, &mut tally);
+        count(&cloud, 300..700, &mut tally);
+        let counts: Vec<u64> = (0..BINS - 1).map(|bin| tally.of(bin)).collect();
+        assert_eq!(counts, expected);
     }
 }

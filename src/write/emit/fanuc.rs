@@ -2,7 +2,6 @@
 
 use crate::control::controller::FanucFacts;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use compact_str::{CompactString, ToCompactString, format_compact};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -15,30 +14,30 @@ pub(super) struct FanucContext {
 /// One parameter with all its axes.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Block {
-    number: CompactString,
+    number: String,
     identifier: &'static str,
     segments: Vec<Segment>,
 }
 
 #[derive(Clone, Debug, Serialize)]
 struct Segment {
-    axis: CompactString,
-    value: CompactString,
+    axis: String,
+    value: String,
 }
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Point {
-    number: CompactString,
-    point: CompactString,
+    number: String,
+    point: String,
     identifier: &'static str,
-    value: CompactString,
+    value: String,
 }
 
 pub(super) fn context(memory: &FanucMemory, facts: &FanucFacts) -> FanucContext {
     let identifier = |q: &'static str| if facts.q_identifier.value { q } else { "" };
     let mut blocks: BTreeMap<u32, Vec<Segment>> = BTreeMap::new();
     for (ParameterKey { number, axis }, value) in &memory.parameters {
-        let axis = axis.map_or_else(CompactString::default, |axis| format_compact!("A{axis}"));
+        let axis = axis.map_or_else(String::new, |axis| format!("A{axis}"));
         let segment = Segment {
             axis,
             value: text(*value),
@@ -58,31 +57,31 @@ pub(super) fn context(memory: &FanucMemory, facts: &FanucFacts) -> FanucContext 
         .iter()
         .map(|(point, increment)| Point {
             number: digits(point + facts.point_offset.value, facts),
-            point: point.to_compact_string(),
+            point: point.to_string(),
             identifier: identifier("Q0"),
-            value: increment.to_compact_string(),
+            value: increment.to_string(),
         })
         .collect();
     FanucContext { parameters, points }
 }
 
-fn digits(number: u32, facts: &FanucFacts) -> CompactString {
-    format_compact!(
+fn digits(number: u32, facts: &FanucFacts) -> String {
+    format!(
         "{number:0width$}",
         width = facts.number_digits.value as usize
     )
 }
 
-fn text(value: ParameterValue) -> CompactString {
+fn text(value: ParameterValue) -> String {
     match value {
-        ParameterValue::Integer(whole) => whole.to_compact_string(),
-        ParameterValue::Bits(bits) => format_compact!("{bits:08b}"),
+        ParameterValue::Integer(whole) => whole.to_string(),
+        ParameterValue::Bits(bits) => format!("{bits:08b}"),
         ParameterValue::Real(real) => {
-            let text = format_compact!("{}", real + 0.0);
+            let text = format!("{}", real + 0.0);
             if text.contains('.') {
                 text
             } else {
-                format_compact!("{text}.0")
+                format!("{text}.0")
             }
         }
     }

@@ -2,7 +2,6 @@
 
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::Direction;
-use compact_str::{CompactString, ToCompactString, format_compact};
 use serde::Serialize;
 
 #[derive(Clone, Debug, Serialize)]
@@ -12,17 +11,17 @@ pub(super) struct GenericContext {
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Row {
-    term: CompactString,
-    base_axis: CompactString,
-    output_axis: CompactString,
+    term: String,
+    base_axis: String,
+    output_axis: String,
     direction: &'static str,
     direction_json: &'static str,
-    index: CompactString,
-    position_mm: CompactString,
-    deviation_um: CompactString,
-    correction_um: CompactString,
-    increment_um: CompactString,
-    increment_um_json: CompactString,
+    index: String,
+    position_mm: String,
+    deviation_um: String,
+    correction_um: String,
+    increment_um: String,
+    increment_um_json: String,
     comma: &'static str,
 }
 
@@ -39,7 +38,7 @@ pub(super) fn context(table: &GenericTable) -> GenericContext {
 fn row_context(row: &GenericRow, is_last: bool) -> Row {
     let increment = row.increment_um.map(number);
     Row {
-        term: format_compact!("{}", row.term),
+        term: format!("{}", row.term),
         base_axis: row.base_axis.clone(),
         output_axis: row.output_axis.clone(),
         direction: row.direction.map_or("", Direction::symbol),
@@ -48,7 +47,7 @@ fn row_context(row: &GenericRow, is_last: bool) -> Row {
             Some(Direction::Plus) => "\"+\"",
             Some(Direction::Minus) => "\"-\"",
         },
-        index: row.index.to_compact_string(),
+        index: row.index.to_string(),
         position_mm: number(row.position_mm),
         deviation_um: number(row.deviation_um),
         correction_um: number(row.correction_um),
@@ -59,6 +58,6 @@ fn row_context(row: &GenericRow, is_last: bool) -> Row {
 }
 
 /// The shortest decimal text that reads back as the same number; no exponent, no `-0`.
-fn number(value: f64) -> CompactString {
-    format_compact!("{}", value + 0.0)
+fn number(value: f64) -> String {
+    format!("{}", value + 0.0)
 }

@@ -10,7 +10,6 @@ use crate::write::compensation::Placement;
 use crate::write::compensation::siemens::{at_reference, reference_text};
 use crate::write::emit::{Switch, fixed};
 use crate::write::plan::Task;
-use compact_str::{CompactString, ToCompactString, format_compact};
 use serde::Serialize;
 
 #[derive(Clone, Debug, Serialize)]
@@ -31,38 +30,38 @@ pub(super) struct SiemensContext {
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Lec {
-    encoder: CompactString,
+    encoder: String,
     axis: String,
     title: String,
     grid: Grid,
-    memory: CompactString,
+    memory: String,
     points: Vec<Point>,
 }
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Cec {
-    number: CompactString,
+    number: String,
     input_axis: String,
     output_axis: String,
     title: String,
     grid: Grid,
     direction: &'static str,
-    memory: CompactString,
+    memory: String,
     points: Vec<Point>,
 }
 
 #[derive(Clone, Debug, Serialize)]
 struct Grid {
-    min: CompactString,
-    step: CompactString,
-    max: CompactString,
+    min: String,
+    step: String,
+    max: String,
 }
 
 #[derive(Clone, Debug, Serialize)]
 struct Point {
-    index: CompactString,
-    position: CompactString,
-    value: CompactString,
+    index: String,
+    position: String,
+    value: String,
 }
 
 pub(super) fn context(
@@ -162,27 +161,27 @@ fn cec_held(table: &CecTable, facts: &SiemensFacts, state: &ControlState) -> Opt
 
 fn lec(table: &LecTable, placements: &[Placement], digits: Digits<'_>) -> Lec {
     Lec {
-        encoder: table.encoder.to_compact_string(),
+        encoder: table.encoder.to_string(),
         axis: table.axis.clone(),
         title: title(
             placements,
             &format!("ENC_COMP[{},{}]", table.encoder, table.axis),
         ),
         grid: digits.grid(&table.grid),
-        memory: table.values.len().to_compact_string(),
+        memory: table.values.len().to_string(),
         points: digits.points(&table.values, &table.grid),
     }
 }
 
 fn cec(table: &CecTable, placements: &[Placement], digits: Digits<'_>) -> Cec {
     Cec {
-        number: table.number.to_compact_string(),
+        number: table.number.to_string(),
         input_axis: table.input_axis.clone(),
         output_axis: table.output_axis.clone(),
         title: title(placements, &format!("CEC table {}", table.number)),
         grid: digits.grid(&table.grid),
         direction: direction(table.direction),
-        memory: table.values.len().to_compact_string(),
+        memory: table.values.len().to_string(),
         points: digits.points(&table.values, &table.grid),
     }
 }
@@ -242,10 +241,10 @@ struct Digits<'a> {
 }
 
 impl Digits<'_> {
-    fn text(self, number: f64, decimals: u32) -> CompactString {
+    fn text(self, number: f64, decimals: u32) -> String {
         let text = fixed(number, decimals);
         if self.as_read && text.parse() != Ok(number) {
-            return format_compact!("{number}");
+            return format!("{number}");
         }
         text
     }
@@ -262,7 +261,7 @@ impl Digits<'_> {
     fn points(self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Point> {
         let of_point = |(index, value): (usize, &Option<f64>)| {
             Some(Point {
-                index: index.to_compact_string(),
+                index: index.to_string(),
                 position: fixed(grid.position(index), self.facts.position_decimals.value),
                 value: self.text((*value)?, self.facts.value_decimals.value),
             })

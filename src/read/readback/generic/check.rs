@@ -9,7 +9,6 @@ use crate::text::document::MOST_LINES;
 use super::row::{BlockKey, Column, RawRow, RowFlaw, Unusable, read_row};
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::Axis;
-use compact_str::CompactString;
 use std::collections::BTreeMap;
 
 /// Two increments closer than this are the same, µm: the rounding of a difference of two
@@ -34,7 +33,7 @@ pub(super) struct Reading<'a> {
     /// A row was lost, and nobody knows from which block.
     lost: bool,
     /// What each name of an axis stands for, in the order in which they were met.
-    axes: Vec<(CompactString, Axis)>,
+    axes: Vec<(String, Axis)>,
 }
 
 /// Indices into the rows that were read, in file order.
@@ -99,7 +98,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Notes the name of an axis; that there are too many is told once.
-    fn meet_axis(&mut self, number: usize, column: Column, name: CompactString, axis: Axis) {
+    fn meet_axis(&mut self, number: usize, column: Column, name: String, axis: Axis) {
         if self.axes.len() > MOST_AXES {
             return;
         }
