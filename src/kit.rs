@@ -73,7 +73,7 @@ impl Kit {
 }
 
 /// What a template sees.
-pub fn template_context(inputs: &Inputs) -> Result<emit::Context, Problems> {
+pub(crate) fn template_context(inputs: &Inputs) -> Result<emit::Context, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
     emit::context(task, &inputs.compile(&plan)?)

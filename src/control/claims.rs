@@ -20,7 +20,7 @@ pub struct Assumption {
 
 impl Assumption {
     /// An assumption that comes from the job, not from a profile.
-    pub fn of_job(
+    pub(crate) fn of_job(
         fact: impl Into<String>,
         value: impl Into<String>,
         consequence: impl Into<String>,

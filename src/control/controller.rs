@@ -31,7 +31,7 @@ pub enum TableSign {
 
 impl TableSign {
     /// The number (µm) that a table of this sense holds for a deviation.
-    pub fn table_um(self, deviation: Deviation) -> f64 {
+    pub(crate) fn table_um(self, deviation: Deviation) -> f64 {
         match self {
             TableSign::AsError => deviation.um(),
             TableSign::AsCorrection => (-deviation).um(),
@@ -207,7 +207,7 @@ pub enum Dialect {
 
 impl Dialect {
     /// What its manuals call the backlash parameter.
-    pub const fn backlash_parameter(&self) -> &'static str {
+    pub(crate) const fn backlash_parameter(&self) -> &'static str {
         match self {
             Dialect::Siemens(_) => "backlash parameter (MD32450)",
             Dialect::Fanuc(_) => "backlash parameter (1851)",
@@ -268,7 +268,7 @@ pub struct EmittedFile {
 
 impl EmittedFile {
     /// Whether a control may load the file, and no reader of this program takes it.
-    pub fn is_loaded_unread(&self) -> bool {
+    pub(crate) fn is_loaded_unread(&self) -> bool {
         self.role == Role::Report && self.may_be_loaded
     }
 }

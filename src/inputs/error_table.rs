@@ -85,7 +85,7 @@ impl ErrorTable {
     }
 
     /// The heading under which the deviations of a term stand.
-    pub fn heading(&self, term: ErrorTerm) -> Option<&Heading> {
+    pub(crate) fn heading(&self, term: ErrorTerm) -> Option<&Heading> {
         let mut series = self.series[term.along].iter();
         let own = series.find(|series| series.deviations[term.of].is_some())?;
         self.headings.get(own.table)?[term.of].as_ref()

@@ -145,7 +145,7 @@ fn read_back(file: Measurement<'_>, text: &str) -> Result<(), Problems> {
 }
 
 /// What to put into the job for the squareness of a file; nothing if it gives none.
-pub fn squareness_lines(squareness: &[Squareness]) -> Vec<String> {
+pub(crate) fn squareness_lines(squareness: &[Squareness]) -> Vec<String> {
     if squareness.is_empty() {
         return Vec::new();
     }

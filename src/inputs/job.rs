@@ -85,7 +85,7 @@ impl Job {
     }
 
     /// A problem at a key of the job, by its dotted path.
-    pub fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
+    pub(crate) fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
         self.source.problem_at(path, message)
     }
 }

@@ -89,7 +89,7 @@ pub struct Diagnosis {
 
 /// Tries all faults on the data. Refused where the second measurement makes sense in another unit
 /// only: a slip of 1000.
-pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
+pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
     let known = |o: &&Observation| question.found_um(o).is_some();
     let seen: Vec<Observation> = question.seen.iter().filter(known).cloned().collect();
     let question = &Question {

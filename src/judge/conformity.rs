@@ -73,7 +73,7 @@ pub struct Sigma {
 
 impl Sigma {
     /// σ that was estimated with so many degrees of freedom; `None` = it is known.
-    pub fn with_freedom(freedom: Option<f64>) -> Sigma {
+    pub(crate) fn with_freedom(freedom: Option<f64>) -> Sigma {
         Sigma {
             freedom: freedom.filter(|freedom| *freedom < MANY),
         }
@@ -85,7 +85,7 @@ impl Sigma {
     }
 
     /// Factor of a one-sided statement on a single figure: 1.645, more where σ is an estimate.
-    pub fn one_sided(self) -> f64 {
+    pub(crate) fn one_sided(self) -> f64 {
         let Some(freedom) = self.freedom else {
             return NORMAL_ONE_SIDED;
         };
@@ -93,12 +93,12 @@ impl Sigma {
     }
 
     /// Factor c with which |deviate| ≤ c·u holds for `count` figures together, with 95 % or more.
-    pub fn joint(self, count: usize) -> f64 {
+    pub(crate) fn joint(self, count: usize) -> f64 {
         self.joint_at(count, CONFIDENCE)
     }
 
     /// The same with another probability.
-    pub fn joint_at(self, count: usize, confidence: f64) -> f64 {
+    pub(crate) fn joint_at(self, count: usize, confidence: f64) -> f64 {
         let figures = vec![Magnitude { um: 0.0, u_um: 1.0 }; count];
         expanded_at(&figures, self, confidence)
     }
@@ -165,7 +165,7 @@ fn root(of: impl Fn(f64) -> f64, mut high: f64, precision: f64) -> f64 {
 }
 
 /// A forecast: pass if all figures keep the limit with 95 % together, fail if one exceeds it with 95 %.
-pub fn judge_forecast(figures: &[Magnitude], sigma: Sigma, limit_um: f64) -> Verdict {
+pub(crate) fn judge_forecast(figures: &[Magnitude], sigma: Sigma, limit_um: f64) -> Verdict {
     let one_sided = sigma.one_sided();
     if figures.iter().any(|f| f.um - one_sided * f.u_um > limit_um) {
         return Verdict::Fail;
@@ -180,7 +180,7 @@ pub fn judge_forecast(figures: &[Magnitude], sigma: Sigma, limit_um: f64) -> Ver
 
 /// A measurement of its own: pass if each figure keeps the limit one-sidedly with 95 %, fail if one
 /// exceeds it with 95 % over all of them.
-pub fn judge_measured(figures: &[Magnitude], sigma: Sigma, limit_um: f64) -> Verdict {
+pub(crate) fn judge_measured(figures: &[Magnitude], sigma: Sigma, limit_um: f64) -> Verdict {
     let (one_sided, joint) = (sigma.one_sided(), sigma.joint(figures.len()));
     if figures
         .iter()

@@ -34,7 +34,7 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// Whether a sentence is about these axes.
-    pub fn explains(&self, base: &str, output: &str) -> bool {
+    pub(crate) fn explains(&self, base: &str, output: &str) -> bool {
         self.pairs
             .iter()
             .any(|(b, o)| b.eq_ignore_ascii_case(base) && o.eq_ignore_ascii_case(output))
@@ -85,7 +85,7 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Di
 
 /// ENC_COMP tables of another measuring system than the job states: emulated alike, but without
 /// effect on the control.
-pub fn measuring_systems(wanted: &Tables, found: &Tables) -> Vec<String> {
+pub(crate) fn measuring_systems(wanted: &Tables, found: &Tables) -> Vec<String> {
     let (Tables::Siemens(wanted), Tables::Siemens(found)) = (wanted, found) else {
         return Vec::new();
     };

@@ -44,7 +44,7 @@ impl Inputs {
     }
 
     /// The same for figures of the volume, where angles alone will do.
-    pub fn for_figures(
+    pub(crate) fn for_figures(
         job: Job,
         profile: Profile,
         table: &ErrorTable,

@@ -23,7 +23,7 @@ pub const SCHEMA: u32 = 1;
 pub const MANIFEST: &str = "manifest.json";
 
 /// The bytes of the manifest of a kit: no more than are read again.
-pub fn bytes_of_kit(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
+pub(crate) fn bytes_of_kit(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
     let bytes = bytes(document)?;
     refuse_large_page(MANIFEST, bytes.len())?;
     Ok(bytes)
@@ -270,6 +270,6 @@ fn unmeasured(
 }
 
 /// Rounded to 1e-6 µm, never −0.
-pub fn picometres(um: f64) -> f64 {
+pub(crate) fn picometres(um: f64) -> f64 {
     (um * 1e6).round() / 1e6 + 0.0
 }

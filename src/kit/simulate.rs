@@ -58,7 +58,7 @@ impl<'a> SimulatedMachine<'a> {
     }
 
     /// Deviation + correction of a term, µm; `None` where it was not measured in this direction.
-    pub fn left_um(
+    pub(crate) fn left_um(
         &self,
         term: ErrorTerm,
         direction: Direction,

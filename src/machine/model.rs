@@ -47,7 +47,7 @@ impl MeasuredTerm {
     }
 
     /// Largest standard uncertainty (k = 1) of a value by itself, µm; `None` = not stated.
-    pub fn u_value_um(&self) -> Option<f64> {
+    pub(crate) fn u_value_um(&self) -> Option<f64> {
         let all = self.uncertainty.iter().map(|point| point.value_um);
         all.reduce(larger)
     }
@@ -59,7 +59,7 @@ impl MeasuredTerm {
 
     /// The same over the part of the measured range that lies within another one (the contract's
     /// `before_um`).
-    pub fn largest_within_um(&self, range: Option<(Millimetres, Millimetres)>) -> f64 {
+    pub(crate) fn largest_within_um(&self, range: Option<(Millimetres, Millimetres)>) -> f64 {
         let largest = |curve: &ErrorCurve| {
             let (mut from, mut to) = curve.measured_range();
             if let Some((low, high)) = range {
@@ -98,7 +98,7 @@ impl MeasuredTerm {
     }
 
     /// Slope of the line through the ends of the curve (mean of both directions), µm/m.
-    pub fn end_point_slope_um_per_m(&self) -> f64 {
+    pub(crate) fn end_point_slope_um_per_m(&self) -> f64 {
         match &self.measured {
             Measured::Undirected(curve) | Measured::OneWay(_, curve) => {
                 curve.end_point_slope_um_per_m()
@@ -139,7 +139,7 @@ impl ErrorModel {
     }
 
     /// The same for figures of the volume, where angles alone will do.
-    pub fn for_figures(job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
+    pub(crate) fn for_figures(job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
         ErrorModel::of(job, table, false)
     }
 
@@ -206,7 +206,7 @@ impl ErrorModel {
     ///
     /// limits  judged for all terms together, since one alone may be small; the usual cause is values
     ///         in mm under a column in µm
-    pub fn unlikely_small(&self, noise_um: Option<f64>) -> Option<String> {
+    pub(crate) fn unlikely_small(&self, noise_um: Option<f64>) -> Option<String> {
         let largest = self.measured().map(|(_, measured)| measured.largest_um());
         let largest = largest.fold(0.0, f64::max);
         let is_believed = noise_um.is_some_and(|noise| noise < largest);
@@ -225,7 +225,7 @@ impl ErrorModel {
 
     /// Adds the angular errors of a table of their own. What both tables hold is a problem: nobody
     /// knows which of them counts. Deviations beside the angles are not read, and a note says so.
-    pub fn add_angles(&mut self, job: &Job, table: &ErrorTable) -> Result<(), Problems> {
+    pub(crate) fn add_angles(&mut self, job: &Job, table: &ErrorTable) -> Result<(), Problems> {
         let added = angles::added(job, table, &self.rotations)?;
         self.rotations = added;
         self.unused = angles::not_compensated(table).into_iter().collect();

@@ -102,7 +102,7 @@ impl Chain {
     }
 
     /// σ of paper 002: +1 if the axes 1, 2, 3 are a right-handed permutation of X, Y, Z, else −1.
-    pub fn parity(self) -> f64 {
+    pub(crate) fn parity(self) -> f64 {
         let [first, second, third] = self.order();
         unit(first).cross(unit(second))[third]
     }

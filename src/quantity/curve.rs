@@ -112,7 +112,7 @@ impl ErrorCurve {
 
     /// The curve shifted so that it is zero at `reference`: d(x) − d(reference).
     #[must_use]
-    pub fn rezeroed_at(&self, reference: Millimetres) -> ErrorCurve {
+    pub(crate) fn rezeroed_at(&self, reference: Millimetres) -> ErrorCurve {
         let offset = self.um_at(reference.mm());
         self.adding(|_| -offset, 0.0)
     }
@@ -123,7 +123,7 @@ impl ErrorCurve {
     /// sign   positive φ: the deviation grows with the coordinate
     /// limits the line acts inside the measured range; outside, the new end values are held
     #[must_use]
-    pub fn plus_slope(&self, um_per_m: f64, zero: Millimetres) -> ErrorCurve {
+    pub(crate) fn plus_slope(&self, um_per_m: f64, zero: Millimetres) -> ErrorCurve {
         let slope = um_per_m / MM_PER_M;
         self.adding(|x| slope * (x - zero.mm()), slope)
     }
@@ -133,7 +133,7 @@ impl ErrorCurve {
     /// shape  knots of both curves inside the overlap of the measured ranges; exact
     /// limits `None` where the ranges have no point in common
     #[must_use]
-    pub fn mean_with(&self, other: &ErrorCurve) -> Option<ErrorCurve> {
+    pub(crate) fn mean_with(&self, other: &ErrorCurve) -> Option<ErrorCurve> {
         self.combined(other, 0.5, 0.5)
     }
 
@@ -162,7 +162,7 @@ impl ErrorCurve {
     /// The slope of the straight line through the two ends, µm/m; of one point, 0.
     ///
     /// sign   positive: the deviation grows with the coordinate (the axis is long)
-    pub fn end_point_slope_um_per_m(&self) -> f64 {
+    pub(crate) fn end_point_slope_um_per_m(&self) -> f64 {
         let (from, to) = self.measured_range();
         let length = (to - from).mm();
         if length <= 0.0 {
@@ -181,7 +181,7 @@ impl ErrorCurve {
     /// unit   µm
     /// sign   deviation + correction = residual, so the line is the emulated *correction*
     /// limits `from` ≤ `to`; with `from` = `to` both line values count
-    pub fn extremes_against_line(
+    pub(crate) fn extremes_against_line(
         &self,
         from: Millimetres,
         to: Millimetres,
@@ -203,7 +203,7 @@ impl ErrorCurve {
     }
 
     /// The largest absolute value over a stretch, µm, exactly; `from` ≤ `to`.
-    pub fn largest_magnitude(&self, from: Millimetres, to: Millimetres) -> f64 {
+    pub(crate) fn largest_magnitude(&self, from: Millimetres, to: Millimetres) -> f64 {
         let (low, high) = self.extremes_against_line(from, to, 0.0, 0.0);
         high.abs().max(low.abs())
     }

@@ -206,7 +206,7 @@ impl Volume {
     }
 
     /// Number of the last node of a run; the first is 0.
-    pub const fn last_node(&self, kind: PathKind) -> usize {
+    pub(crate) const fn last_node(&self, kind: PathKind) -> usize {
         match kind {
             PathKind::Step => 3 * self.steps,
             PathKind::Straight => self.steps,
@@ -219,7 +219,7 @@ impl Volume {
     }
 
     /// Number of steps that an axis has made at a node of a forward run.
-    pub fn steps_made(&self, kind: PathKind, node: usize, axis: Axis) -> usize {
+    pub(crate) fn steps_made(&self, kind: PathKind, node: usize, axis: Axis) -> usize {
         match kind {
             PathKind::Straight => node,
             PathKind::Step => {
@@ -231,7 +231,12 @@ impl Volume {
     }
 
     /// Distance of an axis from the start corner's coordinate at a node, mm, 0 … size.
-    pub fn inside_mm(&self, diagonal: Diagonal, kind: PathKind, node: usize) -> PerAxis<f64> {
+    pub(crate) fn inside_mm(
+        &self,
+        diagonal: Diagonal,
+        kind: PathKind,
+        node: usize,
+    ) -> PerAxis<f64> {
         PerAxis::from_fn(|axis| {
             let made = self.steps_made(kind, node, axis);
             let from_low = match diagonal.forward(axis) {
@@ -260,7 +265,7 @@ impl Volume {
     /// What the errors of the machine at the nodes of a pass do along the laser, by node:
     /// u · E(q), not zeroed (first order: beam and mirror along the diagonal). `None` where an
     /// error is not known.
-    pub fn along_beam(
+    pub(crate) fn along_beam(
         &self,
         diagonal: Diagonal,
         kind: PathKind,
@@ -285,7 +290,7 @@ impl Volume {
     }
 
     /// The node at which the axis has just made its step with running number `step`.
-    pub fn node_after(&self, axis: Axis, step: usize) -> usize {
+    pub(crate) fn node_after(&self, axis: Axis, step: usize) -> usize {
         let turn = self.order.iter().position(|other| *other == axis);
         3 * step + turn.unwrap_or(0) + 1
     }

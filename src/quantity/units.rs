@@ -36,7 +36,7 @@ pub fn power_of_ten(exponent: u32) -> f64 {
 }
 
 /// A bound in two digits or more, never above the number: what is said to hold has to hold.
-pub fn rounded_down(bound: f64) -> String {
+pub(crate) fn rounded_down(bound: f64) -> String {
     let decimals = match bound {
         large if large >= 10.0 => 0,
         middle if middle >= 1.0 => 1,

@@ -76,13 +76,13 @@ impl NodeTable {
 
     /// The same table, repeating with the period last − first node.
     #[must_use]
-    pub fn repeating(mut self) -> NodeTable {
+    pub(crate) fn repeating(mut self) -> NodeTable {
         self.modulo = true;
         self
     }
 
     /// Whether it repeats with its period.
-    pub fn is_repeating(&self) -> bool {
+    pub(crate) fn is_repeating(&self) -> bool {
         self.modulo
     }
 
@@ -254,7 +254,7 @@ impl Response {
 
     /// The correction over `from..to` as straight stretches; jumps lie between two stretches.
     /// Exact: no position is skipped, so extremes found on the stretches are the extremes.
-    pub fn stretches(&self, from: Millimetres, to: Millimetres) -> Vec<Stretch> {
+    pub(crate) fn stretches(&self, from: Millimetres, to: Millimetres) -> Vec<Stretch> {
         self.breaks(from, to)
             .windows(2)
             .map(|pair| self.stretch(pair[0], pair[1]))

@@ -53,7 +53,7 @@ impl LengthUnit {
     }
 
     /// The unit of a text as people write it, such as `mm`, `µm` or `inch`.
-    pub fn from_text(text: &str) -> Option<LengthUnit> {
+    pub(crate) fn from_text(text: &str) -> Option<LengthUnit> {
         match text.trim().to_lowercase().as_str() {
             "um" | "µm" | "μm" | "micron" | "microns" => Some(LengthUnit::Um),
             "mm" => Some(LengthUnit::Mm),
@@ -86,7 +86,7 @@ pub struct Line<'a> {
 impl<'a> Line<'a> {
     /// The line with other separators between its columns; a comma is read as a decimal comma where
     /// `decimal_comma` says so.
-    pub const fn separated_by(&self, delimiter: u8, decimal_comma: bool) -> Line<'a> {
+    pub(crate) const fn separated_by(&self, delimiter: u8, decimal_comma: bool) -> Line<'a> {
         Line {
             delimiter,
             decimal_comma,
@@ -95,7 +95,7 @@ impl<'a> Line<'a> {
     }
 
     /// What separates its columns.
-    pub const fn delimiter(&self) -> u8 {
+    pub(crate) const fn delimiter(&self) -> u8 {
         self.delimiter
     }
 
@@ -105,7 +105,7 @@ impl<'a> Line<'a> {
     }
 
     /// Whether it holds nothing but separators, as spreadsheets write below a table.
-    pub fn is_empty_row(&self) -> bool {
+    pub(crate) fn is_empty_row(&self) -> bool {
         let empty = |c: char| c == char::from(self.delimiter) || c == '"' || c.is_whitespace();
         self.text.chars().all(empty)
     }
@@ -121,7 +121,7 @@ impl<'a> Line<'a> {
     }
 
     /// Its cells, if they are as many as in the header.
-    pub fn cells_under(
+    pub(crate) fn cells_under(
         &self,
         columns: usize,
         problems: &mut Problems,
@@ -156,7 +156,7 @@ impl<'a> Line<'a> {
     }
 
     /// The place of a cell.
-    pub fn cell_place(&self, index: usize) -> Place {
+    pub(crate) fn cell_place(&self, index: usize) -> Place {
         let starts = starts_of(self.text, self.delimiter);
         let start = starts.get(index).copied().unwrap_or(self.text.len());
         let end = starts
@@ -168,7 +168,7 @@ impl<'a> Line<'a> {
     }
 
     /// The finite number of a cell; `expected` is the next step where it is none.
-    pub fn number_in(
+    pub(crate) fn number_in(
         &self,
         index: usize,
         cell: &str,
@@ -213,7 +213,7 @@ fn number_of(cell: &str, decimal_comma: bool) -> Option<f64> {
 }
 
 /// A number of digits, signs, a decimal point and an exponent; no words such as `inf` and `NaN`.
-pub fn plain_number(text: &str) -> Option<f64> {
+pub(crate) fn plain_number(text: &str) -> Option<f64> {
     let plain = text
         .bytes()
         .all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
@@ -256,7 +256,7 @@ pub fn lines(source: &Source) -> impl Iterator<Item = Line<'_>> {
 }
 
 /// The header and the rows below it, without comments and empty rows; `None` = neither.
-pub fn header_and_rows(source: &Source) -> Option<(Line<'_>, Vec<Line<'_>>)> {
+pub(crate) fn header_and_rows(source: &Source) -> Option<(Line<'_>, Vec<Line<'_>>)> {
     let content = lines(source)
         .filter(|line| !line.text.trim().is_empty() && !line.text.trim_start().starts_with('#'));
     let mut content = content.peekable();
@@ -320,7 +320,7 @@ pub struct Expected<'a, C> {
 }
 
 /// The columns of a header, in its order, and their names.
-pub fn columns_of<C: Copy>(
+pub(crate) fn columns_of<C: Copy>(
     header: &Line<'_>,
     expected: &Expected<'_, C>,
 ) -> Result<(Vec<C>, Vec<String>), Problems> {

@@ -65,13 +65,13 @@ impl Source {
     }
 
     /// The place of a key's value, by its dotted path, e.g. `compensation.axes.x.spacing_mm`.
-    pub fn place_of(&self, path: &str) -> Option<Place> {
+    pub(crate) fn place_of(&self, path: &str) -> Option<Place> {
         let spot = self.spots.iter().find(|spot| spot.is_at(path))?;
         Some(self.place(&spot.span))
     }
 
     /// A problem at a key, or at the nearest section above it that exists.
-    pub fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
+    pub(crate) fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
         let mut path = path;
         let problem = Problem::new(message);
         loop {
@@ -114,7 +114,7 @@ fn too_many_lines(name: &str) -> Problem {
 }
 
 /// Refuses a page that is larger than anybody writes.
-pub fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
+pub(crate) fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
     if bytes <= LARGEST_PAGE {
         return Ok(());
     }
@@ -128,7 +128,7 @@ pub fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
 /// A page of JSON from its bytes, or what is wrong with them, in words that follow "is damaged:".
 ///
 /// limits [`LARGEST_PAGE`] bytes, which whoever writes such a page keeps too ([`refuse_large_page`])
-pub fn json_page(bytes: &[u8]) -> Result<Value, String> {
+pub(crate) fn json_page(bytes: &[u8]) -> Result<Value, String> {
     if bytes.len() > LARGEST_PAGE {
         let most = LARGEST_PAGE >> 10;
         return Err(format!(

@@ -139,7 +139,7 @@ impl PartialEq for LineIndex {
 impl Place {
     /// The place of the bytes `start..end` of `source`. For several places in one long text there is
     /// [`LineIndex`].
-    pub fn in_text(file: &str, source: &str, start: usize, end: usize) -> Place {
+    pub(crate) fn in_text(file: &str, source: &str, start: usize, end: usize) -> Place {
         LineIndex::default().place(file, source, start, end)
     }
 }
@@ -150,7 +150,7 @@ pub const LONGEST_LINE_BYTES: usize = 1 << 16;
 
 /// Refuses a text with a line that is longer than anybody writes: with other line ends, or of another
 /// kind.
-pub fn refuse_long_lines(file: &str, text: &str) -> Result<(), Problem> {
+pub(crate) fn refuse_long_lines(file: &str, text: &str) -> Result<(), Problem> {
     let is_long = |line: &&str| line.len() > LONGEST_LINE_BYTES;
     match text.split('\n').position(|line| is_long(&line)) {
         None => Ok(()),
@@ -332,7 +332,7 @@ impl Problems {
     }
 
     /// Adds one that is only made if it is going to be looked at.
-    pub fn push_with(&mut self, make: impl FnOnce() -> Problem) {
+    pub(crate) fn push_with(&mut self, make: impl FnOnce() -> Problem) {
         if self.looked_at >= MOST_LOOKED_AT {
             self.more += 1;
             return;
@@ -376,7 +376,7 @@ impl Problems {
     }
 
     /// Whether the next one would only be counted.
-    pub fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.kept.len() >= MOST_PROBLEMS || self.looked_at >= MOST_LOOKED_AT
     }
 
@@ -391,7 +391,7 @@ impl Problems {
     }
 
     /// `Ok` with the value if there is no problem.
-    pub fn or_ok<T>(self, value: T) -> Result<T, Problems> {
+    pub(crate) fn or_ok<T>(self, value: T) -> Result<T, Problems> {
         if self.is_empty() {
             Ok(value)
         } else {

@@ -160,7 +160,7 @@ fn extremes(model: &VolumeModel) -> Extremes {
 }
 
 /// The volumetric accuracy of a map: max |e(p) − e(q)| over all pairs of nodes, exact.
-pub fn largest_difference(map: &ErrorMap) -> LargestDifference {
+pub(crate) fn largest_difference(map: &ErrorMap) -> LargestDifference {
     let found = diameter(map.vectors());
     let [p, q] = found.nodes;
     LargestDifference {

@@ -133,7 +133,7 @@ impl VolumeModel {
     /// The same machine with the deviations of another model (without the tables that were active
     /// while measuring); judged over the range that was measured.
     #[must_use]
-    pub fn with_errors_of(&self, model: &ErrorModel) -> VolumeModel {
+    pub(crate) fn with_errors_of(&self, model: &ErrorModel) -> VolumeModel {
         VolumeModel {
             deviations: self.deviations(model),
             ..self.clone()
@@ -171,7 +171,7 @@ impl VolumeModel {
     }
 
     /// Whether anything of an axis was measured.
-    pub fn is_measured(&self, axis: Axis) -> bool {
+    pub(crate) fn is_measured(&self, axis: Axis) -> bool {
         self.curves_along(axis).next().is_some()
     }
 
@@ -296,7 +296,7 @@ impl VolumeModel {
 }
 
 /// e = Σ dᵢ + r₁ × (a₂ + a₃) + r₂ × a₃, µm; the states in chain order.
-pub fn error_of(first: &AxisState, second: &AxisState, third: &AxisState) -> PerAxis<f64> {
+pub(crate) fn error_of(first: &AxisState, second: &AxisState, third: &AxisState) -> PerAxis<f64> {
     let sum = first.deviation_um.plus(second.deviation_um);
     let swung = first.rotation_urad.cross(second.arm_mm.plus(third.arm_mm));
     let swung = swung.plus(second.rotation_urad.cross(third.arm_mm));

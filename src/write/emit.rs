@@ -260,7 +260,7 @@ fn refuse_unsafe_text(task: Task<'_>, context: &Context) -> Result<(), Problems>
 }
 
 /// Names that stand in the control's files in other letters than in the job.
-pub fn other_letters(job: &Job, profile_name: &str) -> Vec<String> {
+pub(crate) fn other_letters(job: &Job, profile_name: &str) -> Vec<String> {
     let machine = &job.machine;
     let texts = [
         ("machine.name", Some(machine.name.as_str())),
@@ -303,7 +303,7 @@ pub fn render(
 }
 
 /// Files that stand apart, from tables of their own: rollback, or the sign proof of a mechanism.
-pub fn render_apart(
+pub(crate) fn render_apart(
     task: Task<'_>,
     templates: &Templates,
     compiled: &Compiled,
@@ -321,7 +321,7 @@ pub fn render_apart(
 
 /// The checklist, for people: line ends of every computer, not of the control. `head` stands above
 /// the steps, one paragraph each.
-pub fn render_checklist(
+pub(crate) fn render_checklist(
     task: Task<'_>,
     templates: &Templates,
     context: &Context,

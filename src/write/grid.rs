@@ -46,7 +46,7 @@ impl LengthDigit {
     }
 
     /// Last digits in one unit: 10^decimals.
-    pub fn per_unit(self) -> f64 {
+    pub(crate) fn per_unit(self) -> f64 {
         power_of_ten(self.decimals)
     }
 }
@@ -137,7 +137,7 @@ fn steps(length_mm: f64, spacing_mm: f64) -> i64 {
 }
 
 /// A grid of the spacing that the job asks for.
-pub fn with_spacing(
+pub(crate) fn with_spacing(
     job: &Job,
     axis: Axis,
     machine: MachineAxis,
@@ -247,7 +247,11 @@ fn on_grid(
 /// A grid of a number of points: the smallest spacing (rounded up to 0.001 mm) with which that
 /// many points anchored on the reference cover the travel. Where fewer points would do with this
 /// spacing, the table goes on beyond the upper end of the travel.
-pub fn with_points(machine: MachineAxis, digit: LengthDigit, points: u32) -> Result<Grid, Problem> {
+pub(crate) fn with_points(
+    machine: MachineAxis,
+    digit: LengthDigit,
+    points: u32,
+) -> Result<Grid, Problem> {
     let span = Span::of(machine);
     let wanted = i64::from(points);
     let fits = |step: i64| span.count(spacing_of(step)) <= wanted;

@@ -46,7 +46,7 @@ pub struct Plan {
 
 impl Plan {
     /// Whether the tables name the backlash parameter of an axis: 0 with two tables, else −B.
-    pub fn sets_backlash(&self, axis: Axis) -> bool {
+    pub(crate) fn sets_backlash(&self, axis: Axis) -> bool {
         let two_tables = |t: &PlannedTable| {
             t.term.is_positioning() && t.term.of == axis && t.direction.is_some()
         };

@@ -117,7 +117,7 @@ impl Cost {
 }
 
 /// The best combination within a budget; `None` if all terms fit as they are wanted.
-pub fn choose(
+pub(crate) fn choose(
     model: &ErrorModel,
     targets: &[TermTargets],
     costs: &[Cost],

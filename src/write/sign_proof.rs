@@ -215,7 +215,7 @@ pub fn name(mechanism: Mechanism) -> &'static str {
 }
 
 /// The fact of a profile that states the sign of a mechanism.
-pub fn sign_fact(mechanism: Mechanism) -> &'static str {
+pub(crate) fn sign_fact(mechanism: Mechanism) -> &'static str {
     match mechanism {
         Mechanism::EncComp => "lec_sign",
         Mechanism::Cec => "cec_sign",

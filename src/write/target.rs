@@ -41,7 +41,7 @@ impl TermTargets {
     }
 
     /// One table with the mean of both directions instead of two tables.
-    pub fn take_mean(&mut self) {
+    pub(crate) fn take_mean(&mut self) {
         if let Some(curve) = self.mean.take() {
             self.targets = vec![Target {
                 term: self.term,
@@ -103,7 +103,7 @@ pub fn targets(
 }
 
 /// Whether the job asks for a table of a term.
-pub fn wants(job: &Job, term: ErrorTerm) -> bool {
+pub(crate) fn wants(job: &Job, term: ErrorTerm) -> bool {
     match &job.compensation.terms {
         WantedTerms::All => true,
         WantedTerms::Listed(terms) => terms.contains(&term),

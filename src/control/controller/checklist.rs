@@ -89,7 +89,7 @@ pub const ROLES: [Role; 6] = [
 pub const REFERENCE: &str = "reference";
 
 /// Whether `{word}` can be filled in.
-pub fn is_placeholder(word: &str) -> bool {
+pub(crate) fn is_placeholder(word: &str) -> bool {
     word == REFERENCE || ROLES.iter().any(|role| role.word() == word)
 }
 

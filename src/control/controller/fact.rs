@@ -75,7 +75,7 @@ impl Mechanism {
     ];
 
     /// Why a fact has no effect on a kit that does not use what it belongs to.
-    pub const fn not_used(self) -> &'static str {
+    pub(crate) const fn not_used(self) -> &'static str {
         match self {
             Mechanism::EncComp => "this kit holds no ENC_COMP table",
             Mechanism::Cec => "this kit holds no CEC table",
@@ -124,7 +124,7 @@ impl LengthUnit {
     }
 
     /// The unit that machine data such as MD10240 and MD32711 stand for: 1 = metric, 0 = inch.
-    pub fn of_metric(value: f64) -> LengthUnit {
+    pub(crate) fn of_metric(value: f64) -> LengthUnit {
         if value > 0.0 {
             LengthUnit::Millimetre
         } else {
@@ -133,7 +133,7 @@ impl LengthUnit {
     }
 
     /// The other way: `1 (metric)` or `0 (inch)`.
-    pub const fn as_metric(self) -> &'static str {
+    pub(crate) const fn as_metric(self) -> &'static str {
         match self {
             LengthUnit::Millimetre => "1 (metric)",
             LengthUnit::Inch => "0 (inch)",
@@ -185,7 +185,7 @@ impl Role {
     ];
 
     /// The role of a word in a profile or a manifest.
-    pub fn of_word(word: &str) -> Option<Role> {
+    pub(crate) fn of_word(word: &str) -> Option<Role> {
         Role::ALL.into_iter().find(|role| role.word() == word)
     }
 
@@ -210,12 +210,12 @@ impl Role {
     }
 
     /// Whether a reader of this program takes the file.
-    pub const fn is_read_back(self) -> bool {
+    pub(crate) const fn is_read_back(self) -> bool {
         !matches!(self, Role::Checklist | Role::Report)
     }
 
     /// Whether people write into the file what they note; every other file has to stay as it was made.
-    pub const fn is_written_into(self) -> bool {
+    pub(crate) const fn is_written_into(self) -> bool {
         matches!(self, Role::Checklist)
     }
 }

@@ -57,7 +57,7 @@ impl ProgramFacts {
     }
 
     /// The facts that matter for a control with this basic system.
-    pub fn statements_of(&self, unit: LengthUnit) -> impl Iterator<Item = &Statement> {
+    pub(crate) fn statements_of(&self, unit: LengthUnit) -> impl Iterator<Item = &Statement> {
         let other = match unit {
             LengthUnit::Millimetre => "decimals_inch",
             LengthUnit::Inch => "decimals_mm",

@@ -35,7 +35,7 @@ impl SiemensGrid {
         clippy::cast_sign_loss,
         reason = "a cast from a float holds the nearest number that fits"
     )]
-    pub fn last_whole_point(&self) -> u32 {
+    pub(crate) fn last_whole_point(&self) -> u32 {
         (self.steps() + WHOLE).floor() as u32
     }
 
@@ -159,7 +159,7 @@ impl SiemensTables {
     /// worse direction of each base axis, added up over the base axes. A bound, not a place.
     ///
     /// unit   as in the file
-    pub fn largest_cec_sum(&self, output: &str) -> f64 {
+    pub(crate) fn largest_cec_sum(&self, output: &str) -> f64 {
         let mut of_base: std::collections::BTreeMap<&str, f64> = Default::default();
         for table in self.cec.iter().filter(|t| t.output_axis == output) {
             let largest = of_base.entry(&table.input_axis).or_default();

@@ -30,7 +30,7 @@ pub struct Heading {
 
 impl Heading {
     /// The same heading for values in micrometres, e.g. `ex_um`.
-    pub fn in_micrometres(&self) -> String {
+    pub(crate) fn in_micrometres(&self) -> String {
         let quantity = self.name.rsplit_once('_').map(|(quantity, _)| quantity);
         format!("{}_um", quantity.unwrap_or(&self.name))
     }

@@ -77,11 +77,11 @@ pub const UNIT_HELP: &str =
     "read it from the control (CMR, DMR, feed gear); it is often 1.0 (IS-B) or 0.1 (IS-C)";
 
 /// An axis whose points nobody chose; `path` is that of its section.
-pub fn without_grid(axis: Axis, path: &str) -> String {
+pub(crate) fn without_grid(axis: Axis, path: &str) -> String {
     format!("axis {axis} is compensated, but [{path}] does not say how its points are chosen")
 }
 
 /// An axis without detection unit, on a control that counts in it.
-pub fn without_unit(path: &str, control: &str) -> String {
+pub(crate) fn without_unit(path: &str, control: &str) -> String {
     format!("[{path}] has no `detection_unit_um`, and {control} counts in it")
 }

@@ -107,7 +107,7 @@ pub struct AxisSettings {
 
 impl AxisSettings {
     /// Whether Fanuc 3605#1 is taken to be on: as stated, else as found, else off.
-    pub fn is_interpolated(&self) -> bool {
+    pub(crate) fn is_interpolated(&self) -> bool {
         let found = self.parameter_3605.is_some_and(|bits| bits & 0b10 != 0);
         self.interpolated.unwrap_or(found)
     }

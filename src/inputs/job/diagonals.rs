@@ -140,7 +140,7 @@ pub struct StatedUncertainty {
 
 impl StatedUncertainty {
     /// The stated keys that only readings of the diagonals have a use for.
-    pub fn keys_of_readings(&self) -> Vec<&'static str> {
+    pub(crate) fn keys_of_readings(&self) -> Vec<&'static str> {
         let all = [
             ("temperature_k", self.temperature_k),
             ("alpha_per_k", self.alpha_per_k),
@@ -155,7 +155,7 @@ impl StatedUncertainty {
 
     /// What the beam may take off every length, 10⁻⁶: 1 − cos of `beam_mrad`. All of it counts as a
     /// standard uncertainty: it has one sign and stays in the readings.
-    pub fn beam_ppm(&self) -> f64 {
+    pub(crate) fn beam_ppm(&self) -> f64 {
         self.beam_mrad.map_or(0.0, |mrad| mrad * mrad / 2.0)
     }
 }

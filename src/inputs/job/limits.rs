@@ -33,7 +33,7 @@ pub struct Acceptance {
 
 impl Acceptance {
     /// Whether there is no limit to judge by.
-    pub fn asks_nothing(&self) -> bool {
+    pub(crate) fn asks_nothing(&self) -> bool {
         self.max_deviation_um.is_none() && self.max_diagonal_um.is_none()
     }
 }

@@ -42,7 +42,7 @@ pub struct Measurement {
 
 impl Measurement {
     /// Keys of `[measurement.uncertainty]` that are stated and count in no figure.
-    pub fn unused_keys(&self) -> Vec<&'static str> {
+    pub(crate) fn unused_keys(&self) -> Vec<&'static str> {
         match self.data {
             MeasuredData::Errors(_) => self.uncertainty.keys_of_readings(),
             MeasuredData::Diagonals(_) => Vec::new(),

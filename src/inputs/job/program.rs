@@ -111,19 +111,19 @@ const DEFAULT_NUMBER: u32 = 1001;
 
 impl ProgramRequest {
     /// Fanuc: number of the program with this index; they follow each other.
-    pub fn number_of(&self, index: usize) -> u32 {
+    pub(crate) fn number_of(&self, index: usize) -> u32 {
         self.number.unwrap_or(DEFAULT_NUMBER) + u32::try_from(index).unwrap_or(0)
     }
 
     /// Whether the axes run over the far end before a way back that is measured: what `overrun`
     /// has to state with readings of this run of diagonals. `None` = no such way back.
-    pub fn runs_over(&self) -> Option<bool> {
+    pub(crate) fn runs_over(&self) -> Option<bool> {
         let back = self.bidirectional && self.what.path().is_some();
         back.then(|| self.overrun.mm() > 0.0)
     }
 
     /// Where an axis rests while another one is measured.
-    pub fn rest_of(&self, axis: Axis) -> Millimetres {
+    pub(crate) fn rest_of(&self, axis: Axis) -> Millimetres {
         let volume = &self.volume;
         let middle = volume.start[axis].mm() + volume.size[axis].mm() / 2.0;
         self.rest

@@ -34,7 +34,7 @@ impl Held {
     }
 
     /// Whether a switch was read out and stands at 0.
-    pub fn is_off(&self, name: &str, indices: &[String]) -> bool {
+    pub(crate) fn is_off(&self, name: &str, indices: &[String]) -> bool {
         let value = self.datum(name, indices).map(|datum| &datum.value);
         matches!(value, Some(MachineValue::Number(number)) if *number <= 0.0)
     }

@@ -37,7 +37,7 @@ pub struct StraightRuns {
 
 impl AfterMeasurement {
     /// Whether the values say of themselves that they were simulated.
-    pub fn is_simulated(&self) -> bool {
+    pub(crate) fn is_simulated(&self) -> bool {
         match self {
             AfterMeasurement::Errors(model) => model.remarks.simulated().next().is_some(),
             AfterMeasurement::Diagonals(runs) => {

@@ -96,13 +96,13 @@ impl Control {
     }
 
     /// Whether a term is corrected alike in both directions.
-    pub fn is_undirected(&self, term: ErrorTerm) -> bool {
+    pub(crate) fn is_undirected(&self, term: ErrorTerm) -> bool {
         let [plus, minus] = &self.0[term];
         plus == minus
     }
 
     /// What the tables alone add, µm.
-    pub fn tables_um(&self, term: ErrorTerm, direction: Direction, at: Millimetres) -> f64 {
+    pub(crate) fn tables_um(&self, term: ErrorTerm, direction: Direction, at: Millimetres) -> f64 {
         let tables = self.response(term, direction).tables().iter();
         tables.map(|table| table.correction(at).um()).sum()
     }

@@ -174,7 +174,7 @@ impl Forecast {
 
     /// U of [`Forecast::max_residual_um`], the largest of all terms, with 95 %, µm; `None` = no
     /// uncertainty is stated.
-    pub fn max_expanded_um(&self) -> Option<f64> {
+    pub(crate) fn max_expanded_um(&self) -> Option<f64> {
         let stated = self.terms.iter().any(|term| term.u_um.is_some());
         stated.then(|| expanded_um(&self.figures(), self.sigma))
     }

@@ -94,12 +94,12 @@ impl Forecast {
     }
 
     /// On which part of the machine the verdict rests, e.g. `over the whole travel`.
-    pub fn range_words(&self) -> String {
+    pub(crate) fn range_words(&self) -> String {
         share::words(&self.ranges)
     }
 
     /// What no figure holds because an axis was not measured both ways; `None` = all were.
-    pub fn directions_words(&self) -> Option<String> {
+    pub(crate) fn directions_words(&self) -> Option<String> {
         let ways: Vec<Option<Direction>> = self.terms.iter().filter_map(|t| t.one_way).collect();
         let only = |way: Direction| !ways.is_empty() && ways.iter().all(|w| *w == Some(way));
         match Direction::BOTH.into_iter().find(|way| only(*way)) {
@@ -110,7 +110,7 @@ impl Forecast {
     }
 
     /// Which terms a verdict speaks of: never more than were measured.
-    pub fn terms_words(&self) -> String {
+    pub(crate) fn terms_words(&self) -> String {
         let names: Vec<String> = self.terms.iter().map(|t| t.term.to_string()).collect();
         match names.as_slice() {
             [one] => one.clone(),

@@ -57,7 +57,7 @@ impl Measured {
     }
 
     /// Whether the two directions were measured apart.
-    pub fn has_both_ways(&self) -> bool {
+    pub(crate) fn has_both_ways(&self) -> bool {
         matches!(self, Measured::BothWays { .. })
     }
 }

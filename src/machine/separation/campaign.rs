@@ -28,7 +28,7 @@ pub struct Campaign<'a> {
 
 impl Campaign<'_> {
     /// What is known of the angular errors.
-    pub fn angle_evidence(&self) -> AngleEvidence {
+    pub(crate) fn angle_evidence(&self) -> AngleEvidence {
         let angles = self.angles.as_ref();
         angles.map_or_else(|| AngleEvidence::nothing(None), |a| a.evidence.clone())
     }

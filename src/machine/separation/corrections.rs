@@ -16,7 +16,7 @@ pub const REFERENCE_C: f64 = 20.0;
 
 /// Expansion of the scales at a node, µm: Σ_k α_k (T_k − 20 °C) u_dk (P_k(q) − P_k(0)), one
 /// temperature and coefficient for each axis.
-pub fn expansion_um(
+pub(crate) fn expansion_um(
     volume: &Volume,
     kind: PathKind,
     material: &Material,
@@ -59,7 +59,7 @@ pub fn recorded(material: &Material, runs: &[Run]) -> Material {
 }
 
 /// The run with the expansion of the scales taken off.
-pub fn without_expansion(
+pub(crate) fn without_expansion(
     volume: &Volume,
     kind: PathKind,
     material: &Material,
@@ -261,7 +261,7 @@ fn measured_rotation(
 }
 
 /// The runs' readings less the effects of the angles, µm.
-pub fn without_angles(readings: &mut [f64], effect: &[f64]) {
+pub(crate) fn without_angles(readings: &mut [f64], effect: &[f64]) {
     for (reading, effect) in readings.iter_mut().zip(effect) {
         *reading -= effect;
     }

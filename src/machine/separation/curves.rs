@@ -9,7 +9,7 @@ use crate::quantity::diagonal::{Diagonal, Volume};
 pub type Curve = Vec<f64>;
 
 /// R/(2 V_j): noise of a separated increment by the noise of a measured one (docs/method.md §7).
-pub fn noise_gain(volume: &Volume, of: Axis) -> f64 {
+pub(crate) fn noise_gain(volume: &Volume, of: Axis) -> f64 {
     1.0 / (2.0 * volume.cosine(of))
 }
 
@@ -24,7 +24,7 @@ pub fn curves(volume: &Volume, increments: &Increments) -> PerTerm<Curve> {
 }
 
 /// w of formula (2): by axis, one value for each machine interval; µm.
-pub fn closures(volume: &Volume, increments: &Increments) -> PerAxis<Vec<f64>> {
+pub(crate) fn closures(volume: &Volume, increments: &Increments) -> PerAxis<Vec<f64>> {
     PerAxis::from_fn(|axis| {
         let interval = |i: usize| {
             let part = |d: Diagonal| closure_sign(d, axis) * increments[d][axis][i];
@@ -35,7 +35,7 @@ pub fn closures(volume: &Volume, increments: &Increments) -> PerAxis<Vec<f64>> {
 }
 
 /// s_dk (s_x s_y s_z)_d: the sign with which a diagonal enters the closure of an axis.
-pub fn closure_sign(diagonal: Diagonal, axis: Axis) -> f64 {
+pub(crate) fn closure_sign(diagonal: Diagonal, axis: Axis) -> f64 {
     let all: f64 = Axis::ALL
         .into_iter()
         .map(|axis| diagonal.sign(axis))
@@ -66,7 +66,7 @@ pub fn with_slope(volume: &Volume, along: Axis, curve: &[f64], slope_um_per_m: f
 }
 
 /// A curve plus a straight line through zero at its low end.
-pub fn plus_line(volume: &Volume, along: Axis, curve: &[f64], slope_um_per_m: f64) -> Curve {
+pub(crate) fn plus_line(volume: &Volume, along: Axis, curve: &[f64], slope_um_per_m: f64) -> Curve {
     let value = |(index, value): (usize, &f64)| {
         value + slope_um_per_m * volume.along_mm(along, index) / 1000.0
     };
@@ -74,7 +74,7 @@ pub fn plus_line(volume: &Volume, along: Axis, curve: &[f64], slope_um_per_m: f6
 }
 
 /// Slope of the line through the ends of a curve, µm/m.
-pub fn end_slope(volume: &Volume, along: Axis, curve: &[f64]) -> f64 {
+pub(crate) fn end_slope(volume: &Volume, along: Axis, curve: &[f64]) -> f64 {
     curve.last().copied().unwrap_or(0.0) / metres(volume, along)
 }
 

@@ -7,7 +7,7 @@ use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
 use crate::text::problem::Problem;
 
 /// Runs of one diagonal over its cell ends (step) or nodes (straight); up = forward.
-pub fn diagonal_runs(
+pub(crate) fn diagonal_runs(
     volume: &Volume,
     kind: PathKind,
     diagonal: Diagonal,

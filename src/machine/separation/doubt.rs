@@ -24,7 +24,7 @@ const ASSUMED_NOISE_UM: f64 = 1.0;
 const FAR_ABOVE: f64 = 2.0;
 
 /// What the closure says against the nine errors.
-pub fn of_closure(
+pub(crate) fn of_closure(
     closure: &Closure,
     noise: Option<Noise>,
     volume: &Volume,
@@ -57,7 +57,7 @@ pub fn of_closure(
 /// A scatter that was found and is far above what was to be expected: one-sided, χ² = ν σ²/σ₀² at
 /// one in a thousand, with σ₀ = twice the stated `noise_um`, or 1 µm where none is stated. With few
 /// steps no reading stands out of such a scatter, however far it is off: it makes the scatter.
-pub fn of_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Option<String> {
+pub(crate) fn of_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Option<String> {
     let found = noise.filter(|noise| noise.source != NoiseSource::Stated)?;
     let freedom = found.freedom?;
     let limit_um = stated_um.map_or(ASSUMED_NOISE_UM, |um| FAR_ABOVE * um);
@@ -130,7 +130,7 @@ fn set_up(closure: &Closure, noise: Noise) -> Option<String> {
 /// `None` where the mean of forward minus reverse readings is within their noise. The reversal of
 /// a single axis is hidden in it, so that no curve holds it. What linear measurements tell of
 /// single axes is taken off.
-pub fn hidden_reversal_um(
+pub(crate) fn hidden_reversal_um(
     means: &Means,
     noise: Option<Noise>,
     volume: &Volume,

@@ -86,7 +86,7 @@ fn filed(volume: &Volume, diagonal: Diagonal, axis: Axis, readings: &[f64]) -> V
 }
 
 /// Mean of the increments of a (diagonal, axis) pair over its intervals and over the groups, µm.
-pub fn mean_increments(groups: &[Increments]) -> PerDiagonal<PerAxis<f64>> {
+pub(crate) fn mean_increments(groups: &[Increments]) -> PerDiagonal<PerAxis<f64>> {
     PerDiagonal::from_fn(|diagonal| {
         PerAxis::from_fn(|axis| {
             let all = groups.iter().flat_map(|group| &group[diagonal][axis]);

@@ -76,7 +76,7 @@ pub struct Metric {
 
 impl Metric {
     /// Whether everything is determined.
-    pub const fn is_complete(&self) -> bool {
+    pub(crate) const fn is_complete(&self) -> bool {
         self.rank == UNKNOWNS
     }
 
@@ -141,7 +141,7 @@ const fn plane_index(plane: Plane) -> usize {
 }
 
 /// Displacement per commanded unit: q_dk = s_dk (V_k/R + n m̄_dk/V_k). Dimensionless; `means` in µm.
-pub fn displacement_ratios(
+pub(crate) fn displacement_ratios(
     volume: &Volume,
     means: &PerDiagonal<PerAxis<f64>>,
 ) -> PerDiagonal<PerAxis<f64>> {
@@ -163,7 +163,7 @@ pub struct DiagonalEquation {
 }
 
 /// (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
-pub fn stepped(ratios: &PerDiagonal<PerAxis<f64>>) -> PerDiagonal<DiagonalEquation> {
+pub(crate) fn stepped(ratios: &PerDiagonal<PerAxis<f64>>) -> PerDiagonal<DiagonalEquation> {
     PerDiagonal::from_fn(|d| {
         let q = ratios[d];
         let square = q.x * q.x + q.y * q.y + q.z * q.z;
@@ -309,7 +309,7 @@ impl Equations {
 }
 
 /// Solves (7) for the unit vectors that were measured along.
-pub fn solve(
+pub(crate) fn solve(
     volume: &Volume,
     diagonals: &PerDiagonal<DiagonalEquation>,
     totals: &TotalsUncertainty,
@@ -359,7 +359,7 @@ impl EndGains {
 }
 
 /// ∂θ/∂E of the solution of (7), with the weights of [`solve`]; zero where it has none.
-pub fn end_gains(
+pub(crate) fn end_gains(
     volume: &Volume,
     diagonals: &PerDiagonal<DiagonalEquation>,
     totals: &TotalsUncertainty,

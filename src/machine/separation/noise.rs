@@ -82,7 +82,7 @@ pub(super) fn coverage_factor_for(share: f64, freedom: Option<f64>) -> f64 {
 
 /// Effective degrees of freedom of u, of which `u_noise` comes from the noise of the readings and
 /// the rest is known (Welch and Satterthwaite, GUM G.4.1); `None` = unlimited.
-pub fn effective_freedom(u: f64, u_noise: f64, noise: Noise) -> Option<f64> {
+pub(crate) fn effective_freedom(u: f64, u_noise: f64, noise: Noise) -> Option<f64> {
     let share = if u > 0.0 { u_noise / u } else { 0.0 };
     noise
         .freedom_f64()
@@ -149,7 +149,11 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Repeatability of a pass along a diagonal as in ISO 230-2: R = 4 s, the largest over its nodes,
 /// µm; `None` with fewer than two runs. Each run counts from its own zero, as it was read.
-pub fn repeatability_um(runs: &[CorrectedRun], diagonal: Diagonal, pass: Pass) -> Option<f64> {
+pub(crate) fn repeatability_um(
+    runs: &[CorrectedRun],
+    diagonal: Diagonal,
+    pass: Pass,
+) -> Option<f64> {
     let runs: Vec<&CorrectedRun> = of(runs, diagonal, pass).collect();
     let nodes = runs.first().map_or(0, |run| run.readings_um.len());
     let deviation = |node: usize| {

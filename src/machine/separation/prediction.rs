@@ -64,7 +64,7 @@ struct Predicted {
 }
 
 /// Compares straight runs with what nine errors predict. `noise`: of a single reading.
-pub fn closure_tests(
+pub(crate) fn closure_tests(
     volume: &Volume,
     table: &ErrorTable,
     runs: &[CorrectedRun],

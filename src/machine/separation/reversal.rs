@@ -119,7 +119,7 @@ fn jumps(means: &Means, volume: &Volume, runs: &PerDiagonal<[f64; 2]>) -> Option
 /// Without overrun forward and reverse reading of the last node are one place read twice, and the
 /// reversals follow as jumps; with overrun the offset is there at once and nothing jumps. Both
 /// are tested against the noise of the means.
-pub fn ran_over(
+pub(crate) fn ran_over(
     means: &Means,
     volume: &Volume,
     runs: &PerDiagonal<[f64; 2]>,
@@ -340,7 +340,7 @@ pub fn turn(
 
 /// The means with the turn's jumps taken off the reverse pass, so that its last cell carries the
 /// same increments as the forward pass: those of the lost motion are no error of the interval.
-pub fn without_jumps(means: &Means, volume: &Volume) -> Means {
+pub(crate) fn without_jumps(means: &Means, volume: &Volume) -> Means {
     let Some(reverse) = &means.reverse else {
         return means.clone();
     };

@@ -96,14 +96,18 @@ pub struct Separation {
 impl Separation {
     /// Whether the two directions of an axis stand apart in the error table: its reversal is
     /// determined.
-    pub fn is_directed(&self, axis: Axis) -> bool {
+    pub(crate) fn is_directed(&self, axis: Axis) -> bool {
         let known = self.turn.is_some() || self.linear_reversals[axis].is_some();
         known && self.errors.minus.is_some()
     }
 
     /// A term of the error table, in a direction or without. Cross terms of an axis whose reversal
     /// comes from its linear measurement are the mean of both directions.
-    pub fn of_table(&self, term: ErrorTerm, direction: Option<Direction>) -> Option<&Evidence> {
+    pub(crate) fn of_table(
+        &self,
+        term: ErrorTerm,
+        direction: Option<Direction>,
+    ) -> Option<&Evidence> {
         let cross = !term.is_positioning() && self.linear_reversals[term.along].is_some();
         let errors = match direction.filter(|_| !cross) {
             None => &self.errors.mean,
@@ -126,7 +130,7 @@ impl Separation {
     }
 
     /// φ as the sum of two separated slopes, µm/m: it holds the tilt of the mirror.
-    pub fn naive_squareness_um_per_m(&self, plane: Plane) -> f64 {
+    pub(crate) fn naive_squareness_um_per_m(&self, plane: Plane) -> f64 {
         naive_squareness(&self.naive_slopes_um_per_m, plane)
     }
 

@@ -38,12 +38,12 @@ impl SlopeGains {
     }
 
     /// Change of φ, µm/m, by changes of the totals, µm.
-    pub fn of_squareness(&self, plane: Plane, ends_um: &PerDiagonal<f64>) -> f64 {
+    pub(crate) fn of_squareness(&self, plane: Plane, ends_um: &PerDiagonal<f64>) -> f64 {
         along(&self.squareness.of(plane), ends_um)
     }
 
     /// A slope of the machine, µm/m, in the frame of the solution.
-    pub fn in_frame(&self, term: ErrorTerm, slopes: &PerTerm<f64>) -> f64 {
+    pub(crate) fn in_frame(&self, term: ErrorTerm, slopes: &PerTerm<f64>) -> f64 {
         if self.own_slopes || term.is_positioning() {
             slopes[term]
         } else if term.of < term.along {
@@ -55,7 +55,7 @@ impl SlopeGains {
 
     /// Standard uncertainty (k = 1) that 1 mrad between beam and mirror makes at the far end of a
     /// curve, µm; it grows with the square of the angle.
-    pub fn of_beam_um(&self, volume: &Volume, term: ErrorTerm) -> f64 {
+    pub(crate) fn of_beam_um(&self, volume: &Volume, term: ErrorTerm) -> f64 {
         let metres = volume.diagonal_mm() / 1000.0;
         // V_k/(4V_j)·s_dj s_dk, see formula (1).
         let separated = |d: Diagonal, term: ErrorTerm| {
@@ -72,7 +72,7 @@ impl SlopeGains {
     }
 
     /// The same for φ, µm/m.
-    pub fn squareness_of_beam(&self, volume: &Volume) -> PerPlane<f64> {
+    pub(crate) fn squareness_of_beam(&self, volume: &Volume) -> PerPlane<f64> {
         let metres = volume.diagonal_mm() / 1000.0;
         let by_strain = |gains: PerDiagonal<f64>| PerDiagonal::from_fn(|d| metres * gains[d]);
         self.squareness.map(|gains| of_beam(&by_strain(gains)))

@@ -82,7 +82,7 @@ fn total(pass: &[f64]) -> Option<f64> {
 }
 
 /// Direction cosines squared: the share of each scale in S, for the words of a report.
-pub fn scale_shares(volume: &Volume) -> PerAxis<f64> {
+pub(crate) fn scale_shares(volume: &Volume) -> PerAxis<f64> {
     PerAxis::from_fn(|axis| volume.cosine(axis).squared())
 }
 

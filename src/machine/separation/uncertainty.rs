@@ -50,7 +50,7 @@ pub struct SlopeUncertainty {
 
 impl SlopeUncertainty {
     /// U, µm/m: with the coverage factor of its degrees of freedom.
-    pub fn expanded_um_per_m(&self) -> f64 {
+    pub(crate) fn expanded_um_per_m(&self) -> f64 {
         coverage_factor(self.freedom) * self.u_um_per_m
     }
 }
@@ -83,14 +83,14 @@ pub struct Budget<'a> {
 
 impl Budget<'_> {
     /// Variance of a slope by the noise of the readings alone, (µm/m)².
-    pub fn slope_noise(&self, slope: &Slope, both_ways: bool) -> Option<f64> {
+    pub(crate) fn slope_noise(&self, slope: &Slope, both_ways: bool) -> Option<f64> {
         let part = |d| Some(slope.by_end[d].squared() * self.end_variance_um2(d, both_ways)?);
         let by_ends: Option<f64> = Diagonal::ALL.into_iter().map(part).sum();
         Some(by_ends? + slope.rotation_um_per_m.squared())
     }
 
     /// Standard uncertainty of a slope with its effective degrees of freedom.
-    pub fn of_slope(&self, slope: &Slope, both_ways: bool) -> Option<SlopeUncertainty> {
+    pub(crate) fn of_slope(&self, slope: &Slope, both_ways: bool) -> Option<SlopeUncertainty> {
         let u_um_per_m = slope.u_um_per_m;
         let noise = self.slope_noise(slope, both_ways)?.sqrt();
         let freedom = effective_freedom(u_um_per_m, noise, self.noise?);
@@ -225,7 +225,7 @@ impl Budget<'_> {
     /// Half the difference between two twin slopes of the increments: standard uncertainties by
     /// the noise of the readings and by everything, µm/m. The sums behind the twins share their
     /// readings with opposite signs: u² = 3 times that of one.
-    pub fn u_turn(&self, term: ErrorTerm, both_ways: bool) -> Option<(f64, f64)> {
+    pub(crate) fn u_turn(&self, term: ErrorTerm, both_ways: bool) -> Option<(f64, f64)> {
         let metres = self.volume.size[term.along].mm() / 1000.0;
         let noise = self.volume.steps_f64() * self.increment_variance(term, both_ways)?;
         let noise = (3.0 * noise).sqrt() / metres / 2.0;
@@ -239,7 +239,7 @@ impl Budget<'_> {
     }
 
     /// Variance of a shape between two positions inside the box; µm².
-    pub fn shape_variance(
+    pub(crate) fn shape_variance(
         &self,
         term: ErrorTerm,
         both_ways: bool,

@@ -28,7 +28,7 @@ fn slope_of_tilt_um_per_m(volume: &Volume, term: ErrorTerm, tilt_arcsec: f64) ->
 /// Adds what the job states of unmeasured angles and of an assumed set-up to the uncertainties.
 /// `bound`: what each µrad makes. `naive`: whether the slope of a term was taken from the
 /// increments. Such a term has no uncertainty without a stated tilt.
-pub fn book(
+pub(crate) fn book(
     errors: &mut NineErrors,
     volume: &Volume,
     stated: &StatedUncertainty,

@@ -51,7 +51,7 @@ pub struct AxisFigures {
 
 impl AxisFigures {
     /// Every figure under its name in documents, µm.
-    pub fn named_um(&self) -> [(&'static str, Option<f64>); 12] {
+    pub(crate) fn named_um(&self) -> [(&'static str, Option<f64>); 12] {
         [
             ("A", self.a.both_um),
             ("A_up", self.a.up_um),

@@ -39,7 +39,7 @@ pub fn is_whole(bytes: &[u8], dialect: &Dialect) -> bool {
 pub type Text<'a> = (String, Cow<'a, str>);
 
 /// The file that a text is of: an archive for its files.
-pub fn file_of(name: &str) -> &str {
+pub(crate) fn file_of(name: &str) -> &str {
     name.split("/_N_").next().unwrap_or(name)
 }
 

@@ -99,7 +99,7 @@ fn read_role(
 
 /// Files that a control may load and that no reader takes, in a sentence: whatever else is read back,
 /// nothing shows what the control will hold.
-pub fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<String> {
+pub(crate) fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<String> {
     let is_unread = |name: &str| {
         let mut known = profile.files.iter().filter(|file| file.is_loaded_unread());
         known.any(|file| file.path.eq_ignore_ascii_case(name))
@@ -124,7 +124,7 @@ pub fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<String> {
 /// numbered blocks (Fanuc), the column of positions (generic).
 ///
 /// **limits** it errs on the careful side; a text for people that quotes such a word counts too.
-pub fn may_be_meant_for(profile: &Profile, file: &KitFile<'_>) -> bool {
+pub(crate) fn may_be_meant_for(profile: &Profile, file: &KitFile<'_>) -> bool {
     let text = String::from_utf8_lossy(file.bytes);
     let numbered = |line: &str| {
         let number = line.trim_start().strip_prefix(['N', 'n']);

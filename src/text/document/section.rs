@@ -47,7 +47,7 @@ impl<'a> Section<'a> {
     }
 
     /// Dotted path of a key of this section.
-    pub fn path_of(&self, key: &str) -> String {
+    pub(crate) fn path_of(&self, key: &str) -> String {
         joined(&self.path, key)
     }
 
@@ -112,7 +112,7 @@ impl<'a> Section<'a> {
     }
 
     /// A sub-section that must be there.
-    pub fn required_section(&self, key: &'static str) -> Option<Section<'a>> {
+    pub(crate) fn required_section(&self, key: &'static str) -> Option<Section<'a>> {
         if !self.has(key) {
             let name = self.path_of(key);
             let end = self.source.text.trim_end().len();
@@ -131,12 +131,12 @@ impl<'a> Section<'a> {
     }
 
     /// Whether the key holds a list (it then counts as known).
-    pub fn is_list(&self, key: &'static str) -> bool {
+    pub(crate) fn is_list(&self, key: &'static str) -> bool {
         self.value(key).is_some_and(DeValue::is_array)
     }
 
     /// The value of a key as it is written in the page.
-    pub fn as_written(&self, key: &str) -> Option<&'a str> {
+    pub(crate) fn as_written(&self, key: &str) -> Option<&'a str> {
         let span = self.table.get(key)?.span();
         self.source.text.get(span)
     }
@@ -153,7 +153,7 @@ impl<'a> Section<'a> {
     }
 
     /// A text that must be there.
-    pub fn required_text(&self, key: &'static str, expected: &str) -> Option<String> {
+    pub(crate) fn required_text(&self, key: &'static str, expected: &str) -> Option<String> {
         if !self.has(key) {
             self.missing(key, expected);
         }
@@ -182,7 +182,7 @@ impl<'a> Section<'a> {
     }
 
     /// Two positions in mm in square brackets, if the key is present.
-    pub fn pair_of_millimetres(&self, key: &'static str) -> Option<[f64; 2]> {
+    pub(crate) fn pair_of_millimetres(&self, key: &'static str) -> Option<[f64; 2]> {
         let pair = self.pair(key)?;
         if pair.iter().any(|number| number.abs() > LONGEST_MM) {
             self.too_large(key);
@@ -210,7 +210,7 @@ impl<'a> Section<'a> {
     }
 
     /// A number of at least zero, if the key is present.
-    pub fn not_negative(&self, key: &'static str) -> Option<f64> {
+    pub(crate) fn not_negative(&self, key: &'static str) -> Option<f64> {
         let number = self.number(key)?;
         if number >= 0.0 {
             return Some(number);
@@ -239,7 +239,7 @@ impl<'a> Section<'a> {
     }
 
     /// A number greater than zero, if the key is present.
-    pub fn positive(&self, key: &'static str) -> Option<f64> {
+    pub(crate) fn positive(&self, key: &'static str) -> Option<f64> {
         let number = self.number(key)?;
         if number > 0.0 {
             return Some(number);
@@ -268,7 +268,7 @@ impl<'a> Section<'a> {
     }
 
     /// `true` or `false`, if the key is present.
-    pub fn flag(&self, key: &'static str) -> Option<bool> {
+    pub(crate) fn flag(&self, key: &'static str) -> Option<bool> {
         match self.value(key)? {
             DeValue::Boolean(flag) => Some(*flag),
             _ => {
@@ -284,7 +284,7 @@ impl<'a> Section<'a> {
     }
 
     /// The same, in capitals or not.
-    pub fn choice_in_any_case<T: Copy>(
+    pub(crate) fn choice_in_any_case<T: Copy>(
         &self,
         key: &'static str,
         words: &[(&'static str, T)],
@@ -356,7 +356,7 @@ impl<'a> Section<'a> {
     }
 
     /// A list of pairs of whole numbers, if the key is present.
-    pub fn whole_pairs(&self, key: &'static str) -> Option<Vec<[u32; 2]>> {
+    pub(crate) fn whole_pairs(&self, key: &'static str) -> Option<Vec<[u32; 2]>> {
         let pairs: Option<Vec<[u32; 2]>> = match self.value(key)? {
             DeValue::Array(items) => items
                 .iter()
@@ -445,7 +445,7 @@ impl<'a> Section<'a> {
     }
 
     /// Notes every key that nobody asked for, with the nearest known one. Call it last.
-    pub fn refuse_unknown_keys(&self) {
+    pub(crate) fn refuse_unknown_keys(&self) {
         let known = self.asked.borrow();
         for (key, _) in self.table.iter() {
             let name: &str = key.get_ref();

@@ -148,13 +148,8 @@ impl GridMap {
         (node[0] * second + node[1]) * third + node[2]
     }
 
-    /// Values given in the order of the chain, such as a node, in the order x, y, z.
-    pub fn xyz<T: Copy>(&self, along_chain: [T; 3]) -> [T; 3] {
-        self.place.map(|role| along_chain[role])
-    }
-
     /// Values given as x, y, z in the order of the chain.
-    pub fn along_chain<T: Copy>(&self, xyz: [T; 3]) -> [T; 3] {
+    pub(crate) fn along_chain<T: Copy>(&self, xyz: [T; 3]) -> [T; 3] {
         let mut roles = xyz;
         for (component, role) in self.place.into_iter().enumerate() {
             roles[role] = xyz[component];

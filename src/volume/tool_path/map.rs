@@ -86,7 +86,7 @@ impl PathMap {
 
     /// The map less the mean error at these places (a datum that was probed on the machine).
     #[must_use]
-    pub fn zeroed_at(mut self, places: &[Place]) -> PathMap {
+    pub(crate) fn zeroed_at(mut self, places: &[Place]) -> PathMap {
         let mut sum = [0.0; 3];
         let mut count = 0.0;
         for place in places {

@@ -17,7 +17,7 @@ pub enum Component {
 impl Component {
     /// Its name in ISO 230-1 with the sign that turns it into ours, where the two differ
     /// (contract §1): EC0Y = −φxy, EB0Z = +φxz, EA0Z = −φyz.
-    pub fn iso_name(self) -> String {
+    pub(crate) fn iso_name(self) -> String {
         match self {
             Component::Squareness(term) => match (term.of.letter(), term.along.letter()) {
                 ('X', 'Y') => "-EC0Y".to_string(),

@@ -51,7 +51,7 @@ impl VolumeModel {
     }
 
     /// So many equally spaced nodes of each axis over its range; of a range of no length, one.
-    pub fn equal_nodes(&self, counts: PerAxis<usize>) -> Nodes {
+    pub(crate) fn equal_nodes(&self, counts: PerAxis<usize>) -> Nodes {
         PerAxis::from_fn(|axis| {
             let (low, high) = self.range(axis);
             if high - low < SAME_MM || counts[axis] < 2 {

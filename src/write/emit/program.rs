@@ -333,7 +333,7 @@ pub fn positions(run: &MeasuringRun) -> ProgramFile {
 
 /// Files of readings with an empty last column: of diagonals one in the form of contract §2.2, of
 /// single axes one each in the form of §2.4. What stays empty is refused as missing.
-pub fn readings_to_fill(run: &MeasuringRun) -> Vec<ProgramFile> {
+pub(crate) fn readings_to_fill(run: &MeasuringRun) -> Vec<ProgramFile> {
     let mut files: Vec<ProgramFile> = Vec::new();
     for program in &run.programs {
         let (path, header) = form_of(program);

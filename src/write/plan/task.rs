@@ -46,7 +46,7 @@ impl Task<'_> {
     }
 
     /// The last digit of positions and spacings in the control's files.
-    pub fn length_digit(&self) -> LengthDigit {
+    pub(crate) fn length_digit(&self) -> LengthDigit {
         let unit = self.job.compensation.control_unit;
         let decimals = match &self.profile.dialect {
             Dialect::Siemens(facts) => facts.position_decimals.value,

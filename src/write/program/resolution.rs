@@ -20,12 +20,12 @@ const WHOLE: f64 = 1e-4;
 
 impl Resolution {
     /// One last digit, mm.
-    pub fn digit_mm(self) -> f64 {
+    pub(crate) fn digit_mm(self) -> f64 {
         self.unit.in_mm() / self.per_unit()
     }
 
     /// One last digit for people.
-    pub fn digit_words(self) -> String {
+    pub(crate) fn digit_words(self) -> String {
         let decimals = usize::try_from(self.decimals).unwrap_or(0);
         let digit = format!(
             "{:.*} {}",
@@ -71,7 +71,7 @@ impl Resolution {
     }
 
     /// The smallest whole number of digits that is not shorter.
-    pub fn at_least(self, mm: f64) -> Digits {
+    pub(crate) fn at_least(self, mm: f64) -> Digits {
         whole((mm / self.digit_mm() - WHOLE).ceil())
     }
 

@@ -150,7 +150,7 @@ fn no_language(job: &Job, profile: &Profile) -> Problem {
 
 impl MeasuringRun {
     /// Time of all programs without operator and approach, s: path / feed and standstills.
-    pub fn duration_s(&self, request: &ProgramRequest) -> f64 {
+    pub(crate) fn duration_s(&self, request: &ProgramRequest) -> f64 {
         let moves = self.programs.iter().flat_map(|program| &program.moves);
         let seconds = moves.map(|step| match step {
             Move::Feed(by) => {
@@ -164,7 +164,7 @@ impl MeasuringRun {
     }
 
     /// Smallest and largest commanded coordinate of an axis, mm.
-    pub fn reach_mm(&self, axis: Axis) -> Option<(f64, f64)> {
+    pub(crate) fn reach_mm(&self, axis: Axis) -> Option<(f64, f64)> {
         let mut reach: Option<(Digits, Digits)> = None;
         for place in self.programs.iter().flat_map(SetUpProgram::places) {
             let (low, high) = reach.unwrap_or((place[axis], place[axis]));

@@ -64,7 +64,7 @@ impl Travel {
     }
 
     /// The travel that was stated, mm.
-    pub fn stated_mm(self) -> Option<f64> {
+    pub(crate) fn stated_mm(self) -> Option<f64> {
         self.stated.then_some(self.mm)
     }
 

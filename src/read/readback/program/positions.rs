@@ -101,7 +101,7 @@ fn row(line: &str) -> Option<Position> {
 
 /// What the files of readings say otherwise than the positions, at most one sentence for each file.
 /// Single axes have a file each; all diagonals are in one.
-pub fn form_differences(rows: &[Position], forms: &[&[u8]]) -> Vec<String> {
+pub(crate) fn form_differences(rows: &[Position], forms: &[&[u8]]) -> Vec<String> {
     let same_file = |a: &Position, b: &Position| match (a.of, b.of) {
         (Named::Axis(a), Named::Axis(b)) => a == b,
         _ => true,
