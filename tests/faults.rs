@@ -496,6 +496,11 @@ fn disturbed(played: &Played, call: &Call, fault: Fault) -> Result<(), String> {
         })
 }
 
+fn is_end_of_a_list(output: &Output) -> bool {
+    let said = String::from_utf8_lossy(&output.stderr);
+    said.contains("unexpected error during closedir")
+}
+
 fn judge(played: &Played, fault: Fault, output: &Output, found: &Tree) -> Result<(), String> {
     played.whole(found)?;
     let done = output.status == played.said.status;
@@ -513,6 +518,8 @@ fn judge(played: &Played, fault: Fault, output: &Output, found: &Tree) -> Result
         )),
         (Fault::Refuse(_), Some(_)) if done => played.written(found),
         (_, Some(_)) if done => played.complete(found),
+        // The library panics where the end of a list of files is refused (docs/security.md §3): nothing is half.
+        (Fault::Refuse(_), Some(101)) if is_end_of_a_list(output) => played.kept(found),
         _ => Err("it ended in another way".to_string()),
     }
 }
@@ -614,7 +621,10 @@ impl Stick {
 
 impl Drop for Stick {
     fn drop(&mut self) {
-        let unmounted = Command::new("umount").arg(self.folder.path()).status();
+        let unmounted = Command::new("umount")
+            .arg("-l")
+            .arg(self.folder.path())
+            .status();
         assert!(unmounted.is_ok_and(|status| status.success()));
     }
 }

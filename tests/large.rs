@@ -4,7 +4,7 @@
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
-use nonius::text::document::{LARGEST_PAGE, MOST_LINES};
+use nonius::text::document::{LARGEST_PAGE, MOST_LINES, MOST_ROWS};
 use nonius::text::problem::LONGEST_LINE_BYTES;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -194,7 +194,7 @@ fn the_work_of_a_refusal_grows_with_the_input_not_with_its_square() {
         write!(text, "S{n}::").expect("a string");
     });
     refused("generic", "a.rtl", &sections, RTL, "lines, too many");
-    let axes = lines(MOST_LINES - 10, |n, text| {
+    let axes = lines(MOST_ROWS - 10, |n, text| {
         write!(text, "EXX,A{n},A{n},,0,0,0,0,").expect("a string");
     });
     let axes = format!("{GENERIC}{axes}");
@@ -274,7 +274,7 @@ fn memory_stays_in_proportion_to_input_and_output() {
         )
     };
     let array = |elements: &str| format!("{{\"schema\":1,\"rows\":[\n{elements}1]}}");
-    let points = lines(MOST_LINES - 10, |n, text| {
+    let points = lines(MOST_ROWS - 10, |n, text| {
         let increment = if n == 0 { "" } else { "0" };
         write!(
             text,
@@ -331,7 +331,7 @@ fn memory_stays_in_proportion_to_input_and_output() {
         (
             "generic",
             "out/table.json",
-            array(&"{},\n".repeat(MOST_LINES - 1)),
+            array(&"{},\n".repeat(MOST_ROWS - 1)),
             READ_OUT,
         ),
         (
@@ -403,12 +403,12 @@ fn nothing_is_written_that_would_be_refused_when_it_is_read() {
     let directory = with_job("generic");
     put(&directory, "job.toml", &job_with_spacing(0.01));
     let refused = run(directory.path(), "generate job.toml -o kit");
-    let says = format!("rows, expected at most {MOST_LINES}");
+    let says = format!("rows, expected at most {MOST_ROWS}");
     assert!(refused.told.contains(&says), "{}", refused.told);
     assert_eq!(refused.status, Some(2));
     assert!(!directory.path().join("kit").exists());
 
-    put(&directory, "job.toml", &job_with_spacing(0.075));
+    put(&directory, "job.toml", &job_with_spacing(0.15));
     for command in ["generate job.toml -o kit", KIT, "history kit"] {
         let ran = run(directory.path(), command);
         assert_eq!(ran.status, Some(0), "{command}\n{}", ran.told);
@@ -458,6 +458,7 @@ fn the_limits_stand_in_the_contract() {
     let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
     for limit in [
         format!("{} 000 lines", MOST_LINES / 1000),
+        format!("{} 000 rows", MOST_ROWS / 1000),
         format!("{} KiB", LARGEST_PAGE >> 10),
         format!("{} KiB for a line", LONGEST_LINE_BYTES >> 10),
     ] {

@@ -33,6 +33,8 @@ pub struct Source {
 /// 30 MB; a measurement of 1000 points with five runs each way has 10 000 lines, a table of nine errors in
 /// two directions with 500 points 9000.
 pub const MOST_LINES: usize = 100_000;
+/// Rows of a generic table, read or written: more points than any control has, by a factor of ten.
+pub const MOST_ROWS: usize = 50_000;
 /// Bytes of a page: a job or a profile (TOML), or a manifest (JSON). Each value of a page takes up to a
 /// hundred bytes of memory; the largest page of the program itself has 20 kB.
 pub const LARGEST_PAGE: usize = 1 << 18;

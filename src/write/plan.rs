@@ -17,7 +17,7 @@ pub use names::{axis_names, axis_pairs};
 use crate::control::controller::Dialect;
 use crate::inputs::job::BacklashPolicy;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use crate::text::document::MOST_LINES;
+use crate::text::document::MOST_ROWS;
 use crate::text::problem::{Problem, Problems};
 use crate::write::grid::Grid;
 use crate::write::selection::{self, Budget, Choice, Cost};
@@ -267,10 +267,10 @@ fn refuse_too_many_rows(
         points * names[target.term.of].len()
     };
     let rows: usize = targets.iter().map(rows_of).sum();
-    if rows <= MOST_LINES {
+    if rows <= MOST_ROWS {
         return Ok(());
     }
-    let words = format!("the table would have {rows} rows, expected at most {MOST_LINES}");
+    let words = format!("the table would have {rows} rows, expected at most {MOST_ROWS}");
     Err(task
         .job
         .problem_at("compensation.axes", words)

@@ -4,7 +4,7 @@
 //! A block that lost a row to a flaw is not walked: its gaps would only repeat the flaw.
 
 use crate::read::readback::complaint::Complaint;
-use crate::text::document::MOST_LINES;
+use crate::text::document::MOST_ROWS;
 
 use super::row::{BlockKey, Column, RawRow, RowFlaw, Unusable, read_row};
 use crate::control::table::generic::{GenericRow, GenericTable};
@@ -245,7 +245,7 @@ pub(super) const MOST_COMPLAINTS: usize = 200;
 pub(super) fn too_many_rows(place: std::ops::Range<usize>) -> Complaint {
     Complaint::new(
         place,
-        format!("the table has more than {MOST_LINES} rows, too many for any control"),
+        format!("the table has more than {MOST_ROWS} rows, too many for any control"),
         "check that this is a table of corrections",
     )
 }

@@ -6,7 +6,7 @@ use super::check::Reading;
 use super::row::{Cell, Column, RawRow, RowFlaw};
 use crate::control::table::generic::GenericTable;
 use crate::read::readback::complaint::Complaint;
-use crate::text::document::MOST_LINES;
+use crate::text::document::MOST_ROWS;
 use serde_json::Number;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -20,8 +20,8 @@ pub(super) fn read(text: &str) -> Result<GenericTable, Vec<Complaint>> {
         return Err(vec![Complaint::new(0..0, message, help)]);
     };
     let columns = columns(text, header.clone())?;
-    let rows: Vec<Range<usize>> = lines.take(MOST_LINES + 1).collect();
-    if let Some(first) = rows.get(MOST_LINES) {
+    let rows: Vec<Range<usize>> = lines.take(MOST_ROWS + 1).collect();
+    if let Some(first) = rows.get(MOST_ROWS) {
         return Err(vec![super::check::too_many_rows(first.clone())]);
     }
     if rows.is_empty() {

@@ -8,7 +8,7 @@ use super::csv::trimmed;
 use super::row::{Cell, Column, RawRow, RowFlaw};
 use crate::control::table::generic::GenericTable;
 use crate::read::readback::complaint::Complaint;
-use crate::text::document::MOST_LINES;
+use crate::text::document::MOST_ROWS;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::{Number, Value};
 use std::borrow::Cow;
@@ -252,7 +252,7 @@ impl<'a> Taker<'a> for &mut Rows<'a> {
     fn array<S: SeqAccess<'a>>(self, mut elements: S) -> Result<Self::Taken, S::Error> {
         while let Some(row) = elements.next_element_seed(To(Row::new(self.number)))? {
             self.number += 1;
-            if self.number > MOST_LINES {
+            if self.number > MOST_ROWS {
                 return Err(S::Error::custom(super::check::too_many_rows(0..1).message));
             }
             if self.reading.is_full() {
