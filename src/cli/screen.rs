@@ -16,7 +16,7 @@ pub(super) struct Detail {
     /// Print everything: all findings, assumptions and preconditions
     #[arg(short = 'v', long)]
     explain: bool,
-    /// Print the verdict only
+    /// Print the verdict only, and a sign that is assumed
     #[arg(short, long, conflicts_with = "explain")]
     quiet: bool,
 }
@@ -57,7 +57,11 @@ impl Screen {
     pub(super) fn page(&self, detail: Detail) -> String {
         let verdict = wrapped(&self.verdict);
         if detail.quiet {
-            return verdict;
+            let always = self.always.iter().map(|words| wrapped(words));
+            return std::iter::once(verdict)
+                .chain(always)
+                .collect::<Vec<_>>()
+                .join("\n");
         }
         let mut parts = vec![verdict];
         parts.extend(self.figures.iter().cloned());
@@ -161,6 +165,9 @@ mod tests {
         assert!(page.ends_with("not shown: 2 more findings, 3 assumptions (--explain)"));
         let all = screen.page(detail(true, false));
         assert!(all.contains("finding 7\nsign assumed") && all.ends_with("all of them"));
-        assert_eq!(screen.page(detail(false, true)), "verdict: pass");
+        assert_eq!(
+            screen.page(detail(false, true)),
+            "verdict: pass\nsign assumed"
+        );
     }
 }
