@@ -436,6 +436,19 @@ fn reversal_um(table: &str) -> f64 {
     mean("+") - mean("-")
 }
 
+/// A number beyond all numbers is none (found by fuzzing: "inf °C").
+#[test]
+fn a_temperature_beyond_all_numbers_is_not_told() {
+    let rtl = "HEADER::\nFile type : rtl\nTARGET DATA::\nTarget-count: 2\nTargets :\n0 100\n\
+        Flags: 0 0 2 0\nENVIRONMENT::\nMat temp 2 : 1e9931643\nRUNS::\nRun-count: 1\nDEVIATIONS::\n1 1 0\n1 2 1\nEOF::\n";
+    let stated = Stated {
+        material_corrected: None,
+        ..laser(0.0, Direction::Plus)
+    };
+    let text = table("x.rtl", rtl.as_bytes(), &stated);
+    assert!(!text.contains("inf"), "{text}");
+}
+
 #[test]
 fn turned_targets_keep_the_reversal_of_the_machine() {
     // The axis goes from 500 to 400 mm while the laser counts 0 to 100; ordinary lost motion of

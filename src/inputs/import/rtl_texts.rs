@@ -5,6 +5,7 @@ use crate::inputs::import::lines::{Line, Word};
 use crate::inputs::import::rtl_sections::Sections;
 use crate::inputs::import::stated::{Stated, missing};
 use crate::text::delimited::plain_number;
+use crate::text::document::LARGEST_NUMBER;
 use crate::text::problem::{Problem, Problems, shown};
 
 /// Keys of USER-TEXT; several may share a line.
@@ -141,7 +142,7 @@ fn noted(sections: &Sections<'_>, begins: &str) -> Vec<f64> {
             let words = value.text.split_whitespace();
             words.filter_map(plain_number).collect::<Vec<f64>>()
         })
-        .filter(|number| *number != 0.0)
+        .filter(|number| *number != 0.0 && number.abs() <= LARGEST_NUMBER)
         .collect()
 }
 
