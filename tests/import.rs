@@ -440,7 +440,7 @@ fn reversal_um(table: &str) -> f64 {
 #[test]
 fn a_temperature_beyond_all_numbers_is_not_told() {
     let rtl = "HEADER::\nFile type : rtl\nTARGET DATA::\nTarget-count: 2\nTargets :\n0 100\n\
-        Flags: 0 0 2 0\nENVIRONMENT::\nMat temp 2 : 1e9931643\nRUNS::\nRun-count: 1\nDEVIATIONS::\n1 1 0\n1 2 1\nEOF::\n";
+        Flags: 0 1 2 0\nENVIRONMENT::\nMat temp 2 : 1e9931643\nRUNS::\nRun-count: 1\nDEVIATIONS::\n1 1 0\n1 2 1\nEOF::\n";
     let stated = Stated {
         material_corrected: None,
         ..laser(0.0, Direction::Plus)
