@@ -2,5 +2,6 @@
 
 pub mod delimited;
 pub mod document;
+pub mod finding;
 pub mod plain;
 pub mod problem;

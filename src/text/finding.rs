@@ -1,0 +1,161 @@
+//! What a room has to say of a result: a kind with its facts and how grave it is. The words of a kind
+//! stand beside it, in the list of its room (`findings.rs`), and nowhere else; no code reads them again.
+
+use serde::{Serialize, Serializer};
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+/// How grave a finding is, the gravest last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// What a figure rests on.
+    Label,
+    /// What whoever uses the result has to know.
+    Note,
+    /// Why the figures may be wrong: a verdict that rests on them is at most undecided.
+    Doubt,
+    /// Two sources that contradict each other.
+    Disagreement,
+}
+
+/// The closed list of what one room can find; [`findings!`](crate::text::findings) makes it.
+pub trait Kind: Any + Send + Sync {
+    /// How grave it is.
+    fn severity(&self) -> Severity;
+    /// One sentence for a person, with its facts.
+    fn words(&self) -> String;
+}
+
+/// A finding of any room. In JSON it is its words.
+#[derive(Clone)]
+pub struct Finding {
+    kind: Arc<dyn Any + Send + Sync>,
+    severity: Severity,
+    words: String,
+}
+
+impl Finding {
+    /// The kind with its facts, if it is one of the room that is asked for.
+    pub fn kind<K: Kind>(&self) -> Option<&K> {
+        self.kind.downcast_ref()
+    }
+
+    /// How grave it is.
+    pub fn severity(&self) -> Severity {
+        self.severity
+    }
+}
+
+impl<K: Kind> From<K> for Finding {
+    fn from(kind: K) -> Finding {
+        Finding {
+            severity: kind.severity(),
+            words: kind.words(),
+            kind: Arc::new(kind),
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.words)
+    }
+}
+
+impl fmt::Debug for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}: {}", self.severity, self.words)
+    }
+}
+
+impl PartialEq for Finding {
+    fn eq(&self, other: &Finding) -> bool {
+        self.severity == other.severity && self.words == other.words
+    }
+}
+
+impl Serialize for Finding {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(&self.words)
+    }
+}
+
+/// The list of what a room can find, one kind a line: its facts, how grave it is, its words. The words are
+/// a format string that names facts; further arguments of `format!` may follow.
+///
+/// ```ignore
+/// findings! {
+///     /// What a reading can find.
+///     ReadFinding {
+///         NoGrid { table: String } => Doubt, "table {table} has no grid";
+///         Idle { names: Vec<String> } => Note, "{} are not used", names.join(", ");
+///     }
+/// }
+/// ```
+macro_rules! findings {
+    (
+        $(#[$meta:meta])* $name:ident {
+            $($kind:ident $({ $($fact:ident : $type:ty),* $(,)? })?
+                => $severity:ident, $words:literal $(, $argument:expr)* ;)*
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq)]
+        #[allow(
+            missing_docs,
+            unreachable_pub,
+            reason = "the words of a kind name its facts; a room that shares no kind keeps its list to itself"
+        )]
+        pub enum $name {
+            $(#[doc = $words] $kind $({ $($fact: $type),* })?,)*
+        }
+
+        impl $crate::text::finding::Kind for $name {
+            fn severity(&self) -> $crate::text::finding::Severity {
+                match self {
+                    $(Self::$kind { .. } => $crate::text::finding::Severity::$severity,)*
+                }
+            }
+
+            #[allow(unused_variables, reason = "a fact may serve tests and JSON only")]
+            fn words(&self) -> String {
+                match self {
+                    $(Self::$kind $({ $($fact),* })? => format!($words $(, $argument)*),)*
+                }
+            }
+        }
+    };
+}
+pub(crate) use findings;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    findings! {
+        /// What a test can find.
+        Found {
+            NoGrid { table: String, points: usize } => Doubt, "table {table} has no grid";
+            Idle { names: Vec<String> } => Note, "{} are not used", names.join(", ");
+            Quiet => Label, "nothing moved";
+        }
+    }
+
+    #[test]
+    fn a_finding_keeps_its_kind_and_says_its_words() {
+        let facts = Found::NoGrid {
+            table: "EXX".to_string(),
+            points: 3,
+        };
+        let finding = Finding::from(facts.clone());
+        assert_eq!(finding.to_string(), "table EXX has no grid");
+        assert_eq!(finding.severity(), Severity::Doubt);
+        assert_eq!(finding.kind(), Some(&facts));
+        let idle = Found::Idle {
+            names: vec!["a".to_string(), "b".to_string()],
+        };
+        assert_eq!(Finding::from(idle).to_string(), "a, b are not used");
+        assert!(Finding::from(Found::Quiet).severity() < Severity::Doubt);
+    }
+}
