@@ -13,12 +13,12 @@
 //!                                                                       ▼
 //!                                                     templates/ ─→ emit ─→ BYTES
 //!                                                                             ▼
-//!              forecast ←─ emulate: what the control would add ←─ readback: bytes → table
+//!              forecast ←─ its control: what it would add ←─ reader of the family: bytes → table
 //!                  ▼
 //!        verdict, manifest.json
 //! ```
 //!
-//! Before a measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ readback, walk.
+//! Before a measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ read back, walk.
 //!
 //! At the machine: a second measurement ─→ after: as found, forecast, as left ─→ causes, when it differs.
 //!

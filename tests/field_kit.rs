@@ -16,7 +16,7 @@ use nonius::judge::active::{Origin, from_read_out};
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::{Direction, ErrorTerm};
 use nonius::read::emulate::Emulator;
-use nonius::read::readback::kit::{KitFile, read_apart};
+use nonius::read::{KitFile, read_apart};
 use nonius::text::document::Source;
 use nonius::write::plan::axis_pairs;
 use serde_json::Value;

@@ -805,13 +805,10 @@ fn old_and_new(controller: &str, axes: &str, (old, new): (&str, &str)) -> (Kit, 
     (before, job(ACTIVE, new), left)
 }
 
-fn files_of(
-    kit: &Kit,
-    role: nonius::control::controller::Role,
-) -> Vec<nonius::read::readback::kit::KitFile<'_>> {
+fn files_of(kit: &Kit, role: nonius::control::controller::Role) -> Vec<nonius::read::KitFile<'_>> {
     let files = kit.files.iter().filter(|file| file.role == role);
     files
-        .map(|file| nonius::read::readback::kit::KitFile {
+        .map(|file| nonius::read::KitFile {
             path: &file.path,
             role,
             bytes: &file.bytes,

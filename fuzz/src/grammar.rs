@@ -1,5 +1,5 @@
 //! What a line of a control's file may look like, written from the formats' descriptions (docs/siemens.md §2,
-//! docs/fanuc.md §2, docs/interface.md §4.1). It knows nothing of templates, of `src/write/emit` or of `src/read/readback`.
+//! docs/fanuc.md §2, docs/interface.md §4.1). It knows nothing of templates, of `src/write/emit` or of `src/read`.
 
 /// A family of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

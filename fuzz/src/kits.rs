@@ -12,7 +12,7 @@ use nonius::kit::{Inputs, generate as make, hashed, verify as judge};
 use nonius::machine::separation::prepare::{NamedTables, campaign};
 use nonius::machine::separation::straight::straight;
 use nonius::machine::separation::{separate, table};
-use nonius::read::readback::kit::KitFile;
+use nonius::read::KitFile;
 use nonius::text::document::Source;
 use nonius::text::problem::{Problem, Problems};
 

@@ -16,7 +16,7 @@ use nonius::inputs::nc::{G43WithoutH, Line, Mark, Refused, Setup, Text, WithoutP
 use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::quantity::axis::{Axis, Direction};
-use nonius::read::readback::{
+use nonius::read::{
     control_data, fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
 use nonius::text::delimited::LengthUnit;

@@ -12,7 +12,7 @@ use crate::kit::simulate::{
 };
 use crate::kit::{Inputs, generate, hashed};
 use crate::quantity::diagonal::{Diagonal, PathKind};
-use crate::read::readback::kit::KitFile;
+use crate::read::KitFile;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use serde_json::{Map, Value, json};

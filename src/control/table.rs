@@ -1,7 +1,7 @@
 //! What lies in a control's memory after its files are loaded.
 //!
 //! This is the only thing that the writing side (`compensation`, `emit`) and the reading side
-//! (`readback`, `emulate`) have in common. Values stand here exactly as in the file: in the
+//! (`read`) have in common. Values stand here exactly as in the file: in the
 //! control's own unit, sense and numbering. A point that no file writes is missing (`None`).
 
 pub mod fanuc;

@@ -1,8 +1,8 @@
 //! The field kit: sign proofs, rollback and checklist, made and read back (docs/field-kit.md).
 //!
 //! ```text
-//!   sign_proof ─→ emit ─→ BYTES ─→ readback ─→ emulate ─→ what a gauge has to show ─┐
-//!   read-out   ─→ emit ─→ BYTES ─→ readback ─→ equal? ──────────────────────────────┼→ checklist
+//!   sign_proof ─→ emit ─→ BYTES ─→ read ─→ its control ─→ what a gauge has to show ─┐
+//!   read-out   ─→ emit ─→ BYTES ─→ read ─→ equal? ──────────────────────────────────┼→ checklist
 //!   control with the real tables ─→ largest movement of each axis (movement) ───────┘
 //! ```
 
@@ -20,7 +20,7 @@ use crate::control::checklist::{KitFacts, parts};
 use crate::control::controller::checklist::List;
 use crate::control::controller::{Mechanism, Role};
 use crate::kit::inputs::cannot_emulate;
-use crate::read::readback::kit::{KitFile, ReadBack, read_apart};
+use crate::read::{KitFile, ReadBack, read_apart};
 use crate::text::problem::Problems;
 use crate::write::compensation::siemens::reference_text;
 use crate::write::compensation::{Compiled, uses};

@@ -12,11 +12,9 @@ use crate::kit::manifest::{self, HashedFile, SCHEMA};
 use crate::kit::program_positions;
 use crate::kit::sha256;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::readback::program::positions::{
-    self as readback_positions, Position, form_differences,
-};
-use crate::read::readback::program::walk::{Bounds, Walked, walk};
-use crate::read::readback::program::{Cancelled, OwnWords, read};
+use crate::read::program::positions::{self as readback_positions, Position, form_differences};
+use crate::read::program::walk::{Bounds, Walked, walk};
+use crate::read::program::{Cancelled, OwnWords, read};
 use crate::text::problem::{Problem, Problems};
 use crate::write::emit::program::{FileRole, ProgramFile, positions, programs, readings_to_fill};
 use crate::write::emit::{TOOL, other_letters};

@@ -2,7 +2,7 @@
 
 use crate::inputs::job::{ProgramRequest, TargetGrid};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::read::readback::program::positions::{Named, Position};
+use crate::read::program::positions::{Named, Position};
 
 /// What differs between the rows and what the job asks for, one sentence each; empty = nothing.
 /// Diagonals are compared with the nodes that `separate` will expect.

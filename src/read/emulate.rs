@@ -1,21 +1,14 @@
 //! What a control would add to an axis, computed from the tables that were read back.
 //!
 //! ```text
-//!   bytes → readback → Tables ─┐
-//!   profile facts ─────────────┼→ emulator of the dialect → Response (base axis, output axis, direction)
-//!   state of the control ──────┘
+//!   Tables of its files ──┐
+//!   profile facts ────────┼→ control of the family → Response (base axis, output axis, direction)
+//!   state of the control ─┘
 //! ```
-//! An emulator turns tables into [`NodeTable`]s: corrections at equally spaced nodes and a rule
+//! A control of a family turns tables into [`NodeTable`]s: corrections at equally spaced nodes and a rule
 //! for what happens between them. Everything after that (evaluation, exact extremes, forecast)
-//! is common to all controls. Emulators follow the formal semantics of the references
+//! is common to all controls. Controls follow the formal semantics of the references
 //! (docs/siemens.md §5, docs/fanuc.md §5) and know nothing of how a table was made.
-
-mod emulator;
-pub mod fanuc;
-pub mod generic;
-pub mod siemens;
-
-pub use self::emulator::emulator;
 
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres};

@@ -1,4 +1,21 @@
 //! Bytes to what the control would add. Knows nothing of how they were written.
+//!
+//! ```text
+//!   bytes ─→ family: its reader ─→ Tables ─→ its control ─→ Response (base axis, output axis, direction)
+//! ```
+//! One folder for each family of controls: what its files say, written from the formats' references
+//! alone, and what a control adds that holds them. A reader shares nothing with the templates but the
+//! table type ([`crate::control::table`]); it is tolerant where a control is, and names line and column
+//! where a control would stop.
 
+pub mod control_data;
 pub mod emulate;
-pub mod readback;
+mod family;
+pub mod fanuc;
+pub mod generic;
+mod lexer;
+pub mod program;
+pub mod siemens;
+
+pub use self::family::{FileData, KitFile, ReadBack, emulator, read, read_apart};
+pub(crate) use self::family::{may_be_meant_for, unread};

@@ -17,7 +17,7 @@ use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::Direction;
 use nonius::quantity::units::Millimetres;
 use nonius::read::emulate::{Emulator, Response};
-use nonius::read::readback::kit::{KitFile, read};
+use nonius::read::{KitFile, read};
 use nonius::text::document::Source;
 
 /// Rounding of sums and products of numbers up to a few hundred micrometres.

@@ -4,7 +4,7 @@ use super::*;
 use nonius::control::controller::Role;
 use nonius::control::table::Tables;
 use nonius::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use nonius::read::readback::kit::{read, read_apart};
+use nonius::read::{read, read_apart};
 
 fn memory(tables: Tables) -> FanucMemory {
     match tables {

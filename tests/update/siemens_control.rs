@@ -4,8 +4,8 @@ use super::*;
 use nonius::control::controller::{Profile, Role};
 use nonius::control::table::Tables;
 use nonius::control::table::siemens::{CecDirection, LecTable, SiemensTables};
-use nonius::read::readback::kit::{ReadBack, read, read_apart};
-use nonius::read::readback::siemens::MachineValue;
+use nonius::read::siemens::MachineValue;
+use nonius::read::{ReadBack, read, read_apart};
 use std::collections::BTreeMap;
 
 /// What lies in a control: its tables, and machine data by name and indices.

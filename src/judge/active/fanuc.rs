@@ -9,8 +9,8 @@ use crate::inputs::job::Job;
 use crate::judge::active::found::{Contrary, Found, NamedBacklash, ReadOutFor, beside_words};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::power_of_ten;
-use crate::read::readback::control_data::{self, Text};
-use crate::read::readback::fanuc::{merge, read_out};
+use crate::read::control_data::{self, Text};
+use crate::read::fanuc::{merge, read_out};
 use crate::text::problem::Problems;
 
 type Names = PerAxis<Vec<String>>;

@@ -1,11 +1,11 @@
 //! What a read-out holds of the compensation, whether it acted or not.
 
 use crate::control::table::Tables;
-use crate::read::readback::siemens::{MachineDatum, MachineValue, SiemensContents};
+use crate::read::siemens::{MachineDatum, MachineValue, SiemensContents};
 
 /// Everything of the compensation that files of a control hold, as they hold it.
 ///
-/// limits of Siemens machine data those that [`crate::read::readback::control_data`] takes from an
+/// limits of Siemens machine data those that [`crate::read::control_data`] takes from an
 ///        archive, and only where all files agree
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {
@@ -63,7 +63,7 @@ mod tests {
     use super::{Held, agreed};
     use crate::control::table::Tables;
     use crate::control::table::siemens::SiemensTables;
-    use crate::read::readback::siemens::read;
+    use crate::read::siemens::read;
 
     #[test]
     fn a_switch_with_two_values_is_not_held() {

@@ -10,7 +10,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{Profile, Role};
 use crate::inputs::job::Job;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::readback::kit::{KitFile, read};
+use crate::read::{KitFile, read};
 use crate::text::document::{json_page, sha256};
 use crate::text::problem::{Problem, Problems, shown};
 use crate::write::plan::axis_names;

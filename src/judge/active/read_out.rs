@@ -8,8 +8,8 @@ use crate::control::table::Tables;
 use crate::control::table::generic::GenericRow;
 use crate::inputs::job::Job;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::readback::control_data::{self, Text};
-use crate::read::readback::generic;
+use crate::read::control_data::{self, Text};
+use crate::read::generic;
 use crate::text::problem::{Problem, Problems};
 use crate::write::plan::axis_names;
 

@@ -12,8 +12,8 @@ use crate::judge::active::found::{
 };
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::UM_PER_MM;
-use crate::read::readback::control_data::{self, Programs, Text, has_active_data};
-use crate::read::readback::siemens::{
+use crate::read::control_data::{self, Programs, Text, has_active_data};
+use crate::read::siemens::{
     MachineDatum, MachineValue, SiemensContents, is_switch, merge, read_out,
 };
 use crate::text::problem::Problems;

@@ -11,7 +11,7 @@ mod words;
 use crate::control::controller::{Dialect, Profile};
 use crate::control::table::Tables;
 use crate::judge::disagreement::Diagnosis;
-use crate::read::readback::kit::ReadBack;
+use crate::read::ReadBack;
 
 /// Everything surplus, missing or contradictory, one sentence each.
 ///

@@ -4,7 +4,7 @@ use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
 use crate::kit::Inputs;
 use crate::quantity::axis::Axis;
-use crate::read::readback::kit::{KitFile, ReadBack};
+use crate::read::{KitFile, ReadBack};
 use crate::write::compensation::Compiled;
 use crate::write::emit::{Context, RenderedFile, Templates};
 use crate::write::plan::{Plan, Task};

@@ -3,7 +3,8 @@
 use super::Made;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Millimetres;
-use crate::read::emulate::{CannotEmulate, Emulator, Response, emulator};
+use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulator;
 use crate::write::plan::axis_pairs;
 
 /// Largest movement of each physical axis when the tables are switched, all base axes at their

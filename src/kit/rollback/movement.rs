@@ -3,7 +3,8 @@
 use super::Before;
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::units::Millimetres;
-use crate::read::emulate::{CannotEmulate, Emulator, emulator};
+use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::emulator;
 use crate::write::plan::axis_pairs;
 
 /// Movements below it are none, µm.

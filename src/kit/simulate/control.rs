@@ -6,7 +6,7 @@ use crate::kit::inputs::cannot_emulate;
 use crate::kit::{Inputs, LoadedControl, LoadedState, emulator, load_read_out, loaded_state};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
-use crate::read::readback::kit::{KitFile, read};
+use crate::read::{KitFile, read};
 use crate::text::problem::Problems;
 use crate::write::compensation::compile;
 use crate::write::plan::{Task, plan};

@@ -5,7 +5,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::LengthUnit;
 use crate::control::table::siemens::SiemensTables;
 use crate::judge::active::Held;
-use crate::read::readback::siemens::MachineValue;
+use crate::read::siemens::MachineValue;
 
 impl Surroundings {
     pub(super) fn of_siemens(&mut self, state: &ControlState, wanted: &SiemensTables, held: &Held) {

@@ -4,8 +4,8 @@ use super::lec_name;
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::siemens::SiemensTables;
 use crate::judge::disagreement::contents::words::{it, listed};
-use crate::read::readback::kit::FileData;
-use crate::read::readback::siemens::{MachineDatum, MachineValue};
+use crate::read::FileData;
+use crate::read::siemens::{MachineDatum, MachineValue};
 
 /// A machine or setting datum of the job.
 struct Owned {

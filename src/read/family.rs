@@ -1,0 +1,188 @@
+//! What judge, kit and command line ask of a family of controls, and the files of a kit read through it.
+
+use crate::control::control_state::ControlState;
+use crate::control::controller::{Dialect, Profile, Role};
+use crate::control::table::Tables;
+use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::siemens::MachineDatum;
+use crate::text::problem::{Problem, Problems, shown};
+
+/// A family of controls; the facts of its profiles implement it, in its folder.
+pub(crate) trait Family {
+    /// All files of a kit as one memory, in the order in which they are loaded.
+    fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems>;
+
+    /// A control that holds these tables.
+    fn control(
+        &self,
+        tables: &Tables,
+        state: &ControlState,
+    ) -> Result<Box<dyn Emulator>, CannotEmulate>;
+
+    /// Whether a text may mean something to the control, whole or damaged.
+    ///
+    /// **limits** it errs on the careful side; a text for people that quotes such a word counts too.
+    fn may_obey(&self, text: &str) -> bool;
+
+    /// How many data of no concern to the compensation a text holds.
+    fn passed_over(&self, text: &str) -> usize;
+}
+
+/// The family of a profile.
+pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
+    match dialect {
+        Dialect::Siemens(facts) => facts,
+        Dialect::Fanuc(facts) => facts,
+        Dialect::Generic(facts) => facts,
+    }
+}
+
+/// The control of a profile with tables in its memory.
+pub fn emulator(
+    profile: &Profile,
+    tables: &Tables,
+    state: &ControlState,
+) -> Result<Box<dyn Emulator>, CannotEmulate> {
+    family(&profile.dialect).control(tables, state)
+}
+
+/// Tables of one family given to a control of another.
+pub(crate) fn other_family() -> CannotEmulate {
+    CannotEmulate("the tables are not of the profile's dialect".to_string())
+}
+
+/// A file of a kit as it lies on the disk.
+#[derive(Clone, Copy, Debug)]
+pub struct KitFile<'a> {
+    /// Its name.
+    pub path: &'a str,
+    /// What it is for.
+    pub role: Role,
+    /// Its bytes.
+    pub bytes: &'a [u8],
+}
+
+/// A file of a kit as text.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KitText<'a> {
+    /// Its name.
+    pub(crate) path: &'a str,
+    /// What it is for.
+    pub(crate) role: Role,
+    /// What stands in it.
+    pub(crate) text: &'a str,
+}
+
+/// What a control holds after all files were loaded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadBack {
+    /// Tables, parameters and points.
+    pub tables: Tables,
+    /// Remarks of the reader.
+    pub notes: Vec<String>,
+    /// Parameters of tables that no file writes, so that the control keeps older ones (Siemens).
+    pub unwritten: Vec<String>,
+    /// Machine and setting data of every file, also of files that set none (Siemens).
+    pub machine_data: Vec<FileData>,
+}
+
+impl From<Tables> for ReadBack {
+    fn from(tables: Tables) -> ReadBack {
+        ReadBack {
+            tables,
+            notes: Vec::new(),
+            unwritten: Vec::new(),
+            machine_data: Vec::new(),
+        }
+    }
+}
+
+/// The machine and setting data that one file sets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileData {
+    /// Name of the file.
+    pub path: String,
+    /// What it is for.
+    pub role: Role,
+    /// What it sets.
+    pub data: Vec<MachineDatum>,
+}
+
+/// Reads all files of a kit through the reader of the profile's family. Checklists and reports are
+/// not read, and files that stand apart (`rollback`, `sign-proof`) are not part of the kit's memory.
+pub fn read(profile: &Profile, files: &[KitFile<'_>]) -> Result<ReadBack, Problems> {
+    read_role(profile, files, |role| !role.stands_apart())
+}
+
+/// Reads the files of one role that stands apart as a memory of their own.
+pub fn read_apart(
+    profile: &Profile,
+    files: &[KitFile<'_>],
+    role: Role,
+) -> Result<ReadBack, Problems> {
+    read_role(profile, files, |other| other == role)
+}
+
+fn read_role(
+    profile: &Profile,
+    files: &[KitFile<'_>],
+    is_wanted: impl Fn(Role) -> bool,
+) -> Result<ReadBack, Problems> {
+    let mut problems = Problems::none();
+    let mut texts = Vec::new();
+    let is_read = |file: &&KitFile<'_>| file.role.is_read_back() && is_wanted(file.role);
+    for KitFile { path, role, bytes } in files.iter().filter(is_read).copied() {
+        match std::str::from_utf8(bytes) {
+            Ok(text) => texts.push(KitText { path, role, text }),
+            Err(_) => problems.push(Problem::new(format!("`{path}` is not text"))),
+        }
+    }
+    if texts.is_empty() && problems.is_empty() {
+        return Err(Problem::new("there is no file to read back").into());
+    }
+    match problems.take(family(&profile.dialect).read_kit(&texts)) {
+        Some(read) => problems.or_ok(read),
+        None => Err(problems),
+    }
+}
+
+/// Reads every text of a kit; the problems of all of them are given at once.
+pub(crate) fn each<T>(
+    files: &[KitText<'_>],
+    read: impl Fn(&str, &str) -> Result<T, Problems>,
+) -> Result<Vec<T>, Problems> {
+    let mut problems = Problems::none();
+    let contents = files
+        .iter()
+        .filter_map(|file| problems.take(read(file.path, file.text)))
+        .collect();
+    problems.or_ok(contents)
+}
+
+/// Files that a control may load and that no reader takes, in a sentence: whatever else is read back,
+/// nothing shows what the control will hold.
+pub(crate) fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<String> {
+    let is_unread = |name: &str| {
+        let mut known = profile.files.iter().filter(|file| file.is_loaded_unread());
+        known.any(|file| file.path.eq_ignore_ascii_case(name))
+    };
+    let names = files.iter().map(|file| file.path);
+    let names: Vec<String> = names
+        .filter(|name| is_unread(name))
+        .map(|name| format!("`{}`", shown(name)))
+        .collect();
+    let (is, it) = match names.len() {
+        0 => return None,
+        1 => ("is", "it"),
+        _ => ("are", "them"),
+    };
+    Some(format!(
+        "{} {is} not read back (role `report`), so nothing shows what a control holds that loads {it}: give {it} the role `table` in the layout of the dialect, or, if no control loads {it}, state `loaded = false` in the profile",
+        names.join(", ")
+    ))
+}
+
+/// Whether a file may mean something to the control of a profile ([`Family::may_obey`]).
+pub(crate) fn may_be_meant_for(profile: &Profile, file: &KitFile<'_>) -> bool {
+    family(&profile.dialect).may_obey(&String::from_utf8_lossy(file.bytes))
+}
