@@ -7,12 +7,9 @@
 )]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nonius::inputs::nc::{
-    G43WithoutH, Line, Mark, Move, Plane, Setup, Shape, Text, WithoutPoint, run,
-};
+use nonius::inputs::nc::{Line, Mark, Move, Plane, Setup, Shape, Text, run};
 use nonius::text::problem::Problem;
 use nonius::volume::tool_path::{PathMap, Profile, ProfileLimits};
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::hint::black_box;
 
@@ -128,18 +125,8 @@ fn points(criterion: &mut Criterion) {
 
 fn whole_program(criterion: &mut Criterion) {
     let (map, text) = (machine(), program());
-    let setup = Setup {
-        start: [0.0; 3],
-        reference: [0.0; 3],
-        second_reference: None,
-        systems: BTreeMap::from([(1, [0.0; 3])]),
-        tools: BTreeMap::new(),
-        inch: false,
-        without_point: WithoutPoint::Unit,
-        g43_without_h: G43WithoutH::Refuse,
-        arc_mm: None,
-        skip_deletable: false,
-    };
+    let mut setup = Setup::at([0.0; 3]);
+    setup.systems.insert(1, [0.0; 3]);
     let mut group = criterion.benchmark_group("path, program");
     group.throughput(Throughput::Bytes(text.len() as u64));
     group.bench_function("200 000 lines", |bencher| {

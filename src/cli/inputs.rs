@@ -14,7 +14,7 @@ pub(super) use files::{
 use crate::control::controller::{Origin, Profile, builtin, load};
 use crate::inputs::error_table::{self, ErrorTable};
 use crate::inputs::import::source_of;
-use crate::inputs::job::ahead::ahead;
+use crate::inputs::job::ahead;
 use crate::inputs::job::{BacklashPolicy, DiagonalMeasurement, Job, MeasuredData, UseOf};
 use crate::kit::manifest::HashedFile;
 use crate::kit::{Inputs, hashed};

@@ -13,7 +13,7 @@ use crate::inputs::nc::{Ran, run as run_program};
 use crate::kit::Inputs;
 use crate::text::problem::{Problem, Problems};
 use crate::volume::space::cloud::longest;
-use crate::volume::tool_path::{PathMap, Profile, Summary, limits, path_map, setup};
+use crate::volume::tool_path::{PathMap, Profile, Summary, limits, path_map};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
 use holes::Holes;
@@ -129,7 +129,6 @@ fn page(options: &Options) -> Result<(Page, Option<Points>), Problems> {
     let after_map = after_map.as_ref();
     let mut text = ProgramText::open(&options.program)?;
     let program = text.name().to_string();
-    let setup = setup(&inputs.job);
     let mut before = Profile::new(&map, limits(&inputs.job, &volume));
     let with_map = tables.as_ref().zip(after_map);
     let mut after = with_map.map(|(t, map)| Profile::new(map, limits(&inputs.job, &t.volume)));
@@ -142,7 +141,7 @@ fn page(options: &Options) -> Result<(Page, Option<Points>), Problems> {
         None => None,
     };
     let mut holes = Holes::default();
-    let ran = run_program(&mut text, &program, &setup, |step| {
+    let ran = run_program(&mut text, &program, &inputs.job.path.setup, |step| {
         before.follow(step, &mut |sample| {
             holes.take(sample, after_map);
             if let Some(points) = &mut points {

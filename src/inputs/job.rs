@@ -3,41 +3,31 @@
 //! A job that exists is valid in itself; whether it fits the measured errors and the control is
 //! checked later, with [`Job::problem_at`] pointing back at the key.
 
-mod active;
-pub mod ahead;
 mod compensation;
 mod diagonals;
-mod limits;
+mod keys;
 mod machine;
 mod measurement;
 mod path;
 mod program;
-mod read;
-mod read_active;
-mod read_beams;
-mod read_compensation;
-mod read_diagonals;
-mod read_measurement;
-mod read_path;
-mod read_places;
-mod read_program;
-mod read_words;
 
-pub use self::active::{ActiveSettings, ActiveTables, NotMeasured};
 pub use self::compensation::{
     AxisSettings, BacklashPolicy, Compensation, GridRequest, OutsideMeasured, UseOf, WantedTerms,
 };
 pub use self::diagonals::{
-    AxisMaterial, Beam, DiagonalMeasurement, Frame, Levers, Linear, LinearSlope, Material,
-    Reflector, SetUp, StatedUncertainty,
+    AxisMaterial, Beam, DiagonalMeasurement, Frame, Linear, LinearSlope, Material, Reflector, SetUp,
 };
-pub use self::limits::{Acceptance, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits};
-pub use self::machine::{Machine, MachineAxis};
-pub use self::measurement::{MeasuredData, Measurement};
+pub use self::machine::{Acceptance, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis};
+pub use self::measurement::{
+    ActiveSettings, ActiveTables, Levers, MeasuredData, Measurement, NotMeasured, StatedUncertainty,
+};
 pub use self::path::PathRequest;
 pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
-use crate::text::document::{Source, read_page};
+use self::keys::sub;
+use crate::control::controller::Profile;
+use crate::quantity::axis::Axis;
+use crate::text::document::{Section, Source, read_page};
 use crate::text::problem::{Problem, Problems};
 
 /// A checked job.
@@ -70,24 +60,52 @@ impl Job {
     /// Reads and checks a job for what is asked of it: figures need no `[compensation]`.
     pub fn read_for(source: Source, use_of: UseOf) -> Result<Job, Problems> {
         refuse_table(&source)?;
-        let (parts, source) = read_page(source, |root| read::job(root, use_of))?;
-        let (machine, measurement, compensation, limits, acceptance, program, path) = parts;
-        Ok(Job {
-            source,
-            machine,
-            measurement,
-            compensation,
-            limits,
-            acceptance,
-            program,
-            path,
-        })
+        let empty = source.clone();
+        let (job, source) = read_page(source, |root| job(root, use_of, empty))?;
+        Ok(Job { source, ..job })
     }
 
     /// A problem at a key of the job, by its dotted path.
     pub(crate) fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
         self.source.problem_at(path, message)
     }
+}
+
+fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
+    let schema = root.whole("schema");
+    if schema != Some(1) && (schema.is_some() || !root.has("schema")) {
+        let found = schema.map_or("missing".to_string(), |schema| schema.to_string());
+        root.problem(
+            "schema",
+            format!("`schema` is {found}, expected `schema = 1` in the first line"),
+            "add `schema = 1` above everything else; a job of another schema needs the version of the program that it was written for",
+        );
+    }
+    for key in ["machine", "measurement"] {
+        root.required_section(key);
+    }
+    let machine = sub(root, "machine", machine::machine);
+    let axes = machine.as_ref().map(|machine| machine.axes);
+    let axes = axes.unwrap_or_default();
+    let measurement = sub(root, "measurement", |s| measurement::measurement(s, &axes));
+    let measurement = measurement.flatten();
+    if use_of == UseOf::Tables {
+        root.required_section("compensation");
+    }
+    let program = sub(root, "program", |s| {
+        program::program(s, measurement.as_ref())
+    });
+    let path = sub(root, "path", |s| path::path(s, &axes));
+    Some(Job {
+        source,
+        compensation: sub(root, "compensation", compensation::compensation).unwrap_or_default(),
+        limits: sub(root, "limits", machine::limits).unwrap_or_default(),
+        acceptance: sub(root, "acceptance", |s| machine::acceptance(s, &axes)).unwrap_or_default(),
+        program: program.flatten(),
+        path: path.unwrap_or_else(|| PathRequest::usual(&axes)),
+        machine: machine?,
+        measurement: measurement?,
+    })
 }
 
 /// A table in place of the job would be refused line by line.
@@ -99,26 +117,99 @@ fn refuse_table(source: &Source) -> Result<(), Problem> {
         return Ok(());
     }
     let has = |name: &str| {
-        head.split([',', ';', '\t'])
-            .any(|cell| cell.trim().trim_matches('"') == name)
+        let mut cells = head.split([',', ';', '\t']);
+        cells.any(|cell| cell.trim().trim_matches('"') == name)
     };
-    let what = if has("diagonal") {
-        "a table of readings"
-    } else if has("axis") {
-        "an error table"
-    } else {
-        "a table"
+    let (what, key) = match (has("diagonal"), has("axis")) {
+        (true, _) => ("a table of readings", "readings"),
+        (false, true) => ("an error table", "errors"),
+        (false, false) => ("a table", "errors"),
     };
-    let key = if has("diagonal") {
-        "readings"
-    } else {
-        "errors"
-    };
-    Err(Problem::new(format!(
-        "`{}` is {what}, expected the job (TOML) that names it",
-        source.name
-    ))
-    .help(format!(
+    let name = &source.name;
+    let message = format!("`{name}` is {what}, expected the job (TOML) that names it");
+    let help = format!(
         "give the job with `{key} = …` in [measurement]; fixtures/start holds jobs to begin with"
-    )))
+    );
+    Err(Problem::new(message).help(help))
+}
+
+/// The problems that a job would have with its control, as far as the page alone shows them: a
+/// control that cannot be found, axes without a grid or without a detection unit. So a person whose
+/// job is refused already is asked for everything at once.
+///
+/// **limits** only for a job that is refused already. An axis with a section counts as one that
+/// is compensated, because its measured errors are not read.
+pub fn ahead(source: Source, find: impl Fn(&str) -> Result<Profile, Problems>) -> Problems {
+    let mut found = Problems::none();
+    if refuse_table(&source).is_ok() {
+        let page = read_page(source, |root| {
+            ROOT.into_iter().for_each(|key| _ = root.has(key));
+            if let Some(compensation) = root.section("compensation") {
+                ask_for_all(&compensation, find);
+            }
+            Some(())
+        });
+        found.take(page);
+    }
+    found
+}
+
+/// The keys of a job, in the order in which it is read: an unknown one is told once.
+const ROOT: [&str; 8] = [
+    "schema",
+    "machine",
+    "measurement",
+    "compensation",
+    "limits",
+    "acceptance",
+    "program",
+    "path",
+];
+
+fn ask_for_all(section: &Section<'_>, find: impl Fn(&str) -> Result<Profile, Problems>) {
+    let profile = section.text("controller").and_then(|word| {
+        let told = |problems: Problems| {
+            for problem in problems.iter() {
+                let help = problem.help.clone().unwrap_or_default();
+                section.problem("controller", &problem.message, help);
+            }
+        };
+        find(&word).map_err(told).ok()
+    });
+    let Some(axes) = section.section("axes") else {
+        return;
+    };
+    for axis in Axis::ALL {
+        if let Some(section) = axes.section(axis.key()) {
+            ask(&section, axis, profile.as_ref());
+        }
+    }
+}
+
+fn ask(section: &Section<'_>, axis: Axis, profile: Option<&Profile>) {
+    let path = section.path();
+    let chosen = ["spacing_mm", "points", "max_residual_um"];
+    if !chosen.into_iter().any(|key| section.has(key)) {
+        section.problem("", without_grid(axis, path), GRID_HELP);
+    }
+    let counts = profile.filter(|profile| profile.detection_unit_required.value);
+    if let Some(profile) = counts.filter(|_| !section.has("detection_unit_um")) {
+        section.problem("", without_unit(path, &profile.name), UNIT_HELP);
+    }
+}
+
+/// The next step for [`without_grid`].
+pub const GRID_HELP: &str = "add `spacing_mm = …`, `points = …` or `max_residual_um = …`";
+/// The next step for [`without_unit`].
+pub const UNIT_HELP: &str =
+    "read it from the control (CMR, DMR, feed gear); it is often 1.0 (IS-B) or 0.1 (IS-C)";
+
+/// An axis whose points nobody chose; `path` is that of its section.
+pub(crate) fn without_grid(axis: Axis, path: &str) -> String {
+    format!("axis {axis} is compensated, but [{path}] does not say how its points are chosen")
+}
+
+/// An axis without detection unit, on a control that counts in it.
+pub(crate) fn without_unit(path: &str, control: &str) -> String {
+    format!("[{path}] has no `detection_unit_um`, and {control} counts in it")
 }

@@ -25,4 +25,4 @@ mod tests;
 pub use self::extremes::{Channel, Extreme, Range};
 pub use self::map::{AxisPart, PathMap};
 pub use self::profile::{Outside, Profile, ProfileLimits, Sample, Summary};
-pub use self::setup::{limits, path_map, setup};
+pub use self::setup::{limits, path_map};

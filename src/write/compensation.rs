@@ -42,7 +42,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     assumptions.sort_by_key(|assumption| assumption.without_effect.is_some()); // those that matter first
     compiled.assumptions = assumptions;
     let mut notes = plan.notes.clone();
-    notes.extend(task.job.measurement.notes.iter().cloned());
+    notes.extend(task.job.measurement.notes());
     notes.extend(task.model.remarks.notes.iter().cloned());
     notes.extend(task.model.unused.iter().cloned());
     notes.extend(unlikely_reversals(task));

@@ -44,7 +44,7 @@ impl Basis {
             ActiveTables::Path(path) => Some(path.clone()),
         };
         labels.extend(inputs.active_notes.iter().cloned());
-        labels.extend(measurement.notes.iter().cloned());
+        labels.extend(measurement.notes());
         labels.extend(said(&inputs.model.remarks));
         Basis {
             frame: frame(&measurement.data),

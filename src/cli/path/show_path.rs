@@ -208,7 +208,7 @@ pub(super) fn remarks(page: &Page) -> Vec<String> {
     let s = &page.before.summary;
     let mut notes = page.ran.notes.clone();
     let mut unstated = Vec::new();
-    if path.start.is_none() {
+    if !path.has_start {
         unstated.push("`start_mm` (the axes start at the reference)");
     }
     if s.with_tool && path.measured_tool_mm.is_none() {

@@ -82,7 +82,7 @@ fn active(
 
 /// What a second job states that its figures do not hold, and what it leaves open.
 fn notes(job: &Job, tables: &Path) -> Vec<String> {
-    let mut notes = job.measurement.notes.clone();
+    let mut notes = job.measurement.notes();
     if job.measurement.active == ActiveTables::NotStated {
         notes.push(format!(
             "the job of the second measurement does not state `active_while_measuring`: the tables in {} are taken to have been active",

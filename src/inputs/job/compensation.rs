@@ -1,9 +1,12 @@
 //! `[compensation]`: what the control shall hold.
 
 use crate::control::controller::LengthUnit;
+use crate::inputs::job::keys::{LIMITS, ascending, axes, between, count, not_both};
 use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::curve::Interpolation;
 use crate::quantity::fit::Fit;
+use crate::text::document::{LONGEST_MM, Section};
+use crate::text::problem::{nearest, shown};
 
 /// What is asked of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,10 +21,9 @@ pub enum UseOf {
 impl UseOf {
     /// Figures, with tables beside them or without.
     pub const fn with(tables: bool) -> UseOf {
-        if tables {
-            UseOf::Tables
-        } else {
-            UseOf::Figures
+        match tables {
+            true => UseOf::Tables,
+            false => UseOf::Figures,
         }
     }
 }
@@ -138,10 +140,10 @@ pub struct Compensation {
     pub axes: PerAxis<Option<AxisSettings>>,
 }
 
-impl Compensation {
+impl Default for Compensation {
     /// What a job without `[compensation]` stands for: no control, straight lines between the
     /// measured points.
-    pub(crate) fn none() -> Compensation {
+    fn default() -> Compensation {
         Compensation {
             controller: "generic".to_string(),
             control_unit: LengthUnit::Millimetre,
@@ -155,4 +157,173 @@ impl Compensation {
             axes: PerAxis::default(),
         }
     }
+}
+
+const UNITS: [(&str, LengthUnit); 2] = [("mm", LengthUnit::Millimetre), ("inch", LengthUnit::Inch)];
+const CURVES: [(&str, Interpolation); 3] = [
+    ("linear", Interpolation::Linear),
+    ("pchip", Interpolation::Pchip),
+    ("natural-spline", Interpolation::NaturalSpline),
+];
+const FITS: [(&str, Fit); 3] = [
+    ("sample", Fit::Sample),
+    ("least-squares", Fit::LeastSquares),
+    ("minimax", Fit::Minimax),
+];
+const POLICIES: [BacklashPolicy; 4] = [
+    BacklashPolicy::Mean,
+    BacklashPolicy::TwoTables,
+    BacklashPolicy::ForwardOnly,
+    BacklashPolicy::CurveAndParameter,
+];
+
+pub(super) fn compensation(section: &Section<'_>) -> Compensation {
+    let controller = "an id of `nonius controllers list`, or the path of a profile";
+    let reserved_points = section.whole_pairs("reserved_points").unwrap_or_default();
+    if let Some([first, last]) = reserved_points.iter().find(|[first, last]| first > last) {
+        section.problem(
+            "reserved_points",
+            format!("the block [{first}, {last}] ends before it begins"),
+            "write [first, last]",
+        );
+    }
+    let policies = POLICIES.map(|policy| (policy.word(), policy));
+    let usual = Compensation::default();
+    Compensation {
+        controller: section
+            .required_text("controller", controller)
+            .unwrap_or_default(),
+        control_unit: section
+            .choice("control_unit", &UNITS)
+            .unwrap_or(usual.control_unit),
+        terms: terms(section),
+        backlash: section.choice("backlash", &policies),
+        curve: section.choice("curve", &CURVES).unwrap_or(usual.curve),
+        fit: section.choice("fit", &FITS).unwrap_or(usual.fit),
+        first_table: section.whole("first_table"),
+        first_set: count(section, "first_set", 1..=u32::MAX, "sets count from 1"),
+        reserved_points,
+        axes: axes(section, |axis| Some(axis_settings(axis))),
+    }
+}
+
+const TERMS: &str = "write \"all\", or for instance [\"EXX\", \"EYX\"]";
+
+/// `"all"`, or a list of terms, each once.
+fn terms(section: &Section<'_>) -> WantedTerms {
+    if !section.is_list("terms") {
+        if let Some(word) = section.text("terms").filter(|word| word != "all") {
+            let word = shown(&word);
+            let message = format!("`terms` is `{word}`, expected `all` or a list of terms");
+            section.problem("terms", message, TERMS);
+        }
+        return WantedTerms::All;
+    }
+    let names = section.texts("terms").unwrap_or_default();
+    let mut listed = Vec::new();
+    for name in &names {
+        match ErrorTerm::from_name(name) {
+            Some(term) if listed.contains(&term) => {
+                let message = format!("`{}` stands twice in `terms`", shown(name));
+                section.problem("terms", message, "remove one");
+            }
+            Some(term) => listed.push(term),
+            None => unknown_term(section, name),
+        }
+    }
+    if names.is_empty() {
+        let message = "`terms` names no term, expected at least one";
+        section.problem("terms", message, TERMS);
+    }
+    WantedTerms::Listed(listed)
+}
+
+fn unknown_term(section: &Section<'_>, name: &str) {
+    let names: Vec<String> = ErrorTerm::ALL.iter().map(ToString::to_string).collect();
+    let help = match nearest(name, names.iter().map(String::as_str)) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("terms: {}", names.join(", ")),
+    };
+    section.problem("terms", format!("unknown term `{}`", shown(name)), help);
+}
+
+fn axis_settings(section: &Section<'_>) -> AxisSettings {
+    let system = "1 = motor encoder or first system, 2 = direct scale";
+    let words = [
+        ("hold", OutsideMeasured::Hold),
+        ("refuse", OutsideMeasured::Refuse),
+    ];
+    let settings = AxisSettings {
+        grid: grid_request(section),
+        ids: axis_ids(section),
+        measuring_system: count(section, "measuring_system", 1..=2, system),
+        detection_unit_um: between(section, "detection_unit_um", 1e-6..=1000.0, "µm"),
+        first_point: section.whole("first_point"),
+        parameter_3605: bits(section, "parameter_3605"),
+        interpolated: section.flag("interpolated"),
+        start_mm: section.millimetres("start_mm"),
+        end_mm: section.millimetres("end_mm"),
+        outside: section
+            .choice("outside", &words)
+            .unwrap_or(OutsideMeasured::Hold),
+    };
+    if let (Some(start), Some(end)) = (settings.start_mm, settings.end_mm) {
+        ascending(section, "end_mm", [start, end]);
+    }
+    settings
+}
+
+fn grid_request(section: &Section<'_>) -> Option<GridRequest> {
+    let spacing = between(section, "spacing_mm", 1e-6..=LONGEST_MM, "mm");
+    let points = count(section, "points", 2..=u32::MAX, "write a larger number");
+    let residual = between(section, "max_residual_um", LIMITS, "µm");
+    not_both(section, "points", "spacing_mm", "keep one");
+    not_both(section, "max_residual_um", "spacing_mm", "keep one");
+    not_both(section, "max_residual_um", "points", "keep one");
+    let spacing = spacing.map(GridRequest::Spacing);
+    let points = points.map(GridRequest::Points);
+    let residual = residual.map(GridRequest::MaxResidual);
+    spacing.or(points).or(residual)
+}
+
+/// `id`, or the `ids` of a gantry.
+fn axis_ids(section: &Section<'_>) -> Vec<String> {
+    let id = section.text("id");
+    let ids = section.texts("ids");
+    let help = "`ids` is for a gantry of several physical axes";
+    not_both(section, "ids", "id", help);
+    let key = if ids.is_some() { "ids" } else { "id" };
+    let all: Vec<String> = ids.unwrap_or_else(|| id.into_iter().collect());
+    for (index, id) in all.iter().enumerate() {
+        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let is_twice = all[..index].contains(id);
+        if id.is_empty() || !id.chars().all(is_name) || is_twice {
+            let what = if is_twice {
+                "stands twice"
+            } else {
+                "is no name of an axis"
+            };
+            section.problem(
+                key,
+                format!("`{}` {what}, expected letters, digits and `_`", shown(id)),
+                "write every physical axis once, as the control shows it, e.g. `AX1`",
+            );
+        }
+    }
+    all
+}
+
+fn bits(section: &Section<'_>, key: &'static str) -> Option<u8> {
+    let text = section.text(key)?;
+    let is_plain = text.len() == 8 && !text.contains('+');
+    let bits = u8::from_str_radix(&text, 2).ok().filter(|_| is_plain);
+    if bits.is_none() {
+        let text = shown(&text);
+        section.problem(
+            key,
+            format!("`{key}` is `{text}`, expected eight digits 0 or 1, bit 7 first"),
+            "read the parameter out of the control and copy it, e.g. \"00000000\"",
+        );
+    }
+    bits
 }

@@ -1,9 +1,14 @@
 //! `[measurement.step_diagonal]`: how the body diagonals were measured (contract §2.3).
 
-use crate::inputs::job::MachineAxis;
+use crate::inputs::job::keys::{
+    Places, all_of, between, count, direction, inside, not_both, only_with, place, require, sub,
+    subs,
+};
+use crate::inputs::job::machine::{Axes, inside_travel};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
+use crate::text::document::{LONGEST_MM, Section};
 
 /// A measurement of the four body diagonals.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +66,16 @@ pub enum Reflector {
     Retroreflector,
 }
 
+impl Reflector {
+    /// What such runs are measured with where nobody says it.
+    pub(super) const fn usual(kind: PathKind) -> Reflector {
+        match kind {
+            PathKind::Step => Reflector::FlatMirror,
+            PathKind::Straight => Reflector::Retroreflector,
+        }
+    }
+}
+
 /// One `[[measurement.step_diagonal.linear]]`: positioning error of an axis along its length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linear {
@@ -114,77 +129,338 @@ pub struct AxisMaterial {
     pub temperature_c: Option<f64>,
 }
 
-/// `[measurement.uncertainty]`: standard uncertainties (k = 1); what is `None` is listed as not included.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct StatedUncertainty {
-    /// Noise of a single reading, µm.
-    pub noise_um: Option<f64>,
-    /// Scale of the laser (wavelength, air), 10⁻⁶.
-    pub laser_ppm: Option<f64>,
-    /// Temperature of the scales, K.
-    pub temperature_k: Option<f64>,
-    /// Coefficient of expansion, 1/K.
-    pub alpha_per_k: Option<f64>,
-    /// Change of length scale (laser, air, scales) from one set-up to the next, 10⁻⁶.
-    pub setup_ppm: Option<f64>,
-    /// Bound on each pitch, yaw and roll that was not measured: how far it departs anywhere in the
-    /// box from its value at the low end of its axis, whatever its shape, µrad.
-    pub angle_urad: Option<f64>,
-    /// Bound on the angle between the beam and the mirror's normal (straight runs: and the
-    /// diagonal), mrad.
-    pub beam_mrad: Option<f64>,
-    /// Tilt of the mirror in each direction across the diagonal where the set-up is assumed
-    /// perfect, seconds of arc.
-    pub tilt_arcsec: Option<f64>,
+const SMALLEST_SIZE_MM: f64 = 1e-3; // below it a box is no volume of a machine tool
+const MOST_STEPS: u32 = 8_000; // eighty times the steps of any published measurement; four diagonals fit into one file
+const STEEPEST_UM_PER_M: f64 = 1e4; // 10 mm on a metre: no axis that still cuts is so long or short
+const LARGEST_ALPHA_PER_K: f64 = 1e-4; // four times aluminium
+const COLDEST_C: f64 = -10.0; // nobody measures outside these temperatures; they refuse °F as well
+const WARMEST_C: f64 = 50.0;
+
+const SET_UPS: [(&str, SetUp); 2] = [
+    ("solve", SetUp::Solve),
+    ("assume-perfect", SetUp::AssumePerfect),
+];
+const FRAMES: [(&str, Frame); 2] = [
+    ("x-primary", Frame::XPrimary),
+    ("as-measured", Frame::AsMeasured),
+];
+const REFLECTORS: [(&str, Reflector); 2] = [
+    ("flat-mirror", Reflector::FlatMirror),
+    ("retroreflector", Reflector::Retroreflector),
+];
+const ORDERS: [(&str, [Axis; 3]); 6] = [
+    ("XYZ", Axis::ORDERS[0]),
+    ("XZY", Axis::ORDERS[1]),
+    ("YXZ", Axis::ORDERS[2]),
+    ("YZX", Axis::ORDERS[3]),
+    ("ZXY", Axis::ORDERS[4]),
+    ("ZYX", Axis::ORDERS[5]),
+];
+const KINDS: [(&str, PathKind); 2] = [("step", PathKind::Step), ("straight", PathKind::Straight)];
+
+/// The section; `readings` is the path beside it.
+pub(super) fn diagonals(
+    section: &Section<'_>,
+    axes: &Axes,
+    readings: String,
+) -> Option<DiagonalMeasurement> {
+    let kind = section.choice("kind", &KINDS).unwrap_or(PathKind::Step);
+    let is_straight = kind == PathKind::Straight;
+    let straight = "`kind = \"straight\"`";
+    only_with(section, "closure_errors", is_straight, straight);
+    let target = section.choice("target", &REFLECTORS);
+    let is_mirror = target != Some(Reflector::Retroreflector);
+    only_with(section, "target", is_straight || is_mirror, straight);
+    let volume = volume(section, kind, None, true);
+    if let Some(volume) = &volume {
+        inside_travel(section, |_| "start_mm", &volume.start, axes);
+        let end = PerAxis::from_fn(|axis| volume.start[axis] + volume.size[axis]);
+        inside_travel(section, |_| "size_mm", &end, axes);
+    }
+    Some(DiagonalMeasurement {
+        readings,
+        kind,
+        laser_sign: direction(section, "laser_sign").unwrap_or(Direction::Plus),
+        setup: section.choice("setup", &SET_UPS).unwrap_or(SetUp::Solve),
+        frame: section.choice("frame", &FRAMES).unwrap_or(Frame::XPrimary),
+        target: target.unwrap_or(Reflector::usual(kind)),
+        overrun: section.flag("overrun"),
+        closure_errors: section.text("closure_errors"),
+        linear: linear(section),
+        beams: subs(section, "beam", |beam| {
+            one_beam(beam, axes, volume.as_ref())
+        }),
+        material: sub(section, "material", material),
+        volume: volume?, // what stands above is read for its problems
+    })
 }
 
-impl StatedUncertainty {
-    /// The stated keys that only readings of the diagonals have a use for.
-    pub(crate) fn keys_of_readings(&self) -> Vec<&'static str> {
-        let all = [
-            ("temperature_k", self.temperature_k),
-            ("alpha_per_k", self.alpha_per_k),
-            ("setup_ppm", self.setup_ppm),
-            ("angle_urad", self.angle_urad),
-            ("beam_mrad", self.beam_mrad),
-            ("tilt_arcsec", self.tilt_arcsec),
-        ];
-        let stated = all.into_iter().filter(|(_, value)| value.is_some());
-        stated.map(|(key, _)| key).collect()
+/// The measured box; what is not stated here is that of `usual`.
+pub(super) fn volume(
+    section: &Section<'_>,
+    kind: PathKind,
+    usual: Option<&Volume>,
+    is_required: bool,
+) -> Option<Volume> {
+    let order = "the order of the single-axis moves inside a cell, e.g. \"XYZ\"";
+    let needed = [
+        (
+            "start_mm",
+            "the corner with the smallest machine coordinates, e.g. { x = 10.0, y = 10.0, z = -400.0 }",
+        ),
+        (
+            "size_mm",
+            "the edges of the measured box, e.g. { x = 900.0, y = 720.0, z = 720.0 }",
+        ),
+        ("steps", "the number of steps of each axis"),
+        ("order", order),
+    ];
+    let count_needed = if kind == PathKind::Step { 4 } else { 3 };
+    if is_required {
+        require(section, &needed[..count_needed]);
+    }
+    let start = place(section, "start_mm").or(usual.map(|v| v.start));
+    let size = sub(section, "size_mm", size).map_or(usual.map(|v| v.size), |size| size);
+    let help = "give the number of steps that each axis makes along a diagonal";
+    let steps = count(section, "steps", 1..=MOST_STEPS, help);
+    let steps = steps.and_then(|steps| usize::try_from(steps).ok());
+    let order = section.choice_in_any_case("order", &ORDERS);
+    let straight = (kind == PathKind::Straight).then_some(Axis::ALL);
+    Some(Volume {
+        start: start?,
+        size: size?,
+        steps: steps.or(usual.map(|v| v.steps))?,
+        order: order.or(usual.map(|v| v.order)).or(straight)?,
+    })
+}
+
+fn size(section: &Section<'_>) -> Option<Places> {
+    all_of(PerAxis::from_fn(|axis| {
+        require(section, &[(axis.key(), "the edge along this axis, mm")]);
+        let size = between(section, axis.key(), SMALLEST_SIZE_MM..=LONGEST_MM, "mm");
+        size.map(Millimetres::new)
+    }))
+}
+
+fn material(section: &Section<'_>) -> Material {
+    require(
+        section,
+        &[
+            (
+                "material_corrected",
+                "`true` or `false`: correcting the scales twice costs 11 µm/m for each K",
+            ),
+            (
+                "air_corrected",
+                "`true` or `false`: whether the readings are corrected for the air already",
+            ),
+        ],
+    );
+    Material {
+        material_corrected: section.flag("material_corrected").unwrap_or_default(),
+        air_corrected: section.flag("air_corrected").unwrap_or_default(),
+        axes: PerAxis::from_fn(|axis| sub(section, axis.key(), axis_material)),
+    }
+}
+
+fn axis_material(section: &Section<'_>) -> AxisMaterial {
+    let steel = "the expansion of the scale, e.g. 11.5e-6";
+    require(section, &[("alpha_per_k", steel)]);
+    let alpha = -LARGEST_ALPHA_PER_K..=LARGEST_ALPHA_PER_K;
+    AxisMaterial {
+        alpha_per_k: between(section, "alpha_per_k", alpha, "1/K").unwrap_or_default(),
+        temperature_c: between(section, "temperature_c", COLDEST_C..=WARMEST_C, "°C"),
+    }
+}
+
+/// The lines along single axes, each axis once.
+fn linear(section: &Section<'_>) -> Vec<Linear> {
+    let mut seen = Vec::new();
+    subs(section, "linear", |section| {
+        let linear = one_linear(section)?;
+        if seen.contains(&linear.axis) {
+            let axis = linear.axis;
+            let message = format!("axis {axis} has two linear measurements, expected one");
+            section.problem("axis", message, "keep one of the two, or give their mean");
+        }
+        seen.push(linear.axis);
+        Some(linear)
+    })
+}
+
+fn one_linear(section: &Section<'_>) -> Option<Linear> {
+    require(section, &[("axis", "`x`, `y` or `z`")]);
+    not_both(section, "errors", "slope_um_per_m", "keep one");
+    if !section.has("errors") {
+        let slope = "the slope of the positioning error, µm/m, or `errors = …` with a table of it";
+        require(section, &[("slope_um_per_m", slope)]);
+    }
+    let axis = section.choice_in_any_case("axis", &Axis::ALL.map(|axis| (axis.key(), axis)));
+    let stated = slope(section).map(LinearSlope::Stated);
+    let errors = section.text("errors").map(LinearSlope::Errors);
+    let u_um_per_m = section.not_negative("u_um_per_m");
+    Some(Linear {
+        axis: axis?,
+        slope: stated.or(errors)?,
+        u_um_per_m,
+    })
+}
+
+fn slope(section: &Section<'_>) -> Option<f64> {
+    let slopes = -STEEPEST_UM_PER_M..=STEEPEST_UM_PER_M;
+    between(section, "slope_um_per_m", slopes, "µm/m")
+}
+
+fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Option<Beam> {
+    let example = "a place, e.g. { x = 0.0, y = 0.0, z = 0.0 }";
+    let slope_um_per_m = "the displacement error by length, µm/m";
+    require(
+        section,
+        &[
+            ("from_mm", example),
+            ("to_mm", example),
+            ("slope_um_per_m", slope_um_per_m),
+        ],
+    );
+    let (from, to) = (place(section, "from_mm"), place(section, "to_mm"));
+    let slope_um_per_m = slope(section);
+    let u_um_per_m = section.not_negative("u_um_per_m");
+    let (from, to) = (from?, to?);
+    let length = |axis: Axis| (to[axis] - from[axis]).mm().abs();
+    if Axis::ALL
+        .into_iter()
+        .all(|axis| length(axis) < SMALLEST_SIZE_MM)
+    {
+        section.problem(
+            "to_mm",
+            "the beam begins and ends at one place, expected two",
+            "give the two ends of the measured line",
+        );
+    }
+    for axis in Axis::ALL {
+        // What the shapes of the errors contribute to a beam is known inside the box only; an axis that
+        // rests may stand anywhere.
+        let moves = volume.filter(|_| length(axis) > 0.0);
+        let boxed = moves.map(|v| (v.start[axis], v.start[axis] + v.size[axis]));
+        let travel = axes[axis].map(|machine| (machine.low, machine.high));
+        let what = boxed.map_or("the travel", |_| "the box of the diagonals");
+        if let Some(ends) = boxed.or(travel) {
+            inside(section, "from_mm", (axis, from[axis].mm()), ends, what);
+            inside(section, "to_mm", (axis, to[axis].mm()), ends, what);
+        }
+    }
+    Some(Beam {
+        from,
+        to,
+        slope_um_per_m: slope_um_per_m?,
+        u_um_per_m,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::expect_used,
+        clippy::panic,
+        reason = "a test that cannot go on has to stop"
+    )]
+
+    use super::*;
+    use crate::inputs::job::{Job, LinearSlope, MeasuredData, Measurement};
+    use crate::text::document::Source;
+
+    fn measurement(more: &str) -> Measurement {
+        let page = format!(
+            r#"
+schema = 1
+[machine]
+name = "VMC"
+[compensation]
+controller = "generic"
+[measurement]
+readings = "readings.csv"
+angles = "angles.csv"
+tool_offset_mm = {{ x = 0.0, y = 0.0, z = -120.0 }}
+[measurement.uncertainty]
+laser_ppm = 0.1
+[measurement.step_diagonal]
+start_mm = {{ x = 0.0, y = -80.0, z = 0.0 }}
+size_mm = {{ x = 100.0, y = 80.0, z = 80.0 }}
+steps = 4
+{more}
+"#
+        );
+        let source = Source::from_bytes("job.toml", page.as_bytes()).expect("it is text");
+        Job::read(source).expect("it is a job").measurement
     }
 
-    /// What the beam may take off every length, 10⁻⁶: 1 − cos of `beam_mrad`. All of it counts as a
-    /// standard uncertainty: it has one sign and stays in the readings.
-    pub(crate) fn beam_ppm(&self) -> f64 {
-        self.beam_mrad.map_or(0.0, |mrad| mrad * mrad / 2.0)
+    fn diagonals(measurement: Measurement) -> DiagonalMeasurement {
+        match measurement.data {
+            MeasuredData::Diagonals(diagonals) => diagonals,
+            MeasuredData::Errors(paths) => panic!("{paths:?} is no file of readings"),
+        }
     }
-}
 
-/// Places that the lever arms of angular errors are counted from; machine coordinates, `None` =
-/// not stated.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Levers {
-    /// `offsets_mm`: where each axis rested while the others were measured (paper 002 §3.1).
-    pub offsets: PerAxis<Option<Millimetres>>,
-    /// `tool_offset_mm`: from the point where the errors were measured to the tool point.
-    pub tool: Option<PerAxis<Millimetres>>,
-    /// `angles_zero_mm`: where the angles of an axis count as zero, which is where it stood while
-    /// the squareness was measured.
-    pub angles_zero: PerAxis<Option<Millimetres>>,
-    /// `straightness_optic_mm`: of an axis that carries the workpiece, the place on its table where
-    /// the optic of its straightness measurement rode; `None` = it was measured at the tool point.
-    pub straightness_optic: PerAxis<Option<Millimetres>>,
-}
+    #[test]
+    fn what_is_not_stated_has_the_value_of_the_contract() {
+        let measurement = measurement("order = \"zXy\"");
+        assert_eq!(measurement.angles.as_deref(), Some("angles.csv"));
+        assert_eq!(measurement.uncertainty.laser_ppm, Some(0.1));
+        assert_eq!(measurement.levers.offsets, PerAxis::default());
+        let tool = measurement.levers.tool.expect("it is stated");
+        assert_eq!(tool.z, Millimetres::new(-120.0));
+        assert!(measurement.notes().is_empty());
+        let read = diagonals(measurement);
+        assert_eq!(read.volume.order, [Axis::Z, Axis::X, Axis::Y]);
+        assert_eq!(
+            (read.kind, read.target),
+            (PathKind::Step, Reflector::FlatMirror)
+        );
+        assert_eq!((read.setup, read.frame), (SetUp::Solve, Frame::XPrimary));
+        assert_eq!((read.laser_sign, read.overrun), (Direction::Plus, None));
+    }
 
-impl Levers {
-    /// Where the levers of the angles count from: the stated `offsets_mm`, else the reference
-    /// (machine zero of an axis that the job does not have). One rule for everyone: curves that
-    /// were separated with one origin and judged with another are those of no machine.
-    pub fn origin(&self, axes: &PerAxis<Option<MachineAxis>>) -> PerAxis<f64> {
-        PerAxis::from_fn(|axis| {
-            let reference = axes[axis].map(|machine| machine.reference);
-            let place = self.offsets[axis].or(reference);
-            place.map_or(0.0, Millimetres::mm)
-        })
+    #[test]
+    fn everything_that_may_be_stated_is_read() {
+        let read = diagonals(measurement(
+            r#"
+kind = "straight"
+laser_sign = "-"
+setup = "assume-perfect"
+frame = "as-measured"
+overrun = true
+closure_errors = "errors.csv"
+[[measurement.step_diagonal.linear]]
+axis = "y"
+errors = "y-linear.csv"
+u_um_per_m = 0.5
+[[measurement.step_diagonal.beam]]
+from_mm = { x = 0.0, y = 0.0, z = 0.0 }
+to_mm = { x = 100.0, y = -80.0, z = 0.0 }
+slope_um_per_m = -3.5
+[measurement.step_diagonal.material]
+material_corrected = false
+air_corrected = true
+y = { alpha_per_k = 8e-6 }
+"#,
+        ));
+        assert_eq!(
+            (read.kind, read.target),
+            (PathKind::Straight, Reflector::Retroreflector)
+        );
+        assert_eq!(
+            (read.laser_sign, read.overrun),
+            (Direction::Minus, Some(true))
+        );
+        assert_eq!(read.closure_errors.as_deref(), Some("errors.csv"));
+        assert_eq!(
+            read.linear[0].slope,
+            LinearSlope::Errors("y-linear.csv".to_string())
+        );
+        assert_eq!(read.beams[0].to.y, Millimetres::new(-80.0));
+        let material = read.material.expect("it is stated");
+        assert!(material.air_corrected && !material.material_corrected);
+        let y = material.axes.y.expect("it is stated");
+        assert_eq!((y.alpha_per_k, y.temperature_c), (8e-6, None));
     }
 }

@@ -1,8 +1,104 @@
-//! `[measurement]`: what was measured.
+//! `[measurement]`: what was measured, and with which compensation.
 
-use crate::inputs::job::active::{ActiveSettings, ActiveTables};
-use crate::inputs::job::diagonals::{DiagonalMeasurement, Levers, StatedUncertainty};
-use crate::quantity::axis::ErrorTerm;
+use crate::inputs::job::diagonals::{DiagonalMeasurement, diagonals};
+use crate::inputs::job::keys::{not_both, only_with, place, plain_text, require, some_places, sub};
+use crate::inputs::job::machine::MachineAxis;
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use crate::quantity::units::Millimetres;
+use crate::text::document::Section;
+
+/// Whether a compensation was active while measuring.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ActiveTables {
+    /// `"none"`: the machine was measured without compensation.
+    None,
+    /// The job does not say; warned about in every output.
+    NotStated,
+    /// Path of a kit, or of files read out of the control, relative to the job.
+    Path(String),
+}
+
+/// What becomes of a term that the active tables correct and that was not measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotMeasured {
+    /// Its correction is carried over into the new tables.
+    Keep,
+    /// The new tables do without it; the old table has to be switched off.
+    Drop,
+}
+
+/// What the job says to the active tables beyond their path.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ActiveSettings {
+    /// `active_terms_not_measured`; no default.
+    pub not_measured: Option<NotMeasured>,
+    /// `active_reference = "rezero"`: the value of an active table at the reference is taken off.
+    pub rezero: bool,
+    /// `active_backlash_um`: backlash parameter of each axis while measuring, µm, where no file
+    /// holds it or no table was active; positive = ordinary lost motion.
+    pub backlash_um: PerAxis<Option<f64>>,
+}
+
+/// `[measurement.uncertainty]`: standard uncertainties (k = 1); what is `None` is listed as not included.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct StatedUncertainty {
+    /// Noise of a single reading, µm.
+    pub noise_um: Option<f64>,
+    /// Scale of the laser (wavelength, air), 10⁻⁶.
+    pub laser_ppm: Option<f64>,
+    /// Temperature of the scales, K.
+    pub temperature_k: Option<f64>,
+    /// Coefficient of expansion, 1/K.
+    pub alpha_per_k: Option<f64>,
+    /// Change of length scale (laser, air, scales) from one set-up to the next, 10⁻⁶.
+    pub setup_ppm: Option<f64>,
+    /// Bound on each pitch, yaw and roll that was not measured: how far it departs anywhere in the
+    /// box from its value at the low end of its axis, whatever its shape, µrad.
+    pub angle_urad: Option<f64>,
+    /// Bound on the angle between the beam and the mirror's normal (straight runs: and the
+    /// diagonal), mrad.
+    pub beam_mrad: Option<f64>,
+    /// Tilt of the mirror in each direction across the diagonal where the set-up is assumed
+    /// perfect, seconds of arc.
+    pub tilt_arcsec: Option<f64>,
+}
+
+impl StatedUncertainty {
+    /// What the beam may take off every length, 10⁻⁶: 1 − cos of `beam_mrad`. All of it counts as a
+    /// standard uncertainty: it has one sign and stays in the readings.
+    pub(crate) fn beam_ppm(&self) -> f64 {
+        self.beam_mrad.map_or(0.0, |mrad| mrad * mrad / 2.0)
+    }
+}
+
+/// Places that the lever arms of angular errors are counted from; machine coordinates, `None` =
+/// not stated.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Levers {
+    /// `offsets_mm`: where each axis rested while the others were measured (paper 002 §3.1).
+    pub offsets: PerAxis<Option<Millimetres>>,
+    /// `tool_offset_mm`: from the point where the errors were measured to the tool point.
+    pub tool: Option<PerAxis<Millimetres>>,
+    /// `angles_zero_mm`: where the angles of an axis count as zero, which is where it stood while
+    /// the squareness was measured.
+    pub angles_zero: PerAxis<Option<Millimetres>>,
+    /// `straightness_optic_mm`: of an axis that carries the workpiece, the place on its table where
+    /// the optic of its straightness measurement rode; `None` = it was measured at the tool point.
+    pub straightness_optic: PerAxis<Option<Millimetres>>,
+}
+
+impl Levers {
+    /// Where the levers of the angles count from: the stated `offsets_mm`, else the reference
+    /// (machine zero of an axis that the job does not have). One rule for everyone: curves that
+    /// were separated with one origin and judged with another are those of no machine.
+    pub fn origin(&self, axes: &PerAxis<Option<MachineAxis>>) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| {
+            let reference = axes[axis].map(|machine| machine.reference);
+            let place = self.offsets[axis].or(reference);
+            place.map_or(0.0, Millimetres::mm)
+        })
+    }
+}
 
 /// Where the nine errors come from.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,17 +131,204 @@ pub struct Measurement {
     pub protocol: Vec<(String, String)>,
     /// `[measurement.uncertainty]`.
     pub uncertainty: StatedUncertainty,
-    /// What every output has to say of the measurement, one sentence each: what is stated and not
-    /// used, and what a separation rests on.
-    pub notes: Vec<String>,
 }
 
 impl Measurement {
-    /// Keys of `[measurement.uncertainty]` that are stated and count in no figure.
+    /// Keys of `[measurement.uncertainty]` that are stated and count in no figure: those that only
+    /// readings of the diagonals have a use for.
     pub(crate) fn unused_keys(&self) -> Vec<&'static str> {
-        match self.data {
-            MeasuredData::Errors(_) => self.uncertainty.keys_of_readings(),
-            MeasuredData::Diagonals(_) => Vec::new(),
+        let stated = &self.uncertainty;
+        let all = [
+            ("temperature_k", stated.temperature_k),
+            ("alpha_per_k", stated.alpha_per_k),
+            ("setup_ppm", stated.setup_ppm),
+            ("angle_urad", stated.angle_urad),
+            ("beam_mrad", stated.beam_mrad),
+            ("tilt_arcsec", stated.tilt_arcsec),
+        ];
+        let is_table = matches!(self.data, MeasuredData::Errors(_));
+        let unused = all.into_iter();
+        let unused = unused.filter(|(_, value)| is_table && value.is_some());
+        unused.map(|(key, _)| key).collect()
+    }
+
+    /// What every output has to say of the measurement: what is stated and not used, one sentence each.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let keys = self.unused_keys().into_iter();
+        let sentence = |key| {
+            format!(
+                "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column, `noise_um` and `laser_ppm` state"
+            )
+        };
+        keys.map(sentence).collect()
+    }
+}
+
+pub(super) fn measurement(
+    section: &Section<'_>,
+    axes: &PerAxis<Option<MachineAxis>>,
+) -> Option<Measurement> {
+    let data = data(section, axes);
+    let active = match section.text("active_while_measuring").as_deref() {
+        None => ActiveTables::NotStated,
+        Some("none") => ActiveTables::None,
+        Some(path) => ActiveTables::Path(path.to_string()),
+    };
+    Some(Measurement {
+        angles: section.text("angles"),
+        levers: Levers {
+            offsets: some_places(section, "offsets_mm"),
+            tool: place(section, "tool_offset_mm"),
+            angles_zero: some_places(section, "angles_zero_mm"),
+            straightness_optic: some_places(section, "straightness_optic_mm"),
+        },
+        date: plain_text(section, "date"),
+        active_settings: active_settings(section, &active),
+        active,
+        squareness: squareness(section),
+        protocol: section
+            .section("protocol")
+            .map(|protocol| protocol.entries())
+            .unwrap_or_default(),
+        uncertainty: sub(section, "uncertainty", uncertainty).unwrap_or_default(),
+        data: data?, // the others are read for their problems
+    })
+}
+
+fn active_settings(section: &Section<'_>, active: &ActiveTables) -> ActiveSettings {
+    let is_named = matches!(active, ActiveTables::Path(_));
+    let path = "`active_while_measuring = \"PATH\"`";
+    only_with(section, "active_terms_not_measured", is_named, path);
+    only_with(section, "active_reference", is_named, path);
+    let is_stated = *active != ActiveTables::NotStated;
+    let none = "`active_while_measuring = …`";
+    only_with(section, "active_backlash_um", is_stated, none);
+    let words = [("keep", NotMeasured::Keep), ("drop", NotMeasured::Drop)];
+    let backlash = |s: &Section<'_>| PerAxis::from_fn(|axis| s.number(axis.key()));
+    ActiveSettings {
+        not_measured: section.choice("active_terms_not_measured", &words),
+        rezero: section
+            .choice("active_reference", &[("same", false), ("rezero", true)])
+            .unwrap_or(false),
+        backlash_um: sub(section, "active_backlash_um", backlash).unwrap_or_default(),
+    }
+}
+
+/// Exactly one of `errors` and `readings`.
+fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<MeasuredData> {
+    let errors = error_tables(section);
+    let readings = section.text("readings");
+    let has_readings = section.has("readings");
+    let help = "keep `readings` to separate them now, or `errors` if they are separated already";
+    not_both(section, "readings", "errors", help);
+    if section.has("errors") {
+        only_with(section, "step_diagonal", has_readings, "`readings`");
+        return errors.map(MeasuredData::Errors);
+    }
+    if has_readings {
+        section.required_section("step_diagonal");
+    } else if section.has("step_diagonal") {
+        require(
+            section,
+            &[(
+                "readings",
+                "the path of the readings that [measurement.step_diagonal] describes",
+            )],
+        );
+    } else {
+        require(
+            section,
+            &[(
+                "errors",
+                "the path of an error table (or `readings` of the body diagonals)",
+            )],
+        );
+    }
+    let measured = sub(section, "step_diagonal", |how| {
+        diagonals(how, axes, readings.unwrap_or_default())
+    });
+    measured.flatten().map(MeasuredData::Diagonals)
+}
+
+/// The path of an error table, or a list of them.
+fn error_tables(section: &Section<'_>) -> Option<Vec<String>> {
+    if !section.is_list("errors") {
+        return section.text("errors").map(|path| vec![path]);
+    }
+    let paths = section.texts("errors")?;
+    if paths.is_empty() {
+        section.problem(
+            "errors",
+            "the list of error tables is empty, expected at least one path",
+            "write e.g. `errors = [\"x.csv\", \"y.csv\", \"z.csv\"]`",
+        );
+    }
+    Some(paths)
+}
+
+fn uncertainty(section: &Section<'_>) -> StatedUncertainty {
+    StatedUncertainty {
+        noise_um: section.not_negative("noise_um"),
+        laser_ppm: section.not_negative("laser_ppm"),
+        temperature_k: section.not_negative("temperature_k"),
+        alpha_per_k: section.not_negative("alpha_per_k"),
+        setup_ppm: section.not_negative("setup_ppm"),
+        angle_urad: section.not_negative("angle_urad"),
+        beam_mrad: section.not_negative("beam_mrad"),
+        tilt_arcsec: section.not_negative("tilt_arcsec"),
+    }
+}
+
+fn squareness(measurement: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
+    let key = "squareness_um_per_m";
+    let is_table = !measurement.has("readings");
+    only_with(measurement, key, is_table, "`errors`"); // readings measure the squareness themselves
+    let pairs = [
+        ("xy", Axis::X, Axis::Y),
+        ("xz", Axis::X, Axis::Z),
+        ("yz", Axis::Y, Axis::Z),
+    ];
+    let read = |section: &Section<'_>| {
+        let given = pairs.into_iter();
+        let given = given
+            .filter_map(|(key, of, along)| Some((ErrorTerm { of, along }, section.number(key)?)));
+        given.collect()
+    };
+    sub(measurement, key, read).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use crate::inputs::job::Job;
+    use crate::text::document::Source;
+
+    const PAGE: &str = r#"
+schema = 1
+[machine]
+name = "VMC"
+[measurement]
+errors = "errors.csv"
+angles = "angles.csv"
+offsets_mm = { x = 1.0, y = 2.0, z = 3.0 }
+[measurement.uncertainty]
+noise_um = 0.5
+laser_ppm = 0.1
+temperature_k = 0.3
+[compensation]
+controller = "generic"
+"#;
+
+    #[test]
+    fn what_is_stated_and_not_used_is_named() {
+        let source = Source::from_bytes("job.toml", PAGE.as_bytes()).expect("it is text");
+        let measurement = Job::read(source).expect("it is a job").measurement;
+        assert_eq!(measurement.uncertainty.noise_um, Some(0.5));
+        let keys = ["`temperature_k`"];
+        assert_eq!(measurement.notes().len(), keys.len());
+        for (sentence, key) in measurement.notes().iter().zip(keys) {
+            assert!(sentence.contains(key), "{sentence}");
         }
     }
 }

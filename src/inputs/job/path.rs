@@ -1,33 +1,22 @@
 //! `[path]`: what the control knows before a part program starts, and how its path is followed.
 
-use crate::inputs::nc::{G43WithoutH, WithoutPoint};
-use crate::quantity::axis::PerAxis;
-use crate::quantity::units::Millimetres;
+use crate::inputs::job::keys::{Places, between, coordinates, count, place, require, subs};
+use crate::inputs::job::machine::{Axes, inside_travel};
+use crate::inputs::nc::{G43WithoutH, Place, Setup, WithoutPoint, system_number};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::text::document::Section;
+use crate::text::problem::shown;
 use std::collections::BTreeMap;
 
 /// `[path]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathRequest {
-    /// Where the axes stand before the program; `None` = at the reference.
-    pub start: Option<PerAxis<Millimetres>>,
-    /// Second reference point (G30).
-    pub second_reference: Option<PerAxis<Millimetres>>,
-    /// Origins of coordinate systems (numbers of [`crate::inputs::nc::system_number`]).
-    pub systems: BTreeMap<u32, PerAxis<Millimetres>>,
-    /// Tool lengths by number of the offset, mm.
-    pub tools: BTreeMap<u32, f64>,
+    /// What the control knows before the program starts.
+    pub setup: Setup,
+    /// The job says where the axes stand before the program; else they are taken to be at the reference.
+    pub has_start: bool,
     /// Length of the tool that was measured with, mm; `None` = not stated.
     pub measured_tool_mm: Option<f64>,
-    /// Inches until G21.
-    pub inch: bool,
-    /// Coordinates without a decimal point.
-    pub without_point: WithoutPoint,
-    /// Which tool offset G43 without H takes.
-    pub g43_without_h: G43WithoutH,
-    /// How far the end of an arc may miss its circle, mm; `None` = as the program's unit needs.
-    pub arc_mm: Option<f64>,
-    /// Lines with `/` are left out.
-    pub skip_deletable: bool,
     /// Rapid moves count too.
     pub rapid: bool,
     /// How far chords may leave an arc, mm.
@@ -36,33 +25,141 @@ pub struct PathRequest {
     pub sample_mm: f64,
     /// Places outside the measured range are refused.
     pub refuse_outside: bool,
-    /// Probed places whose mean error is the datum, machine coordinates.
-    pub datum: Vec<PerAxis<Millimetres>>,
+    /// Probed places whose mean error is the datum, machine coordinates, mm.
+    pub datum: Vec<Place>,
 }
 
-/// Chords leave an arc by no more than the last digit of a program.
-const DEFAULT_CHORD_MM: f64 = 0.001;
-/// Errors of a machine change over tens of millimetres.
-const DEFAULT_SAMPLE_MM: f64 = 1.0;
-
-impl Default for PathRequest {
-    fn default() -> Self {
+impl PathRequest {
+    /// What a job without `[path]` stands for.
+    pub(super) fn usual(axes: &Axes) -> PathRequest {
+        let reference = |axis: Axis| axes[axis].map_or(0.0, |machine| machine.reference.mm());
         PathRequest {
-            start: None,
-            second_reference: None,
-            systems: BTreeMap::new(),
-            tools: BTreeMap::new(),
+            setup: Setup::at(Axis::ALL.map(reference)),
+            has_start: false,
             measured_tool_mm: None,
-            inch: false,
-            without_point: WithoutPoint::Unit,
-            g43_without_h: G43WithoutH::Refuse,
-            arc_mm: None,
-            skip_deletable: false,
             rapid: false,
-            chord_mm: DEFAULT_CHORD_MM,
-            sample_mm: DEFAULT_SAMPLE_MM,
+            chord_mm: 0.001, // chords leave an arc by no more than the last digit of a program
+            sample_mm: 1.0,  // errors of a machine change over tens of millimetres
             refuse_outside: false,
             datum: Vec::new(),
         }
     }
+}
+
+const MOST_TOOL_NUMBER: u32 = 9999;
+const LONGEST_TOOL_MM: f64 = 10_000.0;
+/// Beyond a tenth of a millimetre the arc is not the one that was meant.
+const COARSEST_ARC_MM: f64 = 0.1;
+
+const COORDINATES: PerAxis<&str> = PerAxis {
+    x: "x_mm",
+    y: "y_mm",
+    z: "z_mm",
+};
+const WITHOUT_POINT: [(&str, WithoutPoint); 2] = [
+    ("unit", WithoutPoint::Unit),
+    ("increment", WithoutPoint::Increment),
+];
+const WITHOUT_H: [(&str, G43WithoutH); 3] = [
+    ("refuse", G43WithoutH::Refuse),
+    ("last-h", G43WithoutH::LastH),
+    ("tool", G43WithoutH::Tool),
+];
+
+pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
+    let usual = PathRequest::usual(axes);
+    let inside = |key: &'static str| {
+        let place = place(section, key)?;
+        inside_travel(section, |_| key, &place, axes);
+        Some(plain(place))
+    };
+    let is_second = |key, first, second| {
+        let word = section.choice(key, &[(first, false), (second, true)]);
+        word.unwrap_or(false)
+    };
+    let start = inside("start_mm");
+    let setup = Setup {
+        start: start.unwrap_or(usual.setup.start),
+        reference: usual.setup.reference,
+        second_reference: inside("second_reference_mm"),
+        systems: systems(section),
+        tools: tools(section),
+        inch: is_second("program_unit", "mm", "inch"),
+        without_point: section
+            .choice("without_point", &WITHOUT_POINT)
+            .unwrap_or(usual.setup.without_point),
+        g43_without_h: section
+            .choice("g43_without_h", &WITHOUT_H)
+            .unwrap_or(usual.setup.g43_without_h),
+        arc_mm: between(section, "arc_mm", 1e-4..=COARSEST_ARC_MM, "mm"),
+        skip_deletable: is_second("block_delete", "execute", "skip"),
+    };
+    let chord_mm = between(section, "chord_mm", 1e-5..=1.0, "mm");
+    let sample_mm = between(section, "sample_mm", 1e-3..=1e4, "mm");
+    PathRequest {
+        setup,
+        has_start: start.is_some(),
+        measured_tool_mm: section.within("measured_tool_mm", 0.0, LONGEST_TOOL_MM, "mm"),
+        rapid: is_second("moves", "feed", "all"),
+        chord_mm: chord_mm.unwrap_or(usual.chord_mm),
+        sample_mm: sample_mm.unwrap_or(usual.sample_mm),
+        refuse_outside: is_second("outside", "hold", "refuse"),
+        datum: subs(section, "datum", |entry| {
+            let place = coordinates(entry, COORDINATES)?;
+            inside_travel(entry, |axis| COORDINATES[axis], &place, axes);
+            Some(plain(place))
+        }),
+    }
+}
+
+fn plain(place: Places) -> Place {
+    Axis::ALL.map(|axis| place[axis].mm())
+}
+
+/// `[[path.offset]]`.
+fn systems(section: &Section<'_>) -> BTreeMap<u32, Place> {
+    let mut systems = BTreeMap::new();
+    subs(section, "offset", |entry| {
+        let example = "a coordinate system, e.g. \"G54\" or \"G54.1 P7\"";
+        let name = entry.required_text("system", example);
+        let place = coordinates(entry, COORDINATES);
+        let name = name?;
+        let Some(number) = system_number(&name) else {
+            let message = format!("`{}` is no coordinate system", shown(&name));
+            let help = "expected G54 … G59, G59.1 … G59.3 or G54.1 P1 … P300";
+            entry.problem("system", message, help);
+            return None;
+        };
+        insert(entry, "system", &mut systems, (number, plain(place?)))
+    });
+    systems
+}
+
+/// `[[path.tool]]`.
+fn tools(section: &Section<'_>) -> BTreeMap<u32, f64> {
+    let mut tools = BTreeMap::new();
+    subs(section, "tool", |entry| {
+        let number = "the number of the tool offset (H)";
+        let length = "the length of the tool";
+        require(entry, &[("number", number), ("length_mm", length)]);
+        let number = count(entry, "number", 1..=MOST_TOOL_NUMBER, "H0 is no length");
+        let length = entry.within("length_mm", 0.0, LONGEST_TOOL_MM, "mm");
+        insert(entry, "number", &mut tools, (number?, length?))
+    });
+    tools
+}
+
+/// Takes an entry of a list, in which each number stands once.
+fn insert<T>(
+    entry: &Section<'_>,
+    key: &'static str,
+    list: &mut BTreeMap<u32, T>,
+    (number, value): (u32, T),
+) -> Option<()> {
+    if list.insert(number, value).is_some() {
+        let written = entry.as_written(key).unwrap_or_default();
+        let message = format!("`{key} = {}` stands twice", shown(written));
+        entry.problem(key, message, "keep one of the two");
+    }
+    Some(())
 }

@@ -1,9 +1,13 @@
 //! `[program]`: the part programs of a measuring run (contract §2.3, docs/program.md).
 
-use crate::inputs::job::diagonals::Reflector;
+use crate::inputs::job::diagonals::{Reflector, volume};
+use crate::inputs::job::keys::{between, count, only_with, place, require};
+use crate::inputs::job::measurement::{MeasuredData, Measurement};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
+use crate::text::document::Section;
+use std::ops::RangeInclusive;
 
 /// What the measuring run is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,5 +132,186 @@ impl ProgramRequest {
         let middle = volume.start[axis].mm() + volume.size[axis].mm() / 2.0;
         self.rest
             .map_or(Millimetres::new(middle), |rest| rest[axis])
+    }
+}
+
+const DEFAULT_FEED_MM_PER_MIN: f64 = 1000.0; // a step of 30 mm in two seconds, without swinging
+const DEFAULT_DWELL_S: f64 = 3.0; // 2 … 5 s is usual: to settle, and to average the laser
+const DEFAULT_OVERRUN_MM: f64 = 2.0; // a hundred times the reversal of a sound axis
+const DEFAULT_ISO_RUNS: u32 = 5; // ISO 230-2, axes up to 2 m
+const LENGTHS_MM: RangeInclusive<f64> = 0.01..=100.0; // preload and shift: no machine has more to spare
+const MOST_RUNS: u32 = 100;
+const MOST_NUMBER: u32 = 9990; // four digits on every Fanuc control, with room for four programs
+
+/// The section; `measurement` is `None` where the job's measurement could not be read.
+pub(super) fn program(
+    section: &Section<'_>,
+    measurement: Option<&Measurement>,
+) -> Option<ProgramRequest> {
+    let words = [
+        RunType::StepDiagonal,
+        RunType::StraightDiagonal,
+        RunType::SingleAxis,
+    ];
+    require(
+        section,
+        &[(
+            "what",
+            "`step-diagonal`, `straight-diagonal` or `single-axis`",
+        )],
+    );
+    let what = section.choice("what", &words.map(|what| (what.word(), what)));
+    refuse_other_runs(section, what);
+    let (bidirectional, way_back) = directions(section);
+    let (overrun, preload) = run_out(section, what, bidirectional);
+    let axes = axes(section);
+    let rest = place(section, "rest_mm");
+    let targets = targets(section);
+    let feed_mm_per_min = between(section, "feed_mm_per_min", 1e-3..=1e6, "mm/min");
+    let dwell_s = between(section, "dwell_s", 0.1..=600.0, "s");
+    let runs = count(
+        section,
+        "runs",
+        1..=MOST_RUNS,
+        "the runs are numbered in the readings",
+    );
+    let alignment_pass = section.flag("alignment_pass").unwrap_or(true);
+    let number = count(
+        section,
+        "number",
+        1..=MOST_NUMBER,
+        "the programs have numbers of four digits",
+    );
+    let boxed = measured_box(section, what, measurement);
+    let (what, (volume, size_path)) = (what?, boxed?);
+    let usual_runs = what.path().map_or(DEFAULT_ISO_RUNS, |_| 1);
+    Some(ProgramRequest {
+        what,
+        volume,
+        size_path,
+        axes,
+        rest,
+        feed_mm_per_min: feed_mm_per_min.unwrap_or(DEFAULT_FEED_MM_PER_MIN),
+        dwell_s: dwell_s.unwrap_or(DEFAULT_DWELL_S),
+        overrun: Millimetres::new(overrun),
+        preload: Millimetres::new(preload),
+        runs: runs.unwrap_or(usual_runs),
+        bidirectional,
+        way_back,
+        targets,
+        alignment_pass,
+        number,
+        target: target(what, measurement),
+    })
+}
+
+/// Keys that have no effect on runs of this kind.
+fn refuse_other_runs(section: &Section<'_>, what: Option<RunType>) {
+    let Some(what) = what else { return };
+    let is_single = what == RunType::SingleAxis;
+    let single = "`what = \"single-axis\"`";
+    only_with(section, "axes", is_single, single);
+    only_with(section, "rest_mm", is_single, single);
+    if section.text("targets").is_some_and(|word| word == "offset") {
+        only_with(section, "targets", is_single, single);
+    }
+    let step = "`what = \"step-diagonal\"`";
+    only_with(section, "order", what == RunType::StepDiagonal, step);
+}
+
+/// The box as stated here, else as stated for the measurement, and the key of its size.
+fn measured_box(
+    section: &Section<'_>,
+    what: Option<RunType>,
+    measurement: Option<&Measurement>,
+) -> Option<(Volume, &'static str)> {
+    let measured = measurement.and_then(|m| match &m.data {
+        MeasuredData::Diagonals(diagonals) => Some(&diagonals.volume),
+        MeasuredData::Errors(_) => None,
+    });
+    let size_path = if section.has("size_mm") || measured.is_none() {
+        "program.size_mm"
+    } else {
+        "measurement.step_diagonal.size_mm"
+    };
+    let kind = what.and_then(RunType::path).unwrap_or(PathKind::Straight);
+    let is_required = measured.is_none() && measurement.is_some();
+    let volume = volume(section, kind, measured, is_required)?;
+    Some((volume, size_path))
+}
+
+/// What the job states for the same kind of run, else what is usual for it.
+fn target(what: RunType, measurement: Option<&Measurement>) -> Reflector {
+    match measurement.map(|m| &m.data) {
+        Some(MeasuredData::Diagonals(measured)) if Some(measured.kind) == what.path() => {
+            measured.target
+        }
+        _ => Reflector::usual(what.path().unwrap_or(PathKind::Straight)),
+    }
+}
+
+fn axes(section: &Section<'_>) -> Vec<Axis> {
+    let Some(names) = section.texts("axes") else {
+        return Axis::ALL.to_vec();
+    };
+    let axes = names.iter().filter_map(|name| Axis::from_letter(name));
+    let axes: Vec<Axis> = axes.collect();
+    let is_twice = |(n, axis): (usize, &Axis)| axes[..n].contains(axis);
+    if axes.is_empty() || axes.len() < names.len() || axes.iter().enumerate().any(is_twice) {
+        section.problem(
+            "axes",
+            "`program.axes` names each of `x`, `y`, `z` at most once, and at least one",
+            "for instance `axes = [\"x\", \"z\"]`",
+        );
+    }
+    axes
+}
+
+/// Whether the way back is measured, and how it goes where it is not: a way back along the
+/// diagonal meets no node, so it is not measured.
+fn directions(section: &Section<'_>) -> (bool, WayBack) {
+    let words = [WayBack::Retrace, WayBack::Diagonal].map(|way| (way.word(), way));
+    let way_back = section.choice("return", &words).unwrap_or(WayBack::Retrace);
+    let is_retraced = way_back == WayBack::Retrace;
+    let stated = section.flag("bidirectional");
+    let fits = stated != Some(true) || is_retraced;
+    only_with(section, "return", fits, "`bidirectional = false`");
+    (stated.unwrap_or(is_retraced), way_back)
+}
+
+/// Overrun and preload, mm.
+fn run_out(section: &Section<'_>, what: Option<RunType>, bidirectional: bool) -> (f64, f64) {
+    let overrun = between(section, "overrun_mm", 0.0..=*LENGTHS_MM.end(), "mm");
+    only_with(
+        section,
+        "overrun_mm",
+        bidirectional,
+        "`bidirectional = true`",
+    );
+    let stated = overrun.filter(|mm| *mm > 0.0);
+    let turns = overrun.is_some() && stated.is_none() && bidirectional;
+    if turns && what != Some(RunType::StepDiagonal) {
+        section.problem(
+            "overrun_mm",
+            "`overrun_mm` is 0, so the last target would be approached from one side only",
+            "give an overrun larger than the reversal of every axis, e.g. `overrun_mm = 2.0`",
+        );
+    }
+    let preload = between(section, "preload_mm", LENGTHS_MM, "mm");
+    let usual_preload = stated.unwrap_or(DEFAULT_OVERRUN_MM);
+    (
+        overrun.unwrap_or(DEFAULT_OVERRUN_MM),
+        preload.unwrap_or(usual_preload),
+    )
+}
+
+fn targets(section: &Section<'_>) -> TargetGrid {
+    let is_offset = section.choice("targets", &[("equal", false), ("offset", true)]);
+    let is_offset = is_offset.unwrap_or(false);
+    let shift = between(section, "shift_mm", LENGTHS_MM, "mm").map(Millimetres::new);
+    only_with(section, "shift_mm", is_offset, "`targets = \"offset\"`");
+    match is_offset {
+        true => TargetGrid::Offset { shift },
+        false => TargetGrid::Equal,
     }
 }

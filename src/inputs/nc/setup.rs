@@ -50,6 +50,24 @@ pub struct Setup {
     pub skip_deletable: bool,
 }
 
+impl Setup {
+    /// A control whose axes stand at the reference, which knows no zero and no tool.
+    pub fn at(reference: Place) -> Setup {
+        Setup {
+            start: reference,
+            reference,
+            second_reference: None,
+            systems: BTreeMap::new(),
+            tools: BTreeMap::new(),
+            inch: false,
+            without_point: WithoutPoint::Unit,
+            g43_without_h: G43WithoutH::Refuse,
+            arc_mm: None,
+            skip_deletable: false,
+        }
+    }
+}
+
 /// The number of a coordinate system by its name, `G54` … `G59.3`, `G54.1 P7`.
 ///
 /// ```

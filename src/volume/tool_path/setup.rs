@@ -1,39 +1,11 @@
-//! What a job says of a path: the state of the control, the limits, and the map of its errors.
+//! What a job says of a path: the limits, and the map of its errors.
 
 use super::map::PathMap;
 use super::profile::ProfileLimits;
 use crate::inputs::job::Job;
-use crate::inputs::nc::{Place, Setup};
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::axis::Axis;
 use crate::quantity::curve::Interpolation;
-use crate::quantity::units::Millimetres;
 use crate::volume::volume_model::VolumeModel;
-
-fn place(place: PerAxis<Millimetres>) -> Place {
-    Axis::ALL.map(|axis| place[axis].mm())
-}
-
-/// What the control knows before the program starts.
-pub fn setup(job: &Job) -> Setup {
-    let path = &job.path;
-    let reference = Axis::ALL.map(|axis| job.machine.axes[axis].map_or(0.0, |a| a.reference.mm()));
-    Setup {
-        start: path.start.map_or(reference, place),
-        reference,
-        second_reference: path.second_reference.map(place),
-        systems: path
-            .systems
-            .iter()
-            .map(|(number, zero)| (*number, place(*zero)))
-            .collect(),
-        tools: path.tools.clone(),
-        inch: path.inch,
-        without_point: path.without_point,
-        g43_without_h: path.g43_without_h,
-        arc_mm: path.arc_mm,
-        skip_deletable: path.skip_deletable,
-    }
-}
 
 /// How the path is followed.
 pub fn limits(job: &Job, volume: &VolumeModel) -> ProfileLimits {
@@ -69,6 +41,5 @@ pub fn path_map(job: &Job, volume: &VolumeModel) -> Option<PathMap> {
             )
         },
     )?;
-    let datum: Vec<Place> = job.path.datum.iter().map(|datum| place(*datum)).collect();
-    Some(map.zeroed_at(&datum))
+    Some(map.zeroed_at(&job.path.datum))
 }

@@ -2,8 +2,8 @@
 
 use super::Task;
 use crate::control::controller::{Dialect, Profile};
-use crate::inputs::job::ahead::{GRID_HELP, UNIT_HELP, without_grid, without_unit};
 use crate::inputs::job::{AxisSettings, GridRequest, MachineAxis, OutsideMeasured};
+use crate::inputs::job::{GRID_HELP, UNIT_HELP, without_grid, without_unit};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::fit::{residual, table_values};
 use crate::quantity::units::{Deviation, Millimetres};
