@@ -52,13 +52,13 @@ pub fn profile_of(bundle: &Bundle, name: Option<&str>) -> Result<Profile, Proble
             .file(name)
             .and_then(|bytes| String::from_utf8(bytes.to_vec()).ok())
     };
-    let template = |name: &str| own(name).or_else(|| builtin::template(name));
-    let base = |id: &str| built_in(id).ok();
+    let template =
+        |name: &str, is_own: bool| own(name).filter(|_| is_own).or_else(|| builtin::template(name));
     load::profile(
         Source::from_bytes(name, bytes)?,
         Origin::File(name.to_string()),
         &template,
-        &base,
+        &builtin::page,
     )
 }
 

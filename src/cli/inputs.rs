@@ -268,16 +268,23 @@ pub(super) fn profile(
     let beside = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let own_templates = std::cell::RefCell::new(Vec::new());
     let unreadable = std::cell::RefCell::new(Problems::none());
-    let find = |name: &str| match own_template(&beside, name, &own_templates) {
+    let own = |name: &str| match own_template(&beside, name, &own_templates) {
         Ok(own) => own.or_else(|| builtin::template(name)),
         Err(problems) => {
             unreadable.borrow_mut().extend(problems);
             Some(String::new())
         }
     };
-    let profile = load::profile(source, Origin::File(reference.to_string()), &find, &|id| {
-        builtin::profile(id).ok()
-    });
+    let find = |name: &str, is_own: bool| match is_own {
+        true => own(name),
+        false => builtin::template(name),
+    };
+    let profile = load::profile(
+        source,
+        Origin::File(reference.to_string()),
+        &find,
+        &builtin::page,
+    );
     unreadable.into_inner().or_ok(())?;
     let profile = profile?;
     hashes.extend(own_templates.into_inner());

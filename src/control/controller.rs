@@ -6,18 +6,15 @@
 //! [`Evidence::Assumed`]; `generate` prints each of them with its consequence.
 
 pub mod builtin;
-pub mod checklist;
-mod fact;
+pub(crate) mod fact;
 pub mod load;
-mod load_check;
-mod load_checklist;
-mod load_facts;
-mod load_files;
-mod load_program;
+mod load_parts;
 pub mod program;
 
-pub use self::fact::{Evidence, Fact, LengthUnit, Mechanism, Role, Statement};
+pub use self::fact::{Evidence, Fact, LengthUnit, Mechanism, NumberRange, Role, Statement};
 
+use self::fact::{Word, facts};
+use crate::control::checklist::Step;
 use crate::quantity::units::{Correction, Deviation};
 
 /// What the numbers in a control's table mean: the machine's error, or what the control adds.
@@ -27,6 +24,13 @@ pub enum TableSign {
     AsError,
     /// The table holds the correction; a positive value makes the axis move in +.
     AsCorrection,
+}
+
+impl Word for TableSign {
+    const WORDS: &'static [(&'static str, TableSign)] = &[
+        ("as_error", TableSign::AsError),
+        ("as_correction", TableSign::AsCorrection),
+    ];
 }
 
 impl TableSign {
@@ -47,27 +51,6 @@ impl TableSign {
     }
 }
 
-/// An inclusive block of point numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NumberRange {
-    /// First number.
-    pub first: u32,
-    /// Last number.
-    pub last: u32,
-}
-
-impl NumberRange {
-    /// Whether a number lies in the block.
-    pub const fn contains(self, number: u32) -> bool {
-        self.first <= number && number <= self.last
-    }
-
-    /// Whether two blocks share a number.
-    pub const fn overlaps(self, other: NumberRange) -> bool {
-        self.first <= other.last && other.first <= self.last
-    }
-}
-
 /// How Siemens tables are delivered (docs/siemens.md §3.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableForm {
@@ -75,6 +58,11 @@ pub enum TableForm {
     Program,
     /// NC active data: `%_N_…_INI`, `CHANDATA(1)`, ends with `M17`.
     Data,
+}
+
+impl Word for TableForm {
+    const WORDS: &'static [(&'static str, TableForm)] =
+        &[("program", TableForm::Program), ("data", TableForm::Data)];
 }
 
 /// How a table t that names a factor table m contributes (docs/siemens.md §2.4).
@@ -86,33 +74,41 @@ pub enum MultiplyMode {
     Additive,
 }
 
-/// Facts of the Siemens dialect: ENC_COMP and CEC tables (docs/siemens.md).
-#[derive(Clone, Debug, PartialEq)]
-pub struct SiemensFacts {
-    /// Sense of `$AA_ENC_COMP` values.
-    pub lec_sign: Fact<TableSign>,
-    /// Sense of `$AN_CEC` values.
-    pub cec_sign: Fact<TableSign>,
-    /// Program or data form.
-    pub table_form: Fact<TableForm>,
-    /// Most points of one ENC_COMP table.
-    pub lec_points: Fact<u32>,
-    /// Number of CEC tables of the control.
-    pub cec_tables: Fact<u32>,
-    /// Most points of one CEC table.
-    pub cec_points: Fact<u32>,
-    /// Whether the points of a CEC table are fixed by the option (no MD18342 to set).
-    pub cec_memory_fixed: Fact<bool>,
-    /// Decimals of table values in the control's unit; one count is the last decimal.
-    pub value_decimals: Fact<u32>,
-    /// Decimals of MIN, STEP and MAX in the control's unit.
-    pub position_decimals: Fact<u32>,
-    /// Clamp of the CEC total (MD32720), µm.
-    pub cec_max_sum_um: Fact<f64>,
-    /// Contribution of a table that names a factor table.
-    pub multiply_mode: Fact<MultiplyMode>,
-    /// Whether a table used as a factor also contributes by itself.
-    pub factor_contributes: Fact<bool>,
+impl Word for MultiplyMode {
+    const WORDS: &'static [(&'static str, MultiplyMode)] = &[
+        ("product", MultiplyMode::Product),
+        ("additive", MultiplyMode::Additive),
+    ];
+}
+
+facts! {
+    /// Facts of the Siemens dialect: ENC_COMP and CEC tables (docs/siemens.md).
+    SiemensFacts {
+        /// Sense of `$AA_ENC_COMP` values.
+        lec_sign: TableSign,
+        /// Sense of `$AN_CEC` values.
+        cec_sign: TableSign,
+        /// Program or data form.
+        table_form: TableForm,
+        /// Most points of one ENC_COMP table.
+        lec_points: u32,
+        /// Number of CEC tables of the control.
+        cec_tables: u32,
+        /// Most points of one CEC table.
+        cec_points: u32,
+        /// Whether the points of a CEC table are fixed by the option (no MD18342 to set).
+        cec_memory_fixed: bool,
+        /// Decimals of table values in the control's unit; one count is the last decimal.
+        value_decimals: u32,
+        /// Decimals of MIN, STEP and MAX in the control's unit.
+        position_decimals: u32,
+        /// Clamp of the CEC total (MD32720), µm.
+        cec_max_sum_um: f64,
+        /// Contribution of a table that names a factor table.
+        multiply_mode: MultiplyMode,
+        /// Whether a table used as a factor also contributes by itself.
+        factor_contributes: bool,
+    }
 }
 
 /// Form of the straightness compensation (docs/fanuc.md §2.1, §2.2).
@@ -124,6 +120,13 @@ pub enum StraightnessForm {
     PerPoint,
 }
 
+impl Word for StraightnessForm {
+    const WORDS: &'static [(&'static str, StraightnessForm)] = &[
+        ("four-point", StraightnessForm::FourPoint),
+        ("per-point", StraightnessForm::PerPoint),
+    ];
+}
+
 /// How parameter 3624 (interval) is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IntervalForm {
@@ -133,61 +136,70 @@ pub enum IntervalForm {
     Integer,
 }
 
-/// Facts of the Fanuc dialect: stored pitch error compensation (docs/fanuc.md).
-#[derive(Clone, Debug, PartialEq)]
-pub struct FanucFacts {
-    /// Sense of pitch data.
-    pub pitch_sign: Fact<TableSign>,
-    /// Sense of straightness data.
-    pub straightness_sign: Fact<TableSign>,
-    /// Digits of a number below 10000 (`N03620` or `N3620`).
-    pub number_digits: Fact<u32>,
-    /// Whether blocks carry `Q1` (parameter) and `Q0` (pitch data).
-    pub q_identifier: Fact<bool>,
-    /// What is added to a point number in a file.
-    pub point_offset: Fact<u32>,
-    /// Numbers that pitch points may have.
-    pub pitch_points: Fact<Vec<NumberRange>>,
-    /// Numbers that the second run of a bidirectional table may have.
-    pub minus_points: Fact<Vec<NumberRange>>,
-    /// Largest increment of one point.
-    pub increment_max: Fact<u32>,
-    /// Largest magnification (3623).
-    pub magnification_max: Fact<u32>,
-    /// How 3624 is written.
-    pub interval_form: Fact<IntervalForm>,
-    /// Decimals of 3624 on a metric control (with `Integer`: of the least input increment).
-    pub interval_decimals_mm: Fact<u32>,
-    /// Decimals of 3624 on an inch control.
-    pub interval_decimals_inch: Fact<u32>,
-    /// The interval must be at least the largest feed (per minute) divided by this.
-    pub interval_feed_divisor: Fact<f64>,
-    /// Where inside its section a pulse comes out, 0 = lower end, 1 = upper end.
-    pub output_fraction: Fact<f64>,
-    /// Whether 3627 is multiplied by the magnification.
-    pub reversal_magnified: Fact<bool>,
-    /// Form of the straightness compensation.
-    pub straightness_form: Fact<StraightnessForm>,
-    /// Number of straightness sets.
-    pub straightness_sets: Fact<u32>,
-    /// Most pitch points of a moving axis that has straightness compensation.
-    pub straightness_axis_points: Fact<u32>,
-    /// Numbers of straightness data (per-point form).
-    pub straightness_points: Fact<Vec<NumberRange>>,
-    /// First parameter of the magnifications (per-point form), set 1.
-    pub straightness_magnification_parameter: Fact<u32>,
-    /// First parameter of the first data numbers (per-point form), set 1.
-    pub straightness_start_parameter: Fact<u32>,
-    /// Largest amount of the four-point form, detection units.
-    pub straightness_amount_max: Fact<u32>,
+impl Word for IntervalForm {
+    const WORDS: &'static [(&'static str, IntervalForm)] = &[
+        ("real", IntervalForm::Real),
+        ("integer", IntervalForm::Integer),
+    ];
 }
 
-/// Facts of the generic dialect (contract §4.1). Its table carries deviation, correction and
-/// increment, so no sign has to be assumed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GenericFacts {
-    /// Most points of one table, if the control has a limit.
-    pub points: Fact<u32>,
+facts! {
+    /// Facts of the Fanuc dialect: stored pitch error compensation (docs/fanuc.md).
+    FanucFacts {
+        /// Sense of pitch data.
+        pitch_sign: TableSign,
+        /// Sense of straightness data.
+        straightness_sign: TableSign,
+        /// Digits of a number below 10000 (`N03620` or `N3620`).
+        number_digits: u32,
+        /// Whether blocks carry `Q1` (parameter) and `Q0` (pitch data).
+        q_identifier: bool,
+        /// What is added to a point number in a file.
+        point_offset: u32,
+        /// Numbers that pitch points may have.
+        pitch_points: Vec<NumberRange>,
+        /// Numbers that the second run of a bidirectional table may have.
+        minus_points: Vec<NumberRange>,
+        /// Largest increment of one point.
+        increment_max: u32,
+        /// Largest magnification (3623).
+        magnification_max: u32,
+        /// How 3624 is written.
+        interval_form: IntervalForm,
+        /// Decimals of 3624 on a metric control (with `Integer`: of the least input increment).
+        interval_decimals_mm: u32,
+        /// Decimals of 3624 on an inch control.
+        interval_decimals_inch: u32,
+        /// The interval must be at least the largest feed (per minute) divided by this.
+        interval_feed_divisor: f64,
+        /// Where inside its section a pulse comes out, 0 = lower end, 1 = upper end.
+        output_fraction: f64,
+        /// Whether 3627 is multiplied by the magnification.
+        reversal_magnified: bool,
+        /// Form of the straightness compensation.
+        straightness_form: StraightnessForm,
+        /// Number of straightness sets.
+        straightness_sets: u32,
+        /// Most pitch points of a moving axis that has straightness compensation.
+        straightness_axis_points: u32,
+        /// Numbers of straightness data (per-point form).
+        straightness_points: Vec<NumberRange>,
+        /// First parameter of the magnifications (per-point form), set 1.
+        straightness_magnification_parameter: u32,
+        /// First parameter of the first data numbers (per-point form), set 1.
+        straightness_start_parameter: u32,
+        /// Largest amount of the four-point form, detection units.
+        straightness_amount_max: u32,
+    }
+}
+
+facts! {
+    /// Facts of the generic dialect (contract §4.1). Its table carries deviation, correction and
+    /// increment, so no sign has to be assumed.
+    GenericFacts {
+        /// Most points of one table, if the control has a limit.
+        points: u32,
+    }
 }
 
 /// The family of formats that a control reads.
@@ -234,6 +246,14 @@ pub enum LineEnd {
     CrLf,
     /// `\n\r\r`, what a 30i-class control itself writes.
     LfCrCr,
+}
+
+impl Word for LineEnd {
+    const WORDS: &'static [(&'static str, LineEnd)] = &[
+        ("LF", LineEnd::Lf),
+        ("CR LF", LineEnd::CrLf),
+        ("LF CR CR", LineEnd::LfCrCr),
+    ];
 }
 
 impl LineEnd {
@@ -304,7 +324,7 @@ pub struct Profile {
     /// The files of a kit, in the order of the manifest.
     pub files: Vec<EmittedFile>,
     /// The steps of a service visit, in order.
-    pub checklist: Vec<checklist::Step>,
+    pub checklist: Vec<Step>,
     /// The display that shows the correction that acts on an axis; `None` = none is known.
     pub display: Option<Fact<String>>,
     /// How its part programs are written; `None` = no program can be written for it.

@@ -16,8 +16,8 @@ mod reading;
 pub(super) use self::made::{Made, as_kit_file};
 
 use super::{Inputs, rollback};
+use crate::control::checklist::List;
 use crate::control::checklist::{KitFacts, parts};
-use crate::control::controller::checklist::List;
 use crate::control::controller::{Mechanism, Role};
 use crate::kit::inputs::cannot_emulate;
 use crate::read::{KitFile, ReadBack, read_apart};

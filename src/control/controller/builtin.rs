@@ -70,9 +70,7 @@ pub fn profile(id: &str) -> Result<Profile, Problems> {
         return Err(unknown(id).into());
     };
     let source = Source::from_bytes(&format!("controllers/{id}.toml"), text.as_bytes())?;
-    load::profile(source, Origin::BuiltIn, &template, &|base| {
-        profile(base).ok()
-    })
+    load::profile(source, Origin::BuiltIn, &|name, _| template(name), &page)
 }
 
 fn unknown(word: &str) -> Problem {

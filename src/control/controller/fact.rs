@@ -1,4 +1,19 @@
-//! A fact of a control, and how sure it is.
+//! A fact of a control, how sure it is, and how it is read from its page.
+
+use crate::text::document::Section;
+use std::cell::RefCell;
+
+/// A closed list of values with the word of each in profiles.
+pub(crate) trait Word: Copy + PartialEq + 'static {
+    /// Each word with its value.
+    const WORDS: &'static [(&'static str, Self)];
+
+    /// The word of a value.
+    fn word_of(self) -> &'static str {
+        let own = Self::WORDS.iter().find(|(_, value)| *value == self);
+        own.map_or("", |(word, _)| word)
+    }
+}
 
 /// How well a fact is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,13 +28,17 @@ pub enum Evidence {
 
 impl Evidence {
     /// The word used in profiles and manifests.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Evidence::Manual => "manual",
-            Evidence::Assumed => "assumed",
-            Evidence::Executed => "executed",
-        }
+    pub fn word(self) -> &'static str {
+        self.word_of()
     }
+}
+
+impl Word for Evidence {
+    const WORDS: &'static [(&'static str, Evidence)] = &[
+        ("manual", Evidence::Manual),
+        ("assumed", Evidence::Assumed),
+        ("executed", Evidence::Executed),
+    ];
 }
 
 /// What of a control a fact belongs to: it matters for a kit only where the kit uses that.
@@ -49,9 +68,8 @@ pub enum Mechanism {
     Nothing,
 }
 
-impl Mechanism {
-    /// The words of profiles (`mechanism = "…"`).
-    pub const WORDS: [(&'static str, Mechanism); 11] = [
+impl Word for Mechanism {
+    const WORDS: &'static [(&'static str, Mechanism)] = &[
         ("enc-comp", Mechanism::EncComp),
         ("cec", Mechanism::Cec),
         ("cec-products", Mechanism::CecProducts),
@@ -64,7 +82,9 @@ impl Mechanism {
         ("inch", Mechanism::Inch),
         ("none", Mechanism::Nothing),
     ];
+}
 
+impl Mechanism {
     /// What a sign proof can prove, with the words of profiles.
     pub const PROVED: [(&'static str, Mechanism); 5] = [
         ("enc-comp", Mechanism::EncComp),
@@ -171,36 +191,29 @@ pub enum Role {
     Report,
 }
 
-impl Role {
-    /// Every role.
-    pub const ALL: [Role; 8] = [
-        Role::Table,
-        Role::Parameters,
-        Role::Enable,
-        Role::Disable,
-        Role::Rollback,
-        Role::SignProof,
-        Role::Checklist,
-        Role::Report,
+impl Word for Role {
+    const WORDS: &'static [(&'static str, Role)] = &[
+        ("table", Role::Table),
+        ("parameters", Role::Parameters),
+        ("enable", Role::Enable),
+        ("disable", Role::Disable),
+        ("rollback", Role::Rollback),
+        ("sign-proof", Role::SignProof),
+        ("checklist", Role::Checklist),
+        ("report", Role::Report),
     ];
+}
 
+impl Role {
     /// The role of a word in a profile or a manifest.
     pub(crate) fn of_word(word: &str) -> Option<Role> {
-        Role::ALL.into_iter().find(|role| role.word() == word)
+        let own = Role::WORDS.iter().find(|(own, _)| *own == word);
+        own.map(|(_, role)| *role)
     }
 
     /// The word used in profiles and manifests.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Role::Table => "table",
-            Role::Parameters => "parameters",
-            Role::Enable => "enable",
-            Role::Disable => "disable",
-            Role::Rollback => "rollback",
-            Role::SignProof => "sign-proof",
-            Role::Checklist => "checklist",
-            Role::Report => "report",
-        }
+    pub fn word(self) -> &'static str {
+        self.word_of()
     }
 
     /// Whether the file stands beside the kit: a control loads it instead of the tables, never
@@ -220,6 +233,27 @@ impl Role {
     }
 }
 
+/// An inclusive block of point numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NumberRange {
+    /// First number.
+    pub first: u32,
+    /// Last number.
+    pub last: u32,
+}
+
+impl NumberRange {
+    /// Whether a number lies in the block.
+    pub const fn contains(self, number: u32) -> bool {
+        self.first <= number && number <= self.last
+    }
+
+    /// Whether two blocks share a number.
+    pub const fn overlaps(self, other: NumberRange) -> bool {
+        self.first <= other.last && other.first <= self.last
+    }
+}
+
 /// A fact as it stands in the profile, for people and for the manifest.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Statement {
@@ -235,4 +269,170 @@ pub struct Statement {
     pub consequence: Option<String>,
     /// What it belongs to; `None` = it matters for every kit.
     pub mechanism: Option<Mechanism>,
+}
+
+/// A struct of facts, and its reading from `[facts]`: each field is the fact of that name.
+macro_rules! facts {
+    ($(#[$meta:meta])* $name:ident { $($(#[$doc:meta])* $fact:ident: $type:ty,)* }) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct $name {
+            $($(#[$doc])* pub $fact: $crate::control::controller::fact::Fact<$type>,)*
+        }
+
+        impl $name {
+            pub(in crate::control::controller) fn read(facts: &$crate::control::controller::fact::Facts<'_>) -> Option<Self> {
+                $(let $fact = facts.stated(stringify!($fact));)*
+                Some(Self { $($fact: $fact?,)* })
+            }
+        }
+    };
+}
+pub(super) use facts;
+
+/// A value that a page can state as a fact.
+pub(super) trait Stated: Sized {
+    /// The value under the key `value`.
+    fn read(fact: &Section<'_>) -> Option<Self>;
+}
+
+impl<W: Word> Stated for W {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        fact.choice("value", W::WORDS)
+    }
+}
+
+impl Stated for u32 {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        fact.whole("value")
+    }
+}
+
+impl Stated for f64 {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        fact.positive("value")
+    }
+}
+
+impl Stated for bool {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        fact.flag("value")
+    }
+}
+
+impl Stated for String {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        fact.text("value")
+    }
+}
+
+impl Stated for Vec<String> {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        fact.texts("value")
+    }
+}
+
+impl Stated for Vec<NumberRange> {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        let pairs = fact.whole_pairs("value")?;
+        if pairs.iter().any(|[first, last]| first > last) {
+            fact.problem(
+                "value",
+                "a block ends before it begins",
+                "write [first, last]",
+            );
+        }
+        let block = |[first, last]: [u32; 2]| NumberRange { first, last };
+        Some(pairs.into_iter().map(block).collect())
+    }
+}
+
+/// The sections `[facts.NAME]`: value, evidence, source, consequence, mechanism.
+pub(super) struct Facts<'a> {
+    pub(super) section: Section<'a>,
+    pub(super) statements: RefCell<Vec<Statement>>,
+}
+
+impl<'a> Facts<'a> {
+    pub(super) fn of(section: Section<'a>) -> Facts<'a> {
+        Facts {
+            section,
+            statements: RefCell::default(),
+        }
+    }
+
+    pub(super) fn stated<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
+        self.read(name, T::read)
+    }
+
+    /// A fact whose value `value` reads.
+    pub(super) fn read<T>(
+        &self,
+        name: &'static str,
+        value: impl FnOnce(&Section<'_>) -> Option<T>,
+    ) -> Option<Fact<T>> {
+        let section = self.section.required_section(name)?;
+        let value = value(&section);
+        if !section.has("value") {
+            section.missing("value", "what is stated");
+        }
+        let origin = complete_origin(&section);
+        let mechanism = section.choice("mechanism", Mechanism::WORDS);
+        section.refuse_unknown_keys();
+        let written = section.as_written("value").unwrap_or_default();
+        let fact = origin?.with(value?);
+        self.statements.borrow_mut().push(Statement {
+            fact: name.to_string(),
+            value: written.trim_matches('"').to_string(),
+            evidence: fact.evidence,
+            source: fact.source.clone(),
+            consequence: fact.consequence.clone(),
+            mechanism,
+        });
+        Some(fact)
+    }
+}
+
+impl<T> Fact<T> {
+    /// The same origin for another value.
+    pub(super) fn with<V>(self, value: V) -> Fact<V> {
+        Fact {
+            value,
+            evidence: self.evidence,
+            source: self.source,
+            consequence: self.consequence,
+        }
+    }
+}
+
+/// Where a statement of a page is from, how well it is known, and what happens if it is wrong.
+pub(super) fn origin(section: &Section<'_>) -> Option<Fact<()>> {
+    if !section.has("evidence") {
+        section.missing("evidence", "`manual`, `assumed` or `executed`");
+    }
+    let evidence = section.choice("evidence", Evidence::WORDS);
+    let source = section.required_text(
+        "source",
+        "manual, edition and chapter, or why it is assumed",
+    );
+    let consequence = section.text("consequence");
+    Some(Fact {
+        value: (),
+        evidence: evidence?,
+        source: source?,
+        consequence,
+    })
+}
+
+/// The same, with a consequence where it is assumed.
+pub(super) fn complete_origin(section: &Section<'_>) -> Option<Fact<()>> {
+    let origin = origin(section);
+    let is_assumed = section.text("evidence").as_deref() == Some(Evidence::Assumed.word());
+    if is_assumed && !section.has("consequence") {
+        section.missing(
+            "consequence",
+            "what happens on the machine if the assumption is wrong",
+        );
+    }
+    origin
 }

@@ -1,141 +1,162 @@
 //! A profile from its TOML page: every fact with evidence and source, checked before use.
 //!
-//! A profile may build on a built-in one (`based_on = "fanuc-30i"`): facts and files it does not
-//! state are taken from there. Whether a page is ours or a user's makes no difference.
+//! A profile may build on a built-in one (`based_on = "fanuc-30i"`): its page is laid over that one,
+//! then read once. Whether a page is ours or a user's makes no difference.
 
-use crate::control::controller::load_check::check;
-use crate::control::controller::load_checklist::checklist;
-use crate::control::controller::load_facts::{FactReader, evidence};
-use crate::control::controller::load_files::{TemplateFinder, read_files};
-use crate::control::controller::load_program::program;
+use crate::control::controller::fact::{Facts, origin};
+use crate::control::controller::load_parts::{Templates, checklist, files, program_facts};
 use crate::control::controller::{
-    Dialect, Evidence, Fact, FanucFacts, GenericFacts, IntervalForm, LineEnd, MultiplyMode, Origin,
-    Profile, SiemensFacts, StraightnessForm, TableForm,
+    Dialect, Fact, FanucFacts, GenericFacts, Origin, Profile, SiemensFacts,
 };
-use crate::text::document::{Section, Source, read_page};
+use crate::text::document::{Section, Source, read_page_over};
 use crate::text::problem::{Problems, shown};
-use std::cell::RefCell;
+use toml::de::{DeTable, DeValue};
 
-/// Finds a built-in profile by its id.
-pub type BaseFinder<'a> = &'a dyn Fn(&str) -> Option<Profile>;
+pub use crate::control::controller::load_parts::TemplateFinder;
+
+/// Finds a built-in page by its id.
+pub type PageFinder<'a> = &'a dyn Fn(&str) -> Option<&'static str>;
 
 /// Reads and checks a profile. All problems of the page are given at once.
 pub fn profile(
     source: Source,
     origin: Origin,
     templates: TemplateFinder<'_>,
-    bases: BaseFinder<'_>,
+    pages: PageFinder<'_>,
 ) -> Result<Profile, Problems> {
-    let (profile, source) = read_page(source, |root| read_profile(root, origin, templates, bases))?;
-    let problems = check(&profile, &source);
-    problems.or_ok(profile)
+    let below = pages_below(&source.text, pages);
+    let own_end = source.text.len();
+    let templates = Templates {
+        find: templates,
+        own_end,
+    };
+    let read = |root: &Section<'_>| read_profile(root, origin, &below, templates);
+    Ok(read_page_over(source, &below, lay_over, read)?.0)
+}
+
+/// The pages that a page builds on, the nearest first.
+fn pages_below(own: &str, pages: PageFinder<'_>) -> Vec<&'static str> {
+    let next = |page: &str| pages(&text_of(page, "based_on")?);
+    std::iter::successors(next(own), |page| next(page)).collect()
+}
+
+fn text_of(page: &str, key: &str) -> Option<String> {
+    let table = DeTable::parse(page).ok()?;
+    let text = table.get_ref().get(key)?.get_ref().as_str()?;
+    Some(text.to_string())
+}
+
+/// What a page takes of the one below: what it does not state. Facts are taken one by one, whole;
+/// `mechanism`, which says what a fact belongs to, also by itself.
+fn lay_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
+    for (key, value) in below {
+        let name: &str = key.get_ref();
+        match own.get_mut(name).map(toml::Spanned::get_mut) {
+            None if matches!(name, "schema" | "id" | "name") => {}
+            None => {
+                own.insert(key, value);
+            }
+            Some(DeValue::Table(own)) => match (name, value.into_inner()) {
+                ("facts", DeValue::Table(facts)) => lay_facts_over(own, facts),
+                ("program", DeValue::Table(program)) => lay_over(own, program),
+                _ => {}
+            },
+            Some(_) => {}
+        }
+    }
+}
+
+fn lay_facts_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
+    for (key, value) in below {
+        let name: &str = key.get_ref();
+        match (own.get_mut(name), value.get_ref()) {
+            (None, _) => {
+                own.insert(key, value);
+            }
+            (Some(own), DeValue::Table(fact)) => {
+                let mechanism = fact.iter().find(|(key, _)| key.get_ref() == "mechanism");
+                if let (DeValue::Table(own), Some((key, value))) = (own.get_mut(), mechanism)
+                    && !own.contains_key("mechanism")
+                {
+                    own.insert(key.clone(), value.clone());
+                }
+            }
+            _ => {}
+        }
+    }
 }
 
 fn read_profile(
     root: &Section<'_>,
     origin: Origin,
-    templates: TemplateFinder<'_>,
-    bases: BaseFinder<'_>,
+    below: &[&str],
+    templates: Templates<'_>,
 ) -> Option<Profile> {
-    match root.whole("schema") {
-        Some(1) => {}
-        _ => root.problem(
+    if root.whole("schema") != Some(1) {
+        root.problem(
             "schema",
             "a profile needs `schema = 1`",
             "write `schema = 1` in its first line",
-        ),
+        );
     }
     let id = root.required_text("id", "a short name such as `fanuc-30i`")?;
     let name = root.required_text("name", "maker and model")?;
-    let base = base_profile(root, bases)?;
-    let facts = match base {
-        Some(_) => root.section("facts"),
-        None => root.required_section("facts"),
-    };
-    let base = base.as_ref();
-    let reader = FactReader {
-        section: facts.as_ref(),
-        inherited: base.map_or(&[], |b| b.statements.as_slice()),
-        statements: RefCell::default(),
-    };
-    let dialect = read_dialect(root, &reader, base);
-    read_behaviour(&reader, base, dialect.as_ref());
-    let line_end = reader.fact("line_end", base.map(|b| &b.line_end), |f| {
-        f.choice(
-            "value",
-            &[
-                ("LF", LineEnd::Lf),
-                ("CR LF", LineEnd::CrLf),
-                ("LF CR CR", LineEnd::LfCrCr),
-            ],
+    check_base(root, below)?;
+    let family = family(root);
+    let facts = root.required_section("facts").map(Facts::of);
+    let known = facts.as_ref().map(|facts| {
+        let dialect = dialect(family, facts);
+        let line_end = facts.stated("line_end");
+        let comments = facts.stated("comments");
+        let axis_names = facts.read("axis_names", axis_names);
+        let detection_unit_required = facts.stated("detection_unit_required");
+        facts.section.refuse_unknown_keys();
+        (
+            dialect,
+            line_end,
+            comments,
+            axis_names,
+            detection_unit_required,
         )
     });
-    let comments = reader.flag("comments", base.map(|b| &b.comments));
-    let axis_names = reader.fact("axis_names", base.map(|b| &b.axis_names), |f| {
-        f.texts("value")
-    });
-    let detection_unit_required = reader.flag(
-        "detection_unit_required",
-        base.map(|b| &b.detection_unit_required),
-    );
-    if let Some(section) = &facts {
-        section.refuse_unknown_keys();
-    }
-    let files = read_files(root, base, templates);
-    let program = program(root, base.and_then(|b| b.program.as_ref()), templates);
-    let checklist = checklist(root, base.map(|b| b.checklist.as_slice()));
-    let display = display(root, base);
-    let dialect = dialect?;
+    let (dialect, line_end, comments, axis_names, detection_unit_required) =
+        known.unwrap_or_default();
     let form = match &dialect {
-        Dialect::Siemens(facts) => Some(facts.table_form.value),
+        Some(Dialect::Siemens(facts)) => Some(facts.table_form.value),
         _ => None,
     };
+    let files = files(root, form, templates);
+    let program = root.section("program");
+    let program = program.map(|own| program_facts(&own, templates));
+    let checklist = checklist(root);
+    let display = root.section("display").map(|own| display(&own));
     Some(Profile {
         id,
         name,
         origin,
-        dialect,
+        dialect: dialect?,
         line_end: line_end?,
         comments: comments?,
         axis_names: axis_names?,
         detection_unit_required: detection_unit_required?,
-        files: files?
-            .into_iter()
-            .filter(|(wanted, _)| wanted.is_none() || *wanted == form)
-            .map(|(_, file)| file)
-            .collect(),
+        files: files?,
         checklist: checklist?,
-        display: display?,
-        program: program?,
-        statements: reader.statements.into_inner(),
+        display: optional(display)?,
+        program: optional(program)?,
+        statements: facts?.statements.into_inner(),
     })
 }
 
-/// Facts that the emulators implement in one way only: a page must state that way, with source.
-fn read_behaviour(reader: &FactReader<'_>, base: Option<&Profile>, dialect: Option<&Dialect>) {
-    let between: &[(&'static str, ())] = match dialect {
-        Some(Dialect::Fanuc(_)) => &[("step", ())],
-        _ => &[("linear", ())],
-    };
-    let inherit = base.map(|_| Fact {
-        value: (),
-        evidence: Evidence::Manual,
-        source: String::new(),
-        consequence: None,
-    });
-    let inherit = inherit.as_ref();
-    reader.fact("interpolation", inherit, |f| f.choice("value", between));
-    reader.fact("outside", inherit, |f| f.choice("value", &[("hold", ())]));
-    reader.fact("direction", inherit, |f| f.text("value").map(|_| ()));
-    reader.fact("value_unit", inherit, |f| f.text("value").map(|_| ()));
+/// A section that may be absent, but has to be whole.
+fn optional<T>(section: Option<Option<T>>) -> Option<Option<T>> {
+    section.map_or(Some(None), |read| read.map(Some))
 }
 
-fn base_profile(root: &Section<'_>, bases: BaseFinder<'_>) -> Option<Option<Profile>> {
+fn check_base(root: &Section<'_>, below: &[&str]) -> Option<()> {
     let Some(id) = root.text("based_on") else {
-        return Some(None);
+        return Some(());
     };
-    let base = bases(&id);
-    if base.is_none() {
+    let Some(base) = below.last() else {
         root.problem(
             "based_on",
             format!(
@@ -145,214 +166,127 @@ fn base_profile(root: &Section<'_>, bases: BaseFinder<'_>) -> Option<Option<Prof
             "`nonius controllers list` shows them",
         );
         return None;
-    }
-    Some(base)
-}
-
-fn read_dialect(
-    root: &Section<'_>,
-    reader: &FactReader<'_>,
-    base: Option<&Profile>,
-) -> Option<Dialect> {
-    let stated = root.choice(
-        "dialect",
-        &[
-            ("siemens", "siemens"),
-            ("fanuc", "fanuc"),
-            ("generic", "generic"),
-        ],
-    );
-    let inherited = base.map(|b| b.dialect.word());
-    let word = match (stated, inherited) {
-        (Some(stated), Some(inherited)) if stated != inherited => {
-            root.problem(
-                "dialect",
-                format!(
-                    "`dialect` is `{stated}`, but the profile it builds on speaks `{inherited}`"
-                ),
-                "remove `dialect`, or build on another profile",
-            );
-            return None;
-        }
-        (Some(word), _) | (None, Some(word)) => word,
-        (None, None) => {
-            root.missing("dialect", "`siemens`, `fanuc` or `generic`");
-            return None;
-        }
     };
-    match word {
-        "siemens" => siemens_facts(reader, base).map(Dialect::Siemens),
-        "fanuc" => fanuc_facts(reader, base).map(Dialect::Fanuc),
-        _ => generic_facts(reader, base).map(Dialect::Generic),
+    let (own, base) = (root.text("dialect")?, text_of(base, "dialect")?);
+    if own != base {
+        root.problem(
+            "dialect",
+            format!(
+                "`dialect` is `{}`, but the profile it builds on speaks `{base}`",
+                shown(&own)
+            ),
+            "remove `dialect`, or build on another profile",
+        );
+        return None;
     }
+    Some(())
 }
 
-fn siemens_facts(reader: &FactReader<'_>, base: Option<&Profile>) -> Option<SiemensFacts> {
-    let base = base.and_then(|b| match &b.dialect {
-        Dialect::Siemens(facts) => Some(facts),
-        _ => None,
-    });
-    let lec_sign = reader.sign("lec_sign", base.map(|b| &b.lec_sign));
-    let cec_sign = reader.sign("cec_sign", base.map(|b| &b.cec_sign));
-    let table_form = reader.fact("table_form", base.map(|b| &b.table_form), |f| {
-        f.choice(
-            "value",
-            &[("program", TableForm::Program), ("data", TableForm::Data)],
-        )
-    });
-    let lec_points = reader.whole("lec_points", base.map(|b| &b.lec_points));
-    let cec_tables = reader.whole("cec_tables", base.map(|b| &b.cec_tables));
-    let cec_points = reader.whole("cec_points", base.map(|b| &b.cec_points));
-    let cec_memory_fixed = reader.flag("cec_memory_fixed", base.map(|b| &b.cec_memory_fixed));
-    let value_decimals = reader.whole("value_decimals", base.map(|b| &b.value_decimals));
-    let position_decimals = reader.whole("position_decimals", base.map(|b| &b.position_decimals));
-    let cec_max_sum_um = reader.positive("cec_max_sum_um", base.map(|b| &b.cec_max_sum_um));
-    let multiply_mode = reader.fact("multiply_mode", base.map(|b| &b.multiply_mode), |f| {
-        f.choice(
-            "value",
-            &[
-                ("product", MultiplyMode::Product),
-                ("additive", MultiplyMode::Additive),
-            ],
-        )
-    });
-    let factor_contributes = reader.flag("factor_contributes", base.map(|b| &b.factor_contributes));
-    Some(SiemensFacts {
-        lec_sign: lec_sign?,
-        cec_sign: cec_sign?,
-        table_form: table_form?,
-        lec_points: lec_points?,
-        cec_tables: cec_tables?,
-        cec_points: cec_points?,
-        cec_memory_fixed: cec_memory_fixed?,
-        value_decimals: value_decimals?,
-        position_decimals: position_decimals?,
-        cec_max_sum_um: cec_max_sum_um?,
-        multiply_mode: multiply_mode?,
-        factor_contributes: factor_contributes?,
-    })
+/// The facts of the family, and those that its emulator implements in one way only: a page must state
+/// that way, with its source.
+fn dialect(family: Option<Family>, facts: &Facts<'_>) -> Option<Dialect> {
+    let dialect = family.and_then(|(read, _)| read(facts));
+    let between = family.map_or("linear", |(_, between)| between);
+    facts.read("interpolation", |f| f.choice("value", &[(between, ())]));
+    facts.read("outside", |f| f.choice("value", &[("hold", ())]));
+    facts.stated::<String>("direction");
+    facts.stated::<String>("value_unit");
+    if let Some(dialect) = &dialect {
+        check_numbers(&facts.section, dialect);
+    }
+    dialect
 }
 
-fn fanuc_facts(reader: &FactReader<'_>, base: Option<&Profile>) -> Option<FanucFacts> {
-    let base = base.and_then(|b| match &b.dialect {
-        Dialect::Fanuc(facts) => Some(facts),
-        _ => None,
-    });
-    let pitch_sign = reader.sign("pitch_sign", base.map(|b| &b.pitch_sign));
-    let straightness_sign = reader.sign("straightness_sign", base.map(|b| &b.straightness_sign));
-    let number_digits = reader.whole("number_digits", base.map(|b| &b.number_digits));
-    let q_identifier = reader.flag("q_identifier", base.map(|b| &b.q_identifier));
-    let point_offset = reader.whole("point_offset", base.map(|b| &b.point_offset));
-    let pitch_points = reader.ranges("pitch_points", base.map(|b| &b.pitch_points));
-    let minus_points = reader.ranges("minus_points", base.map(|b| &b.minus_points));
-    let increment_max = reader.whole("increment_max", base.map(|b| &b.increment_max));
-    let magnification_max = reader.whole("magnification_max", base.map(|b| &b.magnification_max));
-    let interval_form = reader.fact("interval_form", base.map(|b| &b.interval_form), |f| {
-        f.choice(
-            "value",
-            &[
-                ("real", IntervalForm::Real),
-                ("integer", IntervalForm::Integer),
-            ],
-        )
-    });
-    let interval_decimals_mm = reader.whole(
-        "interval_decimals_mm",
-        base.map(|b| &b.interval_decimals_mm),
-    );
-    let interval_decimals_inch = reader.whole(
-        "interval_decimals_inch",
-        base.map(|b| &b.interval_decimals_inch),
-    );
-    let interval_feed_divisor = reader.positive(
-        "interval_feed_divisor",
-        base.map(|b| &b.interval_feed_divisor),
-    );
-    let output_fraction = reader.positive("output_fraction", base.map(|b| &b.output_fraction));
-    let reversal_magnified = reader.flag("reversal_magnified", base.map(|b| &b.reversal_magnified));
-    let straightness_form = reader.fact(
-        "straightness_form",
-        base.map(|b| &b.straightness_form),
-        |f| {
-            f.choice(
-                "value",
-                &[
-                    ("four-point", StraightnessForm::FourPoint),
-                    ("per-point", StraightnessForm::PerPoint),
-                ],
-            )
-        },
-    );
-    let straightness_sets = reader.whole("straightness_sets", base.map(|b| &b.straightness_sets));
-    let straightness_axis_points = reader.whole(
-        "straightness_axis_points",
-        base.map(|b| &b.straightness_axis_points),
-    );
-    let straightness_points =
-        reader.ranges("straightness_points", base.map(|b| &b.straightness_points));
-    let straightness_magnification_parameter = reader.whole(
-        "straightness_magnification_parameter",
-        base.map(|b| &b.straightness_magnification_parameter),
-    );
-    let straightness_start_parameter = reader.whole(
-        "straightness_start_parameter",
-        base.map(|b| &b.straightness_start_parameter),
-    );
-    let straightness_amount_max = reader.whole(
-        "straightness_amount_max",
-        base.map(|b| &b.straightness_amount_max),
-    );
-    Some(FanucFacts {
-        pitch_sign: pitch_sign?,
-        straightness_sign: straightness_sign?,
-        number_digits: number_digits?,
-        q_identifier: q_identifier?,
-        point_offset: point_offset?,
-        pitch_points: pitch_points?,
-        minus_points: minus_points?,
-        increment_max: increment_max?,
-        magnification_max: magnification_max?,
-        interval_form: interval_form?,
-        interval_decimals_mm: interval_decimals_mm?,
-        interval_decimals_inch: interval_decimals_inch?,
-        interval_feed_divisor: interval_feed_divisor?,
-        output_fraction: output_fraction?,
-        reversal_magnified: reversal_magnified?,
-        straightness_form: straightness_form?,
-        straightness_sets: straightness_sets?,
-        straightness_axis_points: straightness_axis_points?,
-        straightness_points: straightness_points?,
-        straightness_magnification_parameter: straightness_magnification_parameter?,
-        straightness_start_parameter: straightness_start_parameter?,
-        straightness_amount_max: straightness_amount_max?,
-    })
+/// How the facts of a family are read, and what its control adds between two points.
+type Family = (fn(&Facts<'_>) -> Option<Dialect>, &'static str);
+
+fn family(root: &Section<'_>) -> Option<Family> {
+    const FAMILIES: [(&str, Family); 3] = [
+        (
+            "siemens",
+            (
+                |facts| SiemensFacts::read(facts).map(Dialect::Siemens),
+                "linear",
+            ),
+        ),
+        (
+            "fanuc",
+            (|facts| FanucFacts::read(facts).map(Dialect::Fanuc), "step"),
+        ),
+        (
+            "generic",
+            (
+                |facts| GenericFacts::read(facts).map(Dialect::Generic),
+                "linear",
+            ),
+        ),
+    ];
+    if !root.has("dialect") {
+        root.missing("dialect", "`siemens`, `fanuc` or `generic`");
+    }
+    root.choice("dialect", &FAMILIES)
 }
 
-fn generic_facts(reader: &FactReader<'_>, base: Option<&Profile>) -> Option<GenericFacts> {
-    let base = base.and_then(|b| match &b.dialect {
-        Dialect::Generic(facts) => Some(facts),
-        _ => None,
-    });
-    Some(GenericFacts {
-        points: reader.whole("points", base.map(|b| &b.points))?,
-    })
-}
-
-/// `[display]`: where the control shows the correction that acts; that of the base where it is not
-/// stated.
-fn display(root: &Section<'_>, base: Option<&Profile>) -> Option<Option<Fact<String>>> {
-    let Some(section) = root.section("display") else {
-        return Some(base.and_then(|b| b.display.clone()));
-    };
+/// `[display]`: where the control shows the correction that acts.
+fn display(section: &Section<'_>) -> Option<Fact<String>> {
     let value = section.required_text("value", "the name of the display");
-    let source = section.required_text("source", "manual, edition and chapter, or why");
-    let evidence = evidence(&section);
-    let consequence = section.text("consequence");
+    let origin = origin(section);
     section.refuse_unknown_keys();
-    Some(Some(Fact {
-        value: value?,
-        evidence: evidence?,
-        source: source?,
-        consequence,
-    }))
+    Some(origin?.with(value?))
+}
+
+fn axis_names(fact: &Section<'_>) -> Option<Vec<String>> {
+    let names = fact.texts("value")?;
+    if names.len() != 3 {
+        fact.problem(
+            "value",
+            format!("`axis_names` has {} names, expected three", names.len()),
+            "name the axes X, Y and Z of the machine, in this order",
+        );
+    }
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let other = |name: &&String| name.is_empty() || !name.chars().all(plain);
+    for name in names.iter().filter(other) {
+        fact.problem(
+            "value",
+            format!(
+                "`{}` is no axis name, expected letters, digits and `_`",
+                shown(name)
+            ),
+            "write it as the control shows it, e.g. `AX1`",
+        );
+    }
+    Some(names)
+}
+
+/// Numbers beyond what the program can write or a control can mean.
+fn check_numbers(facts: &Section<'_>, dialect: &Dialect) {
+    let decimals = |fact: &Fact<u32>| (fact.value <= 9, "0 … 9");
+    let at_least_1 = |fact: &Fact<u32>| (fact.value > 0, "at least 1");
+    let checked = match dialect {
+        Dialect::Siemens(own) => vec![
+            ("value_decimals", decimals(&own.value_decimals)),
+            ("position_decimals", decimals(&own.position_decimals)),
+        ],
+        Dialect::Fanuc(own) => vec![
+            ("interval_decimals_mm", decimals(&own.interval_decimals_mm)),
+            (
+                "interval_decimals_inch",
+                decimals(&own.interval_decimals_inch),
+            ),
+            (
+                "output_fraction",
+                (own.output_fraction.value < 1.0, "between 0 and 1"),
+            ),
+            ("increment_max", at_least_1(&own.increment_max)),
+            ("magnification_max", at_least_1(&own.magnification_max)),
+        ],
+        Dialect::Generic(_) => Vec::new(),
+    };
+    for (name, (is_right, expected)) in checked {
+        if !is_right {
+            let message = format!("`{name}` is out of range, expected {expected}");
+            facts.problem(name, message, "check the number and its source");
+        }
+    }
 }

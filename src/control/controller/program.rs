@@ -1,6 +1,6 @@
 //! How a control is told to move: facts of its part programs (docs/program.md).
 
-use crate::control::controller::{Fact, LengthUnit, Statement};
+use crate::control::controller::fact::{Fact, LengthUnit, Statement, Word};
 
 /// Family of part programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,13 +11,15 @@ pub enum Language {
     Fanuc,
 }
 
+impl Word for Language {
+    const WORDS: &'static [(&'static str, Language)] =
+        &[("siemens", Language::Siemens), ("fanuc", Language::Fanuc)];
+}
+
 impl Language {
     /// The word used in profiles.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Language::Siemens => "siemens",
-            Language::Fanuc => "fanuc",
-        }
+    pub fn word(self) -> &'static str {
+        self.word_of()
     }
 }
 

@@ -8,13 +8,35 @@ use toml::de::DeTable;
 /// Reads a TOML page: `read` takes what it knows from the root section and gives a value if it
 /// could; every problem is collected. The source comes back with the places of its keys.
 pub fn read_page<T>(
+    source: Source,
+    read: impl FnOnce(&Section<'_>) -> Option<T>,
+) -> Result<(T, Source), Problems> {
+    read_page_over(source, &[], |_, _| (), read)
+}
+
+/// The same for a page that builds on others, the nearest first: `lay_over` takes into a page what it
+/// wants of the one below. The places below are those of a text in which one page follows the other.
+pub(crate) fn read_page_over<T>(
     mut source: Source,
+    below: &[&str],
+    lay_over: for<'a> fn(&mut DeTable<'a>, DeTable<'a>),
     read: impl FnOnce(&Section<'_>) -> Option<T>,
 ) -> Result<(T, Source), Problems> {
     refuse_large_page(&source.name, source.text.len())?;
-    let (root, errors) = DeTable::parse_recoverable(&source.text);
+    let mut texts = vec![source.text.clone()];
+    for page in below {
+        texts.push(format!("{}{page}", " ".repeat(source.text.len())));
+        source.text.push_str(page);
+    }
+    let (mut root, errors) = DeTable::parse_recoverable(&texts[0]);
     if !errors.is_empty() {
         return Err(syntax_problems(&source, &errors));
+    }
+    for text in &texts[1..] {
+        lay_over(
+            root.get_mut(),
+            DeTable::parse_recoverable(text).0.into_inner(),
+        );
     }
     let notes = Notes::default();
     let section = Section::root(&source, root.get_ref(), &notes);

@@ -130,6 +130,11 @@ impl<'a> Section<'a> {
         self.section(key)
     }
 
+    /// Where the value of a key begins in the text of the page.
+    pub(crate) fn begins_at(&self, key: &str) -> Option<usize> {
+        Some(self.table.get(key)?.span().start)
+    }
+
     /// Whether the key holds a list (it then counts as known).
     pub(crate) fn is_list(&self, key: &'static str) -> bool {
         self.value(key).is_some_and(DeValue::is_array)
