@@ -624,3 +624,27 @@ fn a_checklist_tells_what_the_screen_told() {
     let words = "\n- not measured: X from 400 to 500 mm; the table holds the end value there\n";
     assert!(page.contains(words), "{page}");
 }
+
+#[test]
+fn a_backlash_value_is_entered_with_the_tables_and_put_back() {
+    for id in ["siemens-840d-sl", "fanuc-30i", "generic"] {
+        let (job, errors) = five_points(id);
+        let page = job.replace("two-tables", "curve-and-parameter");
+        let kit = kit::generate(&support::inputs(&page, &errors)).unwrap();
+        let checklist = text_of(&kit, "checklist.md");
+        let of = |part: &str| {
+            let (_, rest) = checklist.split_once(part).unwrap();
+            rest.split("\n## ").next().unwrap().to_string()
+        };
+        assert!(of("## Before anything").contains("found ________"), "{id}");
+        let (load, back) = (of("## The real tables"), of("## Way back"));
+        let entered = load.lines().filter(|line| line.contains(": enter "));
+        let entered: Vec<&str> = entered.collect();
+        assert_eq!(entered.len(), 1, "{id}: X alone has a reversal\n{load}");
+        let what = entered[0].split(": enter ").next().unwrap();
+        assert!(
+            back.contains(&format!("{what}: enter what was found")),
+            "{id}\n{back}"
+        );
+    }
+}

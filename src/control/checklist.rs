@@ -37,6 +37,10 @@ pub enum List {
     NotWritten,
     /// What the rollback files leave to a person, and what moves.
     WayBack,
+    /// Values that are entered by hand with the tables.
+    Enter,
+    /// The same values on the way back.
+    PutBack,
 }
 
 impl Word for List {
@@ -49,6 +53,8 @@ impl Word for List {
         ("display", List::Display),
         ("not-written", List::NotWritten),
         ("way-back", List::WayBack),
+        ("enter", List::Enter),
+        ("put-back", List::PutBack),
     ];
 }
 

@@ -47,6 +47,9 @@ pub struct Precondition {
     pub why: String,
     /// Where that is from.
     pub source: String,
+    /// Whether it is a value that a person enters after the tables, and puts back on the way back.
+    #[serde(skip)]
+    pub entered: bool,
 }
 
 impl Precondition {
@@ -62,6 +65,7 @@ impl Precondition {
             value: value.into(),
             why: why.into(),
             source: source.into(),
+            entered: false,
         }
     }
 }

@@ -59,6 +59,10 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         List::Display => lists::display(made).into(),
         List::NotWritten => not_written.clone().into(),
         List::WayBack => rollback.by_hand.clone().into(),
+        List::Enter => lists::entered(made.compiled, |p| format!("enter {}", p.value)).into(),
+        List::PutBack => {
+            lists::entered(made.compiled, |_| "enter what was found".to_string()).into()
+        }
     };
     let (task, compiled) = (made.task(), made.compiled);
     let facts = KitFacts {

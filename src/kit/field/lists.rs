@@ -22,13 +22,23 @@ pub(super) fn places(made: &Made<'_>) -> Listed {
 
 pub(super) fn preconditions(compiled: &Compiled) -> Listed {
     let list = shared(&compiled.preconditions);
-    let item =
-        |(what, p): &(String, &Precondition)| format!("{what} must be {}; found: {BLANK}", p.value);
+    let item = |(what, p): &(String, &Precondition)| match p.entered {
+        true => format!("{what}: found {BLANK}; {} is entered below", p.value),
+        false => format!("{what} must be {}; found: {BLANK}", p.value),
+    };
     let note = |(what, p): &(String, &Precondition)| format!("{what}: {} *({})*", p.why, p.source);
     Listed {
         items: list.iter().map(item).collect(),
         notes: list.iter().map(note).collect(),
     }
+}
+
+/// Values that belong to the tables and that no file holds.
+pub(super) fn entered(compiled: &Compiled, how: impl Fn(&Precondition) -> String) -> Vec<String> {
+    let list = shared(&compiled.preconditions);
+    let list = list.iter().filter(|(_, p)| p.entered);
+    list.map(|(what, p)| format!("{what}: {}", how(p)))
+        .collect()
 }
 
 /// What is assumed of the control and matters for this kit.

@@ -112,12 +112,15 @@ fn backlash(task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
     plan.backlash_um
         .iter()
         .filter_map(|(axis, um)| {
-            Some(Precondition::new(
-                format!("backlash parameter of {axis}"),
-                format!("{:.1} µm", tenth_of_a_micron((*um)?)),
-                backlash_why(task.job, axis),
-                "contract of the generic table",
-            ))
+            Some(Precondition {
+                entered: true,
+                ..Precondition::new(
+                    format!("backlash parameter of {axis}"),
+                    format!("{:.1} µm", tenth_of_a_micron((*um)?)),
+                    backlash_why(task.job, axis),
+                    "contract of the generic table",
+                )
+            })
         })
         .collect()
 }

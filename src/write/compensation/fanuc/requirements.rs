@@ -201,21 +201,24 @@ fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
     if !own {
         return None;
     }
-    let (value, why) = match backlash_counts(task, plan, run.axis) {
+    let (value, why, entered) = match backlash_counts(task, plan, run.axis) {
         Some((counts, unit_um)) => (
             format!("{counts} (detection units of {unit_um} µm)"),
             backlash_why(task.job, run.axis),
+            true,
         ),
-        None if run.minus_first.is_some() => ("0".to_string(), two_tables_why(task.job, run.axis)),
+        None if run.minus_first.is_some() => {
+            ("0".to_string(), two_tables_why(task.job, run.axis), true)
+        }
         None => (
             "as during the measurement".to_string(),
             "backlash acts beside the table and adds to it",
+            false,
         ),
     };
-    Some(Precondition::new(
-        format!("1851 and 1852 of axis {}", run.id),
-        value,
-        why,
-        MEMORY,
-    ))
+    let what = format!("1851 and 1852 of axis {}", run.id);
+    Some(Precondition {
+        entered,
+        ..Precondition::new(what, value, why, MEMORY)
+    })
 }

@@ -164,19 +164,27 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
     if !plan.tables.iter().any(|t| t.term == term) {
         return Vec::new();
     }
-    let (value, why) = match plan.backlash_um[axis] {
-        Some(um) => (backlash_text(task, um).0, backlash_why(task.job, axis)),
-        None if has_two_tables(plan, axis) => ("0".to_string(), two_tables_why(task.job, axis)),
+    let (value, why, entered) = match plan.backlash_um[axis] {
+        Some(um) => (
+            backlash_text(task, um).0,
+            backlash_why(task.job, axis),
+            true,
+        ),
+        None if has_two_tables(plan, axis) => {
+            ("0".to_string(), two_tables_why(task.job, axis), true)
+        }
         _ => (
             "as during the measurement".to_string(),
             "backlash acts beside the table and adds to it",
+            false,
         ),
     };
     let system = encoder(task, axis);
     plan.names[axis]
         .iter()
-        .map(|name| {
-            Precondition::new(
+        .map(|name| Precondition {
+            entered,
+            ..Precondition::new(
                 format!("MD32450 $MA_BACKLASH[{system},{name}]"),
                 value.clone(),
                 why,
