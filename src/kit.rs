@@ -7,7 +7,6 @@
 mod field;
 mod inputs;
 mod loaded;
-mod loaded_state;
 pub mod manifest;
 pub mod program_kit;
 mod program_positions;
@@ -28,6 +27,7 @@ use crate::read::emulate::{CannotEmulate, Emulator};
 pub use crate::read::emulator;
 use crate::read::{KitFile, ReadBack, read, unread};
 pub use crate::text::document::sha256;
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::Compiled;
 use crate::write::emit::{self, RenderedFile, TOOL, Templates};
@@ -35,8 +35,8 @@ use crate::write::plan::{Plan, plan};
 use crate::write::target::wants;
 use field::{Made, as_kit_file};
 pub use inputs::{Inputs, cannot_emulate};
+use loaded::not_emulated;
 pub use loaded::{LoadedControl, load, load_own, load_read_out};
-pub use loaded_state::{LoadedState, loaded_state};
 pub use remarks::remarks;
 use serde_json::json;
 pub use verification::{Verification, verify, verify_read_out};
@@ -178,7 +178,7 @@ fn ensure_same(
     compiled: &Compiled,
     read: &ReadBack,
 ) -> Result<(), Problems> {
-    let sentences = differences(inputs, plan, compiled, read).words;
+    let (sentences, _) = differences(inputs, plan, compiled, read);
     let same_tables = compiled.tables == read.tables;
     if same_tables && sentences.is_empty() {
         return Ok(());
@@ -192,48 +192,41 @@ fn ensure_same(
     };
     let mut problems = Problems::from(headline);
     for words in sentences {
-        problems.push(Problem::new(words));
+        problems.push(Problem::new(words.to_string()));
     }
     Err(problems)
 }
 
-/// What was read, against what was compiled.
-struct Differences {
-    /// One sentence for everything surplus, missing or contradictory.
-    words: Vec<String>,
-    /// The control that the files would make, or why there is none.
-    found: Result<Box<dyn Emulator>, CannotEmulate>,
-}
-
 /// How files differ from what was compiled: what the tables do to the axes first, then what else
-/// the files hold.
-fn differences(inputs: &Inputs, plan: &Plan, compiled: &Compiled, read: &ReadBack) -> Differences {
+/// the files hold; and the control that they would make, or why there is none.
+fn differences(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    read: &ReadBack,
+) -> (Vec<Finding>, Result<Box<dyn Emulator>, CannotEmulate>) {
     let profile = &inputs.profile;
     let found = emulator(profile, &read.tables, &compiled.state);
+    let contents = |diagnosis| disagreement::contents(profile, &compiled.tables, read, diagnosis);
     if let (true, Ok(_)) = (compiled.tables == read.tables, &found) {
         // The same tables do the same: only what the files hold beside them is left to judge.
-        let words = disagreement::contents(profile, &compiled.tables, read, None);
-        return Differences { words, found };
+        return (contents(None), found);
     }
-    let mut words = disagreement::measuring_systems(&compiled.tables, &read.tables);
+    let mut findings = disagreement::measuring_systems(&compiled.tables, &read.tables);
     let wanted = emulator(profile, &compiled.tables, &compiled.state);
     let diagnosis = match (&wanted, &found) {
         (Ok(wanted), Ok(found)) => {
-            Some(disagreement::compare(plan, wanted.as_ref(), found.as_ref()))
+            let diagnosis = disagreement::compare(plan, wanted.as_ref(), found.as_ref());
+            findings.extend(diagnosis.findings.iter().cloned());
+            Some(diagnosis)
         }
         (Err(reason), _) | (_, Err(reason)) => {
-            words.push(reason.0.clone());
+            findings.push(not_emulated(reason.clone()));
             None
         }
     };
-    words.extend(diagnosis.iter().flat_map(|d| d.words.clone()));
-    words.extend(disagreement::contents(
-        profile,
-        &compiled.tables,
-        read,
-        diagnosis.as_ref(),
-    ));
-    Differences { words, found }
+    findings.extend(contents(diagnosis.as_ref()));
+    (findings, found)
 }
 
 fn build_manifest(

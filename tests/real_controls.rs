@@ -13,9 +13,11 @@ mod support;
 use nonius::control::table::Tables;
 use nonius::control::table::siemens::SiemensGrid;
 use nonius::judge::active::{ActiveControl, ReadOutFor, from_read_out};
+use nonius::judge::findings::words_of;
 use nonius::kit::{self, Inputs, emulator};
 use nonius::quantity::axis::Direction;
 use nonius::read::emulate::Emulator;
+use nonius::text::finding::Severity;
 use std::fmt::Write;
 use std::path::Path;
 use support::{inputs, response, um_at};
@@ -119,8 +121,8 @@ fn understood(job: fn(&str) -> Inputs, files: Vec<(String, Vec<u8>)>) -> String 
     writeln!(
         said,
         "verify: {} causes, {} doubts",
-        judged.disagreements.len(),
-        judged.beside.len()
+        judged.disagreements().len(),
+        words_of(&judged.findings, Severity::Doubt).len()
     )
     .unwrap();
     said
@@ -130,7 +132,7 @@ fn understood(job: fn(&str) -> Inputs, files: Vec<(String, Vec<u8>)>) -> String 
 fn told(active: &ActiveControl) -> String {
     let mut said = format!(
         "{} notes, CEC tables of others {:?}\n",
-        active.notes.len(),
+        words_of(&active.findings, Severity::Note).len(),
         active.others.cec_tables
     );
     let range = |grid: SiemensGrid| format!("{} to {} by {}", grid.min, grid.max, grid.step);
@@ -268,7 +270,8 @@ fn the_switches_of_a_real_control_without_its_tables_are_refused() {
         assert!(refused.contains(says), "{refused}");
     }
     let found = read(&siemens("none"), files, ReadOutFor::Judging).unwrap();
-    assert_eq!(found.beside.len(), 2, "{:?}", found.beside);
+    let beside = words_of(&found.findings, Severity::Doubt);
+    assert_eq!(beside.len(), 2, "{beside:?}");
 }
 
 #[test]

@@ -464,12 +464,12 @@ fn what_the_job_does_not_own() {
         (
             MEMORY,
             |text| text.replace("POINTS[0,AX1]=31", "POINTS[0,AX1]=3"),
-            "ENC_COMP[0,AX1]: MD38000 reserves 3 points, the table has 31",
+            "the memory file does not reserve enough for ENC_COMP[0,AX1] (MD38000): set to 3, expected at least 31",
         ),
         (
             MEMORY,
             |text| text.replace("N38000 $MA_MM_ENC_COMP_MAX_POINTS[0,AX1]=31\n", ""),
-            "the memory file reserves nothing for ENC_COMP[0,AX1] (MD38000, 31 points)",
+            "the memory file does not reserve enough for ENC_COMP[0,AX1] (MD38000): not written, expected at least 31",
         ),
         (
             EEC,
@@ -497,7 +497,7 @@ fn what_the_job_does_not_own() {
                     })
                     .collect()
             },
-            "CEC table 0: missing, the job writes it",
+            "CEC table 0 (AX2 while AX1 moves): missing, the job writes it",
         ),
     ];
     foreign_contents("siemens-840d-sl", &siemens);

@@ -17,6 +17,7 @@
 mod support;
 
 use nonius::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out};
+use nonius::judge::findings::words_of;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::Direction;
 use nonius::read::emulate::Response;
@@ -363,6 +364,11 @@ fn nothing_left_gives_the_same_tables_again() {
     }
 }
 
+/// What is told of the files that were active.
+fn notes_of(active: &ActiveControl) -> String {
+    words_of(&active.findings, nonius::text::finding::Severity::Note).join("\n")
+}
+
 #[test]
 fn a_read_out_says_the_same_as_the_kit() {
     let case = Case {
@@ -423,11 +429,9 @@ fn a_read_out_says_the_same_as_the_kit() {
             < 1e-9
     );
     assert!(
-        read.notes
-            .iter()
-            .any(|n| n.contains("2 other machine data")),
+        notes_of(&read).contains("2 other machine data"),
         "{:?}",
-        read.notes
+        read.findings
     );
     let again = Inputs {
         active: None,
@@ -860,7 +864,7 @@ fn a_kit_of_another_machine_is_refused() {
             &manifest,
             files.collect(),
         )
-        .map(|active| active.notes.join("\n"))
+        .map(|active| notes_of(&active))
         .map_err(|problems| problems.render())
     };
     let one = "name = \"M\"\nserial = \"1\"\nchain = \"wXYZt\"";

@@ -139,9 +139,9 @@ pub fn generate(input: &[u8]) -> Answer {
         Err(problems) => panic!("verify refuses what generate made: {}", problems.render()),
     };
     assert!(
-        found.disagreements.is_empty(),
+        found.agrees(),
         "verify differs from generate: {:?}",
-        found.disagreements
+        found.disagreements()
     );
     assert!(
         found.verdict == kit.verdict,
@@ -196,8 +196,8 @@ pub fn verify(input: &[u8]) -> Answer {
     Ok(format!(
         "{:?} {} {}",
         found.verdict,
-        found.disagreements.join("\n"),
-        found.absent.join("\n")
+        found.disagreements().join("\n"),
+        found.notes().join("\n")
     ))
 }
 

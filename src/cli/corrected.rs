@@ -3,7 +3,9 @@
 
 use crate::cli::directory::read_directory;
 use crate::inputs::job::UseOf;
+use crate::judge::findings::{InControl, words_of};
 use crate::kit::{Inputs, LoadedControl, load, load_own, load_read_out};
+use crate::text::finding::{Finding, Severity};
 use crate::text::problem::{Problem, Problems};
 use crate::volume::assessment::with_tables;
 use crate::volume::volume_model::VolumeModel;
@@ -58,11 +60,17 @@ impl AskedTables {
             Problem::new(format!("the tables cannot be emulated: {}", e.0))
                 .help("nothing can be said of the machine with them")
         })?;
+        let is_grave = |found: &Finding| found.severity() == Severity::Disagreement;
         Ok(Some(Corrected {
             from,
             volume,
-            disagreements: loaded.disagreements,
-            notes: loaded.notes,
+            disagreements: words_of(&loaded.findings, Severity::Disagreement),
+            notes: loaded
+                .findings
+                .iter()
+                .filter(|f| !is_grave(f))
+                .map(ToString::to_string)
+                .collect(),
         }))
     }
 
@@ -80,8 +88,14 @@ impl AskedTables {
             None => load(inputs, &found.kit_files(), found.state.as_ref())
                 .map_err(|problems| found.instead_of(problems))?,
         };
-        loaded.disagreements.extend(found.remarks);
-        loaded.notes.splice(0..0, found.notes);
+        let differs = |words| Finding::from(InControl::Differs { words });
+        let note = |words| Finding::from(InControl::Read { words });
+        loaded
+            .findings
+            .extend(found.remarks.into_iter().map(differs));
+        loaded
+            .findings
+            .splice(0..0, found.notes.into_iter().map(note));
         let from = format!("the files of {}", directory.display());
         Ok(Some((from, loaded)))
     }

@@ -4,6 +4,7 @@
 use super::inputs::{file_names, plain_words, read_file};
 use crate::control::controller::{Profile, Role};
 use crate::judge::active::{ActiveControl, ReadOutFor, from_read_out};
+use crate::judge::findings::InControl;
 use crate::kit::manifest::{HashedFile, MANIFEST};
 use crate::kit::{Inputs, sha256};
 use crate::read::control_data;
@@ -80,11 +81,10 @@ impl Found {
             ReadOutFor::Judging,
         )?;
         if let Some(name) = whole.filter(|_| is_called_as_a_kit) {
-            let words = format!(
-                "`{}` holds far more than a kit: taken as read out of the control, not as to be loaded",
-                shown(name)
-            );
-            control.notes.insert(0, words);
+            let file = shown(name);
+            control
+                .findings
+                .insert(0, InControl::FarMore { file }.into());
         }
         Ok(Some(control))
     }

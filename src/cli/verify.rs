@@ -14,6 +14,7 @@ use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
 use crate::kit::manifest::{MANIFEST, diagonals, picometres};
 use crate::kit::{Inputs, Verification, remarks, verify, verify_read_out};
+use crate::text::finding::{Finding, Severity};
 use crate::text::problem::{Problems, shown};
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -48,10 +49,11 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let found = read_directory(&inputs, directory)?;
     let mut verification = judged(&inputs, directory, &found)?;
     if found.names_missing {
-        verification.absent.clear(); // a listed file that is missing was named
+        let is_note = |found: &Finding| found.severity() == Severity::Note;
+        verification.findings.retain(|found| !is_note(found)); // a listed file that is missing was named
     }
     let notes = found.notes.iter().chain(&found.other_inputs);
-    verification.absent.extend(notes.cloned());
+    notes.for_each(|words| verification.note(words.clone()));
     if let Some(second) = second {
         let folder = options.job.parent().unwrap_or(Path::new(""));
         let first = First {
@@ -92,19 +94,21 @@ fn judged_as_kit(inputs: &Inputs, found: &Found) -> Result<Verification, Problem
         let words = format!(
             "there is no {MANIFEST}, so nothing tells whether all files are there and as they were made"
         );
-        verification.absent.push(words);
+        verification.note(words);
         let called = found.called_as_a_kit(&inputs.profile).map(|name| {
             format!(
                 "judged as a kit that is to be loaded, because `{}` is called as in one: give files that were read out of the control other names",
                 shown(name)
             )
         });
-        verification.absent.extend(called);
+        called
+            .into_iter()
+            .for_each(|words| verification.note(words));
     }
-    let differences = verification.disagreements.len();
+    let differences = verification.disagreements().len();
     if differences > 0 && differences == found.changed && found.remarks.len() == differences {
         let words = "read back, tables and switches are as the job asks: what differs is something else (line ends, comments, words such as NEWCONF, more memory); copy the files from the kit again";
-        verification.absent.push(words.to_string());
+        verification.note(words.to_string());
     }
     Ok(verification)
 }
@@ -119,15 +123,10 @@ fn heading(inputs: &Inputs, directory: &Path) -> String {
 }
 
 fn agreement(verification: &Verification) -> String {
-    if verification.disagreements.is_empty() {
-        return "job and tables agree".to_string();
+    match verification.disagreements().as_slice() {
+        [] => "job and tables agree".to_string(),
+        some => format!("job and tables DISAGREE:\n  - {}", some.join("\n  - ")),
     }
-    let lines: Vec<String> = verification
-        .disagreements
-        .iter()
-        .map(|words| format!("  - {words}"))
-        .collect();
-    format!("job and tables DISAGREE:\n{}", lines.join("\n"))
 }
 
 fn verdict(inputs: &Inputs, verification: &Verification) -> String {
@@ -135,7 +134,7 @@ fn verdict(inputs: &Inputs, verification: &Verification) -> String {
         verification.verdict,
         &inputs.job,
         verification.forecast.as_ref(),
-        !verification.disagreements.is_empty(),
+        !verification.agrees(),
         &verification.doubts,
     )
 }
@@ -152,7 +151,7 @@ fn screen(inputs: &Inputs, directory: &Path, verification: &Verification) -> Scr
         ]
         .join("\n"),
         figures: forecast.map(table).into_iter().collect(),
-        findings: [absent(&verification.absent), remarks].concat(),
+        findings: [absent(&verification.notes()), remarks].concat(),
         always: show::assumed_signs(&compiled.assumptions, &[]),
         more: vec![More {
             count: show::effective(&compiled.assumptions),
@@ -182,17 +181,15 @@ fn document(inputs: &Inputs, verification: &Verification) -> Value {
     }
     let forecast = verification.forecast.as_ref();
     let notes: Vec<String> = verification
-        .absent
-        .iter()
-        .chain(&verification.compiled.notes)
-        .cloned()
+        .notes()
+        .into_iter()
+        .chain(verification.compiled.notes.clone())
         .chain(forecast.map(Forecast::worsened).unwrap_or_default())
         .collect();
     let misses = forecast.map(|f| f.misses(inputs.job.acceptance));
     let causes: Vec<String> = verification
-        .disagreements
-        .iter()
-        .cloned()
+        .disagreements()
+        .into_iter()
         .chain(misses.unwrap_or_default())
         .chain(verification.doubts.iter().cloned())
         .collect();

@@ -5,16 +5,18 @@
 //! axis.
 
 mod contents;
+mod machine_data;
 mod surroundings;
 
 pub use contents::{absent, contents};
 pub use surroundings::surroundings;
 
 use crate::control::table::Tables;
-use crate::control::table::siemens::LecTable;
+use crate::judge::findings::InControl;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{Correction, Figure, Millimetres};
 use crate::read::emulate::{Emulator, NodeTable, Response};
+use crate::text::finding::Finding;
 use crate::write::plan::{Plan, axis_pairs};
 
 /// Two corrections closer than this are equal, µm (a picometre).
@@ -26,210 +28,112 @@ const EQUAL_MM: f64 = 1e-6;
 /// What emulation tells of two sets of tables.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnosis {
-    /// One sentence for each disagreement.
-    pub words: Vec<String>,
-    /// The pairs of moving and corrected axis that the sentences are about.
+    /// One for each disagreement.
+    pub findings: Vec<Finding>,
+    /// The pairs of moving and corrected axis that they are about.
     pub pairs: Vec<(String, String)>,
 }
 
 impl Diagnosis {
-    /// Whether a sentence is about these axes.
+    /// Whether a finding is about these axes.
     pub(crate) fn explains(&self, base: &str, output: &str) -> bool {
-        self.pairs
-            .iter()
-            .any(|(b, o)| b.eq_ignore_ascii_case(base) && o.eq_ignore_ascii_case(output))
+        holds(&self.pairs, base, output)
+    }
+
+    fn tell(&mut self, words: String, base: &str, output: &str) {
+        self.findings.push(InControl::Differs { words }.into());
+        self.pairs.push((base.to_string(), output.to_string()));
     }
 }
 
-/// All disagreements, one sentence each; none if the tables do what the job asks for.
+fn holds(pairs: &[(String, String)], base: &str, output: &str) -> bool {
+    let is =
+        |(b, o): &(String, String)| b.eq_ignore_ascii_case(base) && o.eq_ignore_ascii_case(output);
+    pairs.iter().any(is)
+}
+
+/// All disagreements; none if the tables do what the job asks for.
 pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Diagnosis {
-    let mut sentences = Vec::new();
+    let mut diagnosis = Diagnosis::default();
     let mut known = Vec::new();
     let all = responses(plan, expected);
-    for term in ErrorTerm::ALL {
-        for (base, output) in axis_pairs(&plan.names, term) {
-            for direction in Direction::BOTH {
-                let label = label(term, base, output, direction);
-                // An axis that the job does not have; tables for it are foreign.
-                let Ok(wanted) = expected.response(base, output, direction) else {
-                    continue;
-                };
-                known.push((base.to_string(), output.to_string()));
-                match found.response(base, output, direction) {
-                    Ok(got) => {
-                        let words =
-                            difference(&wanted, &got, || foreign(&all, term, &wanted, &got));
-                        sentences.extend(words.map(|words| (label, words)));
-                    }
-                    Err(problem) => sentences.push((label, problem.0)),
-                }
+    for (term, base, output, ways) in &all {
+        known.push(((*base).to_string(), (*output).to_string()));
+        let mut said: Vec<(Direction, String)> = Vec::new();
+        for (direction, wanted) in ways {
+            let words = match found.response(base, output, *direction) {
+                Ok(got) => Pair::of(wanted, &got).difference(|pair| pair.foreign(&all, *term)),
+                Err(problem) => Some(problem.0),
+            };
+            said.extend(words.map(|words| (*direction, words)));
+        }
+        let pair = format!("{term} ({output} while {base} moves");
+        match said.as_slice() {
+            [(_, plus), (_, minus)] if plus == minus => {
+                diagnosis.tell(format!("{pair}): {plus}"), base, output);
             }
+            each => each.iter().for_each(|(way, words)| {
+                diagnosis.tell(format!("{pair} in {way}): {words}"), base, output);
+            }),
         }
     }
-    let mut pairs: Vec<(String, String)> = sentences
-        .iter()
-        .map(|(label, _)| (label.base.clone(), label.output.clone()))
-        .collect();
-    let mut words = join_directions(sentences);
     for (base, output) in found.connected_axes() {
-        let is_known = known
-            .iter()
-            .any(|(b, o)| b.eq_ignore_ascii_case(&base) && o.eq_ignore_ascii_case(&output));
-        if !is_known {
-            words.push(format!("foreign axis: the tables correct {output} while {base} moves, which the job does not ask for"));
-            pairs.push((base, output));
+        if !holds(&known, &base, &output) {
+            let words = format!(
+                "foreign axis: the tables correct {output} while {base} moves, which the job does not ask for"
+            );
+            diagnosis.tell(words, &base, &output);
         }
     }
-    Diagnosis { words, pairs }
+    diagnosis
 }
 
-/// ENC_COMP tables of another measuring system than the job states: emulated alike, but without
-/// effect on the control.
-pub(crate) fn measuring_systems(wanted: &Tables, found: &Tables) -> Vec<String> {
-    let (Tables::Siemens(wanted), Tables::Siemens(found)) = (wanted, found) else {
-        return Vec::new();
-    };
-    let of_axis = |axis: &str| {
-        wanted
-            .lec
-            .iter()
-            .find(|t| t.axis.eq_ignore_ascii_case(axis))
-    };
-    let sentence = |table: &LecTable| {
-        let stated = of_axis(&table.axis)?.encoder;
-        (table.encoder != stated).then(|| {
-            format!(
-                "foreign measuring system: the ENC_COMP table of {} is for system {}, the job is for {}",
-                table.axis,
-                table.encoder + 1,
-                stated + 1
-            )
-        })
-    };
-    found.lec.iter().filter_map(sentence).collect()
-}
+/// What the job asks for of a term and a pair of moving and corrected axis, in each direction.
+type Asked<'a> = (ErrorTerm, &'a str, &'a str, Vec<(Direction, Response)>);
 
-/// What the job asks for, term by term.
-fn responses(plan: &Plan, expected: &dyn Emulator) -> Vec<(ErrorTerm, Response)> {
+/// What the job asks for; an axis that it does not have has no response, and tables for it are foreign.
+fn responses<'a>(plan: &'a Plan, expected: &dyn Emulator) -> Vec<Asked<'a>> {
     let mut all = Vec::new();
     for term in ErrorTerm::ALL {
         for (base, output) in axis_pairs(&plan.names, term) {
-            for direction in Direction::BOTH {
-                let response = expected.response(base, output, direction);
-                all.extend(response.ok().map(|response| (term, response)));
+            let of = |way| Some((way, expected.response(base, output, way).ok()?));
+            let ways: Vec<_> = Direction::BOTH.into_iter().filter_map(of).collect();
+            if !ways.is_empty() {
+                all.push((term, base, output, ways));
             }
         }
     }
     all
 }
 
-/// What a sentence is about.
-#[derive(Clone, PartialEq)]
-struct Label {
-    term: ErrorTerm,
-    base: String,
-    output: String,
-    direction: Direction,
-}
-
-fn label(term: ErrorTerm, base: &str, output: &str, direction: Direction) -> Label {
-    Label {
-        term,
-        base: base.to_string(),
-        output: output.to_string(),
-        direction,
-    }
-}
-
-/// One sentence where both directions say the same.
-fn join_directions(sentences: Vec<(Label, String)>) -> Vec<String> {
-    let mut joined: Vec<(Label, bool, String)> = Vec::new();
-    for (label, words) in sentences {
-        let twin = joined.iter_mut().find(|(other, _, same)| {
-            other.term == label.term && other.output == label.output && *same == words
-        });
-        match twin {
-            Some((_, both, _)) => *both = true,
-            None => joined.push((label, false, words)),
-        }
-    }
-    joined
-        .into_iter()
-        .map(|(label, both, words)| {
-            let travel = if both {
-                String::new()
-            } else {
-                format!(" in {}", label.direction)
-            };
-            format!(
-                "{} ({} while {} moves{travel}): {words}",
-                label.term, label.output, label.base
-            )
-        })
-        .collect()
-}
-
-/// What is wrong with one response, if anything.
-fn difference(
-    wanted: &Response,
-    got: &Response,
-    foreign: impl Fn() -> Option<String>,
-) -> Option<String> {
-    let places = places(wanted, got);
-    let pairs: Vec<(f64, f64)> = places
-        .iter()
-        .map(|at| (wanted.correction(*at).um(), got.correction(*at).um()))
-        .collect();
-    let tolerance = EQUAL_UM;
-    let close = |a: f64, b: f64| (a - b).abs() <= tolerance.max(1e-9 * b.abs());
-    if pairs.iter().all(|(w, g)| close(*g, *w)) {
-        return None;
-    }
-    let all = |rule: &dyn Fn(f64) -> f64| pairs.iter().all(|(w, g)| close(*g, rule(*w)));
-    if got.tables().is_empty() && !wanted.tables().is_empty() {
-        return Some("missing: the tables hold nothing for it".to_string());
-    }
-    if wanted.tables().is_empty() {
-        return Some("the tables correct it, the job does not ask for it".to_string());
-    }
-    if all(&|w| -w) {
-        return Some(
-            "wrong sign: every correction is turned round, the error would double".to_string(),
-        );
-    }
-    if all(&|w| 2.0 * w) {
-        return Some(
-            "wrong scale: every correction is double (applied twice, or twice the magnification?)"
-                .to_string(),
-        );
-    }
-    if all(&|_| 0.0) {
-        return Some("all corrections are zero".to_string());
-    }
-    scale(&pairs)
-        .or_else(foreign)
-        .or_else(|| spaced(wanted, got))
-        .or_else(|| shifted(wanted, got))
-        .or_else(|| lifted(&pairs))
-        .or_else(|| points(wanted, got))
-        .or_else(|| stepped(wanted, got))
-        .or_else(|| largest(&places, &pairs))
-}
-
-/// Every node of both, each place once, and the machine's zero.
-fn places(wanted: &Response, got: &Response) -> Vec<Millimetres> {
-    let nodes = |r: &Response| -> Vec<Millimetres> {
-        r.tables()
-            .iter()
-            .flat_map(|table| table.nodes().map(|(at, _)| at).collect::<Vec<_>>())
-            .collect()
+/// ENC_COMP tables of another measuring system than the job states: emulated alike, but without
+/// effect on the control.
+pub(crate) fn measuring_systems(wanted: &Tables, found: &Tables) -> Vec<Finding> {
+    let (Tables::Siemens(wanted), Tables::Siemens(found)) = (wanted, found) else {
+        return Vec::new();
     };
-    let mut places = nodes(wanted);
-    places.extend(nodes(got));
-    places.push(Millimetres::new(0.0));
-    places.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
-    places.dedup_by(|a, b| (a.mm() - b.mm()).abs() <= EQUAL_MM);
-    places
+    let other = found.lec.iter().filter_map(|table| {
+        let mut own = wanted.lec.iter();
+        let own = own.find(|own| own.axis.eq_ignore_ascii_case(&table.axis))?;
+        let words = format!(
+            "foreign measuring system: the ENC_COMP table of {} is for system {}, the job is for {}",
+            table.axis,
+            table.encoder + 1,
+            own.encoder + 1
+        );
+        (table.encoder != own.encoder).then(|| InControl::Differs { words }.into())
+    });
+    other.collect()
+}
+
+/// What is asked for and what was found for a pair of axes in one direction, at every node of both,
+/// each place once, and at the machine's zero.
+struct Pair<'a> {
+    wanted: &'a Response,
+    got: &'a Response,
+    places: Vec<Millimetres>,
+    /// Asked for and found there, µm.
+    um: Vec<(f64, f64)>,
 }
 
 /// Factors that come from a wrong unit.
@@ -240,172 +144,205 @@ const UNIT_SLIPS: [(f64, &str); 4] = [
     (1.0 / 25.4, "25.4 times too small (mm taken for inch?)"),
 ];
 
-fn scale(pairs: &[(f64, f64)]) -> Option<String> {
-    let largest = pairs.iter().map(|(w, _)| w.abs()).fold(0.0, f64::max);
-    for (factor, words) in UNIT_SLIPS {
-        for sign in [1.0, -1.0] {
-            // A scaled table was rounded once more, so a hundredth of its size is allowed.
-            let fits =
-                |(w, g): &(f64, f64)| (g - sign * factor * w).abs() <= 0.01 * factor * largest;
-            if pairs.iter().all(fits) {
-                let turned = if sign < 0.0 {
-                    ", and the sign is turned"
-                } else {
-                    ""
-                };
-                return Some(format!("wrong scale: the corrections are {words}{turned}"));
-            }
+/// What was done to every correction, if it is a rule by itself.
+const RULES: [(f64, &str); 3] = [
+    (
+        -1.0,
+        "wrong sign: every correction is turned round, the error would double",
+    ),
+    (
+        2.0,
+        "wrong scale: every correction is double (applied twice, or twice the magnification?)",
+    ),
+    (0.0, "all corrections are zero"),
+];
+
+impl<'a> Pair<'a> {
+    fn of(wanted: &'a Response, got: &'a Response) -> Pair<'a> {
+        let tables = wanted.tables().iter().chain(got.tables());
+        let mut places: Vec<Millimetres> = tables
+            .flat_map(|table| table.nodes().map(|(at, _)| at))
+            .collect();
+        places.push(Millimetres::new(0.0));
+        places.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
+        places.dedup_by(|a, b| (a.mm() - b.mm()).abs() <= EQUAL_MM);
+        let at = |at: &Millimetres| (wanted.correction(*at).um(), got.correction(*at).um());
+        Pair {
+            um: places.iter().map(at).collect(),
+            wanted,
+            got,
+            places,
         }
     }
-    let (w, g) = pairs
-        .iter()
-        .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
-    let factor = g / w;
-    let fits = |(w, g): &(f64, f64)| (g - factor * w).abs() <= EQUAL_UM;
-    // One value that differs is a value, not a scale.
-    let enough = pairs.iter().filter(|(w, _)| w.abs() > EQUAL_UM).count() > 1;
-    (enough && pairs.iter().all(fits)).then(|| {
-        format!(
-            "wrong scale: every correction is {:.3} times what the job asks for",
-            Figure(factor)
-        )
-    })
-}
 
-/// Whether the corrections of another term stand here, instead of the own ones or beside them.
-fn foreign(
-    all: &[(ErrorTerm, Response)],
-    term: ErrorTerm,
-    wanted: &Response,
-    got: &Response,
-) -> Option<String> {
-    let places = places(wanted, got);
-    let equals = |other: &Response, rest: &dyn Fn(Millimetres) -> f64| {
-        let differs = |at: &Millimetres| (rest(*at) - other.correction(*at).um()).abs() > EQUAL_UM;
-        !places.iter().any(differs) && has_a_shape(other, &places)
-    };
-    let whole = |at: Millimetres| got.correction(at).um();
-    let surplus = |at: Millimetres| got.correction(at).um() - wanted.correction(at).um();
-    all.iter()
-        .filter(|(other, _)| *other != term)
-        .find_map(|(other, response)| {
-            if equals(response, &whole) {
-                Some(format!(
-                    "foreign axis: these are the corrections of {other}"
-                ))
-            } else if equals(response, &surplus) {
-                Some(format!(
-                    "foreign axis: the corrections of {other} are added to its own"
-                ))
-            } else {
-                None
+    /// What is wrong with it, if anything.
+    fn difference(&self, foreign: impl Fn(&Pair<'_>) -> Option<String>) -> Option<String> {
+        let close = |a: f64, b: f64| (a - b).abs() <= EQUAL_UM.max(1e-9 * b.abs());
+        let all = |factor: f64| self.um.iter().all(|(w, g)| close(*g, factor * w));
+        let (none_wanted, none_got) = (
+            self.wanted.tables().is_empty(),
+            self.got.tables().is_empty(),
+        );
+        if all(1.0) {
+            return None;
+        }
+        if none_got && !none_wanted {
+            return Some("missing: the tables hold nothing for it".to_string());
+        }
+        if none_wanted {
+            return Some("the tables correct it, the job does not ask for it".to_string());
+        }
+        let rule = RULES.into_iter().find(|(factor, _)| all(*factor));
+        rule.map(|(_, words)| words.to_string())
+            .or_else(|| self.scale())
+            .or_else(|| foreign(self))
+            .or_else(|| self.table())
+            .or_else(|| self.largest())
+    }
+
+    fn scale(&self) -> Option<String> {
+        let by_size = |a: &&(f64, f64), b: &&(f64, f64)| a.0.abs().total_cmp(&b.0.abs());
+        let (w, g) = self.um.iter().max_by(by_size)?;
+        for (factor, words) in UNIT_SLIPS {
+            for (sign, turned) in [(1.0, ""), (-1.0, ", and the sign is turned")] {
+                // A scaled table was rounded once more, so a hundredth of its size is allowed.
+                let off = |(a, b): &(f64, f64)| (b - sign * factor * a).abs();
+                if self
+                    .um
+                    .iter()
+                    .all(|pair| off(pair) <= 0.01 * factor * w.abs())
+                {
+                    return Some(format!("wrong scale: the corrections are {words}{turned}"));
+                }
             }
+        }
+        let factor = g / w;
+        let fits = |(w, g): &(f64, f64)| (g - factor * w).abs() <= EQUAL_UM;
+        // One value that differs is a value, not a scale.
+        let enough = self.um.iter().filter(|(w, _)| w.abs() > EQUAL_UM).count() > 1;
+        (enough && self.um.iter().all(fits)).then(|| {
+            format!(
+                "wrong scale: every correction is {:.3} times what the job asks for",
+                Figure(factor)
+            )
         })
+    }
+
+    /// Whether the corrections of another term stand here, instead of the own ones or beside them.
+    fn foreign(&self, all: &[Asked<'_>], term: ErrorTerm) -> Option<String> {
+        let others = all.iter().filter(|(other, ..)| *other != term);
+        let others =
+            others.flat_map(|(other, .., ways)| ways.iter().map(move |way| (other, &way.1)));
+        others.into_iter().find_map(|(other, response)| {
+            let values = self.places.iter().map(|at| response.correction(*at).um());
+            let values: Vec<f64> = values.collect();
+            let is = |found: fn(&(f64, f64)) -> f64| {
+                let mut pairs = self.um.iter().zip(&values);
+                pairs.all(|(pair, value)| (found(pair) - value).abs() <= EQUAL_UM)
+            };
+            let words = if is(|(_, got)| *got) {
+                format!("foreign axis: these are the corrections of {other}")
+            } else if is(|(wanted, got)| got - wanted) {
+                format!("foreign axis: the corrections of {other} are added to its own")
+            } else {
+                return None;
+            };
+            has_a_shape(values).then_some(words)
+        })
+    }
+
+    /// What differs between one table and one table: where it stands, its zero, its points.
+    fn table(&self) -> Option<String> {
+        let lifted = || {
+            let (w, g) = self.um.first()?;
+            let lift = g - w;
+            let is_lifted = |(w, g): &(f64, f64)| (g - w - lift).abs() <= EQUAL_UM;
+            self.um.iter().all(is_lifted).then(|| {
+                let lift = Figure(lift);
+                format!("not zero at the reference: every correction is off by {lift:.3} µm")
+            })
+        };
+        let ([w], [g]) = (self.wanted.tables(), self.got.tables()) else {
+            return lifted();
+        };
+        moved(w, g)
+            .or_else(lifted)
+            .or_else(|| points(w, g))
+            .or_else(|| stepped(w, g))
+    }
+
+    fn largest(&self) -> Option<String> {
+        let off = |(w, g): &(f64, f64)| (g - w).abs();
+        let wrong = self.um.iter().filter(|pair| off(pair) > EQUAL_UM).count();
+        let places = self.places.iter().zip(&self.um);
+        let (at, (w, g)) = places.max_by(|a, b| off(a.1).total_cmp(&off(b.1)))?;
+        let (at, tables, job) = (Figure(at.mm()), micrometres(*g), micrometres(*w));
+        let amounts =
+            format!("at {at:.4} mm, where the tables correct {tables} and the job asks for {job}");
+        Some(match wrong {
+            1 => format!("another value {amounts}"),
+            n => format!("other values: {n} places differ, most {amounts}"),
+        })
+    }
 }
 
 /// Whether a correction takes enough different values to be told from a single changed point.
-fn has_a_shape(response: &Response, places: &[Millimetres]) -> bool {
+fn has_a_shape(mut values: Vec<f64>) -> bool {
     const ENOUGH_VALUES: usize = 4; // one changed increment makes two values, two make three
-    let mut values: Vec<f64> = places
-        .iter()
-        .map(|at| response.correction(*at).um())
-        .collect();
     values.sort_by(f64::total_cmp);
     values.dedup_by(|a, b| (*a - *b).abs() <= EQUAL_UM);
     values.len() >= ENOUGH_VALUES
 }
 
-/// Distance of the nodes of a table, mm.
+/// The same values but for a constant (increments that are counted from another point give another
+/// zero), at points of another spacing or at another place.
+fn moved(w: &NodeTable, g: &NodeTable) -> Option<String> {
+    let values = |t: &NodeTable| -> Vec<f64> { t.nodes().map(|(_, c)| c.um()).collect() };
+    let (asked, found) = (values(w), values(g));
+    let mut lifts = asked.iter().zip(&found).map(|(a, b)| b - a);
+    let first = lifts.next().unwrap_or(0.0);
+    if asked.len() != found.len() || !lifts.all(|lift| (lift - first).abs() <= EQUAL_UM) {
+        return None;
+    }
+    let (asked, found) = (spacing(w)?, spacing(g)?);
+    let shift = g.first().mm() - w.first().mm();
+    if (found - asked).abs() > EQUAL_MM {
+        return Some(format!(
+            "other spacing: the points are {found:.4} mm apart, the job asks for {asked:.4} mm"
+        ));
+    }
+    (shift.abs() > EQUAL_MM).then(|| {
+        let [shift, found, asked] = [shift, g.first().mm(), w.first().mm()].map(Figure);
+        format!("shifted reference: the table stands {shift:.4} mm from where the job puts it ({found:.4} instead of {asked:.4} mm)")
+    })
+}
+
+/// Distance of the nodes of a table, mm; 0 where it has but one.
 fn spacing(table: &NodeTable) -> Option<f64> {
     let mut nodes = table.nodes();
-    let (first, second) = (nodes.next()?.0, nodes.next()?.0);
-    Some(second.mm() - first.mm())
+    let first = nodes.next()?.0;
+    Some(nodes.next().map_or(0.0, |second| (second.0 - first).mm()))
 }
 
-fn spaced(wanted: &Response, got: &Response) -> Option<String> {
-    let ([w], [g]) = (wanted.tables(), got.tables()) else {
-        return None;
-    };
-    let (expected, found) = (spacing(w)?, spacing(g)?);
-    let differs = (found - expected).abs() > EQUAL_MM;
-    (differs && is_lifted_copy(w, g)).then(|| {
-        format!(
-            "other spacing: the points are {found:.4} mm apart, the job asks for {expected:.4} mm"
-        )
-    })
-}
-
-fn shifted(wanted: &Response, got: &Response) -> Option<String> {
-    let ([w], [g]) = (wanted.tables(), got.tables()) else {
-        return None;
-    };
-    let shift = g.first().mm() - w.first().mm();
-    (is_lifted_copy(w, g) && shift.abs() > EQUAL_MM).then(|| {
-        format!("shifted reference: the table stands {:.4} mm from where the job puts it ({:.4} instead of {:.4} mm)", Figure(shift), Figure(g.first().mm()), Figure(w.first().mm()))
-    })
-}
-
-/// Whether two tables hold the same values but for a constant: increments that are counted from
-/// another point give another zero.
-fn is_lifted_copy(a: &NodeTable, b: &NodeTable) -> bool {
-    let values = |t: &NodeTable| -> Vec<Correction> { t.nodes().map(|(_, c)| c).collect() };
-    let (a, b) = (values(a), values(b));
-    let lift = |(a, b): (&Correction, &Correction)| b.um() - a.um();
-    let mut lifts = a.iter().zip(&b).map(lift);
-    let first = lifts.next().unwrap_or(0.0);
-    a.len() == b.len() && lifts.all(|lift| (lift - first).abs() <= EQUAL_UM)
-}
-
-fn lifted(pairs: &[(f64, f64)]) -> Option<String> {
-    let (w, g) = pairs.first()?;
-    let lift = g - w;
-    pairs
-        .iter()
-        .all(|(w, g)| (g - w - lift).abs() <= EQUAL_UM)
-        .then(|| {
-            format!(
-                "not zero at the reference: every correction is off by {:.3} µm",
-                Figure(lift)
-            )
-        })
-}
-
-fn points(wanted: &Response, got: &Response) -> Option<String> {
-    let ([w], [g]) = (wanted.tables(), got.tables()) else {
-        return None;
-    };
+fn points(w: &NodeTable, g: &NodeTable) -> Option<String> {
     let (expected, found) = (w.nodes().count(), g.nodes().count());
     (expected != found).then(|| {
         let word = if found < expected { "missing points" } else { "more points" };
-        format!(
-            "{word}: {found} points from {:.4} to {:.4} mm, expected {expected} from {:.4} to {:.4} mm",
-            Figure(g.first().mm()),
-            Figure(g.last().mm()),
-            Figure(w.first().mm()),
-            Figure(w.last().mm())
-        )
+        let [from, to, first, last] = [g.first(), g.last(), w.first(), w.last()].map(|at| Figure(at.mm()));
+        format!("{word}: {found} points from {from:.4} to {to:.4} mm, expected {expected} from {first:.4} to {last:.4} mm")
     })
 }
 
 /// One changed step: on one side of it all is as asked, beyond it all is off by the same amount.
 /// So it is with one changed increment.
-fn stepped(wanted: &Response, got: &Response) -> Option<String> {
-    let ([w], [g]) = (wanted.tables(), got.tables()) else {
-        return None;
-    };
+fn stepped(w: &NodeTable, g: &NodeTable) -> Option<String> {
     let asked: Vec<(Millimetres, Correction)> = w.nodes().collect();
     let there: Vec<(Millimetres, Correction)> = g.nodes().collect();
-    let same_place = |((a, _), (b, _)): (&(Millimetres, _), &(Millimetres, _))| {
-        (a.mm() - b.mm()).abs() <= EQUAL_MM
-    };
-    if asked.len() != there.len() || !asked.iter().zip(&there).all(same_place) {
+    let pairs = || asked.iter().zip(&there);
+    if asked.len() != there.len() || !pairs().all(|(a, b)| (a.0 - b.0).mm().abs() <= EQUAL_MM) {
         return None;
     }
-    let off: Vec<f64> = asked
-        .iter()
-        .zip(&there)
-        .map(|((_, w), (_, g))| g.um() - w.um())
-        .collect();
+    let off: Vec<f64> = pairs().map(|((_, w), (_, g))| g.um() - w.um()).collect();
     let differs = |pair: &[f64]| (pair[1] - pair[0]).abs() > EQUAL_UM;
     let mut changed = (0..off.len().saturating_sub(1)).filter(|k| differs(&off[*k..*k + 2]));
     let (step, None) = (changed.next()?, changed.next()) else {
@@ -433,24 +370,6 @@ fn stepped(wanted: &Response, got: &Response) -> Option<String> {
             change(&asked),
             micrometres(by)
         )
-    })
-}
-
-fn largest(places: &[Millimetres], pairs: &[(f64, f64)]) -> Option<String> {
-    let wrong = pairs
-        .iter()
-        .filter(|(w, g)| (g - w).abs() > EQUAL_UM)
-        .count();
-    let (at, (w, g)) = places
-        .iter()
-        .zip(pairs)
-        .max_by(|a, b| (a.1.1 - a.1.0).abs().total_cmp(&(b.1.1 - b.1.0).abs()))?;
-    let (at, tables, job) = (Figure(at.mm()), micrometres(*g), micrometres(*w));
-    let amounts =
-        format!("at {at:.4} mm, where the tables correct {tables} and the job asks for {job}");
-    Some(match wrong {
-        1 => format!("another value {amounts}"),
-        n => format!("other values: {n} places differ, most {amounts}"),
     })
 }
 

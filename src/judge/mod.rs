@@ -5,4 +5,5 @@ pub mod after;
 pub mod causes;
 pub mod conformity;
 pub mod disagreement;
+pub mod findings;
 pub mod forecast;

@@ -76,7 +76,8 @@ impl Inputs {
     pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
         let (model, notes) = active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
         self.under_tables = Some(std::mem::replace(&mut self.model, model));
-        self.active_notes = [active.notes.clone(), notes].concat();
+        let found = active.findings.iter().map(ToString::to_string);
+        self.active_notes = found.chain(notes).collect();
         let interpolated = active::take_interpolation(&mut self.job, &self.profile, &active);
         self.active_notes.extend(interpolated);
         self.active = Some(active);

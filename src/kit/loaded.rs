@@ -1,19 +1,24 @@
 //! Files in the emulated control of a job: those of a kit, or those that were read out of a
 //! control; and how they differ from what the job asks for.
+//!
+//! A backlash parameter stands in no file for the control: a kit names it in its manifest. The job
+//! that the kit is judged by may ask for another one.
 
-use super::loaded_state::{loaded_state, read_out_state};
-use super::{Differences, Inputs, differences, generate};
-use crate::control::control_state::ControlState;
+use super::{Inputs, differences, generate, named_backlash};
+use crate::control::control_state::{AxisState, ControlState};
 use crate::control::table::Tables;
-use crate::judge::active::ActiveControl;
+use crate::judge::active::{ActiveControl, named_axis};
 use crate::judge::disagreement::{self, surroundings};
+use crate::judge::findings::InControl;
 use crate::kit::inputs::cannot_emulate;
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::emulator;
 use crate::read::{KitFile, read, unread};
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
 use crate::write::plan::{Plan, plan};
+use serde_json::Value;
 
 /// Files against what the job asks for.
 pub(super) struct Loaded {
@@ -23,12 +28,9 @@ pub(super) struct Loaded {
     pub(super) state: ControlState,
     /// The control with the tables, or why nothing can be said of it.
     pub(super) control: Result<Box<dyn Emulator>, CannotEmulate>,
-    /// How the files differ from what the job asks for, one sentence each.
-    pub(super) disagreements: Vec<String>,
-    /// What no file does, what was passed over, and what is taken for granted.
-    pub(super) notes: Vec<String>,
-    /// What acts on the axes of the job and is not emulated: nothing is decided in favour.
-    pub(super) beside: Vec<String>,
+    /// How the files differ from what the job asks for; what no file does, what was passed over, and
+    /// what is taken for granted; what acts on the axes of the job and is not emulated (a doubt).
+    pub(super) findings: Vec<Finding>,
     /// Files that the control may load and no reader takes, in a sentence.
     pub(super) unread: Option<String>,
 }
@@ -40,22 +42,21 @@ impl Loaded {
         plan: &Plan,
         compiled: &Compiled,
         files: &[KitFile<'_>],
-        named: Option<&serde_json::Value>,
+        named: Option<&Value>,
     ) -> Result<Loaded, Problems> {
-        let outside = loaded_state(inputs, plan, compiled, named);
+        let (state, of_state) = loaded_state(inputs, plan, compiled, named);
         let read = read(&inputs.profile, files)?;
-        let Differences { mut words, found } = differences(inputs, plan, compiled, &read);
-        words.extend(outside.disagreements);
-        let mut notes = disagreement::absent(&inputs.profile, &compiled.tables, &read);
-        notes.extend(outside.notes);
+        let (mut findings, found) = differences(inputs, plan, compiled, &read);
+        let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
+        let absent = absent.into_iter().map(|words| InControl::Read { words });
+        findings.extend(absent.map(Finding::from));
+        findings.extend(of_state);
         Ok(Loaded {
-            notes,
-            beside: Vec::new(),
             unread: unread(&inputs.profile, files),
-            control: found.and_then(|_| emulator(&inputs.profile, &read.tables, &outside.state)),
+            control: found.and_then(|_| emulator(&inputs.profile, &read.tables, &state)),
             tables: read.tables,
-            state: outside.state,
-            disagreements: words,
+            state,
+            findings,
         })
     }
 
@@ -66,51 +67,45 @@ impl Loaded {
         compiled: &Compiled,
         active: &ActiveControl,
     ) -> Result<Loaded, Problems> {
-        let outside = read_out_state(inputs, plan, compiled, active);
+        let (state, of_state) = read_out_state(inputs, plan, compiled, active);
         let with = |tables, state| emulator(&inputs.profile, tables, state);
         let wanted =
             with(&compiled.tables, &compiled.state).map_err(|reason| cannot_emulate(&reason))?;
-        let around = surroundings(plan, compiled, active);
-        let mut words = [active.disagreements.clone(), around.disagreements].concat();
+        let mut findings = active.findings.clone();
+        let facts: Vec<String> = active.assumptions.iter().map(|a| a.fact.clone()).collect();
+        if !facts.is_empty() {
+            findings.push(InControl::TakenAsOn { facts }.into());
+        }
+        findings.extend(surroundings(plan, compiled, active));
         match with(&active.tables, &compiled.state) {
             Ok(found) => {
                 let differs = disagreement::compare(plan, wanted.as_ref(), found.as_ref());
-                words.extend(differs.words);
+                findings.extend(differs.findings);
             }
-            Err(reason) => words.push(reason.0),
+            Err(reason) => findings.push(not_emulated(reason)),
         }
-        words.extend(outside.disagreements);
+        findings.extend(of_state);
         Ok(Loaded {
-            notes: [notes(active), around.notes, outside.notes].concat(),
-            beside: [active.beside.clone(), around.beside].concat(),
             unread: None,
-            control: with(&active.tables, &outside.state),
+            control: with(&active.tables, &state),
             tables: active.tables.clone(),
-            state: outside.state,
-            disagreements: words,
+            state,
+            findings,
         })
     }
 
     fn with(self, plan: Plan) -> Result<LoadedControl, Problems> {
+        let unread = self.unread.map(|words| InControl::Read { words }.into());
         Ok(LoadedControl {
             plan,
             control: self.control.map_err(|reason| cannot_emulate(&reason))?,
-            disagreements: self.disagreements,
-            notes: [self.notes, self.beside, self.unread.into_iter().collect()].concat(),
+            findings: self.findings.into_iter().chain(unread).collect(),
         })
     }
 }
 
-fn notes(active: &ActiveControl) -> Vec<String> {
-    let assumed: Vec<&str> = active.assumptions.iter().map(|a| a.fact.as_str()).collect();
-    let mut notes = active.notes.clone();
-    if !assumed.is_empty() {
-        notes.push(format!(
-            "no file holds {}: taken to be on",
-            assumed.join(", ")
-        ));
-    }
-    notes
+pub(super) fn not_emulated(reason: CannotEmulate) -> Finding {
+    InControl::NotEmulated { reason: reason.0 }.into()
 }
 
 /// A control with tables in it, and the plan that names its axes.
@@ -119,17 +114,16 @@ pub struct LoadedControl {
     pub plan: Plan,
     /// What the files make of the control.
     pub control: Box<dyn Emulator>,
-    /// How the files differ from what the job asks for, one sentence each.
-    pub disagreements: Vec<String>,
-    /// What no file does, what was passed over, and what is taken for granted.
-    pub notes: Vec<String>,
+    /// How the files differ from what the job asks for, what no file does, what was passed over, and
+    /// what is taken for granted.
+    pub findings: Vec<Finding>,
 }
 
 /// Loads the bytes of a kit into the emulated control of a job; `named` = `state` of their manifest.
 pub fn load(
     inputs: &Inputs,
     files: &[KitFile<'_>],
-    named: Option<&serde_json::Value>,
+    named: Option<&Value>,
 ) -> Result<LoadedControl, Problems> {
     let plan = plan(inputs.task())?;
     let compiled = inputs.compile(&plan)?;
@@ -147,4 +141,103 @@ pub fn load_read_out(inputs: &Inputs, active: &ActiveControl) -> Result<LoadedCo
 pub fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
     let kit = generate(inputs)?;
     load(inputs, &kit.kit_files(), Some(&kit.manifest.state))
+}
+
+/// The state of a control, and what is to be said of it.
+type Outside = (ControlState, Vec<Finding>);
+
+/// The control of a job with the backlash parameters of a kit; `named` = `state` of its manifest,
+/// `None` where there is none, so that only the job says what they are.
+pub(super) fn loaded_state(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    named: Option<&Value>,
+) -> Outside {
+    outside(inputs, plan, compiled, |axis, wanted| {
+        let entry = named.and_then(|state| named_axis(state, &axis.name));
+        match entry.and_then(|entry| entry.get("backlash_um")) {
+            Some(parameter) => take(axis, "the kit was made for", parameter.as_f64(), wanted),
+            // No kit, or one from before manifests held it.
+            None => wanted.map(|um| InControl::NoManifest {
+                axis: axis.name.clone(),
+                um: micrometres(um),
+            }),
+        }
+    })
+}
+
+/// The same with the backlash parameters that were read out of the control. One that the job does
+/// not ask for acts as it did while measuring.
+fn read_out_state(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    control: &ActiveControl,
+) -> Outside {
+    let parameter = inputs.profile.dialect.backlash_parameter();
+    outside(inputs, plan, compiled, |state, wanted| {
+        let axis = state.name.clone();
+        let mut held = control.held_backlash.iter();
+        let found = held.find(|(name, _)| *name == axis).and_then(|(_, um)| *um);
+        match (found, wanted.map(micrometres)) {
+            (None, None) => None,
+            (None, Some(um)) => Some(InControl::NoParameter {
+                parameter,
+                axis,
+                um,
+            }),
+            (Some(um), None) => (um.abs() > 0.0).then(|| InControl::Unchanged {
+                parameter,
+                axis,
+                um: micrometres(um),
+            }),
+            (Some(_), Some(_)) => take(state, "the control holds", found, wanted),
+        }
+    })
+}
+
+fn outside(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    judged: impl Fn(&mut AxisState, Option<f64>) -> Option<InControl>,
+) -> Outside {
+    let mut state = compiled.state.clone();
+    let findings = state.axes.iter_mut().filter_map(|axis| {
+        let wanted = named_backlash(inputs, plan, compiled, &axis.name);
+        judged(axis, wanted).map(Finding::from)
+    });
+    let findings = findings.collect();
+    (state, findings)
+}
+
+/// To a nanometre, without the digits that a conversion from millimetres adds.
+fn micrometres(um: f64) -> String {
+    format!("{} µm", (um * 1e3).round() / 1e3 + 0.0)
+}
+
+/// A parameter that the tables do not set counts from the one that acted while measuring.
+fn take(
+    axis: &mut AxisState,
+    who: &'static str,
+    named: Option<f64>,
+    wanted: Option<f64>,
+) -> Option<InControl> {
+    /// Two parameters closer than this are one, µm (a manifest holds picometres).
+    const SAME_UM: f64 = 1e-6;
+    if let Some(um) = named {
+        axis.backlash_um += um - wanted.unwrap_or(0.0);
+    }
+    let said = |um: Option<f64>| um.map_or_else(|| "none".to_string(), micrometres);
+    let same = match (named, wanted) {
+        (Some(named), Some(wanted)) => (named - wanted).abs() <= SAME_UM,
+        (named, wanted) => named.is_none() && wanted.is_none(),
+    };
+    (!same).then(|| InControl::OtherBacklash {
+        axis: axis.name.clone(),
+        who,
+        named: said(named),
+        wanted: said(wanted),
+    })
 }

@@ -1,14 +1,17 @@
 //! The bytes of a directory, judged against a job.
 
-use super::loaded::Loaded;
+use super::loaded::{Loaded, not_emulated};
 use super::{Inputs, doubts, field, judged};
 use crate::control::control_state::ControlState;
+use crate::control::table::Tables;
 use crate::judge::active::ActiveControl;
 use crate::judge::conformity::Verdict;
+use crate::judge::findings::{InControl, words_of};
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 use crate::kit::inputs::cannot_emulate;
-use crate::read::KitFile;
 use crate::read::emulator;
+use crate::read::KitFile;
+use crate::text::finding::{Finding, Severity};
 use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
 use crate::write::plan::{Plan, plan};
@@ -21,19 +24,16 @@ pub struct Verification {
     /// What the job compiles to (assumptions, preconditions, notes).
     pub compiled: Compiled,
     /// What the files of the directory hold.
-    pub found: crate::control::table::Tables,
+    pub found: Tables,
     /// The control outside the files, as they go with it.
     pub state: ControlState,
     /// What the tables will leave; absent where they cannot be emulated.
     pub forecast: Option<Forecast>,
-    /// How the tables differ from what the job asks for, one sentence each.
-    pub disagreements: Vec<String>,
-    /// What no file of the directory does, and what to see to on the control instead.
-    pub absent: Vec<String>,
+    /// How the tables differ from what the job asks for; what no file does and what to see to on the
+    /// control instead; what acts beside the tables (doubts, whatever is measured).
+    pub findings: Vec<Finding>,
     /// Why the measured errors are doubtful, and what acts beside the tables, one sentence each.
     pub doubts: Vec<String>,
-    /// Those of the doubts that hold whatever is measured: what acts beside the tables.
-    pub beside: Vec<String>,
     /// Forecast against the acceptance; a disagreement fails, a doubt leaves it undecided.
     pub verdict: Verdict,
 }
@@ -51,8 +51,11 @@ pub fn verify(
     let compiled = inputs.compile(&plan)?;
     let mut loaded = Loaded::kit(inputs, &plan, &compiled, files, named)?;
     emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
+    let differs = |words| Finding::from(InControl::Differs { words });
     let field = field::differences(inputs, &plan, &compiled, files)?;
-    loaded.disagreements = [remarks, loaded.disagreements, field].concat();
+    let remarks = remarks.into_iter().map(differs);
+    let of_files = remarks.chain(std::mem::take(&mut loaded.findings));
+    loaded.findings = of_files.chain(field.into_iter().map(differs)).collect();
     Ok(Verification::of(inputs, plan, compiled, loaded))
 }
 
@@ -68,36 +71,51 @@ pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verif
 impl Verification {
     /// The forecast of a control with the files, and the verdict.
     fn of(inputs: &Inputs, plan: Plan, compiled: Compiled, loaded: Loaded) -> Verification {
-        let unread = loaded.unread.into_iter().collect();
-        let doubts = [doubts(inputs), loaded.beside.clone(), unread].concat();
-        let mut disagreements = loaded.disagreements;
-        let control = loaded.control.ok();
+        let mut findings = loaded.findings;
         let ranges = judged_ranges(&inputs.job, inputs.as_measured());
-        let forecast =
-            control.map(|control| forecast(inputs.machine(), &plan, control.as_ref(), &ranges));
-        let forecast = match forecast.transpose() {
-            Ok(forecast) => forecast,
-            Err(reason) => {
-                disagreements.push(reason.0);
-                None
-            }
-        };
-        disagreements.dedup();
-        let verdict = match &forecast {
-            Some(forecast) if disagreements.is_empty() => judged(forecast, inputs, &doubts),
-            _ => Verdict::Fail,
-        };
-        Verification {
+        let forecast = loaded.control.ok().and_then(|control| {
+            let forecast = forecast(inputs.machine(), &plan, control.as_ref(), &ranges);
+            forecast
+                .map_err(|reason| findings.push(not_emulated(reason)))
+                .ok()
+        });
+        findings.dedup();
+        let beside = words_of(&findings, Severity::Doubt);
+        let unread = loaded.unread.into_iter().collect();
+        let mut verification = Verification {
             plan,
             compiled,
             found: loaded.tables,
             state: loaded.state,
             forecast,
-            disagreements,
-            absent: loaded.notes,
-            doubts,
-            beside: loaded.beside,
-            verdict,
+            findings,
+            doubts: [doubts(inputs), beside, unread].concat(),
+            verdict: Verdict::Fail,
+        };
+        if let (Some(forecast), true) = (&verification.forecast, verification.agrees()) {
+            verification.verdict = judged(forecast, inputs, &verification.doubts);
         }
+        verification
+    }
+
+    /// How the tables differ from what the job asks for, one sentence each.
+    pub fn disagreements(&self) -> Vec<String> {
+        words_of(&self.findings, Severity::Disagreement)
+    }
+
+    /// Whether the tables are what the job asks for.
+    pub fn agrees(&self) -> bool {
+        let mut findings = self.findings.iter();
+        findings.all(|found| found.severity() != Severity::Disagreement)
+    }
+
+    /// What no file of the directory does, and what to see to on the control instead.
+    pub fn notes(&self) -> Vec<String> {
+        words_of(&self.findings, Severity::Note)
+    }
+
+    /// A remark on the directory.
+    pub(crate) fn note(&mut self, words: String) {
+        self.findings.push(InControl::Read { words }.into());
     }
 }

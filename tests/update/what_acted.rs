@@ -170,7 +170,7 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
         active.backlash_um[nonius::quantity::axis::Axis::X],
         Some(3.0)
     );
-    assert_eq!(active.others.points.len(), 1, "{:?}", active.notes);
+    assert_eq!(active.others.points.len(), 1, "{:?}", active.findings);
     let new = kit::generate(&found).unwrap_or_else(|p| panic!("{}", p.render()));
     let is = control(&found.profile, &new);
     let at = |x| um_at(&response(is.as_ref(), "1", "1", Direction::Plus), x);
@@ -202,19 +202,14 @@ fn tables_in_part_programs_alone_are_no_old_tables() {
     );
     let active = format!("%_N_AX_EEC_INI\n{lec}M17\n");
     let found = read_out(&job, EXX_ONLY, &format!("{active}{program}")).unwrap();
-    let notes = &found.active.as_ref().unwrap().notes;
+    let notes = notes_of(found.active.as_ref().unwrap());
     assert!(
-        notes
-            .iter()
-            .any(|n| n.contains("part programs were passed over (EEC_MPF)")),
-        "{notes:?}"
+        notes.contains("part programs were passed over (EEC_MPF)"),
+        "{notes}"
     );
     let alone = read_out(&job, EXX_ONLY, &program).unwrap();
-    let notes = &alone.active.as_ref().unwrap().notes;
-    assert!(
-        notes.iter().any(|n| n.contains("count as run and active")),
-        "{notes:?}"
-    );
+    let notes = notes_of(alone.active.as_ref().unwrap());
+    assert!(notes.contains("count as run and active"), "{notes}");
     let twice = active.replace("M17", "$AA_ENC_COMP[0,1,AX1]=0.012\nM17");
     let refused = read_out(&job, EXX_ONLY, &twice).unwrap_err();
     assert!(

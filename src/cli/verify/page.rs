@@ -15,10 +15,12 @@ use crate::judge::after::{
 };
 use crate::judge::causes::{Cause, Corrected, Diagnosis, Question, diagnose};
 use crate::judge::conformity::Verdict;
+use crate::judge::findings::words_of;
 use crate::judge::forecast::Forecast;
 use crate::kit::manifest::picometres;
 use crate::kit::{Inputs, Verification, emulator};
 use crate::quantity::axis::{Direction, PerAxis};
+use crate::text::finding::Severity;
 use crate::text::problem::{Problem, Problems};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -177,7 +179,7 @@ fn judged(
     comparison: &Comparison,
     diagnosis: Option<&Diagnosis>,
 ) -> Verdict {
-    if !verification.disagreements.is_empty() {
+    if !verification.agrees() {
         return Verdict::Fail;
     }
     if comparison.not_measured.is_some() {
@@ -188,17 +190,22 @@ fn judged(
     let unknown = asked.max_deviation_um.is_some() && !comparison.missing.is_empty();
     let no_limit = asked.max_deviation_um.is_none() && asked.max_diagonal_um.is_none();
     let off = no_limit && diagnosis.is_some_and(|found| !found.as_forecast);
-    let doubtful = !comparison.doubts.is_empty() || !verification.beside.is_empty();
+    let doubtful = !comparison.doubts.is_empty() || !beside(verification).is_empty();
     if unknown || off || doubtful {
         return verdict.max(Verdict::Undecided);
     }
     verdict
 }
 
+/// What acts beside the tables.
+fn beside(verification: &Verification) -> Vec<String> {
+    words_of(&verification.findings, Severity::Doubt)
+}
+
 impl Page<'_> {
     /// Doubts, what acts beside the tables, and what the limit asks for and was not measured.
     fn doubts(&self) -> Vec<String> {
-        let beside = &self.verification.beside;
+        let beside = &beside(self.verification);
         let mut doubts: Vec<String> = self
             .comparison
             .not_measured
@@ -239,7 +246,7 @@ impl Page<'_> {
                 self.verdict,
                 &self.inputs.job,
                 Some(&self.comparison.as_left),
-                !self.verification.disagreements.is_empty(),
+                !self.verification.agrees(),
                 &self.doubts(),
             )
     }
@@ -259,7 +266,7 @@ impl Page<'_> {
         let notes = [
             &self.comparison.notes[..],
             &self.second.notes,
-            &verification.absent,
+            &verification.notes(),
         ];
         let assumptions = self.assumptions();
         Screen {
@@ -343,9 +350,8 @@ impl Page<'_> {
         let verification = self.verification;
         let misses = self.comparison.as_left.misses(self.inputs.job.acceptance);
         let causes: Vec<String> = verification
-            .disagreements
-            .iter()
-            .cloned()
+            .disagreements()
+            .into_iter()
             .chain(misses)
             .chain(self.doubts())
             .chain(
@@ -359,7 +365,7 @@ impl Page<'_> {
             .notes
             .iter()
             .chain(&self.second.notes)
-            .chain(&verification.absent)
+            .chain(&verification.notes())
             .chain(&verification.compiled.notes)
             .cloned()
             .collect();

@@ -114,7 +114,7 @@ impl Second {
         let judged = control(&verification.found, &verification.state)?;
         let active_then = control(&active.tables, &state)?;
         let mut words = measuring_systems(&verification.found, &active.tables);
-        words.extend(compare(&verification.plan, judged.as_ref(), active_then.as_ref()).words);
+        words.extend(compare(&verification.plan, judged.as_ref(), active_then.as_ref()).findings);
         if words.is_empty() {
             return Ok(());
         }
@@ -124,7 +124,7 @@ impl Second {
         );
         words
             .into_iter()
-            .for_each(|words| problems.push(Problem::new(words)));
+            .for_each(|words| problems.push(Problem::new(words.to_string())));
         Err(problems)
     }
 }

@@ -1,19 +1,18 @@
 //! Pitch, straightness and backlash parameters of a Fanuc read-out.
 
-use super::{Held, Others, axis_of};
+use super::reading::{ActiveControl, Found, Held, NamedBacklash, Others, Reading};
 use crate::control::claims::Assumption;
-use crate::control::controller::{FanucFacts, LengthUnit, NumberRange, StraightnessForm};
+use crate::control::controller::{FanucFacts, LengthUnit, NumberRange, Profile, StraightnessForm};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
 use crate::inputs::job::Job;
-use crate::judge::active::found::{Contrary, Found, NamedBacklash, ReadOutFor, beside_words};
+use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::power_of_ten;
 use crate::read::control_data::{self, Text};
 use crate::read::fanuc::{merge, read_out};
 use crate::text::problem::Problems;
-
-type Names = PerAxis<Vec<String>>;
+use crate::write::plan::axis_names;
 
 /// Functions whose parameters at 0 do nothing (docs/fanuc.md §1.1, §2).
 const IDLE_AT_ZERO: [(u32, u32); 5] = [
@@ -26,46 +25,32 @@ const IDLE_AT_ZERO: [(u32, u32); 5] = [
 
 /// Reads the files of a control.
 pub(super) fn read(
-    job: &Job,
-    names: &Names,
+    reading: &mut Reading<'_>,
     facts: &FanucFacts,
     texts: &[Text<'_>],
-    purpose: ReadOutFor,
 ) -> Result<Found, Problems> {
     let mut problems = Problems::none();
     let mut memories = Vec::new();
-    let mut notes = Vec::new();
-    let mut assumptions = Vec::new();
     for (name, text) in texts {
-        let (kept, passed_over) = control_data::fanuc(text, facts);
-        let unit = job.compensation.control_unit;
+        let (kept, count) = control_data::fanuc(text, facts);
+        let unit = reading.job.compensation.control_unit;
         if let Some(read) = problems.take(read_out(name, &kept, facts, unit)) {
             memories.push(read.memory);
-            match purpose {
-                ReadOutFor::OldTables => assumptions.extend(read.spindles.iter().map(of_spindle)),
-                ReadOutFor::Judging => notes.extend(read.spindles.iter().map(|parameter| {
-                    format!("{parameter}: a spindle corrects no axis of the job, passed over")
-                })),
+            for parameter in read.spindles {
+                reading.take(of_spindle(&parameter), InControl::Spindle { parameter });
             }
         }
-        if passed_over > 0 {
-            notes.push(format!(
-                "`{name}`: {passed_over} other parameters were passed over"
-            ));
+        if count > 0 {
+            let (file, what) = (name.clone(), "other parameters");
+            reading.tell(InControl::PassedOver { file, count, what });
         }
     }
     let memory = merge(problems.or_ok(memories)?)?;
     let held = Held::plain(Tables::Fanuc(memory.clone()));
     let mut sorted = Sorted {
-        job,
-        names,
+        reading,
         facts,
         memory,
-        purpose,
-        notes,
-        others: Others::default(),
-        contrary: Vec::new(),
-        beside: Vec::new(),
     };
     sorted.take_sets();
     sorted.take_other_axes();
@@ -77,26 +62,56 @@ pub(super) fn read(
         tables: Tables::Fanuc(sorted.memory),
         held,
         backlash,
-        others: sorted.others,
-        assumptions,
-        notes: sorted.notes,
         unit: None,
-        contrary: sorted.contrary,
-        beside: sorted.beside,
+    })
+}
+
+/// Lets the job say what the files do of 3605#1 (lines or steps between the points), where it does
+/// not state it; gives what is to be told.
+pub fn take_interpolation(
+    job: &mut Job,
+    profile: &Profile,
+    active: &ActiveControl,
+) -> Option<String> {
+    let Tables::Fanuc(memory) = &active.tables else {
+        return None;
+    };
+    let names = axis_names(job, profile).ok()?;
+    let mut on = Vec::new();
+    for (axis, names) in names.iter() {
+        let Some(settings) = &mut job.compensation.axes[axis] else {
+            continue;
+        };
+        if settings.interpolated.is_some() || settings.parameter_3605.is_some() {
+            continue;
+        }
+        let in_state = |name: &String| active.state.axis(name).is_some_and(|a| a.interpolated);
+        let in_state = names.iter().all(in_state).then_some(true);
+        settings.interpolated = interpolated(memory, names).or(in_state);
+        if settings.interpolated == Some(true) {
+            on.extend(names.iter().cloned());
+        }
+    }
+    (!on.is_empty()).then(|| {
+        format!(
+            "3605#1 of axis {} was 1 while measuring: the forecast is for interpolated pitch compensation, lines between the points",
+            on.join(", ")
+        )
     })
 }
 
 /// 3605#1 of an axis as files of the control hold it; `None` where none does, or the axes of a
 /// gantry differ.
-pub(super) fn interpolated(memory: &FanucMemory, names: &[String]) -> Option<bool> {
-    let mut all = names
+fn interpolated(memory: &FanucMemory, names: &[String]) -> Option<bool> {
+    let bits = |name: &String| match memory.parameter(3605, name.parse().ok()) {
+        Some(ParameterValue::Bits(bits)) => Some(bits & 0b10 != 0),
+        _ => None,
+    };
+    let first = bits(names.first()?)?;
+    names
         .iter()
-        .map(|name| match memory.parameter(3605, name.parse().ok()) {
-            Some(ParameterValue::Bits(bits)) => Some(bits & 0b10 != 0),
-            _ => None,
-        });
-    let first = all.next()??;
-    all.all(|other| other == Some(first)).then_some(first)
+        .all(|name| bits(name) == Some(first))
+        .then_some(first)
 }
 
 /// Whose points a parameter of a spindle means is not known.
@@ -108,19 +123,13 @@ fn of_spindle(parameter: &String) -> Assumption {
     )
 }
 
-struct Sorted<'a> {
-    job: &'a Job,
-    names: &'a Names,
+struct Sorted<'a, 'b> {
+    reading: &'a mut Reading<'b>,
     facts: &'a FanucFacts,
     memory: FanucMemory,
-    purpose: ReadOutFor,
-    notes: Vec<String>,
-    others: Others,
-    contrary: Vec<Contrary>,
-    beside: Vec<String>,
 }
 
-impl Sorted<'_> {
+impl Sorted<'_, '_> {
     fn number(&self, parameter: u32, axis: Option<u32>) -> Option<u32> {
         match self.memory.parameter(parameter, axis)? {
             ParameterValue::Integer(value) => u32::try_from(value).ok(),
@@ -129,7 +138,7 @@ impl Sorted<'_> {
     }
 
     fn is_own(&self, axis: u32) -> bool {
-        axis_of(self.names, &axis.to_string()).is_some()
+        self.reading.has(&axis.to_string())
     }
 
     fn remove(&mut self, numbers: &[u32]) {
@@ -168,18 +177,16 @@ impl Sorted<'_> {
 
     /// A set in use of which an axis is none of the job.
     fn take_set_of_others(&mut self, set: u32, moving: u32, shifted: u32) {
-        self.others.sets.push(set);
-        let name = format!("straightness set {set} (axis {shifted} while axis {moving} moves)");
+        self.reading.others.sets.push(set);
+        let what = format!("straightness set {set} (axis {shifted} while axis {moving} moves)");
         let magnification = self.facts.straightness_magnification_parameter.value + set - 1;
         let is_idle = self.number(magnification, None) == Some(0);
-        if self.purpose == ReadOutFor::Judging && self.is_own(shifted) && !is_idle {
-            self.beside.push(beside_words(&name, &moving.to_string()));
-        } else {
-            let left = self.purpose.leaves();
-            self.notes.push(format!(
-                "{name} belongs to axes that the job does not have: {left}"
-            ));
-        }
+        let follows = self.reading.judges() && self.is_own(shifted) && !is_idle;
+        let (moving, axes) = (moving.to_string(), "axes");
+        self.reading.tell(match follows {
+            true => InControl::Follows { what, moving },
+            false => InControl::OfOthers { what, axes },
+        });
     }
 
     /// The points of a per-point set of other axes.
@@ -191,7 +198,10 @@ impl Sorted<'_> {
             (self.facts.straightness_form.value, start, first, last)
         {
             let last = start.saturating_add(last.saturating_sub(first));
-            self.others.points.push(NumberRange { first: start, last });
+            self.reading
+                .others
+                .points
+                .push(NumberRange { first: start, last });
         }
     }
 
@@ -205,10 +215,12 @@ impl Sorted<'_> {
             let points = self.points_of(axis);
             self.tell_shared_points(axis, &points);
             if let Some(NumberRange { first, last }) = points.first() {
-                let left = self.purpose.leaves();
-                self.notes.push(format!("the pitch compensation of axis {axis} (points {first} to {last}) belongs to an axis that the job does not have: {left}"));
+                let what =
+                    format!("the pitch compensation of axis {axis} (points {first} to {last})");
+                let axes = "an axis";
+                self.reading.tell(InControl::OfOthers { what, axes });
             }
-            self.others.points.extend(points);
+            self.reading.others.points.extend(points);
             self.memory
                 .parameters
                 .retain(|key, _| key.axis != Some(axis));
@@ -237,46 +249,49 @@ impl Sorted<'_> {
     /// take all of its master's; another axis is corrected by errors that are not its own. New
     /// tables at places of others are refused elsewhere.
     fn tell_shared_points(&mut self, other: u32, points: &[NumberRange]) {
-        if self.purpose == ReadOutFor::OldTables {
+        if !self.reading.judges() {
             return;
         }
-        let names = Axis::ALL.into_iter().flat_map(|axis| &self.names[axis]);
-        let own: Vec<u32> = names.filter_map(|name| name.parse().ok()).collect();
+        let names = Axis::ALL
+            .map(|axis| self.reading.names[axis].clone())
+            .concat();
+        let own: Vec<u32> = names.iter().filter_map(|name| name.parse().ok()).collect();
         for axis in own {
-            let is_same = |number: &u32| {
-                let of = |axis| self.memory.parameter(*number, Some(axis));
+            let is_same = |number: u32| {
+                let of = |axis| self.memory.parameter(number, Some(axis));
                 of(axis) == of(other)
             };
-            let is_slave = [3620, 3621, 3622, 3623, 3624].iter().all(is_same);
+            let is_slave = (3620..=3624).all(is_same);
             let overlaps = |own: &NumberRange| points.iter().any(|other| other.overlaps(*own));
-            if !self.points_of(axis).iter().any(overlaps) {
-                continue;
-            }
-            if is_slave {
-                self.notes.push(format!("axis {other}, which the job does not have, takes the points of axis {axis}, as the slave of a gantry does"));
-            } else {
-                self.beside.push(format!("axis {other}, which the job does not have, takes points of axis {axis} in another way than it: it is corrected by errors that are not its own"));
+            if self.points_of(axis).iter().any(overlaps) {
+                self.reading.tell(match is_slave {
+                    true => InControl::Slave { other, axis },
+                    false => InControl::SharedPoints { other, axis },
+                });
             }
         }
     }
 
     /// 1851 of each axis of the control, µm.
     fn backlash(&mut self, axis: Axis) -> NamedBacklash {
-        let settings = self.job.compensation.axes[axis].as_ref();
+        let settings = self.reading.job.compensation.axes[axis].as_ref();
         let Some(unit_um) = settings.and_then(|s| s.detection_unit_um) else {
             return NamedBacklash::new();
         };
         let mut held = NamedBacklash::new();
-        for name in &self.names[axis] {
-            let of = |number| self.any_number(number, name);
+        for axis in self.reading.names[axis].clone() {
+            let of = |number| self.any_number(number, &axis);
             let (cutting, rapid) = (of(1851), of(1852));
-            if let (ReadOutFor::OldTables, Some(cutting), Some(rapid)) =
-                (self.purpose, cutting, rapid)
+            held.push((axis.clone(), cutting.map(|counts| counts * unit_um)));
+            if let (Some(cutting), Some(rapid), false) = (cutting, rapid, self.reading.judges())
                 && (cutting - rapid).abs() > 0.0
             {
-                self.notes.push(format!("axis {name}: 1851 is {cutting} and 1852 is {rapid}; 1851 (cutting feed) is taken"));
+                self.reading.tell(InControl::CuttingFeed {
+                    axis,
+                    cutting,
+                    rapid,
+                });
             }
-            held.push((name.clone(), cutting.map(|counts| counts * unit_um)));
         }
         held
     }
@@ -295,29 +310,20 @@ impl Sorted<'_> {
     fn tell_points_of_nobody(&mut self) {
         let mut keys = self.memory.parameters.keys();
         let has_owner = keys.any(|key| (3620..=3624).contains(&key.number));
-        if has_owner || !self.others.points.is_empty() || self.memory.points.is_empty() {
+        if has_owner || !self.reading.others.points.is_empty() || self.memory.points.is_empty() {
             return;
         }
-        let words = format!(
-            "the files hold {} points and no parameter 3620 to 3624, so which axes they correct is not known",
-            self.memory.points.len()
-        );
-        match self.purpose {
-            ReadOutFor::Judging => self.beside.push(words),
-            ReadOutFor::OldTables => self.contrary.push(Contrary::new(
-                words,
-                "read out the parameters too (`CNC-PARA.TXT`) and name both files together",
-            )),
-        }
+        let points = self.memory.points.len();
+        self.reading.tell(InControl::PointsOfNobody { points });
     }
 
     /// 1240 against the job.
     fn check_references(&mut self) {
         for axis in Axis::ALL {
-            let Some(machine) = self.job.machine.axes[axis] else {
+            let Some(machine) = self.reading.job.machine.axes[axis] else {
                 continue;
             };
-            for name in self.names[axis].clone() {
+            for name in self.reading.names[axis].clone() {
                 self.check_reference(&name, machine.reference.mm());
             }
         }
@@ -326,7 +332,7 @@ impl Sorted<'_> {
     /// 1240 of an axis, within half a digit of the control. A whole number counts these digits, as
     /// 3624 does on the same control.
     fn check_reference(&mut self, name: &str, reference_mm: f64) {
-        let unit = self.job.compensation.control_unit;
+        let unit = self.reading.job.compensation.control_unit;
         let decimals = match unit {
             LengthUnit::Millimetre => self.facts.interval_decimals_mm.value,
             LengthUnit::Inch => self.facts.interval_decimals_inch.value,
@@ -345,13 +351,12 @@ impl Sorted<'_> {
         };
         let half_a_digit_mm = 0.5 * unit.in_mm() / per_unit;
         if (position * unit.in_mm() - reference_mm).abs() > half_a_digit_mm * 1.001 {
-            self.contrary.push(Contrary::new(
-                format!(
-                    "1240 of axis {name} is {position} {}, the job has the reference at {reference_mm} mm",
-                    unit.word()
-                ),
-                "correct `reference_mm`; tables of another reference cannot be added",
-            ));
+            self.reading.tell(InControl::Reference {
+                axis: name.to_string(),
+                position,
+                unit: unit.word(),
+                own_mm: reference_mm,
+            });
         }
     }
 
@@ -369,5 +374,41 @@ impl Sorted<'_> {
             };
             !(idle && zero)
         });
+    }
+}
+
+/// New tables at places of others, and what to do.
+pub(super) fn taken(others: &Others, new: &FanucMemory) -> Vec<(String, &'static str)> {
+    let sets = others.sets.iter();
+    let sets = sets.filter(|set| integer(new, 5710 + *set, None) != 0);
+    let sets = sets.map(|set| {
+        let help = "state a `first_set` behind it in [compensation]";
+        (format!("straightness set {set}"), help)
+    });
+    let holds = |range: &&NumberRange| new.points.range(range.first..=range.last).next().is_some();
+    let points = others.points.iter().filter(holds).map(|range| {
+        let what = format!("the block of points {} to {}", range.first, range.last);
+        let help = "name it in `reserved_points` of [compensation], or move `first_point`";
+        (what, help)
+    });
+    sets.chain(points).collect()
+}
+
+/// Parameters of old tables that the new files do not overwrite.
+pub(super) fn left_over(old: &FanucMemory, new: &FanucMemory) -> Vec<String> {
+    let stays = |number: u32, axis: Option<u32>| {
+        integer(old, number, axis) != 0 && new.parameter(number, axis).is_none()
+    };
+    let pitch = old.parameters.keys().filter(|key| key.number == 3623);
+    let pitch = pitch.filter_map(|key| key.axis.filter(|_| stays(3623, key.axis)));
+    let pitch = pitch.map(|axis| format!("3623 of axis {axis}"));
+    let sets = (5711..=5716).filter(|set| stays(*set, None));
+    pitch.chain(sets.map(|set| set.to_string())).collect()
+}
+
+fn integer(memory: &FanucMemory, parameter: u32, axis: Option<u32>) -> i64 {
+    match memory.parameter(parameter, axis) {
+        Some(ParameterValue::Integer(value)) => value,
+        _ => 0,
     }
 }

@@ -8,9 +8,10 @@
 //! the steps themselves are taken off, between them the straight line through the nodes, which is
 //! what the steps stand for; at the nodes both are the same.
 
-use super::{ActiveControl, KEY, Origin, problem, replaces_backlash};
+use super::reading::{ActiveControl, KEY, Origin, axis_of, problem};
 use crate::control::controller::Profile;
-use crate::inputs::job::{Job, NotMeasured};
+use crate::inputs::job::{BacklashPolicy, Job, NotMeasured};
+use crate::judge::findings::InControl;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
@@ -84,11 +85,16 @@ fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
 
 /// No table of the job's axes at all.
 fn nothing(job: &Job, active: &ActiveControl) -> Problem {
-    let passed_over = active
-        .notes
-        .iter()
-        .filter(|note| note.contains("left as it is"));
-    let passed_over: Vec<&str> = passed_over.map(String::as_str).collect();
+    let is_passed_over = |finding: &InControl| {
+        use InControl::{OfOthers, OtherSystem, SwitchedOff};
+        matches!(
+            finding,
+            OfOthers { .. } | OtherSystem { .. } | SwitchedOff { .. }
+        )
+    };
+    let passed_over = active.findings.iter();
+    let passed_over = passed_over.filter(|f| f.kind().is_some_and(is_passed_over));
+    let passed_over: Vec<String> = passed_over.map(ToString::to_string).collect();
     let found = match passed_over.is_empty() {
         true => "the files hold no correction at all".to_string(),
         false => passed_over.join("; "),
@@ -107,7 +113,12 @@ fn sets_backlash(job: &Job, measured: &ErrorModel, axis: Axis) -> bool {
         of: axis,
         along: axis,
     };
-    replaces_backlash(job) && measured.terms[term].is_some() && wants(job, term)
+    let policy = job.compensation.backlash;
+    matches!(
+        policy,
+        Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter)
+    ) && measured.terms[term].is_some()
+        && wants(job, term)
 }
 
 fn check_backlash(
@@ -140,7 +151,7 @@ fn acting_state(
 ) -> crate::control::control_state::ControlState {
     let mut state = active.state.clone();
     for axis in &mut state.axes {
-        let own = super::axis_of(names, &axis.name);
+        let own = axis_of(names, &axis.name);
         if !own.is_some_and(|own| sets_backlash(job, measured, own)) {
             axis.backlash_um = 0.0;
         }

@@ -1,43 +1,107 @@
-//! Files that were read out of the control: what concerns the job's axes, through the readers.
+//! Files that were read out of the control: what concerns the job's axes, through the readers; and the old
+//! tables beside the new ones in one control.
 
-use crate::judge::active::found::{Contrary, Found, NamedBacklash, ReadOutFor, beside_words};
-
-use super::{ActiveControl, Held, Origin, Others, axis_of, backlash_of, problem, stated};
+use super::reading::{
+    ActiveControl, Found, NamedBacklash, Origin, Others, ReadOutFor, Reading, backlash_of, problem,
+    stated,
+};
+use super::{fanuc, generic, siemens};
+use crate::control::claims::Precondition;
 use crate::control::controller::{Dialect, Profile, Role};
 use crate::control::table::Tables;
-use crate::control::table::generic::GenericRow;
 use crate::inputs::job::Job;
+use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::read::control_data::{self, Text};
-use crate::read::generic;
+use crate::text::finding::Severity;
 use crate::text::problem::{Problem, Problems};
 use crate::write::plan::axis_names;
+
+/// Reads files of the control: tables, parameters, archives.
+pub fn from_read_out(
+    job: &Job,
+    profile: &Profile,
+    path: &str,
+    files: Vec<(String, Vec<u8>)>,
+    purpose: ReadOutFor,
+) -> Result<ActiveControl, Problems> {
+    let mut reading = Reading {
+        job,
+        names: axis_names(job, profile)?,
+        purpose,
+        others: Others::default(),
+        assumptions: Vec::new(),
+        findings: Vec::new(),
+    };
+    let texts = texts(profile, path, &files, &mut reading)?;
+    let found = match &profile.dialect {
+        Dialect::Siemens(_) => siemens::read(&mut reading, &texts)?,
+        Dialect::Fanuc(facts) => fanuc::read(&mut reading, facts, &texts)?,
+        Dialect::Generic(_) => generic::read(&mut reading, &texts)?,
+    };
+    drop(texts);
+    let own = job.compensation.control_unit;
+    if let Some(unit) = found.unit.filter(|unit| *unit != own) {
+        let (unit, own) = (unit.word(), own.word());
+        reading.tell(InControl::ControlUnit { unit, own });
+    }
+    let mut problems = Problems::none();
+    let backlash_um = acted(&mut reading, profile, &found, &mut problems);
+    refuse(&reading, &mut problems);
+    let state = stated(job, profile, &backlash_um)?;
+    let origin = Origin::ReadOut(found.held);
+    problems.or_ok(ActiveControl {
+        files,
+        held_backlash: Axis::ALL.map(|axis| found.backlash[axis].clone()).concat(),
+        others: reading.others,
+        assumptions: reading.assumptions,
+        findings: reading.findings,
+        ..ActiveControl::new(path, origin, found.tables, state, backlash_um)
+    })
+}
+
+/// Old tables that contradict the job, or beside which something acts, cannot be built on.
+fn refuse(reading: &Reading<'_>, problems: &mut Problems) {
+    let is_grave = |severity| severity > Severity::Note && !reading.judges();
+    for finding in reading.findings.iter().filter(|f| is_grave(f.severity())) {
+        let help = finding.kind().map_or("", InControl::help);
+        problems.push(problem(reading.job, finding.to_string(), help));
+    }
+}
+
+/// The backlash parameters that acted while measuring; of files that are judged nobody knows.
+fn acted(
+    reading: &mut Reading<'_>,
+    profile: &Profile,
+    found: &Found,
+    problems: &mut Problems,
+) -> PerAxis<Option<f64>> {
+    if reading.judges() {
+        return PerAxis::default();
+    }
+    let parameter = profile.dialect.backlash_parameter();
+    let one = PerAxis::from_fn(|axis| one_backlash(reading, &found.backlash[axis], parameter));
+    backlash_of(reading.job, &one, problems)
+}
 
 /// One backlash parameter for an axis of the machine: the axes of a gantry have to hold the same,
 /// and what only some of them hold does not tell the others'.
 fn one_backlash(
+    reading: &mut Reading<'_>,
     held: &NamedBacklash,
-    parameter: &str,
-    notes: &mut Vec<String>,
-    contrary: &mut Vec<Contrary>,
+    parameter: &'static str,
 ) -> Option<f64> {
     let mut values = held.iter().filter_map(|(_, um)| *um);
     let first = values.next()?;
     if values.any(|um| (um - first).abs() > 0.0) {
-        let names: Vec<&str> = held.iter().map(|(name, _)| name.as_str()).collect();
-        let words = format!(
-            "the axes {} have different backlash parameters",
-            names.join(", ")
-        );
-        let help = format!("bring the {parameter} of a gantry's axes to one value first");
-        contrary.push(Contrary::new(words, help));
+        let axes = held.iter().map(|(name, _)| name.clone()).collect();
+        reading.tell(InControl::GantryDiffers { axes });
     }
-    let Some((name, _)) = held.iter().find(|(_, um)| um.is_none()) else {
+    let Some((axis, _)) = held.iter().find(|(_, um)| um.is_none()) else {
         return Some(first);
     };
-    notes.push(format!(
-        "no file holds the {parameter} of axis {name}, and that of the other axis of the gantry does not tell it"
-    ));
+    let axis = axis.clone();
+    reading.tell(InControl::GantryUnknown { parameter, axis });
     None
 }
 
@@ -49,95 +113,27 @@ fn stands_apart(profile: &Profile, name: &str) -> bool {
     own.any(|file| file.path.eq_ignore_ascii_case(name))
 }
 
-/// Reads files of the control: tables, parameters, archives.
-pub fn from_read_out(
-    job: &Job,
-    profile: &Profile,
-    path: &str,
-    files: Vec<(String, Vec<u8>)>,
-    purpose: ReadOutFor,
-) -> Result<ActiveControl, Problems> {
-    let names = axis_names(job, profile)?;
-    let mut notes = Vec::new();
-    let texts = texts(profile, path, &files, purpose, &mut notes)?;
-    let found = match &profile.dialect {
-        Dialect::Siemens(_) => super::siemens::read(job, &names, &texts, purpose)?,
-        Dialect::Fanuc(facts) => super::fanuc::read(job, &names, facts, &texts, purpose)?,
-        Dialect::Generic(_) => generic_tables(&names, &texts, purpose)?,
-    };
-    notes.extend(found.notes);
-    let mut contrary = found.contrary;
-    let own = job.compensation.control_unit;
-    contrary.extend(found.unit.filter(|unit| *unit != own).map(|unit| {
-        let words = format!(
-            "the control that was read out counts in {}, the job in {}",
-            unit.word(),
-            own.word()
-        );
-        Contrary::new(words, "correct `control_unit`")
-    }));
-    let parameter = profile.dialect.backlash_parameter();
-    let mut problems = Problems::none();
-    let backlash_um = match purpose {
-        ReadOutFor::Judging => PerAxis::default(),
-        ReadOutFor::OldTables => {
-            let one =
-                |axis| one_backlash(&found.backlash[axis], parameter, &mut notes, &mut contrary);
-            backlash_of(job, &PerAxis::from_fn(one), &mut problems)
-        }
-    };
-    let mut disagreements = Vec::new();
-    for Contrary { words, help } in contrary {
-        match purpose {
-            ReadOutFor::OldTables => problems.push(problem(job, words, &help)),
-            ReadOutFor::Judging => disagreements.push(words),
-        }
-    }
-    let state = stated(job, profile, &backlash_um)?;
-    problems.or_ok(ActiveControl {
-        tables: found.tables,
-        state,
-        path: path.to_string(),
-        origin: Origin::ReadOut(found.held),
-        backlash_um,
-        held_backlash: Axis::ALL
-            .into_iter()
-            .flat_map(|a| found.backlash[a].clone())
-            .collect(),
-        others: found.others,
-        assumptions: found.assumptions,
-        notes,
-        disagreements,
-        beside: found.beside,
-        files,
-    })
-}
-
 /// The files as text, but those of a kit that are never loaded with its tables.
 fn texts<'a>(
     profile: &Profile,
     path: &str,
     files: &'a [(String, Vec<u8>)],
-    purpose: ReadOutFor,
-    notes: &mut Vec<String>,
+    reading: &mut Reading<'_>,
 ) -> Result<Vec<Text<'a>>, Problems> {
     let mut problems = Problems::none();
     let mut texts = Vec::new();
     for (name, bytes) in files {
-        match (stands_apart(profile, name), purpose) {
-            (false, _) => {}
-            (true, ReadOutFor::Judging) => {
-                notes.push(format!(
-                    "`{name}` is a file of a kit that is not loaded with its tables: passed over"
-                ));
-                continue;
-            }
-            (true, ReadOutFor::OldTables) => problems.push(
-                Problem::new(format!(
-                    "`{name}` of `{path}` is a file of a kit that is not loaded with its tables, so it does not tell what was active"
-                ))
-                .help("name the whole kit with its manifest.json, or files that were read out of the control"),
-            ),
+        let stands_apart = stands_apart(profile, name);
+        if stands_apart && reading.judges() {
+            let file = name.clone();
+            reading.tell(InControl::NotLoaded { file });
+            continue;
+        }
+        if stands_apart {
+            let message = format!(
+                "`{name}` of `{path}` is a file of a kit that is not loaded with its tables, so it does not tell what was active"
+            );
+            problems.push(Problem::new(message).help("name the whole kit with its manifest.json, or files that were read out of the control"));
         }
         match control_data::texts(name, bytes) {
             Ok(own) => texts.extend(own),
@@ -147,44 +143,35 @@ fn texts<'a>(
     problems.or_ok(texts)
 }
 
-fn generic_tables(
-    names: &PerAxis<Vec<String>>,
-    texts: &[Text<'_>],
-    purpose: ReadOutFor,
-) -> Result<Found, Problems> {
+/// New tables at places that others own; all of them at once.
+pub fn collisions(job: &Job, active: &ActiveControl, new: &Tables) -> Result<(), Problems> {
+    let taken = match new {
+        Tables::Siemens(new) => siemens::taken(&active.others, new),
+        Tables::Fanuc(new) => fanuc::taken(&active.others, new),
+        Tables::Generic(_) => Vec::new(),
+    };
     let mut problems = Problems::none();
-    let mut tables = Vec::new();
-    for (name, text) in texts {
-        tables.extend(problems.take(generic::read(name, text)));
+    for (what, help) in taken {
+        let message = format!(
+            "{what} is in use in the read-out, for axes that the job does not have or switched off: it would be overwritten"
+        );
+        problems.push(problem(job, message, help));
     }
-    let mut table = generic::merge(problems.or_ok(tables)?)?;
-    let held = Held::plain(Tables::Generic(table.clone()));
-    let (mut notes, mut beside) = (Vec::new(), Vec::new());
-    if purpose == ReadOutFor::Judging {
-        // Old tables of other axes are refused: the new file would take their place.
-        let has = |name: &str| axis_of(names, name).is_some();
-        let others: Vec<GenericRow> = table
-            .rows
-            .extract_if(.., |row| !has(&row.base_axis) || !has(&row.output_axis))
-            .collect();
-        for row in others.iter().filter(|row| row.index == 0) {
-            let (base, output) = (&row.base_axis, &row.output_axis);
-            if has(output) {
-                beside.push(beside_words(&format!("{} of `{output}`", row.term), base));
-            } else {
-                notes.push(format!("{} ({output} while {base} moves) belongs to axes that the job does not have: passed over", row.term));
-            }
-        }
-    }
-    Ok(Found {
-        held,
-        tables: Tables::Generic(table),
-        backlash: PerAxis::default(),
-        others: Others::default(),
-        assumptions: Vec::new(),
-        notes,
-        unit: None,
-        contrary: Vec::new(),
-        beside,
-    })
+    problems.or_ok(())
+}
+
+/// Old tables that the new files leave in the control: each has to be switched off.
+pub fn left_over(active: &ActiveControl, new: &Tables) -> Vec<Precondition> {
+    const WHY: &str = "an old table that the new files do not overwrite would act beside them";
+    const SOURCE: &str = "the active tables that the job names";
+    let (stale, value) = match (&active.tables, new) {
+        (Tables::Siemens(old), Tables::Siemens(new)) => (siemens::left_over(old, new), "0"),
+        (Tables::Fanuc(old), Tables::Fanuc(new)) => (fanuc::left_over(old, new), "0"),
+        (Tables::Generic(old), Tables::Generic(new)) => (generic::left_over(old, new), "removed"),
+        _ => (Vec::new(), ""),
+    };
+    let stale = stale.into_iter();
+    stale
+        .map(|what| Precondition::new(what, value, WHY, SOURCE))
+        .collect()
 }

@@ -2,11 +2,14 @@
 
 use crate::judge::active::{ActiveControl, named_axis};
 use crate::judge::after::Control;
+use crate::judge::findings::words_of;
 use crate::kit::inputs::cannot_emulate;
-use crate::kit::{Inputs, LoadedControl, LoadedState, emulator, load_read_out, loaded_state};
+use crate::kit::loaded::loaded_state;
+use crate::kit::{Inputs, LoadedControl, emulator, load_read_out};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
 use crate::read::{KitFile, read};
+use crate::text::finding::Severity;
 use crate::text::problem::Problems;
 use crate::write::compensation::compile;
 use crate::write::plan::{Task, plan};
@@ -35,11 +38,7 @@ impl Loaded {
         };
         let plan = plan(task)?;
         let compiled = compile(task, &plan)?;
-        let LoadedState {
-            state,
-            disagreements,
-            ..
-        } = loaded_state(inputs, &plan, &compiled, named);
+        let (state, findings) = loaded_state(inputs, &plan, &compiled, named);
         let read = read(&inputs.profile, files)?;
         let control = emulator(&inputs.profile, &read.tables, &state)
             .and_then(|emulator| Control::new(&inputs.model, &plan, emulator.as_ref()))
@@ -61,7 +60,7 @@ impl Loaded {
             })
         };
         let mut notes = read.notes;
-        notes.extend(disagreements);
+        notes.extend(words_of(&findings, Severity::Disagreement));
         notes.extend(Axis::ALL.into_iter().filter_map(parameter));
         Ok(Loaded { control, notes })
     }
@@ -71,10 +70,9 @@ impl Loaded {
         let LoadedControl {
             plan,
             control,
-            disagreements,
-            mut notes,
+            findings,
         } = load_read_out(inputs, active)?;
-        notes.extend(disagreements);
+        let notes = findings.iter().map(ToString::to_string).collect();
         let control = Control::new(&inputs.model, &plan, control.as_ref())
             .map_err(|reason| cannot_emulate(&reason))?;
         Ok(Loaded { control, notes })

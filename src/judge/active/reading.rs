@@ -1,0 +1,294 @@
+//! What a control held while measuring, and what is found while its files are read.
+
+use crate::control::claims::Assumption;
+use crate::control::control_state::{AxisState, ControlState};
+use crate::control::controller::{Dialect, LengthUnit, NumberRange, Profile};
+use crate::control::table::Tables;
+use crate::control::table::fanuc::FanucMemory;
+use crate::control::table::generic::GenericTable;
+use crate::control::table::siemens::SiemensTables;
+use crate::inputs::job::{ActiveTables, AxisSettings, Job};
+use crate::judge::findings::InControl;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::read::siemens::{MachineDatum, MachineValue};
+use crate::text::finding::Finding;
+use crate::text::problem::{Problem, Problems};
+use crate::write::plan::axis_names;
+
+/// The control as it was while measuring, decoded from files.
+///
+/// limits only what the files hold and concerns the compensation of the job's axes; a value that
+///        no file holds is not invented
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActiveControl {
+    /// Tables, parameters and points that acted on the job's axes.
+    pub tables: Tables,
+    /// Every file of the control that was read, name and bytes unchanged, in the order of reading.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// The state of the control outside the tables: unit, reference, backlash parameters (0 where
+    /// no file holds one, see `backlash_um`).
+    pub state: ControlState,
+    /// The path, as the job names it.
+    pub path: String,
+    /// Where the files come from.
+    pub origin: Origin,
+    /// Backlash parameter that acted while measuring, µm, where a file or the job states it; not
+    /// known of files that are judged as they are now.
+    pub backlash_um: PerAxis<Option<f64>>,
+    /// What the files of a read-out hold of it, axis by axis as the control names them (of a gantry
+    /// each), µm.
+    pub held_backlash: NamedBacklash,
+    /// What of the read-out belongs to others and must not be overwritten.
+    pub others: Others,
+    /// What the files do not say and is taken for granted.
+    pub assumptions: Vec<Assumption>,
+    /// What the user should know. Files that are judged may contradict the job, or hold what acts on
+    /// its axes and is not emulated (a doubt); what was active while measuring may not.
+    pub findings: Vec<Finding>,
+}
+
+/// Where the files of the active tables come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// A kit of this program: the bytes of its manifest, and the version that made it.
+    Kit {
+        /// `manifest.json`.
+        manifest: Vec<u8>,
+        /// Name and version of the program.
+        tool: String,
+    },
+    /// Files that were read out of the control, with everything that they hold.
+    ReadOut(Held),
+    /// No files: no table was active, and the job states the backlash parameters that were.
+    NoTables,
+}
+
+/// What a read-out holds for axes that the job does not have, or in a form that is not ours.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Others {
+    /// Siemens: numbers of CEC tables.
+    pub cec_tables: Vec<u32>,
+    /// Fanuc: pitch and straightness points.
+    pub points: Vec<NumberRange>,
+    /// Fanuc: straightness sets, from 1.
+    pub sets: Vec<u32>,
+}
+
+/// Everything of the compensation that files of a control hold, as they hold it, whether it acted or
+/// not.
+///
+/// limits of Siemens machine data those that [`crate::read::control_data`] takes from an
+///        archive, and only where all files agree
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    /// Tables, parameters and points, none left out.
+    pub tables: Tables,
+    /// Machine and setting data (Siemens).
+    pub data: Vec<MachineDatum>,
+    /// Tables that the control reserves without a grid, such as `AN_CEC[3]` (Siemens).
+    pub without_grid: Vec<String>,
+}
+
+impl Held {
+    /// Tables of a control whose switches are in them, or that has none.
+    pub(super) fn plain(tables: Tables) -> Held {
+        Held {
+            tables,
+            data: Vec::new(),
+            without_grid: Vec::new(),
+        }
+    }
+
+    /// A machine or setting datum.
+    pub fn datum(&self, name: &str, indices: &[String]) -> Option<&MachineDatum> {
+        let same = |datum: &&MachineDatum| datum.name == name && datum.indices == indices;
+        self.data.iter().find(same)
+    }
+
+    /// The number that a machine or setting datum holds.
+    pub(crate) fn number(&self, name: &str, indices: &[String]) -> Option<f64> {
+        match self.datum(name, indices)?.value {
+            MachineValue::Number(number) => Some(number),
+            MachineValue::Text(_) => None,
+        }
+    }
+
+    /// Whether a switch was read out and stands at 0.
+    pub(crate) fn is_off(&self, name: &str, indices: &[String]) -> bool {
+        self.number(name, indices).is_some_and(|value| value <= 0.0)
+    }
+}
+
+impl ActiveControl {
+    /// A control with these tables of which nothing else is known.
+    pub(super) fn new(
+        path: &str,
+        origin: Origin,
+        tables: Tables,
+        state: ControlState,
+        backlash_um: PerAxis<Option<f64>>,
+    ) -> ActiveControl {
+        ActiveControl {
+            tables,
+            files: Vec::new(),
+            state,
+            path: path.to_string(),
+            origin,
+            backlash_um,
+            held_backlash: Vec::new(),
+            others: Others::default(),
+            assumptions: Vec::new(),
+            findings: Vec::new(),
+        }
+    }
+}
+
+/// The control of a job with `active_while_measuring = "none"` and `active_backlash_um`; `None`
+/// where the job states no parameter.
+///
+/// limits an axis that the job does not state is counted as 0, which the kit says of itself
+pub fn without_tables(job: &Job, profile: &Profile) -> Result<Option<ActiveControl>, Problems> {
+    let backlash_um = job.measurement.active_settings.backlash_um;
+    let states_one = backlash_um.iter().any(|(_, um)| um.is_some());
+    if job.measurement.active != ActiveTables::None || !states_one {
+        return Ok(None);
+    }
+    let tables = match &profile.dialect {
+        Dialect::Siemens(_) => Tables::Siemens(SiemensTables::default()),
+        Dialect::Fanuc(_) => Tables::Fanuc(FanucMemory::default()),
+        Dialect::Generic(_) => Tables::Generic(GenericTable { rows: Vec::new() }),
+    };
+    let state = stated(job, profile, &backlash_um)?;
+    let control = ActiveControl::new("", Origin::NoTables, tables, state, backlash_um);
+    Ok(Some(control))
+}
+
+/// What files that were read out are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReadOutFor {
+    /// They were active while measuring, and the new tables build on them: what contradicts the
+    /// job is refused.
+    OldTables,
+    /// They are judged as they are now: what contradicts the job is what is looked for, and
+    /// nothing that was active while measuring stands in for what they do not hold.
+    Judging,
+}
+
+/// The backlash parameters that axes of the control hold, µm, by the control's names.
+pub(super) type NamedBacklash = Vec<(String, Option<f64>)>;
+
+/// What the reader of a dialect found.
+pub(super) struct Found {
+    /// What acted on the job's axes.
+    pub(super) tables: Tables,
+    /// What the files hold.
+    pub(super) held: Held,
+    pub(super) backlash: PerAxis<NamedBacklash>,
+    /// Unit of the control, where a file holds it.
+    pub(super) unit: Option<LengthUnit>,
+}
+
+/// A read-out against a job, while it is read.
+pub(super) struct Reading<'a> {
+    pub(super) job: &'a Job,
+    pub(super) names: PerAxis<Vec<String>>,
+    pub(super) purpose: ReadOutFor,
+    pub(super) others: Others,
+    pub(super) assumptions: Vec<Assumption>,
+    pub(super) findings: Vec<Finding>,
+}
+
+impl Reading<'_> {
+    /// Whether the files are judged as they are now.
+    pub(super) fn judges(&self) -> bool {
+        self.purpose == ReadOutFor::Judging
+    }
+
+    pub(super) fn tell(&mut self, finding: InControl) {
+        self.findings.push(finding.into());
+    }
+
+    /// What is assumed of old tables, and told of files that are judged.
+    pub(super) fn take(&mut self, assumption: Assumption, told: InControl) {
+        match self.purpose {
+            ReadOutFor::OldTables => self.assumptions.push(assumption),
+            ReadOutFor::Judging => self.tell(told),
+        }
+    }
+
+    /// The axis of the job that the control calls by this name.
+    pub(super) fn axis(&self, name: &str) -> Option<Axis> {
+        axis_of(&self.names, name)
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.axis(name).is_some()
+    }
+}
+
+/// The axis of the job that the control calls by this name.
+pub(super) fn axis_of(names: &PerAxis<Vec<String>>, name: &str) -> Option<Axis> {
+    let is = |own: &String| own.eq_ignore_ascii_case(name);
+    let has = |axis: &Axis| names[*axis].iter().any(is);
+    Axis::ALL.into_iter().find(has)
+}
+
+/// Where the job speaks of the active tables.
+pub(super) const KEY: &str = "measurement.active_while_measuring";
+
+pub(super) fn problem(job: &Job, message: impl Into<String>, help: &str) -> Problem {
+    job.problem_at(KEY, message).help(help)
+}
+
+/// The control as the job describes it, without tables.
+pub(super) fn stated(
+    job: &Job,
+    profile: &Profile,
+    backlash_um: &PerAxis<Option<f64>>,
+) -> Result<ControlState, Problems> {
+    let names = axis_names(job, profile)?;
+    let mut axes = Vec::new();
+    for (axis, names) in names.iter() {
+        let Some(machine) = job.machine.axes[axis] else {
+            continue;
+        };
+        let settings = job.compensation.axes[axis].as_ref();
+        let bits = settings.and_then(|s| s.parameter_3605).unwrap_or(0);
+        axes.extend(names.iter().map(|name| AxisState {
+            name: name.clone(),
+            reference: machine.reference,
+            reference_direction: machine.homing(),
+            detection_unit_um: settings.and_then(|s| s.detection_unit_um),
+            backlash_um: backlash_um[axis].unwrap_or(0.0),
+            bidirectional: bits & 1 != 0,
+            interpolated: settings.is_some_and(AxisSettings::is_interpolated),
+        }));
+    }
+    Ok(ControlState {
+        unit: job.compensation.control_unit,
+        axes,
+    })
+}
+
+/// Backlash parameters of the files and of the job together; two different values are a problem.
+pub(super) fn backlash_of(
+    job: &Job,
+    found: &PerAxis<Option<f64>>,
+    problems: &mut Problems,
+) -> PerAxis<Option<f64>> {
+    const SAME_UM: f64 = 1e-6;
+    let stated = &job.measurement.active_settings.backlash_um;
+    for axis in Axis::ALL {
+        if let (Some(found), Some(own)) = (found[axis], stated[axis])
+            && (found - own).abs() > SAME_UM
+        {
+            let path = format!("measurement.active_backlash_um.{}", axis.key());
+            let message = format!(
+                "the files hold a backlash parameter of {found} µm for {axis}, the job states {own} µm"
+            );
+            let problem = job.problem_at(&path, message);
+            problems.push(problem.help("remove it from the job, or name the files of that day"));
+        }
+    }
+    PerAxis::from_fn(|axis| found[axis].or(stated[axis]))
+}

@@ -1,0 +1,194 @@
+//! The machine data that files set: switches and memory of the job's tables, and nothing else.
+
+use super::contents::it;
+use crate::control::controller::{Role, SiemensFacts};
+use crate::control::table::siemens::{LecTable, SiemensTables};
+use crate::judge::findings::listed;
+use crate::read::FileData;
+use crate::read::siemens::{MachineDatum, MachineValue};
+
+pub(super) fn lec_name(table: &LecTable) -> String {
+    format!("ENC_COMP[{},{}]", table.encoder, table.axis)
+}
+
+/// A machine or setting datum of the job.
+struct Owned {
+    name: &'static str,
+    indices: Vec<String>,
+    /// What it belongs to, and its number.
+    of: String,
+    number: &'static str,
+    /// Points to reserve; a switch needs none.
+    points: usize,
+}
+
+impl Owned {
+    fn is(&self, datum: &MachineDatum) -> bool {
+        self.name == datum.name && self.indices == datum.indices
+    }
+}
+
+/// What a file of a role sets, and what is said where no file does, or another value is set.
+const TASKS: [(Role, &str, &str, &str); 3] = [
+    (
+        Role::Enable,
+        "switches the tables on",
+        " = 1",
+        "the enable file does not switch on",
+    ),
+    (
+        Role::Disable,
+        "switches the tables off",
+        " = 0",
+        "the disable file does not switch off",
+    ),
+    (
+        Role::Parameters,
+        "reserves their memory",
+        "",
+        "the memory file does not reserve enough for",
+    ),
+];
+
+/// MD32700, SD41300 and MD32710 of the job's tables in the files that switch them; MD38000 and, where
+/// it is not fixed, MD18342 in the one that reserves their memory.
+fn owned(role: Role, wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned> {
+    let (of_lec, of_cec) = match role {
+        Role::Enable | Role::Disable => (
+            ("MA_ENC_COMP_ENABLE", "MD32700"),
+            ("SN_CEC_TABLE_ENABLE", "SD41300"),
+        ),
+        Role::Parameters => (
+            ("MA_MM_ENC_COMP_MAX_POINTS", "MD38000"),
+            ("MN_MM_CEC_MAX_POINTS", "MD18342"),
+        ),
+        Role::Table | Role::Rollback | Role::SignProof | Role::Checklist | Role::Report => {
+            return Vec::new();
+        }
+    };
+    let lec = wanted.lec.iter().map(|table| Owned {
+        name: of_lec.0,
+        indices: vec![table.encoder.to_string(), table.axis.clone()],
+        of: lec_name(table),
+        number: of_lec.1,
+        points: table.values.len(),
+    });
+    let cec = wanted.cec.iter().map(|table| Owned {
+        name: of_cec.0,
+        indices: vec![table.number.to_string()],
+        of: format!("CEC table {}", table.number),
+        number: of_cec.1,
+        points: table.values.len(),
+    });
+    let reserves = role == Role::Parameters;
+    let cec = cec.filter(|_| !reserves || !facts.cec_memory_fixed.value);
+    let mut outputs: Vec<&String> = wanted.cec.iter().map(|t| &t.output_axis).collect();
+    outputs.sort_unstable();
+    outputs.dedup();
+    let axes = outputs.into_iter().filter(|_| !reserves).map(|axis| Owned {
+        name: "MA_CEC_ENABLE",
+        indices: vec![axis.clone()],
+        of: format!("CEC of axis {axis}"),
+        number: "MD32710",
+        points: 0,
+    });
+    lec.chain(cec).chain(axes).collect()
+}
+
+/// What files set that the job does not own, and what they do not set though they should.
+pub(super) fn differences(
+    wanted: &SiemensTables,
+    files: &[FileData],
+    facts: &SiemensFacts,
+) -> Vec<String> {
+    let foreign = files.iter().filter_map(|file| {
+        let owned = owned(file.role, wanted, facts);
+        let is_foreign = |datum: &&MachineDatum| !owned.iter().any(|own| own.is(datum));
+        let foreign = file.data.iter().filter(is_foreign);
+        let foreign = foreign.map(|datum| format!("{} = {}", datum.variable(), text(&datum.value)));
+        let foreign: Vec<String> = foreign.collect();
+        let (path, names, them) = (&file.path, listed(&foreign), it(foreign.len()));
+        (!foreign.is_empty())
+            .then(|| format!("`{path}` sets {names}: the job does not write {them} there"))
+    });
+    let mut words: Vec<String> = foreign.collect();
+    for (role, _, _, not) in TASKS {
+        let of_role: Vec<&FileData> = files.iter().filter(|file| file.role == role).collect();
+        if !of_role.is_empty() {
+            let data: Vec<&MachineDatum> = of_role.iter().flat_map(|file| &file.data).collect();
+            words.extend(wrong(role, not, &owned(role, wanted, facts), &data));
+        }
+    }
+    words
+}
+
+/// One sentence for all data that stand alike.
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "a table has few thousand points"
+)]
+fn wrong(role: Role, not: &str, owned: &[Owned], data: &[&MachineDatum]) -> Vec<String> {
+    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
+    for own in owned {
+        let value = data
+            .iter()
+            .rev()
+            .find(|datum| own.is(datum))
+            .map(|d| &d.value);
+        let (is_right, expected) = match (role, value) {
+            (Role::Parameters, Some(MachineValue::Number(points))) => (
+                *points >= own.points as f64,
+                format!("at least {}", own.points),
+            ),
+            (Role::Parameters, _) => (false, format!("at least {}", own.points)),
+            (Role::Enable, _) => (value == Some(&MachineValue::Number(1.0)), "1".to_string()),
+            _ => (value == Some(&MachineValue::Number(0.0)), "0".to_string()),
+        };
+        if is_right {
+            continue;
+        }
+        let set = value.map(|value| format!("set to {}", text(value)));
+        let stands = format!(
+            "{}, expected {expected}",
+            set.unwrap_or("not written".to_string())
+        );
+        let of = format!("{} ({})", own.of, own.number);
+        match groups.iter_mut().find(|(known, _)| *known == stands) {
+            Some((_, names)) => names.push(of),
+            None => groups.push((stands, vec![of])),
+        }
+    }
+    let sentence =
+        |(stands, names): &(String, Vec<String>)| format!("{not} {}: {stands}", listed(names));
+    groups.iter().map(sentence).collect()
+}
+
+fn text(value: &MachineValue) -> String {
+    match value {
+        MachineValue::Number(number) => number.to_string(),
+        MachineValue::Text(text) => text.clone(),
+    }
+}
+
+/// Files that are not there (or that a profile of one's own leaves out), and the data to see to
+/// by hand.
+pub(super) fn absent(
+    wanted: &SiemensTables,
+    files: &[FileData],
+    facts: &SiemensFacts,
+) -> Vec<String> {
+    let sentence = |(role, does, value, _): (Role, &str, &str, &str)| {
+        if files.iter().any(|file| file.role == role) {
+            return None;
+        }
+        let data = owned(role, wanted, facts);
+        let data = data
+            .iter()
+            .map(|own| format!("{} ${}{value}", own.number, own.name));
+        let mut data: Vec<String> = data.collect();
+        data.dedup();
+        (!data.is_empty())
+            .then(|| format!("no file {does}; see to {} on the control", data.join(", ")))
+    };
+    TASKS.into_iter().filter_map(sentence).collect()
+}

@@ -1,0 +1,115 @@
+//! What is found in the files of a control against a job: each kind with its facts, how grave it is, its words.
+
+use crate::text::finding::{Finding, Severity, findings};
+
+/// The words of the findings of one gravity.
+pub fn words_of(findings: &[Finding], severity: Severity) -> Vec<String> {
+    let of = findings.iter().filter(|f| f.severity() == severity);
+    of.map(ToString::to_string).collect()
+}
+
+/// `a, b, c and 4 more`
+pub(crate) fn listed(names: &[String]) -> String {
+    const MOST_NAMES: usize = 6;
+    let shown = names[..names.len().min(MOST_NAMES)].join(", ");
+    match names.len().saturating_sub(MOST_NAMES) {
+        0 => shown,
+        rest => format!("{shown} and {rest} more"),
+    }
+}
+
+findings! {
+    /// What a control holds, or held while measuring. A disagreement contradicts the job; a doubt acts on its
+    /// axes and is not emulated.
+    InControl {
+        Read { words: String } => Note, "{words}";
+        PassedOver { file: String, count: usize, what: &'static str } => Note, "`{file}`: {count} {what} were passed over";
+        NotWritten { parameters: Vec<String> } => Note, "no file holds {}: 0 is assumed", listed(parameters);
+        Idle { tables: Vec<String> } => Note, "{}: zeros without a usable grid, passed over", listed(tables);
+        NotLoaded { file: String } => Note, "`{file}` is a file of a kit that is not loaded with its tables: passed over";
+        OfOthers { what: String, axes: &'static str } => Note, "{what} belongs to {axes} that the job does not have: passed over (under another name? state `id`)";
+        SwitchedOff { table: String, by: &'static str } => Note, "{table} is switched off ({by} = 0), so it does nothing";
+        OtherSystem { table: String, off: &'static str } => Note, "{table} is for the other measuring system{off}: passed over";
+        ProgramsPassedOver { names: String } => Note, "part programs were passed over ({names}), they do nothing before they are run";
+        ProgramsCount { names: String } => Note, "part programs ({names}) count as run and active: nothing else was read out";
+        ProgramsOnly { names: String } => Doubt, "nothing but part programs was read out ({names}): what they write acts only once they were run, and as long as nothing else was loaded";
+        TablesInPrograms { names: String } => Disagreement, "the read-out holds tables in part programs only ({names}), and whether they were run it does not tell";
+        SeveralOfOthers { name: String } => Note, "{name}, of others, has several values in the files: passed over";
+        LastCounts { name: String } => Note, "{name} has several values in the files: the last of them, by the names of the files and by their lines, counts as active, and the way back leaves it to a person";
+        SeveralValues { name: String } => Disagreement, "{name} has several values in the files, so which of them the control holds is not known";
+        FileUnit { file: String, unit: &'static str, word: &'static str, own: &'static str } => Disagreement, "`{file}` is written in {unit} (`{word}`), the job counts in {own}";
+        ControlUnit { unit: &'static str, own: &'static str } => Disagreement, "the control that was read out counts in {unit}, the job in {own}";
+        EitherSystem { table: String, system: u32 } => Doubt, "{table} is for measuring system {system}, and the files do not tell which of the two is active: state `measuring_system`";
+        WrongSystem { table: String, system: u32 } => Disagreement, "{table} is for measuring system {system}, and there is none for the one of the job";
+        OpenEnd { place: String, point: u32, other: String, by: String } => Doubt, "{place}: the value of point {point} is taken to be held; if {other}, the correction differs {by} there";
+        LecNotRead { switches: Vec<String> } => Doubt, "MD32700 $MA_ENC_COMP_ENABLE{} is 1, so an ENC_COMP table acts, and no file holds it", listed(switches);
+        CecNotRead { tables: String } => Doubt, "SD41300 $SN_CEC_TABLE_ENABLE of CEC {tables} is 1, and no file holds it";
+        CecUnknown { axes: Vec<String> } => Doubt, "MD32710 $MA_CEC_ENABLE of {} is 1, and no file holds a CEC table or SD41300", listed(axes);
+        Untold { what: String } => Note, "{what}: no file holds such a table or its switches, so none is taken to act";
+        TakenAsOn { facts: Vec<String> } => Note, "no file holds {}: taken to be on", facts.join(", ");
+        CutOff { axis: String, limit: f64, sum: f64, unit: &'static str } => Disagreement, "MD32720 of {axis} is {limit} {unit}, and its CEC corrections may add up to {sum:.6} {unit}: what is more is cut off (alarm 20124)";
+        CecUnit { axis: String, metric: f64, unit: &'static str } => Disagreement, "MD32711 of {axis} is {metric}, the job has its CEC tables in {unit}";
+        MayBeCecUnit { axis: String, metric: f64, unit: &'static str } => Doubt, "MD32711 of {axis} is {metric}, the job has its CEC tables in {unit}; it counts where MD10260 = 1, which no file holds";
+        Weight { number: u32, weight: f64 } => Disagreement, "SD41310 $SN_CEC_TABLE_WEIGHT[{number}] is {weight}, expected 1: the table acts with this factor, which is not emulated";
+        Factor { table: String, factor: u32 } => Doubt, "{table}, of axes that the job does not have, multiplies by $AN_CEC[{factor}] of the job: whether that one still acts by itself is not known";
+        Follows { what: String, moving: String } => Doubt, "{what} follows axis {moving}, which the job does not have: it is not in the forecast, and changes the error wherever {moving} stands elsewhere";
+        ReferencePoint { axis: String, position: f64, unit: &'static str, own_mm: f64 } => Doubt, "MD34100 $MA_REFP_SET_POS[0,{axis}] is {position} {unit}, the job has the reference point at {own_mm} mm: with an incremental measuring system the tables are not zero where the axis is referenced";
+        Spindle { parameter: String } => Note, "{parameter}: a spindle corrects no axis of the job, passed over";
+        Slave { other: u32, axis: u32 } => Note, "axis {other}, which the job does not have, takes the points of axis {axis}, as the slave of a gantry does";
+        SharedPoints { other: u32, axis: u32 } => Doubt, "axis {other}, which the job does not have, takes points of axis {axis} in another way than it: it is corrected by errors that are not its own";
+        PointsOfNobody { points: usize } => Doubt, "the files hold {points} points and no parameter 3620 to 3624, so which axes they correct is not known";
+        CuttingFeed { axis: String, cutting: f64, rapid: f64 } => Note, "axis {axis}: 1851 is {cutting} and 1852 is {rapid}; 1851 (cutting feed) is taken";
+        Reference { axis: String, position: f64, unit: &'static str, own_mm: f64 } => Disagreement, "1240 of axis {axis} is {position} {unit}, the job has the reference at {own_mm} mm";
+        NoSwitches { axis: String, directions: u8, interpolated: u8 } => Note, "no file holds 3605 of axis {axis}: bit 0 (table for each direction) and bit 1 (interpolated) are taken as the job asks, {directions} and {interpolated}";
+        OtherSwitch { bit: usize, axis: String, is: u8, asked: u8, meaning: &'static str } => Disagreement, "3605#{bit} of axis {axis} is {is}, the job is for {asked} (1 = {meaning})";
+        RapidDiffers { axis: String, rapid: String, cutting: String } => Doubt, "1852 of axis {axis} is {rapid}, 1851 is {cutting}, and the job asks for the same in both: where the control takes 1852 in rapid traverse, the axis stands elsewhere than forecast after it";
+        NoRapid { axis: String } => Note, "no file holds 1852 of axis {axis}: taken as its 1851";
+        AsAsked { what: Vec<String> } => Note, "no file holds {}: taken as the job asks, see to the preconditions", what.join(", ");
+        GantryDiffers { axes: Vec<String> } => Disagreement, "the axes {} have different backlash parameters", axes.join(", ");
+        GantryUnknown { parameter: &'static str, axis: String } => Note, "no file holds the {parameter} of axis {axis}, and that of the other axis of the gantry does not tell it";
+        SameSerial { key: &'static str, kit: String, own: String } => Note, "the kit of the active tables has the machine {key} `{kit}`, the job `{own}`; the serial number is the same, so it counts as the same machine";
+        FarMore { file: String } => Note, "`{file}` holds far more than a kit: taken as read out of the control, not as to be loaded";
+        NoManifest { axis: String, um: String } => Note, "no manifest names the backlash parameter of axis {axis}: taken as the job asks, {um}";
+        NoParameter { parameter: &'static str, axis: String, um: String } => Note, "no file holds the {parameter} of axis {axis}: taken as the job asks, {um}";
+        Unchanged { parameter: &'static str, axis: String, um: String } => Note, "the {parameter} of axis {axis} is {um}; the job does not set it, so it counts as unchanged since the measurement";
+        OtherBacklash { axis: String, who: &'static str, named: String, wanted: String } => Disagreement, "backlash parameter of axis {axis}: {who} {named}, the job asks for {wanted}";
+        Differs { words: String } => Disagreement, "{words}";
+        NotEmulated { reason: String } => Disagreement, "{reason}";
+    }
+}
+
+impl InControl {
+    /// What to do where old tables are refused for it.
+    pub(super) const fn help(&self) -> &'static str {
+        match self {
+            Self::FileUnit { .. } => {
+                "correct `control_unit`, or read the files out again in the basic system of the control"
+            }
+            Self::TablesInPrograms { .. } => {
+                "read out the active data (…_EEC_INI, …_CEC_INI), or name the kit that was loaded"
+            }
+            Self::SeveralValues { .. } => "name the files of one read-out",
+            Self::ControlUnit { .. } => "correct `control_unit`",
+            Self::WrongSystem { .. } => {
+                "state `measuring_system` in [compensation.axes] as it is active on the control"
+            }
+            Self::LecNotRead { .. } => {
+                "read out the tables too ($AA_ENC_COMP, `AX_EEC.INI`) and name all files together, or name the commissioning archive (.arc)"
+            }
+            Self::CecNotRead { .. } | Self::CecUnknown { .. } => {
+                "read out the tables too ($AN_CEC, `NC_CEC.INI`) and name all files together, or name the commissioning archive (.arc)"
+            }
+            Self::CecUnit { .. } | Self::MayBeCecUnit { .. } => {
+                "state the `control_unit` of the tables, or read out MD10260 = 0 as well"
+            }
+            Self::PointsOfNobody { .. } => {
+                "read out the parameters too (`CNC-PARA.TXT`) and name both files together"
+            }
+            Self::Reference { .. } => {
+                "correct `reference_mm`; tables of another reference cannot be added"
+            }
+            Self::GantryDiffers { .. } => "bring the axes of the gantry to one value first",
+            _ => "measure with these tables switched off",
+        }
+    }
+}
