@@ -158,8 +158,12 @@ fn check_machine(job: &Job, machine: &Value, problems: &mut Problems) -> Vec<Fin
                 "the active tables were made for another machine: its {what} is `{}`, that of the job `{own}`",
                 shown(kit)
             );
-            problems.push(problem(job, message, "name the kit that was loaded into this machine; if it is the same machine, write `name` and `chain` as the manifest of the kit has them (the same `serial` in both would tell, too)"));
-            if key == "serial" {
+            let is_serial = key == "serial";
+            problems.push(problem(job, message, match is_serial {
+                true => "name the kit that was loaded into this machine",
+                false => "name the kit that was loaded into this machine; if it is the same machine, write `name` and `chain` as the manifest of the kit has them (the same `serial` in both would tell, too)",
+            }));
+            if is_serial {
                 break;
             }
         }
