@@ -1,5 +1,6 @@
 //! What is found in the files of a control against a job: each kind with its facts, how grave it is, its words.
 
+use crate::read::emulate::CannotEmulate;
 use crate::text::finding::{Finding, Severity, findings};
 
 /// The words of the findings of one gravity.
@@ -16,6 +17,16 @@ pub(crate) fn listed(names: &[String]) -> String {
         0 => shown,
         rest => format!("{shown} and {rest} more"),
     }
+}
+
+/// `it` or `them`, for as many as there are.
+pub(crate) fn it(count: usize) -> &'static str {
+    if count == 1 { "it" } else { "them" }
+}
+
+/// Tables whose effect is not known contradict whatever is asked of them.
+pub(crate) fn not_emulated(reason: CannotEmulate) -> Finding {
+    InControl::NotEmulated { reason: reason.0 }.into()
 }
 
 findings! {

@@ -9,7 +9,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::table::Tables;
 use crate::judge::active::{ActiveControl, named_axis};
 use crate::judge::disagreement::{self, surroundings};
-use crate::judge::findings::InControl;
+use crate::judge::findings::{InControl, not_emulated};
 use crate::kit::inputs::cannot_emulate;
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::emulator;
@@ -102,10 +102,6 @@ impl Loaded {
             findings: self.findings.into_iter().chain(unread).collect(),
         })
     }
-}
-
-pub(super) fn not_emulated(reason: CannotEmulate) -> Finding {
-    InControl::NotEmulated { reason: reason.0 }.into()
 }
 
 /// A control with tables in it, and the plan that names its axes.

@@ -1,12 +1,12 @@
 //! The bytes of a directory, judged against a job.
 
-use super::loaded::{Loaded, not_emulated};
+use super::loaded::Loaded;
 use super::{Inputs, doubts, field, judged};
 use crate::control::control_state::ControlState;
 use crate::control::table::Tables;
 use crate::judge::active::ActiveControl;
 use crate::judge::conformity::Verdict;
-use crate::judge::findings::{InControl, words_of};
+use crate::judge::findings::{InControl, not_emulated, words_of};
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 use crate::kit::inputs::cannot_emulate;
 use crate::read::KitFile;

@@ -14,7 +14,7 @@ use crate::control::table::generic::GenericTable;
 use crate::control::table::siemens::{
     CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
 };
-use crate::judge::findings::{InControl, listed};
+use crate::judge::findings::{InControl, it, listed};
 use crate::read::ReadBack;
 use crate::text::finding::Finding;
 use std::collections::BTreeMap;
@@ -348,9 +348,4 @@ fn runs(numbers: &[u32]) -> String {
         "points"
     };
     format!("{word} {}", listed(&runs))
-}
-
-/// `it` or `them`, for as many as there are.
-pub(super) fn it(count: usize) -> &'static str {
-    if count == 1 { "it" } else { "them" }
 }

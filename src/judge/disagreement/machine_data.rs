@@ -1,9 +1,8 @@
 //! The machine data that files set: switches and memory of the job's tables, and nothing else.
 
-use super::contents::it;
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::siemens::{LecTable, SiemensTables};
-use crate::judge::findings::listed;
+use crate::judge::findings::{it, listed};
 use crate::read::FileData;
 use crate::read::siemens::{MachineDatum, MachineValue};
 
