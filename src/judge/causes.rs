@@ -19,29 +19,24 @@
 //!
 //! One fault at a time is tried; two faults at once are `unknown` unless one explains both.
 
-mod corrected;
+mod candidates;
 mod data;
 mod decide;
 mod fault;
 mod fit;
 mod question;
-mod records;
-mod tried;
-mod words;
 
-use self::words::Numbers;
-
-use self::data::{Data, RISK, quantile};
-
-pub use self::corrected::{Corrected, Slip};
 pub use self::data::Basis;
-pub use self::fault::{Fault, Scope};
+pub use self::fault::{Corrected, Slip};
 pub use self::question::Question;
 
-use self::fault::Fit;
-use self::tried::all_faults;
+use self::candidates::{all_faults, alone, cause};
+use self::data::{Data, RISK, quantile};
+use self::decide::{decides, short};
+use self::fault::{Fault, Fit};
 use crate::judge::after::Observation;
 use crate::quantity::axis::ErrorTerm;
+use crate::quantity::units::Figure;
 use crate::text::problem::Problem;
 
 /// Predictions of one kind that differ by less are one cause, µm.
@@ -60,8 +55,6 @@ const UNIT: f64 = 1000.0;
 pub struct Cause {
     /// Its kind, e.g. `not active`.
     pub kind: &'static str,
-    /// The faults of this kind that are one and the same in these data, the widest first.
-    pub faults: Vec<Fault>,
     /// Fitted numbers: mm of a shift, factor, K of a temperature.
     pub fitted: Vec<f64>,
     /// What it leaves unexplained, root mean square, µm.
@@ -90,12 +83,6 @@ pub struct Diagnosis {
 /// Tries all faults on the data. Refused where the second measurement makes sense in another unit
 /// only: a slip of 1000.
 pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
-    let known = |o: &&Observation| question.found_um(o).is_some();
-    let seen: Vec<Observation> = question.seen.iter().filter(known).cloned().collect();
-    let question = &Question {
-        seen: &seen,
-        ..question.clone()
-    };
     let faults = all_faults(question);
     let mut data = Data::new(question);
     if data.is_empty() {
@@ -108,7 +95,7 @@ pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
     if let Some(fits) = &early {
         data.settle(fits);
     }
-    let forecast = data.fit(&Fault::None);
+    let forecast = data.fit(&Fault::none());
     refuse_too_small(&data, &faults, &forecast)?;
     let as_forecast = data.stands(&forecast);
     let mut found = Diagnosis {
@@ -130,8 +117,8 @@ pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
         found.by_term = term_by_term(&data);
         return Ok(found);
     }
-    found.decides = Some(decide::decides(question, &standing));
-    found.causes = causes(question, &data, standing);
+    found.decides = Some(decides(question, &standing));
+    found.causes = causes(question, &data, &faults, standing);
     Ok(found)
 }
 
@@ -163,28 +150,24 @@ fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault], fits: Vec<Fit>) -> Vec
         .collect()
 }
 
-fn widest_first(mut standing: Vec<(&Fault, Fit)>) -> Vec<(&Fault, Fit)> {
-    standing.sort_by_key(|(fault, _)| fault.breadth());
-    standing
-}
-
-/// Faults of one kind with one prediction are one cause.
-fn causes(question: &Question<'_>, data: &Data<'_>, standing: Vec<(&Fault, Fit)>) -> Vec<Cause> {
+/// Faults of one kind with one prediction are one cause, the widest of them first, as they were tried.
+fn causes(
+    question: &Question<'_>,
+    data: &Data<'_>,
+    tried: &[Fault],
+    mut standing: Vec<(&Fault, Fit)>,
+) -> Vec<Cause> {
+    standing.sort_by_key(|(fault, _)| tried.iter().position(|other| other == *fault));
     let mut groups: Vec<(Vec<Fault>, Fit)> = Vec::new();
-    for (fault, fit) in widest_first(standing) {
+    for (fault, fit) in standing {
         let same = groups.iter_mut().find(|(faults, other)| {
-            faults[0].kind() == fault.kind() && fit.differs_from(other) < SAME_UM
+            faults[0].kind == fault.kind && fit.differs_from(other) < SAME_UM
         });
+        // The kit may hold the same tables in either scope.
+        let is_same = |other: &Fault| other.is_the_same_on(question, fault);
         match same {
-            Some((faults, _)) => {
-                // The kit may hold the same tables in either scope.
-                if !faults
-                    .iter()
-                    .any(|other| other.is_the_same_on(question, fault))
-                {
-                    faults.push(fault.clone());
-                }
-            }
+            Some((faults, _)) if faults.iter().any(is_same) => {}
+            Some((faults, _)) => faults.push(fault.clone()),
             None => groups.push((vec![fault.clone()], fit)),
         }
     }
@@ -192,12 +175,14 @@ fn causes(question: &Question<'_>, data: &Data<'_>, standing: Vec<(&Fault, Fit)>
         let usual = a[0].rank().cmp(&b[0].rank());
         usual.then(data.rms(one).total_cmp(&data.rms(other)))
     });
-    let cause = |(faults, fit): (Vec<Fault>, Fit)| Cause {
-        kind: faults[0].kind(),
-        words: words::cause(question, &faults, &Numbers::of(data, &faults[0], &fit)),
-        left_um: data.rms(&fit),
-        fitted: fit.fitted,
-        faults,
+    let cause = |(faults, fit): (Vec<Fault>, Fit)| {
+        let uncertainty_mm = data.shift_uncertainty_mm(&faults[0], &fit);
+        Cause {
+            kind: faults[0].kind,
+            words: cause(question, &faults, &fit.fitted, &uncertainty_mm),
+            left_um: data.rms(&fit),
+            fitted: fit.fitted,
+        }
     };
     groups.into_iter().map(cause).collect()
 }
@@ -205,14 +190,14 @@ fn causes(question: &Question<'_>, data: &Data<'_>, standing: Vec<(&Fault, Fit)>
 /// What each term looks like by itself: how far it is off, and every fault that fits, the best
 /// first.
 fn term_by_term(data: &Data<'_>) -> Vec<String> {
-    let forecast = data.fit(&Fault::None);
+    let forecast = data.fit(&Fault::none());
     let alone = |term: ErrorTerm| {
         if data.stands_alone(&forecast, term) {
             return format!("{term}: as forecast");
         }
         let off = data.farthest_off(term);
-        let off = off.map_or_else(String::new, |(um, seen)| words::off_forecast(um, seen));
-        let tried = tried::alone(data.question, term);
+        let off = off.map_or_else(String::new, |(um, seen)| off_forecast(um, seen));
+        let tried = alone(data.question, term);
         let fits = tried.iter().map(|fault| (fault, data.fit(fault)));
         let mut fits: Vec<(&Fault, Fit)> = fits
             .filter(|(fault, fit)| data.stands_alone(fit, term) && fault.is_plausible(fit))
@@ -221,12 +206,22 @@ fn term_by_term(data: &Data<'_>) -> Vec<String> {
         match fits.as_slice() {
             [] => format!("{term}: {off}no single fault fits"),
             some => {
-                let kinds: Vec<&str> = some.iter().map(|(fault, _)| fault.kind()).collect();
+                let kinds: Vec<&str> = some.iter().map(|(fault, _)| fault.kind).collect();
                 format!("{term}: {off}{}", kinds.join(" or "))
             }
         }
     };
     data.single_terms().into_iter().map(alone).collect()
+}
+
+/// Where and by how much a term is off the forecast.
+fn off_forecast(um: f64, seen: &Observation) -> String {
+    let place = match seen.parts.as_slice() {
+        [] => String::new(),
+        [one] => format!(" at {} mm moving {}", short(one.at), one.direction),
+        [mean, ..] => format!(" at {} mm", short(mean.at)),
+    };
+    format!("{:+.3} µm off the forecast{place}, ", Figure(um))
 }
 
 const UNIT_HELP: &str =
@@ -237,7 +232,7 @@ fn refuse_too_large(data: &Data<'_>) -> Result<(), Problem> {
         return Ok(());
     }
     let divided = data.in_another_unit(1.0 / UNIT, 1.0 / UNIT);
-    if divided.stands(&divided.fit(&Fault::None)) {
+    if divided.stands(&divided.fit(&Fault::none())) {
         return Err(Problem::new(format!(
             "the values measured afterwards are {:.0} times those as found; divided by 1000 they agree with the forecast: a slip of their unit",
             data.times_found()
@@ -286,5 +281,5 @@ fn fits_in_mm(data: &Data<'_>, faults: &[Fault]) -> Option<&'static str> {
         .map(|(fault, _)| fault)
         .collect();
     found.sort_by_key(|fault| fault.rank());
-    found.first().map(|fault| fault.kind())
+    found.first().map(|fault| fault.kind)
 }

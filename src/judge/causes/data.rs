@@ -1,15 +1,12 @@
 //! The values of the second measurement, their weights, and the misfit of a fault.
 
-use crate::judge::causes::fault::Fit;
-
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
-
-use super::fault::{Fault, Planned};
+use super::fault::{Fault, Fit, Planned};
 use super::question::Question;
 use crate::judge::after::{Observation, Part};
 use crate::machine::model::MeasuredTerm;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::{Squared, larger, smaller};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 use std::collections::BTreeMap;
 
 /// What no laser resolves, µm.
@@ -42,6 +39,7 @@ pub struct Basis {
 }
 
 /// The values with everything that does not depend on the fault.
+#[derive(Clone)]
 pub(super) struct Data<'a> {
     pub(super) question: &'a Question<'a>,
     pub(super) basis: Basis,
@@ -55,11 +53,9 @@ pub(super) struct Data<'a> {
 impl<'a> Data<'a> {
     pub(super) fn new(question: &'a Question<'a>) -> Data<'a> {
         let seen = question.seen;
-        let planned = |part: &Part| Planned {
-            tables: question
-                .control
-                .tables_um(part.term, part.direction, part.at),
-            constant: question.control.constant_um(part.term, part.direction),
+        let planned = |o: &Observation| {
+            let parts = o.parts.iter();
+            parts.map(|part| Planned::of(question, part)).collect()
         };
         let mut curves: Vec<usize> = seen.iter().map(|o| o.curve).collect();
         curves.sort_unstable();
@@ -74,14 +70,8 @@ impl<'a> Data<'a> {
                 words,
             },
             measured_um: seen.iter().map(|o| o.um).collect(),
-            found_um: seen
-                .iter()
-                .map(|o| question.found_um(o).unwrap_or(0.0))
-                .collect(),
-            planned: seen
-                .iter()
-                .map(|o| o.parts.iter().map(planned).collect())
-                .collect(),
+            found_um: seen.iter().map(|o| o.found_um).collect(),
+            planned: seen.iter().map(planned).collect(),
             sigma_um,
             zeros: seen.iter().map(|o| o.zero + 1).max().unwrap_or(0),
         }
@@ -101,7 +91,7 @@ impl<'a> Data<'a> {
     /// Where an uncertainty is not stated: the scatter between neighbours about the best
     /// explanation, which a fault of any smooth shape leaves out; with few values the root mean square.
     pub(super) fn settle(&mut self, fits: &[Fit]) {
-        let forecast = self.fit(&Fault::None);
+        let forecast = self.fit(&Fault::none());
         let floor = floor_um(self.question);
         let (least, what) = match self.least_scatter(fits, &forecast) {
             // Noise that is larger than the errors as found is no noise.
@@ -115,11 +105,9 @@ impl<'a> Data<'a> {
             }
         };
         let sigma = larger(least, floor);
-        self.sigma_um = self
-            .sigma_um
-            .iter()
-            .map(|own| larger(*own, sigma))
-            .collect();
+        for own in &mut self.sigma_um {
+            *own = larger(*own, sigma);
+        }
         self.basis.sigma_um = root_mean_square(&self.sigma_um);
         let unstated = match self.basis.words.is_empty() {
             true => "no uncertainty is stated".to_string(),
@@ -149,7 +137,7 @@ impl<'a> Data<'a> {
     /// Least root mean square of the fits, up to a share of what the tables add, µm.
     fn bounded_rms<'b>(&self, fits: impl Iterator<Item = &'b Fit>, floor: f64) -> f64 {
         let best = fits.map(|fit| self.rms(fit)).fold(f64::INFINITY, smaller);
-        let planned = self.effects(&Fault::None, &[]);
+        let planned = self.effects(&Fault::none(), &[]);
         let most = MOST_SCATTER * root_mean_square(&self.less_zeros(&planned));
         best.clamp(floor, larger(most, floor))
     }
@@ -184,13 +172,9 @@ impl<'a> Data<'a> {
             (u * u + found(o) + rounding_variance(self.question)).sqrt()
         };
         Data {
-            question: self.question,
-            basis: self.basis.clone(),
             measured_um: self.measured_um.iter().map(|um| um * times).collect(),
-            found_um: self.found_um.clone(),
-            planned: self.planned.clone(),
             sigma_um: seen.map(sigma).collect(),
-            zeros: self.zeros,
+            ..self.clone()
         }
     }
 
@@ -213,33 +197,20 @@ impl<'a> Data<'a> {
     pub(super) fn effects(&self, fault: &Fault, fitted: &[f64]) -> Vec<f64> {
         let of = |(observation, planned): (&Observation, &Vec<Planned>)| {
             let parts = observation.parts.iter().zip(planned);
-            parts
-                .map(|(part, planned)| {
-                    part.weight * fault.effect(self.question, fitted, part, *planned)
-                })
-                .sum()
+            let effect = |part: &Part, planned| fault.effect(self.question, fitted, part, planned);
+            let weighted = parts.map(|(part, planned)| part.weight * effect(part, *planned));
+            weighted.sum()
         };
-        self.question
-            .seen
-            .iter()
-            .zip(&self.planned)
-            .map(of)
-            .collect()
+        let seen = self.question.seen.iter().zip(&self.planned);
+        seen.map(of).collect()
     }
 
     pub(super) fn evaluated(&self, fault: &Fault, fitted: Vec<f64>) -> Fit {
         let effects = self.effects(fault, &fitted);
-        let predicted: Vec<f64> = effects
-            .iter()
-            .zip(&self.found_um)
-            .map(|(a, b)| a + b)
-            .collect();
-        let left: Vec<f64> = self
-            .measured_um
-            .iter()
-            .zip(&predicted)
-            .map(|(a, b)| a - b)
-            .collect();
+        let pairs = effects.iter().zip(&self.found_um);
+        let predicted: Vec<f64> = pairs.map(|(a, b)| a + b).collect();
+        let pairs = self.measured_um.iter().zip(&predicted);
+        let left: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
         Fit {
             fitted,
             predicted_um: self.less_zeros(&predicted),
@@ -271,10 +242,10 @@ impl<'a> Data<'a> {
     /// Sum over the curves of the mean squared residual over σ²; that of chi-squared with as many
     /// degrees of freedom as curves where the points of a curve move together.
     pub(super) fn score(&self, fit: &Fit) -> f64 {
-        self.by_curve(fit, |_| true).into_iter().sum()
+        self.by_curve(fit, &|_| true).into_iter().sum()
     }
 
-    fn by_curve(&self, fit: &Fit, of: impl Fn(&Observation) -> bool) -> Vec<f64> {
+    fn by_curve(&self, fit: &Fit, of: &dyn Fn(&Observation) -> bool) -> Vec<f64> {
         let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
         for (observation, left, sigma) in self.left(fit).filter(|(o, ..)| of(o)) {
             let sum = sums.entry(observation.curve).or_default();
@@ -295,19 +266,22 @@ impl<'a> Data<'a> {
     /// Whether a fit is not rejected: all curves together, each by itself, and the two values of
     /// one zero that lie farthest apart.
     pub(super) fn stands(&self, fit: &Fit) -> bool {
-        not_rejected(&self.by_curve(fit, |_| true)) && self.no_two_values_apart(fit, |_| true)
+        self.stands_of(fit, &|_| true)
     }
 
     /// The same for the curves of one term.
     pub(super) fn stands_alone(&self, fit: &Fit, term: ErrorTerm) -> bool {
-        not_rejected(&self.by_curve(fit, |o| o.is_of(term)))
-            && self.no_two_values_apart(fit, |o| o.is_of(term))
+        self.stands_of(fit, &|o| o.is_of(term))
+    }
+
+    fn stands_of(&self, fit: &Fit, of: &dyn Fn(&Observation) -> bool) -> bool {
+        not_rejected(&self.by_curve(fit, of)) && self.no_two_values_apart(fit, of)
     }
 
     /// A slope, a step or one bad place is diluted in the mean of a curve: so no two values that
     /// count from one zero may differ from the prediction by more than their σ allows, at
     /// [`RISK`] shared by all pairs (Bonferroni).
-    fn no_two_values_apart(&self, fit: &Fit, of: impl Fn(&Observation) -> bool) -> bool {
+    fn no_two_values_apart(&self, fit: &Fit, of: &dyn Fn(&Observation) -> bool) -> bool {
         let mut groups: BTreeMap<usize, Vec<(f64, f64)>> = BTreeMap::new();
         for (observation, left, sigma) in self.left(fit).filter(|(o, ..)| of(o)) {
             let group = groups.entry(observation.zero).or_default();
@@ -329,7 +303,7 @@ impl<'a> Data<'a> {
     /// Where a term lies farthest off the forecast, zero at the reference like the page; `None` =
     /// not measured by itself.
     pub(super) fn farthest_off(&self, term: ErrorTerm) -> Option<(f64, &Observation)> {
-        let planned = self.effects(&Fault::None, &[]);
+        let planned = self.effects(&Fault::none(), &[]);
         let expected = self.found_um.iter().zip(planned).map(|(a, b)| a + b);
         let off = self.measured_um.iter().zip(expected).map(|(a, b)| a - b);
         let of_term = off.zip(self.question.seen).filter(|(_, o)| o.is_of(term));
@@ -402,24 +376,21 @@ fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
         let found = if found > 0.0 { found } else { left };
         (left + found + rounding).sqrt()
     };
-    let found = question
-        .before
-        .measured()
-        .any(|(_, m)| m.u_value_um().is_some());
+    let mut measured = question.before.measured();
+    let found = measured.any(|(_, m)| m.u_value_um().is_some());
     let left = question.seen.iter().any(|o| o.u_um.is_some());
     let words = match (found, left) {
-        (true, true) => "u of both measurements".to_string(),
+        (true, true) => "u of both measurements",
         (false, true) => {
             "u of the second measurement; that of the first is not stated and taken as the same"
-                .to_string()
         }
         (true, false) => {
             "u of the first measurement; that of the second is not stated and taken as the same"
-                .to_string()
         }
-        (false, false) => String::new(),
+        (false, false) => "",
     };
-    (question.seen.iter().map(sigma).collect(), words)
+    let sigmas = question.seen.iter().map(sigma).collect();
+    (sigmas, words.to_string())
 }
 
 /// Risk of rejecting what is right.

@@ -5,14 +5,11 @@
 //! where only a sign is in question a bump decides; where the control does as planned
 //! (temperature), a linear run; where the first readings may be filed wrongly, their records.
 
-use super::fault::{Fault, Planned};
+use super::fault::{Act, Fault, Fit, Planned, Slip, number};
 use super::question::Question;
-use super::words::{label, short};
 use crate::judge::after::Part;
-use crate::judge::causes::corrected::Slip;
-use crate::judge::causes::fault::Fit;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::units::Millimetres;
+use crate::quantity::units::{Figure, Millimetres};
 
 /// What a display and a dial gauge tell apart, µm.
 const TOLD_APART_UM: f64 = 0.5;
@@ -47,8 +44,8 @@ impl Look {
 
 /// The sentence.
 pub(super) fn decides(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> String {
-    let of_kind = |kind: &str| standing.iter().any(|(fault, _)| fault.kind() == kind);
-    let thermal = |(fault, _): &(&Fault, Fit)| fault.kind() == "temperature";
+    let of_kind = |kind: &str| standing.iter().any(|(fault, _)| fault.kind == kind);
+    let thermal = |(fault, _): &(&Fault, Fit)| fault.kind == "temperature";
     if standing.iter().all(thermal) {
         return linear_run(question, standing);
     }
@@ -80,8 +77,8 @@ pub(super) fn decides(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> St
 }
 
 const fn slip(fault: &Fault) -> Option<Slip> {
-    match fault {
-        Fault::Recorded(slip) => Some(*slip),
+    match &fault.act {
+        Act::Recorded(slip) => Some(*slip),
         _ => None,
     }
 }
@@ -149,11 +146,10 @@ fn best_look(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> Option<Look
 /// What acts at a place; temperature, a turned measurement and slips of its records leave the control as planned.
 fn acting_um(
     question: &Question<'_>,
-    (fault, fit): (&Fault, Option<&Fit>),
-    term: ErrorTerm,
-    at: Millimetres,
+    fault: &Fault,
+    fitted: &[f64],
+    (term, at): (ErrorTerm, Millimetres),
 ) -> BothWays {
-    let fitted = fit.map(|fit| fit.fitted.as_slice()).unwrap_or_default();
     Direction::BOTH.map(|direction| {
         let part = Part {
             term,
@@ -161,10 +157,7 @@ fn acting_um(
             at,
             weight: 1.0,
         };
-        let planned = Planned {
-            tables: question.control.tables_um(term, direction, at),
-            constant: question.control.constant_um(term, direction),
-        };
+        let planned = Planned::of(question, &part);
         fault.correction(question, fitted, &part, planned)
     })
 }
@@ -181,9 +174,9 @@ fn look(
     term: ErrorTerm,
     at: Millimetres,
 ) -> Look {
-    let acting = |(fault, fit): &(&Fault, Fit)| acting_um(question, (fault, Some(fit)), term, at);
+    let acting = |(fault, fit): &(&Fault, Fit)| acting_um(question, fault, &fit.fitted, (term, at));
     let shown_um: Vec<BothWays> = standing.iter().map(acting).collect();
-    let planned = acting_um(question, (&Fault::None, None), term, at);
+    let planned = acting_um(question, &Fault::none(), &[], (term, at));
     let told_apart = told_apart_um(question);
     let mut groups: Vec<BothWays> = Vec::new();
     let mut gap_um = f64::INFINITY;
@@ -211,16 +204,16 @@ fn display_at(
     display: &str,
 ) -> String {
     let Look { term, at, .. } = look;
-    let planned = acting_um(question, (&Fault::None, None), *term, *at);
+    let planned = acting_um(question, &Fault::none(), &[], (*term, *at));
     let mut said: Vec<(String, BothWays)> = Vec::new();
     for ((fault, _), shown) in standing.iter().zip(&look.shown_um) {
-        let label = label(question, fault);
+        let label = &fault.label;
         match said
             .iter_mut()
             .find(|(_, other)| apart_um(*shown, *other) < SHOWN_UM)
         {
-            Some((words, _)) => add_label(words, &label),
-            None => said.push((label, *shown)),
+            Some((words, _)) => add_label(words, label),
+            None => said.push((label.clone(), *shown)),
         }
     }
     let shown = said.iter().map(|(_, shown)| *shown).chain([planned]);
@@ -270,16 +263,9 @@ fn add_label(words: &mut String, label: &str) {
 
 /// Temperature leaves the control alone: the axis on which the explanations differ most.
 fn linear_run(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> String {
-    let slope = |axis: Axis, (fault, fit): &(&Fault, Fit)| {
-        let kelvin = match fault {
-            Fault::TemperatureOf(own) if *own != axis => None,
-            Fault::TemperatureEach => {
-                let own = Axis::ALL.iter().position(|other| *other == axis);
-                own.and_then(|own| fit.fitted.get(own))
-            }
-            _ => fit.fitted.first(),
-        };
-        kelvin.map_or(0.0, |kelvin| question.um_per_m(axis, *kelvin))
+    let slope = |axis: Axis, (fault, fit): &(&Fault, Fit)| match &fault.act {
+        Act::Warmer(places) => question.um_per_m(axis, number(&fit.fitted, places[axis])),
+        _ => 0.0,
     };
     let spread = |axis: &Axis| {
         let slopes: Vec<f64> = standing.iter().map(|found| slope(*axis, found)).collect();
@@ -299,4 +285,10 @@ fn linear_run(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> String {
         "repeat one bidirectional linear run of axis {axis} with the machine at another temperature, with its sensors on scale and workpiece: a temperature moves the slope ({:.1} µm/m per K), a fault of the tables does not",
         question.alpha_per_k[axis] * 1e6
     )
+}
+
+/// A position without zeros at its end.
+pub(super) fn short(at: Millimetres) -> String {
+    let text = format!("{:.3}", Figure(at.mm()));
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

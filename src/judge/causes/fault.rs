@@ -1,15 +1,15 @@
 //! The faults that are tried, and what each makes of the corrections.
 
-use super::question::{Question, deviation_um};
-use super::records::beyond_um;
-use crate::judge::after::Part;
-use crate::judge::causes::corrected::Slip;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use super::question::Question;
+use crate::judge::after::{Part, before_um};
+use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::Millimetres;
 
 /// Which tables a fault concerns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scope {
+pub(super) enum Scope {
     /// All of them.
     All,
     /// The positioning tables (pitch error, ENC_COMP).
@@ -26,7 +26,7 @@ pub enum Scope {
 
 impl Scope {
     /// All scopes, the widest first.
-    pub fn all() -> Vec<Scope> {
+    pub(super) fn all() -> Vec<Scope> {
         let wide = [Scope::All, Scope::Positioning, Scope::Cross];
         let along = Axis::ALL.map(Scope::Along);
         let of = Axis::ALL.map(Scope::Of);
@@ -35,7 +35,7 @@ impl Scope {
     }
 
     /// Whether a term's tables belong to it.
-    pub fn holds(self, term: ErrorTerm) -> bool {
+    pub(super) fn holds(self, term: ErrorTerm) -> bool {
         match self {
             Scope::All => true,
             Scope::Positioning => term.is_positioning(),
@@ -47,51 +47,108 @@ impl Scope {
     }
 }
 
-/// One fault.
+/// What may have been recorded wrongly of the first measurement. To the closure an order of the steps
+/// is the same as one way to share out the names (docs/method.md §4). Separated they are not: the
+/// names put other readings to an axis, the order another axis to the readings. So the second
+/// measurement tells them apart, and both are tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slip {
+    /// The readings of two diagonals were saved under each other's name.
+    Names(Diagonal, Diagonal),
+    /// The steps went in this order, not in that of the job.
+    Order([Axis; 3]),
+}
+
+impl Slip {
+    /// The six exchanges of two names and the five orders other than the recorded one.
+    pub fn all(recorded: [Axis; 3]) -> Vec<Slip> {
+        let names = Diagonal::ALL.into_iter().enumerate();
+        let pairs = names.flat_map(|(index, one)| {
+            let others = Diagonal::ALL.into_iter().skip(index + 1);
+            others.map(move |other| Slip::Names(one, other))
+        });
+        let others = Axis::ORDERS.into_iter().filter(|order| *order != recorded);
+        pairs.chain(others.map(Slip::Order)).collect()
+    }
+
+    /// What settles it.
+    pub(super) const fn check(self) -> &'static str {
+        match self {
+            Slip::Names(..) => {
+                "compare the names in the file of the first readings with the programs that were run, or run one of the two diagonals again"
+            }
+            Slip::Order(_) => {
+                "compare the order in the job of the first measurement with the programs that were run"
+            }
+        }
+    }
+}
+
+/// What the first readings are once a slip is taken back.
+#[derive(Clone, Debug)]
+pub struct Corrected {
+    /// The slip.
+    pub slip: Slip,
+    /// The machine without tables, from the same readings, filed right.
+    pub before: ErrorModel,
+}
+
+impl Corrected {
+    /// What a part was as found beyond what the records say, µm; `None` = not measured there.
+    pub(super) fn beyond_um(&self, question: &Question<'_>, part: &Part) -> Option<f64> {
+        Some(before_um(&self.before, part)? - before_um(question.before, part)?)
+    }
+}
+
+/// For each axis the place of its number among those that are fitted; `None` = it is left alone.
+pub(super) type Fitted = PerAxis<Option<usize>>;
+
+/// What a fault does.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Fault {
-    /// All is as the forecast says.
-    None,
-    /// The tables act with a known factor: −1 sign turned, 0 not active, 2 twice, 1000, 25.4 …
-    Times(Scope, f64),
-    /// The tables act with some other factor, which is fitted.
-    Factor(Scope),
+pub(super) enum Act {
+    /// Nothing: all is as the forecast says.
+    AsForecast,
+    /// The tables act with a factor: −1 sign turned, 0 not active, 2 twice, 1000, 25.4 …; `None` =
+    /// fitted.
+    Times(Scope, Option<f64>),
     /// Neither tables nor backlash parameters act.
     Nothing,
     /// Positions and values are read in another unit: f·T(x/f).
     Unit(f64),
-    /// The tables of this axis (`None` = of every axis) act s mm further in +, fitted.
-    Shifted(Option<Axis>),
-    /// The tables made for the axes X, Y, Z act on these axes instead.
-    Exchanged(Scope, [Axis; 3]),
-    /// Base and corrected axis of every cross term are exchanged (EYX acts as EXY).
-    Transposed,
-    /// The tables of two terms are exchanged.
-    Pair(ErrorTerm, ErrorTerm),
-    /// The tables for + and − act in the other direction.
-    DirectionsTurned(Scope),
+    /// The tables of an axis act s mm further in +, fitted.
+    Shifted(Fitted),
+    /// On a term acts the table that was made for another one.
+    From(Box<PerTerm<ErrorTerm>>),
+    /// Moving + and − the tables act that were made for these directions.
+    Ways(Scope, [Direction; 2]),
     /// A backlash parameter acts once more than planned.
-    BacklashTwice(Option<Axis>),
+    BacklashTwice(Scope),
     /// The backlash parameter that the job asks for is 0.
-    BacklashNot(Option<Axis>),
-    /// The table made for this direction acts in both.
-    OneTable(Option<Axis>, Direction),
-    /// The tables that were active while measuring still act, the new ones do not.
-    OldTables,
-    /// They act beside the new ones.
-    OldBeside,
+    BacklashNot(Scope),
+    /// The tables that were active while measuring act, instead of the new ones or beside them.
+    Old { beside: bool },
     /// The first measurement has the wrong sign, so the tables have it too.
     FirstTurned,
     /// The tables do not act, and the second measurement has the wrong sign.
     SecondTurned,
     /// The first measurement was recorded wrongly, so the tables are those of another machine.
     Recorded(Slip),
-    /// The scales of all axes are warmer or colder by the same K.
-    Temperature,
-    /// The scale of one axis is.
-    TemperatureOf(Axis),
-    /// Every scale by its own K.
-    TemperatureEach,
+    /// Scales are warmer or colder by some K, fitted.
+    Warmer(Fitted),
+}
+
+/// One fault: what it does, and how it is said.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Fault {
+    /// Its kind, one of the words of docs/verify.md.
+    pub(super) kind: &'static str,
+    pub(super) act: Act,
+    /// Whom it concerns.
+    pub(super) subject: String,
+    /// What happened to it, and what it usually comes from; fitted numbers are put in later.
+    pub(super) predicate: String,
+    /// Its label beside others of its kind.
+    pub(super) label: String,
 }
 
 /// What a part sees, without any fault.
@@ -101,27 +158,28 @@ pub(super) struct Planned {
     pub(super) constant: f64,
 }
 
+impl Planned {
+    pub(super) fn of(question: &Question<'_>, part: &Part) -> Planned {
+        let control = question.control;
+        Planned {
+            tables: control.tables_um(part.term, part.direction, part.at),
+            constant: control.constant_um(part.term, part.direction),
+        }
+    }
+}
+
+/// A scale error of more than this is no temperature of a workshop, K.
+const MOST_KELVIN: f64 = 20.0;
+
 impl Fault {
-    /// Its kind, one of the words of docs/verify.md.
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Fault::None => "as forecast",
-            Fault::Times(_, factor) if *factor < 0.0 => "sign turned",
-            Fault::Times(_, factor) if *factor == 0.0 => "not active",
-            Fault::Nothing => "not active",
-            Fault::Times(_, factor) if (*factor - 2.0).abs() < 1e-12 => "applied twice",
-            Fault::Times(..) | Fault::Unit(_) => "wrong unit",
-            Fault::Factor(_) => "other factor",
-            Fault::Shifted(_) => "shifted",
-            Fault::Exchanged(..) | Fault::Transposed | Fault::Pair(..) => "wrong axis",
-            Fault::DirectionsTurned(_) => "directions exchanged",
-            Fault::BacklashTwice(_) => "backlash twice",
-            Fault::BacklashNot(_) | Fault::OneTable(..) => "backlash not",
-            Fault::OldTables => "old tables active",
-            Fault::OldBeside => "old beside new",
-            Fault::FirstTurned | Fault::SecondTurned => "measurement turned",
-            Fault::Recorded(slip) => slip.kind(),
-            Fault::Temperature | Fault::TemperatureOf(_) | Fault::TemperatureEach => "temperature",
+    /// All is as the forecast says.
+    pub(super) fn none() -> Fault {
+        Fault {
+            kind: "as forecast",
+            act: Act::AsForecast,
+            subject: String::new(),
+            predicate: String::new(),
+            label: String::new(),
         }
     }
 
@@ -143,78 +201,51 @@ impl Fault {
             "wrong order",
             "measurement turned",
         ];
-        let place = USUAL_FIRST.iter().position(|kind| *kind == self.kind());
+        let place = USUAL_FIRST.iter().position(|kind| *kind == self.kind);
         place.unwrap_or(USUAL_FIRST.len())
-    }
-
-    /// Sorts the faults of one kind, the widest first.
-    pub(super) fn breadth(&self) -> usize {
-        let scopes = Scope::all();
-        let of = |scope: &Scope| scopes.iter().position(|s| s == scope).unwrap_or_default();
-        match self {
-            Fault::Times(scope, _) | Fault::Factor(scope) | Fault::DirectionsTurned(scope) => {
-                of(scope) + 1
-            }
-            Fault::Exchanged(scope, _) => of(scope),
-            Fault::Pair(..) => scopes.len(),
-            Fault::Shifted(axis)
-            | Fault::BacklashTwice(axis)
-            | Fault::BacklashNot(axis)
-            | Fault::OneTable(axis, _) => usize::from(axis.is_some()),
-            _ => 0,
-        }
-    }
-
-    fn scope(&self) -> Option<Scope> {
-        match self {
-            Fault::Times(scope, _) | Fault::Factor(scope) | Fault::DirectionsTurned(scope) => {
-                Some(*scope)
-            }
-            _ => None,
-        }
     }
 
     /// Whether two faults of one kind concern the same tables of the kit.
     pub(super) fn is_the_same_on(&self, question: &Question<'_>, other: &Fault) -> bool {
-        let (Some(own), Some(others)) = (self.scope(), other.scope()) else {
+        let scope = |fault: &Fault| match fault.act {
+            Act::Times(scope, _) => Some(scope),
+            Act::Ways(scope, [plus, minus]) if plus != minus => Some(scope),
+            _ => None,
+        };
+        let (Some(own), Some(others)) = (scope(self), scope(other)) else {
             return false;
         };
-        let mut tabled = ErrorTerm::ALL
-            .into_iter()
-            .filter(|term| question.control.has_table(*term));
+        let terms = ErrorTerm::ALL.into_iter();
+        let mut tabled = terms.filter(|term| question.control.has_table(*term));
         tabled.all(|term| own.holds(term) == others.holds(term))
     }
 
     /// How many numbers are fitted.
-    pub(super) fn parameters(&self) -> usize {
-        match self {
-            Fault::Factor(_)
-            | Fault::Temperature
-            | Fault::TemperatureOf(_)
-            | Fault::Shifted(Some(_)) => 1,
-            Fault::TemperatureEach | Fault::Shifted(None) => 3,
+    pub(super) fn numbers(&self) -> usize {
+        match &self.act {
+            Act::Times(_, None) => 1,
+            Act::Shifted(fitted) | Act::Warmer(fitted) => {
+                let places = fitted.iter().filter_map(|(_, place)| *place);
+                places.max().map_or(0, |last| last + 1)
+            }
             _ => 0,
         }
     }
 
     /// Whether another fault is a special case of this one, with fewer fitted numbers.
     pub(super) fn contains(&self, other: &Fault) -> bool {
-        match (self, other) {
-            (Fault::Factor(own), Fault::Times(scope, _)) => own == scope,
-            (Fault::Shifted(None), Fault::Shifted(Some(_))) => true,
-            (Fault::TemperatureEach, Fault::Temperature | Fault::TemperatureOf(_)) => true,
+        let is_alike = match (&self.act, &other.act) {
+            (Act::Times(own, _), Act::Times(scope, _)) => own == scope,
+            (Act::Shifted(_), Act::Shifted(_)) | (Act::Warmer(_), Act::Warmer(_)) => true,
             _ => false,
-        }
+        };
+        is_alike && self.numbers() > other.numbers()
     }
 
     /// Whether its fitted numbers can be: no workshop is 20 K off.
     pub(super) fn is_plausible(&self, fit: &Fit) -> bool {
-        match self {
-            Fault::Temperature | Fault::TemperatureOf(_) | Fault::TemperatureEach => {
-                fit.fitted.iter().all(|kelvin| kelvin.abs() <= MOST_KELVIN)
-            }
-            _ => true,
-        }
+        let is_off = |kelvin: &f64| kelvin.abs() > MOST_KELVIN;
+        !matches!(self.act, Act::Warmer(_)) || !fit.fitted.iter().any(is_off)
     }
 
     /// What shows on the machine where a part looks, beside the deviation as found: the
@@ -239,41 +270,45 @@ impl Fault {
         planned: Planned,
     ) -> f64 {
         let Planned { tables, constant } = planned;
-        let number = || fitted.first().copied().unwrap_or(0.0);
-        let tables_of =
-            |term: ErrorTerm| question.control.tables_um(term, part.direction, part.at) + constant;
-        match self {
-            Fault::Times(scope, factor) if scope.holds(part.term) => factor * tables + constant,
-            Fault::Factor(scope) if scope.holds(part.term) => number() * tables + constant,
-            Fault::Nothing => 0.0,
-            Fault::SecondTurned => constant,
-            Fault::Unit(factor) => {
-                let at = Millimetres::new(part.at.mm() / factor);
-                factor * question.control.tables_um(part.term, part.direction, at) + constant
+        let Part {
+            term,
+            direction,
+            at,
+            ..
+        } = *part;
+        let mm = |mm: f64| {
+            question
+                .control
+                .tables_um(term, direction, Millimetres::new(mm))
+        };
+        let old = || question.old_um(part).unwrap_or(0.0);
+        match &self.act {
+            Act::Times(scope, factor) if scope.holds(term) => {
+                factor.unwrap_or_else(|| number(fitted, Some(0))) * tables + constant
             }
-            Fault::Shifted(axis) => self.shifted(question, *axis, fitted, part, planned),
-            Fault::Exchanged(scope, map) if scope.holds(part.term) => {
-                tables_of(came_from(map, part.term))
+            Act::Nothing => 0.0,
+            Act::SecondTurned => constant,
+            Act::Unit(factor) => factor * mm(at.mm() / factor) + constant,
+            Act::Shifted(places) if places[term.along].is_some() => {
+                mm(at.mm() - number(fitted, places[term.along])) + constant
             }
-            Fault::Transposed if part.term.is_cross() => tables_of(ErrorTerm {
-                of: part.term.along,
-                along: part.term.of,
-            }),
-            Fault::Pair(one, two) if part.term == *one => tables_of(*two),
-            Fault::Pair(one, two) if part.term == *two => tables_of(*one),
-            Fault::DirectionsTurned(scope) if scope.holds(part.term) => {
-                let other = part.direction.opposite();
-                question.control.tables_um(part.term, other, part.at) + constant
+            Act::From(terms) if terms[term] != term => {
+                question.control.tables_um(terms[term], direction, at) + constant
             }
-            Fault::BacklashTwice(axis) if concerns(*axis, part.term) => {
-                tables + constant + question.parameter_um(part.term.along, part.direction)
+            Act::Ways(scope, [plus, minus]) if scope.holds(term) => {
+                let way = if direction == Direction::Plus {
+                    plus
+                } else {
+                    minus
+                };
+                question.control.tables_um(term, *way, at) + constant
             }
-            Fault::BacklashNot(axis) if concerns(*axis, part.term) => tables,
-            Fault::OneTable(axis, way) if concerns(*axis, part.term) => {
-                question.control.tables_um(part.term, *way, part.at) + constant
+            Act::BacklashTwice(scope) if scope.holds(term) => {
+                tables + constant + question.parameter_um(term.along, direction)
             }
-            Fault::OldTables => question.old_um(part).unwrap_or(0.0),
-            Fault::OldBeside => tables + constant + question.old_um(part).unwrap_or(0.0),
+            Act::BacklashNot(scope) if scope.holds(term) => tables,
+            Act::Old { beside: false } => old(),
+            Act::Old { beside: true } => tables + constant + old(),
             _ => tables + constant,
         }
     }
@@ -287,83 +322,37 @@ impl Fault {
         part: &Part,
         planned: Planned,
     ) -> f64 {
-        let number = |at: usize| fitted.get(at).copied().unwrap_or(0.0);
-        let along = part.term.along;
         // What was seen was measured both times; a part of it always has a deviation.
-        let deviation = |model| deviation_um(model, part).unwrap_or(0.0);
-        match self {
-            Fault::FirstTurned => -2.0 * deviation(question.found()),
+        let deviation = |model| before_um(model, part).unwrap_or(0.0);
+        match &self.act {
+            Act::FirstTurned => -2.0 * deviation(question.found()),
             // The opposite of what is there: as found, and what acts beside the tables.
-            Fault::SecondTurned => -2.0 * (deviation(question.before) + planned.constant),
-            Fault::Recorded(slip) => beyond_um(question, *slip, part),
-            Fault::Temperature => expansion(question, part, number(0)),
-            Fault::TemperatureOf(axis) if along == *axis => expansion(question, part, number(0)),
-            Fault::TemperatureEach => {
-                let own = Axis::ALL.iter().position(|axis| *axis == along);
-                expansion(question, part, number(own.unwrap_or_default()))
+            Act::SecondTurned => -2.0 * (deviation(question.before) + planned.constant),
+            Act::Recorded(slip) => {
+                let mut all = question.corrected.iter();
+                let own = all.find(|corrected| corrected.slip == *slip);
+                // Only what answers everywhere is tried.
+                own.and_then(|own| own.beyond_um(question, part))
+                    .unwrap_or(0.0)
+            }
+            // K · α · (position − reference); a scale with α = 0 does not grow.
+            Act::Warmer(places) if part.term.is_positioning() => {
+                let along = part.term.along;
+                let um_per_m = question.um_per_m(along, number(fitted, places[along]));
+                um_per_m * (part.at.mm() - question.reference_mm[along]) / 1000.0
             }
             _ => 0.0,
         }
     }
-
-    fn shifted(
-        &self,
-        question: &Question<'_>,
-        axis: Option<Axis>,
-        fitted: &[f64],
-        part: &Part,
-        planned: Planned,
-    ) -> f64 {
-        let along = part.term.along;
-        let own = Axis::ALL
-            .iter()
-            .position(|other| *other == along)
-            .unwrap_or_default();
-        let mm = match axis {
-            None => fitted.get(own),
-            Some(axis) if axis == along => fitted.first(),
-            Some(_) => None,
-        };
-        match mm {
-            None => planned.tables + planned.constant,
-            Some(mm) => {
-                let at = Millimetres::new(part.at.mm() - mm);
-                question.control.tables_um(part.term, part.direction, at) + planned.constant
-            }
-        }
-    }
 }
 
-fn concerns(axis: Option<Axis>, term: ErrorTerm) -> bool {
-    term.is_positioning() && axis.is_none_or(|axis| axis == term.along)
+/// A fitted number; 0 where there is none.
+pub(super) fn number(fitted: &[f64], place: Option<usize>) -> f64 {
+    place
+        .and_then(|place| fitted.get(place))
+        .copied()
+        .unwrap_or(0.0)
 }
-
-/// A warmer scale of a positioning term: K · α · (position − reference), µm. A scale with α = 0
-/// does not grow.
-fn expansion(question: &Question<'_>, part: &Part, kelvin: f64) -> f64 {
-    if part.term.is_positioning() {
-        question.um_per_m(part.term.along, kelvin)
-            * (part.at.mm() - question.reference_mm[part.term.along])
-            / 1000.0
-    } else {
-        0.0
-    }
-}
-
-/// The term whose tables act on `term` when those of X, Y, Z act on `map` instead.
-pub(super) fn came_from(map: &[Axis; 3], term: ErrorTerm) -> ErrorTerm {
-    let back = |axis: Axis| {
-        let own = map.iter().position(|to| *to == axis);
-        own.map_or(axis, |own| Axis::ALL[own])
-    };
-    ErrorTerm {
-        of: back(term.of),
-        along: back(term.along),
-    }
-}
-
-/// A scale error of more than this is no temperature of a workshop, K.
-const MOST_KELVIN: f64 = 20.0;
 
 /// A fault, fitted.
 #[derive(Clone, Debug)]

@@ -1,9 +1,7 @@
 //! The numbers of a fault, fitted: factors and slopes in closed form, shifts by search.
 
-use super::data::Data;
-use super::fault::Fault;
-use super::quantile;
-use crate::judge::causes::fault::Fit;
+use super::data::{Data, quantile};
+use super::fault::{Act, Fault, Fit, Fitted};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use nalgebra::{DMatrix, DVector};
 
@@ -19,24 +17,20 @@ const COVERED: f64 = 0.95;
 impl Data<'_> {
     /// The fault with its numbers fitted.
     pub(super) fn fit(&self, fault: &Fault) -> Fit {
-        match fault {
-            Fault::Shifted(axis) => self.fit_shift(*axis),
-            fault if fault.parameters() == 0 => self.evaluated(fault, Vec::new()),
-            fault => {
-                let fitted = self.linear(fault, fault.parameters());
-                self.evaluated(fault, fitted)
-            }
-        }
+        let fitted = match &fault.act {
+            Act::Shifted(places) => self.shifted(fault, places),
+            _ if fault.numbers() == 0 => Vec::new(),
+            _ => self.linear(fault, fault.numbers()),
+        };
+        self.evaluated(fault, fitted)
     }
 
     /// Weighted least squares of numbers that act in proportion.
     fn linear(&self, fault: &Fault, count: usize) -> Vec<f64> {
-        let weighted = |values: Vec<f64>| {
+        let weighted = |values: Vec<f64>| -> Vec<f64> {
             let less = self.less_zeros(&values);
             let pairs = less.iter().zip(&self.sigma_um);
-            pairs
-                .map(|(value, sigma)| value / sigma)
-                .collect::<Vec<f64>>()
+            pairs.map(|(value, sigma)| value / sigma).collect()
         };
         let base = self.effects(fault, &vec![0.0; count]);
         let mut columns = Vec::new();
@@ -44,78 +38,60 @@ impl Data<'_> {
             let mut unit = vec![0.0; count];
             unit[index] = 1.0;
             let effects = self.effects(fault, &unit);
-            columns.extend(weighted(
-                effects.iter().zip(&base).map(|(a, b)| a - b).collect(),
-            ));
+            let pairs = effects.iter().zip(&base);
+            columns.extend(weighted(pairs.map(|(a, b)| a - b).collect()));
         }
         let known = self.found_um.iter().zip(&base).map(|(a, b)| a + b);
-        let left = weighted(
-            self.measured_um
-                .iter()
-                .zip(known)
-                .map(|(a, b)| a - b)
-                .collect(),
-        );
+        let left = self.measured_um.iter().zip(known).map(|(a, b)| a - b);
+        let left = DVector::from_vec(weighted(left.collect()));
         let matrix = DMatrix::from_vec(left.len(), count, columns);
-        let solved = matrix
-            .svd(true, true)
-            .solve(&DVector::from_vec(left), NEGLIGIBLE);
-        solved.map_or_else(
-            |_| vec![0.0; count],
-            |found| found.iter().copied().collect(),
-        )
+        let solved = matrix.svd(true, true).solve(&left, NEGLIGIBLE);
+        solved.map_or(vec![0.0; count], |found| found.iter().copied().collect())
     }
 
     /// A shift acts through the shape of the tables: searched on a grid, then narrowed. Axes are
     /// searched one after the other; twice where they meet on a diagonal.
-    fn fit_shift(&self, axis: Option<Axis>) -> Fit {
-        let fault = Fault::Shifted(axis);
-        match axis {
-            Some(own) => {
-                let found = self.search(own, |mm| self.evaluated(&fault, vec![mm]));
-                self.evaluated(&fault, vec![found])
-            }
-            None => {
-                let mut fitted = vec![0.0; 3];
-                let together = self.question.seen.iter().any(|o| o.diagonal.is_some());
-                let rounds = if together { 2 } else { 1 };
-                for _ in 0..rounds {
-                    for (index, own) in Axis::ALL.into_iter().enumerate() {
-                        fitted[index] = self.search(own, |mm| {
-                            let mut tried = fitted.clone();
-                            tried[index] = mm;
-                            self.evaluated(&fault, tried)
-                        });
-                    }
+    fn shifted(&self, fault: &Fault, places: &Fitted) -> Vec<f64> {
+        let mut fitted = vec![0.0; fault.numbers()];
+        let meet = self.question.seen.iter().any(|o| o.diagonal.is_some());
+        let rounds = if meet && fitted.len() > 1 { 2 } else { 1 };
+        for _ in 0..rounds {
+            for (axis, place) in places.iter() {
+                if let Some(place) = *place {
+                    let of = |mm| self.square(&self.with(fault, &fitted, place, mm));
+                    fitted[place] = self.search(axis, of);
                 }
-                self.evaluated(&fault, fitted)
             }
         }
+        fitted
     }
 
-    fn search(&self, axis: Axis, of: impl Fn(f64) -> Fit) -> f64 {
+    /// A fault with one of its numbers changed.
+    fn with(&self, fault: &Fault, fitted: &[f64], place: usize, number: f64) -> Fit {
+        let mut tried = fitted.to_vec();
+        tried[place] = number;
+        self.evaluated(fault, tried)
+    }
+
+    fn search(&self, axis: Axis, square: impl Fn(f64) -> f64) -> f64 {
         let most = self.longest_shift(axis);
         if most <= 0.0 {
             return 0.0;
         }
         let step = most / SHIFTS;
-        let square = |mm: f64| self.square(&of(mm));
-        let grid =
-            std::iter::successors(Some(-most), |mm| Some(mm + step)).take_while(|mm| *mm <= most);
         let best = |places: &mut dyn Iterator<Item = f64>| {
             let squares = places.map(|mm| (square(mm), mm));
-            let least = squares.min_by(|a, b| a.0.total_cmp(&b.0));
-            least.map_or(0.0, |(_, mm)| mm)
+            squares
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .unwrap_or_default()
         };
-        let middle = best(&mut grid.into_iter());
-        let narrow = narrowed(middle - step, middle + step, square);
-        let best = best(&mut [middle, narrow].into_iter());
-        let (low, high) = interval(
-            best,
-            most,
-            square,
-            square(best) * SAME_SQUARE + f64::MIN_POSITIVE,
-        );
+        let next = |mm: &f64| Some(mm + step);
+        let mut grid = std::iter::successors(Some(-most), next).take_while(|mm| *mm <= most);
+        let (_, middle) = best(&mut grid);
+        let narrow = narrowed(middle - step, middle + step, &square);
+        let (least, best) = best(&mut [middle, narrow].into_iter());
+        let limit = least * SAME_SQUARE + f64::MIN_POSITIVE;
+        let (low, high) = interval(best, most, square, limit);
         f64::midpoint(low, high)
     }
 
@@ -134,21 +110,18 @@ impl Data<'_> {
     /// How far a fitted shift may lie from the true one, mm: to the farther end of the shifts
     /// whose score is within that of 95 % (one degree of freedom), one number for each.
     pub(super) fn shift_uncertainty_mm(&self, fault: &Fault, fit: &Fit) -> Vec<f64> {
-        let Fault::Shifted(axis) = fault else {
+        let Act::Shifted(places) = &fault.act else {
             return Vec::new();
         };
         let limit = self.score(fit) + quantile(COVERED, 1.0);
-        let of = |(index, best): (usize, &f64)| {
-            let own = axis.unwrap_or(Axis::ALL[index]);
-            let score = |mm: f64| {
-                let mut tried = fit.fitted.clone();
-                tried[index] = mm;
-                self.score(&self.evaluated(fault, tried))
-            };
-            let (low, high) = interval(*best, self.longest_shift(own), score, limit);
-            (high - best).max(best - low)
+        let of = |(axis, place): (Axis, &Option<usize>)| {
+            let place = (*place)?;
+            let best = fit.fitted[place];
+            let score = |mm: f64| self.score(&self.with(fault, &fit.fitted, place, mm));
+            let (low, high) = interval(best, self.longest_shift(axis), score, limit);
+            Some((high - best).max(best - low))
         };
-        fit.fitted.iter().enumerate().map(of).collect()
+        places.iter().filter_map(of).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! What is known when a cause is asked for.
 
-use crate::judge::after::{Control, Observation, Part};
-use crate::judge::causes::corrected::Corrected;
+use super::fault::Corrected;
+use crate::judge::after::{Control, Observation, Part, before_um};
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::Deviation;
@@ -52,20 +52,12 @@ impl Question<'_> {
         self.under_tables.unwrap_or(self.before)
     }
 
-    /// What a value of the second measurement was as found, without tables, µm; `None` = not
-    /// measured there.
-    pub(super) fn found_um(&self, observation: &Observation) -> Option<f64> {
-        let parts = observation.parts.iter();
-        let um = |part: &Part| Some(part.weight * deviation_um(self.before, part)?);
-        parts.map(um).sum()
-    }
-
     /// What the tables that were active while measuring added where a part looks, µm; where one
     /// way was measured only, what they added then. `None` = none were active, or the term was not
     /// measured.
     pub(super) fn old_um(&self, part: &Part) -> Option<f64> {
         let under = self.under_tables?;
-        let old = |part: &Part| Some(deviation_um(under, part)? - deviation_um(self.before, part)?);
+        let old = |part: &Part| Some(before_um(under, part)? - before_um(self.before, part)?);
         let other_way = Part {
             direction: part.direction.opposite(),
             ..*part
@@ -155,13 +147,6 @@ impl Question<'_> {
             self.reversal_um(axis).is_some() && Direction::BOTH.into_iter().all(sees)
         })
     }
-}
-
-/// The deviation where a part looks, µm; `None` = not measured in that direction.
-pub(super) fn deviation_um(model: &ErrorModel, part: &Part) -> Option<f64> {
-    let measured = model.terms[part.term].as_ref()?;
-    let curve = measured.measured.curve(part.direction)?;
-    Some(curve.at(part.at).um())
 }
 
 fn positioning(axis: Axis) -> ErrorTerm {
