@@ -11,28 +11,27 @@
 
 mod doubts;
 mod ground;
-mod machine;
 mod measurement;
 mod observation;
-mod reversal;
 
-pub use self::machine::ensure_same_machine;
+pub use self::doubts::{UnseenReversal, unseen_reversal};
+pub use self::ground::ensure_same_machine;
 pub use self::measurement::{AfterMeasurement, StraightRuns, Walk};
 pub use self::observation::{Control, Observation, Part, before_um, observations};
-pub use self::reversal::{UnseenReversal, unseen_reversal};
 
-use self::doubts::{doubts, not_measured, notes};
 use self::ground::ensure_common_ground;
 use crate::inputs::job::Job;
 use crate::judge::conformity::Sigma;
+use crate::judge::findings::AsLeft;
 use crate::judge::forecast::{
-    Basis, DiagonalForecast, Forecast, Machine, TermForecast, forecast, judged_ranges, range_of,
+    Basis, DiagonalForecast, Forecast, Machine, forecast, judged_ranges, range_of,
 };
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::smaller;
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::plan::Plan;
 
@@ -66,12 +65,17 @@ pub struct Comparison {
     pub as_left: Forecast,
     /// Terms found before and not measured afterwards.
     pub missing: Vec<ErrorTerm>,
-    /// Why the values afterwards are no measurement of this machine with its tables; `None` = they may be.
-    pub not_measured: Option<String>,
-    /// Why the as-left figures decide nothing in favour, one sentence each.
-    pub doubts: Vec<String>,
-    /// What whoever reads the page should know.
-    pub notes: Vec<String>,
+    /// Why the values afterwards are no measurement of this machine with its tables, or decide nothing in
+    /// favour (doubts); what whoever reads the page should know.
+    pub findings: Vec<Finding>,
+}
+
+impl Comparison {
+    /// Whether the values afterwards may be a measurement of this machine with its tables.
+    pub fn is_measured(&self) -> bool {
+        let is_none = |found: &Finding| found.kind().is_some_and(AsLeft::is_no_measurement);
+        !self.findings.iter().any(is_none)
+    }
 }
 
 /// No table at all: what is left is what was measured.
@@ -118,28 +122,37 @@ pub fn compare(
         let added_um = observation.predicted(|part| Some(control.at(part)))?;
         Some((observation.um - observation.found_um - added_um).abs())
     };
-    let terms = term_lines(&found, expected, &as_left, |term| {
+    let difference = |name: &str| {
+        let term = ErrorTerm::from_name(name)?;
         let of_term = seen.iter().filter(|o| o.is_of(term));
         of_term.filter_map(|o| left(&o)).reduce(f64::max)
-    });
-    let diagonals = match after {
-        AfterMeasurement::Errors(_) => model_diagonals(&found, expected, &as_left),
-        AfterMeasurement::Diagonals(runs) => run_diagonals(machine, control, runs, &seen, &as_left),
     };
+    let line = |name: &str| line(name, [Some(&found), expected, Some(&as_left)], &difference);
+    let terms = ErrorTerm::ALL
+        .iter()
+        .filter_map(|term| line(&term.to_string()));
+    let terms: Vec<Line> = terms.collect();
+    let diagonals = Diagonal::ALL
+        .iter()
+        .filter_map(|diagonal| line(diagonal.name()));
+    let mut diagonals: Vec<Line> = diagonals.collect();
+    if let AfterMeasurement::Diagonals(_) = after {
+        for line in &mut diagonals {
+            along_run(line, machine, control, &seen);
+        }
+    }
     let measured: Vec<ErrorTerm> = before.measured().map(|(term, _)| term).collect();
     let missing: Vec<ErrorTerm> = measured
         .into_iter()
         .filter(|term| !as_left.terms.iter().any(|line| line.term == *term))
         .collect();
-    let mut notes = notes(before, after);
-    notes.extend(off_forecast(before, &as_left, &terms));
+    let mut findings = doubts::findings(machine.as_measured, before, control, after);
+    findings.extend(off_forecast(before, &as_left, &terms).map(Finding::from));
     Ok(Comparison {
         terms,
         diagonals,
         as_left,
-        not_measured: not_measured(machine.as_measured, after),
-        doubts: doubts(before, control, after),
-        notes,
+        findings,
         missing,
     })
 }
@@ -150,7 +163,7 @@ const NOT_OFF: f64 = 0.999;
 /// Terms that are off the forecast at some position by more than both measurements explain,
 /// u² = u²(as left) + u²(as found), each against its reference, with 99.9 % over all values. Only
 /// where both uncertainties are stated.
-fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[Line]) -> Option<String> {
+fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[Line]) -> Option<AsLeft> {
     let values: usize = as_left.terms.iter().map(|term| term.figures.len()).sum();
     let fewest = [before.remarks.degrees_of_freedom, as_left.sigma.freedom()];
     let fewest = fewest.into_iter().flatten().reduce(smaller);
@@ -162,13 +175,8 @@ fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[Line]) -> Opti
         let um = line.difference_um.filter(|um| *um > u_um)?;
         Some(format!("{term} {um:.3} µm (U = {u_um:.3} µm)"))
     });
-    let off: Vec<String> = off.collect();
-    (!off.is_empty()).then(|| {
-        format!(
-            "off the forecast at some position by more than both measurements explain (99.9 %, all positions together): {}",
-            off.join(", ")
-        )
-    })
+    let terms: Vec<String> = off.collect();
+    (!terms.is_empty()).then_some(AsLeft::OffForecast { terms })
 }
 
 fn not_evaluated(reason: CannotEmulate) -> Problems {
@@ -193,90 +201,47 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
         silent: Vec::new(),
         terms: Vec::new(),
         diagonals: runs.range_um.iter().map(line).collect(),
-        unmeasured: crate::quantity::axis::PerAxis::default(),
+        unmeasured: PerAxis::default(),
         not_determined: Vec::new(),
         without_reversal_um: None,
     }
 }
 
-fn term_lines(
-    found: &Forecast,
-    expected: Option<&Forecast>,
-    as_left: &Forecast,
-    difference: impl Fn(ErrorTerm) -> Option<f64>,
-) -> Vec<Line> {
-    fn of(forecast: &Forecast, term: ErrorTerm) -> Option<&TermForecast> {
-        forecast.terms.iter().find(|t| t.term == term)
-    }
-    let line = |term: ErrorTerm| {
-        let before_um = of(found, term).map(|t| t.before_um);
-        let after = of(as_left, term);
-        (before_um.is_some() || after.is_some()).then(|| Line {
-            name: term.to_string(),
-            before_um,
-            forecast_um: expected.and_then(|e| of(e, term)).map(|t| t.after_um),
-            after_um: after.map(|t| t.after_um),
-            u_um: after.and_then(|t| t.u_um),
-            expanded_um: after.and_then(|t| t.expanded_um),
-            difference_um: difference(term),
-        })
-    };
-    ErrorTerm::ALL.into_iter().filter_map(line).collect()
-}
-
-fn model_diagonals(found: &Forecast, expected: Option<&Forecast>, as_left: &Forecast) -> Vec<Line> {
-    fn of<'a>(forecast: &'a Forecast, name: &str) -> Option<&'a DiagonalForecast> {
-        forecast.diagonals.iter().find(|d| d.name == name)
-    }
-    let line = |diagonal: Diagonal| {
-        let name = diagonal.name();
-        let (before, after) = (of(found, name), of(as_left, name));
-        (before.is_some() || after.is_some()).then(|| Line {
-            name: name.to_string(),
-            before_um: before.map(|d| d.before_um),
-            forecast_um: expected.and_then(|e| of(e, name)).map(|d| d.after_um),
-            after_um: after.map(|d| d.after_um),
-            u_um: after.and_then(|d| d.u_um),
-            expanded_um: after.and_then(|d| d.expanded_um),
-            difference_um: None,
-        })
-    };
-    Diagonal::ALL.into_iter().filter_map(line).collect()
+/// A line of a term or a diagonal as found, as forecast, as left; none where neither measurement has it.
+fn line(
+    name: &str,
+    [found, expected, as_left]: [Option<&Forecast>; 3],
+    difference: &dyn Fn(&str) -> Option<f64>,
+) -> Option<Line> {
+    let row = |forecast: Option<&Forecast>| forecast?.row(name);
+    let (found, after) = (row(found), row(as_left));
+    (found.is_some() || after.is_some()).then(|| Line {
+        name: name.to_string(),
+        before_um: found.map(|row| row.before_um),
+        forecast_um: row(expected).map(|row| row.after_um),
+        after_um: after.map(|row| row.after_um),
+        u_um: after.and_then(|row| row.u_um),
+        expanded_um: after.and_then(|row| row.expanded_um),
+        difference_um: difference(name),
+    })
 }
 
 /// As found and forecast at the nodes that were walked afterwards.
-fn run_diagonals(
+fn along_run(
+    line: &mut Line,
     machine: Machine<'_>,
     control: Option<&Control>,
-    runs: &StraightRuns,
     seen: &[Observation],
-    as_left: &Forecast,
-) -> Vec<Line> {
-    let span = |diagonal: Diagonal, of: &dyn Fn(&Part) -> Option<f64>| {
-        let along = seen.iter().filter(|o| o.diagonal == Some(diagonal));
-        let values: Option<Vec<f64>> = along.map(|o| o.predicted(of)).collect();
-        values.and_then(range)
-    };
-    let line = |diagonal: Diagonal| Line {
-        name: diagonal.name().to_string(),
-        before_um: span(diagonal, &|part| before_um(machine.as_measured, part)),
-        forecast_um: span(diagonal, &|part| {
-            Some(before_um(machine.uncompensated, part)? + control?.at(part))
-        }),
-        after_um: Some(runs.range_um[diagonal]),
-        u_um: runs.u_range_um(),
-        expanded_um: as_left
-            .diagonals
+) {
+    let span = |of: &dyn Fn(&Part) -> Option<f64>| {
+        let along = seen
             .iter()
-            .find(|d| d.name == diagonal.name())
-            .and_then(|d| d.expanded_um),
-        difference_um: None,
+            .filter(|o| o.diagonal.is_some_and(|d| d.name() == line.name));
+        let values: Vec<f64> = along.map(|o| o.predicted(of)).collect::<Option<_>>()?;
+        let low = values.iter().copied().reduce(f64::min)?;
+        Some(values.into_iter().reduce(f64::max)? - low)
     };
-    Diagonal::ALL.into_iter().map(line).collect()
-}
-
-fn range(values: Vec<f64>) -> Option<f64> {
-    let low = values.iter().copied().reduce(f64::min)?;
-    let high = values.iter().copied().reduce(f64::max)?;
-    Some(high - low)
+    let before = span(&|part| before_um(machine.as_measured, part));
+    let expected = span(&|part| Some(before_um(machine.uncompensated, part)? + control?.at(part)));
+    (line.before_um, line.forecast_um) = (before, expected);
 }

@@ -27,8 +27,7 @@ mod fit;
 mod question;
 
 pub use self::data::Basis;
-pub use self::fault::{Corrected, Slip};
-pub use self::question::Question;
+pub use self::question::{Corrected, Question, Slip};
 
 use self::candidates::{all_faults, alone, cause};
 use self::data::{Data, RISK, quantile};

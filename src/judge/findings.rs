@@ -1,5 +1,6 @@
-//! What is found in the files of a control against a job: each kind with its facts, how grave it is, its words.
+//! What is found in the files of a control against a job, and in a second measurement: each kind with its facts, how grave it is, its words.
 
+use crate::quantity::axis::Axis;
 use crate::read::emulate::CannotEmulate;
 use crate::text::finding::{Finding, Severity, findings};
 
@@ -7,6 +8,12 @@ use crate::text::finding::{Finding, Severity, findings};
 pub fn words_of(findings: &[Finding], severity: Severity) -> Vec<String> {
     let of = findings.iter().filter(|f| f.severity() == severity);
     of.map(ToString::to_string).collect()
+}
+
+/// `EXX, EYY`
+pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>) -> String {
+    let words = items.into_iter().map(|item| item.to_string());
+    words.collect::<Vec<String>>().join(", ")
 }
 
 /// `a, b, c and 4 more`
@@ -122,5 +129,29 @@ impl InControl {
             Self::GantryDiffers { .. } => "bring the axes of the gantry to one value first",
             _ => "measure with these tables switched off",
         }
+    }
+}
+
+findings! {
+    /// What is found in the measurement afterwards. With a doubt the figures decide nothing in favour.
+    AsLeft {
+        Simulated => Doubt, "the values afterwards were simulated, those as found were measured: a rehearsal says nothing of this machine";
+        Flat { what: String } => Doubt, "the values afterwards are the same at all positions, which no laser reads: {what}; an empty column, no measurement";
+        Copy => Doubt, "the values afterwards are those of the first measurement: the same file, or a copy of it";
+        Doubtful { words: String } => Doubt, "{words}";
+        Sparse { axis: Axis, first_mm: f64, second_mm: f64 } => Doubt, "axis {axis} was measured at positions {first_mm:.3} mm apart as found, afterwards up to {second_mm:.3} mm apart: nothing is known between them";
+        ReversalNotSeen { terms: String } => Doubt, "the two directions are corrected apart, but were not both measured afterwards, so nothing is known of the reversal that is left: {terms}";
+        OtherFrame { first: String, second: String } => Doubt, "the two measurements count from different frames (as found: {first}; afterwards: {second}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame";
+        Said { words: String } => Note, "{words}";
+        FewerWays { terms: String } => Note, "found in both directions, measured afterwards without: {terms}; a fault of the reversal does not show";
+        DiagonalsOnly => Note, "straight runs show the body diagonals only: the nine errors were not measured afterwards";
+        OffForecast { terms: Vec<String> } => Note, "off the forecast at some position by more than both measurements explain (99.9 %, all positions together): {}", terms.join(", ");
+    }
+}
+
+impl AsLeft {
+    /// Whether nobody measured the values.
+    pub(super) const fn is_no_measurement(&self) -> bool {
+        matches!(self, Self::Simulated | Self::Flat { .. } | Self::Copy)
     }
 }

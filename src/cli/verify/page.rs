@@ -72,7 +72,7 @@ fn page<'a>(
     )?;
     let mut diagnosis = None;
     let mut lost_motion = None;
-    let measured = comparison.not_measured.is_none();
+    let measured = comparison.is_measured();
     if let (true, Ok(control), Some(forecast)) = (measured, &control, &verification.forecast) {
         let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
             let seen = observations(&inputs.model, measured);
@@ -182,7 +182,7 @@ fn judged(
     if !verification.agrees() {
         return Verdict::Fail;
     }
-    if comparison.not_measured.is_some() {
+    if !comparison.is_measured() {
         return Verdict::Undecided;
     }
     let asked = inputs.job.acceptance;
@@ -190,7 +190,8 @@ fn judged(
     let unknown = asked.max_deviation_um.is_some() && !comparison.missing.is_empty();
     let no_limit = asked.max_deviation_um.is_none() && asked.max_diagonal_um.is_none();
     let off = no_limit && diagnosis.is_some_and(|found| !found.as_forecast);
-    let doubtful = !comparison.doubts.is_empty() || !beside(verification).is_empty();
+    let doubtful = !words_of(&comparison.findings, Severity::Doubt).is_empty()
+        || !beside(verification).is_empty();
     if unknown || off || doubtful {
         return verdict.max(Verdict::Undecided);
     }
@@ -206,14 +207,8 @@ impl Page<'_> {
     /// Doubts, what acts beside the tables, and what the limit asks for and was not measured.
     fn doubts(&self) -> Vec<String> {
         let beside = &beside(self.verification);
-        let mut doubts: Vec<String> = self
-            .comparison
-            .not_measured
-            .iter()
-            .chain(&self.comparison.doubts)
-            .chain(beside)
-            .cloned()
-            .collect();
+        let mut doubts = words_of(&self.comparison.findings, Severity::Doubt);
+        doubts.extend(beside.iter().cloned());
         let missing: Vec<String> = self
             .comparison
             .missing
@@ -264,9 +259,9 @@ impl Page<'_> {
             ])
             .collect();
         let notes = [
-            &self.comparison.notes[..],
-            &self.second.notes,
-            &verification.notes(),
+            words_of(&self.comparison.findings, Severity::Note),
+            self.second.notes.clone(),
+            verification.notes(),
         ];
         let assumptions = self.assumptions();
         Screen {
@@ -360,15 +355,13 @@ impl Page<'_> {
                     .flat_map(|found| self.explanation(found)),
             )
             .collect();
-        let notes: Vec<String> = self
-            .comparison
-            .notes
-            .iter()
-            .chain(&self.second.notes)
-            .chain(&verification.notes())
-            .chain(&verification.compiled.notes)
-            .cloned()
-            .collect();
+        let notes = [
+            words_of(&self.comparison.findings, Severity::Note),
+            self.second.notes.clone(),
+            verification.notes(),
+            verification.compiled.notes.clone(),
+        ]
+        .concat();
         json!({
             "schema": 1,
             "verdict": self.verdict.word(),

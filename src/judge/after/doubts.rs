@@ -1,10 +1,13 @@
 //! Why as-left figures decide nothing in favour, and what whoever reads the page should know.
 
-use super::{AfterMeasurement, Control, StraightRuns, unseen_reversal};
-use crate::machine::model::{ErrorModel, MeasuredTerm};
+use super::measurement::AfterMeasurement;
+use super::observation::Control;
+use crate::judge::findings::{AsLeft, joined};
+use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::Millimetres;
+use crate::quantity::units::{Figure, Millimetres};
+use crate::text::finding::Finding;
 
 /// Gaps between the positions measured again, in gaps of the first measurement, beyond which
 /// nothing is known between them: every second position is enough, fewer are not.
@@ -12,78 +15,87 @@ const WIDEST_GAP: f64 = 2.0;
 /// Positions of inch targets are rounded.
 const ROUNDING: f64 = 1.0 + 1e-6;
 
-/// Why the figures decide nothing in favour, one sentence each.
-pub(super) fn doubts(
+/// Values that nobody measured; doubts; and notes.
+pub(super) fn findings(
+    measured_first: &ErrorModel,
     before: &ErrorModel,
     control: Option<&Control>,
     after: &AfterMeasurement,
-) -> Vec<String> {
-    let mut doubts = match after {
-        AfterMeasurement::Errors(model) => model.doubts(|_| true),
-        AfterMeasurement::Diagonals(_) => Vec::new(),
-    };
-    if let AfterMeasurement::Errors(model) = after {
-        let axes = Axis::ALL.into_iter();
-        doubts.extend(axes.filter_map(|axis| sparse(before, model, axis)));
-        doubts.extend(reversal_not_seen(before, control, model));
-        doubts.extend(other_frame(before, model));
+) -> Vec<Finding> {
+    let mut found: Vec<AsLeft> = not_measured(measured_first, after).into_iter().collect();
+    match after {
+        AfterMeasurement::Errors(model) => {
+            let doubts = model.doubts(|_| true).into_iter();
+            found.extend(doubts.map(|words| AsLeft::Doubtful { words }));
+            found.extend(
+                Axis::ALL
+                    .into_iter()
+                    .filter_map(|axis| sparse(before, model, axis)),
+            );
+            found.extend(reversal_not_seen(before, control, model));
+            found.extend(other_frame(before, model));
+            let notes = model.remarks.notes.iter().cloned();
+            found.extend(notes.map(|words| AsLeft::Said { words }));
+            let terms = joined(fewer_ways(before, model).map(|(term, _)| term));
+            found.extend((!terms.is_empty()).then_some(AsLeft::FewerWays { terms }));
+            let reversal = unseen_reversal(before, model);
+            found.extend(reversal.map(|UnseenReversal { words, .. }| AsLeft::Said { words }));
+        }
+        AfterMeasurement::Diagonals(runs) => {
+            let labels = runs.labels.iter().cloned();
+            found.extend(labels.map(|words| AsLeft::Said { words }));
+            found.push(AsLeft::DiagonalsOnly);
+        }
     }
-    doubts
+    found.into_iter().map(Finding::from).collect()
 }
 
 /// Values that nobody measured after the tables were loaded.
-pub(super) fn not_measured(before: &ErrorModel, after: &AfterMeasurement) -> Option<String> {
+fn not_measured(before: &ErrorModel, after: &AfterMeasurement) -> Option<AsLeft> {
     let measured_first = before.remarks.simulated().next().is_none();
-    if after.is_simulated() && measured_first {
-        return Some("the values afterwards were simulated, those as found were measured: a rehearsal says nothing of this machine".to_string());
-    }
     let flat = after.flat();
-    if !flat.is_empty() {
-        return Some(format!(
-            "the values afterwards are the same at all positions, which no laser reads: {}; an empty column, no measurement",
-            flat.join(", ")
-        ));
+    if after.is_simulated() && measured_first {
+        Some(AsLeft::Simulated)
+    } else if !flat.is_empty() {
+        Some(AsLeft::Flat { what: flat })
+    } else {
+        let is_copy =
+            matches!(after, AfterMeasurement::Errors(model) if has_same_values(before, model));
+        is_copy.then_some(AsLeft::Copy)
     }
-    let same = matches!(after, AfterMeasurement::Errors(model) if has_same_values(before, model));
-    same.then(|| {
-        "the values afterwards are those of the first measurement: the same file, or a copy of it"
-            .to_string()
-    })
 }
-
-/// Values that differ by less were not measured twice, µm.
-const SAME_UM: f64 = 0.01;
 
 /// Whether both measurements hold the same values at the same places, their zeros apart.
 fn has_same_values(before: &ErrorModel, after: &ErrorModel) -> bool {
-    let near = |a: &ErrorCurve, b: &ErrorCurve| {
+    /// Values that differ by less were not measured twice, µm.
+    const SAME_UM: f64 = 0.01;
+    let near = |(a, b): (&ErrorCurve, &ErrorCurve)| {
         let off = |at: &Millimetres| (a.at(*at) - b.at(*at)).um().abs();
         a.knots() == b.knots() && a.knots().iter().all(|at| off(at) < SAME_UM)
     };
-    let same = |(term, second): (ErrorTerm, &MeasuredTerm)| {
-        let first = before.terms[term].as_ref();
-        first.is_some_and(|first| {
-            let pairs = first.curves().zip(second.curves());
+    after.measured().all(|(term, second)| {
+        before.terms[term].as_ref().is_some_and(|first| {
             first.curves().count() == second.curves().count()
-                && pairs.into_iter().all(|(a, b)| near(a, b))
+                && first.curves().zip(second.curves()).all(near)
         })
-    };
-    after.measured().all(same)
+    })
 }
 
 /// An axis that was measured again at far fewer positions.
-fn sparse(before: &ErrorModel, after: &ErrorModel, axis: Axis) -> Option<String> {
+fn sparse(before: &ErrorModel, after: &ErrorModel, axis: Axis) -> Option<AsLeft> {
     let terms = after.measured().filter(|(term, _)| term.along == axis);
     let gaps = terms.filter_map(|(term, measured)| {
         let first = before.terms[term].as_ref()?;
         Some((widest_gap_mm(first)?, widest_gap_mm(measured)?))
     });
-    let (first, second) = gaps
+    let (first_mm, second_mm) = gaps
         .filter(|(first, second)| *second > ROUNDING * WIDEST_GAP * first)
         .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
-    Some(format!(
-        "axis {axis} was measured at positions {first:.3} mm apart as found, afterwards up to {second:.3} mm apart: nothing is known between them"
-    ))
+    Some(AsLeft::Sparse {
+        axis,
+        first_mm,
+        second_mm,
+    })
 }
 
 /// Widest gap between neighbouring positions of a term, mm.
@@ -111,27 +123,22 @@ fn reversal_not_seen(
     before: &ErrorModel,
     control: Option<&Control>,
     after: &ErrorModel,
-) -> Option<String> {
+) -> Option<AsLeft> {
     let control = control?;
     let terms = fewer_ways(before, after).filter(|(term, _)| !control.is_undirected(*term));
-    let names = names(terms.map(|(term, _)| term));
-    (!names.is_empty()).then(|| {
-        format!("the two directions are corrected apart, but were not both measured afterwards, so nothing is known of the reversal that is left: {names}")
-    })
+    let terms = joined(terms.map(|(term, _)| term));
+    (!terms.is_empty()).then_some(AsLeft::ReversalNotSeen { terms })
 }
 
 /// Slopes of cross terms hold the rotation of the frame they are given in.
-fn other_frame(before: &ErrorModel, after: &ErrorModel) -> Option<String> {
-    let (first, second) = (frame(before), frame(after));
+fn other_frame(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> {
     let crossed =
         |(term, _): (ErrorTerm, &MeasuredTerm)| term.is_cross() && before.terms[term].is_some();
     let rotates = after.measured().any(crossed);
-    (rotates && first != second).then(|| {
-        let said = |frame: Option<&str>| frame.unwrap_or("as given").to_string();
-        format!(
-            "the two measurements count from different frames (as found: {}; afterwards: {}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame",
-            said(first), said(second)
-        )
+    let [first, second] = [before, after].map(|model| frame(model).unwrap_or("as given"));
+    (rotates && first != second).then(|| AsLeft::OtherFrame {
+        first: first.to_string(),
+        second: second.to_string(),
     })
 }
 
@@ -143,36 +150,36 @@ fn frame(model: &ErrorModel) -> Option<&str> {
     Some(note[..end].trim())
 }
 
-/// What whoever reads the page should know, one sentence each.
-pub(super) fn notes(before: &ErrorModel, after: &AfterMeasurement) -> Vec<String> {
-    match after {
-        AfterMeasurement::Errors(model) => of_curves(before, model),
-        AfterMeasurement::Diagonals(runs) => of_runs(runs),
+/// The reversal of a second measurement in both directions, where the first one did not tell them
+/// apart.
+#[derive(Clone, Debug)]
+pub struct UnseenReversal {
+    /// B of each of these errors, in a sentence.
+    pub words: String,
+    /// The second measurement with the mean of both directions in their place.
+    pub without: ErrorModel,
+}
+
+/// What the first measurement could not see; `None` where both tell the directions apart, or
+/// neither does.
+pub fn unseen_reversal(before: &ErrorModel, after: &ErrorModel) -> Option<UnseenReversal> {
+    let mut without = after.clone();
+    let mut found = Vec::new();
+    for term in ErrorTerm::ALL {
+        let (Some(first), Some(second)) = (&before.terms[term], &mut without.terms[term]) else {
+            continue;
+        };
+        let reversal = second.reversal();
+        if let Some(reversal) = reversal.filter(|_| !first.measured.has_both_ways()) {
+            found.push(format!("{term} {:+.3}", Figure(reversal.um())));
+            second.measured = Measured::Undirected(second.measured.mean());
+        }
     }
-}
-
-fn of_runs(runs: &StraightRuns) -> Vec<String> {
-    let mut notes = runs.labels.clone();
-    notes.push(
-        "straight runs show the body diagonals only: the nine errors were not measured afterwards"
-            .to_string(),
-    );
-    notes
-}
-
-fn of_curves(before: &ErrorModel, after: &ErrorModel) -> Vec<String> {
-    let mut notes = after.remarks.notes.clone();
-    let fewer = names(fewer_ways(before, after).map(|(term, _)| term));
-    if !fewer.is_empty() {
-        notes.push(format!(
-            "found in both directions, measured afterwards without: {fewer}; a fault of the reversal does not show"
-        ));
-    }
-    notes.extend(unseen_reversal(before, after).map(|reversal| reversal.words));
-    notes
-}
-
-fn names(terms: impl Iterator<Item = ErrorTerm>) -> String {
-    let names: Vec<String> = terms.map(|term| term.to_string()).collect();
-    names.join(", ")
+    (!found.is_empty()).then(|| UnseenReversal {
+        words: format!(
+            "the first measurement did not tell the directions apart, so it did not see the lost motion, and its tables leave it; B (mean moving + minus mean moving -), µm: {}",
+            found.join(", ")
+        ),
+        without,
+    })
 }

@@ -1,8 +1,8 @@
 //! The measurement afterwards.
 
 use crate::inputs::error_table::SIMULATED;
+use crate::judge::findings::joined;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
-use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 
 /// A measurement of the machine with its tables active.
@@ -48,35 +48,20 @@ impl AfterMeasurement {
     }
 
     /// What was measured at five places or more and is the same at all of them, to the last digit.
-    pub(super) fn flat(&self) -> Vec<String> {
+    pub(super) fn flat(&self) -> String {
         let is_flat = |measured: &MeasuredTerm| {
             measured.largest_um() <= 0.0 && measured.curves().any(|c| c.knots().len() >= 5)
         };
         match self {
             AfterMeasurement::Errors(model) => {
                 let flat = model.measured().filter(|(_, measured)| is_flat(measured));
-                flat.map(|(term, _)| term.to_string()).collect()
+                joined(flat.map(|(term, _)| term))
             }
             AfterMeasurement::Diagonals(runs) => {
                 let flat = runs.range_um.iter().filter(|(_, um)| **um <= 0.0);
-                flat.map(|(diagonal, _)| diagonal.to_string()).collect()
+                joined(flat.map(|(diagonal, _)| diagonal))
             }
         }
-    }
-}
-
-impl StraightRuns {
-    /// From where to where the diagonals take an axis, mm.
-    pub(super) fn range_mm(&self, axis: Axis) -> (f64, f64) {
-        let low = self.volume.start[axis].mm();
-        (low, low + self.volume.size[axis].mm())
-    }
-
-    /// Standard uncertainty of max − min along a diagonal, µm: two mean readings, and the scale
-    /// over the length of the diagonal.
-    pub(super) fn u_range_um(&self) -> Option<f64> {
-        let scale_um = self.scale_um_per_m * self.volume.diagonal_mm() / 1000.0;
-        Some((std::f64::consts::SQRT_2 * self.u_um?).hypot(scale_um))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What each value of the second measurement sees: which deviations, where, with which weight.
 
-use super::AfterMeasurement;
+use super::measurement::{AfterMeasurement, StraightRuns};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
@@ -224,7 +224,7 @@ fn parts_of(
     ways.into_iter().map(part).collect()
 }
 
-fn along_diagonals(before: &ErrorModel, runs: &super::StraightRuns) -> Vec<Observation> {
+fn along_diagonals(before: &ErrorModel, runs: &StraightRuns) -> Vec<Observation> {
     let mut seen = Vec::new();
     for (number, walk) in runs.walks.iter().enumerate() {
         let laser = runs.volume.laser(walk.diagonal);

@@ -1,7 +1,7 @@
 //! Which faults are tried: those that can show in the data; and how each is said on the shop floor.
 
-use super::fault::{Act, Fault, Fitted, Scope, Slip, number};
-use super::question::Question;
+use super::fault::{Act, Fault, Fitted, Scope, number};
+use super::question::{Question, Slip};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::units::{Figure, MM_PER_INCH};
 

@@ -5,8 +5,8 @@
 //! where only a sign is in question a bump decides; where the control does as planned
 //! (temperature), a linear run; where the first readings may be filed wrongly, their records.
 
-use super::fault::{Act, Fault, Fit, Planned, Slip, number};
-use super::question::Question;
+use super::fault::{Act, Fault, Fit, Planned, number};
+use super::question::{Question, Slip};
 use crate::judge::after::Part;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::{Figure, Millimetres};

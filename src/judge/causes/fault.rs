@@ -1,10 +1,8 @@
 //! The faults that are tried, and what each makes of the corrections.
 
-use super::question::Question;
+use super::question::{Question, Slip};
 use crate::judge::after::{Part, before_um};
-use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::Millimetres;
 
 /// Which tables a fault concerns.
@@ -44,59 +42,6 @@ impl Scope {
             Scope::Of(axis) => term.of == axis,
             Scope::Term(own) => term == own,
         }
-    }
-}
-
-/// What may have been recorded wrongly of the first measurement. To the closure an order of the steps
-/// is the same as one way to share out the names (docs/method.md §4). Separated they are not: the
-/// names put other readings to an axis, the order another axis to the readings. So the second
-/// measurement tells them apart, and both are tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slip {
-    /// The readings of two diagonals were saved under each other's name.
-    Names(Diagonal, Diagonal),
-    /// The steps went in this order, not in that of the job.
-    Order([Axis; 3]),
-}
-
-impl Slip {
-    /// The six exchanges of two names and the five orders other than the recorded one.
-    pub fn all(recorded: [Axis; 3]) -> Vec<Slip> {
-        let names = Diagonal::ALL.into_iter().enumerate();
-        let pairs = names.flat_map(|(index, one)| {
-            let others = Diagonal::ALL.into_iter().skip(index + 1);
-            others.map(move |other| Slip::Names(one, other))
-        });
-        let others = Axis::ORDERS.into_iter().filter(|order| *order != recorded);
-        pairs.chain(others.map(Slip::Order)).collect()
-    }
-
-    /// What settles it.
-    pub(super) const fn check(self) -> &'static str {
-        match self {
-            Slip::Names(..) => {
-                "compare the names in the file of the first readings with the programs that were run, or run one of the two diagonals again"
-            }
-            Slip::Order(_) => {
-                "compare the order in the job of the first measurement with the programs that were run"
-            }
-        }
-    }
-}
-
-/// What the first readings are once a slip is taken back.
-#[derive(Clone, Debug)]
-pub struct Corrected {
-    /// The slip.
-    pub slip: Slip,
-    /// The machine without tables, from the same readings, filed right.
-    pub before: ErrorModel,
-}
-
-impl Corrected {
-    /// What a part was as found beyond what the records say, µm; `None` = not measured there.
-    pub(super) fn beyond_um(&self, question: &Question<'_>, part: &Part) -> Option<f64> {
-        Some(before_um(&self.before, part)? - before_um(question.before, part)?)
     }
 }
 

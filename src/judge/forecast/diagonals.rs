@@ -9,22 +9,15 @@ use crate::judge::conformity::Sigma;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
+use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::{Millimetres, Squared, larger};
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use crate::write::plan::{Plan, axis_pairs};
 
-/// Sign of travel of X, Y, Z on the forward run of each diagonal (contract §2.2).
-const DIAGONALS: [(&str, [f64; 3]); 4] = [
-    ("PPP", [1.0, 1.0, 1.0]),
-    ("NPP", [-1.0, 1.0, 1.0]),
-    ("PNP", [1.0, -1.0, 1.0]),
-    ("PPN", [1.0, 1.0, -1.0]),
-];
-
 /// The measured box: low corner and size of each axis, mm.
 struct MeasuredBox {
-    low: [f64; 3],
-    size: [f64; 3],
+    low: PerAxis<f64>,
+    size: PerAxis<f64>,
 }
 
 impl MeasuredBox {
@@ -32,30 +25,44 @@ impl MeasuredBox {
         model: &ErrorModel,
         judged: &PerAxis<Option<(Millimetres, Millimetres)>>,
     ) -> Option<MeasuredBox> {
-        let ends = |axis: &Axis| {
-            let (low, high) = within(model.ranges[*axis]?, judged[*axis]);
-            Some((low.mm(), high.mm()))
-        };
-        let ends: Option<Vec<(f64, f64)>> = Axis::ALL.iter().map(ends).collect();
-        let ends = ends?;
-        Some(MeasuredBox {
-            low: [ends[0].0, ends[1].0, ends[2].0],
-            size: [
-                ends[0].1 - ends[0].0,
-                ends[1].1 - ends[1].0,
-                ends[2].1 - ends[2].0,
-            ],
-        })
+        let (mut low, mut size) = (PerAxis::default(), PerAxis::default());
+        for axis in Axis::ALL {
+            let (from, to) = within(model.ranges[axis]?, judged[axis]);
+            (low[axis], size[axis]) = (from.mm(), to.mm() - from.mm());
+        }
+        Some(MeasuredBox { low, size })
     }
 
     /// Low and high end of an axis.
-    fn ends(&self, axis: usize) -> (Millimetres, Millimetres) {
+    fn ends(&self, axis: Axis) -> (Millimetres, Millimetres) {
         let (low, size) = (self.low[axis], self.size[axis]);
         (Millimetres::new(low), Millimetres::new(low + size))
     }
 
     fn length(&self) -> f64 {
-        self.size.iter().map(|s| s * s).sum::<f64>().sqrt()
+        self.size.iter().map(|(_, s)| s * s).sum::<f64>().sqrt()
+    }
+
+    fn cosine(&self, axis: Axis) -> f64 {
+        self.size[axis] / self.length()
+    }
+
+    /// How far along a diagonal an axis stands somewhere, 0 to 1 on its forward run.
+    fn travelled(&self, diagonal: Diagonal, axis: Axis, mm: f64) -> f64 {
+        let t = (mm - self.low[axis]) / self.size[axis];
+        match diagonal.forward(axis) {
+            Direction::Plus => t,
+            Direction::Minus => 1.0 - t,
+        }
+    }
+
+    /// Where an axis stands at t.
+    fn position(&self, diagonal: Diagonal, axis: Axis, t: f64) -> Millimetres {
+        let travelled = match diagonal.forward(axis) {
+            Direction::Plus => t,
+            Direction::Minus => 1.0 - t,
+        };
+        Millimetres::new(self.low[axis] + travelled * self.size[axis])
     }
 }
 
@@ -77,24 +84,23 @@ pub(super) fn forecast(
         return Ok(Vec::new());
     }
     let travels = travels(machine, plan, control, &measured_box)?;
-    let of_diagonal = |(name, signs): &(&'static str, [f64; 3])| {
-        let mut before = Extent::default();
-        let mut after = Extent::default();
-        let walk = |reverse| Walk::new(&travels, &measured_box, *signs, reverse);
-        let (forward, reverse) = (walk(false), walk(true));
+    let of_diagonal = |diagonal: Diagonal| {
+        let (mut before, mut after) = (Extent::default(), Extent::default());
+        let [forward, reverse] =
+            Pass::BOTH.map(|pass| Walk::new(&travels, &measured_box, diagonal, pass));
         forward.extremes(&mut before, &mut after);
         if reverse.parts != forward.parts {
             reverse.extremes(&mut before, &mut after);
         }
-        let u_um = uncertainties(model, &measured_box, *signs);
+        let u_um = uncertainties(model, &measured_box, diagonal);
         let scale_um = model.laser_um_per_m * measured_box.length() / 1000.0;
-        let cosine = |axis| measured_box.size[index(axis)] / measured_box.length();
+        let (before, after) = (before.size(), after.size());
         DiagonalForecast {
-            cosines: PerAxis::from_fn(cosine),
-            ..DiagonalForecast::new(name, before.size(), after.size(), sigma, &u_um, scale_um)
+            cosines: PerAxis::from_fn(|axis| measured_box.cosine(axis)),
+            ..DiagonalForecast::new(diagonal.name(), before, after, sigma, &u_um, scale_um)
         }
     };
-    Ok(DIAGONALS.iter().map(of_diagonal).collect())
+    Ok(Diagonal::ALL.into_iter().map(of_diagonal).collect())
 }
 
 /// One term while its axis travels one way: its curves, its correction and where they bend.
@@ -126,7 +132,7 @@ fn travels<'a>(
             };
             let uncompensated = (!std::ptr::eq(measured, uncompensated)).then_some(uncompensated);
             let response = control.response(base, output, direction)?;
-            let (low, high) = measured_box.ends(index(term.along));
+            let (low, high) = measured_box.ends(term.along);
             let knots = |curve: &ErrorCurve| curve.knots().iter().map(|x| x.mm()).collect();
             let of_curves = [Some(measured), uncompensated]
                 .into_iter()
@@ -149,32 +155,22 @@ fn travels<'a>(
 /// measured positions: three terms per axis, weighted with the direction cosine. A value by itself
 /// counts, since max − min is a difference and the reference drops out. A term of which nothing is
 /// stated counts as 0; empty where nothing is stated at all.
-fn uncertainties(model: &ErrorModel, measured_box: &MeasuredBox, signs: [f64; 3]) -> Vec<f64> {
+fn uncertainties(model: &ErrorModel, measured_box: &MeasuredBox, diagonal: Diagonal) -> Vec<f64> {
     if model.measured().all(|(_, m)| m.uncertainty.is_empty()) {
         return Vec::new();
     }
-    let walk = Walk {
-        parts: Vec::new(),
-        measured_box,
-        signs,
-    };
-    let mut places = Vec::new();
-    for (term, measured) in model.measured() {
-        let axis = index(term.along);
-        let (low, size) = (measured_box.low[axis], measured_box.size[axis]);
-        let travelled = measured
-            .uncertainty
-            .iter()
-            .map(|p| (p.at.mm() - low) / size);
-        places.extend(travelled.map(|t| if signs[axis] > 0.0 { t } else { 1.0 - t }));
-    }
-    places.retain(|t| (-SAME_PLACE..=1.0 + SAME_PLACE).contains(t));
+    let places = model.measured().flat_map(|(term, measured)| {
+        let points = measured.uncertainty.iter();
+        points.map(move |p| measured_box.travelled(diagonal, term.along, p.at.mm()))
+    });
+    let on_it = |t: &f64| (-SAME_PLACE..=1.0 + SAME_PLACE).contains(t);
+    let mut places: Vec<f64> = places.filter(on_it).collect();
     places.sort_by(f64::total_cmp);
     places.dedup_by(|a, b| (*a - *b).abs() < SAME_PLACE);
     let u_um = |t: &f64| {
         let variances = model.measured().map(|(term, measured)| {
-            let cosine = measured_box.size[index(term.of)] / measured_box.length();
-            (cosine * near_um(measured, walk.position(index(term.along), *t))).squared()
+            let at = measured_box.position(diagonal, term.along, *t);
+            (measured_box.cosine(term.of) * near_um(measured, at)).squared()
         });
         variances.sum::<f64>().sqrt()
     };
@@ -206,14 +202,6 @@ fn near_um(measured: &MeasuredTerm, at: Millimetres) -> f64 {
 /// Nearer to a measured position than this is at it, mm.
 const AT_A_POINT_MM: f64 = 1e-6;
 
-const fn index(axis: Axis) -> usize {
-    match axis {
-        Axis::X => 0,
-        Axis::Y => 1,
-        Axis::Z => 2,
-    }
-}
-
 /// Smallest and largest value met.
 #[derive(Default)]
 struct Extent {
@@ -235,14 +223,14 @@ impl Extent {
 struct Walk<'a> {
     parts: Vec<Part<'a>>,
     measured_box: &'a MeasuredBox,
-    signs: [f64; 3],
+    diagonal: Diagonal,
 }
 
 /// One term on the way, and the cosine of the beam to its direction.
 #[derive(PartialEq)]
 struct Part<'a> {
     travel: &'a Travel<'a>,
-    along: usize,
+    along: Axis,
     cosine: f64,
 }
 
@@ -250,41 +238,36 @@ impl<'a> Walk<'a> {
     fn new(
         travels: &'a [(ErrorTerm, Direction, Travel<'a>)],
         measured_box: &'a MeasuredBox,
-        signs: [f64; 3],
-        reverse: bool,
+        diagonal: Diagonal,
+        pass: Pass,
     ) -> Walk<'a> {
         let part = |(term, direction, travel): &'a (ErrorTerm, Direction, Travel<'a>)| {
-            let (of, along) = (index(term.of), index(term.along));
-            let forward = (signs[along] > 0.0) != reverse;
-            (forward == (*direction == Direction::Plus)).then(|| Part {
+            (diagonal.travelled(term.along, pass) == *direction).then(|| Part {
                 travel,
-                along,
-                cosine: signs[of] * measured_box.size[of] / measured_box.length(),
+                along: term.along,
+                cosine: diagonal.sign(term.of) * measured_box.size[term.of] / measured_box.length(),
             })
         };
         Walk {
             parts: travels.iter().filter_map(part).collect(),
             measured_box,
-            signs,
+            diagonal,
         }
     }
 
-    fn position(&self, axis: usize, t: f64) -> Millimetres {
-        let travelled = if self.signs[axis] > 0.0 { t } else { 1.0 - t };
-        Millimetres::new(self.measured_box.low[axis] + travelled * self.measured_box.size[axis])
-    }
-
-    /// Places t where a curve or a correction bends or jumps.
+    /// Places t where a curve or a correction bends or jumps; the terms of an axis mostly share them.
     fn breaks(&self) -> Vec<f64> {
         let mut breaks = vec![0.0, 1.0];
-        for axis in 0..self.signs.len() {
-            let (low, size) = (self.measured_box.low[axis], self.measured_box.size[axis]);
-            let travelled = |x: &f64| (x - low) / size;
-            for bends in self.bends(axis) {
-                let forward = self.signs[axis] > 0.0;
-                let places = bends.iter().map(travelled);
-                breaks.extend(places.map(|t| if forward { t } else { 1.0 - t }));
+        for axis in Axis::ALL {
+            let own = self.parts.iter().filter(|part| part.along == axis);
+            let mut bends: Vec<&[f64]> = Vec::new();
+            for places in own.flat_map(|part| &part.travel.bends) {
+                if !bends.contains(&places.as_slice()) {
+                    bends.push(places);
+                }
             }
+            let places = bends.into_iter().flatten();
+            breaks.extend(places.map(|mm| self.measured_box.travelled(self.diagonal, axis, *mm)));
         }
         breaks.retain(|t| (0.0..=1.0).contains(t));
         breaks.sort_by(f64::total_cmp);
@@ -292,25 +275,11 @@ impl<'a> Walk<'a> {
         breaks
     }
 
-    /// Where the curves and corrections along an axis bend, mm; the terms of an axis mostly share
-    /// their places.
-    fn bends(&self, axis: usize) -> Vec<&'a [f64]> {
-        let mut all: Vec<&[f64]> = Vec::new();
-        for part in self.parts.iter().filter(|part| part.along == axis) {
-            for bends in &part.travel.bends {
-                if !all.contains(&bends.as_slice()) {
-                    all.push(bends);
-                }
-            }
-        }
-        all
-    }
-
     /// Deviation along the beam at t, as measured and with the tables, µm.
     fn deviation(&self, t: f64) -> (f64, f64) {
         let mut before = 0.0;
         let mut after = 0.0;
-        let places = [0, 1, 2].map(|axis| self.position(axis, t));
+        let places = PerAxis::from_fn(|axis| self.measured_box.position(self.diagonal, axis, t));
         for part in &self.parts {
             let (at, travel) = (places[part.along], part.travel);
             let measured = travel.measured.at(at);

@@ -129,6 +129,38 @@ pub struct Forecast {
     pub without_reversal_um: Option<f64>,
 }
 
+/// The figures of a line, as of a term or a diagonal, µm.
+#[derive(Clone, Copy)]
+pub(crate) struct Row {
+    pub(crate) before_um: f64,
+    pub(crate) after_um: f64,
+    comparable_um: f64,
+    pub(crate) u_um: Option<f64>,
+    pub(crate) expanded_um: Option<f64>,
+}
+
+impl Row {
+    fn of_term(term: &TermForecast) -> Row {
+        Row {
+            before_um: term.before_um,
+            after_um: term.after_um,
+            comparable_um: term.comparable_um,
+            u_um: term.u_um,
+            expanded_um: term.expanded_um,
+        }
+    }
+
+    fn of_diagonal(diagonal: &DiagonalForecast) -> Row {
+        Row {
+            before_um: diagonal.before_um,
+            after_um: diagonal.after_um,
+            comparable_um: diagonal.comparable_um,
+            u_um: diagonal.u_um,
+            expanded_um: diagonal.expanded_um,
+        }
+    }
+}
+
 impl Forecast {
     /// Largest residual of all measured terms, µm.
     pub fn max_residual_um(&self) -> f64 {
@@ -136,34 +168,38 @@ impl Forecast {
         all.fold(0.0, larger)
     }
 
+    /// The figures of a term or a diagonal of this name.
+    pub(crate) fn row(&self, name: &str) -> Option<Row> {
+        let term = self.terms.iter().find(|t| t.term.to_string() == name);
+        let diagonal = self.diagonals.iter().find(|d| d.name == name);
+        term.map(Row::of_term).or(diagonal.map(Row::of_diagonal))
+    }
+
     /// Figures that the tables make larger than they were measured, one sentence each.
     ///
     /// limits the steps of old tables between the measured positions are not in the figures as
     ///        measured; where only steps make a figure larger, the sentence says so
     pub fn worsened(&self) -> Vec<String> {
-        let sentence = |name: String, before_um: f64, after_um: f64, comparable_um: f64| {
-            let larger = |um: f64| um > before_um + SHOWN_UM;
-            let why = match larger(comparable_um) {
+        let terms = self
+            .terms
+            .iter()
+            .map(|t| (t.term.to_string(), Row::of_term(t)));
+        let diagonals = self.diagonals.iter();
+        let diagonals = diagonals.map(|d| (format!("diagonal {}", d.name), Row::of_diagonal(d)));
+        let sentence = |(name, row): (String, Row)| {
+            let (before, after) = (row.before_um, row.after_um);
+            let larger = |um: f64| um > before + SHOWN_UM;
+            let why = match larger(row.comparable_um) {
                 true => "",
                 false => {
                     ", by the steps between the points; those of the old tables are not in the figure as measured"
                 }
             };
-            larger(after_um).then(|| {
-                format!(
-                    "{name} becomes larger with the tables: {before_um:.3} → {after_um:.3} µm{why}"
-                )
+            larger(after).then(|| {
+                format!("{name} becomes larger with the tables: {before:.3} → {after:.3} µm{why}")
             })
         };
-        let terms = self.terms.iter();
-        let terms = terms
-            .filter_map(|t| sentence(t.term.to_string(), t.before_um, t.after_um, t.comparable_um));
-        let diagonals = self.diagonals.iter();
-        let diagonals = diagonals.filter_map(|d| {
-            let name = format!("diagonal {}", d.name);
-            sentence(name, d.before_um, d.after_um, d.comparable_um)
-        });
-        terms.chain(diagonals).collect()
+        terms.chain(diagonals).filter_map(sentence).collect()
     }
 
     /// What is left of all terms, at every measured position.
