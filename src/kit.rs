@@ -14,6 +14,7 @@ mod remarks;
 mod rollback;
 pub mod simulate;
 mod verification;
+mod ways;
 
 use crate::control::controller::Profile;
 use crate::inputs::job::ActiveTables;
@@ -56,6 +57,8 @@ pub struct Kit {
     pub doubts: Vec<String>,
     /// Forecast against the acceptance of the job; undecided at most where there are doubts.
     pub verdict: Verdict,
+    /// What to change for a better answer.
+    pub ways: Vec<Finding>,
     /// The manifest.
     pub manifest: Manifest,
 }
@@ -107,6 +110,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let unread = unread(&inputs.profile, &as_read(&files));
     let doubts: Vec<String> = doubts(inputs).into_iter().chain(unread).collect();
     let verdict = judged(&forecast, inputs, &doubts);
+    let ways = ways::ways(inputs, &plan, &compiled.placements, &forecast, &doubts);
     let field = field::make(&Made {
         inputs,
         plan: &plan,
@@ -131,6 +135,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         forecast,
         doubts,
         verdict,
+        ways,
         manifest,
     })
 }

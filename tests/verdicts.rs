@@ -391,3 +391,60 @@ fn cases_that_once_passed() {
         );
     }
 }
+
+/// Each policy that is offered leaves what was said of it once it is asked for.
+#[test]
+fn another_backlash_policy_leaves_what_was_said_of_it() {
+    let errors = "axis,direction,position_mm,ex_um\nx,+,0,0\nx,+,450,2\nx,+,900,5\nx,-,0,3\nx,-,450,4\nx,-,900,8\n";
+    let job = |policy: &str| {
+        let job = one_axis("", "max_deviation_um = 1.2").replace("= 30\n", "= 450\n");
+        job.replace(
+            "\"generic\"\n",
+            &format!("\"generic\"\nbacklash = \"{policy}\"\n"),
+        )
+    };
+    let directory = folder(&job("mean"), errors);
+    let at = directory.path();
+    let said = verdict(at, "generate job.toml -o kit");
+    let ways: Vec<(&str, &str)> = said
+        .lines()
+        .filter_map(|line| {
+            line.trim()
+                .strip_prefix("`backlash = \"")?
+                .split_once("\"` would leave at most ")
+        })
+        .collect();
+    assert_eq!(ways.len(), 2, "{said}");
+    assert_eq!(ways[0].0, "two-tables", "the best first\n{said}");
+    for (policy, words) in ways {
+        let (left, words) = words.split_once(" µm").unwrap();
+        put(at, "other.toml", &job(policy));
+        let kit = format!("kit-{policy}");
+        let (_, out, err) = ended(at, &format!("generate other.toml -o {kit}"));
+        let row = out
+            .lines()
+            .find(|line| line.starts_with("EXX "))
+            .unwrap_or_else(|| panic!("{err}"));
+        assert_eq!(row.split_whitespace().nth(2), Some(left), "{policy}\n{out}");
+        let verdict = words.rsplit_once(": ").unwrap().1;
+        assert!(
+            out.starts_with(&format!("verdict: {verdict}")),
+            "{policy}\n{out}"
+        );
+    }
+}
+
+#[test]
+fn a_second_visit_within_the_limit_leaves_the_control_as_it_is() {
+    let limits = "max_deviation_um = 2";
+    let directory = folder(&one_axis("", limits), &wave(900, 8.0));
+    let at = directory.path();
+    let advice = "the control can be left as it is";
+    assert!(!verdict(at, "generate job.toml -o kit").contains(advice));
+    let second = one_axis("", limits).replace("\"none\"", "\"kit\"");
+    put(at, "second.toml", &second);
+    put(at, "errors.csv", &wave(900, 1.5));
+    assert!(verdict(at, "generate second.toml -o again").contains(advice));
+    put(at, "errors.csv", &wave(900, 2.5));
+    assert!(!verdict(at, "generate second.toml -o third").contains(advice));
+}

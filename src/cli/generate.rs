@@ -54,6 +54,8 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
             .unwrap_or("at a date not stated")
     );
     let verdict = show::verdict(kit.verdict, job, Some(&kit.forecast), false, &kit.doubts);
+    let ways = kit.ways.iter().map(|way| format!("\n  {way}"));
+    let verdict: String = std::iter::once(verdict).chain(ways).collect();
     let of_axes = [show::squareness(model), show::reversals(model)];
     let proofs = kit.files.iter().filter(|f| f.role == Role::SignProof);
     let proofs: Vec<&str> = proofs.map(|file| file.path.as_str()).collect();

@@ -79,7 +79,7 @@ impl Comparison {
 }
 
 /// No table at all: what is left is what was measured.
-struct Bare;
+pub(crate) struct Bare;
 
 impl Emulator for Bare {
     fn connected_axes(&self) -> Vec<(String, String)> {

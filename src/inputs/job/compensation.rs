@@ -51,6 +51,14 @@ pub enum BacklashPolicy {
 }
 
 impl BacklashPolicy {
+    /// All of them.
+    pub const ALL: [BacklashPolicy; 4] = [
+        BacklashPolicy::Mean,
+        BacklashPolicy::TwoTables,
+        BacklashPolicy::ForwardOnly,
+        BacklashPolicy::CurveAndParameter,
+    ];
+
     /// The word of the job.
     pub const fn word(self) -> &'static str {
         match self {
@@ -170,12 +178,6 @@ const FITS: [(&str, Fit); 3] = [
     ("least-squares", Fit::LeastSquares),
     ("minimax", Fit::Minimax),
 ];
-const POLICIES: [BacklashPolicy; 4] = [
-    BacklashPolicy::Mean,
-    BacklashPolicy::TwoTables,
-    BacklashPolicy::ForwardOnly,
-    BacklashPolicy::CurveAndParameter,
-];
 
 pub(super) fn compensation(section: &Section<'_>) -> Compensation {
     let controller = "an id of `nonius controllers list`, or the path of a profile";
@@ -187,7 +189,7 @@ pub(super) fn compensation(section: &Section<'_>) -> Compensation {
             "write [first, last]",
         );
     }
-    let policies = POLICIES.map(|policy| (policy.word(), policy));
+    let policies = BacklashPolicy::ALL.map(|policy| (policy.word(), policy));
     let usual = Compensation::default();
     Compensation {
         controller: section
