@@ -587,3 +587,41 @@ proptest! {
         prop_assert!(kit.is_ok(), "{}\n{}", kit.unwrap_err().render(), large.job());
     }
 }
+
+/// What a run alone does not determine is said before it is measured.
+#[test]
+fn a_run_says_what_it_leaves_open() {
+    use nonius::write::program::{Open, left_open};
+    let kinds = |keys: &str, linear: usize| {
+        let mut page = Case::small("siemens-840d-sl", keys).job();
+        for axis in &AXES[..linear] {
+            page += &format!(
+                "[[measurement.step_diagonal.linear]]\naxis = \"{axis}\"\nslope_um_per_m = 1.0\n"
+            );
+        }
+        let job = Job::read(Source::from_bytes("job.toml", page.as_bytes()).unwrap())
+            .unwrap_or_else(|p| panic!("{}", p.render()));
+        let open = left_open(&job, job.program.as_ref().unwrap());
+        let kinds = open
+            .iter()
+            .map(|found| found.kind::<Open>().unwrap().clone());
+        kinds.collect::<Vec<Open>>()
+    };
+    let step = "what = \"step-diagonal\"";
+    let turning = format!("{step}\noverrun_mm = 0");
+    let forward = format!("{step}\nbidirectional = false");
+    for given in [0, 1] {
+        let scales = Open::Scales { given };
+        assert_eq!(kinds(&turning, given), [scales, Open::Angles]);
+    }
+    assert_eq!(kinds(&turning, 2), [Open::Angles]);
+    assert_eq!(kinds(step, 3), [Open::Angles, Open::ReversalOfAnAxis]);
+    assert_eq!(kinds(&forward, 3), [Open::Angles, Open::Reversal]);
+    let straight = "what = \"straight-diagonal\"\nbidirectional = false";
+    assert_eq!(kinds(straight, 0), [Open::NineErrors, Open::Reversal]);
+    let axes = "XY".to_string();
+    assert_eq!(
+        kinds("what = \"single-axis\"\naxes = [\"x\", \"y\"]", 0),
+        [Open::Straightness { axes }]
+    );
+}

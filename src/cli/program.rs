@@ -2,7 +2,7 @@
 
 use crate::cli::deliver::Delivery;
 use crate::cli::outcome::Outcome;
-use crate::cli::screen::{More, Screen};
+use crate::cli::screen::{More, Screen, wrapped};
 use crate::cli::show::{Column, table};
 use crate::cli::{inputs, show};
 use crate::inputs::job::{Job, RunType, TargetGrid};
@@ -12,6 +12,7 @@ use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
 use crate::text::problem::Problems;
 use crate::write::emit::program::FileRole;
+use crate::write::program::left_open;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -51,7 +52,13 @@ fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
     let notes = kit.run.notes.iter();
     Screen {
         verdict: heading,
-        figures: vec![motion(kit), files(kit), reach(job, kit), mirror(kit)],
+        figures: vec![
+            motion(kit),
+            not_determined(job, kit),
+            files(kit),
+            reach(job, kit),
+            mirror(kit),
+        ],
         findings: notes.map(|note| format!("note: {note}")).collect(),
         always: Vec::new(),
         more: vec![
@@ -102,6 +109,17 @@ fn motion(kit: &ProgramKit) -> String {
         format!("with these readings state `overrun = {over}` in [measurement.step_diagonal]")
     }));
     lines.join("\n")
+}
+
+/// What this run cannot determine, with what closes it.
+fn not_determined(job: &Job, kit: &ProgramKit) -> String {
+    let open = left_open(job, &kit.request);
+    let lines = open.iter().map(|open| wrapped(&format!("  {open}")));
+    let head = "this run alone does not determine".to_string();
+    std::iter::once(head)
+        .chain(lines)
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 fn files(kit: &ProgramKit) -> String {

@@ -14,12 +14,14 @@
 
 mod fit;
 mod mirror;
+mod open;
 mod places;
 mod resolution;
 mod route;
 mod run;
 
 pub use self::mirror::MirrorSize;
+pub use self::open::{Open, left_open};
 pub use self::resolution::{Digits, Resolution};
 pub use self::run::{MeasuringRun, Move, Reading, RunTask, SetUpProgram, Subject};
 
