@@ -7,11 +7,10 @@
     reason = "a test may stop at what it did not expect"
 )]
 
+use encoding_rs::{Encoding, GBK, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
+use nonius::control::controller::TableSign;
 use nonius::inputs::error_table::{ErrorTable, write};
-use nonius::inputs::import::choices::{
-    Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel,
-};
-use nonius::inputs::import::stated::Stated;
+use nonius::inputs::import::stated::{Decimal, MaterialCorrected, Rows, Runs, Stated, Travel};
 use nonius::inputs::import::{Component, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
 use nonius::quantity::axis::{Axis, Direction};
@@ -33,7 +32,7 @@ fn run(
     name: &str,
     bytes: &[u8],
     stated: &Stated,
-    encoding: Option<Encoding>,
+    encoding: Option<&'static Encoding>,
 ) -> Result<Imported, Problems> {
     let file = Measurement {
         path: name,
@@ -64,7 +63,7 @@ fn laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
         term: Component::from_name("EXX"),
         first_target_at_mm: Some(first_target_at_mm),
         targets_run: Some(targets_run),
-        sign: Some(Sign::AsError),
+        sign: Some(TableSign::AsError),
         ..Stated::default()
     }
 }
@@ -77,7 +76,7 @@ fn rtl_laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
     }
 }
 
-fn signed(sign: Sign) -> Stated {
+fn signed(sign: TableSign) -> Stated {
     Stated {
         sign: Some(sign),
         ..Stated::default()
@@ -147,7 +146,7 @@ fn rows_of_an_api_export_that_contradict_themselves_are_refused() {
     assert!(edited("(X)", "(Y)").contains("names axis `(Y)`"));
     assert!(edited("\t 0.001300", "\t 0.002300").contains("--rows"));
     let turned = Stated {
-        sign: Some(Sign::AsCorrection),
+        sign: Some(TableSign::AsCorrection),
         ..plus
     };
     assert!(pos_refused("(X)", "(X)", &turned).contains("contradicts the file"));
@@ -187,13 +186,13 @@ fn averages_of_an_api_export_are_taken_only_when_asked_for() {
 #[test]
 fn etalon_exchange() {
     let name = "etalon_exchange_selfmade.txt";
-    insta::assert_snapshot!(table(name, &bytes(name), &signed(Sign::AsError)));
+    insta::assert_snapshot!(table(name, &bytes(name), &signed(TableSign::AsError)));
 }
 
 #[test]
 fn isg_components_given_as_corrections() {
     let name = "isg_component_errors_selfmade.csv";
-    insta::assert_snapshot!(table(name, &bytes(name), &signed(Sign::AsCorrection)));
+    insta::assert_snapshot!(table(name, &bytes(name), &signed(TableSign::AsCorrection)));
 }
 
 const STATUS_PRO: &str = "Example\n\"AXn [mm]\";\"Delta [mm]\";\"Note\"\n\
@@ -205,7 +204,7 @@ fn mapped_columns_with_decimal_comma() {
         columns: Some("AXn [mm]=position_mm,Delta [mm]=ex_mm".to_string()),
         axis: Some(Axis::X),
         travel: Some(Travel::Both),
-        ..signed(Sign::AsError)
+        ..signed(TableSign::AsError)
     };
     insta::assert_snapshot!(table("status.csv", STATUS_PRO.as_bytes(), &stated));
 }
@@ -231,7 +230,7 @@ fn mapped_runs_are_averaged() {
     let stated = Stated {
         columns: Some("p=position_mm,e=ey_um,r=run,d=direction".to_string()),
         axis: Some(Axis::Z),
-        ..signed(Sign::AsError)
+        ..signed(TableSign::AsError)
     };
     let expected = "axis,direction,position_mm,ey_um,u_ey_um\n\
         z,+,0,2,1\nz,+,10,6,1\nz,-,0,-1,\nz,-,10,0.5,";
@@ -242,7 +241,7 @@ fn mapped_runs_are_averaged() {
 fn corrections_are_turned_once() {
     let mut stated = rtl_laser(-200.0, Direction::Plus);
     let errors = rows(&table(RTL, &bytes(RTL), &stated));
-    stated.sign = Some(Sign::AsCorrection);
+    stated.sign = Some(TableSign::AsCorrection);
     let corrections = rows(&table(RTL, &bytes(RTL), &stated));
     assert!(errors.contains("x,+,-200,0.5,0.1"));
     assert!(corrections.contains("x,+,-200,-0.5,0.1"));
@@ -368,9 +367,9 @@ fn other_encodings_are_read_where_they_are_stated() {
     let text = String::from_utf8(changed("Example mill", "¤")).unwrap();
     let (before, behind) = text.split_once('¤').unwrap();
     let cases = [
-        (Some(Encoding::Windows1252), b"Fr\xe4se".as_slice(), "Fräse"),
-        (Some(Encoding::Windows1250), b"Fr\xe9zka \xf8", "Frézka ř"),
-        (Some(Encoding::Gbk), b"\xbb\xfa\xb4\xb2".as_slice(), "机床"),
+        (Some(WINDOWS_1252), b"Fr\xe4se".as_slice(), "Fräse"),
+        (Some(WINDOWS_1250), b"Fr\xe9zka \xf8", "Frézka ř"),
+        (Some(GBK), b"\xbb\xfa\xb4\xb2".as_slice(), "机床"),
     ];
     for (encoding, name, expected) in cases {
         let bytes = [before.as_bytes(), name, behind.as_bytes()].concat();
@@ -382,7 +381,7 @@ fn other_encodings_are_read_where_they_are_stated() {
         .chain(text.encode_utf16())
         .flat_map(u16::to_le_bytes)
         .collect();
-    let unmarked = run(RTL, &wide[2..], &stated, Some(Encoding::Utf16Le)).unwrap();
+    let unmarked = run(RTL, &wide[2..], &stated, Some(UTF_16LE)).unwrap();
     assert!(write(&unmarked.draft).contains("# text: UTF-16LE, as stated"));
     let imported = run(RTL, &wide, &stated, None).unwrap();
     assert!(write(&imported.draft).contains("# text: UTF-16"));
@@ -392,7 +391,7 @@ fn other_encodings_are_read_where_they_are_stated() {
 fn squareness_has_the_sign_of_the_contract() {
     // ISO 230-1: EC0Y = −φxy, EB0Z = +φxz, EA0Z = −φyz.
     let text = "C0Y B0Z A0Z X0Y\n1e-6 2e-6 3e-6 0.5\n#\nY EYY\n0 0\n100 0.001\n";
-    let imported = run("s.csv", text.as_bytes(), &signed(Sign::AsError), None).unwrap();
+    let imported = run("s.csv", text.as_bytes(), &signed(TableSign::AsError), None).unwrap();
     let found: Vec<(&str, f64)> = imported
         .squareness
         .iter()
@@ -482,7 +481,7 @@ fn two_columns(decimal: Option<Decimal>) -> Stated {
         axis: Some(Axis::X),
         travel: Some(Travel::Both),
         decimal,
-        ..signed(Sign::AsError)
+        ..signed(TableSign::AsError)
     }
 }
 
@@ -527,7 +526,7 @@ fn angles_over_several_runs_state_no_uncertainty() {
         columns: Some("t=position_mm,a=ea_urad,run=run".to_string()),
         axis: Some(Axis::X),
         travel: Some(Travel::Both),
-        ..signed(Sign::AsError)
+        ..signed(TableSign::AsError)
     };
     let text = table(
         "a.csv",

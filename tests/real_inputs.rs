@@ -9,8 +9,8 @@
 #[path = "support/skipped.rs"]
 mod skipped;
 
-use nonius::inputs::import::choices::{MaterialCorrected, Rows, Sign};
-use nonius::inputs::import::stated::Stated;
+use nonius::control::controller::TableSign;
+use nonius::inputs::import::stated::{MaterialCorrected, Rows, Stated};
 use nonius::inputs::import::{Component, Imported, Measurement, import};
 use nonius::kit::sha256;
 use nonius::quantity::axis::{Axis, Direction};
@@ -56,7 +56,7 @@ fn stated(name: &str) -> Stated {
         axis,
         first_target_at_mm: Some(0.0),
         targets_run: Some(run),
-        sign: Some(Sign::AsError),
+        sign: Some(TableSign::AsError),
         rows,
         material_corrected: Some(MaterialCorrected::NotStated),
         ..Stated::default()
@@ -121,7 +121,7 @@ fn of_a_laser_export_nothing_is_guessed() {
             assert!(nothing.contains(option), "{name}: {nothing}");
         }
         let turned = Stated {
-            sign: Some(Sign::AsCorrection),
+            sign: Some(TableSign::AsCorrection),
             ..stated(name)
         };
         let contradicts = imported(path, &turned).is_err();

@@ -2,20 +2,17 @@
 //! refusal comes to; src/case.rs judges it.
 
 use crate::bundle::Bundle;
+use clap::ValueEnum;
 use nonius::control::controller::{Dialect, FanucFacts, Origin, Profile, builtin, load};
 use nonius::inputs::error_table::{ErrorTable, Remarks};
-use nonius::inputs::import::choices::{
-    Decimal, Encoding, MaterialCorrected, Rows, Runs as Travelled, Sign, Travel, Values as Counted,
-};
-use nonius::inputs::import::stated::Stated;
+use nonius::inputs::import::stated::{Stated, axis_word, direction_word};
 use nonius::inputs::import::{
-    Component, Format, Measurement, import as import_file, measured_runs,
+    Component, Measurement, encoding_word, import as import_file, measured_runs,
 };
 use nonius::inputs::job::{Job, UseOf};
 use nonius::inputs::nc::{G43WithoutH, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
 use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
-use nonius::quantity::axis::{Axis, Direction};
 use nonius::read::{
     control_data, fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
@@ -112,16 +109,8 @@ pub fn import(input: &[u8]) -> Answer {
     let words: Vec<&str> = options.split_whitespace().collect();
     for pair in words.windows(2) {
         match pair[0] {
-            "--from" => {
-                from = Format::ALL
-                    .into_iter()
-                    .find(|format| format.word() == pair[1])
-            }
-            "--encoding" => {
-                encoding = Encoding::ALL
-                    .into_iter()
-                    .find(|known| known.word() == pair[1])
-            }
+            "--from" => from = choice(pair[1]),
+            "--encoding" => encoding = encoding_word(pair[1]).ok(),
             option => state(&mut stated, option, pair[1]),
         }
     }
@@ -136,45 +125,27 @@ pub fn import(input: &[u8]) -> Answer {
     Ok(format!("{}\n{facts} {warnings} {runs}", imported.text))
 }
 
-fn by<T: Copy>(all: &[T], word: impl Fn(T) -> &'static str, text: &str) -> Option<T> {
-    all.iter().copied().find(|known| word(*known) == text)
+fn choice<T: ValueEnum>(word: &str) -> Option<T> {
+    T::from_str(word, false).ok()
 }
 
 fn state(stated: &mut Stated, option: &str, word: &str) {
-    let travels = [
-        Travel::Both,
-        Travel::One(Direction::Plus),
-        Travel::One(Direction::Minus),
-    ];
-    let materials = [
-        MaterialCorrected::Yes,
-        MaterialCorrected::No,
-        MaterialCorrected::NotStated,
-    ];
     match option {
-        "--axis" => stated.axis = Axis::from_letter(word),
+        "--axis" => stated.axis = axis_word(word).ok(),
         "--term" => stated.term = Component::from_name(word),
         "--first-target-at-mm" => {
             stated.first_target_at_mm = word.parse().ok().filter(|mm: &f64| mm.abs() <= 1e6)
         }
-        "--targets-run" => stated.targets_run = by(&Direction::BOTH, Direction::symbol, word),
-        "--direction" => stated.travel = by(&travels, Travel::word, word),
-        "--plus-moves" => stated.plus_moves = by(&Direction::BOTH, Direction::symbol, word),
-        "--sign" => stated.sign = by(&[Sign::AsError, Sign::AsCorrection], Sign::word, word),
-        "--unit" => stated.unit = by(&LengthUnit::ALL, LengthUnit::word, word),
-        "--values" => stated.values = by(&[Counted::Absolute], Counted::word, word),
-        "--runs" => {
-            stated.runs = by(
-                &[Travelled::Unidirectional, Travelled::Bidirectional],
-                Travelled::word,
-                word,
-            )
-        }
-        "--rows" => stated.rows = by(&[Rows::Measured, Rows::Averages], Rows::word, word),
-        "--material-corrected" => {
-            stated.material_corrected = by(&materials, MaterialCorrected::word, word)
-        }
-        "--decimal" => stated.decimal = by(&[Decimal::Point, Decimal::Comma], Decimal::word, word),
+        "--targets-run" => stated.targets_run = direction_word(word).ok(),
+        "--direction" => stated.travel = choice(word),
+        "--plus-moves" => stated.plus_moves = direction_word(word).ok(),
+        "--sign" => stated.sign = choice(word),
+        "--unit" => stated.unit = choice(word),
+        "--values" => stated.values = choice(word),
+        "--runs" => stated.runs = choice(word),
+        "--rows" => stated.rows = choice(word),
+        "--material-corrected" => stated.material_corrected = choice(word),
+        "--decimal" => stated.decimal = choice(word),
         "--columns" => stated.columns = Some(word.to_string()),
         _ => {}
     }

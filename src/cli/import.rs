@@ -3,14 +3,12 @@
 use crate::cli::outcome::Outcome;
 use crate::cli::show::{Column, paragraphs, table};
 use crate::cli::{Format, inputs, write};
-use crate::inputs::import::choices::{
-    Decimal, Encoding, MaterialCorrected, Rows, Runs, Sign, Travel, Values,
+use crate::inputs::import::stated::{Stated, word};
+use crate::inputs::import::{
+    self, Component, Imported, Measurement, encoding_word, squareness_lines, terms_of,
 };
-use crate::inputs::import::stated::Stated;
-use crate::inputs::import::{self, Component, Imported, Measurement, squareness_lines, terms_of};
 use crate::kit::sha256;
-use crate::quantity::axis::{Axis, Direction};
-use crate::text::delimited::LengthUnit;
+use crate::quantity::axis::Direction;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -27,55 +25,15 @@ pub(super) struct Options {
     /// Replace an existing error table
     #[arg(long)]
     force: bool,
-    /// Format of the file: rtl, ren, pos, etalon, isg or columns [default: by what stands in it]
-    #[arg(long, value_name = "FORMAT", value_parser = format_word)]
+    /// Format of the file [default: by what stands in it]
+    #[arg(long, value_name = "FORMAT")]
     from: Option<import::Format>,
     /// Encoding of its text, where it does not show: windows-1252 (= latin-1), windows-1250, gbk,
     /// utf-16le, utf-16be or utf-8
     #[arg(long, value_name = "ENCODING", value_parser = encoding_word)]
-    encoding: Option<Encoding>,
-    /// The moving axis
-    #[arg(long, value_parser = axis_word)]
-    axis: Option<Axis>,
-    /// What was measured, e.g. EXX (positioning of X) or EYX (deviation in Y while X moves)
-    #[arg(long, value_parser = term_word)]
-    term: Option<Component>,
-    /// Machine coordinate of the first target, mm
-    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = millimetres)]
-    first_target_at_mm: Option<f64>,
-    /// Way of the axis from the first target to the last, in machine coordinates: + or -
-    #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
-    targets_run: Option<Direction>,
-    /// Direction of travel of rows that do not name one: +, - or both
-    #[arg(long, value_name = "+|-|both", allow_hyphen_values = true, value_parser = travel_word)]
-    direction: Option<Travel>,
-    /// Way of the axis, in machine coordinates, in rows whose direction is +: + or -
-    #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
-    plus_moves: Option<Direction>,
-    /// as-error = measured - target, as the file counts; as-correction = what has to be added
-    #[arg(long, value_parser = sign_word)]
-    sign: Option<Sign>,
-    /// Unit of the values: um, mm, in or uin
-    #[arg(long, value_parser = unit_word)]
-    unit: Option<LengthUnit>,
-    /// How the values of a compensation table count: absolute (others cannot be read)
-    #[arg(long, value_parser = values_word)]
-    values: Option<Values>,
-    /// unidirectional, or bidirectional (even runs go back)
-    #[arg(long, value_parser = runs_word)]
-    runs: Option<Runs>,
-    /// Which rows of a file that holds both: measured, or averages (the maker's)
-    #[arg(long, value_parser = rows_word)]
-    rows: Option<Rows>,
-    /// Whether the instrument brought the readings to 20 °C of the material: yes, no or not-stated
-    #[arg(long, value_parser = material_word)]
-    material_corrected: Option<MaterialCorrected>,
-    /// Sign before the decimals of a delimited text, where it does not show: point or comma
-    #[arg(long, value_parser = decimal_word)]
-    decimal: Option<Decimal>,
-    /// Which column holds what (#3 = the third one), e.g. "AXn [mm]=position_mm,Delta [mm]=ex_mm"
-    #[arg(long, value_name = "NAME=COLUMN,…")]
-    columns: Option<String>,
+    encoding: Option<&'static encoding_rs::Encoding>,
+    #[command(flatten)]
+    stated: Stated,
     /// What to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -100,8 +58,8 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         sha256: &sha256(&bytes),
         bytes: &bytes,
     };
-    let stated = options.stated();
-    let imported = import::import(file, options.from, options.encoding, &stated)?;
+    let stated = &options.stated;
+    let imported = import::import(file, options.from, options.encoding, stated)?;
     if to_stdout {
         let talk = talk(&imported);
         return Ok(Outcome::bytes(imported.text.into_bytes()).saying(talk));
@@ -113,36 +71,15 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         inputs::file_name(&options.output)
     );
     let outcome = match options.format {
-        Format::Json => Outcome::json(&document(file, &options.output, &stated, &imported))?,
+        Format::Json => Outcome::json(&document(file, &options.output, stated, &imported))?,
         Format::Text => Outcome::text(&series_table(&imported)),
     };
     Ok(outcome.writing(ready).saying(talk(&imported)).saying(next))
 }
 
-impl Options {
-    fn stated(&self) -> Stated {
-        Stated {
-            axis: self.axis,
-            term: self.term,
-            first_target_at_mm: self.first_target_at_mm,
-            targets_run: self.targets_run,
-            travel: self.direction,
-            plus_moves: self.plus_moves,
-            sign: self.sign,
-            unit: self.unit,
-            values: self.values,
-            runs: self.runs,
-            rows: self.rows,
-            material_corrected: self.material_corrected,
-            decimal: self.decimal,
-            columns: self.columns.clone(),
-        }
-    }
-}
-
 /// What the file says, what was done with it, what belongs into the job.
 fn talk(imported: &Imported) -> String {
-    let mut facts = vec![format!("read as {}", imported.format.word())];
+    let mut facts = vec![format!("read as {}", word(imported.format))];
     facts.extend(imported.facts.iter().cloned());
     let warnings = imported.warnings.iter().map(|w| format!("warning: {w}"));
     paragraphs(&[
@@ -211,7 +148,7 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
     json!({
         "schema": 1,
         "source": { "path": file.name, "sha256": file.sha256 },
-        "format": imported.format.word(),
+        "format": word(imported.format),
         "output": output.display().to_string(),
         "stated": given,
         "facts": imported.facts,
@@ -219,92 +156,4 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
         "series": series,
         "squareness_um_per_m": squareness,
     })
-}
-
-/// The value with this word, or the words that there are.
-pub(super) fn by_word<T: Copy>(
-    text: &str,
-    all: &[T],
-    word: impl Fn(T) -> &'static str,
-) -> Result<T, String> {
-    let found = all.iter().copied().find(|value| word(*value) == text);
-    let words: Vec<&str> = all.iter().map(|value| word(*value)).collect();
-    found.ok_or_else(|| format!("expected {}", words.join(", ")))
-}
-
-fn format_word(text: &str) -> Result<import::Format, String> {
-    by_word(text, &import::Format::ALL, import::Format::word)
-}
-
-pub(super) fn encoding_word(text: &str) -> Result<Encoding, String> {
-    match text {
-        "latin-1" => Ok(Encoding::Windows1252),
-        _ => by_word(text, &Encoding::ALL, Encoding::word),
-    }
-}
-
-pub(super) fn axis_word(text: &str) -> Result<Axis, String> {
-    Axis::from_letter(text).ok_or_else(|| "expected x, y or z".to_string())
-}
-
-fn term_word(text: &str) -> Result<Component, String> {
-    Component::from_name(text).ok_or_else(|| "expected EXX, EYX … EZZ, EAX … ECZ".to_string())
-}
-
-pub(super) fn millimetres(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|mm| mm.abs() <= LONGEST_MM);
-    number.ok_or_else(|| "expected a number of mm, with a decimal point".to_string())
-}
-
-/// A kilometre: no machine is longer.
-const LONGEST_MM: f64 = 1e6;
-
-pub(super) fn direction_word(text: &str) -> Result<Direction, String> {
-    by_word(text, &Direction::BOTH, Direction::symbol)
-}
-
-fn travel_word(text: &str) -> Result<Travel, String> {
-    let all = [
-        Travel::One(Direction::Plus),
-        Travel::One(Direction::Minus),
-        Travel::Both,
-    ];
-    by_word(text, &all, Travel::word)
-}
-
-pub(super) fn sign_word(text: &str) -> Result<Sign, String> {
-    by_word(text, &[Sign::AsError, Sign::AsCorrection], Sign::word)
-}
-
-fn unit_word(text: &str) -> Result<LengthUnit, String> {
-    by_word(text, &LengthUnit::ALL, LengthUnit::word)
-}
-
-fn rows_word(text: &str) -> Result<Rows, String> {
-    by_word(text, &[Rows::Measured, Rows::Averages], Rows::word)
-}
-
-fn values_word(text: &str) -> Result<Values, String> {
-    by_word(text, &[Values::Absolute], Values::word)
-}
-
-pub(super) fn material_word(text: &str) -> Result<MaterialCorrected, String> {
-    let all = [
-        MaterialCorrected::Yes,
-        MaterialCorrected::No,
-        MaterialCorrected::NotStated,
-    ];
-    by_word(text, &all, MaterialCorrected::word)
-}
-
-fn decimal_word(text: &str) -> Result<Decimal, String> {
-    by_word(text, &[Decimal::Point, Decimal::Comma], Decimal::word)
-}
-
-pub(super) fn runs_word(text: &str) -> Result<Runs, String> {
-    by_word(
-        text,
-        &[Runs::Unidirectional, Runs::Bidirectional],
-        Runs::word,
-    )
 }

@@ -5,14 +5,13 @@ mod document;
 mod text;
 
 use crate::cli::Format;
-use crate::cli::import::{
-    axis_word, by_word, direction_word, encoding_word, material_word, millimetres, runs_word,
-    sign_word,
-};
 use crate::cli::inputs::{file_name, read_argument};
 use crate::cli::outcome::Outcome;
-use crate::inputs::import::choices::{Encoding, MaterialCorrected, Runs as Ways, Sign};
-use crate::inputs::import::{self, Measurement, measured_runs};
+use crate::control::controller::TableSign;
+use crate::inputs::import::stated::{
+    self, MaterialCorrected, Runs as Ways, axis_word, direction_word, millimetres,
+};
+use crate::inputs::import::{Measurement, encoding_word, measured_runs};
 use crate::inputs::target_runs::{Runs, Stated, Values};
 use crate::kit::sha256;
 use crate::machine::standards::iso_230_2::{self, Travel};
@@ -31,43 +30,35 @@ pub(super) struct Options {
     /// `-` = standard input
     file: PathBuf,
     /// Unit of the columns whose names have none: mm, in, um or uin
-    #[arg(long, value_parser = unit_word)]
+    #[arg(long)]
     unit: Option<LengthUnit>,
     /// What the columns of runs hold, where it is open: positions or deviations
-    #[arg(long, value_parser = values_word)]
+    #[arg(long)]
     values: Option<Values>,
     /// Travel of the axis, mm [default: from the first to the last target]
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     travel_mm: Option<f64>,
     /// .rtl: as-error = measured - target; as-correction = what has to be added
-    #[arg(long, value_parser = sign_word)]
-    sign: Option<Sign>,
+    #[arg(long)]
+    sign: Option<TableSign>,
     /// .rtl: way of the axis from the first target to the last, in machine coordinates: + or -
     #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
     targets_run: Option<Direction>,
     /// .rtl: unidirectional, or bidirectional (even runs go back)
-    #[arg(long, value_parser = runs_word)]
+    #[arg(long)]
     runs: Option<Ways>,
     /// .rtl: the axis that moved, where the file names none
     #[arg(long, value_parser = axis_word)]
     axis: Option<Axis>,
     /// .rtl: whether the instrument took the expansion of the material out: yes, no or not-stated
-    #[arg(long, value_parser = material_word)]
+    #[arg(long)]
     material_corrected: Option<MaterialCorrected>,
     /// .rtl: encoding of its text, where it does not show itself, e.g. latin-1 or gbk
     #[arg(long, value_parser = encoding_word)]
-    encoding: Option<Encoding>,
+    encoding: Option<&'static encoding_rs::Encoding>,
     /// What to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-}
-
-fn unit_word(text: &str) -> Result<LengthUnit, String> {
-    by_word(text, &LengthUnit::ALL, LengthUnit::word)
-}
-
-fn values_word(text: &str) -> Result<Values, String> {
-    by_word(text, &Values::ALL, Values::word)
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
@@ -171,14 +162,14 @@ fn is_readings(name: &str, bytes: &[u8]) -> bool {
 }
 
 impl Options {
-    fn stated(&self) -> import::stated::Stated {
-        import::stated::Stated {
+    fn stated(&self) -> stated::Stated {
+        stated::Stated {
             sign: self.sign,
             targets_run: self.targets_run,
             runs: self.runs,
             axis: self.axis,
             material_corrected: self.material_corrected,
-            ..import::stated::Stated::default()
+            ..stated::Stated::default()
         }
     }
 

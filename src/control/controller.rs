@@ -18,7 +18,7 @@ use crate::control::checklist::Step;
 use crate::quantity::units::{Correction, Deviation};
 
 /// What the numbers in a control's table mean: the machine's error, or what the control adds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum TableSign {
     /// The table holds the deviation; a positive value makes the axis move in −.
     AsError,

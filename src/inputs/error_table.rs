@@ -4,19 +4,17 @@
 //! there. What is not measured is absent (`None`), never zero. A table that exists has passed
 //! every check of the format; its rows still know their lines, so that later checks can point at them.
 
-mod columns;
 mod merged;
+mod read;
 mod remarks;
-mod rows;
-mod series;
 mod text;
 
-pub use self::columns::Heading;
+pub(crate) use self::read::{Column, Quantity, known_columns};
+pub use self::read::{Heading, Series};
 pub use self::remarks::{Remarks, SIMULATED};
-pub use self::series::Series;
 pub use self::text::{Draft, DraftSeries, write};
 
-use self::columns::{Columns, FIRST_LINE};
+use self::read::{Columns, FIRST_LINE, Record, refuse_single_positions};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
@@ -50,14 +48,14 @@ impl ErrorTable {
             .into());
         };
         let columns = Columns::read(&header)?;
-        let (records, mut problems) = rows::read_rows(&columns, &rows);
+        let mut problems = Problems::none();
+        let records = rows.iter();
+        let records = records.filter_map(|row| columns.record(row, &mut problems));
+        let records: Vec<Record<'_>> = records.collect();
         let all_rows_read = problems.is_empty();
-        let mut series = PerAxis::from_fn(|_| Vec::new());
-        for axis in Axis::ALL {
-            series[axis] = series::series_of(axis, &records, &columns, &mut problems);
-        }
-        if all_rows_read {
-            series::refuse_single_positions(&records, &series, &mut problems);
+        let series = PerAxis::from_fn(|axis| columns.series_of(axis, &records, &mut problems));
+        for (axis, series) in series.iter().filter(|_| all_rows_read) {
+            refuse_single_positions(axis, &records, series, &mut problems);
         }
         if rows.is_empty() {
             problems.push(

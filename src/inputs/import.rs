@@ -9,47 +9,34 @@
 //! of the first target, sense of the targets, sign, unit) has to be stated; nothing is guessed,
 //! and a statement that contradicts the file is a problem. docs/import.md has the whole list.
 
-pub mod choices;
 mod columns;
 mod component;
-mod components;
-mod decimal;
 mod encoding;
-mod etalon;
-mod format;
 mod groups;
-mod isg;
-mod lines;
-mod mapped_rows;
 mod mapping;
-mod placing;
+mod parameters;
 mod pos;
-mod pos_header;
 mod pos_rows;
 mod reading;
-mod refused;
 mod ren;
-mod ren_header;
-mod reversal;
 mod rtl;
 mod rtl_file;
-mod rtl_runs;
-mod rtl_sections;
-mod rtl_tested;
-mod rtl_texts;
 pub mod stated;
+mod words;
 
 pub use self::component::{Component, Kind, terms_of};
-pub use self::format::Format;
-use self::reading::Reading;
-pub use self::reading::{Measurement, Squareness};
-pub use self::rtl_tested::{MeasuredRuns, measured_runs};
+pub use self::encoding::{Measurement, encoding_word};
+pub use self::reading::Squareness;
+pub use self::rtl::{MeasuredRuns, measured_runs};
+pub use self::stated::Format;
 
-use self::choices::Encoding;
-use self::stated::Stated;
+use self::encoding::text_of;
+use self::parameters::is_isg_header;
+use self::reading::{Reading, reversal_warnings};
+use self::stated::{Stated, described};
 use crate::inputs::error_table::{self, Draft, ErrorTable};
 use crate::text::document::Source;
-use crate::text::problem::Problems;
+use crate::text::problem::{Problem, Problems};
 
 /// An imported measurement.
 #[derive(Clone, Debug)]
@@ -72,18 +59,17 @@ pub struct Imported {
 pub fn import(
     file: Measurement<'_>,
     from: Option<Format>,
-    encoding: Option<Encoding>,
+    encoding: Option<&'static encoding_rs::Encoding>,
     stated: &Stated,
 ) -> Result<Imported, Problems> {
-    refused::refuse_bytes(file)?;
-    let (source, encoding) = encoding::decode(file, encoding)?;
-    refused::refuse_text(file, &source.text, stated.columns.is_some())?;
+    let (source, encoding) = text_of(file, encoding, stated.columns.is_some())?;
     let format = match from {
         Some(format) => format,
-        None => format::recognised(&source, stated)?,
+        None => recognised(&source, stated)?,
     };
     let mut reading = read(format, &source, stated)?;
-    reading.warnings.extend(reversal::warnings(&reading.series));
+    let reversal = reversal_warnings(&reading.series);
+    reading.warnings.extend(reversal);
     let mut facts = vec![format!("text: {encoding}")];
     facts.extend(reading.facts.iter().cloned());
     let draft = Draft {
@@ -103,19 +89,52 @@ pub fn import(
 }
 
 fn read(format: Format, source: &Source, stated: &Stated) -> Result<Reading, Problems> {
-    let mut problems = stated.foreign_to(format.word(), format.takes());
+    let mut problems = stated.foreign_to(format);
     let read = match format {
         Format::Rtl => rtl::read,
         Format::Ren => ren::read,
         Format::Pos => pos::read,
-        Format::Etalon => etalon::read,
-        Format::Isg => isg::read,
+        Format::Etalon => parameters::read_etalon,
+        Format::Isg => parameters::read_isg,
         Format::Columns => columns::read,
     };
     match problems.take(read(source, stated)) {
         Some(reading) if problems.is_empty() => Ok(reading),
         _ => Err(problems),
     }
+}
+
+/// The format, by what stands in the file, else by the ending of its name.
+fn recognised(source: &Source, stated: &Stated) -> Result<Format, Problem> {
+    if stated.columns.is_some() {
+        return Ok(Format::Columns);
+    }
+    let lines = source.text.lines().map(str::trim);
+    let content = || lines.clone().filter(|line| !line.is_empty());
+    let first = content().find(|line| !line.starts_with("//")).unwrap_or("");
+    let has_key = |key: &str| content().any(|line| line.starts_with(key) && line.contains(':'));
+    let name = source.name.to_ascii_lowercase();
+    let signs = [
+        (Format::Rtl, first.eq_ignore_ascii_case("HEADER::")),
+        (
+            Format::Ren,
+            has_key("Compensation start") || has_key("Compensation type"),
+        ),
+        (Format::Etalon, first.starts_with('[')),
+        (Format::Isg, is_isg_header(first)),
+        (
+            Format::Pos,
+            pos::is_first_line(first) || name.ends_with(".pos"),
+        ),
+        (Format::Rtl, name.ends_with(".rtl")),
+        (Format::Ren, name.ends_with(".ren")),
+    ];
+    let found = signs.into_iter().find(|(_, is)| *is);
+    found.map(|(format, _)| format).ok_or_else(|| {
+        Problem::new(format!("the format of `{}` is not recognised", source.name))
+            .at(source.place(&(0..first.len().min(source.text.len()))))
+            .help("map its columns with `--columns`, or state `--from rtl`, `ren`, `pos`, `etalon` or `isg`. Of the files of Optodyne, CARTO and others nothing is known that could be relied on: export a CSV there")
+    })
 }
 
 /// Lines above the table: where it comes from, what was stated, what the file says.
@@ -128,7 +147,7 @@ fn comments(
 ) -> Vec<String> {
     let mut comments = vec![
         source_comment(file.name, file.sha256),
-        format!("format: {}", format.described()),
+        format!("format: {}", described(format)),
     ];
     let given = stated.given().into_iter();
     comments.extend(given.map(|(option, value)| format!("stated: {option} {value}")));

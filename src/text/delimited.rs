@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 /// A unit of length that a measurement is given in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum LengthUnit {
     /// Micrometres.
     Um,
@@ -181,23 +181,58 @@ impl<'a> Line<'a> {
             return Some(number);
         }
         problems.push_with(|| {
-            let quoted = shown(cell);
-            let (message, help) = if number.is_some() {
-                (
-                    format!("`{name}` is `{quoted}`, which is too large for any machine"),
-                    "check the cell",
-                )
-            } else {
-                let comma = cell.contains(',');
-                let help = if comma { DECIMAL_COMMA } else { expected };
-                (
-                    format!("`{name}` is `{quoted}`, expected a finite number"),
-                    help,
-                )
+            let found = match cell {
+                "" => "empty".to_string(),
+                _ => format!("`{}`", shown(cell)),
             };
-            Problem::new(message).at(self.cell_place(index)).help(help)
+            let (what, help) = match number {
+                Some(_) => ("which is too large for any machine", "check the cell"),
+                None if cell.contains(',') => ("expected a finite number", DECIMAL_COMMA),
+                None => ("expected a finite number", expected),
+            };
+            Problem::new(format!("`{name}` is {found}, {what}"))
+                .at(self.cell_place(index))
+                .help(help)
         });
         None
+    }
+}
+
+/// A cell under the name of its column.
+pub(crate) struct Cell<'a, 'b> {
+    /// Its row.
+    pub(crate) line: &'b Line<'a>,
+    /// Its place in the row.
+    pub(crate) index: usize,
+    /// What stands in it.
+    pub(crate) text: &'b str,
+    /// The name of its column.
+    pub(crate) name: &'b str,
+}
+
+impl Cell<'_, '_> {
+    /// A problem that stands here.
+    pub(crate) fn problem(&self, message: impl Into<String>, help: &str) -> Problem {
+        Problem::new(message)
+            .at(self.line.cell_place(self.index))
+            .help(help)
+    }
+
+    /// The finite number of the cell; `expected` is the next step where it is none.
+    pub(crate) fn number(&self, expected: &str, problems: &mut Problems) -> Option<f64> {
+        self.line
+            .number_in(self.index, self.text, self.name, expected, problems)
+    }
+
+    /// A number that is not below 0.
+    pub(crate) fn uncertainty(&self, expected: &str, problems: &mut Problems) -> Option<f64> {
+        let number = self.number(expected, problems)?;
+        if number < 0.0 {
+            let (name, found) = (self.name, shown(self.text));
+            let message = format!("`{name}` is {found}, expected an uncertainty of at least 0");
+            problems.push_with(|| self.problem(message, "give the standard uncertainty, k = 1"));
+        }
+        Some(number).filter(|number| *number >= 0.0)
     }
 }
 

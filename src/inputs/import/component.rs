@@ -1,7 +1,7 @@
 //! EXX … ECZ: a deviation or a rotation while one axis moves.
 
 use crate::inputs::error_table::DraftSeries;
-use crate::quantity::axis::Axis;
+use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
 use std::fmt;
 
 /// A component of the error table: a deviation or a rotation while one axis moves.
@@ -25,22 +25,15 @@ pub enum Kind {
 impl Component {
     /// The component of a name such as `EYX` or `ECX`.
     pub fn from_name(name: &str) -> Option<Component> {
-        let [b'E', of, along] = name.as_bytes() else {
-            return None;
-        };
-        let kind = match of {
-            b'X' => Kind::Deviation(Axis::X),
-            b'Y' => Kind::Deviation(Axis::Y),
-            b'Z' => Kind::Deviation(Axis::Z),
-            b'A' => Kind::Angle(Axis::X),
-            b'B' => Kind::Angle(Axis::Y),
-            b'C' => Kind::Angle(Axis::Z),
-            _ => return None,
-        };
-        let along = Axis::ALL
-            .into_iter()
-            .find(|a| a.letter() == char::from(*along))?;
-        Some(Component { kind, along })
+        let kinds = [Kind::Deviation as fn(Axis) -> Kind, Kind::Angle];
+        let all = kinds.into_iter().flat_map(|kind| {
+            ErrorTerm::ALL.map(|term| Component {
+                kind: kind(term.of),
+                along: term.along,
+            })
+        });
+        let mut named = all.filter(|component| component.to_string() == name);
+        named.next()
     }
 
     /// Whether an axis is measured along itself (`EXX`): the sense of its targets is then that of
@@ -60,27 +53,23 @@ impl Component {
 
 impl fmt::Display for Component {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let of = match self.kind {
-            Kind::Deviation(of) => of.letter(),
-            Kind::Angle(Axis::X) => 'A',
-            Kind::Angle(Axis::Y) => 'B',
-            Kind::Angle(Axis::Z) => 'C',
-        };
-        write!(out, "E{of}{}", self.along)
+        let along = self.along;
+        match self.kind {
+            Kind::Deviation(of) => ErrorTerm { of, along }.fmt(out),
+            Kind::Angle(about) => Rotation { about, along }.fmt(out),
+        }
     }
 }
 
 /// The terms of a series, e.g. `EXX EAX`.
 pub fn terms_of(series: &DraftSeries) -> Vec<Component> {
     let along = series.axis;
-    let deviations = Axis::ALL
-        .into_iter()
-        .filter(|of| series.deviations_um[*of].is_some());
-    let angles = Axis::ALL
-        .into_iter()
-        .filter(|of| series.angles_urad[*of].is_some());
-    let kinds = deviations
-        .map(Kind::Deviation)
-        .chain(angles.map(Kind::Angle));
-    kinds.map(|kind| Component { kind, along }).collect()
+    let deviations = series.deviations_um.iter();
+    let deviations = deviations.map(|(of, um)| (Kind::Deviation(of), um.is_some()));
+    let angles = series.angles_urad.iter();
+    let angles = angles.map(|(about, urad)| (Kind::Angle(about), urad.is_some()));
+    let measured = deviations.chain(angles).filter(|(_, is)| *is);
+    measured
+        .map(|(kind, _)| Component { kind, along })
+        .collect()
 }

@@ -1,99 +1,183 @@
-//! Bytes → text. UTF-8 and marked UTF-16 show themselves; other encodings have to be stated.
+//! Bytes → text, and the files that are refused as a whole. UTF-8 and marked UTF-16 show themselves; other
+//! encodings have to be stated.
 
-use crate::inputs::import::Measurement;
-use crate::inputs::import::choices::Encoding;
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
-use encoding_rs::{GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
+use encoding_rs::{Encoding, GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 
-/// The text, and its encoding in words.
-pub(super) fn decode(
+/// A file to be imported.
+#[derive(Clone, Copy, Debug)]
+pub struct Measurement<'a> {
+    /// The file as the user named it, for messages.
+    pub path: &'a str,
+    /// Its name without folders, for the table.
+    pub name: &'a str,
+    /// SHA-256 of its bytes, in hexadecimal digits.
+    pub sha256: &'a str,
+    /// Its bytes.
+    pub bytes: &'a [u8],
+}
+
+/// Encodings that may be stated, and who writes them.
+const ENCODINGS: [(&'static Encoding, &str); 6] = [
+    (UTF_8, "newer programs"),
+    (WINDOWS_1252, "Windows in western Europe"),
+    (WINDOWS_1250, "Windows in central Europe"),
+    (GBK, "Windows in China"),
+    (UTF_16LE, ""),
+    (UTF_16BE, ""),
+];
+
+/// The encoding of a word such as `gbk`; `latin-1` is another word for `windows-1252`.
+pub fn encoding_word(text: &str) -> Result<&'static Encoding, String> {
+    let name = if text == "latin-1" {
+        "windows-1252"
+    } else {
+        text
+    };
+    let found = ENCODINGS.iter().find(|(known, _)| word(known) == name);
+    let words: Vec<String> = ENCODINGS.iter().map(|(known, _)| word(known)).collect();
+    found.map_or_else(
+        || Err(format!("expected {}", words.join(", "))),
+        |(known, _)| Ok(*known),
+    )
+}
+
+fn word(encoding: &'static Encoding) -> String {
+    encoding.name().to_ascii_lowercase()
+}
+
+/// The text of a file that may hold a measurement, and its encoding in words. Where a mapping of columns is
+/// stated, the ending of the name says nothing: the file may be the CSV that was asked for.
+pub(super) fn text_of(
     file: Measurement<'_>,
-    stated: Option<Encoding>,
+    stated: Option<&'static Encoding>,
+    is_mapped: bool,
 ) -> Result<(Source, String), Problems> {
-    let marked = encoding_rs::Encoding::for_bom(file.bytes).map(|(encoding, _)| encoding);
+    let ending = file.name.rsplit_once('.').map_or("", |(_, ending)| ending);
+    let head = String::from_utf8_lossy(&file.bytes[..file.bytes.len().min(4096)]);
+    refuse_kind(
+        file,
+        stated_kind(&head).unwrap_or(ending),
+        &REFUSED[..NOT_TEXT],
+    )?;
+    let (source, encoding) = decode(file, stated)?;
+    let ending = if is_mapped { "" } else { ending };
+    refuse_kind(file, stated_kind(&source.text).unwrap_or(ending), &REFUSED)?;
+    Ok((source, encoding))
+}
+
+fn decode(
+    file: Measurement<'_>,
+    stated: Option<&'static Encoding>,
+) -> Result<(Source, String), Problems> {
+    let marked = Encoding::for_bom(file.bytes).map(|(encoding, _)| encoding);
     if let (Some(marked), Some(stated)) = (marked, stated)
-        && marked != codec(stated)
+        && marked != stated
     {
         let message = format!(
             "`--encoding {}` contradicts `{}`, which begins with the mark of {}",
-            stated.word(),
+            word(stated),
             file.path,
             marked.name()
         );
         return Err(Problem::new(message).help("leave `--encoding` out").into());
     }
     if let (None, None, Some(order)) = (marked, stated, unmarked_utf_16(file.bytes)) {
-        return Err(Problem::new(format!(
+        let message = format!(
             "`{}` looks like UTF-16 without its mark: every second byte is zero",
             file.path
-        ))
-        .help(format!("state its encoding: `--encoding {}`", order.word()))
-        .into());
+        );
+        let help = format!("state its encoding: `--encoding {}`", word(order));
+        return Err(Problem::new(message).help(help).into());
     }
-    let encoding = marked.or(stated.map(codec)).unwrap_or(UTF_8);
+    let encoding = marked.or(stated).unwrap_or(UTF_8);
     let (text, broken) = encoding.decode_with_bom_removal(file.bytes);
     if broken {
-        return Err(wrong_bytes(file.path, &text, encoding));
+        return Err(wrong_bytes(file.path, &text, encoding).into());
     }
     let known_by = match (marked, stated) {
         (Some(_), _) => " (byte order mark)",
         (None, Some(_)) => ", as stated",
         (None, None) => "",
     };
-    let word = format!("{}{known_by}", encoding.name());
-    Ok((Source::from_bytes(file.path, text.as_bytes())?, word))
-}
-
-fn codec(encoding: Encoding) -> &'static encoding_rs::Encoding {
-    match encoding {
-        Encoding::Utf8 => UTF_8,
-        Encoding::Utf16Le => UTF_16LE,
-        Encoding::Utf16Be => UTF_16BE,
-        Encoding::Windows1252 => WINDOWS_1252,
-        Encoding::Windows1250 => WINDOWS_1250,
-        Encoding::Gbk => GBK,
-    }
+    let said = format!("{}{known_by}", encoding.name());
+    Ok((Source::from_bytes(file.path, text.as_bytes())?, said))
 }
 
 /// Latin letters and digits in UTF-16 have a zero byte each, behind or before the other one.
-fn unmarked_utf_16(bytes: &[u8]) -> Option<Encoding> {
+fn unmarked_utf_16(bytes: &[u8]) -> Option<&'static Encoding> {
     const LOOKED_AT: usize = 512;
     let pairs = || bytes.chunks_exact(2).take(LOOKED_AT);
-    let zeros = |at: usize| {
-        pairs()
-            .filter(|pair| pair[at] == 0 && pair[1 - at] != 0)
-            .count()
+    let is_most = |at: usize| {
+        let zeros = pairs().filter(|pair| pair[at] == 0 && pair[1 - at] != 0);
+        zeros.count() * 4 > pairs().len() * 3
     };
-    let most = |count: usize| count > 0 && count * 4 > pairs().len() * 3;
-    match (zeros(0), zeros(1)) {
-        (_, behind) if most(behind) => Some(Encoding::Utf16Le),
-        (before, _) if most(before) => Some(Encoding::Utf16Be),
+    match (is_most(1), is_most(0)) {
+        (true, _) => Some(UTF_16LE),
+        (_, true) => Some(UTF_16BE),
         _ => None,
     }
 }
 
-fn wrong_bytes(path: &str, text: &str, encoding: &'static encoding_rs::Encoding) -> Problems {
+fn wrong_bytes(path: &str, text: &str, encoding: &'static Encoding) -> Problem {
     let at = text.find('\u{fffd}').unwrap_or(0);
     let place = Place::in_text(path, text, at, at + '\u{fffd}'.len_utf8());
-    let others: Vec<String> = OFTEN_MET
-        .into_iter()
-        .filter(|(other, _)| codec(*other) != encoding)
-        .map(|(other, users)| format!("`--encoding {}` ({users})", other.word()))
-        .collect();
-    Problem::new(format!(
-        "the file holds a letter that is not {}",
-        encoding.name()
-    ))
-    .at(place)
-    .help(format!("state its encoding: {}", others.join(", ")))
-    .into()
+    let others = ENCODINGS.iter();
+    let others = others.filter(|(other, users)| *other != encoding && !users.is_empty());
+    let others = others.map(|(other, users)| format!("`--encoding {}` ({users})", word(other)));
+    let others: Vec<String> = others.collect();
+    let name = encoding.name();
+    Problem::new(format!("the file holds a letter that is not {name}"))
+        .at(place)
+        .help(format!("state its encoding: {}", others.join(", ")))
 }
 
-/// Encodings of instrument programs, and who writes them.
-const OFTEN_MET: [(Encoding, &str); 4] = [
-    (Encoding::Utf8, "newer programs"),
-    (Encoding::Windows1252, "Windows in western Europe"),
-    (Encoding::Windows1250, "Windows in central Europe"),
-    (Encoding::Gbk, "Windows in China"),
+/// Kinds of files by ending or stated type, what they are, and what to export instead; first those that are
+/// no text, or text with bytes between.
+const REFUSED: [(&[&str], &str, &str); 4] = [
+    (
+        &["rtx"],
+        "is a dynamic recording (`.rtx`), which has no targets",
+        "measure at targets and save static data (`.rtl`)",
+    ),
+    (
+        &["xls", "xlsx", "ods"],
+        "is a spreadsheet",
+        "save it as CSV, and map its columns with `--columns`",
+    ),
+    (
+        &["rta", "rtr"],
+        "holds angles, and the unit of the values in this format is not known",
+        "export a CSV with the unit, and map its columns: `--columns \"Position=target_mm,Pitch=eb_urad\"`",
+    ),
+    (
+        &["rts", "rtq", "rtf"],
+        "holds straightness, squareness or flatness in a form that is not known",
+        "export a CSV with the evaluated deviations, and map its columns: `--columns \"Position=target_mm,Deviation=ey_um\"`",
+    ),
 ];
+const NOT_TEXT: usize = 2;
+
+fn refuse_kind(
+    file: Measurement<'_>,
+    kind: &str,
+    refused: &[(&[&str], &str, &str)],
+) -> Result<(), Problem> {
+    let kind = kind.to_ascii_lowercase();
+    match refused.iter().find(|(kinds, ..)| kinds.contains(&&*kind)) {
+        None => Ok(()),
+        Some((_, what, instead)) => {
+            Err(Problem::new(format!("`{}` {what}", file.path)).help(*instead))
+        }
+    }
+}
+
+/// The file type that a Renishaw header states.
+fn stated_kind(head: &str) -> Option<&str> {
+    head.lines().find_map(|line| {
+        let (key, value) = line.split_once(':')?;
+        let is_type = key.trim().eq_ignore_ascii_case("file type");
+        is_type.then(|| value.trim())
+    })
+}

@@ -1,62 +1,66 @@
-//! Rows of one axis and direction → one series of the error table.
+//! Rows of one axis and direction of a mapped text → one series of the error table.
 
-use crate::inputs::error_table::DraftSeries;
-use crate::inputs::import::choices::Sign;
-use crate::inputs::import::mapped_rows::Row;
-use crate::inputs::import::mapping::{Content, Mapping};
-use crate::inputs::import::placing::{Placing, freedom_remark, mean, pooled, tidy};
+use crate::control::controller::TableSign;
+use crate::inputs::error_table::{DraftSeries, Quantity};
+use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::import::mapping::{Content, Mapped};
+use crate::inputs::import::reading::{Placing, freedom_remark, means, tidy};
 use crate::inputs::import::stated::Stated;
-use crate::inputs::import::{Component, Kind};
 use crate::quantity::axis::{Axis, Direction};
+use crate::text::delimited::Line;
 use crate::text::problem::{Problem, Problems};
 use std::collections::BTreeMap;
 
 /// Two positions that are nearer than this are one, mm.
 const SAME_MM: f64 = 1e-9;
+const LEAVE_OUT: &str = "a missing value is never filled in: leave the run out";
 
-/// Order of the targets from the first one of the file.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Order {
-    Ascending,
-    Descending,
+/// A row whose mapped cells could be read.
+pub(super) struct Row<'a> {
+    pub(super) line: Line<'a>,
+    pub(super) axis: Axis,
+    pub(super) direction: Option<Direction>,
+    pub(super) run: usize,
+    /// mm.
+    pub(super) position: f64,
+    /// Of each mapped column, in mm, µm or µrad; `None` = it holds no number.
+    pub(super) numbers: Vec<Option<f64>>,
 }
 
-/// The first row of the file holds its first target: one end, the same for every group of rows.
-pub(super) fn target_order(rows: &[Row<'_>], mapping: &Mapping, problems: &mut Problems) -> Order {
-    let Some(first) = rows.first().filter(|_| mapping.has_targets()) else {
-        return Order::Ascending;
+impl Row<'_> {
+    fn problem(&self, message: impl Into<String>, help: &str) -> Problem {
+        Problem::new(message).at(self.line.whole()).help(help)
+    }
+}
+
+/// Whether the targets ascend from the first row of the file, which holds its first target: one end, the same
+/// for every group of rows.
+pub(super) fn is_ascending(rows: &[Row<'_>], problems: &mut Problems) -> bool {
+    let Some(first) = rows.first() else {
+        return true;
     };
     if let Some(other) = rows.iter().find(|row| row.axis != first.axis) {
-        problems.push(
-            Problem::new(
-                "targets of two axes stand in one file, but one first target can be stated only",
-            )
-            .at(other.line.whole())
-            .help("import one axis at a time, or map machine coordinates to `position_mm`"),
-        );
+        let message =
+            "targets of two axes stand in one file, but one first target can be stated only";
+        let help = "import one axis at a time, or map machine coordinates to `position_mm`";
+        problems.push(other.problem(message, help));
     }
-    let ends = |row: &Row<'_>| (row.position - first.position).total_cmp(&0.0);
-    if rows.iter().all(|row| ends(row).is_ge()) {
-        return Order::Ascending;
+    let ascending = rows.iter().all(|row| row.position >= first.position);
+    if !ascending && rows.iter().any(|row| row.position > first.position) {
+        let message =
+            "the first row is not at an end of the targets, so the first target is not known";
+        problems.push(first.problem(message, "sort the rows, beginning with target 1"));
     }
-    if !rows.iter().all(|row| ends(row).is_le()) {
-        problems.push(
-            Problem::new(
-                "the first row is not at an end of the targets, so the first target is not known",
-            )
-            .at(first.line.whole())
-            .help("sort the rows, beginning with target 1"),
-        );
-    }
-    Order::Descending
+    ascending
 }
 
 /// Rows of one axis and direction.
 pub(super) struct Group<'a, 'b> {
-    pub(super) mapping: &'b Mapping,
-    pub(super) order: Order,
-    /// The first target of the file, mm.
-    pub(super) first_target: f64,
+    pub(super) columns: &'b [Mapped],
+    /// The first target of the file, mm; `None` = positions are machine coordinates.
+    pub(super) first_target: Option<f64>,
+    /// Order of the positions from the first one of the file.
+    pub(super) ascending: bool,
     pub(super) axis: Axis,
     pub(super) direction: Option<Direction>,
     pub(super) rows: Vec<&'b Row<'a>>,
@@ -66,77 +70,73 @@ impl<'a, 'b> Group<'a, 'b> {
     /// The series; what was done is said once for all groups.
     pub(super) fn series(
         &self,
-        sign: Sign,
+        sign: TableSign,
         stated: &Stated,
         facts: &mut Vec<String>,
         problems: &mut Problems,
     ) -> Option<DraftSeries> {
-        let runs = self.runs(problems)?;
+        let runs = problems.take(self.runs())?;
         let positions: Vec<f64> = runs.first()?.iter().map(|row| row.position).collect();
-        let placing = if self.mapping.has_targets() {
-            Some(self.placing(&positions, stated, problems)?)
-        } else {
-            None
+        let placing = match self.first_target {
+            Some(first) => self.placing(first, &positions, stated, problems)?,
+            None => Placing::on_machine(&positions),
         };
-        let known = freedom_remark(positions.len(), runs.len());
-        for fact in self
-            .facts(runs.len(), placing.as_ref())
-            .into_iter()
-            .chain(known)
-        {
+        for fact in self.facts(runs.len(), &placing) {
             if !facts.contains(&fact) {
                 facts.push(fact);
             }
         }
-        let mm = placing.as_ref().map_or_else(
-            || positions.iter().map(|mm| tidy(*mm)).collect(),
-            Placing::positions_mm,
-        );
-        let mut series = DraftSeries::new(self.axis, self.direction, mm);
-        for (index, (_, content)) in self.mapping.columns.iter().enumerate() {
-            let with = (sign, placing.as_ref());
-            self.put(&mut series, index, *content, &runs, with);
+        let mut series = DraftSeries::new(self.axis, self.direction, placing.positions_mm());
+        for (index, column) in self.columns.iter().enumerate() {
+            let of_run =
+                |run: &Vec<&Row<'_>>| run.iter().filter_map(|row| row.numbers[index]).collect();
+            let values: Vec<Vec<f64>> = runs.iter().map(of_run).collect();
+            if let Some(component) = self.component(column) {
+                placing.put(&mut series, component, sign, &values);
+            } else if let Content::Table(Quantity::Uncertainty(of)) = column.content {
+                let u: Vec<f64> = means(&values).iter().map(|(mean, _)| *mean).collect();
+                series.uncertainties_um[of] = Some(placing.uncertainties(&u));
+            }
         }
         Some(series)
     }
 
     fn placing(
         &self,
+        first: f64,
         positions: &[f64],
         stated: &Stated,
         problems: &mut Problems,
     ) -> Option<Placing> {
-        let at = self.rows.first()?.line.whole();
-        if (positions.first()? - self.first_target).abs() > SAME_MM {
-            problems.push(
-                Problem::new("these rows do not begin with the first target of the file")
-                    .at(at)
-                    .help("a missing value is never filled in: leave the run out"),
-            );
+        let row = self.rows.first()?;
+        if (positions.first()? - first).abs() > SAME_MM {
+            let message = "these rows do not begin with the first target of the file";
+            problems.push(row.problem(message, LEAVE_OUT));
             return None;
         }
-        Placing::of(positions, &at, stated, problems)
+        Placing::of(positions, &row.line.whole(), stated, problems)
     }
 
-    /// The components that the mapped columns give.
-    fn components(&self) -> Vec<Component> {
-        let columns = self.mapping.columns.iter();
-        columns
-            .filter_map(|(_, content)| match content {
-                Content::Value(kind, _) => Some(Component {
-                    kind: *kind,
-                    along: self.axis,
-                }),
-                _ => None,
-            })
-            .collect()
+    /// The component that a column gives.
+    fn component(&self, column: &Mapped) -> Option<Component> {
+        let kind = match column.content {
+            Content::Table(Quantity::Deviation(of)) => Kind::Deviation(of),
+            Content::Table(Quantity::Angle(about)) => Kind::Angle(about),
+            _ => return None,
+        };
+        let along = self.axis;
+        Some(Component { kind, along })
     }
 
-    fn facts(&self, runs: usize, placing: Option<&Placing>) -> Vec<String> {
-        let components = self.components();
+    fn facts(&self, runs: usize, placing: &Placing) -> Vec<String> {
+        let components: Vec<Component> = self
+            .columns
+            .iter()
+            .filter_map(|c| self.component(c))
+            .collect();
         let mut facts = Vec::new();
-        if let Some(placing) = placing {
-            facts.extend(placing.words());
+        if self.first_target.is_some() {
+            facts.push(placing.words());
             facts.extend(components.iter().filter_map(|c| placing.sense_words(*c)));
         }
         if runs > 1 {
@@ -152,147 +152,74 @@ impl<'a, 'b> Group<'a, 'b> {
                 _ => "no u is written for angles",
             };
             let travel = self.direction.map_or("both", Direction::symbol);
+            let axis = self.axis;
             facts.push(format!(
-                "runs: {runs} of {}, direction {travel}; their mean, {u}",
-                self.axis
+                "runs: {runs} of {axis}, direction {travel}; their mean, {u}"
             ));
         }
+        facts.extend(freedom_remark(placing.positions_mm().len(), runs));
         facts
     }
 
     /// The rows of each run, in the order of their positions; all runs at the same positions.
-    fn runs(&self, problems: &mut Problems) -> Option<Vec<Vec<&'b Row<'a>>>> {
+    fn runs(&self) -> Result<Vec<Vec<&'b Row<'a>>>, Problems> {
         let mut runs: BTreeMap<usize, Vec<&'b Row<'a>>> = BTreeMap::new();
         for row in &self.rows {
             runs.entry(row.run).or_default().push(row);
         }
         let mut runs: Vec<Vec<&'b Row<'a>>> = runs.into_values().collect();
-        let mut found = Problems::none();
+        let mut problems = Problems::none();
         for run in &mut runs {
-            refuse_broken_order(run, &mut found);
+            refuse_broken_order(run, &mut problems);
             run.sort_by(|a, b| a.position.total_cmp(&b.position));
-            if self.order == Order::Descending {
+            if !self.ascending {
                 run.reverse();
             }
+            refuse_twice(run, &mut problems);
         }
-        let first = runs.first()?;
-        for run in &runs {
-            refuse_twice(run, &mut found);
-            refuse_other_positions(run, first, &mut found);
-        }
-        if let ([run], true) = (&runs[..], found.is_empty()) {
-            refuse_single(self.axis, run, &mut found);
-        }
-        let is_good = found.is_empty();
-        problems.extend(found);
-        is_good.then_some(runs)
-    }
-
-    fn put(
-        &self,
-        series: &mut DraftSeries,
-        index: usize,
-        content: Content,
-        runs: &[Vec<&Row<'_>>],
-        (sign, placing): (Sign, Option<&Placing>),
-    ) {
-        let points = runs.first().map_or(0, Vec::len);
-        let figures: Vec<(f64, Option<f64>)> = (0..points)
-            .map(|point| {
-                let values = runs.iter().filter_map(|run| run.get(point)?.numbers[index]);
-                mean(&values.collect::<Vec<f64>>())
-            })
-            .collect();
-        let means: Vec<f64> = figures.iter().map(|(mean, _)| *mean).collect();
-        let uncertainties = |u: &[f64]| match placing {
-            Some(placing) => placing.uncertainties(u),
-            None => u.iter().map(|u| tidy(*u)).collect(),
-        };
-        match content {
-            Content::Value(kind, _) => {
-                let along = self.axis;
-                let component = Component { kind, along };
-                let values = match placing {
-                    Some(placing) => placing.deviations(&means, component, sign),
-                    None => means.iter().map(|v| tidy(sign.deviation(*v))).collect(),
-                };
-                component.put(series, values);
-                let spread: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
-                if let (Kind::Deviation(of), Some(u)) = (kind, spread) {
-                    series.uncertainties_um[of] = Some(uncertainties(&pooled(&u)));
-                }
+        let differ = |(a, b): (&&Row<'_>, &&Row<'_>)| (a.position - b.position).abs() > SAME_MM;
+        for run in runs.iter().skip(1) {
+            if run.len() != runs[0].len() || run.iter().zip(&runs[0]).any(differ) {
+                let number = run[0].run;
+                let message = format!("run {number} does not have the positions of the first run");
+                problems.push_with(|| run[0].problem(message, LEAVE_OUT));
             }
-            Content::Uncertainty(of, _) => {
-                series.uncertainties_um[of] = Some(uncertainties(&means));
-            }
-            _ => {}
         }
+        if let ([run], true) = (&runs[..], problems.is_empty())
+            && let [row] = run[..]
+        {
+            let axis = self.axis;
+            let message = format!("axis {axis} has a single position, expected at least two");
+            problems.push(row.problem(message, "one position makes no curve"));
+        }
+        problems.or_ok(runs)
     }
 }
 
 /// A run goes one way: a row that turns back belongs to another run, or its number was misread.
 fn refuse_broken_order(run: &[&Row<'_>], problems: &mut Problems) {
-    let steps = || {
-        run.windows(2)
-            .map(|pair| (pair[1].position - pair[0].position, pair))
-    };
-    let Some((first, _)) = steps().find(|(step, _)| step.abs() > 0.0) else {
+    let step = |pair: &[&Row<'_>]| pair[1].position - pair[0].position;
+    let mut pairs = run.windows(2);
+    let Some(first) = pairs.clone().map(step).find(|step| step.abs() > 0.0) else {
         return;
     };
-    let turned = steps().find(|(step, _)| step * first < 0.0);
-    if let Some((_, pair)) = turned {
-        problems.push_with(|| {
-            Problem::new(format!(
-                "position {} comes after {}, but the rows above {}: expected one order in a run",
-                pair[1].position,
-                pair[0].position,
-                if first > 0.0 { "ascend" } else { "descend" }
-            ))
-            .at(pair[1].line.whole())
-            .help("look for a sign between thousands; else map the number of the run (`…=run`), or sort the rows")
-        });
+    if let Some(pair) = pairs.find(|pair| step(pair) * first < 0.0) {
+        let (before, here) = (pair[0].position, pair[1].position);
+        let way = if first > 0.0 { "ascend" } else { "descend" };
+        let message = format!(
+            "position {here} comes after {before}, but the rows above {way}: expected one order in a run"
+        );
+        let help = "look for a sign between thousands; else map the number of the run (`…=run`), or sort the rows";
+        problems.push_with(|| pair[1].problem(message, help));
     }
 }
 
 fn refuse_twice(run: &[&Row<'_>], problems: &mut Problems) {
-    for pair in run.windows(2) {
-        if tidy(pair[0].position)
-            .total_cmp(&tidy(pair[1].position))
-            .is_eq()
-        {
-            problems.push_with(|| {
-                Problem::new(format!("position {} stands twice", pair[1].position))
-                    .at(pair[1].line.whole())
-                    .help("map the number of the run (`…=run`) or the direction of travel (`…=direction`), or leave one row out")
-            });
-        }
-    }
-}
-
-fn refuse_other_positions(run: &[&Row<'_>], first: &[&Row<'_>], problems: &mut Problems) {
-    let mut pairs = run.iter().zip(first);
-    let differ = |(a, b): (&&Row<'_>, &&Row<'_>)| (a.position - b.position).abs() > SAME_MM;
-    let (true, Some(row)) = (run.len() != first.len() || pairs.any(differ), run.first()) else {
-        return;
-    };
-    problems.push_with(|| {
-        Problem::new(format!(
-            "run {} does not have the positions of the first run",
-            row.run
-        ))
-        .at(row.line.whole())
-        .help("a missing value is never filled in: leave the run out")
-    });
-}
-
-fn refuse_single(axis: Axis, run: &[&Row<'_>], problems: &mut Problems) {
-    if let [row] = run {
-        problems.push(
-            Problem::new(format!(
-                "axis {axis} has a single position, expected at least two"
-            ))
-            .at(row.line.whole())
-            .help("one position makes no curve"),
-        );
+    let tidy = |row: &Row<'_>| tidy(row.position);
+    let is_twice = |pair: &&[&Row<'_>]| tidy(pair[0]).total_cmp(&tidy(pair[1])).is_eq();
+    for pair in run.windows(2).filter(is_twice) {
+        let message = format!("position {} stands twice", pair[1].position);
+        let help = "map the number of the run (`…=run`) or the direction of travel (`…=direction`), or leave one row out";
+        problems.push_with(|| pair[1].problem(message, help));
     }
 }

@@ -12,152 +12,275 @@
 //! position; where they are not, the file was edited, and `--rows` says which to take.
 //! docs/import.md §6 names the sources.
 
-use crate::inputs::error_table::DraftSeries;
-use crate::inputs::import::choices::{MaterialCorrected, Rows, Sign};
-use crate::inputs::import::placing::{Placing, freedom_remark, mean, pooled};
-use crate::inputs::import::pos_header::Header;
-use crate::inputs::import::pos_rows::{Averages, Measured, Passes, Relation};
-use crate::inputs::import::stated::{Stated, missing};
-use crate::inputs::import::{Component, Reading};
-use crate::quantity::axis::Direction;
-use crate::text::delimited::LengthUnit;
+use crate::control::controller::TableSign;
+use crate::inputs::import::pos_rows::{Averages, Measured};
+use crate::inputs::import::reading::{Passes, Reading, Way};
+use crate::inputs::import::stated::{Format, ROWS, Rows, Stated};
+use crate::inputs::import::words::{AGAIN, Fields, Piece, lines};
+use crate::quantity::units::UM_PER_MM;
+use crate::text::delimited::{LengthUnit, plain_number};
 use crate::text::document::Source;
-use crate::text::problem::{Place, Problem, Problems, shown};
+use crate::text::problem::{Problem, Problems, shown};
+
+/// The version of the format that was at hand.
+const KNOWN_VERSION: &str = "5";
+/// Fields that are copied into our table.
+const COPIED: [&str; 6] = [
+    "Instrument(S/N)",
+    "TestDate",
+    "MachID",
+    "MachName",
+    "TestType",
+    "ZeroOffset",
+];
+const CHANGED: &str = "the file was edited: save it again, or take the maker's averages with `--rows averages` if they are what was changed on purpose";
 
 pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
+    let lines = lines(source);
+    let header = Header::of(&lines, source)?;
     let mut problems = Problems::none();
-    let header = Header::of(source)?;
-    header.check(&mut problems);
-    let term = required_positioning(stated, &mut problems);
+    let term = stated.required_term(Format::Pos, &mut problems);
     let sign = stated.required_sign(&mut problems);
-    let axis = axis_words(&header, stated, &mut problems);
-    let unit = header.unit("unit", "Unit", &mut problems);
-    let measured = problems.take(Measured::read(source));
-    let averages = problems.take(Averages::read(source));
-    let (Some(measured), Some(averages)) = (measured, averages) else {
-        return Err(problems);
+    let mut said = Reading {
+        facts: header.fields.said(&COPIED),
+        ..Reading::default()
     };
-    let air = material_words(&measured, stated, &mut problems);
-    let taken = taken(&header, &measured, averages.as_ref(), stated, &mut problems);
-    let (Some(unit), Some(taken)) = (unit, taken) else {
-        return Err(problems);
+    if let Some(axis) = header.fields.value("TestAxis") {
+        let (facts, warnings) = (&mut said.facts, &mut said.warnings);
+        facts.push(format!("the file says: TestAxis: {}", shown(axis.text)));
+        warnings.extend(stated.axis_warning(&axis, Format::Pos, &mut problems));
+    }
+    said.warnings.extend(header.version_warning());
+    let is_measured = stated.rows != Some(Rows::Averages);
+    let unit = header.unit("Unit", &mut problems);
+    // Measured errors have the unit of reading and position, from which they follow.
+    let error_unit = match is_measured {
+        true => unit,
+        false => header.unit("ErrorUnit", &mut problems),
     };
-    let targets: Vec<f64> = taken
-        .targets
-        .iter()
-        .map(|target| target * unit.um() / LengthUnit::Mm.um())
-        .collect();
-    let placing = Placing::of(&targets, &taken.place, stated, &mut problems);
-    let error_unit = taken.error_unit(&header, unit, &mut problems);
-    let (Some(term), Some(sign), Some(placing), Some(error_unit)) =
-        (term, sign, placing, error_unit)
+    let measured = problems.take(Measured::read(&lines, source));
+    let averages = problems.take(Averages::read(&lines));
+    let (Some(unit), Some(error_unit), Some(measured), Some(averages)) =
+        (unit, error_unit, measured, averages)
     else {
         return Err(problems);
     };
-    taken.refuse_sign(sign, &mut problems);
-    let (axis_facts, mut warnings) = axis;
-    let mut facts = header.facts();
-    facts.extend(axis_facts);
-    facts.extend(taken.words(&measured, (unit, error_unit), (term, &placing)));
-    warnings.extend(header.version_warning());
-    warnings.extend(taken.warnings.iter().cloned());
-    warnings.extend(air);
-    problems.or_ok(Reading {
-        series: taken.series(term, sign, error_unit, &placing),
-        facts,
-        warnings,
-        ..Reading::default()
-    })
+    said.facts.push(format!(
+        "unit of the positions: {}; of the values: {}",
+        unit.word(),
+        error_unit.word()
+    ));
+    let taken = if is_measured {
+        header.measured(
+            &measured,
+            averages.as_ref(),
+            stated,
+            &mut said,
+            &mut problems,
+        )
+    } else {
+        of_averages(&measured, averages.as_ref(), &mut said, &mut problems)
+    };
+    said.warnings
+        .extend(measured.material_warning(stated, &mut problems));
+    let Some(mut passes) = taken else {
+        return Err(problems);
+    };
+    for target in &mut passes.targets {
+        *target = *target * unit.um() / UM_PER_MM;
+    }
+    passes.scale(error_unit.um());
+    said.facts.extend(measured.surroundings());
+    let of_runs = if is_measured {
+        passes.words(stated)
+    } else {
+        Vec::new()
+    };
+    passes.reading((term, sign), said, of_runs, stated, problems)
 }
 
-fn required_positioning(stated: &Stated, problems: &mut Problems) -> Option<Component> {
-    let term = stated.required_term(problems)?;
-    if !term.is_positioning() {
-        problems.push(
-            Problem::new(format!(
-                "`--term {term}` is no positioning, but a linear file (`pos`) holds one"
-            ))
-            .help("state EXX, EYY or EZZ, or take the right file"),
-        );
-    }
-    Some(term)
+/// Whether a text begins as such a file does.
+pub(super) fn is_first_line(text: &str) -> bool {
+    let text = text.trim().to_lowercase();
+    text.starts_with("api ") && text.contains("laser measurement") && text.contains("data table")
 }
 
-/// The rows that become the table, in the file's unit.
-struct Taken {
-    place: Place,
-    targets: Vec<f64>,
-    /// Values of each pass from the first target to the last, in the order of the targets.
-    forward: Vec<Vec<f64>>,
-    /// Values of each pass back, in the order of the targets.
-    reverse: Vec<Vec<f64>>,
-    relation: Option<Relation>,
-    is_averages: bool,
-    facts: Vec<String>,
-    warnings: Vec<String>,
+/// Lines `Key: value` above and below the tables; several may share a line, and a tab may stand between key
+/// and value.
+struct Header<'a> {
+    first: Piece<'a>,
+    fields: Fields<'a>,
 }
 
-/// Which rows are taken: the measured ones, unless the averages are asked for.
-fn taken(
-    header: &Header<'_>,
-    measured: &Measured<'_>,
-    averages: Option<&Averages<'_>>,
-    stated: &Stated,
-    problems: &mut Problems,
-) -> Option<Taken> {
-    if stated.rows == Some(Rows::Averages) {
-        return of_averages(measured, averages, problems);
+impl<'a> Header<'a> {
+    fn of(lines: &[Piece<'a>], source: &Source) -> Result<Header<'a>, Problem> {
+        let first = lines.iter().find(|line| !line.is_blank());
+        let is_linear = |first: &&Piece<'_>| {
+            is_first_line(first.text) && first.text.to_lowercase().contains("linear data table")
+        };
+        let Some(first) = first.filter(is_linear) else {
+            return Err(Problem::new("the first line is not that of a full export of the format `pos`, expected a `Linear Data Table` of API")
+                .at(first.map_or_else(|| source.place(&(0..0)), Piece::place))
+                .help("save the linear measurement itself, not an evaluation; or export a CSV and map its columns: `--columns \"Position=target_mm,Error=ex_mm\"`"));
+        };
+        let mut fields = Vec::new();
+        for line in lines {
+            let mut open: Option<String> = None;
+            for part in line.words(|c| c == '\t') {
+                match (open.take(), part.key_value()) {
+                    (Some(key), _) => fields.push((key, part)),
+                    (None, Some((key, value))) if value.text.is_empty() => open = Some(key),
+                    (None, Some(pair)) => fields.push(pair),
+                    (None, None) => {}
+                }
+            }
+        }
+        let (first, fields) = (*first, Fields(fields));
+        Ok(Header { first, fields })
     }
-    let before = problems.iter().count();
-    let relation = measured.relation(problems);
-    measured.refuse_bad_status(problems);
-    header.compare_ends(measured, problems);
-    let passes = measured.passes(header, problems)?;
-    if problems.iter().count() > before {
-        return None;
+
+    fn version_warning(&self) -> Option<String> {
+        let version = self
+            .fields
+            .value("File Version")
+            .map_or("none", |word| word.text);
+        (version != KNOWN_VERSION).then(|| {
+            format!(
+                "`File Version` is {}; the format is known from version {KNOWN_VERSION} only: compare a value with the screen of the maker's program",
+                shown(version)
+            )
+        })
     }
-    let difference = averages.and_then(|averages| averages.difference(&passes));
-    let mut warnings: Vec<String> = measured.warm_up().into_iter().collect();
-    if let Some((words, place)) = difference {
-        if stated.rows.is_none() {
-            problems.push(
-                missing(
-                    "--rows",
-                    &format!("the maker's averages are not those of the measured rows: {words}"),
-                    "add `--rows measured`, or `--rows averages` if they were changed on purpose",
-                )
-                .at(place),
-            );
+
+    /// A field that has to be there.
+    fn required(&self, label: &str, problems: &mut Problems) -> Option<Piece<'a>> {
+        let word = self.fields.value(label);
+        if word.is_none() {
+            problems.push(self.first.problem(format!("there is no `{label}`"), AGAIN));
+        }
+        word
+    }
+
+    fn unit(&self, label: &str, problems: &mut Problems) -> Option<LengthUnit> {
+        let word = self.required(label, problems)?;
+        let unit = LengthUnit::from_text(word.text);
+        if unit.is_none() {
+            let expected = "a unit of length such as mm or inch";
+            problems.push(word.unexpected(&format!("`{label}`"), expected, AGAIN));
+        }
+        unit
+    }
+
+    fn count(&self, label: &str, problems: &mut Problems) -> Option<usize> {
+        let word = self.required(label, problems)?;
+        word.count(&format!("`{label}`"), problems)
+    }
+
+    /// Whether the runs go there and back.
+    fn is_bidirectional(&self, problems: &mut Problems) -> Option<bool> {
+        let word = self.required("TestType", problems)?;
+        let text = word.text.to_lowercase();
+        let is_bidirectional = text.starts_with("bi");
+        if !is_bidirectional && !text.starts_with("uni") {
+            let expected = "`Unidirection` or `Bidirection`";
+            problems.push(word.unexpected("`TestType`", expected, AGAIN));
             return None;
         }
-        warnings.push(format!(
-            "the maker's averages are not those of the measured rows ({words}), so the file was edited; the measured rows were taken"
-        ));
+        Some(is_bidirectional)
     }
-    Some(of_measured(measured, passes, relation, warnings))
-}
 
-fn of_measured(
-    measured: &Measured<'_>,
-    passes: Passes,
-    relation: Option<Relation>,
-    warnings: Vec<String>,
-) -> Taken {
-    let facts = relation.map(|relation| {
-        format!(
-            "values: in every row LinearError = {} − Position, so they are measured − target as the file counts",
-            relation.word()
-        )
-    });
-    Taken {
-        place: measured.place(),
-        targets: passes.targets,
-        forward: passes.forward,
-        reverse: passes.reverse,
-        relation,
-        is_averages: false,
-        facts: facts.into_iter().collect(),
-        warnings,
+    /// The measured rows, if they follow from the readings and are those of which the header speaks.
+    fn measured(
+        &self,
+        measured: &Measured<'_>,
+        averages: Option<&Averages<'_>>,
+        stated: &Stated,
+        said: &mut Reading,
+        problems: &mut Problems,
+    ) -> Option<Passes> {
+        let mut found = Problems::none();
+        let relation = problems.take(measured.relation(CHANGED));
+        measured.refuse_bad_status(&mut found);
+        self.compare_ends(measured, &mut found);
+        let passes = self.passes(measured, &mut found);
+        let passes = problems.take(found.or_ok(passes))??;
+        let relation = relation?;
+        if stated.sign == Some(TableSign::AsCorrection) {
+            let message = format!(
+                "`--sign as-correction` contradicts the file: in every row LinearError = {relation} − Position, measured − target"
+            );
+            problems.push(measured.heading.problem(message, "state `--sign as-error`"));
+        }
+        said.facts.push(format!("values: in every row LinearError = {relation} − Position, so they are measured − target as the file counts"));
+        said.warnings.extend(measured.warm_up());
+        if let Some((words, line)) = averages.and_then(|averages| averages.difference(&passes)) {
+            if stated.rows.is_none() {
+                let why =
+                    format!("the maker's averages are not those of the measured rows: {words}");
+                problems.push(ROWS.missing_because(&why).at(line.place()));
+                return None;
+            }
+            said.warnings.push(format!("the maker's averages are not those of the measured rows ({words}), so the file was edited; the measured rows were taken"));
+        }
+        Some(passes)
+    }
+
+    /// The header names the first and the last position of a pass.
+    fn compare_ends(&self, measured: &Measured<'_>, problems: &mut Problems) {
+        let count = self.fields.value("NumofPos");
+        let count: Option<usize> = count.and_then(|word| word.text.parse().ok());
+        let last = count.and_then(|count| measured.rows.get(count.checked_sub(1)?));
+        for (label, row) in [("IniPos", measured.rows.first()), ("EndPos", last)] {
+            let expected = self
+                .fields
+                .value(label)
+                .and_then(|word| plain_number(word.text));
+            let (Some(expected), Some(row)) = (expected, row) else {
+                continue;
+            };
+            let (position, digit) = measured.position(row);
+            if (position - expected).abs() > digit {
+                let message = format!(
+                    "the row stands at position {position}, expected {expected} as in `{label}`"
+                );
+                problems.push(row.line.problem(message, CHANGED));
+            }
+        }
+    }
+
+    /// Rows of each pass: `NumofPos` each, `RunNum` in one direction or in both.
+    fn passes(&self, measured: &Measured<'_>, problems: &mut Problems) -> Option<Passes> {
+        let positions = self.count("NumofPos", problems)?;
+        let runs = self.count("RunNum", problems)?;
+        let both = self.is_bidirectional(problems)?;
+        let back = if both { runs } else { 0 };
+        let (found, expected) = (
+            measured.rows.len(),
+            positions.saturating_mul(runs.saturating_add(back)),
+        );
+        if found != expected {
+            let ways = if both { ", there and back" } else { "" };
+            let message = format!(
+                "{found} rows are measured, expected {expected}: {positions} positions, {runs} runs{ways}"
+            );
+            problems.push(measured.heading.problem(message, AGAIN));
+            return None;
+        }
+        let passes = problems.take(measured.sorted(positions))?;
+        let counts = [Way::Forward, Way::Reverse].map(|way| {
+            let mut of_way = passes.ways.iter().filter(|(other, _)| *other == way);
+            of_way.next().map_or(0, |(_, runs)| runs.len())
+        });
+        if counts != [runs, back] {
+            let [forward, reverse] = counts;
+            let message = format!(
+                "{forward} runs go from the first position to the last and {reverse} go back, expected {runs} and {back} as in `RunNum` and `TestType`"
+            );
+            let help = "the order of the rows shows the way of the axis; it is known from no file of this kind, so it is not guessed";
+            problems.push(measured.heading.problem(message, help));
+            return None;
+        }
+        Some(passes)
     }
 }
 
@@ -165,209 +288,23 @@ fn of_measured(
 fn of_averages(
     measured: &Measured<'_>,
     averages: Option<&Averages<'_>>,
+    said: &mut Reading,
     problems: &mut Problems,
-) -> Option<Taken> {
+) -> Option<Passes> {
     let Some(averages) = averages else {
-        problems.push(
-            Problem::new("`--rows averages` is stated, but the file holds no table `Unidirectional Avg Error`")
-                .at(measured.place())
-                .help("leave `--rows` out"),
-        );
+        let message =
+            "`--rows averages` is stated, but the file holds no table `Unidirectional Avg Error`";
+        problems.push(measured.heading.problem(message, "leave `--rows` out"));
         return None;
     };
-    let alone = averages.without_row(measured);
-    let warning = (alone > 0).then(|| {
-        format!(
-            "the maker's averages were taken: {alone} of their {} positions stand in none of the {} measured rows, so the file was edited; nothing shows that the values there were measured",
-            averages.targets.len(),
+    let (alone, all) = (averages.without_row(measured), averages.rows.len());
+    if alone > 0 {
+        said.warnings.push(format!(
+            "the maker's averages were taken: {alone} of their {all} positions stand in none of the {} measured rows, so the file was edited; nothing shows that the values there were measured",
             measured.rows.len()
-        )
-    });
-    Some(Taken {
-        place: averages.place.clone(),
-        targets: averages.targets.clone(),
-        forward: vec![averages.values.clone()],
-        reverse: Vec::new(),
-        relation: None,
-        is_averages: true,
-        facts: vec![
-            "rows: the maker's averages (`API Linear Error Compensation Table`)".to_string(),
-        ],
-        warnings: warning.into_iter().collect(),
-    })
-}
-
-impl Taken {
-    /// Rows that hold reading and position show what the values are.
-    fn refuse_sign(&self, sign: Sign, problems: &mut Problems) {
-        if let (Some(relation), Sign::AsCorrection) = (self.relation, sign) {
-            problems.push(
-                Problem::new(format!(
-                    "`--sign as-correction` contradicts the file: in every row LinearError = {} − Position, measured − target",
-                    relation.word()
-                ))
-                .at(self.place.clone())
-                .help("state `--sign as-error`"),
-            );
-        }
+        ));
     }
-
-    /// Measured errors have the unit of reading and position, from which they follow.
-    fn error_unit(
-        &self,
-        header: &Header<'_>,
-        unit: LengthUnit,
-        problems: &mut Problems,
-    ) -> Option<LengthUnit> {
-        match self.is_averages {
-            true => header.unit("errorunit", "ErrorUnit", problems),
-            false => Some(unit),
-        }
-    }
-
-    /// Unit, values, surroundings, places and runs.
-    fn words(
-        &self,
-        measured: &Measured<'_>,
-        (unit, error_unit): (LengthUnit, LengthUnit),
-        (term, placing): (Component, &Placing),
-    ) -> Vec<String> {
-        let (position, value) = (unit.word(), error_unit.word());
-        let mut words = vec![format!(
-            "unit of the positions: {position}; of the values: {value}"
-        )];
-        words.extend(self.facts.iter().cloned());
-        words.extend(measured.surroundings());
-        words.extend(placing.words());
-        words.extend(placing.sense_words(term));
-        words.extend(self.passes_words(placing));
-        let runs = self.forward.len();
-        let targets = self.forward.first().map_or(0, Vec::len);
-        words.extend(freedom_remark(targets, runs).filter(|_| !self.is_averages));
-        words
-    }
-
-    fn passes_words(&self, placing: &Placing) -> Option<String> {
-        let of = |passes: &[Vec<f64>], direction: Direction| {
-            (!passes.is_empty()).then(|| format!("{} moving {direction}", passes.len()))
-        };
-        let counts = [
-            of(&self.forward, placing.run),
-            of(&self.reverse, placing.run.opposite()),
-        ];
-        let counts: Vec<String> = counts.into_iter().flatten().collect();
-        let u = match self.forward.len() {
-            1 => "one run tells nothing about the uncertainty",
-            _ => "mean of each direction, u = s/√runs (k = 1)",
-        };
-        (!self.is_averages).then(|| format!("runs: {}; {u}", counts.join(", ")))
-    }
-
-    fn series(
-        &self,
-        term: Component,
-        sign: Sign,
-        unit: LengthUnit,
-        placing: &Placing,
-    ) -> Vec<DraftSeries> {
-        let ways = [
-            (&self.forward, placing.run),
-            (&self.reverse, placing.run.opposite()),
-        ];
-        let made = ways.into_iter().filter(|(passes, _)| !passes.is_empty());
-        let mut series: Vec<DraftSeries> = made
-            .map(|(passes, direction)| one_series(passes, direction, (term, sign, unit), placing))
-            .collect();
-        series.sort_by_key(|series| series.direction);
-        series
-    }
-}
-
-fn one_series(
-    passes: &[Vec<f64>],
-    direction: Direction,
-    (term, sign, unit): (Component, Sign, LengthUnit),
-    placing: &Placing,
-) -> DraftSeries {
-    let count = passes.first().map_or(0, Vec::len);
-    let figures: Vec<(f64, Option<f64>)> = (0..count)
-        .map(|target| {
-            let um = passes.iter().filter_map(|pass| pass.get(target));
-            mean(&um.map(|value| value * unit.um()).collect::<Vec<f64>>())
-        })
-        .collect();
-    let means: Vec<f64> = figures.iter().map(|(mean, _)| *mean).collect();
-    let spread: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
-    let mut series = DraftSeries::new(term.along, Some(direction), placing.positions_mm());
-    term.put(&mut series, placing.deviations(&means, term, sign));
-    series.uncertainties_um[term.along] = spread.map(|u| placing.uncertainties(&pooled(&u)));
-    series
-}
-
-/// The axis that the file names. Operators leave it as it was, so `--axis` may state another one,
-/// which is said: facts and warnings.
-fn axis_words(
-    header: &Header<'_>,
-    stated: &Stated,
-    problems: &mut Problems,
-) -> (Vec<String>, Vec<String>) {
-    let Some(word) = header.value("testaxis") else {
-        return Default::default();
-    };
-    let said = format!("the file says: TestAxis: {}", shown(word.text));
-    let named = word.text.trim_matches(['(', ')', ' ']).to_uppercase();
-    let other = stated.term.map(|term| term.along);
-    let Some(other) = other.filter(|axis| axis.letter().to_string() != named) else {
-        return (vec![said], Vec::new());
-    };
-    if stated.axis == Some(other) {
-        let warning = format!(
-            "the file names axis {}, but {other} was stated as the moving axis (`--axis`): make sure that this is the file of {other}",
-            shown(word.text)
-        );
-        return (vec![said], vec![warning]);
-    }
-    problems.push(
-        Problem::new(format!(
-            "the file names axis `{}`, but {other} was stated as the moving axis",
-            shown(word.text)
-        ))
-        .at(word.place())
-        .help(format!(
-            "take the file of {other}; if the entry was only left as it was, add `--axis {}`",
-            other.key()
-        )),
-    );
-    Default::default()
-}
-
-/// Whether the expansion of the material was taken out does not stand in the file, nor the unit of
-/// its temperatures.
-fn material_words(
-    measured: &Measured<'_>,
-    stated: &Stated,
-    problems: &mut Problems,
-) -> Option<String> {
-    let (name, shown_values) = measured.material()?;
-    match stated.material_corrected {
-        Some(MaterialCorrected::Yes) => None,
-        Some(corrected) => Some(format!(
-            "{}: the file notes {name} {shown_values} without a unit; at another temperature than 20 °C this table is not valid",
-            match corrected {
-                MaterialCorrected::No => "the expansion of the material is still in the deviations",
-                _ => "whether the expansion of the material is in the deviations is not stated",
-            }
-        )),
-        None => {
-            problems.push(
-                missing(
-                    "--material-corrected",
-                    &format!("the file notes a temperature of the material ({name} {shown_values}), but not whether the readings were brought to 20 °C"),
-                    "add `--material-corrected yes` (the instrument did it), `no`, or `not-stated`",
-                )
-                .at(measured.place()),
-            );
-            None
-        }
-    }
+    let words = "rows: the maker's averages (`API Linear Error Compensation Table`)";
+    said.facts.push(words.to_string());
+    Some(averages.passes())
 }

@@ -1,17 +1,13 @@
 //! The two tables of a `.pos` file: measured rows, and the maker's averages.
 
-use crate::inputs::import::lines::{Line, lines, looks_like_number};
-use crate::inputs::import::pos_header::{AGAIN, Header};
-use crate::text::delimited::plain_number;
+use crate::inputs::import::reading::{Passes, Way, means};
+use crate::inputs::import::stated::Stated;
+use crate::inputs::import::words::{AGAIN, Piece};
 use crate::text::document::Source;
-use crate::text::problem::{Place, Problem, Problems, shown};
+use crate::text::problem::{Problem, Problems};
 
-pub(super) const CHANGED: &str = "the file was edited: save it again, or take the maker's averages with `--rows averages` if they are what was changed on purpose";
-/// Columns that the measurement itself needs.
-const POSITION: &str = "Position";
-const READING: &str = "LasRead";
-const ERROR: &str = "LinearError";
-const STATUS: &str = "Status";
+/// Columns that the measurement itself needs: position, reading, error, status.
+const NEEDED: [&str; 4] = ["Position", "LasRead", "LinearError", "Status"];
 /// What the file calls its laser states.
 const STATES: [&str; 5] = [
     "Laser Normal",
@@ -27,329 +23,31 @@ const NO_SENSOR: f64 = -1.0;
 /// The maker's program rounds position + error to a number of 24 binary digits.
 const SINGLE_PRECISION: f64 = 1.0 / (1 << 23) as f64;
 
-/// How the errors follow from the laser's readings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Relation {
-    /// Error = reading − position.
-    Direct,
-    /// Error = −reading − position: the laser counts against the positions.
-    Turned,
+/// A row of numbers, in the file's unit.
+pub(super) struct Row<'a> {
+    pub(super) line: Piece<'a>,
+    numbers: Vec<f64>,
+    /// One unit of the last decimal of each.
+    digits: Vec<f64>,
 }
 
-impl Relation {
-    pub(super) const fn word(self) -> &'static str {
-        match self {
-            Relation::Direct => "LasRead",
-            Relation::Turned => "−LasRead",
-        }
-    }
-
-    fn factor(self) -> f64 {
-        match self {
-            Relation::Direct => 1.0,
-            Relation::Turned => -1.0,
-        }
-    }
-}
-
-/// One measured row, in the file's unit.
-pub(super) struct Row {
-    pub(super) place: Place,
-    pub(super) position: f64,
-    /// One unit of the last decimal of the position.
-    pub(super) position_digit: f64,
-    reading: f64,
-    error: f64,
-    /// Half a unit of the last decimal of each of the three.
-    rounding: f64,
-    status: f64,
-    /// In the order of [`Measured::columns`].
-    others: Vec<f64>,
-}
-
-/// What was measured.
-pub(super) struct Measured<'a> {
-    heading: Line<'a>,
-    /// Columns behind those of the measurement: air, material.
-    columns: Vec<&'a str>,
-    pub(super) rows: Vec<Row>,
-}
-
-/// The passes over the targets, in the file's unit and in the order of the targets.
-pub(super) struct Passes {
-    pub(super) targets: Vec<f64>,
-    pub(super) forward: Vec<Vec<f64>>,
-    pub(super) reverse: Vec<Vec<f64>>,
-}
-
-impl<'a> Measured<'a> {
-    pub(super) fn read(source: &'a Source) -> Result<Self, Problems> {
-        let all = lines(source);
-        let names = |line: &Line<'a>| -> Vec<&'a str> {
-            let words = line.words(char::is_whitespace);
-            words.iter().map(|word| word.text).collect()
-        };
-        let heading = all.iter().position(|line| {
-            let names = names(line);
-            [POSITION, READING, ERROR, STATUS].map(|name| names.contains(&name)) == [true; 4]
-        });
-        let Some(at) = heading else {
-            return Err(Problem::new(format!(
-                "there is no table with the columns `{POSITION}`, `{READING}`, `{ERROR}` and `{STATUS}`: the file holds no measured rows"
-            ))
-            .at(source.place(&(0..0)))
-            .help("save the measurement with its readings, or map the columns of a CSV with `--columns`")
-            .into());
-        };
-        let columns = names(&all[at]);
-        let mut problems = Problems::none();
-        let rows = all[at + 1..]
+/// The rows below a heading, as far as they begin with numbers.
+fn rows_below<'a>(lines: &[Piece<'a>], columns: usize) -> Result<Vec<Row<'a>>, Problems> {
+    let mut problems = Problems::none();
+    let mut rows = Vec::new();
+    for line in lines.iter().take_while(|line| line.begins_with_number()) {
+        let words = line.row(columns, char::is_whitespace, &mut problems);
+        let words = words.unwrap_or_default();
+        let numbers = words
             .iter()
-            .take_while(|line| begins_with_number(line));
-        let rows = rows.filter_map(|line| row(line, &columns, &mut problems));
-        let rows: Vec<Row> = rows.collect();
-        let is_other = |name: &&str| ![POSITION, READING, ERROR, STATUS].contains(name);
-        let measured = Measured {
-            heading: all[at],
-            columns: columns.into_iter().filter(is_other).collect(),
-            rows,
-        };
-        problems.or_ok(measured)
-    }
-
-    pub(super) fn place(&self) -> Place {
-        self.heading.place()
-    }
-
-    /// Error = ± reading − position within the decimals of all rows; another row was changed.
-    pub(super) fn relation(&self, problems: &mut Problems) -> Option<Relation> {
-        let misses = |relation: Relation| {
-            let fits = move |row: &&Row| {
-                (relation.factor() * row.reading - row.position - row.error).abs() <= row.rounding
-            };
-            self.rows.iter().filter(move |row| !fits(row))
-        };
-        let best = [Relation::Direct, Relation::Turned]
-            .into_iter()
-            .min_by_key(|relation| misses(*relation).count())?;
-        let Some(first) = misses(best).next() else {
-            return (!self.rows.is_empty()).then_some(best);
-        };
-        let expected = best.factor() * first.reading - first.position;
-        problems.push(
-            Problem::new(format!(
-                "{} of {} rows contradict themselves: here the error is {}, but reading less position is {expected:.6}",
-                misses(best).count(),
-                self.rows.len(),
-                first.error
-            ))
-            .at(first.place.clone())
-            .help(CHANGED),
-        );
-        None
-    }
-
-    /// Readings that the laser itself calls bad.
-    pub(super) fn refuse_bad_status(&self, problems: &mut Problems) {
-        let is_bad = |row: &&Row| !(is(row.status, NORMAL) || is(row.status, WARM_UP));
-        let count = self.rows.iter().filter(is_bad).count();
-        if let Some(row) = self.rows.iter().find(is_bad) {
-            let state = STATES.iter().zip(0_u8..);
-            let state = state
-                .into_iter()
-                .find(|(_, n)| is(f64::from(*n), row.status));
-            let state = state.map_or("unknown", |(words, _)| words);
-            problems.push(
-                Problem::new(format!(
-                    "the laser's status is {} ({state}) in {count} of {} rows",
-                    row.status,
-                    self.rows.len()
-                ))
-                .at(row.place.clone())
-                .help("such a reading is no measurement: measure the run again"),
-            );
-        }
-    }
-
-    pub(super) fn warm_up(&self) -> Option<String> {
-        let is_warming = |row: &&Row| is(row.status, WARM_UP);
-        let count = self.rows.iter().filter(is_warming).count();
-        (count > 0).then(|| {
-            format!(
-                "the laser was still warming up in {count} of {} rows",
-                self.rows.len()
-            )
-        })
-    }
-
-    /// Rows of each pass: `NumofPos` each, `RunNum` in one direction or in both.
-    pub(super) fn passes(&self, header: &Header<'_>, problems: &mut Problems) -> Option<Passes> {
-        let positions = header.count("numofpos", "NumofPos", problems)?;
-        let runs = header.count("runnum", "RunNum", problems)?;
-        let both = header.is_bidirectional(problems)?;
-        let expected = positions * runs * if both { 2 } else { 1 };
-        if self.rows.len() != expected {
-            let ways = if both { ", there and back" } else { "" };
-            problems.push(
-                Problem::new(format!(
-                    "{} rows are measured, expected {expected}: {positions} positions, {runs} runs{ways}",
-                    self.rows.len()
-                ))
-                .at(self.place())
-                .help(AGAIN),
-            );
-            return None;
-        }
-        self.sorted(positions, (runs, both), problems)
-    }
-
-    fn sorted(
-        &self,
-        positions: usize,
-        (runs, both): (usize, bool),
-        problems: &mut Problems,
-    ) -> Option<Passes> {
-        let mut passes = Passes {
-            targets: self.rows[..positions]
-                .iter()
-                .map(|row| row.position)
-                .collect(),
-            forward: Vec::new(),
-            reverse: Vec::new(),
-        };
-        for pass in self.rows.chunks(positions) {
-            let mut found: Vec<f64> = pass.iter().map(|row| row.position).collect();
-            let mut errors: Vec<f64> = pass.iter().map(|row| row.error).collect();
-            if same(&found, &passes.targets) {
-                passes.forward.push(errors);
-                continue;
-            }
-            found.reverse();
-            errors.reverse();
-            if !same(&found, &passes.targets) {
-                problems.push(self.other_positions(pass));
-                return None;
-            }
-            passes.reverse.push(errors);
-        }
-        let back = if both { runs } else { 0 };
-        if (passes.forward.len(), passes.reverse.len()) != (runs, back) {
-            problems.push(
-                Problem::new(format!(
-                    "{} runs go from the first position to the last and {} go back, expected {runs} and {back} as in `RunNum` and `TestType`",
-                    passes.forward.len(),
-                    passes.reverse.len()
-                ))
-                .at(self.place())
-                .help("the order of the rows shows the way of the axis; it is known from no file of this kind, so it is not guessed"),
-            );
-            return None;
-        }
-        Some(passes)
-    }
-
-    fn other_positions(&self, pass: &[Row]) -> Problem {
-        let problem = Problem::new("a run has other positions than the first one");
-        let place = pass
-            .first()
-            .map_or_else(|| self.place(), |row| row.place.clone());
-        problem.at(place).help(AGAIN)
-    }
-
-    /// Name and values of the material's temperature, if a sensor was connected.
-    pub(super) fn material(&self) -> Option<(&'a str, String)> {
-        let found = self.columns.iter().zip(0..).find(|(name, index)| {
-            name.starts_with("MatTemp") && self.column(*index).any(|value| !is(value, NO_SENSOR))
+            .filter_map(|word| word.number("a value", &mut problems));
+        rows.push(Row {
+            line: *line,
+            numbers: numbers.collect(),
+            digits: words.iter().map(|word| last_digit(word.text)).collect(),
         });
-        found.map(|(name, index)| (*name, self.range(index)))
     }
-
-    fn column(&self, index: usize) -> impl Iterator<Item = f64> {
-        self.rows
-            .iter()
-            .filter_map(move |row| row.others.get(index).copied())
-    }
-
-    /// The values of a column in words.
-    fn range(&self, index: usize) -> String {
-        let low = self.column(index).fold(f64::INFINITY, f64::min);
-        let high = self.column(index).fold(f64::NEG_INFINITY, f64::max);
-        match low < high {
-            true => format!("{low} … {high}"),
-            false => format!("{low}"),
-        }
-    }
-
-    /// Air and material as the file has them; it names no unit of theirs.
-    pub(super) fn surroundings(&self) -> Vec<String> {
-        let (mut noted, mut absent) = (Vec::new(), Vec::new());
-        for (index, name) in self.columns.iter().enumerate() {
-            match self.column(index).all(|value| is(value, NO_SENSOR)) {
-                true => absent.push(*name),
-                false => noted.push(format!("{name} {}", self.range(index))),
-            }
-        }
-        let noted = (!noted.is_empty()).then(|| {
-            format!(
-                "air and material, the file names no units: {}",
-                noted.join(", ")
-            )
-        });
-        let absent =
-            (!absent.is_empty()).then(|| format!("not measured (−1): {}", absent.join(", ")));
-        noted.into_iter().chain(absent).collect()
-    }
-}
-
-/// Numbers that were written alike.
-fn is(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 0.0
-}
-
-fn same(a: &[f64], b: &[f64]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is(*a, *b))
-}
-
-fn begins_with_number(line: &Line<'_>) -> bool {
-    looks_like_number(line.text.trim_start())
-}
-
-fn row(line: &Line<'_>, columns: &[&str], problems: &mut Problems) -> Option<Row> {
-    let words = line.words(char::is_whitespace);
-    if words.len() != columns.len() {
-        problems.push_with(|| {
-            Problem::new(format!(
-                "the row has {} numbers, expected {} as in the heading",
-                words.len(),
-                columns.len()
-            ))
-            .at(line.place())
-            .help(AGAIN)
-        });
-        return None;
-    }
-    let mut numbers = Vec::new();
-    for (name, word) in columns.iter().zip(&words) {
-        numbers.push(word.number(&format!("`{}`", shown(name)), problems));
-    }
-    let numbers: Vec<f64> = numbers.into_iter().collect::<Option<_>>()?;
-    let at = |name: &str| columns.iter().position(|column| *column == name);
-    let (position, reading, error) = (at(POSITION)?, at(READING)?, at(ERROR)?);
-    let status = at(STATUS)?;
-    let digit = |index: usize| last_digit(words[index].text);
-    let own = [position, reading, error, status];
-    let others = (0..numbers.len()).filter(|index| !own.contains(index));
-    Some(Row {
-        place: line.place(),
-        position: numbers[position],
-        position_digit: digit(position),
-        reading: numbers[reading],
-        error: numbers[error],
-        // Half a digit each, and the binary dust of the difference.
-        rounding: (digit(position) + digit(reading) + digit(error)) / 2.0 + 1e-9,
-        status: numbers[status],
-        others: others.map(|index| numbers[index]).collect(),
-    })
+    problems.or_ok(rows)
 }
 
 /// One unit of the last decimal of a number.
@@ -360,126 +58,289 @@ fn last_digit(text: &str) -> f64 {
     (0..decimals).fold(1.0, |digit, _| digit / 10.0)
 }
 
-/// What the maker's program made of the rows.
+/// Numbers that were written alike.
+fn is(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 0.0
+}
+
+/// What was measured.
+pub(super) struct Measured<'a> {
+    pub(super) heading: Piece<'a>,
+    columns: Vec<&'a str>,
+    /// Where the columns of the measurement stand.
+    at: [usize; 4],
+    pub(super) rows: Vec<Row<'a>>,
+}
+
+impl<'a> Measured<'a> {
+    pub(super) fn read(lines: &[Piece<'a>], source: &Source) -> Result<Self, Problems> {
+        let names = |line: &Piece<'a>| -> Vec<&'a str> {
+            let words = line.words(char::is_whitespace);
+            words.iter().map(|word| word.text).collect()
+        };
+        for (number, heading) in lines.iter().enumerate() {
+            let columns = names(heading);
+            let at = NEEDED.map(|name| columns.iter().position(|column| *column == name));
+            if let [Some(position), Some(reading), Some(error), Some(status)] = at {
+                let rows = rows_below(&lines[number + 1..], columns.len())?;
+                return Ok(Measured {
+                    heading: *heading,
+                    columns,
+                    at: [position, reading, error, status],
+                    rows,
+                });
+            }
+        }
+        let message = format!(
+            "there is no table with the columns {}: the file holds no measured rows",
+            NEEDED.join(", ")
+        );
+        let help =
+            "save the measurement with its readings, or map the columns of a CSV with `--columns`";
+        Err(Problem::new(message)
+            .at(source.place(&(0..0)))
+            .help(help)
+            .into())
+    }
+
+    /// The position of a row, and one unit of its last decimal.
+    pub(super) fn position(&self, row: &Row<'_>) -> (f64, f64) {
+        let [position, ..] = self.at;
+        (row.numbers[position], row.digits[position])
+    }
+
+    /// Error = ± reading − position within the decimals of all rows: the reading with its sign. Another row
+    /// was changed.
+    pub(super) fn relation(&self, changed: &str) -> Result<&'static str, Problems> {
+        let [position, reading, error, _] = self.at;
+        let expected =
+            |row: &Row<'_>, sign: f64| sign * row.numbers[reading] - row.numbers[position];
+        let misses = |sign: f64| {
+            let fits = |row: &&Row<'_>| {
+                // Half a digit each, and the binary dust of the difference.
+                let digits = row.digits[position] + row.digits[reading] + row.digits[error];
+                (expected(row, sign) - row.numbers[error]).abs() <= digits / 2.0 + 1e-9
+            };
+            let missed: Vec<&Row<'_>> = self.rows.iter().filter(|row| !fits(row)).collect();
+            missed
+        };
+        let (direct, turned) = (misses(1.0), misses(-1.0));
+        let (missed, sign, word) = if turned.len() < direct.len() {
+            (turned, -1.0, "−LasRead")
+        } else {
+            (direct, 1.0, "LasRead")
+        };
+        let Some(first) = missed.first() else {
+            return Ok(word);
+        };
+        let message = format!(
+            "{} of {} rows contradict themselves: here the error is {}, but reading less position is {:.6}",
+            missed.len(),
+            self.rows.len(),
+            first.numbers[error],
+            expected(first, sign)
+        );
+        Err(first.line.problem(message, changed).into())
+    }
+
+    /// Readings that the laser itself calls bad.
+    pub(super) fn refuse_bad_status(&self, problems: &mut Problems) {
+        let [.., at] = self.at;
+        let is_bad = |row: &&Row<'_>| {
+            ![NORMAL, WARM_UP]
+                .iter()
+                .any(|good| is(row.numbers[at], *good))
+        };
+        let Some(row) = self.rows.iter().find(is_bad) else {
+            return;
+        };
+        let status = row.numbers[at];
+        let mut states = STATES.iter().zip(0_u8..);
+        let state = states.find(|(_, number)| is(f64::from(*number), status));
+        let message = format!(
+            "the laser's status is {status} ({}) in {} of {} rows",
+            state.map_or("unknown", |(words, _)| words),
+            self.rows.iter().filter(is_bad).count(),
+            self.rows.len()
+        );
+        let help = "such a reading is no measurement: measure the run again";
+        problems.push(row.line.problem(message, help));
+    }
+
+    pub(super) fn warm_up(&self) -> Option<String> {
+        let [.., status] = self.at;
+        let is_warming = |row: &&Row<'_>| is(row.numbers[status], WARM_UP);
+        let (count, all) = (self.rows.iter().filter(is_warming).count(), self.rows.len());
+        (count > 0).then(|| format!("the laser was still warming up in {count} of {all} rows"))
+    }
+
+    /// The passes of some targets each: forward where the positions are those of the first one, reverse
+    /// where they come the other way round.
+    pub(super) fn sorted(&self, targets: usize) -> Result<Passes, Problems> {
+        let [position, _, error, _] = self.at;
+        let column = |pass: &[Row<'_>], index: usize| -> Vec<f64> {
+            pass.iter().map(|row| row.numbers[index]).collect()
+        };
+        let targets = column(&self.rows[..targets], position);
+        let same = |found: &[f64]| found.iter().zip(&targets).all(|(a, b)| is(*a, *b));
+        let (mut forward, mut reverse) = (Vec::new(), Vec::new());
+        for pass in self.rows.chunks(targets.len()) {
+            let mut found = column(pass, position);
+            let mut errors = column(pass, error);
+            if same(&found) {
+                forward.push(errors);
+                continue;
+            }
+            found.reverse();
+            errors.reverse();
+            if !same(&found) {
+                let message = "a run has other positions than the first one";
+                return Err(pass[0].line.problem(message, AGAIN).into());
+            }
+            reverse.push(errors);
+        }
+        let mut ways = vec![(Way::Forward, forward), (Way::Reverse, reverse)];
+        ways.retain(|(_, runs)| !runs.is_empty());
+        let place = self.heading.place();
+        Ok(Passes {
+            targets,
+            place,
+            ways,
+        })
+    }
+
+    /// Names and columns of air and material, and whether a sensor was connected.
+    fn sensors(&self) -> impl Iterator<Item = (&'a str, Option<String>)> {
+        let others = self.columns.iter().enumerate();
+        let others = others.filter(|(index, _)| !self.at.contains(index));
+        others.map(|(index, name)| (*name, self.range(index)))
+    }
+
+    /// The values of a column in words; `None` = there was no sensor.
+    fn range(&self, index: usize) -> Option<String> {
+        let values = || self.rows.iter().map(|row| row.numbers[index]);
+        let low = values().fold(f64::INFINITY, f64::min);
+        let high = values().fold(f64::NEG_INFINITY, f64::max);
+        let words = if low < high {
+            format!("{low} … {high}")
+        } else {
+            low.to_string()
+        };
+        values().any(|value| !is(value, NO_SENSOR)).then_some(words)
+    }
+
+    /// The file names no unit of its temperatures.
+    pub(super) fn material_warning(
+        &self,
+        stated: &Stated,
+        problems: &mut Problems,
+    ) -> Option<String> {
+        let mut sensors = self.sensors();
+        let material =
+            sensors.find(|(name, values)| name.starts_with("MatTemp") && values.is_some());
+        let (name, values) = material?;
+        let noted = format!(
+            "a temperature of the material ({name} {})",
+            values.unwrap_or_default()
+        );
+        let stake = "the file names no unit of it";
+        stated.material_warning(&noted, self.heading.place(), stake, problems)
+    }
+
+    /// Air and material as the file has them; it names no unit of theirs.
+    pub(super) fn surroundings(&self) -> Vec<String> {
+        let (mut noted, mut absent) = (Vec::new(), Vec::new());
+        for (name, values) in self.sensors() {
+            match values {
+                None => absent.push(name),
+                Some(values) => noted.push(format!("{name} {values}")),
+            }
+        }
+        let lists = [
+            (
+                "air and material, the file names no units",
+                noted.join(", "),
+            ),
+            ("not measured (−1)", absent.join(", ")),
+        ];
+        let lists = lists.into_iter().filter(|(_, list)| !list.is_empty());
+        lists
+            .map(|(what, list)| format!("{what}: {list}"))
+            .collect()
+    }
+}
+
+/// What the maker's program made of the rows: positions and averages.
 pub(super) struct Averages<'a> {
-    pub(super) place: Place,
-    pub(super) targets: Vec<f64>,
-    pub(super) values: Vec<f64>,
-    /// One unit of the last decimal of each value.
-    digits: Vec<f64>,
-    rows: Vec<Line<'a>>,
+    heading: Piece<'a>,
+    pub(super) rows: Vec<Row<'a>>,
 }
 
 impl<'a> Averages<'a> {
     /// The table of a unidirectional measurement; `None` = there is none.
-    pub(super) fn read(source: &'a Source) -> Result<Option<Self>, Problems> {
-        let all = lines(source);
-        let heading = all.iter().position(|line| {
-            line.text.starts_with(POSITION) && line.text.contains("Unidirectional Avg Error")
+    pub(super) fn read(lines: &[Piece<'a>]) -> Result<Option<Self>, Problems> {
+        let heading = lines.iter().position(|line| {
+            line.text.starts_with("Position") && line.text.contains("Unidirectional Avg Error")
         });
         let Some(at) = heading else { return Ok(None) };
-        let mut problems = Problems::none();
-        let rows = all[at + 1..]
-            .iter()
-            .take_while(|line| begins_with_number(line));
-        let mut averages = Averages {
-            place: all[at].place(),
-            targets: Vec::new(),
-            values: Vec::new(),
-            digits: Vec::new(),
-            rows: rows.copied().collect(),
+        let rows = rows_below(&lines[at + 1..], 2)?;
+        let heading = lines[at];
+        Ok(Some(Averages { heading, rows }))
+    }
+
+    /// The averages as one pass.
+    pub(super) fn passes(&self) -> Passes {
+        let column = |index: usize| {
+            self.rows
+                .iter()
+                .map(move |row| row.numbers[index])
+                .collect()
         };
-        for line in &averages.rows {
-            let [position, value] = line.words(char::is_whitespace)[..] else {
-                problems.push_with(|| {
-                    let problem = Problem::new("the row has not two numbers, position and error");
-                    problem.at(line.place()).help(AGAIN)
-                });
-                continue;
-            };
-            averages
-                .targets
-                .extend(position.number("`Position`", &mut problems));
-            averages.digits.push(last_digit(value.text));
-            averages
-                .values
-                .extend(value.number("`Avg Error`", &mut problems));
+        Passes {
+            targets: column(0),
+            place: self.heading.place(),
+            ways: vec![(Way::Forward, vec![column(1)])],
         }
-        problems.or_ok(Some(averages))
     }
 
     /// The first row that is not the mean of what was measured, in words, and where it stands.
-    pub(super) fn difference(&self, passes: &Passes) -> Option<(String, Place)> {
-        for (index, line) in self.rows.iter().enumerate() {
-            let (at, found) = (self.targets[index], self.values[index]);
-            let expected = passes
-                .mean_at(index)
-                .filter(|(position, _)| is(*position, at));
-            let Some((_, mean)) = expected else {
-                return Some((
-                    format!("none is measured at {at} in row {}", index + 1),
-                    line.place(),
-                ));
+    pub(super) fn difference(&self, measured: &Passes) -> Option<(String, Piece<'a>)> {
+        let runs = measured
+            .ways
+            .iter()
+            .flat_map(|(_, runs)| runs.iter().cloned());
+        let means = means(&runs.collect::<Vec<Vec<f64>>>());
+        for (index, row) in self.rows.iter().enumerate() {
+            let (at, found) = (row.numbers[0], row.numbers[1]);
+            let target = measured
+                .targets
+                .get(index)
+                .filter(|target| is(**target, at));
+            let Some((_, (mean, _))) = target.zip(means.get(index)) else {
+                let words = format!("none is measured at {at} in row {}", index + 1);
+                return Some((words, row.line));
             };
-            if (found - mean).abs() > at.abs() * SINGLE_PRECISION + self.digits[index] {
-                return Some((
-                    format!("{found} at {at}, where {mean} was measured"),
-                    line.place(),
-                ));
+            if (found - mean).abs() > at.abs() * SINGLE_PRECISION + row.digits[1] {
+                let words = format!("{found} at {at}, where {mean} was measured");
+                return Some((words, row.line));
             }
         }
-        let (own, measured) = (self.targets.len(), passes.targets.len());
-        (own != measured).then(|| {
-            (
-                format!("{own} positions instead of {measured}"),
-                self.place.clone(),
-            )
-        })
+        let (own, measured) = (self.rows.len(), measured.targets.len());
+        let words = format!("{own} positions instead of {measured}");
+        (own != measured).then_some((words, self.heading))
     }
 
     /// How many positions stand in no measured row.
     pub(super) fn without_row(&self, measured: &Measured<'_>) -> usize {
-        let is_measured = |at: &&f64| measured.rows.iter().any(|row| is(row.position, **at));
-        self.targets.len() - self.targets.iter().filter(is_measured).count()
-    }
-}
-
-impl Passes {
-    /// A target and the mean of its values.
-    fn mean_at(&self, index: usize) -> Option<(f64, f64)> {
-        let values = self.forward.iter().chain(&self.reverse);
-        let values: Vec<f64> = values.filter_map(|pass| pass.get(index).copied()).collect();
-        let (mean, _) = crate::inputs::import::placing::mean(&values);
-        Some((*self.targets.get(index)?, mean))
-    }
-}
-
-impl<'a> Header<'a> {
-    /// The header names the first and the last position of a pass.
-    pub(super) fn compare_ends(&self, measured: &Measured<'_>, problems: &mut Problems) {
-        let count = self.value("numofpos").and_then(|w| w.text.parse().ok());
-        let last = count.and_then(|count: usize| measured.rows.get(count.checked_sub(1)?));
-        let ends = [
-            ("inipos", "IniPos", measured.rows.first()),
-            ("endpos", "EndPos", last),
-        ];
-        for (key, name, row) in ends {
-            let (Some(word), Some(row)) = (self.value(key), row) else {
-                continue;
-            };
-            let Some(expected) = plain_number(word.text) else {
-                continue;
-            };
-            if (row.position - expected).abs() > row.position_digit {
-                problems.push(
-                    Problem::new(format!(
-                        "the row stands at position {}, expected {expected} as in `{name}`",
-                        row.position
-                    ))
-                    .at(row.place.clone())
-                    .help(CHANGED),
-                );
-            }
-        }
+        let is_measured = |at: f64| {
+            measured
+                .rows
+                .iter()
+                .any(|row| is(measured.position(row).0, at))
+        };
+        self.rows
+            .iter()
+            .filter(|row| !is_measured(row.numbers[0]))
+            .count()
     }
 }

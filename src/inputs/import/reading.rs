@@ -1,19 +1,13 @@
-//! A file to be imported, and what it gave in our words.
+//! What every format is read into: passes over targets, as the file counts them → machine coordinates, the
+//! mean of the runs and its uncertainty → series of the error table.
 
+use crate::control::controller::TableSign;
 use crate::inputs::error_table::DraftSeries;
-
-/// A file to be imported.
-#[derive(Clone, Copy, Debug)]
-pub struct Measurement<'a> {
-    /// The file as the user named it, for messages.
-    pub path: &'a str,
-    /// Its name without folders, for the table.
-    pub name: &'a str,
-    /// SHA-256 of its bytes, in hexadecimal digits.
-    pub sha256: &'a str,
-    /// Its bytes.
-    pub bytes: &'a [u8],
-}
+use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::import::stated::{FIRST_TARGET, Stated, TARGETS_RUN};
+use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::units::{Deviation, Squared};
+use crate::text::problem::{Place, Problem, Problems};
 
 /// Two axes whose squareness a file gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,4 +29,305 @@ pub(super) struct Reading {
     /// What the user should look at before the table is used.
     pub(super) warnings: Vec<String>,
     pub(super) squareness: Vec<Squareness>,
+}
+
+/// Nine decimals: far below what can be measured, and free of the dust of binary sums.
+pub(super) fn tidy(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9 + 0.0
+}
+
+/// A value of a file as a deviation.
+pub(super) fn deviation(sign: TableSign, value: f64) -> Deviation {
+    -sign.correction(value)
+}
+
+/// Which way the axis went over the targets of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// From the first to the last.
+    Forward,
+    /// From the last to the first.
+    Reverse,
+    /// Not distinguished.
+    Both,
+}
+
+/// The runs of each way, their values in the order of the targets.
+pub(super) type Ways = Vec<(Way, Vec<Vec<f64>>)>;
+
+/// Passes over the targets of one axis.
+pub(super) struct Passes {
+    /// As the file counts them, mm.
+    pub(super) targets: Vec<f64>,
+    pub(super) place: Place,
+    /// µm, where a format has not said another unit so far.
+    pub(super) ways: Ways,
+}
+
+impl Passes {
+    /// The reading of a file of one component, which must be known by now with its sign. `of_runs` is said
+    /// behind the places.
+    pub(super) fn reading(
+        &self,
+        (term, sign): (Option<Component>, Option<TableSign>),
+        mut said: Reading,
+        of_runs: Vec<String>,
+        stated: &Stated,
+        mut problems: Problems,
+    ) -> Result<Reading, Problems> {
+        let placing = Placing::of(&self.targets, &self.place, stated, &mut problems);
+        let (Some(term), Some(sign), Some(placing)) = (term, sign, placing) else {
+            return Err(problems);
+        };
+        said.facts.push(placing.words());
+        said.facts.extend(placing.sense_words(term));
+        said.facts.extend(of_runs);
+        let series = self.ways.iter().map(|(way, runs)| {
+            let mut series =
+                DraftSeries::new(term.along, placing.direction(*way), placing.positions_mm());
+            placing.put(&mut series, term, sign, runs);
+            series
+        });
+        said.series = series.collect();
+        said.series.sort_by_key(|series| series.direction);
+        problems.or_ok(said)
+    }
+
+    /// Turns values in another unit into µm.
+    pub(super) fn scale(&mut self, um: f64) {
+        for value in self.ways.iter_mut().flat_map(|(_, runs)| runs).flatten() {
+            *value *= um;
+        }
+    }
+
+    /// How many runs went which way, and what they tell of the uncertainty.
+    pub(super) fn words(&self, stated: &Stated) -> Vec<String> {
+        let Some(run) = stated.targets_run else {
+            return Vec::new();
+        };
+        let counts = self.ways.iter().map(|(way, runs)| match way {
+            Way::Reverse => format!("{} moving {}", runs.len(), run.opposite()),
+            _ => format!("{} moving {run}", runs.len()),
+        });
+        let counts: Vec<String> = counts.collect();
+        let fewest = self.ways.iter().map(|(_, runs)| runs.len()).min();
+        let fewest = fewest.unwrap_or(0);
+        let u = match fewest {
+            0 | 1 => "one run tells nothing about the uncertainty",
+            _ => "mean of each direction, u = s/√runs (k = 1)",
+        };
+        let mut words = vec![format!("runs: {}; {u}", counts.join(", "))];
+        words.extend(freedom_remark(self.targets.len(), fewest));
+        words
+    }
+}
+
+/// Where the targets of a file stand on the machine.
+pub(super) struct Placing {
+    /// Machine coordinate of each target, in the order of the targets.
+    positions_mm: Vec<f64>,
+    /// The way of the axis from the first target to the last.
+    run: Direction,
+    /// The file counts its targets against the axis.
+    turned: bool,
+}
+
+impl Placing {
+    /// From what was stated; what is missing is noted.
+    pub(super) fn of(
+        targets: &[f64],
+        at: &Place,
+        stated: &Stated,
+        problems: &mut Problems,
+    ) -> Option<Placing> {
+        let ascending = sense(targets, at, problems);
+        if stated.first_target_at_mm.is_none() {
+            problems.push(FIRST_TARGET.missing().at(at.clone()));
+        }
+        if stated.targets_run.is_none() {
+            problems.push(TARGETS_RUN.missing().at(at.clone()));
+        }
+        let (ascending, run) = (ascending?, stated.targets_run?);
+        let first_mm = stated.first_target_at_mm?;
+        let turned = ascending != (run == Direction::Plus);
+        let positions_mm = targets.iter().map(|target| {
+            let way = target - targets[0];
+            tidy(first_mm + if turned { -way } else { way })
+        });
+        Some(Placing {
+            positions_mm: positions_mm.collect(),
+            run,
+            turned,
+        })
+    }
+
+    /// Of machine coordinates, ascending.
+    pub(super) fn on_machine(positions_mm: &[f64]) -> Placing {
+        Placing {
+            positions_mm: positions_mm.iter().map(|mm| tidy(*mm)).collect(),
+            run: Direction::Plus,
+            turned: false,
+        }
+    }
+
+    /// Values of the targets in the order of the machine.
+    fn ascending<T: Clone>(&self, of_targets: &[T]) -> Vec<T> {
+        let mut values = of_targets.to_vec();
+        if self.run == Direction::Minus {
+            values.reverse();
+        }
+        values
+    }
+
+    /// Machine coordinates, ascending.
+    pub(super) fn positions_mm(&self) -> Vec<f64> {
+        self.ascending(&self.positions_mm)
+    }
+
+    /// The way of the axis in passes of one way.
+    pub(super) fn direction(&self, way: Way) -> Option<Direction> {
+        match way {
+            Way::Forward => Some(self.run),
+            Way::Reverse => Some(self.run.opposite()),
+            Way::Both => None,
+        }
+    }
+
+    /// Values of a file in the order of its targets → deviations in the order of the machine.
+    pub(super) fn deviations(&self, um: &[f64], component: Component, sign: TableSign) -> Vec<f64> {
+        let against = self.turned && component.is_positioning();
+        let of_target = |um: &f64| {
+            let deviation = deviation(sign, *um);
+            let zero = Deviation::ZERO;
+            tidy(if against { zero - deviation } else { deviation }.um())
+        };
+        let of_targets: Vec<f64> = um.iter().map(of_target).collect();
+        self.ascending(&of_targets)
+    }
+
+    /// Uncertainties in the order of the machine; they have no sign.
+    pub(super) fn uncertainties(&self, um: &[f64]) -> Vec<f64> {
+        let of_targets: Vec<f64> = um.iter().map(|um| tidy(*um)).collect();
+        self.ascending(&of_targets)
+    }
+
+    /// Puts the mean of the runs into a series, and of a deviation its uncertainty: one u for all targets,
+    /// from their scatter together. That of a single one is known too badly, and two equal readings at a
+    /// target do not make it exact.
+    pub(super) fn put(
+        &self,
+        series: &mut DraftSeries,
+        component: Component,
+        sign: TableSign,
+        runs: &[Vec<f64>],
+    ) {
+        let figures = means(runs);
+        let of_targets: Vec<f64> = figures.iter().map(|(mean, _)| *mean).collect();
+        component.put(series, self.deviations(&of_targets, component, sign));
+        let scatter: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
+        if let (Kind::Deviation(of), Some(u)) = (component.kind, scatter) {
+            let mean_square = u.iter().map(|u| u.squared()).sum::<f64>() / float(u.len());
+            series.uncertainties_um[of] = Some(vec![tidy(mean_square.sqrt()); u.len()]);
+        }
+    }
+
+    /// Where the targets stand, in words.
+    pub(super) fn words(&self) -> String {
+        let positions = self.positions_mm();
+        let end = |mm: Option<&f64>| mm.map_or_else(String::new, f64::to_string);
+        format!(
+            "positions: {} targets at machine coordinates {} … {} mm",
+            positions.len(),
+            end(positions.first()),
+            end(positions.last())
+        )
+    }
+
+    /// What was done with the sense of the deviations, where something was done.
+    pub(super) fn sense_words(&self, component: Component) -> Option<String> {
+        (self.turned && component.is_positioning()).then(|| {
+            format!("sense: the file counts its targets against the axis, so {component} is turned as well")
+        })
+    }
+}
+
+/// Whether targets ascend; neither is a problem.
+fn sense(targets: &[f64], at: &Place, problems: &mut Problems) -> Option<bool> {
+    let all = |goes_on: fn(f64, f64) -> bool| {
+        targets.len() >= 2 && targets.windows(2).all(|pair| goes_on(pair[0], pair[1]))
+    };
+    if all(|a, b| a < b) {
+        return Some(true);
+    }
+    if all(|a, b| a > b) {
+        return Some(false);
+    }
+    let message = "the targets neither ascend nor descend, expected at least two in one sense";
+    let help = "a measurement on a line is needed; circular or repeated targets make no curve";
+    problems.push(Problem::new(message).at(at.clone()).help(help));
+    None
+}
+
+/// The remark of an error table on how well u is known: targets · (runs − 1).
+pub(super) fn freedom_remark(targets: usize, runs: usize) -> Option<String> {
+    let freedom = targets * runs.saturating_sub(1);
+    (freedom > 0).then(|| format!("degrees of freedom: {freedom}"))
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a measurement has few values")]
+fn float(count: usize) -> f64 {
+    count as f64
+}
+
+/// For each target the mean of the runs, and with two runs or more its standard uncertainty s/√n.
+pub(super) fn means(runs: &[Vec<f64>]) -> Vec<(f64, Option<f64>)> {
+    let targets = runs.first().map_or(0, Vec::len);
+    let of_target = |target: usize| {
+        let values: Vec<f64> = runs.iter().map(|run| run[target]).collect();
+        let count = float(values.len());
+        let mean = values.iter().sum::<f64>() / count;
+        let squares = values.iter().map(|value| (value - mean).squared());
+        let variance = squares.sum::<f64>() / (count - 1.0) / count;
+        (mean, (values.len() > 1).then(|| variance.sqrt()))
+    };
+    (0..targets).map(of_target).collect()
+}
+
+/// A reversal above this is no scatter (the limit of `generate`), µm.
+const NOTABLE_UM: f64 = 0.5;
+
+/// A sentence for each axis whose positioning has a reversal B > 0: the one figure that shows a direction or
+/// a sign taken wrongly.
+///
+/// formula B = mean deviation moving + minus mean deviation moving −, over all positions (ISO 230-2)
+/// limits  positions of the two directions are not compared: it is a warning, no figure
+pub(super) fn reversal_warnings(series: &[DraftSeries]) -> Vec<String> {
+    let mean_um = |axis: Axis, direction: Direction| {
+        let mut of_axis = series.iter().filter(|s| s.axis == axis);
+        let series = of_axis.find(|s| s.direction == Some(direction))?;
+        let values = series.deviations_um[axis].as_ref()?;
+        Some(values.iter().sum::<f64>() / float(values.len()))
+    };
+    let of = |axis: Axis| {
+        let um = mean_um(axis, Direction::Plus)? - mean_um(axis, Direction::Minus)?;
+        (um > NOTABLE_UM).then(|| {
+            format!(
+                "E{axis}{axis}: B = {um:+.3} µm is above 0, ordinary lost motion gives B < 0: are the way of the targets, the directions or the sign stated as they were?"
+            )
+        })
+    };
+    Axis::ALL.into_iter().filter_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_uncertainty_of_a_mean_is_s_over_the_root_of_n() {
+        // Two readings d apart: s = d/√2, s/√2 = d/2.
+        let runs = [vec![1.0, 2.0], vec![3.0, 2.0]];
+        assert_eq!(means(&runs), [(2.0, Some(1.0)), (2.0, Some(0.0))]);
+        assert_eq!(means(&[vec![4.0]]), [(4.0, None)]);
+    }
 }

@@ -8,118 +8,230 @@
 //! A deviation belongs to the target whose number stands in its line; the order of the lines means
 //! nothing. docs/import.md §2 names the sources.
 
-use crate::inputs::error_table::DraftSeries;
-use crate::inputs::import::choices::Sign;
-use crate::inputs::import::placing::Placing;
-use crate::inputs::import::rtl_file::File;
-use crate::inputs::import::rtl_runs::Travelled;
-use crate::inputs::import::rtl_sections::Sections;
-use crate::inputs::import::rtl_texts::{
-    environment_facts, material_words, stated_axis, user_facts,
-};
-use crate::inputs::import::stated::Stated;
-use crate::inputs::import::{Component, Kind, Reading};
-use crate::text::document::Source;
-use crate::text::problem::{Problem, Problems, shown};
+use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::import::encoding::{Measurement, text_of};
+use crate::inputs::import::reading::{Passes, Placing, Reading};
+use crate::inputs::import::rtl_file::{File, Sections};
+use crate::inputs::import::stated::{Format, Stated};
+use crate::inputs::import::words::{Fields, Piece};
+use crate::quantity::axis::{Axis, Direction};
+use crate::text::delimited::plain_number;
+use crate::text::document::{LARGEST_NUMBER, Source};
+use crate::text::problem::{Problems, shown};
 
 pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
-    let sections = Sections::of(source)?;
     let mut problems = Problems::none();
-    let kind = linear_kind(&sections, &mut problems);
-    let file = problems.take(File::read(&sections));
-    let term = required_positioning(stated, &mut problems);
+    let term = stated.required_term(Format::Rtl, &mut problems);
     let sign = stated.required_sign(&mut problems);
-    let axis = stated_axis(&sections, stated, &mut problems);
-    let Some(file) = file else {
+    let Some((passes, mut said, of_runs)) = passes_of(source, stated, &mut problems) else {
         return Err(problems);
     };
-    let warnings = material_words(&sections, stated, file.length_mm(), &mut problems);
-    let placing = Placing::of(&file.targets, &file.targets_place, stated, &mut problems);
-    let runs = file.runs_travelled(stated, &mut problems);
-    let (Some(term), Some(sign), Some(placing), Some(runs)) = (term, sign, placing, runs) else {
+    let unit = "unit: deviations in µm, targets in mm (the format's)";
+    said.facts.push(unit.to_string());
+    passes.reading((term, sign), said, of_runs, stated, problems)
+}
+
+/// Deviations of every run at every target, in the order of the machine's coordinate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredRuns {
+    /// Targets, ascending, mm.
+    pub targets_mm: Vec<f64>,
+    /// Of each target the runs moving +, µm; `None` = not measured.
+    pub up_um: Option<Vec<Vec<f64>>>,
+    /// Likewise moving −.
+    pub down_um: Option<Vec<Vec<f64>>>,
+    /// What the file states and what was done with it, one sentence each.
+    pub facts: Vec<String>,
+}
+
+/// Positioning is measured along the axis itself; which one it is changes no figure.
+const POSITIONING: Component = Component {
+    kind: Kind::Deviation(Axis::X),
+    along: Axis::X,
+};
+
+/// Reads the single runs of a `.rtl` file, as a positioning test needs them (a mean holds no repeatability):
+/// runs 1, 3, 5 … went from the first target to the last, even ones back, as the file's flags or `--runs` say.
+///
+/// sign   deviation = actual − commanded in the sense of the machine's coordinate: where the file
+///        counts its targets against the axis, deviations are turned with them
+/// limits the targets keep the coordinates of the file: no figure depends on where they are
+pub fn measured_runs(
+    file: Measurement<'_>,
+    stated_encoding: Option<&'static encoding_rs::Encoding>,
+    stated: &Stated,
+) -> Result<MeasuredRuns, Problems> {
+    let (source, encoding) = text_of(file, stated_encoding, false)?;
+    let mut problems = Problems::none();
+    let sign = stated.required_sign(&mut problems);
+    let Some((passes, said, of_runs)) = passes_of(&source, stated, &mut problems) else {
         return Err(problems);
     };
-    let mut facts = user_facts(&sections);
-    facts.extend(axis);
-    facts.extend(kind);
-    facts.extend(environment_facts(&sections));
-    facts.push("unit: deviations in µm, targets in mm (the format's)".to_string());
-    facts.extend(placing.words());
-    facts.extend(placing.sense_words(term));
-    facts.extend(runs.words(&placing));
-    problems.or_ok(Reading {
-        series: file.series(term, sign, &placing, &runs),
+    let placed = Stated {
+        first_target_at_mm: first_target_mm(&passes.targets, stated),
+        ..stated.clone()
+    };
+    let placing = Placing::of(&passes.targets, &passes.place, &placed, &mut problems);
+    let (Some(sign), Some(placing)) = (sign, placing) else {
+        return Err(problems);
+    };
+    let mut facts = vec![format!("text: {encoding}")];
+    facts.extend(said.facts);
+    facts.push("targets: counted from the zero of the file, not of the machine".to_string());
+    facts.extend(placing.sense_words(POSITIONING));
+    // The first sentence is about means.
+    facts.extend(of_runs.into_iter().skip(1).chain(said.warnings));
+    let moving = |direction: Direction| {
+        let mut ways = passes.ways.iter();
+        let (_, runs) = ways.find(|(way, _)| placing.direction(*way) == Some(direction))?;
+        let runs = runs
+            .iter()
+            .map(|run| placing.deviations(run, POSITIONING, sign));
+        let runs: Vec<Vec<f64>> = runs.collect();
+        let at = |target: usize| runs.iter().map(|run| run[target]).collect();
+        Some((0..passes.targets.len()).map(at).collect())
+    };
+    problems.or_ok(MeasuredRuns {
+        targets_mm: placing.positions_mm(),
+        up_um: moving(Direction::Plus),
+        down_um: moving(Direction::Minus),
         facts,
-        warnings,
-        ..Reading::default()
     })
 }
 
-/// Other types of the family hold angles or straightness; a stated unit must be that of the format.
-pub(super) fn linear_kind(sections: &Sections<'_>, problems: &mut Problems) -> Option<String> {
-    for line in sections.lines("TARGET DATA").unwrap_or_default() {
-        let pair = line.key_value().filter(|(key, _)| key.starts_with("unit"));
-        if let Some((_, value)) = pair.filter(|(_, v)| !v.text.eq_ignore_ascii_case("mm")) {
-            problems.push(
-                Problem::new(format!("the unit is `{}`, expected mm", shown(value.text)))
-                    .at(value.place())
-                    .help("save the file in metric units"),
-            );
-        }
+/// The coordinate of the first target: that of the file, mirrored at its zero where the file counts
+/// against the axis.
+fn first_target_mm(targets: &[f64], stated: &Stated) -> Option<f64> {
+    let (first, last) = (targets.first()?, targets.last()?);
+    let run = stated.targets_run.unwrap_or(Direction::Plus);
+    let along = (first < last) == (run == Direction::Plus);
+    Some(if along { *first } else { 0.0 - first })
+}
+
+/// The runs of a file, what it says, and what is said of the runs; without the ways of the runs there is a
+/// problem.
+fn passes_of(
+    source: &Source,
+    stated: &Stated,
+    problems: &mut Problems,
+) -> Option<(Passes, Reading, Vec<String>)> {
+    let sections = problems.take(Sections::of(source))?;
+    let kind = linear_kind(&sections, problems);
+    let user = user_fields(sections.lines("USER-TEXT"));
+    let mut said = Reading {
+        facts: user.said(&USER_KEYS),
+        ..Reading::default()
+    };
+    said.facts.extend(kind);
+    if let Some(axis) = user.value("Axis").filter(|axis| !axis.text.is_empty()) {
+        said.warnings
+            .extend(stated.axis_warning(&axis, Format::Rtl, problems));
     }
-    let Some(kind) = sections.value("HEADER", "filetype") else {
+    let file = problems.take(File::read(&sections))?;
+    let environment = sections.lines("ENVIRONMENT");
+    let noted = environment.iter().filter(|line| !line.is_blank());
+    let noted = noted.map(|line| format!("the file says: {}", shown(line.text.trim())));
+    said.facts.extend(noted);
+    let warning = material_warning(&Fields::of(environment), file.length_mm(), stated, problems);
+    said.warnings.extend(warning);
+    let (ways, left_out) = file.ways(stated, problems).unwrap_or_default();
+    let passes = Passes {
+        targets: file.targets,
+        place: file.place,
+        ways,
+    };
+    let mut of_runs = passes.words(stated);
+    of_runs.extend(left_out);
+    Some((passes, said, of_runs))
+}
+
+/// Other types of the family hold angles or straightness; a stated unit must be that of the format.
+fn linear_kind(sections: &Sections<'_>, problems: &mut Problems) -> Option<String> {
+    let targets = sections.fields("TARGET DATA");
+    let units = targets.0.iter().filter(|(key, _)| key.starts_with("unit"));
+    for (_, unit) in units.filter(|(_, unit)| !unit.text.eq_ignore_ascii_case("mm")) {
+        problems.push(unit.unexpected("the unit", "mm", "save the file in metric units"));
+    }
+    let Some(kind) = sections.fields("HEADER").value("File type") else {
         return Some("the file does not state its type: taken as linear, as `rtl` is".to_string());
     };
     if !kind.text.eq_ignore_ascii_case("rtl") {
-        problems.push(
-            Problem::new(format!(
-                "the file type is `{}`, expected `rtl` (linear)",
-                shown(kind.text)
-            ))
-            .at(kind.place())
-            .help("export a CSV with the unit, and map its columns with `--columns`"),
-        );
+        let help = "export a CSV with the unit, and map its columns with `--columns`";
+        problems.push(kind.unexpected("the file type", "`rtl` (linear)", help));
     }
     None
 }
 
-/// A linear measurement is one along the moving axis; straightness is measured with other optics
-/// and saved in another type of file.
-fn required_positioning(stated: &Stated, problems: &mut Problems) -> Option<Component> {
-    let term = stated.required_term(problems)?;
-    if !term.is_positioning() {
-        problems.push(
-            Problem::new(format!(
-                "`--term {term}` is {}, but a linear file (`rtl`) holds positioning",
-                match term.kind {
-                    Kind::Angle(_) => "an angle",
-                    Kind::Deviation(_) => "a straightness",
-                }
-            ))
-            .help("state EXX, EYY or EZZ, or take the right file"),
-        );
+/// Keys of USER-TEXT.
+const USER_KEYS: [&str; 7] = [
+    "Machine",
+    "Serial No",
+    "Date",
+    "By",
+    "Axis",
+    "Location",
+    "TITLE",
+];
+
+/// Key and value of USER-TEXT; several may share a line.
+fn user_fields<'a>(lines: &[Piece<'a>]) -> Fields<'a> {
+    let mut fields = Vec::new();
+    for line in lines {
+        let found = USER_KEYS.iter().filter_map(|key| key_at(line.text, key));
+        let mut starts: Vec<usize> = found.collect();
+        starts.sort_unstable();
+        for (index, start) in starts.iter().enumerate() {
+            let end = starts.get(index + 1).copied().unwrap_or(line.text.len());
+            fields.extend(line.part(*start, end).key_value());
+        }
     }
-    Some(term)
+    Fields(fields)
 }
 
-impl<'a> File<'a> {
-    fn series(
-        &self,
-        term: Component,
-        sign: Sign,
-        placing: &Placing,
-        runs: &Travelled,
-    ) -> Vec<DraftSeries> {
-        let ways = [
-            (&runs.forward, placing.run),
-            (&runs.reverse, placing.run.opposite()),
-        ];
-        let mut series: Vec<DraftSeries> = ways
-            .into_iter()
-            .filter(|(runs, _)| !runs.is_empty())
-            .map(|(runs, direction)| self.one_series(term, sign, placing, runs, direction))
-            .collect();
-        series.sort_by_key(|series| series.direction);
-        series
-    }
+/// Where `key` followed by a colon begins as a word of its own.
+fn key_at(text: &str, key: &str) -> Option<usize> {
+    text.match_indices(key).map(|(at, _)| at).find(|at| {
+        let alone = !text[..*at].ends_with(char::is_alphanumeric);
+        alone && text[at + key.len()..].trim_start().starts_with(':')
+    })
+}
+
+/// An expansion that is smaller than this is no reason to warn, µm.
+const NOTABLE_UM: f64 = 1.0;
+/// Reference temperature of lengths, °C (ISO 1).
+const REFERENCE_C: f64 = 20.0;
+
+/// Where the file notes a temperature of the material, whether its expansion was taken out has to be stated
+/// (contract §2.3); what is at stake is α·(T − 20 °C)·L, α of the file in µm/m per K, L = `length_mm`.
+fn material_warning(
+    environment: &Fields<'_>,
+    length_mm: f64,
+    stated: &Stated,
+    problems: &mut Problems,
+) -> Option<String> {
+    // A sensor that is absent writes zeros.
+    let numbers = |begins: &'static str| {
+        let lines = environment
+            .0
+            .iter()
+            .filter(move |(key, _)| key.starts_with(begins));
+        let words =
+            lines.flat_map(|(_, line)| line.text.split_whitespace().map(move |word| (line, word)));
+        let numbers = words.filter_map(|(line, word)| Some((line.place(), plain_number(word)?)));
+        numbers.filter(|(_, number)| *number != 0.0 && number.abs() <= LARGEST_NUMBER)
+    };
+    let from_20 = |celsius: f64| (celsius - REFERENCE_C).abs();
+    let farthest = numbers("mattemp").max_by(|a, b| from_20(a.1).total_cmp(&from_20(b.1)));
+    let (place, celsius) = farthest?;
+    let coefficient = numbers("expcoeff").next();
+    let stake = coefficient.map(|(_, alpha)| {
+        let um = alpha * (celsius - REFERENCE_C) * length_mm / 1000.0;
+        (um, format!("{alpha} µm/m per K × ({celsius} − 20) K × {length_mm} mm = {um:.1} µm over the measured length"))
+    });
+    let words = stake
+        .as_ref()
+        .map_or("and no expansion coefficient", |(_, words)| words);
+    let noted = format!("a material temperature of {celsius} °C");
+    let warning = stated.material_warning(&noted, place, words, problems);
+    warning.filter(|_| stake.is_none_or(|(um, _)| um.abs() >= NOTABLE_UM))
 }

@@ -1,229 +1,339 @@
-//! What the sections of a file of static data hold.
+//! The sections of a Renishaw file, `NAME::`, lines, `EOF::`, and the targets and runs that they hold.
 
-use crate::inputs::error_table::DraftSeries;
-use crate::inputs::import::choices::Sign;
-use crate::inputs::import::lines::{Line, Word, looks_like_number};
-use crate::inputs::import::placing::{Placing, mean, pooled};
-use crate::inputs::import::rtl_sections::{AGAIN, MOST, Sections};
-use crate::inputs::import::{Component, Kind};
-use crate::quantity::axis::Direction;
+use crate::inputs::import::reading::{Way, Ways};
+use crate::inputs::import::stated::{RUNS, Runs, Stated};
+use crate::inputs::import::words::{AGAIN, Fields, Piece, lines};
+use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems, shown};
 use std::collections::BTreeMap;
 
+/// More runs or targets than this are a damaged file.
+const MOST: usize = 10_000;
+/// Keys that the numbers depend on.
+const SINGLE_KEYS: [(&str, &str); 5] = [
+    ("HEADER", "File type"),
+    ("TARGET DATA", "Target-count"),
+    ("TARGET DATA", "Targets"),
+    ("TARGET DATA", "Flags"),
+    ("RUNS", "Run-count"),
+];
+const WHICH: &str = "which of the two holds is not known: save the file again";
+
+/// Lines of each section, by its name in capital letters.
+pub(super) struct Sections<'a> {
+    source: &'a Source,
+    found: Vec<(String, Vec<Piece<'a>>)>,
+}
+
+impl<'a> Sections<'a> {
+    pub(super) fn of(source: &'a Source) -> Result<Self, Problems> {
+        let mut problems = Problems::none();
+        let mut sections = Sections {
+            source,
+            found: Vec::new(),
+        };
+        let mut is_over = false;
+        for line in lines(source) {
+            // Some editors end a text with the control character 26.
+            if is_over && !line.text.trim_matches('\u{1a}').trim().is_empty() {
+                let help = "take one file at a time, as it was saved";
+                problems.push(line.problem("there is text behind `EOF::`", help));
+                break;
+            }
+            if let Some(name) = line.text.trim().strip_suffix("::") {
+                let name = name.trim().to_uppercase();
+                is_over = name == "EOF";
+                if sections.has(&name) {
+                    let message = format!("section `{}::` stands twice", shown(&name));
+                    problems.push_with(|| line.problem(message, WHICH));
+                }
+                sections.found.push((name, Vec::new()));
+            } else if let Some((_, lines)) = sections.found.last_mut() {
+                lines.push(line);
+            }
+        }
+        if sections.found.is_empty() {
+            let message =
+                "there is no section such as `HEADER::`, expected a file of the format `rtl`";
+            let help = "take the file as it was saved, or leave `--from` out";
+            return Err(Problem::new(message)
+                .at(source.place(&(0..0)))
+                .help(help)
+                .into());
+        }
+        for (section, label) in SINGLE_KEYS {
+            if let Some(second) = sections.fields(section).values(label).nth(1) {
+                problems.push(second.problem(format!("`{label}` stands twice"), WHICH));
+            }
+        }
+        for needed in ["TARGET DATA", "RUNS", "DEVIATIONS", "EOF"] {
+            if !sections.has(needed) {
+                problems.push(sections.absent(&format!("there is no section `{needed}::`")));
+            }
+        }
+        problems.or_ok(sections)
+    }
+
+    fn has(&self, section: &str) -> bool {
+        self.found.iter().any(|(name, _)| name == section)
+    }
+
+    pub(super) fn lines(&self, section: &str) -> &[Piece<'a>] {
+        let found = self.found.iter().find(|(name, _)| name == section);
+        found.map_or(&[], |(_, lines)| lines)
+    }
+
+    pub(super) fn fields(&self, section: &str) -> Fields<'a> {
+        Fields::of(self.lines(section))
+    }
+
+    /// A problem at the end of the file, where something is missing.
+    fn absent(&self, message: &str) -> Problem {
+        let end = self.source.text.trim_end().len();
+        let start = self.source.text[..end].rfind('\n').map_or(0, |at| at + 1);
+        Problem::new(message)
+            .at(self.source.place(&(start..end)))
+            .help(AGAIN)
+    }
+
+    /// A whole number from 1, and where it stands.
+    fn count(&self, section: &str, label: &str) -> Result<(usize, Piece<'a>), Problems> {
+        let Some(value) = self.fields(section).value(label) else {
+            let message = format!("there is no `{label}` in section `{section}::`");
+            return Err(self.absent(&message).into());
+        };
+        let mut problems = Problems::none();
+        let count = value.count(&format!("`{label}`"), &mut problems);
+        if let Some(count) = count.filter(|count| *count > MOST) {
+            let message = format!("`{label}` is {count}, expected at most {MOST}");
+            problems.push(value.problem(message, AGAIN));
+        }
+        problems.or_ok((count.unwrap_or(0), value))
+    }
+}
+
 /// What the sections hold.
 pub(super) struct File<'a> {
+    /// mm, as the file counts.
     pub(super) targets: Vec<f64>,
-    pub(super) targets_place: Place,
-    pub(super) runs: usize,
-    pub(super) flags: Option<Word<'a>>,
-    /// Deviation of run and target (both from 1).
-    pub(super) deviations: BTreeMap<(usize, usize), f64>,
+    pub(super) place: Place,
+    flags: Option<Piece<'a>>,
+    /// Deviations of each run at each target, µm.
+    runs: Vec<Vec<f64>>,
 }
 
 impl<'a> File<'a> {
     pub(super) fn read(sections: &Sections<'a>) -> Result<Self, Problems> {
         let mut problems = Problems::none();
-        let count = sections.count("TARGET DATA", "targetcount", "Target-count", &mut problems);
-        let runs = sections.count("RUNS", "runcount", "Run-count", &mut problems);
-        let (targets, targets_place) = read_targets(sections, &mut problems);
-        if let Some(count) = count.filter(|count| *count != targets.len()) {
-            problems.push(
-                Problem::new(format!(
-                    "{} targets are listed, expected {count} as in `Target-count`",
-                    targets.len()
-                ))
-                .at(targets_place.clone())
-                .help(AGAIN),
-            );
-        }
-        let (Some(count), Some(runs)) = (count, runs) else {
+        let count = problems.take(sections.count("TARGET DATA", "Target-count"));
+        let runs = problems.take(sections.count("RUNS", "Run-count"));
+        let (targets, place) = read_targets(sections, &mut problems);
+        let (Some((count, _)), Some(runs)) = (count, runs) else {
             return Err(problems);
         };
-        let deviations = read_deviations(sections, runs, count, &mut problems);
+        if count != targets.len() {
+            let found = targets.len();
+            let message =
+                format!("{found} targets are listed, expected {count} as in `Target-count`");
+            problems.push(Problem::new(message).at(place.clone()).help(AGAIN));
+        }
+        let runs = problems.take(read_runs(sections, runs, count));
         problems.or_ok(File {
             targets,
-            targets_place,
-            runs,
-            flags: sections.value("TARGET DATA", "flags"),
-            deviations,
+            place,
+            flags: sections.fields("TARGET DATA").value("Flags"),
+            runs: runs.unwrap_or_default(),
         })
-    }
-
-    /// Deviations of a run, µm.
-    pub(super) fn run(&self, run: usize) -> Vec<f64> {
-        let of_run = self.deviations.range((run, 0)..=(run, usize::MAX));
-        of_run.map(|(_, um)| *um).collect()
     }
 
     /// From the first target to the last.
     pub(super) fn length_mm(&self) -> f64 {
-        match (self.targets.first(), self.targets.last()) {
-            (Some(first), Some(last)) => (last - first).abs(),
-            _ => 0.0,
+        let ends = self.targets.first().zip(self.targets.last());
+        ends.map_or(0.0, |(first, last)| (last - first).abs())
+    }
+
+    /// Which runs went which way; and what is said of return runs that were never made, which stand in the
+    /// file as zeros.
+    pub(super) fn ways(
+        &self,
+        stated: &Stated,
+        problems: &mut Problems,
+    ) -> Option<(Ways, Option<String>)> {
+        let every_second = |from: usize| self.runs.iter().skip(from).step_by(2).cloned();
+        let (odd, even): (Vec<_>, Vec<_>) = (every_second(0).collect(), every_second(1).collect());
+        let is_measured = even.iter().flatten().any(|um| *um != 0.0);
+        let is_zero = !even.is_empty() && !is_measured;
+        match self.travelled(is_measured, is_zero, stated, problems)? {
+            Runs::Bidirectional if odd.len() == even.len() => {
+                Some((vec![(Way::Forward, odd), (Way::Reverse, even)], None))
+            }
+            Runs::Bidirectional => {
+                let count = self.runs.len();
+                let problem = Problem::new(format!("`Run-count` is {count} in a bidirectional file, expected an even number: each direction counts as a run"))
+                    .help("complete the last return run, or save the file without its outward run");
+                problems.push(self.at_flags(problem));
+                None
+            }
+            Runs::Unidirectional if is_measured => {
+                Some((vec![(Way::Forward, self.runs.clone())], None))
+            }
+            Runs::Unidirectional => {
+                let left_out = (2..=self.runs.len()).step_by(2).map(|run| run.to_string());
+                let left_out = left_out.collect::<Vec<String>>().join(", ");
+                let said = format!(
+                    "runs {left_out} hold only zeros: they were never made and are left out"
+                );
+                Some((vec![(Way::Forward, odd)], is_zero.then_some(said)))
+            }
         }
     }
 
-    pub(super) fn one_series(
+    /// How the runs were travelled: from the second flag, which `--runs` must not contradict. Where the even
+    /// runs do not look like that, it has to be stated.
+    fn travelled(
         &self,
-        term: Component,
-        sign: Sign,
-        placing: &Placing,
-        runs: &[usize],
-        direction: Direction,
-    ) -> DraftSeries {
-        let figures: Vec<(f64, Option<f64>)> = (1..=self.targets.len())
-            .map(|target| {
-                let readings = runs
-                    .iter()
-                    .filter_map(|run| self.deviations.get(&(*run, target)));
-                mean(&readings.copied().collect::<Vec<f64>>())
-            })
-            .collect();
-        let means: Vec<f64> = figures.iter().map(|(mean, _)| *mean).collect();
-        let spread: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
-        let mut series = DraftSeries::new(term.along, Some(direction), placing.positions_mm());
-        term.put(&mut series, placing.deviations(&means, term, sign));
-        if let Kind::Deviation(of) = term.kind {
-            series.uncertainties_um[of] = spread.map(|u| placing.uncertainties(&pooled(&u)));
+        is_measured: bool,
+        is_zero: bool,
+        stated: &Stated,
+        problems: &mut Problems,
+    ) -> Option<Runs> {
+        let flag = self
+            .flags
+            .and_then(|flags| flags.text.split_whitespace().nth(1));
+        let flagged = match flag {
+            Some("0") => Some(Runs::Bidirectional),
+            Some("1") => Some(Runs::Unidirectional),
+            _ => None,
+        };
+        let unclear =
+            match flagged {
+                None => Some(RUNS.missing()),
+                Some(Runs::Bidirectional) if is_zero => Some(RUNS.missing_because(
+                    "the flags say bidirectional, but every even run holds only zeros",
+                )),
+                Some(Runs::Unidirectional) if is_measured => Some(RUNS.missing_because(
+                    "the flags say unidirectional, but the even runs are not empty",
+                )),
+                Some(_) => None,
+            };
+        if let (Some(problem), None) = (&unclear, stated.runs) {
+            problems.push(self.at_flags(problem.clone()));
+            return None;
         }
-        series
+        let may_overrule = flagged == Some(Runs::Bidirectional) && is_zero;
+        let found = flagged.zip(self.flags).filter(|_| !may_overrule);
+        RUNS.settled(found, stated.runs, stated, problems)
+    }
+
+    fn at_flags(&self, problem: Problem) -> Problem {
+        match self.flags {
+            Some(flags) => problem.at(flags.place()),
+            None => problem,
+        }
     }
 }
 
-/// Numbers behind `Targets :`, over as many lines as there are.
+/// Numbers behind `Targets :`, over as many lines as there are, and where they stand.
 fn read_targets(sections: &Sections<'_>, problems: &mut Problems) -> (Vec<f64>, Place) {
-    let lines = sections.lines("TARGET DATA").unwrap_or_default();
-    let is_head = |line: &&Line<'_>| line.key_value().is_some_and(|(key, _)| key == "targets");
-    let Some(at) = lines.iter().position(|line| is_head(&line)) else {
-        let problem = sections.absent("there is no `Targets` in section `TARGET DATA::`");
-        let start = sections.source.place(&(0..0));
-        problems.push(problem);
-        return (Vec::new(), start);
+    let lines = sections.lines("TARGET DATA");
+    let beside = sections.fields("TARGET DATA").value("Targets");
+    let is_head = |line: &Piece<'_>| line.key_value().is_some_and(|(key, _)| key == "targets");
+    let (Some(at), Some(beside)) = (lines.iter().position(is_head), beside) else {
+        problems.push(sections.absent("there is no `Targets` in section `TARGET DATA::`"));
+        return (Vec::new(), sections.source.place(&(0..0)));
     };
-    let mut place = lines[at].place();
-    let beside = lines[at].key_value().map(|(_, value)| value.line());
-    let mut words: Vec<Word<'_>> = beside.iter().flat_map(blank_separated).collect();
-    let behind = lines[at + 1..].iter();
-    for line in behind.take_while(|line| line.key_value().is_none()) {
-        if words.is_empty() && !line.is_blank() {
-            place = line.place();
-        }
-        words.extend(blank_separated(line));
+    let below = lines[at + 1..].iter();
+    let below = below.take_while(|line| line.key_value().is_none()).copied();
+    let all = std::iter::once(beside).chain(below);
+    let filled: Vec<Piece<'_>> = all.filter(|line| !line.is_blank()).collect();
+    let place = match filled.first() {
+        Some(first) if beside.is_blank() => first.place(),
+        _ => lines[at].place(),
+    };
+    let mut words = Vec::new();
+    for line in filled {
+        words.extend(line.words(char::is_whitespace));
         if words.len() > MOST {
             let message = format!("here are more than {MOST} targets, expected at most so many");
-            problems.push(Problem::new(message).at(line.place()).help(AGAIN));
+            problems.push(line.problem(message, AGAIN));
             break;
         }
     }
-    let numbers = words
-        .iter()
-        .filter_map(|word| word.number("a target", problems));
+    let numbers = words.iter();
+    let numbers = numbers.filter_map(|word| word.number("a target", problems));
     (numbers.collect(), place)
 }
 
-fn blank_separated<'a>(line: &Line<'a>) -> Vec<Word<'a>> {
-    line.words(char::is_whitespace)
-}
-
-fn read_deviations(
+/// Deviations of each run at each target; all of them are there.
+fn read_runs(
     sections: &Sections<'_>,
-    runs: usize,
+    (runs, run_count): (usize, Piece<'_>),
     targets: usize,
-    problems: &mut Problems,
-) -> BTreeMap<(usize, usize), f64> {
+) -> Result<Vec<Vec<f64>>, Problems> {
+    let mut problems = Problems::none();
     let mut found = BTreeMap::new();
-    let before = problems.is_empty();
-    for line in sections.lines("DEVIATIONS").unwrap_or_default() {
-        let words = blank_separated(line);
-        let is_row = words
-            .first()
-            .is_some_and(|word| looks_like_number(word.text));
-        if line.is_blank() || (!is_row && line.text.trim_end().ends_with(':')) {
+    for line in sections.lines("DEVIATIONS") {
+        let is_label = !line.begins_with_number() && line.text.trim_end().ends_with(':');
+        if line.is_blank() || is_label {
             continue;
         }
-        let [run, target, deviation] = words[..] else {
-            problems.push_with(|| {
-                Problem::new(format!(
-                    "the line has {} words, expected run, target and deviation",
-                    words.len()
-                ))
-                .at(line.place())
-                .help(AGAIN)
-            });
+        let Some(words) = line.row(3, char::is_whitespace, &mut problems) else {
             continue;
         };
-        let run = numbered(run, "run", runs, "Run-count", problems);
-        let target = numbered(target, "target", targets, "Target-count", problems);
-        let deviation = deviation.number("a deviation", problems);
-        let (Some(run), Some(target), Some(um)) = (run, target, deviation) else {
-            continue;
-        };
-        if found.insert((run, target), um).is_some() {
-            problems.push_with(|| {
-                Problem::new(format!("target {target} of run {run} stands twice"))
-                    .at(line.place())
-                    .help(AGAIN)
-            });
+        let run = numbered(&words[0], "run", (runs, "Run-count"), &mut problems);
+        let target = numbered(
+            &words[1],
+            "target",
+            (targets, "Target-count"),
+            &mut problems,
+        );
+        let deviation = words[2].number("a deviation", &mut problems);
+        if let (Some(run), Some(target), Some(um)) = (run, target, deviation)
+            && found.insert((run, target), um).is_some()
+        {
+            let message = format!("target {target} of run {run} stands twice");
+            problems.push_with(|| line.problem(message, AGAIN));
         }
     }
-    if before && problems.is_empty() {
-        refuse_missing(sections, runs, targets, &found, problems);
+    if !problems.is_empty() {
+        return Err(problems);
     }
-    found
+    let mut all = Vec::new();
+    for run in 1..=runs {
+        let missing = (1..=targets).filter(|target| !found.contains_key(&(run, *target)));
+        let missing: Vec<String> = missing.map(|target| target.to_string()).collect();
+        let of_run = found.range((run, 0)..=(run, usize::MAX));
+        all.push(of_run.map(|(_, um)| *um).collect());
+        let message = match missing.len() {
+            0 => continue,
+            count if count == targets => {
+                format!("run {run} is missing, expected {runs} runs as in `Run-count`")
+            }
+            _ => format!(
+                "run {run} has no deviation at target {}",
+                shown(&missing.join(", "))
+            ),
+        };
+        let help =
+            "a missing value is never filled in: save the file again, or without the broken run";
+        problems.push_with(|| run_count.problem(message, help));
+        if problems.is_full() {
+            break; // few lines may promise 10 000 runs of 10 000 targets
+        }
+    }
+    problems.or_ok(all)
 }
 
 fn numbered(
-    word: Word<'_>,
+    word: &Piece<'_>,
     what: &str,
-    most: usize,
-    key: &str,
+    (most, key): (usize, &str),
     problems: &mut Problems,
 ) -> Option<usize> {
     let number = word.count(&format!("the number of a {what}"), problems)?;
     if number > most {
-        problems.push_with(|| {
-            Problem::new(format!(
-                "{what} {number} is beyond `{key}`, which is {most}"
-            ))
-            .at(word.place())
-            .help(AGAIN)
-        });
-        return None;
+        let message = format!("{what} {number} is beyond `{key}`, which is {most}");
+        problems.push_with(|| word.problem(message, AGAIN));
     }
-    Some(number)
-}
-
-fn refuse_missing(
-    sections: &Sections<'_>,
-    runs: usize,
-    targets: usize,
-    found: &BTreeMap<(usize, usize), f64>,
-    problems: &mut Problems,
-) {
-    for run in 1..=runs {
-        if problems.is_full() {
-            return; // few lines may promise 10 000 runs of 10 000 targets
-        }
-        let missing: Vec<String> = (1..=targets)
-            .filter(|target| !found.contains_key(&(run, *target)))
-            .map(|target| target.to_string())
-            .collect();
-        if missing.is_empty() {
-            continue;
-        }
-        let message = if missing.len() == targets {
-            format!("run {run} is missing, expected {runs} runs as in `Run-count`")
-        } else {
-            format!(
-                "run {run} has no deviation at target {}",
-                shown(&missing.join(", "))
-            )
-        };
-        problems.push_with(|| match sections.value("RUNS", "runcount") {
-            Some(count) => Problem::new(message)
-                .at(count.place())
-                .help("a missing value is never filled in: save the file again, or without the broken run"),
-            None => sections.absent(&message),
-        });
-    }
+    Some(number).filter(|number| *number <= most)
 }

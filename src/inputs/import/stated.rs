@@ -1,147 +1,498 @@
-//! What the user states because the file does not carry it.
+//! What the user states because a file does not carry it: one table of facts, each with its option, the
+//! formats that take it, and what is said where it is missing. clap reads the options from here as well,
+//! so that a statement has its words in one place.
 
-use crate::inputs::import::choices::{
-    Decimal, MaterialCorrected, Rows, Runs, Sign, Travel, Values,
-};
-use crate::inputs::import::{Component, Kind};
+use crate::control::controller::TableSign;
+use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::import::words::Piece;
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::LengthUnit;
-use crate::text::problem::{Problem, Problems};
+use crate::text::document::LONGEST_MM;
+use crate::text::problem::{Place, Problem, Problems, shown};
+use clap::{Args, ValueEnum};
+
+/// Formats that can be read, in the order of the documentation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Renishaw static data, linear
+    Rtl,
+    /// Renishaw compensation table
+    Ren,
+    /// API position export, linear
+    Pos,
+    /// Etalon exchange format
+    Etalon,
+    /// ISG volumetric compensation
+    Isg,
+    /// delimited text with a stated mapping
+    Columns,
+}
+
+/// How the values of a compensation table count; others than absolute ones cannot be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Values {
+    /// Each value is the whole deviation or correction at its position
+    Absolute,
+}
+
+/// Which of the two tables of a file is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Rows {
+    /// What was measured
+    Measured,
+    /// What the maker's program made of it
+    Averages,
+}
+
+/// How the runs of a measurement were travelled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Runs {
+    /// All runs from the first target to the last
+    Unidirectional,
+    /// Odd runs from the first target to the last, even runs back
+    Bidirectional,
+}
+
+/// Direction of travel of rows that do not name one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Travel {
+    /// Towards larger coordinates
+    #[value(name = "+")]
+    Plus,
+    /// Towards smaller coordinates
+    #[value(name = "-")]
+    Minus,
+    /// Not distinguished
+    Both,
+}
+
+/// The sign before the decimals of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Decimal {
+    /// `1.5`
+    Point,
+    /// `1,5`
+    Comma,
+}
+
+/// Whether the instrument brought the readings to 20 °C of the material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MaterialCorrected {
+    /// The expansion of the material is taken out already
+    Yes,
+    /// It is still in the readings
+    No,
+    /// Nobody knows any more
+    NotStated,
+}
+
+/// The word of a choice on the command line.
+pub fn word(choice: impl ValueEnum) -> String {
+    let value = choice.to_possible_value();
+    value.map_or_else(String::new, |value| value.get_name().to_string())
+}
+
+/// A format with its word, for a comment of the table.
+pub(super) fn described(format: Format) -> String {
+    let value = format.to_possible_value();
+    let help = value.as_ref().and_then(|value| value.get_help());
+    let help = help.map_or_else(String::new, ToString::to_string);
+    format!("{} ({help})", word(format))
+}
 
 /// What was stated on the command line; `None` = nothing.
-#[derive(Clone, Debug, Default)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct Stated {
-    /// `--axis`: the moving axis.
+    /// The moving axis
+    #[arg(long, value_parser = axis_word)]
     pub axis: Option<Axis>,
-    /// `--term`: which component was measured.
+    /// What was measured, e.g. EXX (positioning of X) or EYX (deviation in Y while X moves)
+    #[arg(long, value_parser = term_word)]
     pub term: Option<Component>,
-    /// `--first-target-at-mm`: machine coordinate of the first target.
+    /// Machine coordinate of the first target, mm
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = millimetres)]
     pub first_target_at_mm: Option<f64>,
-    /// `--targets-run`: the way of the axis from the first target to the last.
+    /// Way of the axis from the first target to the last, in machine coordinates: + or -
+    #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
     pub targets_run: Option<Direction>,
-    /// `--direction`: travel of rows without one.
+    /// Direction of travel of rows that do not name one
+    #[arg(
+        long = "direction",
+        value_name = "+|-|both",
+        allow_hyphen_values = true
+    )]
     pub travel: Option<Travel>,
-    /// `--sign`: what the values mean.
-    pub sign: Option<Sign>,
-    /// `--plus-moves`: the way of the axis in rows whose direction is `+`.
+    /// Way of the axis, in machine coordinates, in rows whose direction is +: + or -
+    #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
     pub plus_moves: Option<Direction>,
-    /// `--unit`: of the values.
+    /// as-error = measured - target, as the file counts; as-correction = what has to be added
+    #[arg(long)]
+    pub sign: Option<TableSign>,
+    /// Unit of the values
+    #[arg(long)]
     pub unit: Option<LengthUnit>,
-    /// `--values`: absolute or incremental.
+    /// How the values of a compensation table count: absolute (others cannot be read)
+    #[arg(long)]
     pub values: Option<Values>,
-    /// `--runs`: how they were travelled.
+    /// unidirectional, or bidirectional (even runs go back)
+    #[arg(long)]
     pub runs: Option<Runs>,
-    /// `--rows`: which table of the file.
+    /// Which rows of a file that holds both: measured, or averages (the maker's)
+    #[arg(long)]
     pub rows: Option<Rows>,
-    /// `--material-corrected`: whether the instrument took the expansion of the material out.
+    /// Whether the instrument brought the readings to 20 °C of the material
+    #[arg(long)]
     pub material_corrected: Option<MaterialCorrected>,
-    /// `--decimal`: the sign before the decimals.
+    /// Sign before the decimals of a delimited text, where it does not show
+    #[arg(long)]
     pub decimal: Option<Decimal>,
-    /// `--columns`: `NAME=COLUMN,…`.
+    /// Which column holds what (#3 = the third one), e.g. "AXn [mm]=position_mm,Delta [mm]=ex_mm"
+    #[arg(long, value_name = "NAME=COLUMN,…")]
     pub columns: Option<String>,
+}
+
+/// An axis from its letter.
+pub fn axis_word(text: &str) -> Result<Axis, String> {
+    Axis::from_letter(text).ok_or_else(|| "expected x, y or z".to_string())
+}
+
+/// A direction from `+` or `-`.
+pub fn direction_word(text: &str) -> Result<Direction, String> {
+    Direction::from_symbol(text).ok_or_else(|| "expected +, -".to_string())
+}
+
+fn term_word(text: &str) -> Result<Component, String> {
+    Component::from_name(text).ok_or_else(|| "expected EXX, EYX … EZZ, EAX … ECZ".to_string())
+}
+
+/// A length that fits into a machine.
+pub fn millimetres(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|mm| mm.abs() <= LONGEST_MM);
+    number.ok_or_else(|| "expected a number of mm, with a decimal point".to_string())
+}
+
+/// A fact that a file may not carry.
+pub(super) struct Fact {
+    /// The option that states it.
+    option: &'static str,
+    /// The formats for which it has a meaning.
+    formats: &'static [Format],
+    /// What was stated, in words.
+    value: fn(&Stated) -> Option<String>,
+    /// Why it has to be stated.
+    why: &'static str,
+    /// What to add.
+    add: &'static str,
+}
+
+const LASERS: &[Format] = &[Format::Rtl, Format::Ren, Format::Pos];
+const WITH_TARGETS: &[Format] = &[Format::Rtl, Format::Ren, Format::Pos, Format::Columns];
+const WITH_MATERIAL: &[Format] = &[Format::Rtl, Format::Pos];
+
+/// Every fact, in the order in which the statements are told.
+const FACTS: [&Fact; 14] = [
+    &COLUMNS,
+    &AXIS,
+    &TERM,
+    &FIRST_TARGET,
+    &TARGETS_RUN,
+    &DIRECTION,
+    &PLUS_MOVES,
+    &SIGN,
+    &UNIT,
+    &VALUES,
+    &RUNS,
+    &ROWS,
+    &MATERIAL_CORRECTED,
+    &DECIMAL,
+];
+
+pub(super) const COLUMNS: Fact = Fact {
+    option: "--columns",
+    formats: &[Format::Columns],
+    value: |stated| stated.columns.as_ref().map(|c| format!("\"{c}\"")),
+    why: "which column holds what cannot be seen from the file",
+    add: "add the mapping, e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`",
+};
+pub(super) const AXIS: Fact = Fact {
+    option: "--axis",
+    formats: WITH_TARGETS,
+    value: |stated| stated.axis.map(|axis| axis.key().to_string()),
+    why: "no column is mapped to `axis`, the moving axis",
+    add: "add the axis that moved, e.g. `--axis x`",
+};
+pub(super) const TERM: Fact = Fact {
+    option: "--term",
+    formats: LASERS,
+    value: |stated| stated.term.map(|term| term.to_string()),
+    why: "the file does not say which deviation was measured",
+    add: "add e.g. `--term EXX` (positioning of X) or `--term EYX` (deviation in Y while X moves)",
+};
+pub(super) const FIRST_TARGET: Fact = Fact {
+    option: "--first-target-at-mm",
+    formats: WITH_TARGETS,
+    value: |stated| stated.first_target_at_mm.map(|mm| format!("{}", mm + 0.0)),
+    why: "the targets of the file count from the laser's zero, not from the machine's",
+    add: "add the machine coordinate of target 1, e.g. `--first-target-at-mm -200`",
+};
+pub(super) const TARGETS_RUN: Fact = Fact {
+    option: "--targets-run",
+    formats: WITH_TARGETS,
+    value: |stated| stated.targets_run.map(|way| way.to_string()),
+    why: "the file does not say whether the targets go towards larger or smaller machine coordinates",
+    add: "add `--targets-run +` or `--targets-run -`: the way of the axis from the first target to the last",
+};
+pub(super) const DIRECTION: Fact = Fact {
+    option: "--direction",
+    formats: &[Format::Columns],
+    value: |stated| stated.travel.map(word),
+    why: "no column is mapped to the direction of travel",
+    add: "add `--direction +`, `--direction -` or `--direction both` (not distinguished), or map a column to `direction`",
+};
+pub(super) const PLUS_MOVES: Fact = Fact {
+    option: "--plus-moves",
+    formats: &[Format::Columns],
+    value: |stated| stated.plus_moves.map(|way| way.to_string()),
+    why: "targets and axis do not both count up, so `+` of the file may be the machine's, that of the targets or the outward run",
+    add: "add `--plus-moves +` or `--plus-moves -`: the way of the axis, in machine coordinates, in rows whose direction is `+`",
+};
+pub(super) const SIGN: Fact = Fact {
+    option: "--sign",
+    formats: &[
+        Format::Rtl,
+        Format::Ren,
+        Format::Pos,
+        Format::Etalon,
+        Format::Isg,
+        Format::Columns,
+    ],
+    value: |stated| stated.sign.map(word),
+    why: "the file does not say whether its values are deviations or corrections",
+    add: "add `--sign as-error` (measured - target) or `--sign as-correction` (what has to be added)",
+};
+pub(super) const UNIT: Fact = Fact {
+    option: "--unit",
+    formats: &[Format::Ren],
+    value: |stated| stated.unit.map(word),
+    why: "the file has no line `Compensation resolution`",
+    add: "add the unit of the values: `--unit um`, `mm`, `in` or `uin`",
+};
+pub(super) const VALUES: Fact = Fact {
+    option: "--values",
+    formats: &[Format::Ren],
+    value: |stated| stated.values.map(word),
+    why: "the file has no line `Compensation type`",
+    add: "add `--values absolute` if each value is the whole deviation at its position",
+};
+pub(super) const RUNS: Fact = Fact {
+    option: "--runs",
+    formats: &[Format::Rtl],
+    value: |stated| stated.runs.map(word),
+    why: "the second number of `Flags` does not say whether even runs go back",
+    add: "add `--runs bidirectional` (even runs go back) or `--runs unidirectional` (every run goes from the first target to the last; even runs of zeros were never made)",
+};
+pub(super) const ROWS: Fact = Fact {
+    option: "--rows",
+    formats: &[Format::Pos],
+    value: |stated| stated.rows.map(word),
+    why: "the maker's averages are not those of the measured rows",
+    add: "add `--rows measured`, or `--rows averages` if they were changed on purpose",
+};
+pub(super) const MATERIAL_CORRECTED: Fact = Fact {
+    option: "--material-corrected",
+    formats: WITH_MATERIAL,
+    value: |stated| stated.material_corrected.map(word),
+    why: "the file notes a temperature of the material, but not whether the readings were brought to 20 °C",
+    add: "add `--material-corrected yes` (the instrument did it), `no`, or `not-stated`",
+};
+const DECIMAL: Fact = Fact {
+    option: "--decimal",
+    formats: &[Format::Columns],
+    value: |stated| stated.decimal.map(word),
+    why: "no number of the file shows what its comma means",
+    add: "add `--decimal comma` or `--decimal point`",
+};
+
+impl Fact {
+    /// The problem that neither file nor user says it.
+    pub(super) fn missing(&self) -> Problem {
+        self.missing_because(self.why)
+    }
+
+    /// The same, with a reason that the file gives.
+    pub(super) fn missing_because(&self, why: &str) -> Problem {
+        Problem::new(format!("`{}` is not stated: {why}", self.option)).help(self.add)
+    }
+
+    /// What the file says, and where; else what was stated. Both must agree, and one has to say it.
+    pub(super) fn settled<T: PartialEq>(
+        &self,
+        found: Option<(T, Piece<'_>)>,
+        said: Option<T>,
+        stated: &Stated,
+        problems: &mut Problems,
+    ) -> Option<T> {
+        match (found, said) {
+            (Some((found, place)), Some(said)) if found != said => {
+                let message = format!(
+                    "`{} {}` contradicts the file, which says `{}`",
+                    self.option,
+                    (self.value)(stated).unwrap_or_default(),
+                    shown(place.text)
+                );
+                let help = format!("leave `{}` out", self.option);
+                problems.push(place.problem(message, help));
+                None
+            }
+            (None, None) => {
+                problems.push(self.missing());
+                None
+            }
+            (found, said) => found.map(|(found, _)| found).or(said),
+        }
+    }
 }
 
 impl Stated {
     /// Every option with its value, in a fixed order.
     pub fn given(&self) -> Vec<(&'static str, String)> {
-        let text = |word: &str| word.to_string();
-        let all = [
-            (
-                "--columns",
-                self.columns.as_ref().map(|c| format!("\"{c}\"")),
-            ),
-            ("--axis", self.axis.map(|a| text(a.key()))),
-            ("--term", self.term.map(|t| t.to_string())),
-            (
-                "--first-target-at-mm",
-                self.first_target_at_mm.map(|mm| format!("{}", mm + 0.0)),
-            ),
-            ("--targets-run", self.targets_run.map(|d| text(d.symbol()))),
-            ("--direction", self.travel.map(|t| text(t.word()))),
-            ("--plus-moves", self.plus_moves.map(|d| text(d.symbol()))),
-            ("--sign", self.sign.map(|s| text(s.word()))),
-            ("--unit", self.unit.map(|u| text(u.word()))),
-            ("--values", self.values.map(|v| text(v.word()))),
-            ("--runs", self.runs.map(|r| text(r.word()))),
-            ("--rows", self.rows.map(|r| text(r.word()))),
-            (
-                "--material-corrected",
-                self.material_corrected.map(|m| text(m.word())),
-            ),
-            ("--decimal", self.decimal.map(|d| text(d.word()))),
-        ];
-        let given = all.into_iter();
+        let given = FACTS.iter();
         given
-            .filter_map(|(option, value)| Some((option, value?)))
+            .filter_map(|fact| Some((fact.option, (fact.value)(self)?)))
             .collect()
     }
 
     /// A statement that has no meaning for the format is a mistake of the user.
-    pub(super) fn foreign_to(&self, format: &str, takes: &[&str]) -> Problems {
+    pub(super) fn foreign_to(&self, format: Format) -> Problems {
+        let of_format = FACTS.iter().filter(|fact| fact.formats.contains(&format));
+        let takes: Vec<&str> = of_format.map(|fact| fact.option).collect();
         let mut problems = Problems::none();
         for (option, _) in self.given() {
             if !takes.contains(&option) {
-                problems.push(
-                    Problem::new(format!("`{option}` has no meaning for format `{format}`")).help(
-                        format!("leave it out; `{format}` takes {}", takes.join(", ")),
-                    ),
-                );
+                let format = word(format);
+                let message = format!("`{option}` has no meaning for format `{format}`");
+                let help = format!("leave it out; `{format}` takes {}", takes.join(", "));
+                problems.push(Problem::new(message).help(help));
             }
         }
         problems
     }
 
-    /// The sign, or the problem that it is missing.
-    pub(super) fn required_sign(&self, problems: &mut Problems) -> Option<Sign> {
-        if self.sign.is_none() {
-            problems.push(missing(
-                "--sign",
-                "the file does not say whether its values are deviations or corrections",
-                "add `--sign as-error` (measured - target) or `--sign as-correction` (what has to be added)",
-            ));
-        }
-        self.sign
+    /// The sign, which these files do not carry.
+    pub(super) fn required_sign(&self, problems: &mut Problems) -> Option<TableSign> {
+        SIGN.settled(None, self.sign, self, problems)
     }
 
-    /// The component, whose axis must be that of `--axis`.
-    pub(super) fn required_term(&self, problems: &mut Problems) -> Option<Component> {
-        let Some(term) = self.term else {
-            problems.push(missing(
-                "--term",
-                "the file does not say which deviation was measured",
-                "add e.g. `--term EXX` (positioning of X) or `--term EYX` (deviation in Y while X moves)",
-            ));
-            return None;
-        };
+    /// The component, whose axis must be that of `--axis`, and whose kind the format must hold.
+    pub(super) fn required_term(
+        &self,
+        format: Format,
+        problems: &mut Problems,
+    ) -> Option<Component> {
+        let term = TERM.settled(None, self.term, self, problems)?;
         if let Some(axis) = self.axis.filter(|axis| *axis != term.along) {
-            problems.push(
-                Problem::new(format!(
-                    "`--axis {}` contradicts `--term {term}`, in which {} moves",
-                    axis.key(),
-                    term.along
-                ))
-                .help("the last letter of a term is the moving axis"),
+            let message = format!(
+                "`--axis {}` contradicts `--term {term}`, in which {} moves",
+                axis.key(),
+                term.along
             );
+            let help = "the last letter of a term is the moving axis";
+            problems.push(Problem::new(message).help(help));
+        }
+        let (fits, held) = match format {
+            Format::Ren => (matches!(term.kind, Kind::Deviation(_)), "deviations"),
+            _ => (term.is_positioning(), "positioning: EXX, EYY or EZZ"),
+        };
+        if !fits {
+            let format = word(format);
+            let message = format!(
+                "`--term {term}` is not in a file of the format `{format}`, which holds {held}"
+            );
+            let help = "state the term that was measured, or take the right file";
+            problems.push(Problem::new(message).help(help));
         }
         Some(term)
     }
 
-    /// The component, which must be a deviation: a file of lengths holds no angles.
-    pub(super) fn required_deviation(&self, problems: &mut Problems) -> Option<Component> {
-        let term = self.required_term(problems)?;
-        if let Kind::Angle(_) = term.kind {
-            problems.push(
-                Problem::new(format!(
-                    "`--term {term}` is an angle, but the file holds lengths"
-                ))
-                .help("state one of EXX, EYX, EZX, EXY, EYY, EZY, EXZ, EYZ, EZZ"),
-            );
+    /// The axis that the file names must be the one that moved. `--axis` overrules an entry that names none of
+    /// them clearly, and one of `pos`, where operators leave it as it was: that is a warning.
+    pub(super) fn axis_warning(
+        &self,
+        named: &Piece<'_>,
+        format: Format,
+        problems: &mut Problems,
+    ) -> Option<String> {
+        let letter = only_letter(named.text);
+        let moved = self.term.map(|term| term.along).or(self.axis);
+        if letter.is_some() && moved.is_none_or(|axis| Some(axis.letter()) == letter) {
+            return None;
         }
-        Some(term)
+        let entry = shown(named.text);
+        let may_overrule = letter.is_none() || format == Format::Pos;
+        if let Some(axis) = self.axis.filter(|_| may_overrule) {
+            return Some(format!(
+                "the file names axis {entry}, but {axis} was stated as the moving axis (`--axis`): make sure that this is the file of {axis}"
+            ));
+        }
+        let problem = match (letter, moved) {
+            (Some(_), Some(moved)) => Problem::new(format!(
+                "the file names axis `{entry}`, but {moved} was stated as the moving axis"
+            ))
+            .help(match format {
+                Format::Pos => {
+                    "take the right file; if the entry was only left as it was, add `--axis`"
+                }
+                _ => "state the term of the axis that moved, or take the right file",
+            }),
+            _ => AXIS.missing_because(&format!(
+                "the axis of the file is `{entry}`, which names none of X, Y, Z, or several"
+            )),
+        };
+        problems.push(problem.at(named.place()));
+        None
+    }
+
+    /// Whether the readings hold the expansion of the material has to be stated where the file notes a
+    /// temperature of it; where they do or may, a warning says what is at stake.
+    pub(super) fn material_warning(
+        &self,
+        noted: &str,
+        at: Place,
+        stake: &str,
+        problems: &mut Problems,
+    ) -> Option<String> {
+        let state = match self.material_corrected {
+            Some(MaterialCorrected::Yes) => return None,
+            Some(MaterialCorrected::No) => {
+                "the expansion of the material is still in the deviations"
+            }
+            Some(MaterialCorrected::NotStated) => {
+                "whether the expansion of the material is in the deviations is not stated"
+            }
+            None => {
+                let why = format!(
+                    "the file notes {noted}, but not whether the readings were brought to 20 °C"
+                );
+                problems.push(MATERIAL_CORRECTED.missing_because(&why).at(at));
+                return None;
+            }
+        };
+        Some(format!(
+            "{state}: the file notes {noted}, {stake}; away from 20 °C this table is not valid"
+        ))
     }
 }
 
-/// A statement that the file cannot do without.
-pub(super) fn missing(option: &str, why: &str, help: &str) -> Problem {
-    Problem::new(format!("`{option}` is not stated: {why}")).help(help)
+/// The name of an axis that stands alone in a text such as `Linear Y` or `x-axis`.
+fn only_letter(text: &str) -> Option<char> {
+    let text = text.to_uppercase();
+    let words = text.split(|c: char| !c.is_alphabetic());
+    let mut names: Vec<&str> = words
+        .filter(|word| word.len() == 1 && "ABCUVWXYZ".contains(word))
+        .collect();
+    names.dedup();
+    match names[..] {
+        [name] => name.chars().next(),
+        _ => None,
+    }
 }

@@ -5,7 +5,7 @@ use crate::text::delimited::LengthUnit;
 use crate::text::problem::Problem;
 
 /// What the values of the runs are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Values {
     /// Where the axis stood, P_ij.
     Positions,

@@ -1,0 +1,388 @@
+//! Reading an error table: its header says what each column holds, its rows become the series of each axis and
+//! direction.
+
+use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::units::{Deviation, MM_PER_INCH, Millimetres};
+use crate::text::delimited::{Cell, Expected, LENGTHS_UM, Line, columns_of};
+use crate::text::problem::{Place, Problem, Problems, shown};
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Quantity {
+    Axis,
+    Direction,
+    Position,
+    /// In the direction of an axis.
+    Deviation(Axis),
+    /// Of the deviation in the direction of an axis.
+    Uncertainty(Axis),
+    /// Rotation about an axis.
+    Angle(Axis),
+    AngleUncertainty(Axis),
+}
+
+/// A column with what turns its unit into mm, µm or µrad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Column {
+    pub(crate) holds: Quantity,
+    pub(crate) factor: f64,
+}
+
+/// The heading of a column of deviations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heading {
+    /// As it is written, e.g. `ex_mm`.
+    pub name: String,
+    /// Micrometres in its unit.
+    pub to_um: f64,
+    /// Where it stands.
+    pub place: Place,
+}
+
+impl Heading {
+    /// The same heading for values in micrometres, e.g. `ex_um`.
+    pub(crate) fn in_micrometres(&self) -> String {
+        let quantity = self.name.rsplit_once('_').map(|(quantity, _)| quantity);
+        format!("{}_um", quantity.unwrap_or(&self.name))
+    }
+}
+
+pub(super) const FIRST_LINE: &str = "first line: axis,position_mm,ex_um,ey_um,ez_um";
+
+/// Units of angles in the names of columns, and how many µrad they have.
+const ANGLES_URAD: [(&str, f64); 3] = [
+    ("urad", 1.0),
+    ("mrad", 1000.0),
+    ("arcsec", std::f64::consts::PI / (180.0 * 3600.0) * 1e6),
+];
+
+/// Every name that a column may have.
+pub(crate) fn known_columns() -> Vec<(String, Column)> {
+    let single = [
+        ("axis", Quantity::Axis, 1.0),
+        ("direction", Quantity::Direction, 1.0),
+        ("position_mm", Quantity::Position, 1.0),
+        ("position_in", Quantity::Position, MM_PER_INCH),
+    ];
+    let single = single.map(|(name, holds, factor)| (name.to_string(), Column { holds, factor }));
+    let mut known = single.to_vec();
+    for (axis, letters) in Axis::ALL.into_iter().zip(["xa", "yb", "zc"]) {
+        let (deviation, angle) = letters.split_at(1);
+        let in_units = [
+            (
+                format!("e{deviation}"),
+                Quantity::Deviation(axis),
+                &LENGTHS_UM[..],
+            ),
+            (
+                format!("u_e{deviation}"),
+                Quantity::Uncertainty(axis),
+                &LENGTHS_UM,
+            ),
+            (format!("e{angle}"), Quantity::Angle(axis), &ANGLES_URAD),
+            (
+                format!("u_e{angle}"),
+                Quantity::AngleUncertainty(axis),
+                &ANGLES_URAD,
+            ),
+        ];
+        for (name, holds, units) in in_units {
+            let columns = units.iter().map(|(unit, factor)| {
+                let factor = *factor;
+                (format!("{name}_{unit}"), Column { holds, factor })
+            });
+            known.extend(columns);
+        }
+    }
+    known
+}
+
+/// The columns of a table, in its order.
+pub(super) struct Columns {
+    columns: Vec<Column>,
+    names: Vec<String>,
+    position: usize,
+}
+
+impl Columns {
+    pub(super) fn read(header: &Line<'_>) -> Result<Columns, Problems> {
+        let expected = Expected {
+            known: known_columns(),
+            same: |a: &Column, b: &Column| a.holds == b.holds,
+            first_line: FIRST_LINE,
+            columns: "columns: axis, direction, position_mm, ex_um, ey_um, ez_um, u_ex_um …",
+        };
+        let (columns, names) = columns_of(header, &expected)?;
+        let at = |is: fn(Quantity) -> bool| columns.iter().position(|column| is(column.holds));
+        let is_value = |holds| matches!(holds, Quantity::Deviation(_) | Quantity::Angle(_));
+        let position = at(|holds| holds == Quantity::Position);
+        let required = [
+            (at(|holds| holds == Quantity::Axis), "the axis", "`axis`"),
+            (position, "the position", "`position_mm` or `position_in`"),
+            (at(is_value), "any deviation", "`ex_um`, `ey_um` or `ez_um`"),
+        ];
+        let mut problems = Problems::none();
+        for (_, what, example) in required.iter().filter(|(found, ..)| found.is_none()) {
+            let message = format!("there is no column for {what}, expected {example}");
+            problems.push(Problem::new(message).at(header.whole()).help(FIRST_LINE));
+        }
+        let position = position.unwrap_or(0);
+        problems.or_ok(Columns {
+            columns,
+            names,
+            position,
+        })
+    }
+
+    /// The headings of the deviations in X, Y and Z.
+    pub(super) fn headings(&self, header: &Line<'_>) -> PerAxis<Option<Heading>> {
+        let mut headings = PerAxis::default();
+        for (index, column) in self.columns.iter().enumerate() {
+            if let Quantity::Deviation(of) = column.holds {
+                headings[of] = Some(Heading {
+                    name: self.names[index].clone(),
+                    to_um: column.factor,
+                    place: header.cell_place(index),
+                });
+            }
+        }
+        headings
+    }
+
+    /// A row whose cells can all be read.
+    pub(super) fn record<'a>(
+        &self,
+        line: &Line<'a>,
+        problems: &mut Problems,
+    ) -> Option<Record<'a>> {
+        let cells = line.cells_under(self.columns.len(), problems)?;
+        let (mut axis, mut direction, mut complete) = (None, None, true);
+        let mut numbers = Vec::with_capacity(cells.len());
+        for (index, column) in self.columns.iter().enumerate() {
+            let cell = Cell {
+                line,
+                index,
+                text: &cells[index],
+                name: &self.names[index],
+            };
+            let mut number = None;
+            match column.holds {
+                Quantity::Axis => {
+                    axis = Axis::from_letter(cell.text);
+                    if axis.is_none() {
+                        let found = shown(cell.text);
+                        let message = format!("unknown axis `{found}`, expected `x`, `y` or `z`");
+                        problems.push_with(|| cell.problem(message, "name the moving axis"));
+                    }
+                }
+                _ if cell.text.is_empty() => {}
+                Quantity::Direction => {
+                    direction = Direction::from_symbol(cell.text);
+                    complete &= direction.is_some();
+                    if direction.is_none() {
+                        let found = shown(cell.text);
+                        let message = format!(
+                            "unknown direction `{found}`, expected `+`, `-` or an empty cell"
+                        );
+                        let help = "`+` = the axis came from smaller coordinates";
+                        problems.push_with(|| cell.problem(message, help));
+                    }
+                }
+                _ => {
+                    number = read_number(&cell, column.holds, problems);
+                    complete &= number.is_some();
+                }
+            }
+            numbers.push(number);
+        }
+        if cells[self.position].is_empty() {
+            let problem = || {
+                Problem::new("the position is empty, expected a number")
+                    .at(line.cell_place(self.position))
+                    .help("every row needs its machine coordinate")
+            };
+            problems.push_with(problem);
+        }
+        numbers[self.position].filter(|_| complete)?;
+        Some(Record {
+            line: *line,
+            axis: axis?,
+            direction,
+            numbers: numbers.into_boxed_slice(),
+        })
+    }
+}
+
+fn read_number(cell: &Cell<'_, '_>, holds: Quantity, problems: &mut Problems) -> Option<f64> {
+    const OF_AXIS: &str =
+        "write a plain number; a column that was not measured stays empty for the whole axis";
+    match holds {
+        Quantity::Position => cell.number(
+            "write the machine coordinate as a plain number; its unit stands in the header",
+            problems,
+        ),
+        Quantity::Uncertainty(_) | Quantity::AngleUncertainty(_) => {
+            cell.uncertainty(OF_AXIS, problems)
+        }
+        _ => cell.number(OF_AXIS, problems),
+    }
+}
+
+/// A row whose cells could all be read.
+pub(super) struct Record<'a> {
+    line: Line<'a>,
+    axis: Axis,
+    direction: Option<Direction>,
+    /// One for each column, in its unit; `None` = empty, and for columns that hold no number.
+    numbers: Box<[Option<f64>]>,
+}
+
+/// All measured positions of one axis in one direction (or without regard to direction).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Direction of travel; `None` = both.
+    pub direction: Option<Direction>,
+    /// Machine coordinates, strictly ascending.
+    pub positions: Vec<Millimetres>,
+    /// Deviations in X, Y, Z, one for each position; `None` = not measured.
+    pub deviations: PerAxis<Option<Vec<Deviation>>>,
+    /// Standard uncertainties (k = 1) of the deviations, µm.
+    pub uncertainties_um: PerAxis<Option<Vec<f64>>>,
+    /// Rotations about X, Y, Z (`ea`, `eb`, `ec`), µrad, right-handed.
+    pub angles_urad: PerAxis<Option<Vec<f64>>>,
+    pub(super) lines: Vec<usize>,
+    /// Which table it stands in: 0 = the first, n = the n-th of `ErrorTable::more`.
+    pub(super) table: usize,
+}
+
+impl Columns {
+    /// The series of an axis. That each has two positions is looked at where all rows of the file could be
+    /// read.
+    pub(super) fn series_of(
+        &self,
+        axis: Axis,
+        records: &[Record<'_>],
+        problems: &mut Problems,
+    ) -> Vec<Series> {
+        let of_axis = || records.iter().filter(|record| record.axis == axis);
+        let signed = of_axis().any(|record| record.direction.is_some());
+        let unsigned = of_axis().find(|record| record.direction.is_none());
+        if let (true, Some(record)) = (signed, unsigned) {
+            let message =
+                format!("axis {axis} has rows with and without a direction, expected one kind");
+            let help = "give every row of the axis `+` or `-`, or none";
+            problems.push(Problem::new(message).at(record.line.whole()).help(help));
+        }
+        let directions = [None, Some(Direction::Plus), Some(Direction::Minus)];
+        let rows = directions.map(|direction| {
+            let rows = of_axis().filter(|record| record.direction == direction);
+            rows.collect::<Vec<&Record<'_>>>()
+        });
+        let measured = rows.iter().filter(|rows| !rows.is_empty());
+        measured
+            .map(|rows| self.series(axis, rows, problems))
+            .collect()
+    }
+
+    fn series(&self, axis: Axis, rows: &[&Record<'_>], problems: &mut Problems) -> Series {
+        self.refuse_unordered(axis, rows, problems);
+        let mut series = Series {
+            direction: rows.first().and_then(|row| row.direction),
+            positions: Vec::new(),
+            deviations: PerAxis::default(),
+            uncertainties_um: PerAxis::default(),
+            angles_urad: PerAxis::default(),
+            lines: rows.iter().map(|row| row.line.number()).collect(),
+            table: 0,
+        };
+        for (index, column) in self.columns.iter().enumerate() {
+            let mut values = || self.values(axis, index, rows, problems);
+            match column.holds {
+                Quantity::Position => {
+                    let mm = values().unwrap_or_default().into_iter();
+                    series.positions = mm.map(Millimetres::new).collect();
+                }
+                Quantity::Deviation(of) => {
+                    let um = values().map(|um| um.into_iter().map(Deviation::from_um));
+                    series.deviations[of] = um.map(Iterator::collect);
+                }
+                Quantity::Uncertainty(of) => series.uncertainties_um[of] = values(),
+                Quantity::Angle(about) => series.angles_urad[about] = values(),
+                Quantity::AngleUncertainty(_) => drop(values()),
+                Quantity::Axis | Quantity::Direction => {}
+            }
+        }
+        series
+    }
+
+    fn refuse_unordered(&self, axis: Axis, rows: &[&Record<'_>], problems: &mut Problems) {
+        let position = |row: &Record<'_>| row.numbers[self.position].unwrap_or_default();
+        let unit = self.names[self.position].trim_start_matches("position_");
+        for pair in rows.windows(2) {
+            let (before, here) = (position(pair[0]), position(pair[1]));
+            if here > before {
+                continue;
+            }
+            let same = (here - before).abs() < f64::EPSILON * before.abs().max(1.0);
+            let (what, help) = if same {
+                (
+                    "stands twice".to_string(),
+                    "average repeated runs, or give them directions `+` and `-`",
+                )
+            } else {
+                (
+                    format!("comes after {before} {unit}, expected ascending positions"),
+                    "sort the rows of each axis and direction by position",
+                )
+            };
+            problems.push_with(|| {
+                Problem::new(format!("position {here} {unit} of axis {axis} {what}"))
+                    .at(pair[1].line.whole())
+                    .help(help)
+            });
+        }
+    }
+
+    /// The values of a column for some rows: all of them, none of them (not measured), or a problem.
+    fn values(
+        &self,
+        axis: Axis,
+        index: usize,
+        rows: &[&Record<'_>],
+        problems: &mut Problems,
+    ) -> Option<Vec<f64>> {
+        let empty = || rows.iter().filter(|row| row.numbers[index].is_none());
+        if empty().count() == rows.len() {
+            return None;
+        }
+        for row in empty() {
+            let name = &self.names[index];
+            let message = format!(
+                "`{name}` is empty in one row of axis {axis}, expected a number as in its other rows"
+            );
+            let help = "a missing value is never filled in: measure it, or leave the whole column empty for this axis";
+            let place = row.line.cell_place(index);
+            problems.push_with(|| Problem::new(message).at(place).help(help));
+        }
+        let factor = self.columns[index].factor;
+        let values = rows.iter().map(|row| Some(row.numbers[index]? * factor));
+        values.collect()
+    }
+}
+
+/// A curve needs two positions.
+pub(super) fn refuse_single_positions(
+    axis: Axis,
+    records: &[Record<'_>],
+    series: &[Series],
+    problems: &mut Problems,
+) {
+    for series in series.iter().filter(|series| series.lines.len() == 1) {
+        let is_its = |record: &&Record<'_>| series.lines == [record.line.number()];
+        if let Some(record) = records.iter().find(is_its) {
+            let message = format!("axis {axis} has a single position, expected at least two");
+            let help = "one position makes no curve: give another one, or leave the axis out";
+            problems.push(Problem::new(message).at(record.line.whole()).help(help));
+        }
+    }
+}
