@@ -95,7 +95,10 @@ impl<'a> Piece<'a> {
     ) -> Option<Vec<Piece<'a>>> {
         let words = self.words(is_separator);
         if words.len() != columns {
-            let message = format!("expected {columns} words in this row, found {}", words.len());
+            let message = format!(
+                "expected {columns} words in this row, found {}",
+                words.len()
+            );
             problems.push_with(|| self.problem(message, MISSING));
             return None;
         }
