@@ -1,7 +1,7 @@
 //! Reader of the generic table (contract §4.1): one CSV for all terms, and its JSON twin.
 //!
 //! ```text
-//!   text ── csv | json (raw rows with their places) ── row (cells) ── check (blocks) ── merge (twins)
+//!   text ── rows (CSV or JSON) ── check (each row, then blocks) ── merge (twins)
 //! ```
 //! A *block* is the run of rows of one term, pair of axes and direction: the corrections of one
 //! axis over the equally spaced positions of another. Deviation, correction and increment say the
@@ -12,22 +12,18 @@
 
 mod check;
 pub mod control;
-mod csv;
-mod json;
-mod row;
-
-use self::check::MOST_COMPLAINTS;
+mod rows;
 
 use self::control::GenericControl;
 use crate::control::control_state::ControlState;
 use crate::control::controller::GenericFacts;
 use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
+use crate::quantity::axis::Direction;
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, each, other_family};
-use crate::read::lexer::Complaint;
-use crate::text::problem::{LineIndex, Problem, Problems, refuse_long_lines};
-use row::Column;
+use crate::text::problem::{Problem, Problems};
+use rows::COLUMNS;
 
 impl Family for GenericFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
@@ -55,16 +51,6 @@ impl Family for GenericFacts {
 }
 
 /// Reads one file: JSON if its first character is `{`, else CSV.
-pub fn read(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
-    let visible = text.trim_start_matches(|c: char| c.is_whitespace() || c == '\u{feff}');
-    if visible.starts_with('{') {
-        read_json(file_name, text)
-    } else {
-        read_csv(file_name, text)
-    }
-}
-
-/// Reads the CSV.
 ///
 /// **shape** rows in file order; columns in any order, blocks may be interleaved · **unit** as the
 /// columns say, mm and µm · **limits** refuses what [`GenericTable`] cannot mean: see the module;
@@ -72,53 +58,25 @@ pub fn read(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
 /// ([`merge`]).
 ///
 /// ```
-/// let text = "term,base_axis,output_axis,direction,index,position_mm,deviation_um,correction_um,increment_um\n\
-///             EXX,X,X,,0,0,0,0,\n\
-///             EXX,X,X,,1,50,2.5,-2.5,-2.5\n";
-/// let table = nonius::read::generic::read_csv("table.csv", text).unwrap();
-/// assert_eq!(table.rows[1].increment_um, Some(-2.5));
-/// ```
-pub fn read_csv(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
-    refuse_long_lines(file_name, text)?;
-    csv::read(text).map_err(|complaints| located(file_name, text, complaints))
-}
-
-/// Reads the JSON twin; the same checks as [`read_csv`].
-///
-/// **limits** a flaw of a row is shown at its key or at the row, not at the value; with a flaw
-/// outside the rows (syntax, `schema`, an unknown key) the rows are not looked at.
-///
-/// ```
-/// let text = r#"{"schema":1,"rows":[
+/// let csv = "term,base_axis,output_axis,direction,index,position_mm,deviation_um,correction_um,increment_um\n\
+///            EXX,X,X,,0,0,0,0,\n\
+///            EXX,X,X,,1,50,2.5,-2.5,-2.5\n";
+/// let json = r#"{"schema":1,"rows":[
 ///     {"term":"EXX","base_axis":"X","output_axis":"X","direction":null,"index":0,
 ///      "position_mm":0,"deviation_um":0,"correction_um":0,"increment_um":null},
 ///     {"term":"EXX","base_axis":"X","output_axis":"X","direction":null,"index":1,
 ///      "position_mm":50,"deviation_um":2.5,"correction_um":-2.5,"increment_um":-2.5}]}"#;
-/// let table = nonius::read::generic::read_json("table.json", text).unwrap();
+/// let table = nonius::read::generic::read("table.csv", csv).unwrap();
 /// assert_eq!(table.rows[1].increment_um, Some(-2.5));
+/// assert_eq!(nonius::read::generic::read("table.json", json), Ok(table));
 /// ```
-pub fn read_json(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
-    json::read(text).map_err(|complaints| located(file_name, text, complaints))
-}
-
-fn located(file_name: &str, text: &str, mut complaints: Vec<Complaint>) -> Problems {
-    complaints.sort_by_key(|complaint| complaint.span.start);
-    complaints.truncate(MOST_COMPLAINTS);
-    let mut problems = Problems::none();
-    let index = LineIndex::default();
-    // JSON may stand in one line; of a long one the columns are not counted again and again.
-    let has_places = refuse_long_lines(file_name, text).is_ok();
-    for complaint in complaints {
-        if !has_places {
-            let problem = Problem::new(format!("`{file_name}`: {}", complaint.message));
-            problems.push(problem.help(complaint.help));
-            continue;
-        }
-        let place = index.place(file_name, text, complaint.span.start, complaint.span.end);
-        let problem = Problem::new(complaint.message).at(place);
-        problems.push(problem.help(complaint.help));
+pub fn read(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.trim_start().starts_with('{') {
+        rows::read_json(file_name, text)
+    } else {
+        rows::read_csv(file_name, text)
     }
-    problems
 }
 
 /// Makes one table of the files of a kit, which are twins: all must say the same, row by row.
@@ -143,25 +101,21 @@ pub fn merge(tables: Vec<GenericTable>) -> Result<GenericTable, Problems> {
 }
 
 fn first_difference(one: &GenericTable, other: &GenericTable) -> Option<String> {
-    let pairs = one.rows.iter().zip(&other.rows).enumerate();
-    for (index, (a, b)) in pairs {
-        if a != b {
-            let what = columns_that_differ(a, b).join(", ");
-            return Some(format!(
-                "row {} ({}) differs in {what}",
-                index + 1,
-                name_of(a)
-            ));
-        }
+    let mut pairs = one.rows.iter().zip(&other.rows).enumerate();
+    if let Some((index, (a, b))) = pairs.find(|(_, (a, b))| a != b) {
+        let cells = texts(a).into_iter().zip(texts(b)).zip(COLUMNS);
+        let differ = cells.filter(|((a, b), _)| a != b);
+        let what: Vec<String> = differ
+            .map(|((a, b), column)| format!("`{column}` (`{a}` and `{b}`)"))
+            .collect();
+        let (row, what) = (index + 1, what.join(", "));
+        return Some(format!("row {row} ({}) differs in {what}", name_of(a)));
     }
     let shorter = one.rows.len().min(other.rows.len());
     let longer = if one.rows.len() > shorter { one } else { other };
-    let surplus = longer.rows.get(shorter)?;
-    Some(format!(
-        "row {} ({}) stands in only one of them",
-        shorter + 1,
-        name_of(surplus)
-    ))
+    let surplus = name_of(longer.rows.get(shorter)?);
+    let row = shorter + 1;
+    Some(format!("row {row} ({surplus}) stands in only one of them"))
 }
 
 fn name_of(row: &GenericRow) -> String {
@@ -176,30 +130,18 @@ fn name_of(row: &GenericRow) -> String {
     format!("{term}{direction} from `{base_axis}` to `{output_axis}`, index {index}")
 }
 
-fn columns_that_differ(a: &GenericRow, b: &GenericRow) -> Vec<String> {
-    let (a, b) = (texts(a), texts(b));
-    let pairs = Column::ALL.into_iter().zip(a.into_iter().zip(b));
-    pairs
-        .filter(|(_, (a, b))| a != b)
-        .map(|(column, (a, b))| format!("`{}` (`{a}` and `{b}`)", column.name()))
-        .collect()
-}
-
-/// The cells of a row as text, in the order of [`Column::ALL`]; different numbers have different
-/// texts.
+/// The cells of a row as text, in the order of [`COLUMNS`]; different numbers have different texts.
 fn texts(row: &GenericRow) -> [String; 9] {
-    let number = |value: f64| (value + 0.0).to_string(); // −0 is 0
     [
         row.term.to_string(),
-        row.base_axis.to_string(),
-        row.output_axis.to_string(),
-        row.direction
-            .map_or(String::new(), |direction| direction.symbol().to_string()),
+        row.base_axis.clone(),
+        row.output_axis.clone(),
+        row.direction.map_or("", Direction::symbol).to_string(),
         row.index.to_string(),
-        number(row.position_mm),
-        number(row.deviation_um),
-        number(row.correction_um),
-        row.increment_um.map_or(String::new(), number),
+        row.position_mm.to_string(),
+        row.deviation_um.to_string(),
+        row.correction_um.to_string(),
+        row.increment_um.map_or(String::new(), |um| um.to_string()),
     ]
 }
 

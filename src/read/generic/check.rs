@@ -1,14 +1,9 @@
-//! What the rows of a generic table must be to each other.
-//!
-//! Rows are gathered into blocks while they are read; [`Reading::finish`] walks each block once.
-//! A block that lost a row to a flaw is not walked: its gaps would only repeat the flaw.
+//! What a row of the generic table must be, and what the rows must be to each other.
 
-use crate::read::lexer::Complaint;
-use crate::text::document::MOST_ROWS;
-
-use super::row::{BlockKey, Column, RawRow, RowFlaw, Unusable, read_row};
+use super::rows::RawRow;
 use crate::control::table::generic::{GenericRow, GenericTable};
-use crate::quantity::axis::Axis;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::text::problem::{Problem, Problems};
 use std::collections::BTreeMap;
 
 /// Two increments closer than this are the same, µm: the rounding of a difference of two
@@ -18,203 +13,245 @@ const SAME_INCREMENT_UM: f64 = 1e-9;
 const OFF_GRID_MM: f64 = 1e-6;
 /// … and this part of the position, for its rounding.
 const OFF_GRID_RELATIVE: f64 = 1e-9;
-
-/// Names of axes in one file; pairs of them are compared one by one. No control has more than 32.
+/// Names of axes in one file; no control has more.
 const MOST_AXES: usize = 32;
 
-/// The rows of a file while they are being read.
-#[derive(Default)]
-pub(super) struct Reading<'a> {
-    flaws: Vec<RowFlaw>,
-    rows: Vec<GenericRow>,
-    /// The number of each of them in the file.
-    numbers: Vec<usize>,
-    blocks: BTreeMap<BlockKey<'a>, Block>,
-    /// A row was lost, and nobody knows from which block.
-    lost: bool,
-    /// What each name of an axis stands for, in the order in which they were met.
-    axes: Vec<(String, Axis)>,
+/// Nobody reads further.
+const MOST_RELATIONS: usize = 200;
+
+/// What is wrong with a row, counted from 0, and the column it is shown at.
+pub(super) struct Flaw {
+    pub(super) row: usize,
+    pub(super) column: &'static str,
+    pub(super) message: String,
+    help: String,
 }
 
-/// Indices into the rows that were read, in file order.
-#[derive(Default)]
-struct Block {
-    rows: Vec<usize>,
-    broken: bool,
+impl Flaw {
+    fn new(row: usize, column: &'static str, message: String, help: impl Into<String>) -> Flaw {
+        let help = help.into();
+        Flaw {
+            row,
+            column,
+            message,
+            help,
+        }
+    }
 }
 
-impl<'a> Reading<'a> {
-    /// Whether there is enough to complain about.
-    pub(super) fn is_full(&self) -> bool {
-        self.flaws.len() >= MOST_COMPLAINTS
+/// The table of these rows. What the rows are to each other is told where each of them can be read: a
+/// row that is lost would only be missed there again. `problem` knows the places of the form.
+pub(super) fn table(
+    raw: impl Iterator<Item = Result<RawRow, Problems>>,
+    problem: impl Fn(&Flaw) -> Problem,
+) -> Result<GenericTable, Problems> {
+    let problem = |flaw: Flaw| problem(&flaw).help(flaw.help);
+    let mut problems = Problems::none();
+    let (mut rows, mut flaws) = (Vec::new(), Vec::new());
+    for (number, raw) in raw.enumerate() {
+        if problems.is_full() {
+            break;
+        }
+        if let Some(raw) = problems.take(raw) {
+            rows.extend(row(number, raw, &mut flaws));
+        }
+        flaws
+            .drain(..)
+            .for_each(|flaw| problems.push(problem(flaw)));
     }
-
-    /// Notes a row that could not be taken apart.
-    pub(super) fn lose_row(&mut self, flaws: impl IntoIterator<Item = RowFlaw>) {
-        self.lost = true;
-        self.flaws.extend(flaws);
+    if problems.is_empty() {
+        flaws = relations(&rows);
+        flaws.sort_by_key(|flaw| flaw.row);
+        flaws.truncate(MOST_RELATIONS);
+        flaws
+            .into_iter()
+            .for_each(|flaw| problems.push(problem(flaw)));
     }
+    problems.or_ok(GenericTable { rows })
+}
 
-    /// Takes the next row of the file.
-    pub(super) fn take(&mut self, raw: &RawRow<'a>) {
-        match read_row(raw, &mut self.flaws) {
-            Ok((key, row)) => {
-                self.check_axis(raw.number, Column::BaseAxis, &row);
-                self.check_axis(raw.number, Column::OutputAxis, &row);
-                let block = self.blocks.entry(key).or_default();
-                block.rows.push(self.rows.len());
-                self.rows.push(row);
-                self.numbers.push(raw.number);
-            }
-            Err(Unusable(Some(key))) => self.blocks.entry(key).or_default().broken = true,
-            Err(Unusable(None)) => self.lost = true,
+/// The values of a row; what is wrong inside it is noted.
+fn row(number: usize, raw: RawRow, flaws: &mut Vec<Flaw>) -> Option<GenericRow> {
+    let before = flaws.len();
+    let mut flaw = |column, message, help: &str| {
+        flaws.push(Flaw::new(number, column, message, help));
+    };
+    let term = ErrorTerm::from_name(&raw.term);
+    if term.is_none() {
+        let names = ErrorTerm::ALL.map(|term| term.to_string()).join(" ");
+        let message = format!("`term` is `{}`, expected the name of a term", raw.term);
+        flaw("term", message, &format!("known terms: {names}"));
+    }
+    let is_name = |name: &str| {
+        !name.trim().is_empty() && !name.contains(|c: char| c.is_control() || c == '"')
+    };
+    for (column, name) in [
+        ("base_axis", &raw.base_axis),
+        ("output_axis", &raw.output_axis),
+    ] {
+        if !is_name(name) {
+            let message = format!("`{column}` is `{name}`, expected the name of an axis");
+            let help = "write the control's name of the axis, as in the job";
+            flaw(column, message, help);
         }
     }
-
-    /// The name of an axis stands for one axis of the machine; so a pair of axes has one term,
-    /// and a straightness cannot act on its own moving axis.
-    fn check_axis(&mut self, number: usize, column: Column, row: &GenericRow) {
-        let (name, axis) = match column {
-            Column::BaseAxis => (&row.base_axis, row.term.along),
-            _ => (&row.output_axis, row.term.of),
-        };
-        let met = self
-            .axes
-            .iter()
-            .find(|(met, _)| met.eq_ignore_ascii_case(name));
-        let Some((_, known)) = met else {
-            return self.meet_axis(number, column, name.clone(), axis);
-        };
-        if *known == axis {
-            return;
-        }
+    let symbol = raw.direction.as_deref();
+    let direction = symbol.and_then(Direction::from_symbol);
+    if let (Some(symbol), None) = (symbol, direction) {
+        let message = format!("`direction` is `{symbol}`, expected `+`, `-` or nothing");
+        flaw("direction", message, "an empty direction means both");
+    }
+    if (raw.deviation_um + raw.correction_um).abs() > 0.0 {
+        let (correction, opposite) = (raw.correction_um, 0.0 - raw.deviation_um);
         let message = format!(
-            "`{name}` stands for the {axis} axis in {}, but for the {known} axis before",
-            row.term
+            "`correction_um` is {correction}, expected {opposite}, the opposite of the deviation"
         );
-        let help = "EYX is Y while X moves: `base_axis` X, `output_axis` Y";
-        self.flaws
-            .push(RowFlaw::of_cell(number, column.name(), message, help));
+        let help = "a correction cancels the deviation of its row exactly";
+        flaw("correction_um", message, help);
     }
-
-    /// Notes the name of an axis; that there are too many is told once.
-    fn meet_axis(&mut self, number: usize, column: Column, name: String, axis: Axis) {
-        if self.axes.len() > MOST_AXES {
-            return;
+    match (raw.index, raw.increment_um) {
+        (0, Some(um)) => {
+            let message = format!("`increment_um` is `{um}`, expected nothing at index 0");
+            let help = "there is no point before the first one";
+            flaw("increment_um", message, help);
         }
-        if self.axes.len() == MOST_AXES {
-            let message = format!("`{name}` is another axis, expected at most {MOST_AXES}");
-            let help = "no control has so many: check that this is a table of corrections";
-            let flaw = RowFlaw::of_cell(number, column.name(), message, help);
-            self.flaws.push(flaw);
+        (1.., None) => {
+            let message = "`increment_um` is empty, expected a finite number".to_string();
+            let help = "only the first point of a block has none";
+            flaw("increment_um", message, help);
         }
-        self.axes.push((name, axis));
+        _ => {}
     }
+    let term = term.filter(|_| flaws.len() == before)?;
+    Some(GenericRow {
+        term,
+        base_axis: raw.base_axis,
+        output_axis: raw.output_axis,
+        direction,
+        index: raw.index,
+        position_mm: raw.position_mm + 0.0, // −0 is 0
+        deviation_um: raw.deviation_um + 0.0,
+        correction_um: raw.correction_um + 0.0,
+        increment_um: raw.increment_um.map(|um| um + 0.0),
+    })
+}
 
-    /// The table, if nothing is wrong with it.
-    pub(super) fn finish(mut self) -> Result<GenericTable, Vec<RowFlaw>> {
-        let mut flaws = std::mem::take(&mut self.flaws);
-        let whole = self.blocks.values().filter(|block| !block.broken);
-        for block in whole.filter(|_| !self.lost) {
-            self.walk(block, &mut flaws);
-            if flaws.len() >= MOST_COMPLAINTS {
-                break;
+/// What the rows are to each other: one axis for each name, and of each block its first flaw.
+fn relations(rows: &[GenericRow]) -> Vec<Flaw> {
+    let mut flaws = names(rows);
+    let mut blocks: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    for (number, row) in rows.iter().enumerate() {
+        let axes = [&row.base_axis, &row.output_axis].map(|name| name.to_ascii_uppercase());
+        let block = blocks.entry((row.term, axes, row.direction)).or_default();
+        block.push(number);
+    }
+    let found = blocks.values().filter_map(|block| {
+        index_flaw(rows, block)
+            .or_else(|| step_flaw(rows, block))
+            .or_else(|| spacing_flaw(rows, block))
+    });
+    flaws.extend(found);
+    flaws
+}
+
+/// The name of an axis stands for one axis of the machine; so a pair of axes has one term,
+/// and a straightness cannot act on its own moving axis.
+fn names(rows: &[GenericRow]) -> Vec<Flaw> {
+    let mut flaws = Vec::new();
+    let mut known: Vec<(&str, Axis)> = Vec::new();
+    for (number, row) in rows.iter().enumerate() {
+        for (column, name, axis) in [
+            ("base_axis", row.base_axis.as_str(), row.term.along),
+            ("output_axis", row.output_axis.as_str(), row.term.of),
+        ] {
+            let met = known.iter().find(|(met, _)| met.eq_ignore_ascii_case(name));
+            match met {
+                None if known.len() == MOST_AXES => {
+                    let message = format!("`{name}` is another axis, expected at most {MOST_AXES}");
+                    let help = "no control has so many: check that this is a table of corrections";
+                    flaws.push(Flaw::new(number, column, message, help));
+                    return flaws;
+                }
+                None => known.push((name, axis)),
+                Some((_, other)) if *other == axis => {}
+                Some((_, other)) => {
+                    let message = format!(
+                        "`{name}` stands for the {axis} axis in {}, but for the {other} axis before",
+                        row.term
+                    );
+                    let help = "EYX is Y while X moves: `base_axis` X, `output_axis` Y";
+                    flaws.push(Flaw::new(number, column, message, help));
+                }
             }
         }
-        if flaws.is_empty() {
-            Ok(GenericTable { rows: self.rows })
-        } else {
-            Err(flaws)
-        }
     }
+    flaws
+}
 
-    fn walk(&self, block: &Block, flaws: &mut Vec<RowFlaw>) {
-        let before = flaws.len();
-        self.walk_indices(block, flaws);
-        if flaws.len() > before {
-            return; // positions and increments of a jumbled block say nothing new
-        }
-        if let [only] = block.rows[..] {
-            let message = "a block of one point, expected two or more";
-            let help = "a line needs two points; the rows after this one may have been lost";
-            flaws.push(RowFlaw::of_row(self.numbers[only], message, help));
-        }
-        for pair in block.rows.windows(2) {
-            flaws.extend(self.position_flaw(pair[0], pair[1]));
-            flaws.extend(self.increment_flaw(pair[0], pair[1]));
-        }
-        if flaws.len() == before {
-            flaws.extend(self.spacing_flaw(block));
-        }
+/// The first row that is not the next one of its block, or a block of one row.
+fn index_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
+    let mut counted = block.iter().zip(0_u32..);
+    if let Some((row, expected)) = counted.find(|(row, expected)| rows[**row].index != *expected) {
+        let message = format!(
+            "`index` is {}, expected {expected} as the next of its block",
+            rows[*row].index
+        );
+        let help = "each term, pair of axes and direction is one block, counted from 0 without \
+                    gaps and written once";
+        return Some(Flaw::new(*row, "index", message, help));
     }
+    let [only] = block else {
+        return None;
+    };
+    let message = "a block of one point, expected two or more".to_string();
+    let help = "a line needs two points; the rows after this one may have been lost";
+    Some(Flaw::new(*only, "term", message, help))
+}
 
-    /// Complains about the first row that is not the next one.
-    fn walk_indices(&self, block: &Block, flaws: &mut Vec<RowFlaw>) {
-        let mut counted = block.rows.iter().zip(0_u32..);
-        let jump = counted.find(|(row, expected)| self.rows[**row].index != *expected);
-        if let Some((row, expected)) = jump {
+/// The first row that does not lie behind the one before it, or whose increment is not the change.
+fn step_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
+    block.windows(2).find_map(|pair| {
+        let (before, row) = (&rows[pair[0]], &rows[pair[1]]);
+        let (from, to) = (before.position_mm, row.position_mm);
+        if to <= from {
+            let message =
+                format!("`position_mm` is {to}, expected more than {from} of the row before");
+            let help = "the positions of a block ascend";
+            return Some(Flaw::new(pair[1], "position_mm", message, help));
+        }
+        let change = row.correction_um - before.correction_um;
+        let increment = row.increment_um?;
+        ((increment - change).abs() > SAME_INCREMENT_UM).then(|| {
             let message = format!(
-                "`index` is {}, expected {expected} as the next of its block",
-                self.rows[*row].index
+                "`increment_um` is {increment}, expected {change}, the change of the correction"
             );
-            let help = "each term, pair of axes and direction is one block, counted from 0 \
-                        without gaps and written once";
-            flaws.push(self.flaw(*row, Column::Index, message, help));
-        }
-    }
+            let help = "an increment is the correction minus the correction of the row before";
+            Flaw::new(pair[1], "increment_um", message, help)
+        })
+    })
+}
 
-    fn flaw(&self, row: usize, column: Column, message: String, help: &str) -> RowFlaw {
-        RowFlaw::of_cell(self.numbers[row], column.name(), message, help)
+/// The row with the most unusual step, if the positions are not equally spaced.
+fn spacing_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
+    let at: Vec<f64> = block.iter().map(|row| rows[*row].position_mm).collect();
+    if is_equally_spaced(&at) {
+        return None;
     }
-
-    fn position_flaw(&self, before: usize, row: usize) -> Option<RowFlaw> {
-        let (from, to) = (self.rows[before].position_mm, self.rows[row].position_mm);
-        if to > from {
-            return None;
-        }
-        let message = format!("`position_mm` is {to}, expected more than {from} of the row before");
-        let help = "the positions of a block ascend";
-        Some(self.flaw(row, Column::Position, message, help))
-    }
-
-    fn increment_flaw(&self, before: usize, row: usize) -> Option<RowFlaw> {
-        let change = self.rows[row].correction_um - self.rows[before].correction_um;
-        let increment = self.rows[row].increment_um?;
-        if (increment - change).abs() <= SAME_INCREMENT_UM {
-            return None;
-        }
-        let message = format!(
-            "`increment_um` is {increment}, expected {change}, the change of the correction"
-        );
-        let help = "an increment is the correction minus the correction of the row before";
-        Some(self.flaw(row, Column::Increment, message, help))
-    }
-
-    /// The row with the most unusual step, if the positions are not equally spaced.
-    fn spacing_flaw(&self, block: &Block) -> Option<RowFlaw> {
-        let at: Vec<f64> = block
-            .rows
-            .iter()
-            .map(|row| self.rows[*row].position_mm)
-            .collect();
-        if is_equally_spaced(&at) {
-            return None;
-        }
-        let steps: Vec<f64> = at.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let usual = median(&steps)?;
-        let mut worst = 0;
-        for (step, length) in steps.iter().enumerate() {
-            if (length - usual).abs() > (steps[worst] - usual).abs() {
-                worst = step;
-            }
-        }
-        let message = format!(
-            "`position_mm` is {} mm after the row before, expected {usual} mm",
-            steps[worst]
-        );
-        let help = "the positions of a block are equally spaced; a row may be missing";
-        Some(self.flaw(block.rows[worst + 1], Column::Position, message, help))
-    }
+    let steps: Vec<f64> = at.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut sorted = steps.clone();
+    sorted.sort_by(f64::total_cmp);
+    // Of two middle ones the smaller, as a missing row makes a step longer.
+    let usual = *sorted.get(sorted.len().saturating_sub(1) / 2)?;
+    let off = |step: &f64| (step - usual).abs();
+    let worst = (0..steps.len())
+        .rev() // the first of equal ones
+        .max_by(|a, b| off(&steps[*a]).total_cmp(&off(&steps[*b])))?;
+    let message = format!(
+        "`position_mm` is {} mm after the row before, expected {usual} mm",
+        steps[worst]
+    );
+    let help = "the positions of a block are equally spaced; a row may be missing";
+    Some(Flaw::new(block[worst + 1], "position_mm", message, help))
 }
 
 #[allow(
@@ -230,22 +267,4 @@ fn is_equally_spaced(at: &[f64]) -> bool {
         let expected = first + step * index as f64;
         (position - expected).abs() <= OFF_GRID_MM + OFF_GRID_RELATIVE * position.abs()
     })
-}
-
-/// Of two middle ones the smaller, as a missing row makes a step longer.
-fn median(steps: &[f64]) -> Option<f64> {
-    let mut sorted = steps.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len().saturating_sub(1) / 2).copied()
-}
-
-/// Nobody reads further, and a binary file has millions.
-pub(super) const MOST_COMPLAINTS: usize = 200;
-
-pub(super) fn too_many_rows(place: std::ops::Range<usize>) -> Complaint {
-    Complaint::new(
-        place,
-        format!("the table has more than {MOST_ROWS} rows, too many for any control"),
-        "check that this is a table of corrections",
-    )
 }

@@ -41,16 +41,21 @@ impl LoadedBlock {
 }
 
 impl GenericControl {
-    /// A control that holds this table.
+    /// A control that holds this table, as its reader checked it.
     ///
     /// **unit** `state.unit` has no say: the table is in mm and µm · **limits** fails if an axis
-    /// is not one of the control, if the points of a block are not counted 0, 1, 2, … at equally
-    /// spaced positions, and if two blocks act on the same pair of axes in the same direction.
+    /// is not one of the control, and if a block for one direction acts beside one for both.
     pub fn new(
         table: &GenericTable,
         state: &ControlState,
     ) -> Result<GenericControl, CannotEmulate> {
-        let groups = groups(&table.rows)?;
+        let mut groups: Vec<Vec<&GenericRow>> = Vec::new();
+        for row in &table.rows {
+            match groups.iter_mut().find(|group| same_block(group[0], row)) {
+                Some(group) => group.push(row),
+                None => groups.push(vec![row]),
+            }
+        }
         let load = |rows: &Vec<&GenericRow>| load(rows, state);
         let blocks: Vec<LoadedBlock> = groups.iter().map(load).collect::<Result<_, _>>()?;
         refuse_mixed(&blocks)?;
@@ -101,79 +106,36 @@ fn same_block(a: &GenericRow, b: &GenericRow) -> bool {
         && a.direction == b.direction
 }
 
-fn name_of(row: &GenericRow) -> String {
-    let direction = row.direction.map_or("", |direction| direction.symbol());
-    format!(
-        "{}{direction} from {} to {}",
-        row.term, row.base_axis, row.output_axis
-    )
-}
-
-/// The rows of each pair of axes and direction; each must be one block of one term.
-fn groups(rows: &[GenericRow]) -> Result<Vec<Vec<&GenericRow>>, CannotEmulate> {
-    let mut groups: Vec<Vec<&GenericRow>> = Vec::new();
-    for row in rows {
-        let Some(group) = groups.iter_mut().find(|group| same_block(group[0], row)) else {
-            groups.push(vec![row]);
-            continue;
-        };
-        if group[0].term != row.term || row.index == 0 {
-            let names = format!("{} and {}", name_of(group[0]), name_of(row));
-            return Err(CannotEmulate(format!(
-                "two blocks act on the same pair of axes in the same direction: {names}"
-            )));
-        }
-        group.push(row);
-    }
-    Ok(groups)
-}
-
-fn load(rows: &[&GenericRow], state: &ControlState) -> Result<LoadedBlock, CannotEmulate> {
-    let first = rows[0];
-    known_axis(state, &first.base_axis)?;
-    known_axis(state, &first.output_axis)?;
-    let corrections = corrections(rows)
-        .filter(|table| is_faithful(table, rows))
-        .ok_or_else(|| {
-            CannotEmulate(format!(
-                "{}: the points are not two or more finite values, counted from 0, at equally \
-                 spaced ascending positions",
-                name_of(first)
-            ))
-        })?;
-    Ok(LoadedBlock {
-        base: first.base_axis.to_string(),
-        output: first.output_axis.to_string(),
-        direction: first.direction,
-        corrections,
-    })
-}
-
 #[allow(
     clippy::cast_precision_loss,
     reason = "a table has far fewer than 2^52 rows"
 )]
-fn corrections(rows: &[&GenericRow]) -> Option<NodeTable> {
-    let (first, last) = (rows.first()?.position_mm, rows.last()?.position_mm);
-    let step = (last - first) / (rows.len().max(2) - 1) as f64;
-    let values: Vec<Correction> = rows
+fn load(rows: &[&GenericRow], state: &ControlState) -> Result<LoadedBlock, CannotEmulate> {
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    known_axis(state, &first.base_axis)?;
+    known_axis(state, &first.output_axis)?;
+    let step = (last.position_mm - first.position_mm) / (rows.len().max(2) - 1) as f64;
+    let values = rows
         .iter()
-        .map(|row| Correction::from_um(row.correction_um))
-        .collect();
-    let (start, step) = (Millimetres::new(first), Millimetres::new(step));
-    NodeTable::new(start, step, &values, Between::Linear)
-}
-
-/// Whether the nodes stand where the rows say, in the order of their index.
-fn is_faithful(table: &NodeTable, rows: &[&GenericRow]) -> bool {
-    // Off its node by less, a point is displaced by no more than a linear encoder resolves.
-    const SAME_PLACE_MM: f64 = 1e-6;
-    const SAME_PLACE_RELATIVE: f64 = 1e-9; // rounding of the position itself
-    let mut nodes = table.nodes().zip(rows).zip(0_u32..);
-    nodes.all(|(((node, value), row), index)| {
-        let off = (node.mm() - row.position_mm).abs();
-        let allowed = SAME_PLACE_MM + SAME_PLACE_RELATIVE * row.position_mm.abs();
-        row.index == index && value.um().is_finite() && off <= allowed
+        .map(|row| Correction::from_um(row.correction_um));
+    let values: Vec<Correction> = values.collect();
+    let [start, step] = [first.position_mm, step].map(Millimetres::new);
+    let corrections = NodeTable::new(start, step, &values, Between::Linear);
+    Ok(LoadedBlock {
+        base: first.base_axis.clone(),
+        output: first.output_axis.clone(),
+        direction: first.direction,
+        corrections: corrections.ok_or_else(|| {
+            let GenericRow {
+                term,
+                base_axis,
+                output_axis,
+                ..
+            } = first;
+            CannotEmulate(format!(
+                "{term} from {base_axis} to {output_axis} has fewer than two points"
+            ))
+        })?,
     })
 }
 
