@@ -14,7 +14,7 @@ use nonius::inputs::nc::{G43WithoutH, Line, Mark, Refused, Setup, Text, WithoutP
 use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
-    control_data, fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
+    fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
 use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;
@@ -154,7 +154,7 @@ fn state(stated: &mut Stated, option: &str, word: &str) {
 /// A Siemens file: as a kit's, and as one of a control.
 pub fn siemens(input: &[u8]) -> Answer {
     let source = Source::from_bytes("x.mpf", input)?;
-    let read_out = read_siemens::read_out("x.mpf", &source.text).map(|contents| contents.notes);
+    let read_out = read_siemens::read_out("x.mpf", &source.text, true).map(|contents| contents.notes);
     let contents = read_siemens::read("x.mpf", &source.text)?;
     let merged = read_siemens::merge(vec![contents])?;
     Ok(format!("{:?} {:?}", merged.notes, read_out.is_ok()))
@@ -164,16 +164,14 @@ pub fn siemens(input: &[u8]) -> Answer {
 pub fn archive(input: &[u8]) -> Answer {
     let facts = fanuc_facts()?;
     let mut answer = String::new();
-    for (name, text) in control_data::texts("x.arc", input)? {
-        let found = control_data::siemens(&name, &text, true);
-        answer += &match read_siemens::read_out(&name, &format!("{}{}", found.tables, found.data)) {
+    for (name, text) in nonius::read::texts(&built_in("siemens-840d-sl")?, "x.arc", input)? {
+        answer += &match read_siemens::read_out(&name, &text, true) {
             Ok(contents) => format!("{:?}", contents.notes),
             Err(problems) => problems.render(),
         };
-        let (text, _) = control_data::fanuc(&text, &facts);
         answer += &read_fanuc::read_out(&name, &text, &facts, CONTROL_UNIT)
             .map_or_else(|problems| problems.render(), |_| String::new());
-        control_data::has_active_data(&name, &text);
+        read_siemens::has_active_data(&name, &text);
     }
     Ok(answer)
 }

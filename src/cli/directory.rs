@@ -7,7 +7,6 @@ use crate::judge::active::{ActiveControl, ReadOutFor, from_read_out};
 use crate::judge::findings::InControl;
 use crate::kit::manifest::{HashedFile, MANIFEST};
 use crate::kit::{Inputs, sha256};
-use crate::read::control_data;
 use crate::read::{KitFile, may_be_meant_for};
 use crate::text::document::json_page;
 use crate::text::problem::{Problem, Problems, shown};
@@ -101,7 +100,7 @@ impl Found {
 
     /// The name of the control's whole parameter file or archive.
     fn whole_file(&self, profile: &Profile) -> Option<&str> {
-        let is_whole = |bytes: &[u8]| control_data::is_whole(bytes, &profile.dialect);
+        let is_whole = |bytes: &[u8]| crate::read::is_whole(profile, bytes);
         let found = self.files.iter().find(|(_, _, bytes)| is_whole(bytes));
         found.map(|(name, _, _)| name.as_str())
     }

@@ -202,6 +202,19 @@ facts! {
     }
 }
 
+impl FanucFacts {
+    /// Whether a parameter holds the magnification or the first data number of a per-point set.
+    pub(crate) fn is_of_per_point_set(&self, number: u32) -> bool {
+        let firsts = [
+            &self.straightness_magnification_parameter,
+            &self.straightness_start_parameter,
+        ];
+        let sets = self.straightness_sets.value;
+        let mut firsts = firsts.iter().map(|first| first.value);
+        firsts.any(|first| (first..first + sets).contains(&number))
+    }
+}
+
 /// The family of formats that a control reads.
 #[allow(
     clippy::large_enum_variant,

@@ -6,6 +6,7 @@ use crate::control::table::Tables;
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::siemens::MachineDatum;
 use crate::text::problem::{Problem, Problems, shown};
+use std::borrow::Cow;
 
 /// A family of controls; the facts of its profiles implement it, in its folder.
 pub(crate) trait Family {
@@ -26,7 +27,15 @@ pub(crate) trait Family {
 
     /// How many data of no concern to the compensation a text holds.
     fn passed_over(&self, text: &str) -> usize;
+
+    /// The files in a file of the control: an archive holds many.
+    fn parts<'a>(&self, name: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Problem> {
+        Ok(vec![(name.to_string(), bytes)])
+    }
 }
+
+/// A file or one of an archive: its name and its bytes.
+pub(crate) type Part<'a> = (String, &'a [u8]);
 
 /// The family of a profile.
 pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
@@ -180,6 +189,51 @@ pub(crate) fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<String>
         "{} {is} not read back (role `report`), so nothing shows what a control holds that loads {it}: give {it} the role `table` in the layout of the dialect, or, if no control loads {it}, state `loaded = false` in the profile",
         names.join(", ")
     ))
+}
+
+/// A file with more data of no concern than this was read out of a control as a whole, which has
+/// thousands. What a kit writes is of concern throughout; a person may have added a few lines.
+const READ_OUT_AS_A_WHOLE: usize = 100;
+
+/// Whether a file is a control's whole parameter file or archive.
+pub fn is_whole(profile: &Profile, bytes: &[u8]) -> bool {
+    let family = family(&profile.dialect);
+    match family.parts("", bytes).as_deref() {
+        Ok([(name, bytes)]) if name.is_empty() => {
+            let passed_over = text(bytes).map_or(0, |text| family.passed_over(&text));
+            passed_over > READ_OUT_AS_A_WHOLE
+        }
+        _ => true,
+    }
+}
+
+/// Name and text.
+pub type Text<'a> = (String, Cow<'a, str>);
+
+/// The file that a text is of: an archive for its files.
+pub(crate) fn file_of(name: &str) -> &str {
+    name.split("/_N_").next().unwrap_or(name)
+}
+
+/// A file that was read out of a control as text, an archive as its files: `all.arc/_N_AX_EEC_INI`.
+pub fn texts<'a>(profile: &Profile, name: &str, bytes: &'a [u8]) -> Result<Vec<Text<'a>>, Problem> {
+    let parts = family(&profile.dialect).parts(name, bytes)?;
+    let own = |(name, bytes)| match text(bytes) {
+        Some(text) => Ok((name, text)),
+        None => Err(Problem::new(format!("`{name}` is not text"))
+            .help("name the files that the control wrote as text")),
+    };
+    parts.into_iter().map(own).collect()
+}
+
+/// A file as text: UTF-8 without its byte order mark, or one byte for each character (Latin-1), as
+/// older controls write comments and messages. `None` where it is neither.
+fn text(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Some(Cow::Borrowed(text.strip_prefix('\u{feff}').unwrap_or(text))),
+        Err(_) if bytes.contains(&0) => None,
+        Err(_) => Some(bytes.iter().map(|byte| char::from(*byte)).collect()),
+    }
 }
 
 /// Whether a file may mean something to the control of a profile ([`Family::may_obey`]).

@@ -1,4 +1,4 @@
-//! Fanuc parameter and pitch-data files → [`FanucMemory`].
+//! Fanuc: parameter and pitch-data files → [`FanucMemory`], and what the control does with it.
 //!
 //! ```text
 //!   file → record (% … %) → block (N Q A P) → point or parameter → memory ─┐ merge
@@ -11,7 +11,6 @@
 
 mod block;
 pub mod control;
-mod record;
 #[cfg(test)]
 pub(crate) mod tests;
 
@@ -20,20 +19,41 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{FanucFacts, LengthUnit, NumberRange};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use crate::read::control_data;
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, each, other_family};
+use crate::read::lexer::{Complaint, MOST_COMPLAINTS, located};
 use crate::text::problem::{Problem, Problems, refuse_long_lines};
-use block::{Block, Identifier, Segment};
-use record::{Source, Span};
+use block::{Block, Segment, blocks, number, parse, record, uniform_line_ends};
+use std::ops::Range;
 
 /// What the data word of one point can hold (B-63330EN §3, B-63950EN §3.3: −128 to 127).
 const POINT_VALUES: std::ops::RangeInclusive<i32> = -128..=127;
 /// Values of one file that concern the compensation. A control of 32 axes has some 6000; each takes up
 /// to a hundred bytes of memory.
 const MOST_VALUES: usize = 100_000;
+/// Complaints that are looked for; a file of another kind has the same one in each block, which is said once.
+const MOST_BLOCKS: usize = 10 * MOST_COMPLAINTS;
 /// 1240, 3624 and 3625: lengths that depend on the unit of the machine.
 const LENGTH_PARAMETERS: [u32; 3] = [1240, 3624, 3625];
+/// First and last number of the parameters that pitch, straightness and backlash need, and
+/// of those whose compensation is not emulated and must be seen.
+const OF_CONCERN: [(u32, u32); 15] = [
+    (1006, 1006),
+    (1240, 1240),
+    (1851, 1852),
+    (3602, 3602),
+    (3605, 3605),
+    (3620, 3627),
+    (3666, 3671),
+    (3676, 3677),
+    (5711, 5716),
+    (5721, 5726),
+    (5731, 5784),
+    (5861, 5874),
+    (8135, 8135),
+    (10800, 10814),
+    (14985, 14988),
+];
 
 impl Family for FanucFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
@@ -54,19 +74,30 @@ impl Family for FanucFacts {
 
     /// Numbered blocks.
     fn may_obey(&self, text: &str) -> bool {
-        let numbered = |line: &str| {
-            let number = line.trim_start().strip_prefix(['N', 'n']);
-            number.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
-        };
-        text.split(['\n', '\r']).any(numbered)
+        text.split(['\n', '\r']).any(|line| number(line).is_some())
     }
 
     fn passed_over(&self, text: &str) -> usize {
-        control_data::fanuc(text, self).1
+        let blocks = text.split('\n').filter_map(number);
+        blocks.filter(|block| !concerns(*block, self)).count()
     }
 }
 
-/// Reads one file of `N…P…` blocks: parameters, pitch points, or both.
+/// Whether the number of a block, with what follows it, is of concern to the compensation.
+fn concerns((number, rest): (u32, &str), facts: &FanucFacts) -> bool {
+    let mut identifier = rest.chars().filter(|c| !c.is_whitespace());
+    let identifier = (identifier.next(), identifier.next());
+    let is_parameter = match identifier {
+        (Some('Q' | 'q'), Some('0')) => false,
+        (Some('Q' | 'q'), Some('1')) => true,
+        _ => number < facts.point_offset.value,
+    };
+    !is_parameter
+        || OF_CONCERN.iter().any(|(a, b)| (*a..=*b).contains(&number))
+        || facts.is_of_per_point_set(number)
+}
+
+/// Reads one file of a kit, of `N…P…` blocks: parameters, pitch points, or both.
 ///
 /// unit   values as in the file: increments and amounts in detection units, 3624 in the control's unit
 /// sign   as in the file ([`FanucFacts::pitch_sign`] says what it means)
@@ -81,9 +112,9 @@ pub fn read(file_name: &str, text: &str, facts: &FanucFacts) -> Result<FanucMemo
     Ok(read_from(Writer::Kit, file_name, text, facts)?.memory)
 }
 
-/// Reads a file that a control wrote of itself; as [`read`], but a parameter in the number space
-/// of the points, such as 10800, is what it says it is, and `M` or `I` before a length are taken
-/// where they are the control's `unit` (B-63950EN/02 §3.3.2).
+/// Reads a file that a control wrote of itself; as [`read`], but blocks of no concern are passed over, a
+/// parameter in the number space of the points, such as 10800, is what it says it is, and `M` or `I` before
+/// a length are taken where they are the control's `unit` (B-63950EN/02 §3.3.2).
 pub fn read_out(
     file_name: &str,
     text: &str,
@@ -101,6 +132,8 @@ pub struct ReadOut {
     /// Parameters of spindles that are not 0, such as `3666 of S1 = 5`: they correct no axis of the
     /// job, but may take points.
     pub spindles: Vec<String>,
+    /// How many blocks of no concern were passed over.
+    pub passed_over: usize,
 }
 
 /// Who wrote a file.
@@ -130,36 +163,40 @@ fn read_from(
     text: &str,
     facts: &FanucFacts,
 ) -> Result<ReadOut, Problems> {
-    let source = Source::new(file_name, text);
-    refuse_long_lines(file_name, source.text())?;
-    let mut problems = Problems::none();
-    let record = source.record(writer == Writer::Kit, &mut problems);
+    let text = uniform_line_ends(text);
+    refuse_long_lines(file_name, &text)?;
+    let mut complaints = Vec::new();
+    let record = record(&text, writer == Writer::Kit, &mut complaints);
     let mut reader = Reader {
-        source: &source,
+        text: &text,
         facts,
         writer,
-        memory: FanucMemory::default(),
-        spindles: Vec::new(),
-        problems,
-        in_program: false,
+        found: ReadOut::default(),
     };
-    for span in source.blocks(record) {
-        if reader.problems.is_full() {
-            break; // nobody reads further, and a file of another kind has one in each line
-        }
-        if reader.values() > MOST_VALUES {
-            let problem = source.problem(&span, format!("here are more than {MOST_VALUES} values for the compensation, too many for any control"));
-            reader
-                .problems
-                .push(problem.help("check that this is a file of the control"));
+    // Between a G code and `G11`; named once, not once for each of its blocks.
+    let mut in_program = false;
+    for span in blocks(&text, record) {
+        if complaints.len() >= MOST_BLOCKS {
             break;
         }
-        reader.read_block(&span);
+        if reader.values() > MOST_VALUES {
+            let message = format!(
+                "here are more than {MOST_VALUES} values for the compensation, too many for any control"
+            );
+            let help = "check that this is a file of the control";
+            complaints.push(Complaint::new(span, message, help));
+            break;
+        }
+        let block = text[span.clone()].trim();
+        if in_program {
+            in_program = !block.eq_ignore_ascii_case("G11");
+            continue;
+        }
+        in_program = block.starts_with(['G', 'g']) && !block.eq_ignore_ascii_case("G11");
+        complaints.extend(reader.read_block(span).err());
     }
-    reader.problems.or_ok(ReadOut {
-        memory: reader.memory,
-        spindles: reader.spindles,
-    })
+    let found = reader.found;
+    located(file_name, &text, complaints).or_ok(found)
 }
 
 /// The memory after all files of a kit are loaded, in any order.
@@ -197,47 +234,33 @@ fn two_files(what: &str) -> Problem {
         .help("the control would keep whichever is loaded last; write it in one file only")
 }
 
-/// What the number of a block addresses.
-enum Target {
-    Point(u32),
-    Parameter(u32),
-}
-
 struct Reader<'a> {
-    source: &'a Source,
+    text: &'a str,
     facts: &'a FanucFacts,
     writer: Writer,
-    memory: FanucMemory,
-    spindles: Vec<String>,
-    problems: Problems,
-    /// Between a G code and `G11`; named once, not once for each of its blocks.
-    in_program: bool,
+    found: ReadOut,
 }
 
 impl Reader<'_> {
     fn values(&self) -> usize {
-        self.memory.parameters.len() + self.memory.points.len() + self.spindles.len()
+        let ReadOut {
+            memory, spindles, ..
+        } = &self.found;
+        memory.parameters.len() + memory.points.len() + spindles.len()
     }
 
-    fn read_block(&mut self, span: &Span) {
-        let text = self.source.slice(span).trim().to_ascii_uppercase();
-        if self.in_program {
-            self.in_program = text != "G11";
-            return;
+    fn read_block(&mut self, span: Range<usize>) -> Result<(), Complaint> {
+        if self.is_passed_over(&self.text[span.clone()]) {
+            self.found.passed_over += 1;
+            return Ok(());
         }
-        self.in_program = text.starts_with('G') && text != "G11";
-        if let Err(problem) = self.store(span) {
-            self.problems.push(problem);
-        }
-    }
-
-    fn store(&mut self, span: &Span) -> Result<(), Problem> {
-        let mut block = block::parse(self.source, span)?;
+        let mut block = parse(self.text, span)?;
         if self.writer == Writer::Kit {
             self.refuse_others(&block)?;
         } else {
             // Another path and a spindle have parameters of their own, which correct no axis of the job.
-            self.spindles.extend(self.of_spindles(&block));
+            let spindles = self.of_spindles(&block);
+            self.found.spindles.extend(spindles);
             block
                 .segments
                 .retain(|segment| segment.other_path.is_none() && segment.spindle.is_none());
@@ -245,105 +268,89 @@ impl Reader<'_> {
                 return Ok(());
             }
         }
-        match self.target(&block)? {
-            Target::Point(point) => self.store_point(point, &block),
-            Target::Parameter(number) => self.store_parameter(number, &block),
+        if self.is_point(&block)? {
+            self.store_point(&block)
+        } else {
+            self.store_parameter(&block)
         }
+    }
+
+    /// Of a control's file what is of no concern; what no line feed ends may hold other blocks.
+    fn is_passed_over(&self, block: &str) -> bool {
+        let is_one = || !block.contains(['\r', ';']);
+        let is_other = || number(block).is_some_and(|block| !concerns(block, self.facts));
+        self.writer != Writer::Kit && is_one() && is_other()
     }
 
     /// Its values for spindles of this path, but zeros.
     fn of_spindles(&self, block: &Block) -> Vec<String> {
         let own = block.segments.iter().filter(|s| s.other_path.is_none());
         let words = own.filter_map(|segment| {
-            let spindle = self.source.slice(segment.spindle.as_ref()?);
-            let value = self.source.slice(&segment.value);
+            let spindle = &self.text[segment.spindle.clone()?];
+            let value = &self.text[segment.value.clone()];
             let is_zero = value.bytes().all(|byte| matches!(byte, b'0' | b'.' | b'-'));
             (!is_zero).then(|| format!("{} of {spindle} = {value}", block.number))
         });
         words.collect()
     }
 
-    fn refuse_others(&self, block: &Block) -> Result<(), Problem> {
-        if let Some(span) = block.segments.iter().find_map(|s| s.spindle.as_ref()) {
-            return Err(self
-                .source
-                .problem(span, "a spindle parameter is not ours")
-                .help("compensation parameters belong to an axis (`A<n>`) or to none"));
+    fn refuse_others(&self, block: &Block) -> Result<(), Complaint> {
+        if let Some(span) = block.segments.iter().find_map(|s| s.spindle.clone()) {
+            let help = "compensation parameters belong to an axis (`A<n>`) or to none";
+            return Err(Complaint::new(
+                span,
+                "a spindle parameter is not ours",
+                help,
+            ));
         }
-        match block.segments.iter().find_map(|s| s.other_path.as_ref()) {
+        match block.segments.iter().find_map(|s| s.other_path.clone()) {
             None => Ok(()),
-            Some(path) => {
-                let word = self.source.slice(path);
+            Some(span) => {
+                let word = &self.text[span.clone()];
                 let message = format!("`{word}` names path {}, expected path 1", &word[1..]);
-                Err(self
-                    .source
-                    .problem(path, message)
-                    .help("compensation data are written for path 1; split the file by path"))
+                let help = "compensation data are written for path 1; split the file by path";
+                Err(Complaint::new(span, message, help))
             }
         }
     }
 
-    fn target(&self, block: &Block) -> Result<Target, Problem> {
+    /// Whether the number of a block addresses a point, else a parameter.
+    fn is_point(&self, block: &Block) -> Result<bool, Complaint> {
         let (number, offset) = (block.number, self.facts.point_offset.value);
-        let large = number >= offset;
-        match block.identifier {
-            Some(Identifier::Point) if large => self.known_point(block),
-            Some(Identifier::Point) => Err(self
-                .at_number(
-                    block,
-                    format!("number {number} is marked as pitch data, below {offset}"),
+        let (message, help) = match (block.is_point, number.checked_sub(offset)) {
+            (Some(true), None) => (
+                format!("number {number} is marked as pitch data, below {offset}"),
+                format!("point 33 is number {}; a parameter has `Q1`", offset + 33),
+            ),
+            (Some(false), Some(point)) if self.means_a_point(number, point) => (
+                format!("this would address parameter {number}, not pitch point {point}"),
+                "pitch data carry `Q0`".to_string(),
+            ),
+            (None, Some(point)) if self.facts.q_identifier.value => (
+                format!("number {number} without `Q` is ambiguous"),
+                format!("`Q0` makes it point {point}, `Q1` parameter {number}"),
+            ),
+            (Some(true) | None, Some(point)) => {
+                if self.point_blocks().any(|range| range.contains(point)) {
+                    return Ok(true);
+                }
+                (
+                    format!("this control has no point {point}"),
+                    "compare the number with the point numbers of the controller profile"
+                        .to_string(),
                 )
-                .help(format!(
-                    "point 33 is number {}; a parameter has `Q1`",
-                    offset + 33
-                ))),
-            Some(Identifier::Parameter) if self.means_a_point(number) => Err(self
-                .at_number(
-                    block,
-                    format!(
-                        "this would address parameter {number}, not pitch point {}",
-                        number - offset
-                    ),
-                )
-                .help("pitch data carry `Q0`")),
-            Some(Identifier::Parameter) => Ok(Target::Parameter(number)),
-            None if large && self.facts.q_identifier.value => Err(self
-                .at_number(block, format!("number {number} without `Q` is ambiguous"))
-                .help(format!(
-                    "`Q0` makes it point {}, `Q1` parameter {number}",
-                    number - offset
-                ))),
-            None if large => self.known_point(block),
-            None => Ok(Target::Parameter(number)),
-        }
-    }
-
-    fn at_number(&self, block: &Block, message: String) -> Problem {
-        self.source.problem(&block.number_span, message)
+            }
+            (Some(false) | None, _) => return Ok(false),
+        };
+        Err(Complaint::new(block.number_span.clone(), message, help))
     }
 
     /// A `Q1` number in the space of the points that no known parameter has.
-    fn means_a_point(&self, number: u32) -> bool {
-        if self.writer != Writer::Kit {
-            return false;
-        }
-        let facts = self.facts;
-        let sets = facts.straightness_sets.value;
-        let known = [
-            facts.straightness_magnification_parameter.value,
-            facts.straightness_start_parameter.value,
-        ];
-        let largest = self
-            .point_blocks()
-            .map(|block| block.last)
-            .max()
-            .unwrap_or(0);
-        number
-            .checked_sub(facts.point_offset.value)
-            .is_some_and(|point| point <= largest)
-            && !known
-                .iter()
-                .any(|first| (*first..*first + sets).contains(&number))
+    fn means_a_point(&self, number: u32, point: u32) -> bool {
+        let largest = self.point_blocks().map(|block| block.last).max();
+        self.writer == Writer::Kit
+            && point <= largest.unwrap_or(0)
+            && !self.facts.is_of_per_point_set(number)
     }
 
     fn point_blocks(&self) -> impl Iterator<Item = NumberRange> {
@@ -357,59 +364,50 @@ impl Reader<'_> {
         .flat_map(|fact| fact.value.iter().copied())
     }
 
-    fn known_point(&self, block: &Block) -> Result<Target, Problem> {
+    fn store_point(&mut self, block: &Block) -> Result<(), Complaint> {
         let point = block.number - self.facts.point_offset.value;
-        if self.point_blocks().any(|range| range.contains(point)) {
-            return Ok(Target::Point(point));
-        }
-        Err(self
-            .at_number(block, format!("this control has no point {point}"))
-            .help("compare the number with the point numbers of the controller profile"))
-    }
-
-    fn store_point(&mut self, point: u32, block: &Block) -> Result<(), Problem> {
+        let at_number =
+            |message, help| Err(Complaint::new(block.number_span.clone(), message, help));
         let [segment] = block.segments.as_slice() else {
-            return Err(self.at_number(block, format!("point {point} has more than one value")));
+            let message = format!("point {point} has more than one value");
+            return at_number(message, "write each point in a block of its own");
         };
         let value = self.point_value(point, segment)?;
-        match self.memory.points.insert(point, value) {
-            Some(old) if old != value => Err(self
-                .at_number(
-                    block,
-                    format!("point {point} is {value} here and {old} in an earlier block"),
-                )
-                .help("two axes may share numbers by mistake; write each point once")),
+        match self.found.memory.points.insert(point, value) {
+            Some(old) if old != value => at_number(
+                format!("point {point} is {value} here and {old} in an earlier block"),
+                "two axes may share numbers by mistake; write each point once",
+            ),
             _ => Ok(()),
         }
     }
 
-    fn point_value(&self, point: u32, segment: &Segment) -> Result<i32, Problem> {
-        let text = self.source.slice(&segment.value);
-        let at = |message: String| self.source.problem(&segment.value, message);
-        if segment.axis.is_some() || segment.letter != 'P' {
-            return Err(at(format!(
-                "point {point} takes a plain `P` value, without axis or unit"
-            ))
-            .help("a point belongs to the axis whose 3621 to 3622 hold its number"));
-        }
-        if text.contains('.') {
-            return Err(at(format!(
-                "point {point} has the value `{text}`, expected a whole number"
-            ))
-            .help("pitch data count detection units"));
-        }
-        text.parse()
-            .ok()
-            .filter(|value| POINT_VALUES.contains(value))
-            .ok_or_else(|| {
-                at(format!(
-                    "point {point} has the value `{text}`, expected -128 to 127"
-                ))
-                .help("larger steps need a larger magnification (3623) or a shorter interval")
-            })
+    fn point_value(&self, point: u32, segment: &Segment) -> Result<i32, Complaint> {
+        let text = &self.text[segment.value.clone()];
+        let (message, help) = if segment.axis.is_some() || segment.letter != 'P' {
+            (
+                format!("point {point} takes a plain `P` value, without axis or unit"),
+                "a point belongs to the axis whose 3621 to 3622 hold its number",
+            )
+        } else if text.contains('.') {
+            (
+                format!("point {point} has the value `{text}`, expected a whole number"),
+                "pitch data count detection units",
+            )
+        } else {
+            match text.parse() {
+                Ok(value) if POINT_VALUES.contains(&value) => return Ok(value),
+                _ => (
+                    format!("point {point} has the value `{text}`, expected -128 to 127"),
+                    "larger steps need a larger magnification (3623) or a shorter interval",
+                ),
+            }
+        };
+        Err(Complaint::new(segment.value.clone(), message, help))
     }
 
-    fn store_parameter(&mut self, number: u32, block: &Block) -> Result<(), Problem> {
+    fn store_parameter(&mut self, block: &Block) -> Result<(), Complaint> {
+        let number = block.number;
         let mut keys = Vec::new();
         for segment in &block.segments {
             let axis = segment.axis;
@@ -417,48 +415,54 @@ impl Reader<'_> {
             let value = self.parameter_value(number, segment)?;
             if keys.contains(&key) {
                 let message = format!("{key} has two values in one block");
-                return Err(self.source.problem(&segment.value, message));
+                let help = "write each value once";
+                return Err(Complaint::new(segment.value.clone(), message, help));
             }
             keys.push(key);
-            let old = self.memory.parameters.insert(key, value);
+            let old = self.found.memory.parameters.insert(key, value);
             if let Some(old) = old.filter(|old| self.writer != Writer::Kit && *old != value) {
-                return Err(self
-                    .at_number(
-                        block,
-                        format!("{key} has another value here than in an earlier block ({old})"),
-                    )
-                    .help("name the files of one read-out"));
+                return Err(Complaint::new(
+                    block.number_span.clone(),
+                    format!("{key} has another value here than in an earlier block ({old})"),
+                    "name the files of one read-out",
+                ));
             }
         }
         Ok(())
     }
 
-    fn parameter_value(&self, number: u32, segment: &Segment) -> Result<ParameterValue, Problem> {
-        let text = self.source.slice(&segment.value);
-        let at = |message: String| self.source.problem(&segment.value, message);
+    fn parameter_value(&self, number: u32, segment: &Segment) -> Result<ParameterValue, Complaint> {
+        let text = &self.text[segment.value.clone()];
+        let refuse = |message, help| Err(Complaint::new(segment.value.clone(), message, help));
         let is_length = LENGTH_PARAMETERS.contains(&number) || self.writer == Writer::Kit;
         if is_length && !self.writer.may_write(segment.letter) {
-            let letter = segment.letter;
-            return Err(at(format!(
-                "parameter {number} has the letter `{letter}`, expected `P`"
-            ))
-            .help("state the value in the unit of the machine, with `P`"));
+            return refuse(
+                format!(
+                    "parameter {number} has the letter `{}`, expected `P`",
+                    segment.letter
+                ),
+                "state the value in the unit of the machine, with `P`",
+            );
         }
-        if is_bit_parameter(number) {
-            return bits(text).ok_or_else(|| {
-                at(format!(
-                    "parameter {number} has the value `{text}`, expected eight bits"
-                ))
-                .help("write all eight bits, bit 7 first, as in `P00000001`")
-            });
+        // Bit parameters that compensation files hold (B-63950EN: 1006, 360x, 5700; 8135 on 0i).
+        let is_bits = matches!(number, 1006 | 3601..=3605 | 5700 | 8135);
+        let value = if is_bits {
+            bits(text)
+        } else {
+            whole_or_real(text)
+        };
+        match value {
+            Some(value) => Ok(value),
+            None if is_bits => refuse(
+                format!("parameter {number} has the value `{text}`, expected eight bits"),
+                "write all eight bits, bit 7 first, as in `P00000001`",
+            ),
+            None => refuse(
+                format!("the value `{text}` is too large"),
+                "check that this is a file of the control",
+            ),
         }
-        whole_or_real(text).ok_or_else(|| at(format!("the value `{text}` is too large")))
     }
-}
-
-/// Bit parameters that compensation files hold (B-63950EN: 1006, 360x, 5700; 8135 on 0i).
-fn is_bit_parameter(number: u32) -> bool {
-    matches!(number, 1006 | 3601..=3605 | 5700 | 8135)
 }
 
 /// Exactly eight characters 0 or 1, bit 7 leftmost (B-63950EN/02 §3.3.2).

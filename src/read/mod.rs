@@ -8,7 +8,6 @@
 //! table type ([`crate::control::table`]); it is tolerant where a control is, and names line and column
 //! where a control would stop.
 
-pub mod control_data;
 pub mod emulate;
 mod family;
 pub mod fanuc;
@@ -17,5 +16,7 @@ mod lexer;
 pub mod program;
 pub mod siemens;
 
-pub use self::family::{FileData, KitFile, ReadBack, emulator, read, read_apart};
-pub(crate) use self::family::{may_be_meant_for, unread};
+pub use self::family::{
+    FileData, KitFile, ReadBack, Text, emulator, is_whole, read, read_apart, texts,
+};
+pub(crate) use self::family::{file_of, may_be_meant_for, unread};

@@ -1,48 +1,51 @@
-//! Reader of Siemens compensation files: `$AA_ENC_COMP`, `$AN_CEC` and their machine data.
+//! Siemens: reader of `$AA_ENC_COMP`, `$AN_CEC` and their machine data, and what the control does with them.
 //!
 //! ```text
 //!   text ── statement (one line) ── variable ── memory (tables of the file) ── merge (tables of the kit)
 //! ```
 //! Reads both ways in which tables are delivered: a part program (ends with `M30`, `M17` or `M2`)
 //! and NC active data (`%_N_…_INI`, `;$PATH=…`, `CHANDATA(1)`, ends with `M17`); Function Manual
-//! Extended Functions 03/2013, K3 p. 240-249, and HMI Advanced Operator's Guide 03.04. It is
+//! Extended Functions 03/2013, K3 p. 240-249, and HMI Advanced Operator's Guide 03.04. Of what a control
+//! wrote of itself it takes the lines of concern ([`read_out`]). It is
 //! written from these documents alone and knows nothing of the program's own templates.
 //!
 //! It accepts what a control accepts (any case, blanks, block numbers, integers, LF or CRLF) and
 //! refuses with line and column what stops a control, what could move the machine, and what the
 //! documents leave open.
 
-mod assignment;
+mod archive;
 mod contents;
 pub mod control;
 mod memory;
+mod read_out;
 mod statement;
 mod variable;
 
-pub(super) use self::contents::variable_text;
-use self::contents::{MOST_DATA, MOST_TABLES, Writer};
-pub use self::contents::{MOST_STATEMENTS, MachineDatum, MachineValue, SiemensContents, is_switch};
+pub use self::contents::{MachineDatum, MachineValue, ReadOut, SiemensContents, is_switch, merge};
 
 use self::control::SiemensControl;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::Tables;
-use crate::control::table::siemens::{CecTable, LecTable, SiemensGrid};
-use crate::read::control_data;
 use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::read::family::{Family, FileData, KitText, ReadBack, each, other_family};
-use crate::read::lexer::Complaint;
-use crate::text::plain::is_unseen;
-use crate::text::problem::{LineIndex, Problem, Problems, refuse_long_lines};
-use memory::Memory;
-use statement::{Statement, statement};
+use crate::read::family::{Family, FileData, KitText, Part, ReadBack, each, other_family};
+use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
+use crate::text::problem::{Problem, Problems, refuse_long_lines};
+use memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
+use read_out::{Concern, concern, header, is_program, sections};
+use statement::{Statement, check_characters, code_of, statement};
 use std::ops::Range;
 
 impl Family for SiemensFacts {
     /// A rollback holds a control's own tables, with their grids as they were.
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
         let is_rollback = files.iter().all(|file| file.role == Role::Rollback);
-        let contents = each(files, if is_rollback { read_out } else { read })?;
+        let writer = if is_rollback {
+            Writer::Rollback
+        } else {
+            Writer::Kit
+        };
+        let contents = each(files, |file, text| Reader::new(writer, file, text).strict())?;
         let data = files
             .iter()
             .zip(&contents)
@@ -77,11 +80,19 @@ impl Family for SiemensFacts {
     }
 
     fn passed_over(&self, text: &str) -> usize {
-        control_data::siemens("", text, true).passed_over
+        let passed_over = |line: &Range<usize>| concern(text, line).0 == Concern::PassedOver;
+        lines(text).filter(passed_over).count()
+    }
+
+    fn parts<'a>(&self, name: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Problem> {
+        match archive::is_archive(bytes) {
+            true => archive::parts(name, bytes),
+            false => Ok(vec![(name.to_string(), bytes)]),
+        }
     }
 }
 
-/// Reads one file.
+/// Reads one file of a kit.
 ///
 /// **shape** points 0 to k = (MAX−MIN)/STEP; a point the file does not write is `None` ·
 /// **unit** and **sign** as in the file · **source** see the module · **limits** a ratio further
@@ -96,98 +107,191 @@ impl Family for SiemensFacts {
 /// assert_eq!(contents.tables.cec[0].values, [Some(0.001), Some(0.0)]);
 /// ```
 pub fn read(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
-    read_from(Writer::Kit, file_name, text)
+    Reader::new(Writer::Kit, file_name, text).strict()
 }
 
-/// Reads a file that a control wrote of itself; as [`read`], but reserved points behind MAX have no
-/// effect and are left out, and MAX may lie between two points ([`crate::control::table::siemens::closed`]):
-/// then the point behind it is kept where it is there.
-pub fn read_out(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
-    // Comments are in the letters of the control's language, in whatever bytes: no control obeys them.
-    let is_seen = |c: char| !is_unseen(c) || matches!(c, '\n' | '\r' | '\t');
-    let seen = text.chars();
-    let seen: String = seen
-        .map(|c| {
-            if is_seen(c) {
-                c
-            } else {
-                char::REPLACEMENT_CHARACTER
-            }
-        })
-        .collect();
-    read_from(Writer::Control, file_name, &seen)
+/// Reads a file that a control wrote of itself, an archive or a file of data: what concerns the
+/// compensation, the rest passed over. Part programs are read where no file of the read-out holds active
+/// data.
+///
+/// **limits** reserved points behind MAX have no effect and are left out, and MAX may lie between two points
+/// ([`crate::control::table::siemens::closed`]): then the point behind it is kept where it is there. End words
+/// between the parts of an archive are passed over, but data behind the last one are refused: a file that goes
+/// on without one is not complete
+pub fn read_out(
+    file_name: &str,
+    text: &str,
+    reads_programs: bool,
+) -> Result<SiemensContents, Problems> {
+    Reader::new(Writer::Control, file_name, text).lenient(reads_programs)
 }
 
-fn read_from(writer: Writer, file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
-    refuse_long_lines(file_name, text)?;
-    let mut complaints = Vec::new();
-    let mut memory = Memory::default();
-    read_lines((file_name, text), &mut memory, &mut complaints);
-    memory.note_waiting(writer, file_name);
-    let contents = memory.finish(writer, &mut complaints);
-    complaints.sort_by_key(|complaint| complaint.span.start);
-    let mut problems = Problems::none();
-    let index = LineIndex::default();
-    for Complaint {
-        span,
-        message,
-        help,
-    } in complaints
-    {
-        problems.push_with(|| {
-            let place = index.place(file_name, text, span.start, span.end);
-            Problem::new(message).at(place).help(help)
-        });
+/// Whether a file holds active data: an assignment outside part programs.
+pub fn has_active_data(file: &str, text: &str) -> bool {
+    let mut data = sections(file, text).filter(|(_, program)| program.is_none());
+    data.any(|(line, _)| {
+        let (concern, code) = concern(text, &line);
+        let is_assignment = || text[code].contains('=');
+        match concern {
+            Concern::PassedOver => true,
+            Concern::Table | Concern::Data => is_assignment(),
+            _ => false,
+        }
+    })
+}
+
+/// A file while it is being read.
+struct Reader<'a> {
+    file: &'a str,
+    text: &'a str,
+    memory: Memory,
+    complaints: Vec<Complaint>,
+    notes: Vec<String>,
+    read_out: ReadOut,
+    statements: usize,
+    ended: bool,
+}
+
+impl<'a> Reader<'a> {
+    fn new(writer: Writer, file: &'a str, text: &'a str) -> Self {
+        Reader {
+            file,
+            text,
+            memory: Memory::new(writer),
+            complaints: Vec::new(),
+            notes: Vec::new(),
+            read_out: ReadOut::default(),
+            statements: 0,
+            ended: false,
+        }
     }
-    problems.or_ok(contents)
-}
 
-fn read_lines(
-    (file_name, text): (&str, &str),
-    memory: &mut Memory,
-    complaints: &mut Vec<Complaint>,
-) {
-    const MOST_COMPLAINTS: usize = 200; // nobody reads further, and a binary file has millions
-    let mut ended = false;
-    complaints.extend(destination(text).err());
-    let mut statements = 0;
-    for line in lines(text) {
-        if complaints.len() >= MOST_COMPLAINTS {
-            return;
+    /// Reads every line: a word that is not known could move the machine.
+    fn strict(mut self) -> Result<SiemensContents, Problems> {
+        refuse_long_lines(self.file, self.text)?;
+        self.complaints.extend(destination(self.text).err());
+        for line in lines(self.text) {
+            if self.is_full(&line) {
+                return self.finish();
+            }
+            let code = code_of(self.text, &line);
+            let result = check_characters(self.text, &line, &code);
+            let result = result.and_then(|()| self.carry_out(code));
+            self.complaints.extend(result.err());
         }
-        if statements > MOST_STATEMENTS || memory.is_full() {
-            return complaints.push(too_many(line));
+        if !self.ended {
+            self.complaints.push(no_end(self.text.len()));
         }
-        let result = match statement(text, line.clone()) {
-            Ok(Statement::Nothing) if ended && has_code(text, &line) => Err(after_end(line)),
-            Ok(Statement::Nothing) => continue,
-            Ok(_) if ended => Err(after_end(line)),
-            Ok(Statement::End) => {
-                ended = true;
-                Ok(())
-            }
-            Ok(Statement::Stop) => {
-                memory.note(format!(
-                    "`{file_name}`: M0 waits for cycle start before the program goes on"
-                ));
-                Ok(())
-            }
-            Ok(Statement::Activate) => {
-                memory.activate();
-                Ok(())
-            }
-            Ok(Statement::Set(set)) => memory.set(&set),
-            Err(complaint) => Err(complaint),
+        self.finish()
+    }
+
+    /// Whether nothing more is read.
+    fn is_full(&mut self, line: &Range<usize>) -> bool {
+        let has_too_many = self.statements > MOST_STATEMENTS || self.memory.is_full();
+        if has_too_many {
+            self.complaints.push(too_many(line.clone()));
+        }
+        has_too_many || self.complaints.len() >= MOST_COMPLAINTS
+    }
+
+    fn carry_out(&mut self, code: Range<usize>) -> Result<(), Complaint> {
+        let found = statement(self.text, code.clone())?;
+        let is_blank = || {
+            self.text[code.clone()]
+                .trim_matches(statement::BLANKS)
+                .is_empty()
         };
-        statements += 1;
-        complaints.extend(result.err());
+        if matches!(found, Statement::Nothing) && (!self.ended || is_blank()) {
+            return Ok(());
+        }
+        self.statements += 1;
+        if self.ended {
+            return Err(after_end(code));
+        }
+        match found {
+            Statement::Nothing => {}
+            Statement::End => self.ended = true,
+            Statement::Stop => self.notes.push(format!(
+                "`{}`: M0 waits for cycle start before the program goes on",
+                self.file
+            )),
+            Statement::Activate => self.memory.activate(),
+            Statement::Set(set) => self.memory.set(&set)?,
+        }
+        Ok(())
     }
-    if !ended {
-        complaints.push(Complaint::new(
-            text.len()..text.len(),
-            "the file has no end word; it is not complete",
-            "a compensation file ends with `M17` or `M30`: transfer it again, or take it out of the directory if it is no file of the control",
-        ));
+
+    /// Reads what is of concern.
+    fn lenient(mut self, reads_programs: bool) -> Result<SiemensContents, Problems> {
+        refuse_long_lines(self.file, self.text)?;
+        let mut behind_end = Vec::new();
+        let (mut has_headers, mut has_data) = (false, false);
+        for (line, program) in sections(self.file, self.text) {
+            if self.is_full(&line) {
+                return self.finish();
+            }
+            if header(&self.text[line.clone()]).is_some() {
+                has_headers = true;
+                self.read_out.programs.extend(program.map(str::to_string));
+            }
+            let (concern, code) = concern(self.text, &line);
+            self.read_out.programs_write_tables |= program.is_some() && concern == Concern::Table;
+            if program.is_some() && !reads_programs {
+                continue;
+            }
+            match concern {
+                Concern::Nothing => continue,
+                Concern::PassedOver => self.read_out.passed_over += 1,
+                Concern::Unit(unit) if self.read_out.units.contains(&unit) => {}
+                Concern::Unit(unit) => self.read_out.units.push(unit),
+                Concern::End => {
+                    self.ended = true;
+                    behind_end.clear();
+                    continue;
+                }
+                Concern::Table | Concern::Data => {
+                    self.statements += 1;
+                    let result = check_characters(self.text, &code, &code).and_then(|()| {
+                        match statement(self.text, code.clone())? {
+                            Statement::Set(set) => self.memory.set(&set),
+                            _ => Ok(()),
+                        }
+                    });
+                    self.complaints.extend(result.err());
+                }
+            }
+            has_data = true;
+            if self.ended
+                && behind_end.len() < MOST_COMPLAINTS
+                && !matches!(concern, Concern::Unit(_))
+            {
+                behind_end.push(after_end(code));
+            }
+        }
+        if !has_headers && is_program(self.file) {
+            self.read_out.programs.push(self.file.to_string());
+        }
+        self.complaints.append(&mut behind_end);
+        if !self.ended && (has_data || self.read_out.programs.is_empty()) {
+            self.complaints.push(no_end(self.text.len()));
+        }
+        self.finish()
+    }
+
+    fn finish(mut self) -> Result<SiemensContents, Problems> {
+        let waiting = self.memory.waiting();
+        self.notes.extend(waiting.map(|variable| {
+            format!("`{}` sets {variable} and no NEWCONF follows: it acts from the next NEWCONF or reset on, wherever the axes stand then", self.file)
+        }));
+        let mut contents = self.memory.finish(&mut self.complaints);
+        contents.notes = self.notes;
+        contents.read_out = ReadOut {
+            without_grid: contents.read_out.without_grid,
+            twice: contents.read_out.twice,
+            ..self.read_out
+        };
+        let problems = located(self.file, self.text, self.complaints);
+        problems.or_ok(contents)
     }
 }
 
@@ -211,9 +315,12 @@ fn destination(text: &str) -> Result<(), Complaint> {
     }
 }
 
-fn has_code(text: &str, line: &Range<usize>) -> bool {
-    let code = text[line.clone()].split(';').next().unwrap_or("");
-    !code.trim_matches([' ', '\t', '&']).is_empty()
+fn no_end(end: usize) -> Complaint {
+    Complaint::new(
+        end..end,
+        "the file has no end word; it is not complete",
+        "a compensation file ends with `M17` or `M30`: transfer it again, or take it out of the directory if it is no file of the control",
+    )
 }
 
 fn too_many(line: Range<usize>) -> Complaint {
@@ -232,127 +339,6 @@ fn after_end(line: Range<usize>) -> Complaint {
         "a statement follows the end word",
         "the control does not read on; move the end word to the end of the file",
     )
-}
-
-/// The lines as bytes of the text, without LF and the CRs before it.
-fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
-    let mut at = 0;
-    text.as_bytes()
-        .split(|byte| *byte == b'\n')
-        .map(move |line| {
-            let start = at;
-            at += line.len() + 1;
-            let returns = line.iter().rev().take_while(|byte| **byte == b'\r');
-            start..start + line.len() - returns.count()
-        })
-}
-
-/// Puts the files of a kit into one memory, in the order in which they are loaded.
-///
-/// A point or parameter that two files write with different values is a problem, because the
-/// result would depend on the order of loading. The switches `ENC_COMP_ENABLE`, `CEC_ENABLE` and
-/// `CEC_TABLE_ENABLE` are made for being changed: of these the last one counts.
-pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems> {
-    let mut problems = Problems::none();
-    let mut all = SiemensContents::default();
-    for file in contents {
-        for table in file.tables.lec {
-            merge_lec(&mut all.tables.lec, table, &mut problems);
-        }
-        for table in file.tables.cec {
-            merge_cec(&mut all.tables.cec, table, &mut problems);
-        }
-        for datum in file.machine_data {
-            merge_datum(&mut all.machine_data, datum, &mut problems);
-        }
-        all.notes.extend(file.notes);
-        all.unwritten.extend(file.unwritten);
-        all.idle.extend(file.idle);
-    }
-    let place = |table: &LecTable| (table.axis.clone(), table.encoder);
-    all.tables.lec.sort_by_key(place);
-    all.tables.cec.sort_by_key(|table| table.number);
-    problems.or_ok(all)
-}
-
-fn merge_lec(all: &mut Vec<LecTable>, table: LecTable, problems: &mut Problems) {
-    let same = |known: &&mut LecTable| known.axis == table.axis && known.encoder == table.encoder;
-    let Some(known) = all.iter_mut().find(same) else {
-        all.push(table);
-        return;
-    };
-    let name = format!("$AA_ENC_COMP[{},{}]", table.encoder, table.axis);
-    if !same_grid(known.grid, table.grid) || known.modulo != table.modulo {
-        problems.push(conflict(&format!("the parameters of {name}")));
-        return;
-    }
-    merge_values(&name, &mut known.values, &table.values, problems);
-}
-
-fn merge_cec(all: &mut Vec<CecTable>, table: CecTable, problems: &mut Problems) {
-    let Some(known) = all.iter_mut().find(|known| known.number == table.number) else {
-        all.push(table);
-        return;
-    };
-    let name = format!("$AN_CEC[{}]", table.number);
-    let parameters = |of: &CecTable| {
-        (
-            of.input_axis.clone(),
-            of.output_axis.clone(),
-            of.direction,
-            of.multiply_by,
-            of.modulo,
-        )
-    };
-    if !same_grid(known.grid, table.grid) || parameters(known) != parameters(&table) {
-        problems.push(conflict(&format!("the parameters of {name}")));
-        return;
-    }
-    merge_values(&name, &mut known.values, &table.values, problems);
-}
-
-fn merge_values(
-    name: &str,
-    known: &mut [Option<f64>],
-    values: &[Option<f64>],
-    problems: &mut Problems,
-) {
-    for (point, (known, value)) in known.iter_mut().zip(values).enumerate() {
-        match (*known, *value) {
-            (Some(a), Some(b)) if !same_number(a, b) => {
-                problems.push(conflict(&format!("point {point} of {name} ({a} and {b})")));
-            }
-            (None, Some(_)) => *known = *value,
-            _ => {}
-        }
-    }
-}
-
-fn merge_datum(all: &mut Vec<MachineDatum>, datum: MachineDatum, problems: &mut Problems) {
-    let same =
-        |known: &&mut MachineDatum| known.name == datum.name && known.indices == datum.indices;
-    match all.iter_mut().find(same) {
-        None => all.push(datum),
-        Some(known) if is_switch(&datum.name) => known.value = datum.value,
-        Some(known) if known.value == datum.value => {}
-        Some(_) => {
-            problems.push(conflict(&datum.variable()));
-        }
-    }
-}
-
-fn conflict(what: &str) -> Problem {
-    Problem::new(format!("two files write {what} with different values"))
-        .help("what the control holds would depend on the order of loading; remove one of the two")
-}
-
-fn same_grid(a: SiemensGrid, b: SiemensGrid) -> bool {
-    same_number(a.min, b.min) && same_number(a.step, b.step) && same_number(a.max, b.max)
-}
-
-/// Whether two numbers of files are the same; exact, as both were read from decimal digits.
-fn same_number(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 0.0
 }
 
 #[cfg(test)]

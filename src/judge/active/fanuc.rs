@@ -9,7 +9,7 @@ use crate::inputs::job::Job;
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::power_of_ten;
-use crate::read::control_data::{self, Text};
+use crate::read::Text;
 use crate::read::fanuc::{merge, read_out};
 use crate::text::problem::Problems;
 use crate::write::plan::axis_names;
@@ -32,17 +32,16 @@ pub(super) fn read(
     let mut problems = Problems::none();
     let mut memories = Vec::new();
     for (name, text) in texts {
-        let (kept, count) = control_data::fanuc(text, facts);
         let unit = reading.job.compensation.control_unit;
-        if let Some(read) = problems.take(read_out(name, &kept, facts, unit)) {
+        if let Some(read) = problems.take(read_out(name, text, facts, unit)) {
             memories.push(read.memory);
             for parameter in read.spindles {
                 reading.take(of_spindle(&parameter), InControl::Spindle { parameter });
             }
-        }
-        if count > 0 {
-            let (file, what) = (name.clone(), "other parameters");
-            reading.tell(InControl::PassedOver { file, count, what });
+            if read.passed_over > 0 {
+                let (file, count, what) = (name.clone(), read.passed_over, "other parameters");
+                reading.tell(InControl::PassedOver { file, count, what });
+            }
         }
     }
     let memory = merge(problems.or_ok(memories)?)?;

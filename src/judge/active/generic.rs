@@ -5,7 +5,7 @@ use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::PerAxis;
-use crate::read::control_data::Text;
+use crate::read::Text;
 use crate::read::generic;
 use crate::text::problem::Problems;
 

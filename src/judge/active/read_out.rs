@@ -12,7 +12,7 @@ use crate::control::table::Tables;
 use crate::inputs::job::Job;
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::control_data::{self, Text};
+use crate::read::{Text, texts as texts_of};
 use crate::text::finding::Severity;
 use crate::text::problem::{Problem, Problems};
 use crate::write::plan::axis_names;
@@ -135,7 +135,7 @@ fn texts<'a>(
             );
             problems.push(Problem::new(message).help("name the whole kit with its manifest.json, or files that were read out of the control"));
         }
-        match control_data::texts(name, bytes) {
+        match texts_of(profile, name, bytes) {
             Ok(own) => texts.extend(own),
             Err(problem) => problems.push(problem),
         }

@@ -77,7 +77,7 @@ pub struct Others {
 /// Everything of the compensation that files of a control hold, as they hold it, whether it acted or
 /// not.
 ///
-/// limits of Siemens machine data those that [`crate::read::control_data`] takes from an
+/// limits of Siemens machine data those that [`crate::read::siemens::read_out`] takes from an
 ///        archive, and only where all files agree
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {

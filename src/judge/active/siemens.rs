@@ -10,10 +10,11 @@ use crate::control::table::siemens::{
 use crate::judge::findings::{InControl, listed};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::UM_PER_MM;
-use crate::read::control_data::{self, Programs, Text, has_active_data};
 use crate::read::siemens::{
-    MachineDatum, MachineValue, SiemensContents, is_switch, merge, read_out,
+    MachineDatum, MachineValue, ReadOut, SiemensContents, has_active_data, is_switch, merge,
+    read_out,
 };
+use crate::read::{Text, file_of};
 use crate::text::problem::Problems;
 use std::collections::BTreeMap;
 
@@ -26,13 +27,13 @@ const TABLE_ON: &str = "SN_CEC_TABLE_ENABLE";
 const CEC_POINTS: &str = "MN_MM_CEC_MAX_POINTS";
 
 /// Reads the files of a control.
-pub(super) fn read<'a>(
-    reading: &mut Reading<'_>,
-    texts: &'a [Text<'a>],
-) -> Result<Found, Problems> {
-    let mut cuts = Cuts::of(texts, reading)?;
-    let (data, contrary) = agreed(&cuts.contents);
-    let all = merge(std::mem::take(&mut cuts.contents))?;
+pub(super) fn read(reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
+    // Where part programs are all that there is, they count.
+    let reads_programs = !texts.iter().any(|(name, text)| has_active_data(name, text));
+    let contents = contents(texts, reads_programs, reading)?;
+    let (data, contrary) = agreed(&contents);
+    let mut all = merge(contents)?;
+    let mut told = std::mem::take(&mut all.read_out);
     for words in all.notes.iter().cloned() {
         reading.tell(InControl::Read { words });
     }
@@ -44,19 +45,19 @@ pub(super) fn read<'a>(
         let tables = all.idle.clone();
         reading.tell(InControl::Idle { tables });
     }
-    cuts.without_grid.extend(all.idle.iter().cloned());
+    told.without_grid.extend(all.idle.iter().cloned());
     let held = Held {
         tables: Tables::Siemens(all.tables.clone()),
         data,
-        without_grid: cuts.without_grid,
+        without_grid: std::mem::take(&mut told.without_grid),
     };
     let mut sorted = Sorted { reading, all, held };
-    cuts.twice
+    told.twice
         .extend(contrary.iter().map(MachineDatum::variable));
-    cuts.twice
+    told.twice
         .iter()
         .for_each(|name| sorted.several_values(name));
-    sorted.tell_programs(&cuts.programs, cuts.reads_programs);
+    sorted.tell_programs(&told, reads_programs);
     let (lec, cec) = (sorted.lec(), sorted.cec());
     sorted.tell_what_was_not_read_out();
     let metric = sorted.value("MN_SCALING_SYSTEM_IS_METRIC", &[]);
@@ -68,49 +69,31 @@ pub(super) fn read<'a>(
     })
 }
 
-/// What the texts of a read-out hold.
-#[derive(Default)]
-struct Cuts {
-    contents: Vec<SiemensContents>,
-    programs: Programs,
-    /// Part programs are all that there is, so they count.
+/// What the texts of a read-out hold, one by one.
+fn contents(
+    texts: &[Text<'_>],
     reads_programs: bool,
-    without_grid: Vec<String>,
-    twice: Vec<String>,
-}
-
-impl Cuts {
-    fn of<'a>(texts: &'a [Text<'a>], reading: &mut Reading<'_>) -> Result<Cuts, Problems> {
-        let mut cuts = Cuts {
-            reads_programs: !texts.iter().any(|(name, text)| has_active_data(name, text)),
-            ..Cuts::default()
+    reading: &mut Reading<'_>,
+) -> Result<Vec<SiemensContents>, Problems> {
+    let mut problems = Problems::none();
+    let mut all = Vec::new();
+    // An archive has many texts.
+    let mut passed_over: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for (name, text) in texts {
+        let Some(contents) = problems.take(read_out(name, text, reads_programs)) else {
+            continue;
         };
-        let mut problems = Problems::none();
-        // An archive has many texts.
-        let mut passed_over: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
-        for (name, text) in texts {
-            let cut = control_data::siemens(name, text, cuts.reads_programs);
-            let is_program = !cut.programs.names.is_empty();
-            if cuts.reads_programs || has_active_data(name, text) || !is_program {
-                for part in [&cut.tables, &cut.data] {
-                    cuts.contents.extend(problems.take(read_out(name, part)));
-                }
-            }
-            tell_units(reading, name, &cut.units);
-            let counts = passed_over.entry(control_data::file_of(name)).or_default();
-            counts.0 += cut.passed_over;
-            counts.1 += cut.without_grid.len();
-            cuts.programs.names.extend(cut.programs.names);
-            cuts.programs.write_tables |= cut.programs.write_tables;
-            cuts.twice.extend(cut.twice);
-            cuts.without_grid.extend(cut.without_grid);
-        }
-        for (file, (data, tables)) in passed_over {
-            tell_passed_over(reading, file, data, "other machine data");
-            tell_passed_over(reading, file, tables, "reserved tables without a grid");
-        }
-        problems.or_ok(cuts)
+        tell_units(reading, name, &contents.read_out.units);
+        let counts = passed_over.entry(file_of(name)).or_default();
+        counts.0 += contents.read_out.passed_over;
+        counts.1 += contents.read_out.without_grid.len();
+        all.push(contents);
     }
+    for (file, (data, tables)) in passed_over {
+        tell_passed_over(reading, file, data, "other machine data");
+        tell_passed_over(reading, file, tables, "reserved tables without a grid");
+    }
+    problems.or_ok(all)
 }
 
 fn tell_passed_over(reading: &mut Reading<'_>, file: &str, count: usize, what: &'static str) {
@@ -161,11 +144,11 @@ struct Sorted<'a, 'b> {
 impl Sorted<'_, '_> {
     /// Part programs: no state beside active data, and where nothing else was read out, what they
     /// would make of it.
-    fn tell_programs(&mut self, programs: &Programs, are_read: bool) {
+    fn tell_programs(&mut self, told: &ReadOut, are_read: bool) {
         const MOST_NAMES: usize = 6;
-        let names = match programs.names.len() {
+        let names = match told.programs.len() {
             0 => return,
-            1..=MOST_NAMES => programs.names.join(", "),
+            1..=MOST_NAMES => told.programs.join(", "),
             many => many.to_string(),
         };
         let has_tables = !self.all.tables.lec.is_empty() || !self.all.tables.cec.is_empty();
@@ -173,7 +156,7 @@ impl Sorted<'_, '_> {
         self.reading.tell(match (judges, are_read) {
             (true, true) => InControl::ProgramsOnly { names },
             (false, true) => InControl::ProgramsCount { names },
-            (false, false) if programs.write_tables && !has_tables => {
+            (false, false) if told.programs_write_tables && !has_tables => {
                 InControl::TablesInPrograms { names }
             }
             (_, false) => InControl::ProgramsPassedOver { names },

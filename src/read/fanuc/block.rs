@@ -1,23 +1,132 @@
-//! One block of a Fanuc file: `N<number>[Q<0|1>]` and its segments (grammar of B-63950EN/02
+//! The frame of a Fanuc file and its blocks: `N<number>[Q<0|1>]` and segments (grammar of B-63950EN/02
 //! §3.3, B-63330EN/03 §3).
 //!
 //! ```text
-//!   N03620 Q1 A1P40 A2P140        N10033 Q0 P-2        N01411 Q1 L1M0.0
+//!   % title LF  block LF  block LF … LF % anything        N03620 Q1 A1P40 A2P140      N01411 Q1 L1M0.0
+//!     └ skipped └──── read, one by one ┘ └ not read
 //! ```
+//! Only LF ends a block: CR beside it (CR LF, LF CR CR) means nothing, alone it ends none, nor does `;`,
+//! which stands for LF in manuals. A file starts with `%` or LF, and what stands between `%` and the
+//! next LF is skipped (all of it: B-63524EN/01 p. 649, file format; 16i/18i, taken to hold for the others). So a kit's
+//! file starts with `%`: whether a control takes text before it for data or skips it is not said.
+//! Behind the closing `%` nothing is read; a block there is one that never reaches the control.
+//!
 //! Blanks between words mean nothing; letters are capitals, as a control skips others when it reads
 //! (B-63524EN/01 p. 649: `n10033` would be the number 10033 without its `N`). A block that is not in the
-//! grammar gives one problem, at the first character that does not fit.
+//! grammar gives one complaint, at the first character that does not fit.
 
-use super::record::{Source, Span};
-use crate::text::problem::Problem;
+use crate::read::lexer::{Complaint, Cursor};
+use std::ops::Range;
 
-/// `Q` of a block: what its number means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Identifier {
-    /// `Q0`: pitch data.
-    Point,
-    /// `Q1`: parameter.
-    Parameter,
+const FRAME_HELP: &str = "a record begins with `%` and ends with `%`, each on a line of its own; \
+    the file may have been cut when it was copied; if it is no file of the control, take it out of the \
+    directory";
+const END_OF_BLOCK_HELP: &str = "a line feed (0A hexadecimal) ends a block; transfer the file again, without a change of its line ends";
+const GRAMMAR_HELP: &str =
+    "a block is `N<number>`, `Q0` or `Q1`, then `A<axis>P<value>` or `P<value>`";
+const PROGRAM_HELP: &str =
+    "this reader reads files of `N…P…` blocks only; a G10 program is loaded by running it";
+
+/// What means nothing at the end of a block.
+const BLANKS: [char; 3] = [' ', '\t', '\r'];
+
+/// The same number of bytes, but in each run of line ends with an LF the CR stand first: LF CR CR and
+/// CR LF then both end a line exactly once, which an editor shows. A CR alone stays where it is and ends none.
+pub(super) fn uniform_line_ends(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find(['\r', '\n']) {
+        out.push_str(&rest[..at]);
+        rest = &rest[at..];
+        let length = rest.find(|c| c != '\r' && c != '\n').unwrap_or(rest.len());
+        let feeds = rest[..length].matches('\n').count();
+        out.push_str(&"\r".repeat(length - feeds));
+        out.push_str(&"\n".repeat(feeds));
+        rest = &rest[length..];
+    }
+    out.push_str(rest);
+    out
+}
+
+/// The number of a block and what follows it, where the text begins with `N` and a number as data do, also
+/// in letters that no control reads.
+pub(super) fn number(block: &str) -> Option<(u32, &str)> {
+    let rest = block.trim_start().strip_prefix(['N', 'n'])?.trim_start();
+    let behind = rest.trim_start_matches(|c: char| c.is_ascii_digit());
+    let digits = &rest[..rest.len() - behind.len()];
+    let number = (!digits.is_empty()).then(|| digits.parse().unwrap_or(u32::MAX))?;
+    Some((number, behind.trim_start()))
+}
+
+/// What stands between the two `%`; what is wrong with the frame is noted. The file of a kit starts
+/// with `%`; before that of a read-out some text may stand.
+pub(super) fn record(text: &str, of_kit: bool, complaints: &mut Vec<Complaint>) -> Range<usize> {
+    let mut refuse = |span: Range<usize>, message: &str| {
+        complaints.push(Complaint::new(span, message, FRAME_HELP))
+    };
+    let (Some(opening), Some(closing)) = (text.find('%'), text.rfind('%')) else {
+        refuse(0..0, "the file has no opening `%`");
+        return 0..0;
+    };
+    let is_block = |span: &Range<usize>| number(&text[span.clone()]).is_some();
+    let has_block = |span: Range<usize>| blocks(text, span).find(is_block);
+    let title_end = text[opening..]
+        .find('\n')
+        .map_or(text.len(), |at| opening + at);
+    let before = has_block(0..opening);
+    if opening == closing {
+        if before.is_some() {
+            refuse(0..0, "the file has no opening `%`");
+            return 0..opening;
+        }
+        let end = text.trim_end().len();
+        refuse(end - 1..end, "the file has no closing `%`");
+        return title_end..text.len();
+    }
+    if let Some(span) = before.or((of_kit && opening > 0).then_some(0..opening)) {
+        refuse(
+            span,
+            "text stands before the opening `%`: a control may take it for data, and `%` for their end",
+        );
+    }
+    if let Some(span) = has_block(closing + 1..text.len()) {
+        refuse(
+            span,
+            "a block stands behind the closing `%`, where no control reads",
+        );
+    }
+    let title = opening + 1..title_end.min(closing);
+    if text[title.clone()].trim_end_matches('\r').contains('\r') {
+        refuse(
+            title,
+            "a carriage return alone ends the line of the opening `%`, which controls skip up to the line feed",
+        );
+    } else if is_block(&title) {
+        refuse(
+            title,
+            "a block stands on the line of the opening `%`, which controls skip",
+        );
+    }
+    let last = text[opening..closing].rsplit('\n').next().unwrap_or("");
+    if !last.trim_matches(BLANKS).is_empty() {
+        refuse(
+            closing..closing + 1,
+            "the closing `%` stands inside a block (`END OF RECORD` on the control)",
+        );
+    }
+    title_end..closing
+}
+
+/// The blocks of a record, blank ones left out.
+pub(super) fn blocks(text: &str, record: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let mut at = record.start.min(record.end);
+    let pieces = text[at..record.end].split('\n');
+    let spans = pieces.map(move |piece| {
+        let start = at;
+        at += piece.len() + 1;
+        start..start + piece.trim_end_matches(BLANKS).len()
+    });
+    spans.filter(|span| !span.is_empty())
 }
 
 /// A block, cut into words.
@@ -25,9 +134,9 @@ pub(super) struct Block {
     /// The number after `N`.
     pub(super) number: u32,
     /// Where `N` and its number stand.
-    pub(super) number_span: Span,
-    /// The data identifier, if there is one.
-    pub(super) identifier: Option<Identifier>,
+    pub(super) number_span: Range<usize>,
+    /// The data identifier, if there is one: `Q0` for pitch data, `Q1` for a parameter.
+    pub(super) is_point: Option<bool>,
     /// Its values, at least one.
     pub(super) segments: Vec<Segment>,
 }
@@ -35,189 +144,125 @@ pub(super) struct Block {
 /// One value of a block with the axis it belongs to.
 pub(super) struct Segment {
     /// Where a path of the control is named that is not the first: `L2`.
-    pub(super) other_path: Option<Span>,
+    pub(super) other_path: Option<Range<usize>>,
     /// Controlled axis from 1.
     pub(super) axis: Option<u32>,
     /// Where a spindle is named: `S1`.
-    pub(super) spindle: Option<Span>,
+    pub(super) spindle: Option<Range<usize>>,
     /// `P`, or `M` (metric), or `I` (inch).
     pub(super) letter: char,
     /// Sign, digits and decimal point as they stand.
-    pub(super) value: Span,
+    pub(super) value: Range<usize>,
 }
 
 /// Cuts a block into words.
-pub(super) fn parse(source: &Source, span: &Span) -> Result<Block, Problem> {
-    let mut cursor = Cursor {
-        source,
-        at: span.start,
-        end: span.end,
-    };
-    cursor.refuse_other_kinds()?;
-    let start = cursor.at;
-    if cursor.letter("N").is_none() {
-        return Err(cursor.unexpected("a block that begins with `N`"));
+pub(super) fn parse(text: &str, span: Range<usize>) -> Result<Block, Complaint> {
+    if let Some((at, c)) = text[span.clone()]
+        .char_indices()
+        .find(|(_, c)| !c.is_ascii())
+    {
+        let at = span.start + at;
+        return Err(Complaint::new(
+            at..at + c.len_utf8(),
+            format!("`{c}` is not an ASCII character"),
+            "files of this control are plain ASCII; the file is damaged or of another kind",
+        ));
     }
-    let number = cursor.unsigned()?;
-    let number_span = start..cursor.at;
-    let identifier = cursor.identifier()?;
-    let mut segments = vec![cursor.segment()?];
-    while cursor.peek_word().is_some() {
-        segments.push(cursor.segment()?);
+    let mut words = Words(Cursor::new(text, span, &[' ', '\t']));
+    words.0.peek_word();
+    let Some((number, number_span)) = words.marked("N")? else {
+        return Err(words.unexpected("a block that begins with `N`"));
+    };
+    let is_point = match words.marked("Q")? {
+        None => None,
+        Some((identifier @ (0 | 1), _)) => Some(identifier == 0),
+        Some((other, span)) => {
+            let message = format!("the data identifier `Q{other}` is neither `Q0` nor `Q1`");
+            let help = "`Q0` marks pitch data, `Q1` a parameter";
+            return Err(Complaint::new(span.start + 1..span.end, message, help));
+        }
+    };
+    let mut segments = vec![words.segment()?];
+    while words.0.peek_word().is_some() {
+        segments.push(words.segment()?);
     }
     Ok(Block {
         number,
         number_span,
-        identifier,
+        is_point,
         segments,
     })
 }
 
-struct Cursor<'a> {
-    source: &'a Source,
-    at: usize,
-    end: usize,
-}
+struct Words<'a>(Cursor<'a>);
 
-impl Cursor<'_> {
-    fn rest(&self) -> &str {
-        self.source.slice(&(self.at..self.end))
-    }
-
-    fn peek(&self) -> Option<char> {
-        self.rest().chars().next()
-    }
-
-    /// The next character that is no blank.
-    fn peek_word(&mut self) -> Option<char> {
-        let rest = self.rest();
-        self.at += rest.len() - rest.trim_start_matches([' ', '\t']).len();
-        self.peek()
-    }
-
-    fn letter(&mut self, allowed: &str) -> Option<char> {
-        let letter = self.peek_word()?;
-        allowed.contains(letter).then(|| {
-            self.at += 1;
-            letter
-        })
-    }
-
-    fn digits(&mut self) -> Result<Span, Problem> {
-        let count = self.rest().bytes().take_while(u8::is_ascii_digit).count();
-        if count == 0 {
-            return Err(self.unexpected("a digit"));
+impl Words<'_> {
+    fn digits(&mut self) -> Result<Range<usize>, Complaint> {
+        let start = self.0.at;
+        match self.0.digits() {
+            "" => Err(self.unexpected("a digit")),
+            _ => Ok(start..self.0.at),
         }
-        self.at += count;
-        Ok(self.at - count..self.at)
     }
 
-    fn unsigned(&mut self) -> Result<u32, Problem> {
-        let span = self.digits()?;
-        let text = self.source.slice(&span);
-        text.parse().map_err(|_| {
-            let message = format!("the number `{text}` is too large");
-            self.source.problem(&span, message)
-        })
-    }
-
-    fn identifier(&mut self) -> Result<Option<Identifier>, Problem> {
-        if self.letter("Q").is_none() {
+    /// A letter and the number behind it, where one of these letters comes next.
+    fn marked(&mut self, letters: &str) -> Result<Option<(u32, Range<usize>)>, Complaint> {
+        if self.0.eat(letters).is_none() {
             return Ok(None);
         }
+        let start = self.0.at - 1;
         let span = self.digits()?;
-        match self.source.slice(&span) {
-            "0" => Ok(Some(Identifier::Point)),
-            "1" => Ok(Some(Identifier::Parameter)),
-            other => {
-                let message = format!("the data identifier `Q{other}` is neither `Q0` nor `Q1`");
-                let problem = self.source.problem(&span, message);
-                Err(problem.help("`Q0` marks pitch data, `Q1` a parameter"))
+        let text = self.0.text(span.clone());
+        match text.parse() {
+            Ok(number) => Ok(Some((number, start..span.end))),
+            Err(_) => {
+                let message = format!("the number `{text}` is too large");
+                Err(Complaint::new(span, message, GRAMMAR_HELP))
             }
         }
-    }
-
-    fn segment(&mut self) -> Result<Segment, Problem> {
-        let other_path = self.path()?;
-        let spindle = self.spindle()?;
-        let axis = self.axis()?;
-        let Some(letter) = self.letter("PMI") else {
-            return Err(self.unexpected("`P` and a value"));
-        };
-        let start = self.at;
-        if self.peek() == Some('-') {
-            self.at += 1;
-        }
-        self.digits()?;
-        if self.peek() == Some('.') {
-            self.at += 1;
-            self.digits()?;
-        }
-        Ok(Segment {
-            other_path,
-            axis,
-            spindle,
-            letter,
-            value: start..self.at,
-        })
     }
 
     /// `L1` or `T1` before the axis is path 1, the only one a kit writes.
-    fn path(&mut self) -> Result<Option<Span>, Problem> {
-        if self.letter("LT").is_none() {
-            return Ok(None);
-        }
-        let start = self.at - 1;
-        let path = self.unsigned()?;
-        Ok((path != 1).then_some(start..self.at))
-    }
-
-    fn spindle(&mut self) -> Result<Option<Span>, Problem> {
-        if self.letter("S").is_none() {
-            return Ok(None);
-        }
-        let start = self.at - 1;
-        self.unsigned()?;
-        Ok(Some(start..self.at))
-    }
-
-    fn axis(&mut self) -> Result<Option<u32>, Problem> {
-        if self.letter("A").is_none() {
-            return Ok(None);
-        }
-        let start = self.at - 1;
-        match self.unsigned()? {
-            0 => {
-                let span = start..self.at;
-                Err(self.source.problem(&span, "axis numbers count from 1"))
-            }
-            number => Ok(Some(number)),
-        }
-    }
-
-    /// Text that other kinds of files hold: non-ASCII, comments, program numbers, G codes.
-    fn refuse_other_kinds(&mut self) -> Result<(), Problem> {
-        if let Some((at, c)) = self.rest().char_indices().find(|(_, c)| !c.is_ascii()) {
-            let at = self.at + at;
-            let message = format!("`{c}` is not an ASCII character");
-            return Err(self.source.problem(&(at..at + c.len_utf8()), message).help(
-                "files of this control are plain ASCII; the file is damaged or of another kind",
+    fn segment(&mut self) -> Result<Segment, Complaint> {
+        let other_path = self.marked("LT")?.filter(|(path, _)| *path != 1);
+        let spindle = self.marked("S")?;
+        let axis = self.marked("A")?;
+        if let Some((0, span)) = axis {
+            return Err(Complaint::new(
+                span,
+                "axis numbers count from 1",
+                GRAMMAR_HELP,
             ));
         }
-        match self.peek_word() {
-            Some(c) if "OG%(:".contains(c) => Err(self.unexpected("a block that begins with `N`")),
-            _ => Ok(()),
+        let Some(letter) = self.0.eat("PMI") else {
+            return Err(self.unexpected("`P` and a value"));
+        };
+        let start = self.0.at;
+        if self.0.peek() == Some('-') {
+            self.0.at += 1;
         }
+        self.digits()?;
+        if self.0.peek() == Some('.') {
+            self.0.at += 1;
+            self.digits()?;
+        }
+        Ok(Segment {
+            other_path: other_path.map(|(_, span)| span),
+            axis: axis.map(|(axis, _)| axis),
+            spindle: spindle.map(|(_, span)| span),
+            letter,
+            value: start..self.0.at,
+        })
     }
 
-    /// The problem that the next character is not the one the grammar wants.
-    fn unexpected(&self, expected: &str) -> Problem {
-        let Some(found) = self.peek() else {
-            let span = self.end.saturating_sub(1)..self.end;
+    /// The complaint that the next character is not the one the grammar wants.
+    fn unexpected(&self, expected: &str) -> Complaint {
+        let Some(found) = self.0.peek() else {
+            let span = self.0.at.saturating_sub(1)..self.0.at;
             let message = format!("the block ends where {expected} was expected");
-            return self.source.problem(&span, message).help(GRAMMAR_HELP);
+            return Complaint::new(span, message, GRAMMAR_HELP);
         };
-        let (message, help) = match found {
+        let (what, help) = match found {
             '\r' => (
                 "a carriage return alone, which ends no block on a control",
                 END_OF_BLOCK_HELP,
@@ -229,32 +274,24 @@ impl Cursor<'_> {
             ';' => ("a `;`; in a file `;` ends no block", END_OF_BLOCK_HELP),
             '(' => (
                 "a comment, which this control's data files cannot hold",
-                COMMENT_HELP,
+                "remove the text in parentheses",
             ),
             'O' | ':' => ("a program number in a data file", PROGRAM_HELP),
             'G' | 'R' => ("a block of a G10 program", PROGRAM_HELP),
             '%' => (
                 "a `%` inside the record; a control reads no further",
-                RECORD_HELP,
+                "keep one record in a file, with one `%` before and one after it",
             ),
             ',' => ("a decimal comma", "the decimal sign is a point"),
             _ => ("", GRAMMAR_HELP),
         };
-        let message = if message.is_empty() {
-            let found = found.escape_debug();
-            format!("found `{found}` where {expected} was expected")
-        } else {
-            format!("found {message}")
+        let message = match what {
+            "" => {
+                let found = found.escape_debug();
+                format!("found `{found}` where {expected} was expected")
+            }
+            what => format!("found {what}"),
         };
-        let span = self.at..self.at + found.len_utf8();
-        self.source.problem(&span, message).help(help)
+        Complaint::new(self.0.at..self.0.at + found.len_utf8(), message, help)
     }
 }
-
-const END_OF_BLOCK_HELP: &str = "a line feed (0A hexadecimal) ends a block; transfer the file again, without a change of its line ends";
-const GRAMMAR_HELP: &str =
-    "a block is `N<number>`, `Q0` or `Q1`, then `A<axis>P<value>` or `P<value>`";
-const COMMENT_HELP: &str = "remove the text in parentheses";
-const RECORD_HELP: &str = "keep one record in a file, with one `%` before and one after it";
-pub(super) const PROGRAM_HELP: &str =
-    "this reader reads files of `N…P…` blocks only; a G10 program is loaded by running it";

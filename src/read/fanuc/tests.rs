@@ -162,20 +162,23 @@ fn blanks_and_text_around_the_record_mean_nothing() {
 /// Lines of the form a 30i writes (B-63950EN/02 §3.3.2–3.3.7).
 #[test]
 fn path_one_and_unit_letters_are_read() {
-    let text = "%\nN00010Q1P00000001\nN01411Q1L1M0.5\nN01020Q1L1A1P88T1A2P89\n%\n";
+    let text =
+        "%\nN00010Q1P00000001\nN05711Q1P00000001\nN01240Q1L1M0.5\nN03620Q1L1A1P88T1A2P89\n%\n";
     let memory = read_out("CNC-PARA.TXT", text, &facts_30i(), LengthUnit::Millimetre);
-    let memory = memory.expect("a good file").memory;
+    let found = memory.expect("a good file");
+    assert_eq!(found.passed_over, 1);
+    let memory = found.memory;
     assert_eq!(
-        memory.parameter(10, None),
+        memory.parameter(5711, None),
         Some(ParameterValue::Integer(1)),
         "not a known bit parameter"
     );
     assert_eq!(
-        memory.parameter(1411, None),
+        memory.parameter(1240, None),
         Some(ParameterValue::Real(0.5))
     );
     assert_eq!(
-        memory.parameter(1020, Some(2)),
+        memory.parameter(3620, Some(2)),
         Some(ParameterValue::Integer(89))
     );
 }

@@ -1,9 +1,9 @@
 //! What a row of the generic table must be, and what the rows must be to each other.
 
-use super::rows::RawRow;
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::text::problem::{Problem, Problems};
+use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// Two increments closer than this are the same, µm: the rounding of a difference of two
@@ -18,6 +18,27 @@ const MOST_AXES: usize = 32;
 
 /// Nobody reads further.
 const MOST_RELATIONS: usize = 200;
+
+/// A row as either form holds it.
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object with the nine columns as keys"
+)]
+pub(super) struct RawRow {
+    pub(super) term: String,
+    pub(super) base_axis: String,
+    pub(super) output_axis: String,
+    // A key has to be there, also where it may be null.
+    #[serde(deserialize_with = "Option::deserialize")]
+    pub(super) direction: Option<String>,
+    pub(super) index: u32,
+    pub(super) position_mm: f64,
+    pub(super) deviation_um: f64,
+    pub(super) correction_um: f64,
+    #[serde(deserialize_with = "Option::deserialize")]
+    pub(super) increment_um: Option<f64>,
+}
 
 /// What is wrong with a row, counted from 0, and the column it is shown at.
 pub(super) struct Flaw {
@@ -136,7 +157,7 @@ fn row(number: usize, raw: RawRow, flaws: &mut Vec<Flaw>) -> Option<GenericRow> 
     })
 }
 
-/// What the rows are to each other: one axis for each name, and of each block its first flaw.
+/// What the rows are to each other: one axis for each name, and equal steps in each block.
 fn relations(rows: &[GenericRow]) -> Vec<Flaw> {
     let mut flaws = names(rows);
     let mut blocks: BTreeMap<_, Vec<usize>> = BTreeMap::new();
@@ -145,12 +166,16 @@ fn relations(rows: &[GenericRow]) -> Vec<Flaw> {
         let block = blocks.entry((row.term, axes, row.direction)).or_default();
         block.push(number);
     }
-    let found = blocks.values().filter_map(|block| {
-        index_flaw(rows, block)
-            .or_else(|| step_flaw(rows, block))
-            .or_else(|| spacing_flaw(rows, block))
-    });
-    flaws.extend(found);
+    for block in blocks.values() {
+        let before = flaws.len();
+        flaws.extend(index_flaw(rows, block));
+        if flaws.len() == before {
+            flaws.extend(step_flaws(rows, block));
+        }
+        if flaws.len() == before {
+            flaws.extend(spacing_flaw(rows, block));
+        }
+    }
     flaws
 }
 
@@ -208,9 +233,9 @@ fn index_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
     Some(Flaw::new(*only, "term", message, help))
 }
 
-/// The first row that does not lie behind the one before it, or whose increment is not the change.
-fn step_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
-    block.windows(2).find_map(|pair| {
+/// Rows that do not lie behind the one before, or whose increment is not the change.
+fn step_flaws(rows: &[GenericRow], block: &[usize]) -> impl Iterator<Item = Flaw> {
+    block.windows(2).filter_map(|pair| {
         let (before, row) = (&rows[pair[0]], &rows[pair[1]]);
         let (from, to) = (before.position_mm, row.position_mm);
         if to <= from {

@@ -1,6 +1,6 @@
 //! The two forms of the generic table, CSV and `{"schema":1,"rows":[{…}, …]}`, row by row.
 
-use super::check::{Flaw, table};
+use super::check::{Flaw, RawRow, table};
 use crate::control::table::generic::GenericTable;
 use crate::text::delimited::{Line, lines};
 use crate::text::document::{MOST_ROWS, Source};
@@ -19,27 +19,6 @@ pub(super) const COLUMNS: [&str; 9] = [
     "correction_um",
     "increment_um",
 ];
-
-/// A row as either form holds it.
-#[derive(Deserialize)]
-#[serde(
-    deny_unknown_fields,
-    expecting = "an object with the nine columns as keys"
-)]
-pub(super) struct RawRow {
-    pub(super) term: String,
-    pub(super) base_axis: String,
-    pub(super) output_axis: String,
-    // A key has to be there, also where it may be null.
-    #[serde(deserialize_with = "Option::deserialize")]
-    pub(super) direction: Option<String>,
-    pub(super) index: u32,
-    pub(super) position_mm: f64,
-    pub(super) deviation_um: f64,
-    pub(super) correction_um: f64,
-    #[serde(deserialize_with = "Option::deserialize")]
-    pub(super) increment_um: Option<f64>,
-}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

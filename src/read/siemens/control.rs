@@ -10,18 +10,23 @@
 //! The base of a CEC table is the uncompensated setpoint, so tables never feed each other. F is
 //! linear between points, holds its end values and repeats if modulo (Function Manual Extended
 //! Functions 03/2013, K3 p. 236-249; 802D sl Function Manual 11/2012, p. 214-215).
-//! σ is [`TableSign`] of the profile, the only place where a table value gets its sense.
-//! Everything that is switched by machine data is taken as switched on, weights as 1.
-
-mod load;
+//! σ is [`crate::control::controller::TableSign`] of the profile, the only place where a table value gets its
+//! sense. Everything that is switched by machine data is taken as switched on, weights as 1. A response is
+//! that of one base axis, so products of tables and sums that would be clamped are refused; so is what
+//! the documents leave open (a missing point, a grid that does not fit, a chain of factor tables).
 
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{LengthUnit, MultiplyMode, SiemensFacts, TableSign};
-use crate::control::table::siemens::{CecDirection, CecTable, LecTable, SiemensTables};
+use crate::control::controller::{LengthUnit, MultiplyMode, SiemensFacts};
+use crate::control::table::siemens::{CecDirection, CecTable, SiemensGrid, SiemensTables};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres, UM_PER_MM};
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
-use load::{LoadedCec, LoadedLec, link_factors, load_cec, load_lec};
+use crate::read::emulate::{Between, CannotEmulate, Emulator, NodeTable, Response};
+
+/// (MAX−MIN)/STEP may differ this much from the index of the last point, in steps; STEP is
+/// rounded in real files.
+const RATIO_TOLERANCE: f64 = 1e-3;
+/// The same for repeating tables, where the difference adds up with every turn.
+const MODULO_RATIO_TOLERANCE: f64 = 1e-6;
 
 /// A control of the Siemens family with its tables in memory.
 #[derive(Clone, Debug)]
@@ -29,28 +34,35 @@ pub struct SiemensControl {
     lec: Vec<LoadedLec>,
     cec: Vec<LoadedCec>,
     axes: Vec<AxisState>,
-    rules: Rules,
+    facts: SiemensFacts,
+    um_per_unit: f64,
 }
 
-/// The profile's facts that act when a correction is computed.
-#[derive(Clone, Copy, Debug)]
-struct Rules {
-    um_per_unit: f64,
-    cec_sign: TableSign,
-    max_sum_um: f64,
-    multiply_mode: MultiplyMode,
-    factor_contributes: bool,
+/// A checked ENC_COMP table.
+#[derive(Clone, Debug)]
+struct LoadedLec {
+    encoder: u32,
+    axis: String,
+    corrections: NodeTable,
+}
+
+/// A checked CEC table.
+#[derive(Clone, Debug)]
+struct LoadedCec {
+    name: String,
+    input: String,
+    output: String,
+    direction: CecDirection,
+    corrections: NodeTable,
+    /// Largest number without its sign, µm.
+    peak_um: f64,
+    /// Index of the table it is multiplied by.
+    factor: Option<usize>,
+    /// Another table is multiplied by this one.
+    is_factor: bool,
 }
 
 impl LoadedCec {
-    fn name(&self) -> String {
-        format!("$AN_CEC[{}]", self.number)
-    }
-
-    fn contributes(&self, rules: Rules) -> bool {
-        !self.is_factor || rules.factor_contributes
-    }
-
     fn acts_in(&self, direction: Direction) -> bool {
         match self.direction {
             CecDirection::Both => true,
@@ -58,46 +70,10 @@ impl LoadedCec {
             CecDirection::Minus => direction == Direction::Minus,
         }
     }
-
-    /// Its number at the position of its base axis, in the file's unit; 0 while it does not act.
-    fn number_at(&self, state: Moment<'_>, rules: Rules) -> Result<f64, CannotEmulate> {
-        if self.direction != CecDirection::Both {
-            let why = format!("{} depends on direction", self.name());
-            if !self.acts_in(state.direction(&self.input, &why)?) {
-                return Ok(0.0);
-            }
-        }
-        let at = state.position(&self.input)?;
-        Ok(self.numbers.correction(at).um() / rules.um_per_unit)
-    }
 }
 
-/// Where the axes stand and how they came there.
-#[derive(Clone, Copy)]
-struct Moment<'a> {
-    positions: &'a [(&'a str, Millimetres)],
-    directions: &'a [(&'a str, Direction)],
-}
-
-impl Moment<'_> {
-    fn position(&self, axis: &str) -> Result<Millimetres, CannotEmulate> {
-        find(self.positions, axis)
-            .ok_or_else(|| CannotEmulate(format!("the position of axis {axis} is not known")))
-    }
-
-    fn direction(&self, axis: &str, why: &str) -> Result<Direction, CannotEmulate> {
-        find(self.directions, axis).ok_or_else(|| {
-            CannotEmulate(format!(
-                "{why}, and the direction of axis {axis} is not known"
-            ))
-        })
-    }
-}
-
-fn find<T: Copy>(list: &[(&str, T)], axis: &str) -> Option<T> {
-    list.iter()
-        .find(|(name, _)| name.eq_ignore_ascii_case(axis))
-        .map(|(_, value)| *value)
+fn same(a: &str, b: &str) -> bool {
+    a.eq_ignore_ascii_case(b)
 }
 
 impl SiemensControl {
@@ -113,9 +89,23 @@ impl SiemensControl {
         facts: &SiemensFacts,
         state: &ControlState,
     ) -> Result<SiemensControl, CannotEmulate> {
-        let rules = rules(facts, state.unit)?;
-        let load = |table: &LecTable| load_lec(table, facts, state.unit);
-        let lec = tables.lec.iter().map(load).collect::<Result<_, _>>()?;
+        let mut lec = Vec::new();
+        for table in &tables.lec {
+            let raw = Raw {
+                name: format!("$AA_ENC_COMP[{},{}]", table.encoder, table.axis),
+                grid: table.grid,
+                values: &table.values,
+                modulo: table.modulo,
+                most_points: facts.lec_points.value,
+                unit: state.unit,
+            };
+            let sign = facts.lec_sign.value;
+            lec.push(LoadedLec {
+                encoder: table.encoder,
+                axis: table.axis.clone(),
+                corrections: raw.nodes(&raw.numbers_um()?, |um| sign.correction(um))?,
+            });
+        }
         let load = |table: &CecTable| load_cec(table, facts, state.unit);
         let mut cec: Vec<LoadedCec> = tables.cec.iter().map(load).collect::<Result<_, _>>()?;
         link_factors(&tables.cec, &mut cec, state.unit)?;
@@ -123,113 +113,58 @@ impl SiemensControl {
             lec,
             cec,
             axes: state.axes.clone(),
-            rules,
+            facts: facts.clone(),
+            um_per_unit: state.unit.in_mm() * UM_PER_MM,
         })
     }
 
-    /// What the control adds to axis `output` while the axes stand at `positions`, having come
-    /// there in `directions`.
-    ///
-    /// **formula** see the module; the clamp acts on the sum of the CEC tables · **unit**
-    /// positions in mm of machine coordinates, result in µm · **sign** positive moves the axis
-    /// further in + · **source** Function Manual Extended Functions 03/2013, K3 p. 238-252 ·
-    /// **limits** fails if a needed position is missing, and if the direction of an axis on which
-    /// a directional table or a backlash depends is not known.
-    pub fn correction(
-        &self,
-        output: &str,
-        positions: &[(&str, Millimetres)],
-        directions: &[(&str, Direction)],
-    ) -> Result<Correction, CannotEmulate> {
-        let moment = Moment {
-            positions,
-            directions,
-        };
-        let mut sum = Correction::ZERO;
-        if let Some(lec) = self.lec_of(output)? {
-            sum = sum + lec.corrections.correction(moment.position(output)?);
-        }
-        let limit = self.rules.max_sum_um;
-        let cec_um = self.cec_sum_um(output, moment)?.clamp(-limit, limit);
-        sum = sum + self.rules.cec_sign.correction(cec_um);
-        let axis = self.axis(output)?;
-        if axis.backlash_um.abs() > 0.0 {
-            let why = format!("axis {output} has a backlash of {} µm", axis.backlash_um);
-            sum = sum + axis.backlash(moment.direction(output, &why)?);
-        }
-        Ok(sum)
-    }
-
-    /// Sum of the numbers of all CEC tables that act on `output`, in µm, in table sense.
-    fn cec_sum_um(&self, output: &str, moment: Moment<'_>) -> Result<f64, CannotEmulate> {
-        let mut sum = 0.0;
-        for table in self.cec_of(output) {
-            let own = table.number_at(moment, self.rules)?;
-            let factor = match table.factor {
-                None => None,
-                Some(index) => Some(self.cec[index].number_at(moment, self.rules)?),
-            };
-            sum += match (factor, self.rules.multiply_mode) {
-                (None, _) => own,
-                (Some(factor), MultiplyMode::Product) => own * factor,
-                (Some(factor), MultiplyMode::Additive) => own + own * factor,
-            };
-        }
-        Ok(sum * self.rules.um_per_unit)
-    }
-
     fn axis(&self, name: &str) -> Result<&AxisState, CannotEmulate> {
-        self.axes
-            .iter()
-            .find(|axis| axis.name.eq_ignore_ascii_case(name))
-            .ok_or_else(|| CannotEmulate(format!("the control has no axis `{name}`")))
+        let found = self.axes.iter().find(|axis| same(&axis.name, name));
+        found.ok_or_else(|| CannotEmulate(format!("the control has no axis `{name}`")))
     }
 
     fn lec_of(&self, axis: &str) -> Result<Option<&LoadedLec>, CannotEmulate> {
-        let mut of_axis = self
-            .lec
-            .iter()
-            .filter(|table| table.axis.eq_ignore_ascii_case(axis));
-        let first = of_axis.next();
-        match (first, of_axis.next()) {
+        let mut of_axis = self.lec.iter().filter(|table| same(&table.axis, axis));
+        match (of_axis.next(), of_axis.next()) {
             (Some(first), Some(second)) => Err(CannotEmulate(format!(
                 "axis {axis} has tables for the measuring systems {} and {}; which one acts is \
                  not in the files",
                 first.encoder, second.encoder
             ))),
-            _ => Ok(first),
+            (first, _) => Ok(first),
         }
     }
 
     /// Tables that add to an axis by themselves.
     fn cec_of(&self, output: &str) -> impl Iterator<Item = &LoadedCec> {
-        self.cec.iter().filter(move |table| {
-            table.output.eq_ignore_ascii_case(output) && table.contributes(self.rules)
-        })
+        let contributes =
+            |table: &LoadedCec| !table.is_factor || self.facts.factor_contributes.value;
+        let tables = self.cec.iter();
+        tables.filter(move |table| same(&table.output, output) && contributes(table))
     }
 
     /// A product of tables has no response of one base axis alone.
     fn refuse_products(&self, base: &str, output: &str) -> Result<(), CannotEmulate> {
-        for table in &self.cec {
-            let from_base = table.input.eq_ignore_ascii_case(base);
-            let to_output = table.output.eq_ignore_ascii_case(output);
-            if from_base && to_output && table.is_factor {
-                return Err(product(table));
-            }
-            let Some(factor) = table.factor.map(|index| &self.cec[index]) else {
-                continue;
-            };
-            if to_output && (from_base || factor.input.eq_ignore_ascii_case(base)) {
-                return Err(product(table));
-            }
+        let takes_part = |table: &&LoadedCec| {
+            let factor = table.factor.map(|index| &self.cec[index]);
+            let is_product = table.is_factor || factor.is_some();
+            let from_base =
+                same(&table.input, base) || factor.is_some_and(|factor| same(&factor.input, base));
+            is_product && from_base && same(&table.output, output)
+        };
+        match self.cec.iter().find(takes_part) {
+            None => Ok(()),
+            Some(table) => Err(CannotEmulate(format!(
+                "{} takes part in a product of tables, which depends on more than one axis",
+                table.name
+            ))),
         }
-        Ok(())
     }
 
     /// The clamp acts on the sum over all base axes, so no single response can show it.
     fn refuse_clamp(&self, output: &str) -> Result<(), CannotEmulate> {
         let largest = self.largest_cec_um(output);
-        let limit = self.rules.max_sum_um;
+        let limit = self.facts.cec_max_sum_um.value;
         if largest <= limit {
             return Ok(());
         }
@@ -262,8 +197,8 @@ impl SiemensControl {
         let Some(index) = table.factor else {
             return table.peak_um;
         };
-        let product = table.peak_um * self.cec[index].peak_um / self.rules.um_per_unit;
-        match self.rules.multiply_mode {
+        let product = table.peak_um * self.cec[index].peak_um / self.um_per_unit;
+        match self.facts.multiply_mode.value {
             MultiplyMode::Product => product,
             MultiplyMode::Additive => table.peak_um + product,
         }
@@ -291,45 +226,173 @@ impl Emulator for SiemensControl {
         direction: Direction,
     ) -> Result<Response, CannotEmulate> {
         self.refuse_products(base, output)?;
-        let mut tables = Vec::new();
-        let mut constant = Correction::ZERO;
-        if base.eq_ignore_ascii_case(output) {
-            tables.extend(self.lec_of(base)?.map(|lec| lec.corrections.clone()));
-            constant = self.axis(base)?.backlash(direction);
-        }
-        let acting = self
-            .cec_of(output)
-            .filter(|table| table.input.eq_ignore_ascii_case(base) && table.acts_in(direction));
-        let own_tables = tables.len();
-        tables.extend(acting.map(|table| table.corrections.clone()));
-        if tables.len() > own_tables {
+        let acting = self.cec_of(output);
+        let acting = acting.filter(|table| same(&table.input, base) && table.acts_in(direction));
+        let mut tables: Vec<NodeTable> = acting.map(|table| table.corrections.clone()).collect();
+        if !tables.is_empty() {
             self.refuse_clamp(output)?;
+        }
+        let mut constant = Correction::ZERO;
+        if same(base, output) {
+            let own = self.lec_of(base)?.map(|lec| lec.corrections.clone());
+            tables.splice(0..0, own);
+            constant = self.axis(base)?.backlash(direction);
         }
         Ok(Response::new(tables, constant))
     }
 }
 
-fn product(table: &LoadedCec) -> CannotEmulate {
-    CannotEmulate(format!(
-        "{} takes part in a product of tables, which depends on more than one axis",
-        table.name()
-    ))
+fn load_cec(
+    table: &CecTable,
+    facts: &SiemensFacts,
+    unit: LengthUnit,
+) -> Result<LoadedCec, CannotEmulate> {
+    let raw = Raw {
+        name: format!("$AN_CEC[{}]", table.number),
+        grid: table.grid,
+        values: &table.values,
+        modulo: table.modulo,
+        most_points: facts.cec_points.value,
+        unit,
+    };
+    let most_tables = facts.cec_tables.value;
+    if table.number >= most_tables {
+        let name = raw.name;
+        let message = format!("{name} does not exist, the control has {most_tables} tables");
+        return Err(CannotEmulate(message));
+    }
+    let numbers_um = raw.numbers_um()?;
+    let sign = facts.cec_sign.value;
+    Ok(LoadedCec {
+        input: table.input_axis.clone(),
+        output: table.output_axis.clone(),
+        direction: table.direction,
+        corrections: raw.nodes(&numbers_um, |um| sign.correction(um))?,
+        peak_um: numbers_um.iter().fold(0.0, |peak, um| um.abs().max(peak)),
+        factor: None,
+        is_factor: false,
+        name: raw.name,
+    })
 }
 
-fn rules(facts: &SiemensFacts, unit: LengthUnit) -> Result<Rules, CannotEmulate> {
-    let max_sum_um = facts.cec_max_sum_um.value;
-    if max_sum_um.is_nan() || max_sum_um < 0.0 {
-        return Err(CannotEmulate(format!(
-            "CEC_MAX_SUM of {max_sum_um} µm is not a limit"
-        )));
+/// Connects tables with their factor tables. A table may be multiplied by itself; any other
+/// chain is refused, the manuals do not say how deep the control follows it.
+fn link_factors(
+    tables: &[CecTable],
+    loaded: &mut [LoadedCec],
+    unit: LengthUnit,
+) -> Result<(), CannotEmulate> {
+    for (index, table) in tables.iter().enumerate() {
+        let Some(number) = table.multiply_by.checked_sub(1) else {
+            continue;
+        };
+        let cannot = |what: String| Err(CannotEmulate(format!("$AN_CEC[{}]{what}", table.number)));
+        let Some(factor) = tables.iter().position(|other| other.number == number) else {
+            return cannot(format!(
+                " is multiplied by $AN_CEC[{number}], which no file holds"
+            ));
+        };
+        if factor != index && tables[factor].multiply_by != 0 {
+            return cannot(format!(" and its factor $AN_CEC[{number}] form a chain"));
+        }
+        if unit == LengthUnit::Inch {
+            let what = ": products of tables on an inch control have no settled unit";
+            return cannot(what.to_string());
+        }
+        loaded[index].factor = Some(factor);
+        loaded[factor].is_factor |= factor != index;
     }
-    Ok(Rules {
-        um_per_unit: unit.in_mm() * UM_PER_MM,
-        cec_sign: facts.cec_sign.value,
-        max_sum_um,
-        multiply_mode: facts.multiply_mode.value,
-        factor_contributes: facts.factor_contributes.value,
-    })
+    Ok(())
+}
+
+/// A table as the file holds it, whichever kind it is.
+struct Raw<'a> {
+    name: String,
+    grid: SiemensGrid,
+    values: &'a [Option<f64>],
+    modulo: bool,
+    most_points: u32,
+    unit: LengthUnit,
+}
+
+impl Raw<'_> {
+    /// The numbers in µm, in table sense; fails if one is missing or the grid does not fit.
+    fn numbers_um(&self) -> Result<Vec<f64>, CannotEmulate> {
+        self.check_grid()?;
+        let um_per_unit = self.unit.in_mm() * UM_PER_MM;
+        let number = |(point, value): (usize, &Option<f64>)| match value {
+            Some(value) => Ok(value * um_per_unit),
+            None => Err(self.fault(&format!(
+                "point {point} is missing; the control would keep an older value"
+            ))),
+        };
+        let numbers = self.values.iter().enumerate().map(number);
+        let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
+        self.check_closed(&numbers)?;
+        Ok(numbers)
+    }
+
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "a table has far fewer than 2^52 points"
+    )]
+    fn check_grid(&self) -> Result<(), CannotEmulate> {
+        let points = self.values.len();
+        let tolerance = if self.modulo {
+            MODULO_RATIO_TOLERANCE
+        } else {
+            RATIO_TOLERANCE
+        };
+        let ratio = self.grid.steps();
+        let off = (ratio + 1.0 - points as f64).abs();
+        if points < 2 || off.is_nan() || off >= tolerance {
+            return Err(self.fault(&format!(
+                "has {points} points, but (MAX-MIN)/STEP is {ratio}"
+            )));
+        }
+        if u32::try_from(points).map_or(true, |points| points > self.most_points) {
+            let most = self.most_points;
+            return Err(self.fault(&format!("has {points} points, the control holds {most}")));
+        }
+        Ok(())
+    }
+
+    fn check_closed(&self, numbers: &[f64]) -> Result<(), CannotEmulate> {
+        if !self.modulo {
+            return Ok(());
+        }
+        if self.unit == LengthUnit::Inch {
+            let why = "repeats; the scale of its positions on an inch control is not documented";
+            return Err(self.fault(why));
+        }
+        match (numbers.first(), numbers.last()) {
+            (Some(first), Some(last)) if (first - last).abs() > 0.0 => Err(self.fault(&format!(
+                "repeats, but its values at both ends differ ({first} µm and {last} µm)"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    fn nodes(
+        &self,
+        numbers_um: &[f64],
+        correction: impl Fn(f64) -> Correction,
+    ) -> Result<NodeTable, CannotEmulate> {
+        let corrections: Vec<Correction> = numbers_um.iter().map(|um| correction(*um)).collect();
+        let in_mm = |length: f64| Millimetres::new(length * self.unit.in_mm());
+        let (start, step) = (in_mm(self.grid.min), in_mm(self.grid.step));
+        let table = NodeTable::new(start, step, &corrections, Between::Linear)
+            .ok_or_else(|| self.fault("has no usable grid"))?;
+        Ok(if self.modulo {
+            table.repeating()
+        } else {
+            table
+        })
+    }
+
+    fn fault(&self, what: &str) -> CannotEmulate {
+        CannotEmulate(format!("{}: {what}", self.name))
+    }
 }
 
 #[cfg(test)]

@@ -9,14 +9,14 @@
 //! structure of a part program). Whatever is not in this grammar is a complaint: a word that this
 //! program does not know could move the machine.
 
-use crate::read::siemens::assignment::{Assignment, Value, is_digits};
-
-use super::variable::is_alone;
-use crate::read::lexer::Complaint;
+use crate::read::lexer::{Complaint, Cursor};
 use crate::text::plain::is_unseen;
 use crate::text::problem::nearest;
 use std::borrow::Cow;
 use std::ops::Range;
+
+/// What separates words.
+pub(super) const BLANKS: &[char] = &[' ', '\t', '&'];
 
 /// What a line says.
 #[derive(Debug)]
@@ -35,62 +35,91 @@ pub(super) enum Statement<'a> {
     Set(Assignment<'a>),
 }
 
-/// Reads the line `line` (bytes of `source`, without its line end).
-pub(super) fn statement(source: &str, line: Range<usize>) -> Result<Statement<'_>, Complaint> {
-    let mut bytes = source.as_bytes()[line.clone()].iter();
-    let comment = bytes.position(|byte| *byte == b';');
-    let code = line.start..comment.map_or(line.end, |at| line.start + at);
-    check_characters(source, &line, &code)?;
-    let mut cursor = Cursor {
-        source,
-        at: code.start,
-        end: code.end,
-    };
-    cursor.skip_blanks();
-    if cursor.peek() == Some('%') {
+/// `$NAME[index,…]=value`.
+#[derive(Debug)]
+pub(super) struct Assignment<'a> {
+    /// Name without `$`, upper case.
+    pub(super) name: Cow<'a, str>,
+    /// Name and indices in the text.
+    pub(super) head: Range<usize>,
+    /// The indices, upper case.
+    pub(super) indices: Vec<Cow<'a, str>>,
+    /// Where the value stands.
+    pub(super) value_span: Range<usize>,
+    /// The value; a complaint if it cannot be read.
+    pub(super) value: Result<Value, Complaint>,
+}
+
+/// The right side of an assignment.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    /// A number.
+    Number(f64),
+    /// `TRUE` or `FALSE`.
+    Truth(bool),
+    /// A name in parentheses or quotes, upper case.
+    Name(String),
+}
+
+/// The code of a line, without the comment behind it.
+pub(super) fn code_of(source: &str, line: &Range<usize>) -> Range<usize> {
+    let comment = source[line.clone()].find(';');
+    line.start..comment.map_or(line.end, |at| line.start + at)
+}
+
+/// Whether a word ends a file.
+pub(super) fn is_end(word: &str) -> bool {
+    ["M17", "M30", "M2", "M02"].contains(&word)
+}
+
+/// Reads the code of a line.
+pub(super) fn statement(source: &str, code: Range<usize>) -> Result<Statement<'_>, Complaint> {
+    let mut cursor = Cursor::new(source, code, BLANKS);
+    if cursor.peek_word() == Some('%') {
         return header(&cursor);
     }
-    cursor.block_number();
-    let found = match cursor.peek() {
+    block_number(&mut cursor);
+    let found = match cursor.peek_word() {
         None => Statement::Nothing,
         Some('$') => Statement::Set(assignment(&mut cursor)?),
         Some(_) => word(&mut cursor)?,
     };
     let unreadable = matches!(&found, Statement::Set(set) if set.value.is_err());
-    if unreadable || cursor.at_end() {
+    if unreadable || cursor.peek_word().is_none() {
         return Ok(found);
     }
     Err(Complaint::new(
         cursor.rest(),
-        format!("`{}` follows a complete statement", &source[cursor.rest()]),
+        format!(
+            "`{}` follows a complete statement",
+            cursor.text(cursor.rest())
+        ),
         "one line holds one statement; remove the rest or give it its own line",
     ))
 }
 
-fn check_characters(
+/// Refuses characters that a control does not read, and in `seen` those that nobody sees.
+pub(super) fn check_characters(
     source: &str,
-    line: &Range<usize>,
+    seen: &Range<usize>,
     code: &Range<usize>,
 ) -> Result<(), Complaint> {
     let plain = |byte: &u8| *byte == b'\t' || (b' '..=b'~').contains(byte);
-    let bytes = source.as_bytes()[line.clone()].iter();
+    let bytes = source.as_bytes()[seen.clone()].iter();
     // Every byte is looked at, which takes less time than to stop at the first that is not plain.
     if bytes.fold(true, |all, byte| all & plain(byte)) {
         return Ok(());
     }
-    for (offset, c) in source[line.clone()].char_indices() {
-        let at = line.start + offset;
+    for (offset, c) in source[seen.clone()].char_indices() {
+        let at = seen.start + offset;
         let span = at..at + c.len_utf8();
         // Among them U+2028: an editor shows a line end there; a control ends a comment at LF alone
         // (SINUMERIK Programming Manual 12/2019 p. 52) and would run less, or more, than a person sees.
         if is_unseen(c) && c != '\t' {
             let kind = if c.is_control() { "control " } else { "" };
             let message = format!("{kind}character U+{:04X} in the file", u32::from(c));
-            return Err(Complaint::new(
-                span,
-                message,
-                "transfer the file again as plain text",
-            ));
+            let help = "transfer the file again as plain text";
+            return Err(Complaint::new(span, message, help));
         }
         if !c.is_ascii() && at < code.end {
             let message = format!("`{c}` is not an ASCII character");
@@ -113,14 +142,14 @@ fn header<'a>(cursor: &Cursor<'a>) -> Result<Statement<'a>, Complaint> {
             "give every program its own file",
         ));
     }
-    let text = cursor.source[span.clone()].to_ascii_uppercase();
+    let text = cursor.text(span.clone()).to_ascii_uppercase();
     let well_formed = text
         .strip_prefix("%_N_")
         .and_then(|name| name.rsplit_once('_'))
         .is_some_and(|(name, extension)| {
             (1..=LONGEST_NAME).contains(&name.len())
                 && extension.len() == 3
-                && name.bytes().chain(extension.bytes()).all(is_word_byte)
+                && name.chars().chain(extension.chars()).all(is_of_word)
         });
     if well_formed {
         return Ok(Statement::Nothing);
@@ -137,13 +166,13 @@ fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
         "M17", "M30", "M2", "M02", "M0", "NEWCONF", "STOPRE", "CHANDATA",
     ];
     let line = cursor.rest();
-    let word = cursor.take_word();
+    let word = take_word(cursor);
     match &*word {
         "NEWCONF" => return Ok(Statement::Activate),
         "STOPRE" => return Ok(Statement::Nothing),
-        "M17" | "M30" | "M2" | "M02" => return Ok(Statement::End),
         "M0" | "M00" => return Ok(Statement::Stop),
         "CHANDATA" => return channel_data(cursor),
+        end if is_end(end) => return Ok(Statement::End),
         _ => {}
     }
     let help = match nearest(&word, WORDS) {
@@ -152,7 +181,7 @@ fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
                  `STOPRE`, `M0` and an end word; anything else could move the machine"
             .to_string(),
     };
-    let message = format!("`{}` does not belong here", &cursor.source[line.clone()]);
+    let message = format!("`{}` does not belong here", cursor.text(line.clone()));
     Err(Complaint::new(line, message, help))
 }
 
@@ -160,45 +189,43 @@ fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
 /// the channel's own (K3 p. 248), and nothing says what another channel makes of them: only the first,
 /// as in the manual's examples (K3 p. 242), is taken.
 fn channel_data<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
-    let line = cursor.at;
-    let opened = cursor.eat('(');
-    cursor.skip_blanks();
-    let number = cursor.take_word();
-    if opened && is_digits(&number) && cursor.eat(')') {
-        let number = number.trim_start_matches('0');
-        if number == "1" {
-            return Ok(Statement::Nothing);
-        }
-        return Err(Complaint::new(
-            line..cursor.at,
-            format!("`CHANDATA({number})` names another channel, expected the first"),
-            "write `CHANDATA(1)`, or leave it out where the file is a part program",
-        ));
-    }
-    Err(Complaint::new(
-        cursor.here(),
-        "`CHANDATA` needs a channel number in parentheses",
-        "write `CHANDATA(1)`",
-    ))
+    let start = cursor.at;
+    let opened = cursor.eat("(").is_some();
+    cursor.peek_word();
+    let number = cursor.digits();
+    let closed = !number.is_empty() && cursor.eat(")").is_some();
+    let (span, message) = match number.trim_start_matches('0') {
+        "1" if opened && closed => return Ok(Statement::Nothing),
+        other if opened && closed => (
+            start..cursor.at,
+            format!("`CHANDATA({other})` names another channel, expected the first"),
+        ),
+        _ => (
+            cursor.here(),
+            "`CHANDATA` needs a channel number in parentheses".to_string(),
+        ),
+    };
+    let help = "write `CHANDATA(1)`, or leave it out where the file is a part program";
+    Err(Complaint::new(span, message, help))
 }
 
 fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> {
     let start = cursor.at;
     cursor.at += 1;
-    let name = cursor.take_word();
-    let indices = match is_alone(&name) {
-        true => Vec::new(),
-        false => indices(cursor, &name)?,
+    let name = take_word(cursor);
+    let indices = match cursor.eat("[") {
+        Some(_) => indices(cursor, &name)?,
+        None => Vec::new(),
     };
     let head = start..cursor.at;
-    if !cursor.eat('=') {
+    if cursor.eat("=").is_none() {
         return Err(Complaint::new(
             cursor.here(),
-            format!("`=` is missing after `{}`", &cursor.source[head]),
+            format!("`=` is missing after `{}`", cursor.text(head)),
             "write `$VARIABLE[index]=value`",
         ));
     }
-    cursor.skip_blanks();
+    cursor.peek_word();
     let value_span = cursor.rest();
     let value = value(cursor);
     Ok(Assignment {
@@ -222,32 +249,50 @@ fn indices<'a>(cursor: &mut Cursor<'a>, name: &str) -> Result<Vec<Cow<'a, str>>,
             "write whole numbers and axis names between `[` and `]`, separated by commas",
         )
     };
-    if !cursor.eat('[') {
-        return Err(wrong(cursor, "`[`"));
-    }
     let mut indices = Vec::with_capacity(USUAL_INDICES);
     loop {
-        cursor.skip_blanks();
-        let index = cursor.take_word();
+        cursor.peek_word();
+        let index = take_word(cursor);
         if index.is_empty() {
             return Err(wrong(cursor, "a number or an axis"));
         }
         indices.push(index);
-        if cursor.eat(']') {
-            return Ok(indices);
-        }
-        if !cursor.eat(',') {
-            return Err(wrong(cursor, "`,` or `]`"));
+        match cursor.eat(",]") {
+            Some(',') => {}
+            Some(_) => return Ok(indices),
+            None => return Err(wrong(cursor, "`,` or `]`")),
         }
     }
 }
 
 fn value(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
+    let span = cursor.rest();
+    let text = cursor.text(span.clone());
+    let refuse = |message: &str, help| {
+        let message = format!("`{text}` {message}");
+        Err(Complaint::new(span.clone(), message, help))
+    };
     match cursor.peek() {
-        Some('(') => name_between(cursor, '(', ')'),
-        Some('"') => name_between(cursor, '"', '"'),
-        Some(c) if c.is_ascii_alphabetic() => truth(cursor),
-        Some(_) => number(cursor),
+        Some(open @ ('(' | '"')) => {
+            cursor.at += 1;
+            cursor.peek_word();
+            let name = take_word(cursor);
+            let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic());
+            let close = if open == '(' { ")" } else { "\"" };
+            if is_name && cursor.eat(close).is_some() {
+                return Ok(Value::Name(name.into_owned()));
+            }
+            refuse("is not an axis name", "write `(AX1)` or `\"AX1\"`")
+        }
+        Some(c) if c.is_ascii_alphabetic() => match &*take_word(cursor) {
+            "TRUE" => Ok(Value::Truth(true)),
+            "FALSE" => Ok(Value::Truth(false)),
+            _ => refuse(
+                "is not a value",
+                "write a number; an axis name needs parentheses, as `(AX1)`",
+            ),
+        },
+        Some(_) => number(cursor).or_else(|(message, help)| refuse(message, help)),
         None => Err(Complaint::new(
             cursor.here(),
             "the value is missing",
@@ -256,142 +301,47 @@ fn value(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
     }
 }
 
-fn name_between(cursor: &mut Cursor<'_>, open: char, close: char) -> Result<Value, Complaint> {
-    let span = cursor.rest();
-    cursor.eat(open);
-    cursor.skip_blanks();
-    let name = cursor.take_word();
-    let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic());
-    if is_name && cursor.eat(close) {
-        return Ok(Value::Name(name.into_owned()));
-    }
-    let message = format!("`{}` is not an axis name", &cursor.source[span.clone()]);
-    Err(Complaint::new(span, message, "write `(AX1)` or `\"AX1\"`"))
-}
-
-fn truth(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
-    let span = cursor.rest();
-    match &*cursor.take_word() {
-        "TRUE" => Ok(Value::Truth(true)),
-        "FALSE" => Ok(Value::Truth(false)),
-        _ => Err(Complaint::new(
-            span.clone(),
-            format!("`{}` is not a value", &cursor.source[span]),
-            "write a number; an axis name needs parentheses, as `(AX1)`",
-        )),
-    }
-}
-
-/// Sign, digits and `.digits`; no comma, no exponent.
-fn number(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
-    let all = cursor.rest();
+/// Sign, digits and `.digits`; no comma, no exponent. Else what it is and what to write.
+fn number(cursor: &mut Cursor<'_>) -> Result<Value, (&'static str, &'static str)> {
+    const NOT_A_NUMBER: (&str, &str) = ("is not a number", "write sign, digits, `.` and digits");
     let start = cursor.at;
     if matches!(cursor.peek(), Some('+' | '-')) {
         cursor.at += 1;
     }
-    let whole = cursor.take_digits();
-    let mut complete = whole > 0;
+    let mut complete = !cursor.digits().is_empty();
     if cursor.peek() == Some('.') {
         cursor.at += 1;
-        complete &= cursor.take_digits() > 0;
+        complete &= !cursor.digits().is_empty();
     }
-    let text = &cursor.source[start..cursor.at];
-    let found = &cursor.source[all.clone()];
-    let (message, help) = match cursor.peek() {
-        Some(',') => ("has a decimal comma", "write a decimal point"),
-        Some('e' | 'E') if complete => ("has an exponent", "write all digits, as `0.001`"),
-        Some(c) if c.is_ascii_alphanumeric() || "._/".contains(c) => NOT_A_NUMBER,
-        _ if !complete => NOT_A_NUMBER,
-        _ => match text.parse::<f64>() {
-            Ok(number) if number.is_finite() => return Ok(Value::Number(number)),
-            _ => NOT_A_NUMBER,
+    match cursor.peek() {
+        Some(',') => Err(("has a decimal comma", "write a decimal point")),
+        Some('e' | 'E') if complete => Err(("has an exponent", "write all digits, as `0.001`")),
+        Some(c) if c.is_ascii_alphanumeric() || "._/".contains(c) => Err(NOT_A_NUMBER),
+        _ if !complete => Err(NOT_A_NUMBER),
+        _ => match cursor.text(start..cursor.at).parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(Value::Number(number)),
+            _ => Err(NOT_A_NUMBER),
         },
-    };
-    Err(Complaint::new(all, format!("`{found}` {message}"), help))
+    }
 }
 
-const NOT_A_NUMBER: (&str, &str) = ("is not a number", "write sign, digits, `.` and digits");
-
-fn is_word_byte(byte: u8) -> bool {
-    byte.is_ascii_alphanumeric() || byte == b'_'
+fn is_of_word(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_'
 }
 
-/// A place in the code part of a line. The code part is ASCII, so bytes are characters.
-struct Cursor<'a> {
-    source: &'a str,
-    at: usize,
-    end: usize,
+/// Letters, digits and `_`, in upper case.
+pub(super) fn take_word<'a>(cursor: &mut Cursor<'a>) -> Cow<'a, str> {
+    let word = cursor.take(is_of_word);
+    match word.contains(|c: char| c.is_ascii_lowercase()) {
+        true => Cow::Owned(word.to_ascii_uppercase()),
+        false => Cow::Borrowed(word),
+    }
 }
 
-impl<'a> Cursor<'a> {
-    fn peek(&self) -> Option<char> {
-        let rest = &self.source.as_bytes()[self.at..self.end];
-        rest.first().copied().map(char::from)
-    }
-
-    fn skip_blanks(&mut self) {
-        let rest = &self.source.as_bytes()[self.at..self.end];
-        let blanks = rest.iter().take_while(|byte| b" \t&".contains(byte));
-        self.at += blanks.count();
-    }
-
-    fn at_end(&mut self) -> bool {
-        self.skip_blanks();
-        self.at == self.end
-    }
-
-    /// Takes a character if it comes next, after blanks.
-    fn eat(&mut self, wanted: char) -> bool {
-        self.skip_blanks();
-        let found = self.peek() == Some(wanted);
-        self.at += usize::from(found);
-        found
-    }
-
-    /// Letters, digits and `_`, in upper case.
-    fn take_word(&mut self) -> Cow<'a, str> {
-        let rest = &self.source.as_bytes()[self.at..self.end];
-        let other = rest.iter().position(|byte| !is_word_byte(*byte));
-        let length = other.unwrap_or(rest.len());
-        let word = &self.source[self.at..self.at + length];
-        self.at += length;
-        if word
-            .bytes()
-            .fold(false, |any, byte| any | byte.is_ascii_lowercase())
-        {
-            Cow::Owned(word.to_ascii_uppercase())
-        } else {
-            Cow::Borrowed(word)
-        }
-    }
-
-    fn take_digits(&mut self) -> usize {
-        let rest = &self.source.as_bytes()[self.at..self.end];
-        let length = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
-        self.at += length;
-        length
-    }
-
-    /// Skips `N` with digits, a block number or the number of a machine datum in an archive.
-    fn block_number(&mut self) {
-        let start = self.at;
-        if matches!(self.peek(), Some('n' | 'N')) {
-            self.at += 1;
-            if self.take_digits() == 0 {
-                self.at = start;
-            }
-        }
-        self.skip_blanks();
-    }
-
-    /// From here to the end of the code, without blanks at the end.
-    fn rest(&self) -> Range<usize> {
-        let text = self.source[self.at..self.end].trim_end_matches([' ', '\t', '&']);
-        self.at..self.at + text.len()
-    }
-
-    /// The next character.
-    fn here(&self) -> Range<usize> {
-        self.at..self.at + 1
+/// Skips `N` with digits, a block number or the number of a machine datum in an archive.
+pub(super) fn block_number(cursor: &mut Cursor<'_>) {
+    let start = cursor.at;
+    if cursor.eat("nN").is_some() && cursor.digits().is_empty() {
+        cursor.at = start;
     }
 }

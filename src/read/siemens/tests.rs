@@ -1,5 +1,6 @@
 use super::*;
-use crate::control::table::siemens::CecDirection;
+use crate::control::controller::LengthUnit;
+use crate::control::table::siemens::{CecDirection, LecTable};
 
 /// A complete small LEC table; `{}` stands for more lines.
 const LEC: &str = "$AA_ENC_COMP[1,0,AX1]=0.001
@@ -9,6 +10,15 @@ $AA_ENC_COMP_STEP[1,AX1]=50
 $AA_ENC_COMP_MIN[1,AX1]=-50.0
 $AA_ENC_COMP_MAX[1,AX1]=50.0
 $AA_ENC_COMP_IS_MODULO[1,AX1]=0
+";
+const LEC_FILE: &str = "$AA_ENC_COMP[1,0,AX1]=0.001
+$AA_ENC_COMP[1,1,AX1]=0.002
+$AA_ENC_COMP[1,2,AX1]=0.0
+$AA_ENC_COMP_STEP[1,AX1]=50
+$AA_ENC_COMP_MIN[1,AX1]=-50.0
+$AA_ENC_COMP_MAX[1,AX1]=50.0
+$AA_ENC_COMP_IS_MODULO[1,AX1]=0
+M17
 ";
 const CEC: &str = "$AN_CEC[0,0]=0.001
 $AN_CEC[0,1]=0.002
@@ -76,7 +86,7 @@ fn each_flaw_is_refused_at_its_place() {
             "unknown variable",
         ),
         (lec("[1,0,AX1]", "[1.0,AX1]"), "1:15", "`,` or `]`"),
-        (lec("[1,0,AX1]", "1,0,AX1]"), "1:14", "`[` expected"),
+        (lec("[1,0,AX1]", "1,0,AX1]"), "1:14", "`=` is missing"),
         (lec("[1,0,AX1]", "[1,AX1]"), "1:1", "is not an index"),
         (lec("[1,0,AX1]", "[2,0,AX1]"), "1:1", "is not an index"),
         (
@@ -289,7 +299,7 @@ fn parameters_that_no_line_writes_and_stops_are_told() {
 /// As a real control writes them: points behind MAX, MAX between two points, tables that nobody filled.
 #[test]
 fn a_control_may_write_more_than_acts() {
-    let held = |text: &str| super::read_out("eec.ini", &format!("{text}M17\n")).unwrap();
+    let held = |text: &str| super::read_out("eec.ini", &format!("{text}M17\n"), false).unwrap();
     let reserved = format!("{LEC}$AA_ENC_COMP[1,3,AX1]=0.009\n$AA_ENC_COMP[1,4,AX1]=0\n");
     assert_eq!(held(&reserved).tables, held(LEC).tables);
     assert!(!messages(&format!("{reserved}M17\n")).is_empty());
@@ -313,7 +323,7 @@ fn a_control_may_write_more_than_acts() {
     let empty = "$AN_CEC[8,0]=0\n$AN_CEC_STEP[8]=10\n$AN_CEC_MIN[8]=5\n$AN_CEC_MAX[8]=5\n";
     assert_eq!(held(empty).idle, ["AN_CEC[8]"]);
     let filled = format!("{}M17\n", empty.replace("[8,0]=0", "[8,0]=0.1"));
-    assert!(super::read_out("cec.ini", &filled).is_err());
+    assert!(super::read_out("cec.ini", &filled, false).is_err());
 }
 
 /// 802D sl Function Manual 11/2012: a point left out keeps what the control holds.
@@ -443,4 +453,109 @@ fn a_switch_may_be_changed_by_a_later_file() {
     let switch = |on| format!("$MA_ENC_COMP_ENABLE[1,AX1]={on}\n");
     let all = merged(&[switch(0), switch(1)]).expect("no conflict");
     assert_eq!(all.machine_data[0].value, MachineValue::Number(1.0));
+}
+
+/// What a control wrote, as a file of active data or an archive.
+fn held(text: &str) -> SiemensContents {
+    super::read_out("all.arc", text, false).unwrap_or_else(|problems| panic!("{text}\n{problems}"))
+}
+
+#[test]
+fn of_an_archive_what_is_of_concern_is_read_at_its_place() {
+    let text = "%_N_NC_TEA_INI\nCHANDATA(1)\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\n\
+                N32450 $MA_BACKLASH[0,AX1]=0.005\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n\
+                %_N_NC_CEC_INI\nMETRIC\n$AN_CEC_STEP[3]=0\n$AN_CEC_INPUT_AXIS[3]=(\n$AN_CEC[3,0]=0\nM17\n";
+    let found = held(text);
+    let data = found.machine_data.iter().map(MachineDatum::variable);
+    assert_eq!(
+        data.collect::<Vec<_>>(),
+        ["$MA_BACKLASH[0,AX1]", "$MN_SCALING_SYSTEM_IS_METRIC"]
+    );
+    assert_eq!(found.read_out.passed_over, 1);
+    assert_eq!(found.read_out.without_grid, ["AN_CEC[3]"]);
+    assert_eq!(found.read_out.units, [LengthUnit::Millimetre]);
+    let wrong = text.replace("=0.005", "=0,005");
+    let problems = super::read_out("all.arc", &wrong, false).expect_err("a comma");
+    let place = problems
+        .iter()
+        .next()
+        .and_then(|p| p.place.clone())
+        .unwrap();
+    assert_eq!((place.line, place.column), (4, 28));
+}
+
+#[test]
+fn line_checksums_are_passed_over() {
+    let text = "N32450 $MA_BACKLASH[0,AX1]=0.005 '2F34\n$AN_CEC_STEP[3]=0 'ab01 ;later\n\
+                $MA_CEC_MAX_SUM[AX1]=0.001 '00FF\r\nM17\n";
+    let found = held(text);
+    assert_eq!(found.machine_data[0].value, MachineValue::Number(0.005));
+    assert_eq!(found.machine_data[1].value, MachineValue::Number(0.001));
+    assert_eq!(found.read_out.without_grid, ["AN_CEC[3]"]);
+    let three_digits = text.replace("'00FF", "'00F");
+    assert!(super::read_out("all.arc", &three_digits, false).is_err());
+}
+
+#[test]
+fn a_program_in_an_archive_is_no_state() {
+    let data = format!("%_N_AX_EEC_INI\n{LEC}M17\n");
+    let other = LEC.replace("=0.002", "=0.016");
+    let program = format!("%_N_NEW_MPF\n;$PATH=/_N_MPF_DIR\nG0 X1\n{other}M30\n");
+    for text in [format!("{data}{program}"), format!("{program}{data}")] {
+        let found = held(&text);
+        assert_eq!(found.tables, held(LEC_FILE).tables);
+        let told = &found.read_out;
+        assert_eq!(told.programs, ["NEW_MPF"]);
+        assert!(told.programs_write_tables && told.twice.is_empty());
+        assert!(has_active_data("all.arc", &text));
+    }
+    assert!(!has_active_data("new", &program));
+    assert!(held(&program).tables.lec.is_empty(), "and no end is missed");
+    let read = super::read_out("new", &program, true).unwrap();
+    assert_eq!(read.tables.lec[0].values[1], Some(0.016));
+    assert!(has_active_data("eec.txt", LEC_FILE));
+    assert!(!has_active_data("EEC.MPF", LEC_FILE));
+    assert_eq!(
+        super::read_out("EEC.MPF", LEC_FILE, false)
+            .unwrap()
+            .read_out
+            .programs,
+        ["EEC.MPF"]
+    );
+    let workpiece = "%_N_INIT_INI\n;$PATH=/_N_WKS_DIR/_N_A_WPD\n$MA_BACKLASH[0,AX1]=1\nM17\n";
+    assert!(!has_active_data("all.arc", workpiece));
+}
+
+#[test]
+fn two_values_of_one_variable_are_told() {
+    let text = "$MA_CEC_ENABLE[AX1]=0\n$MA_BACKLASH[0,AX1]=1\n$MA_CEC_ENABLE[AX1]=TRUE\n\
+                $MA_BACKLASH[0,AX1]=1.000\n$MN_OTHER=1\n$MN_OTHER=2\nM17\n";
+    assert_eq!(held(text).read_out.twice, ["$MA_CEC_ENABLE[AX1]"]);
+    for steps in [["0", "50"], ["50", "0"]] {
+        let [first, second] =
+            steps.map(|step| CEC.replace("STEP[0]=50.0", &format!("STEP[0]={step}")));
+        let found = held(&format!("{first}{second}M17\n"));
+        assert_eq!(found.read_out.twice, ["$AN_CEC_STEP[0]"]);
+        assert!(found.read_out.without_grid.is_empty());
+        assert_eq!(found.tables.cec[0].values.len(), 2);
+    }
+}
+
+#[test]
+fn what_is_no_plain_assignment_is_not_swallowed() {
+    for line in [
+        "IF R1==1 $MA_CEC_ENABLE[AX1]=0",
+        "$MA_BACKLASH[0,AX1] 0.5",
+        "$AN_CEC[0,0]",
+    ] {
+        assert!(
+            super::read_out("all.arc", &format!("{line}\nM17\n"), false).is_err(),
+            "{line}"
+        );
+    }
+    assert!(held("G0 X1\nMSG(\"$MA\")\nM17\n").machine_data.is_empty());
+    let goes_on = "$MA_BACKLASH[0,AX1]=1\nM17\n$MN_OTHER=1\n";
+    let problems = super::read_out("all.arc", goes_on, false).expect_err("behind the end");
+    assert!(problems.render().contains("follows the end word"));
+    assert!(held(&format!("{goes_on}M17\n")).machine_data.len() == 1);
 }

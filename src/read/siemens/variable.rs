@@ -2,114 +2,95 @@
 //!
 //! Function Manual Extended Functions 03/2013, K3 p. 237-249 and 268.
 
-use crate::control::table::siemens::CecDirection;
+use super::statement::{Assignment, Value};
 use crate::read::lexer::Complaint;
-use crate::read::siemens::assignment::{Assignment, Value, is_digits};
 use crate::text::problem::nearest;
 
 /// Largest table or point number that is read at all.
 const LARGEST_INDEX: u32 = 99_999;
 
-/// What stands between `[` and `]`.
+/// What one index names.
 #[derive(Clone, Copy)]
-enum Shape {
-    EncoderPointAxis,
-    EncoderAxis,
-    Axis,
-    TablePoint,
+enum Index {
+    Encoder,
     Table,
-    /// No index: one value for the control.
-    Alone,
+    Point,
+    Axis,
 }
+use Index::{Axis, Encoder, Point, Table};
 
-impl Shape {
-    const fn example(self) -> &'static str {
-        match self {
-            Shape::EncoderPointAxis => "[0,5,AX1]",
-            Shape::EncoderAxis => "[0,AX1]",
-            Shape::Axis => "[AX1]",
-            Shape::TablePoint => "[0,5]",
-            Shape::Table => "[0]",
-            Shape::Alone => "",
-        }
-    }
+/// What a variable may be set to.
+#[derive(Clone, Copy)]
+enum Allowed {
+    /// A number, TRUE, FALSE or a name.
+    Any,
+    Number,
+    /// A whole number in a range, in words; FALSE is 0 and TRUE is 1 where the range is 0 to 1.
+    Whole(i32, i32, &'static str),
+    AxisName,
 }
+use Allowed::{Any, AxisName, Number, Whole};
+
+const TRUTH: Allowed = Whole(0, 1, "0 or 1");
+/// Index + 1 of a table, or 0; the limit is far above the 62 tables of an 840D sl.
+const TABLE_NUMBER: Allowed = Whole(0, 1000, "0 or the number of a table (its index + 1)");
+/// 1, as a real control writes beside the axes of a table, or 0 where nobody filled it. Others link axes
+/// of several NCUs.
+const OWN_NCU: Allowed = Whole(0, 1, "0 or 1");
+const TYPE: Allowed = Whole(0, 0, "0, or remove the line: its meaning is not documented");
 
 /// Every variable that a compensation file may write. `$MA_`, `$MN_`, `$SN_` are closed too: a
-/// mistyped name stops a control just as an unknown one does.
-const VARIABLES: [(&str, Shape); 31] = [
-    ("AA_ENC_COMP", Shape::EncoderPointAxis),
-    ("AA_ENC_COMP_STEP", Shape::EncoderAxis),
-    ("AA_ENC_COMP_MIN", Shape::EncoderAxis),
-    ("AA_ENC_COMP_MAX", Shape::EncoderAxis),
-    ("AA_ENC_COMP_IS_MODULO", Shape::EncoderAxis),
-    ("AN_CEC", Shape::TablePoint),
-    ("AN_CEC_INPUT_AXIS", Shape::Table),
-    ("AN_CEC_OUTPUT_AXIS", Shape::Table),
-    ("AN_CEC_STEP", Shape::Table),
-    ("AN_CEC_MIN", Shape::Table),
-    ("AN_CEC_MAX", Shape::Table),
-    ("AN_CEC_DIRECTION", Shape::Table),
-    ("AN_CEC_MULT_BY_TABLE", Shape::Table),
-    ("AN_CEC_IS_MODULO", Shape::Table),
-    ("AN_CEC_TYPE", Shape::Table),
-    ("AN_CEC_INPUT_NCU", Shape::Table),
-    ("AN_CEC_OUTPUT_NCU", Shape::Table),
-    ("MA_ENC_COMP_ENABLE", Shape::EncoderAxis),
-    ("MA_MM_ENC_COMP_MAX_POINTS", Shape::EncoderAxis),
-    ("MA_BACKLASH", Shape::EncoderAxis),
-    ("MA_CEC_ENABLE", Shape::Axis),
-    ("MA_CEC_MAX_SUM", Shape::Axis),
-    ("MA_CEC_MAX_VELO", Shape::Axis),
-    ("MA_CEC_SCALING_SYSTEM_METRIC", Shape::Axis),
-    ("MA_ENC_REFP_MODE", Shape::EncoderAxis),
-    ("MA_REFP_SET_POS", Shape::EncoderAxis),
-    ("MN_CONVERT_SCALING_SYSTEM", Shape::Alone),
-    ("MN_MM_CEC_MAX_POINTS", Shape::Table),
-    ("MN_SCALING_SYSTEM_IS_METRIC", Shape::Alone),
-    ("SN_CEC_TABLE_ENABLE", Shape::Table),
-    ("SN_CEC_TABLE_WEIGHT", Shape::Table),
+/// mistyped name stops a control just as an unknown one does. Without an index: one value for the control.
+const VARIABLES: [(&str, &[Index], Allowed); 31] = [
+    ("AA_ENC_COMP", &[Encoder, Point, Axis], Number),
+    ("AA_ENC_COMP_STEP", &[Encoder, Axis], Number),
+    ("AA_ENC_COMP_MIN", &[Encoder, Axis], Number),
+    ("AA_ENC_COMP_MAX", &[Encoder, Axis], Number),
+    ("AA_ENC_COMP_IS_MODULO", &[Encoder, Axis], TRUTH),
+    ("AN_CEC", &[Table, Point], Number),
+    ("AN_CEC_INPUT_AXIS", &[Table], AxisName),
+    ("AN_CEC_OUTPUT_AXIS", &[Table], AxisName),
+    ("AN_CEC_STEP", &[Table], Number),
+    ("AN_CEC_MIN", &[Table], Number),
+    ("AN_CEC_MAX", &[Table], Number),
+    ("AN_CEC_DIRECTION", &[Table], Whole(-1, 1, "-1, 0 or 1")),
+    ("AN_CEC_MULT_BY_TABLE", &[Table], TABLE_NUMBER),
+    ("AN_CEC_IS_MODULO", &[Table], TRUTH),
+    ("AN_CEC_TYPE", &[Table], TYPE),
+    ("AN_CEC_INPUT_NCU", &[Table], OWN_NCU),
+    ("AN_CEC_OUTPUT_NCU", &[Table], OWN_NCU),
+    ("MA_ENC_COMP_ENABLE", &[Encoder, Axis], Any),
+    ("MA_MM_ENC_COMP_MAX_POINTS", &[Encoder, Axis], Any),
+    ("MA_BACKLASH", &[Encoder, Axis], Number),
+    ("MA_CEC_ENABLE", &[Axis], Any),
+    ("MA_CEC_MAX_SUM", &[Axis], Number),
+    ("MA_CEC_MAX_VELO", &[Axis], Number),
+    ("MA_CEC_SCALING_SYSTEM_METRIC", &[Axis], TRUTH),
+    ("MA_ENC_REFP_MODE", &[Encoder, Axis], Number),
+    ("MA_REFP_SET_POS", &[Encoder, Axis], Number),
+    ("MN_CONVERT_SCALING_SYSTEM", &[], TRUTH),
+    ("MN_MM_CEC_MAX_POINTS", &[Table], Any),
+    ("MN_SCALING_SYSTEM_IS_METRIC", &[], TRUTH),
+    ("SN_CEC_TABLE_ENABLE", &[Table], Any),
+    ("SN_CEC_TABLE_WEIGHT", &[Table], Number),
 ];
 
-/// Machine data that are 0 or 1 (TRUE, FALSE) and nothing else.
-const TRUTHS: [&str; 3] = [
-    "MA_CEC_SCALING_SYSTEM_METRIC",
-    "MN_CONVERT_SCALING_SYSTEM",
-    "MN_SCALING_SYSTEM_IS_METRIC",
-];
-
-/// Machine and setting data that are numbers, and neither TRUE nor an axis.
-const NUMBERS: [&str; 6] = [
-    "MA_BACKLASH",
-    "MA_ENC_REFP_MODE",
-    "MA_CEC_MAX_SUM",
-    "MA_CEC_MAX_VELO",
-    "MA_REFP_SET_POS",
-    "SN_CEC_TABLE_WEIGHT",
-];
-
-/// Whether a variable has no index; only machine data of the whole control have none.
-pub(super) fn is_alone(name: &str) -> bool {
-    if !name.starts_with("MN_") {
-        return false; // of thousands of points, without a look at the list
-    }
-    let alone = |(known, shape): &(&str, Shape)| *known == name && matches!(shape, Shape::Alone);
-    VARIABLES.iter().any(alone)
+/// Whether a name is that of a point or parameter of a table; known or not.
+pub(super) fn is_of_table(name: &str) -> bool {
+    name.starts_with("AA_ENC_COMP") || name.starts_with("AN_CEC")
 }
 
-/// Whether a machine datum can only be 0 or 1.
-pub(super) fn is_truth(name: &str) -> bool {
-    TRUTHS.contains(&name)
+/// The machine and setting data that are read beside tables, where a control wrote all it has.
+pub(super) fn data() -> impl Iterator<Item = &'static str> {
+    let names = VARIABLES.iter().map(|(name, _, _)| *name);
+    names.filter(|name| !is_of_table(name) && *name != "MA_CEC_MAX_VELO")
 }
 
-/// Whether a machine or setting datum can only be a number.
-pub(super) fn is_number(name: &str) -> bool {
-    NUMBERS.contains(&name)
-}
-
-/// The indices, told apart.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Key<'a> {
+/// What an assignment sets: its indices told apart.
+#[derive(Clone, Copy)]
+pub(super) struct Variable<'a> {
+    /// Name without `$`, upper case.
+    pub(super) name: &'static str,
     /// Measuring system, 0 or 1.
     pub(super) encoder: u32,
     /// CEC table.
@@ -118,148 +99,91 @@ pub(super) struct Key<'a> {
     pub(super) point: u32,
     /// Axis.
     pub(super) axis: &'a str,
+    allowed: Allowed,
 }
 
-/// The indices of an assignment; a complaint if the variable is unknown or they do not fit it.
-pub(super) fn key<'a>(set: &'a Assignment<'_>) -> Result<Key<'a>, Complaint> {
-    let Some((_, shape)) = VARIABLES.iter().find(|(name, _)| *name == set.name) else {
-        return Err(unknown_variable(set));
+/// The variable of an assignment; a complaint if it is unknown or the indices do not fit it.
+pub(super) fn variable<'a>(set: &'a Assignment<'_>) -> Result<Variable<'a>, Complaint> {
+    let known = VARIABLES.iter().find(|(name, _, _)| *name == set.name);
+    let Some((name, indices, allowed)) = known else {
+        return Err(unknown(set));
     };
-    let mut key = Key::default();
-    let fits = match (shape, set.indices.as_slice()) {
-        (Shape::EncoderPointAxis, [encoder, point, axis]) => {
-            put(&mut key.encoder, encoder, 1)
-                && put(&mut key.point, point, LARGEST_INDEX)
-                && put_axis(&mut key.axis, axis)
-        }
-        (Shape::EncoderAxis, [encoder, axis]) => {
-            put(&mut key.encoder, encoder, 1) && put_axis(&mut key.axis, axis)
-        }
-        (Shape::Axis, [axis]) => put_axis(&mut key.axis, axis),
-        (Shape::TablePoint, [table, point]) => {
-            put(&mut key.table, table, LARGEST_INDEX) && put(&mut key.point, point, LARGEST_INDEX)
-        }
-        (Shape::Table, [table]) => put(&mut key.table, table, LARGEST_INDEX),
-        (Shape::Alone, []) => true,
-        _ => false,
+    let mut found = Variable {
+        name,
+        encoder: 0,
+        table: 0,
+        point: 0,
+        axis: "",
+        allowed: *allowed,
     };
-    if fits {
-        return Ok(key);
+    let mut pairs = indices.iter().zip(&set.indices);
+    let is_whole = indices.len() == set.indices.len();
+    if is_whole && pairs.all(|(index, text)| found.put(index, text).is_some()) {
+        return Ok(found);
     }
+    let example = |index: &Index| match index {
+        Encoder | Table => "0",
+        Point => "5",
+        Axis => "AX1",
+    };
+    let example: Vec<&str> = indices.iter().map(example).collect();
     Err(Complaint::new(
         set.head.clone(),
+        format!("`[{}]` is not an index of `${name}`", set.indices.join(",")),
         format!(
-            "`[{}]` is not an index of `${}`",
-            set.indices.join(","),
-            set.name
-        ),
-        format!(
-            "write it like `{}`; measuring systems are 0 and 1",
-            shape.example()
+            "write it like `[{}]`; measuring systems are 0 and 1",
+            example.join(",")
         ),
     ))
 }
 
-fn put(place: &mut u32, index: &str, largest: u32) -> bool {
-    let number = index.parse().ok().filter(|number| *number <= largest);
-    *place = number.unwrap_or_default();
-    number.is_some() && is_digits(index)
+impl<'a> Variable<'a> {
+    fn put(&mut self, index: &Index, text: &'a str) -> Option<()> {
+        let number = |largest: u32| text.parse().ok().filter(|number| *number <= largest);
+        match index {
+            Encoder => self.encoder = number(1)?,
+            Table => self.table = number(LARGEST_INDEX)?,
+            Point => self.point = number(LARGEST_INDEX)?,
+            Axis => {
+                self.axis = text
+                    .starts_with(|c: char| c.is_ascii_alphabetic())
+                    .then_some(text)?
+            }
+        }
+        Some(())
+    }
+
+    /// The value that is assigned, if the variable may have it; truths of a table as numbers.
+    pub(super) fn value(&self, set: &Assignment<'_>) -> Result<Value, Complaint> {
+        let value = set.value.clone()?;
+        let expected = match (self.allowed, &value) {
+            (Any, _) | (Number, Value::Number(_)) | (AxisName, Value::Name(_)) => return Ok(value),
+            (Whole(0, 1, _), Value::Truth(truth)) => {
+                return Ok(Value::Number(f64::from(u8::from(*truth))));
+            }
+            (Whole(least, most, _), Value::Number(number))
+                if (least..=most).any(|whole| (number - f64::from(whole)).abs() <= 0.0) =>
+            {
+                return Ok(value);
+            }
+            (Number, _) => "a number",
+            (AxisName, _) => "an axis name such as `(AX1)`",
+            (Whole(_, _, words), _) => words,
+        };
+        Err(Complaint::new(
+            set.value_span.clone(),
+            format!("`${}` cannot have this value", self.name),
+            format!("write {expected}"),
+        ))
+    }
 }
 
-fn put_axis<'a>(place: &mut &'a str, index: &'a str) -> bool {
-    *place = index;
-    index.starts_with(|c: char| c.is_ascii_alphabetic())
-}
-
-fn unknown_variable(set: &Assignment<'_>) -> Complaint {
-    let known = VARIABLES.iter().map(|(name, _)| *name);
+fn unknown(set: &Assignment<'_>) -> Complaint {
+    let known = VARIABLES.iter().map(|(name, _, _)| *name);
     let help = match nearest(&set.name, known) {
         Some(known) => format!("did you mean `${known}`?"),
         None => "only variables of ENC_COMP and CEC and their machine data are read".to_string(),
     };
     let message = format!("unknown variable `${}`", set.name);
     Complaint::new(set.head.clone(), message, help)
-}
-
-/// The number assigned.
-pub(super) fn number_of(set: &Assignment<'_>) -> Result<f64, Complaint> {
-    match &set.value {
-        Ok(Value::Number(number)) => Ok(*number),
-        Ok(_) => Err(not_allowed(set, "a number")),
-        Err(complaint) => Err(complaint.clone()),
-    }
-}
-
-/// The axis assigned, upper case.
-pub(super) fn axis(set: &Assignment<'_>) -> Result<String, Complaint> {
-    match set.value.clone()? {
-        Value::Name(name) => Ok(name),
-        _ => Err(not_allowed(set, "an axis name such as `(AX1)`")),
-    }
-}
-
-/// The whole number `set` assigns, if it is one of `0..=largest` or −1.
-fn whole(set: &Assignment<'_>, allowed: &str, largest: i32) -> Result<i32, Complaint> {
-    let number = number_of(set)?;
-    (-1..=largest)
-        .find(|whole| (number - f64::from(*whole)).abs() <= 0.0)
-        .ok_or_else(|| not_allowed(set, allowed))
-}
-
-/// 0 or 1, FALSE or TRUE.
-pub(super) fn truth(set: &Assignment<'_>) -> Result<bool, Complaint> {
-    const ALLOWED: &str = "0 or 1";
-    if let Value::Truth(truth) = set.value.clone()? {
-        return Ok(truth);
-    }
-    match whole(set, ALLOWED, 1)? {
-        0 => Ok(false),
-        1 => Ok(true),
-        _ => Err(not_allowed(set, ALLOWED)),
-    }
-}
-
-/// `DIRECTION`: −1, 0 or 1.
-pub(super) fn direction(set: &Assignment<'_>) -> Result<CecDirection, Complaint> {
-    match whole(set, "-1, 0 or 1", 1)? {
-        0 => Ok(CecDirection::Both),
-        1 => Ok(CecDirection::Plus),
-        _ => Ok(CecDirection::Minus),
-    }
-}
-
-/// `MULT_BY_TABLE`: index + 1 of a table, or 0.
-pub(super) fn table_number(set: &Assignment<'_>) -> Result<u32, Complaint> {
-    const ALLOWED: &str = "0 or the number of a table (its index + 1)";
-    const LARGEST_NUMBER: i32 = 1000; // far above the 62 tables of an 840D sl
-    let number = whole(set, ALLOWED, LARGEST_NUMBER)?;
-    u32::try_from(number).map_err(|_| not_allowed(set, ALLOWED))
-}
-
-/// Refuses every value but 0, where the effect of others is not documented.
-pub(super) fn only_zero(set: &Assignment<'_>, why: &str) -> Result<(), Complaint> {
-    if number_of(set)?.abs() > 0.0 {
-        let mut complaint = not_allowed(set, "0");
-        complaint.help = format!("remove the line or write 0: {why}");
-        return Err(complaint);
-    }
-    Ok(())
-}
-
-/// `INPUT_NCU`, `OUTPUT_NCU`: 1, as a real control writes beside the axes of a table, or 0 where
-/// nobody filled it. Others link axes of several NCUs.
-pub(super) fn own_ncu(set: &Assignment<'_>) -> Result<(), Complaint> {
-    const ALLOWED: &str = "0 or 1";
-    match whole(set, ALLOWED, 1)? {
-        0 | 1 => Ok(()),
-        _ => Err(not_allowed(set, ALLOWED)),
-    }
-}
-
-fn not_allowed(set: &Assignment<'_>, expected: &str) -> Complaint {
-    Complaint::new(
-        set.value_span.clone(),
-        format!("`${}` cannot have this value", set.name),
-        format!("write {expected}"),
-    )
 }

@@ -9,6 +9,7 @@
 //! `@@MMCIBN.002`); in all of its 325 headers the number at 148 is the sum of the other bytes, so a
 //! place that is no header is found. Older archives with `%_N_…` headers are text and need no splitting.
 
+use crate::read::family::Part;
 use crate::text::problem::Problem;
 use std::collections::BTreeSet;
 
@@ -24,14 +25,6 @@ const FOLDER: std::ops::Range<usize> = 384..BLOCK;
 const BEGIN: &[u8] = b"@@MMCIBN.";
 /// The folder of the active data.
 const ACTIVE_DATA: &str = "\\_NC_ACT.DIR\\";
-
-/// A file of an archive.
-pub(super) struct Part<'a> {
-    /// Its name as in the control, such as `_N_AX_EEC_INI`.
-    pub(super) name: &'a str,
-    /// Its bytes.
-    pub(super) bytes: &'a [u8],
-}
 
 /// Whether a file is such an archive.
 pub(super) fn is_archive(bytes: &[u8]) -> bool {
@@ -51,14 +44,14 @@ pub(super) fn parts<'a>(file: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Pr
     while at < bytes.len() {
         let found = entry(bytes, at).ok_or_else(|| damaged(file, &format!("at byte {at}")))?;
         if at == 0 {
-            list = found.part.bytes;
+            list = found.bytes;
         }
-        let name = found.part.name;
+        let name = found.name;
         let is_program = name.ends_with("_MPF") || name.ends_with("_SPF");
         let is_active = found.folder == ACTIVE_DATA;
         active.extend(is_active.then_some(found.shown));
-        if !found.part.bytes.is_empty() && (is_active || is_program) {
-            parts.push(found.part);
+        if !found.bytes.is_empty() && (is_active || is_program) {
+            parts.push((format!("{file}/{name}"), found.bytes));
         }
         at = found.next;
     }
@@ -83,7 +76,9 @@ fn listed(list: &[u8]) -> impl Iterator<Item = String> {
 
 /// What stands behind a header.
 struct Entry<'a> {
-    part: Part<'a>,
+    /// Its name as in the control, such as `_N_AX_EEC_INI`.
+    name: &'a str,
+    bytes: &'a [u8],
     shown: &'a str,
     folder: &'a str,
     /// Where the next header begins.
@@ -102,10 +97,8 @@ fn entry(bytes: &[u8], at: usize) -> Option<Entry<'_>> {
     let next = start.checked_add(size.checked_next_multiple_of(BLOCK)?)?;
     let content = bytes.get(start..next)?;
     Some(Entry {
-        part: Part {
-            name: word(&header[NAME])?,
-            bytes: &content[..size],
-        },
+        name: word(&header[NAME])?,
+        bytes: &content[..size],
         shown: word(&header[SHOWN])?,
         folder: word(&header[FOLDER])?,
         next,
@@ -174,10 +167,10 @@ mod tests {
         ]);
         assert!(is_archive(&bytes));
         let parts = parts("all.arc", &bytes).unwrap();
-        let names: Vec<&str> = parts.iter().map(|part| part.name).collect();
-        assert_eq!(names, ["_N_AX_EEC_INI", "_N_COMP_MPF"]);
-        assert_eq!(parts[0].bytes, b"METRIC\nM17\n");
-        assert_eq!(parts[1].bytes, long.as_bytes());
+        let names: Vec<&str> = parts.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["all.arc/_N_AX_EEC_INI", "all.arc/_N_COMP_MPF"]);
+        assert_eq!(parts[0].1, b"METRIC\nM17\n");
+        assert_eq!(parts[1].1, long.as_bytes());
     }
 
     #[test]
