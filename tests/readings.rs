@@ -347,7 +347,7 @@ fn mistakes_of_steps() -> Vec<Mistake> {
             "direction",
             changed("1,forward", "1,foward"),
             "`direction` is `foward`, expected `forward` or `reverse`",
-            "did you mean `forward`?",
+            "`reverse` = back over the same nodes",
         ),
         (
             "direction in every row",

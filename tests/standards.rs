@@ -623,16 +623,16 @@ fn runs_that_are_not_complete_cannot_be_made() {
         let refused = Runs::new(targets.to_vec(), up, None);
         refused.unwrap_err().message
     };
-    assert!(words(&[0.0], None).contains("expected at least two"));
-    assert!(words(&[0.0, 0.0], None).contains("do not ascend"));
-    assert!(words(&[0.0, f64::NAN], None).contains("do not ascend"));
-    assert!(words(&[0.0, 1.0], None).contains("no direction"));
+    assert!(words(&[0.0], None).contains("expected two targets or more"));
+    assert!(words(&[0.0, 0.0], None).contains("each larger"));
+    assert!(words(&[0.0, f64::NAN], None).contains("each larger"));
+    assert!(words(&[0.0, 1.0], None).contains("one direction or both"));
     let short = Some(vec![vec![0.0, 1.0], vec![0.0]]);
     assert!(words(&[0.0, 1.0], short).contains("not complete"));
     let none = Some(vec![vec![], vec![]]);
     assert!(words(&[0.0, 1.0], none).contains("not complete"));
     let nan = Some(vec![vec![0.0], vec![f64::NAN]]);
-    assert!(words(&[0.0, 1.0], nan).contains("not a finite number"));
+    assert!(words(&[0.0, 1.0], nan).contains("as many finite"));
 }
 
 // ---------------------------------------------------------------------------------------------

@@ -5,4 +5,5 @@ pub mod import;
 pub mod job;
 pub mod nc;
 pub mod readings;
+mod table;
 pub mod target_runs;

@@ -1,25 +1,21 @@
 //! Readings of the four body diagonals: the file of contract §2.2, checked against its job.
 //!
 //! ```text
-//!  readings.csv ─→ rows ─→ walks: every node of every run once ─→ moves: the axes in the
-//!                          job's order ─→ values: measured − nominal, along the forward path
+//!  readings.csv ─→ rows ─→ nodes: every node of every run once, the axes in the job's order
+//!                                           ─→ values: measured − nominal, along the forward path
 //! ```
 //! Readings that exist are complete: all four diagonals, every node of every run. A reading that
 //! is missing is never filled in.
 
-mod columns;
-mod moves;
+mod nodes;
 mod rows;
 mod values;
-mod walks;
 
-use self::columns::Columns;
 use crate::inputs::error_table::Remarks;
 use crate::inputs::job::DiagonalMeasurement;
 use crate::quantity::diagonal::{Diagonal, Pass, Run};
-use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::Problems;
 
 /// Checked readings.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,28 +73,20 @@ impl Readings {
 type Found = (Vec<Run>, Vec<(Diagonal, u32)>);
 
 fn runs_of(source: &Source, measurement: &DiagonalMeasurement) -> Result<Found, Problems> {
-    let Some((header, lines)) = header_and_rows(source) else {
-        return Err(Problem::new(format!(
-            "`{}` holds no readings, expected a header and a row for each node",
-            source.name
-        ))
-        .help("first line: diagonal,run,direction,node,moved,deviation_um")
-        .into());
-    };
-    let columns = Columns::read(header)?;
-    let rows = rows::read(&columns, &lines)?;
-    let walks = walks::of(&rows);
+    let (table, quantity) = rows::columns(source)?;
+    let rows = rows::rows(&table)?;
+    let walks = nodes::walks(&rows);
     let mut problems = Problems::none();
-    walks::check_set(&walks, &columns, &mut problems);
-    if walks::check_nodes(&walks, measurement, &mut problems) {
-        moves::check(&walks, &columns, measurement, &mut problems);
-        values::check(&walks, &columns, measurement, &mut problems);
+    nodes::check_set(&walks, &table, &mut problems);
+    if nodes::check_nodes(&walks, measurement, &mut problems) {
+        nodes::check_moves(&walks, &table, measurement, &mut problems);
+        values::check(&walks, quantity, measurement, &mut problems);
     }
-    values::check_temperatures(&walks, &columns, measurement, &mut problems);
+    values::check_temperatures(&walks, &table, measurement, &mut problems);
     problems.or_ok(())?;
     let mut runs: Vec<Run> = walks
         .iter()
-        .map(|(walk, rows)| values::run(*walk, rows, columns.quantity, measurement))
+        .map(|(walk, rows)| values::run(*walk, rows, quantity, measurement))
         .collect();
     runs.sort_by_key(|run| (run.diagonal, run.number, run.pass));
     let own = walks.keys().filter(|walk| walk.is_own());

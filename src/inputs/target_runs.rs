@@ -9,10 +9,8 @@
 //!
 //! `read` turns a file into [`Runs`]; [`crate::machine::standards`] turns them into figures.
 
-mod complete;
 mod header;
 mod read;
-mod reading;
 mod runs;
 
 pub use self::runs::{Runs, Stated, Values};

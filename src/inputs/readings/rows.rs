@@ -1,11 +1,97 @@
-//! Rows of the readings, one by one, and the walks that they belong to.
+//! The columns and rows of a file of readings, and the walks that the rows belong to.
 
-use crate::inputs::readings::columns::{Column, Columns};
+use crate::inputs::table::{self, Table};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::text::delimited::Line;
-use crate::text::problem::{Problem, Problems, nearest, shown};
+use crate::text::delimited::{Expected, LENGTHS_UM, Line};
+use crate::text::document::Source;
+use crate::text::problem::Problems;
 use std::fmt;
+
+/// What the readings are counted from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Quantity {
+    /// Measured − nominal displacement.
+    Deviation,
+    /// The displacement as the instrument showed it.
+    Displacement,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Column {
+    Diagonal,
+    Run,
+    Direction,
+    Node,
+    Moved,
+    Value { quantity: Quantity, to_um: f64 },
+    Temperature { of: Axis },
+}
+
+const FIRST_LINE: &str = "first line: diagonal,run,direction,node,moved,deviation_um";
+
+fn known_columns() -> Vec<(String, Column)> {
+    let plain = [
+        ("diagonal", Column::Diagonal),
+        ("run", Column::Run),
+        ("direction", Column::Direction),
+        ("node", Column::Node),
+        ("moved", Column::Moved),
+    ];
+    let plain = plain.map(|(name, column)| (name.to_string(), column));
+    let values = [
+        ("deviation", Quantity::Deviation),
+        ("displacement", Quantity::Displacement),
+    ];
+    let values = values.into_iter().flat_map(|(name, quantity)| {
+        LENGTHS_UM
+            .map(|(unit, to_um)| (format!("{name}_{unit}"), Column::Value { quantity, to_um }))
+    });
+    let temperature = |of: Axis| (format!("t_{}_c", of.key()), Column::Temperature { of });
+    let temperatures = Axis::ALL.map(temperature);
+    plain
+        .into_iter()
+        .chain(values)
+        .chain(temperatures)
+        .collect()
+}
+
+fn is_value(column: Column) -> bool {
+    matches!(column, Column::Value { .. })
+}
+
+/// A file of readings whose header was read.
+pub(super) type Columns<'a> = Table<'a, Column>;
+
+/// The table of a file of readings, and what its readings are counted from.
+pub(super) fn columns(source: &Source) -> Result<(Columns<'_>, Quantity), Problems> {
+    let what = "readings, expected a header and a row for each node";
+    let table = Table::read(source, what, FIRST_LINE, |_| {
+        Ok(Expected {
+            known: known_columns(),
+            same: |a, b| is_value(*a) && is_value(*b) || a == b,
+            first_line: FIRST_LINE,
+            columns: "columns: diagonal, run, direction, node, moved, deviation_um or displacement_mm, t_x_c …",
+        })
+    })?;
+    let mut problems = Problems::none();
+    let mut require = |is_wanted: &dyn Fn(Column) -> bool, what, example| {
+        table.require(table.find(is_wanted), what, example, &mut problems)
+    };
+    require(
+        &|column| column == Column::Diagonal,
+        "the diagonal",
+        "`diagonal`",
+    );
+    require(&|column| column == Column::Node, "the node", "`node`");
+    let example = "`deviation_um`, or `displacement_mm` for the displacement itself";
+    let value = require(&is_value, "the reading", example);
+    let quantity = match table.kinds.get(value) {
+        Some(Column::Value { quantity, .. }) => *quantity,
+        _ => Quantity::Deviation,
+    };
+    problems.or_ok((table, quantity))
+}
 
 /// One walk along a diagonal, as the file names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -62,51 +148,62 @@ pub(super) struct Row<'a> {
 /// More nodes than any file of readings can hold rows for.
 const MOST_NODES: usize = 100_000_000;
 
-pub(super) fn read<'a>(
-    columns: &Columns<'_>,
-    lines: &[Line<'a>],
-) -> Result<Vec<Row<'a>>, Problems> {
-    let mut problems = Problems::none();
-    let rows = lines
-        .iter()
-        .filter_map(|line| {
-            let cells = line.cells_under(columns.kinds.len(), &mut problems)?;
-            let mut cells = Cells {
-                columns,
-                line: *line,
-                texts: cells.iter().map(|cell| &**cell).collect(),
-                problems: &mut problems,
-            };
-            cells.row()
-        })
-        .collect();
-    problems.or_ok(rows)
-}
+// What is expected in a column, and the next step where it is something else.
+const DIAGONAL: (&str, &str) = (
+    "`PPP`, `NPP`, `PNP` or `PPN`",
+    "P and N: this axis travels positive or negative on the forward run",
+);
+const RUN: (&str, &str) = (
+    "a whole number from 1",
+    "number the repeated runs of a diagonal 1, 2, 3 …",
+);
+const DIRECTION: (&str, &str) = (
+    "`forward` or `reverse`",
+    "`reverse` = back over the same nodes",
+);
+const NODE: (&str, &str) = (
+    "a whole number from 0",
+    "nodes count from 0 at the start of the forward run",
+);
+const MOVED: (&str, &str) = (
+    "`x`, `y`, `z` or, at node 0, an empty cell",
+    "name the axis of the forward step that ends at this node",
+);
+const NEVER_FILLED_IN: &str = "a missing reading is never filled in: measure it again";
 
-/// The cells of one row, while it is read.
-struct Cells<'r, 'a, 'p> {
-    columns: &'r Columns<'r>,
-    line: Line<'a>,
-    texts: Vec<&'r str>,
-    problems: &'p mut Problems,
-}
-
-impl<'a> Cells<'_, 'a, '_> {
-    fn row(&mut self) -> Option<Row<'a>> {
-        let name = self.diagonal();
-        let run = self.run();
-        let direction = self.direction();
-        let node = self.node();
-        let moved = self.moved();
-        let um = self.reading();
-        let before = self.problems.iter().count();
-        let temperatures_c = PerAxis::from_fn(|axis| self.temperature(axis));
-        if self.problems.iter().count() > before {
-            return None;
-        }
+pub(super) fn rows<'a>(table: &Columns<'a>) -> Result<Vec<Row<'a>>, Problems> {
+    let columns = [
+        Column::Diagonal,
+        Column::Run,
+        Column::Direction,
+        Column::Node,
+        Column::Moved,
+    ];
+    let plain = columns.map(|column| table.find(|kind| kind == column));
+    let temperatures = PerAxis::from_fn(|of| table.find(|c| c == Column::Temperature { of }));
+    table.rows(|cells| {
+        let [diagonal, run, direction, node, moved] = plain;
+        let pass = |text: &str| Pass::BOTH.into_iter().find(|pass| pass.word() == text);
+        let axis = |text: &str| match text {
+            "" => Some(None),
+            letter => Axis::from_letter(letter).map(Some),
+        };
+        let whole = |text: &str| text.parse().ok();
+        let name = |text: &str| Diagonal::from_name(&text.to_ascii_uppercase());
+        let name = cells.parsed(diagonal, None, name, DIAGONAL);
+        let run = cells.parsed(run, Some(1), |t| whole(t).filter(|run| *run > 0), RUN);
+        let direction = cells.parsed(direction, Some(Pass::Forward), pass, DIRECTION);
+        let is_node = |node: &usize| *node <= MOST_NODES;
+        let node = cells.parsed(node, None, |t| t.parse().ok().filter(is_node), NODE);
+        let moved = cells.parsed(moved, Some(None), axis, MOVED);
+        let um = reading(table, cells);
+        let temperatures_c = PerAxis::from_fn(|axis| {
+            let index = temperatures[axis].filter(|index| !cells.cell(*index).is_empty());
+            index.map(|index| cells.number(index, "")) // a problem where it is no number
+        });
         let (diagonal, named) = name?;
         Some(Row {
-            line: self.line,
+            line: cells.line,
             walk: Walk {
                 diagonal,
                 run: run?,
@@ -116,151 +213,16 @@ impl<'a> Cells<'_, 'a, '_> {
             node: node?,
             moved: moved?,
             um: um?,
-            temperatures_c,
+            temperatures_c: PerAxis::from_fn(|axis| temperatures_c[axis].flatten()),
         })
-    }
+    })
+}
 
-    /// Index and text of a column's cell, if the file has the column.
-    fn cell(&self, column: Column) -> Option<(usize, &str)> {
-        let index = self.columns.index_of(column)?;
-        Some((index, self.texts[index]))
-    }
-
-    fn refuse(&mut self, index: usize, message: impl FnOnce() -> String, help: String) {
-        let line = self.line;
-        self.problems.push_with(|| {
-            Problem::new(message())
-                .at(line.cell_place(index))
-                .help(help)
-        });
-    }
-
-    fn diagonal(&mut self) -> Option<(Diagonal, Pass)> {
-        let (index, text) = self.cell(Column::Diagonal)?;
-        let text = text.to_string();
-        let found = Diagonal::from_name(&text.to_ascii_uppercase());
-        if found.is_none() {
-            let message = || {
-                format!(
-                    "unknown diagonal `{}`, expected `PPP`, `NPP`, `PNP` or `PPN`",
-                    shown(&text)
-                )
-            };
-            let help = "P and N: this axis travels positive or negative on the forward run";
-            self.refuse(index, message, help.to_string());
-        }
-        found
-    }
-
-    fn run(&mut self) -> Option<u32> {
-        let Some((index, text)) = self.cell(Column::Run) else {
-            return Some(1);
-        };
-        let text = text.to_string();
-        let run = text.parse().ok().filter(|run| *run > 0);
-        if run.is_none() {
-            let message = || {
-                format!(
-                    "`run` is `{}`, expected a whole number from 1",
-                    shown(&text)
-                )
-            };
-            let help = "number the repeated runs of a diagonal 1, 2, 3 …";
-            self.refuse(index, message, help.to_string());
-        }
-        run
-    }
-
-    fn direction(&mut self) -> Option<Pass> {
-        let Some((index, text)) = self.cell(Column::Direction) else {
-            return Some(Pass::Forward);
-        };
-        let text = text.to_string();
-        let pass = Pass::BOTH.into_iter().find(|pass| pass.word() == text);
-        if pass.is_none() {
-            let message = || {
-                format!(
-                    "`direction` is `{}`, expected `forward` or `reverse`",
-                    shown(&text)
-                )
-            };
-            let help = nearest(&text, Pass::BOTH.map(Pass::word)).map_or_else(
-                || "`reverse` = back over the same nodes".to_string(),
-                |near| format!("did you mean `{near}`?"),
-            );
-            self.refuse(index, message, help);
-        }
-        pass
-    }
-
-    fn node(&mut self) -> Option<usize> {
-        let (index, text) = self.cell(Column::Node)?;
-        let text = text.to_string();
-        let node = text.parse().ok().filter(|node| *node <= MOST_NODES);
-        if node.is_none() {
-            let message = || {
-                format!(
-                    "`node` is `{}`, expected a whole number from 0",
-                    shown(&text)
-                )
-            };
-            let help = "nodes count from 0 at the start of the forward run";
-            self.refuse(index, message, help.to_string());
-        }
-        node
-    }
-
-    /// The axis that moved; an empty cell is for node 0.
-    fn moved(&mut self) -> Option<Option<Axis>> {
-        let Some((index, text)) = self.cell(Column::Moved) else {
-            return Some(None);
-        };
-        if text.is_empty() {
-            return Some(None);
-        }
-        let text = text.to_string();
-        let axis = Axis::from_letter(&text);
-        if axis.is_none() {
-            let message = || {
-                format!(
-                    "`moved` is `{}`, expected `x`, `y`, `z` or, at node 0, an empty cell",
-                    shown(&text)
-                )
-            };
-            let help = "name the axis of the forward step that ends at this node";
-            self.refuse(index, message, help.to_string());
-        }
-        axis.map(Some)
-    }
-
-    fn reading(&mut self) -> Option<f64> {
-        let is_value = |kind: &Column| matches!(kind, Column::Value { .. });
-        let index = self.columns.kinds.iter().position(is_value)?;
-        let name = &self.columns.names[index];
-        let Column::Value { to_um, .. } = self.columns.kinds[index] else {
-            return None;
-        };
-        if self.texts[index].is_empty() {
-            let message = || format!("`{name}` is empty, expected a number");
-            let help = "a missing reading is never filled in: measure it again";
-            self.refuse(index, message, help.to_string());
-            return None;
-        }
-        self.number(index).map(|number| number * to_um)
-    }
-
-    fn temperature(&mut self, of: Axis) -> Option<f64> {
-        let (index, text) = self.cell(Column::Temperature { of })?;
-        if text.is_empty() {
-            return None;
-        }
-        self.number(index)
-    }
-
-    fn number(&mut self, index: usize) -> Option<f64> {
-        let name = &self.columns.names[index];
-        let expected = "write a plain number; its unit stands in the header";
-        self.line
-            .number_in(index, self.texts[index], name, expected, self.problems)
-    }
+/// The reading of a row, µm.
+fn reading(table: &Columns<'_>, cells: &mut table::Row<'_, '_>) -> Option<f64> {
+    let mut values = table.kinds.iter().enumerate();
+    values.find_map(|(index, kind)| match kind {
+        Column::Value { to_um, .. } => Some(cells.number(index, NEVER_FILLED_IN)? * to_um),
+        _ => None,
+    })
 }

@@ -7,12 +7,11 @@
 //! its increments mean anything, and [`crate::inputs::readings::Readings::offset_known`] says so.
 
 use crate::inputs::job::DiagonalMeasurement;
-use crate::inputs::readings::columns::{Columns, Quantity};
-use crate::inputs::readings::rows::{Row, Walk};
-use crate::inputs::readings::walks::Walks;
+use crate::inputs::readings::nodes::{Walks, at_row};
+use crate::inputs::readings::rows::{Column, Columns, Quantity, Row, Walk};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{PerDiagonal, Run};
-use crate::quantity::units::{Deviation, UM_PER_MM};
+use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM};
 use crate::text::problem::{Problem, Problems};
 
 /// No machine tool is off by a centimetre: the readings or the job are not what they seem.
@@ -24,13 +23,18 @@ const TEMPERATURES_C: std::ops::RangeInclusive<f64> = -10.0..=50.0;
 
 /// Measured − nominal displacement of a row in the direction that its walk counts, µm.
 fn deviation_um(row: &Row<'_>, quantity: Quantity, measurement: &DiagonalMeasurement) -> f64 {
-    let measured = match measurement.laser_sign {
-        Direction::Plus => row.um,
-        Direction::Minus => -row.um,
-    };
+    let measured = signed(row.um, measurement);
     match quantity {
         Quantity::Deviation => measured,
         Quantity::Displacement => measured - nominal_mm(row, measurement) * UM_PER_MM,
+    }
+}
+
+/// A reading in the sign of the job, or a displacement in that of the readings.
+fn signed(value: f64, measurement: &DiagonalMeasurement) -> f64 {
+    match measurement.laser_sign {
+        Direction::Plus => value,
+        Direction::Minus => -value,
     }
 }
 
@@ -48,7 +52,7 @@ fn nominal_mm(row: &Row<'_>, measurement: &DiagonalMeasurement) -> f64 {
 /// Notes readings that are no deviation of a machine, and forward runs that do not begin at zero.
 pub(super) fn check(
     walks: &Walks<'_, '_>,
-    columns: &Columns<'_>,
+    quantity: Quantity,
     measurement: &DiagonalMeasurement,
     problems: &mut Problems,
 ) {
@@ -56,26 +60,19 @@ pub(super) fn check(
         let forward = |walk: &&Walk| walk.diagonal == diagonal && !walk.is_own();
         walks.keys().find(forward).copied()
     });
+    let last = measurement.volume.last_node(measurement.kind);
+    let deviation = |row: &Row<'_>| deviation_um(row, quantity, measurement);
     for (walk, rows) in walks {
-        let deviation = |row: &Row<'_>| deviation_um(row, columns.quantity, measurement);
-        let last = measurement.volume.last_node(measurement.kind);
-        let implausible =
+        let is_implausible =
             |row: &&&Row<'_>| row.node <= last && deviation(row).abs() > LARGEST_DEVIATION_UM;
         let start = rows.first().filter(|row| row.node == 0);
-        if let Some(row) = rows.iter().find(implausible) {
-            problems.push(implausible_reading(row, columns.quantity, measurement));
-        } else if let Some(row) = start
-            && first_forward[walk.diagonal] == Some(*walk)
-            && deviation(row).abs() > ZERO_UM
-        {
-            problems.push(
-                Problem::new(format!(
-                    "{walk} begins with {} µm at node 0, expected 0",
-                    rounded(deviation(row))
-                ))
-                .at(row.line.whole())
-                .help("the readings are zero where the run begins: subtract this reading from all of the run, the way back included"),
-            );
+        let start = start.filter(|_| first_forward[walk.diagonal] == Some(*walk));
+        if let Some(row) = rows.iter().find(is_implausible) {
+            problems.push(implausible_reading(row, quantity, measurement));
+        } else if let Some(row) = start.filter(|row| deviation(row).abs() > ZERO_UM) {
+            let um = rounded(deviation(row));
+            let message = format!("{walk} begins with {um} µm at node 0, expected 0");
+            problems.push(at_row(row, message, "the readings are zero where the run begins: subtract this reading from all of the run, the way back included"));
         }
     }
 }
@@ -87,36 +84,36 @@ fn implausible_reading(
 ) -> Problem {
     let (walk, node) = (row.walk, row.node);
     let read = row.um / UM_PER_MM;
-    let (message, help) = match quantity {
-        Quantity::Deviation => (
-            format!(
-                "{walk}, node {node}: the deviation is {} mm, which no machine has",
-                rounded(read)
-            ),
-            if is_near(read, nominal_mm(row, measurement)) {
-                "a column of the displacement itself is named `displacement_mm`".to_string()
-            } else {
-                "check the reading, and the unit in the column's name".to_string()
-            },
+    let shown = rounded(read);
+    if quantity == Quantity::Deviation {
+        let message =
+            format!("{walk}, node {node}: the deviation is {shown} mm, which no machine has");
+        return at_row(
+            row,
+            message,
+            "check the reading, and the unit in the column's name; a column of the displacement itself is named `displacement_mm`",
+        );
+    }
+    let expected = signed(nominal_mm(row, measurement), measurement);
+    let message = format!(
+        "{walk}, node {node}: the displacement is {shown} mm, expected about {} mm",
+        rounded(expected)
+    );
+    let is_turned = (read + expected).abs() * UM_PER_MM <= LARGEST_DEVIATION_UM;
+    let help = match (other_order(row, measurement), is_turned) {
+        (Some(order), _) => format!("this is what steps that went {order} read: check `order` in the job against the program that was run"),
+        (None, true) if walk.is_own() => format!(
+            "a run named {} counts along its own travel; give rows that count along {} under that name, with `reverse` and the nodes of the forward run",
+            walk.name(),
+            walk.diagonal
         ),
-        Quantity::Displacement => {
-            let expected = match measurement.laser_sign {
-                Direction::Plus => nominal_mm(row, measurement),
-                Direction::Minus => -nominal_mm(row, measurement),
-            };
-            let message = format!(
-                "{walk}, node {node}: the displacement is {} mm, expected about {} mm",
-                rounded(read),
-                rounded(expected)
-            );
-            (
-                message,
-                other_order(row, measurement)
-                    .unwrap_or_else(|| displacement_help(walk, read, expected, measurement)),
-            )
-        }
+        (None, true) => format!(
+            "the instrument counts the other way: write `laser_sign = \"{}\"` in the job",
+            measurement.laser_sign.opposite()
+        ),
+        (None, false) => "displacements are counted from the start of the forward run; check the unit in the column's name, and the box in the job".to_string(),
     };
-    Problem::new(message).at(row.line.whole()).help(help)
+    at_row(row, message, help)
 }
 
 /// The order of the steps that the displacement of a node fits, where it is not that of the job.
@@ -127,127 +124,74 @@ fn other_order(row: &Row<'_>, measurement: &DiagonalMeasurement) -> Option<Strin
         deviation_um(row, Quantity::Displacement, &other).abs() < LARGEST_DEVIATION_UM / 10.0
     };
     let [first, second, third] = Axis::ORDERS.into_iter().find(fits)?;
-    Some(format!(
-        "this is what steps that went {first}, {second}, {third} read: check `order` in the job against the program that was run"
-    ))
-}
-
-fn displacement_help(
-    walk: Walk,
-    read: f64,
-    expected: f64,
-    measurement: &DiagonalMeasurement,
-) -> String {
-    if !is_near(-read, expected) {
-        return "displacements are counted from the start of the forward run; check the unit in the column's name, and the box in the job".to_string();
-    }
-    if walk.is_own() {
-        return format!(
-            "a run named {} counts along its own travel; give rows that count along {} under that name, with `reverse` and the nodes of the forward run",
-            walk.name(),
-            walk.diagonal
-        );
-    }
-    match measurement.laser_sign {
-        Direction::Plus => {
-            "the instrument counts the other way: write `laser_sign = \"-\"` in the job"
-        }
-        Direction::Minus => {
-            "the instrument counts along the diagonal: write `laser_sign = \"+\"` in the job"
-        }
-    }
-    .to_string()
-}
-
-fn is_near(mm: f64, other: f64) -> bool {
-    (mm - other).abs() * UM_PER_MM <= LARGEST_DEVIATION_UM
+    Some(format!("{first}, {second}, {third}"))
 }
 
 /// A number as a sentence shows it.
 fn rounded(number: f64) -> f64 {
-    (number * 1e3).round() / 1e3 + 0.0
+    Millimetres::new(number).shown()
 }
 
 /// Notes temperatures that are missing in part, or that the job does not say how to use.
 pub(super) fn check_temperatures(
     walks: &Walks<'_, '_>,
-    columns: &Columns<'_>,
+    table: &Columns<'_>,
     measurement: &DiagonalMeasurement,
     problems: &mut Problems,
 ) {
-    let temperatures = columns.temperatures();
     for axis in Axis::ALL {
-        let Some(index) = temperatures[axis] else {
-            require_temperature(axis, columns, measurement, problems);
+        let Some(index) = table.find(|column| column == Column::Temperature { of: axis }) else {
+            require_temperature(axis, table, measurement, problems);
             continue;
         };
-        let place = columns.header.cell_place(index);
         if let Some((message, help)) = unusable(axis, measurement) {
-            problems.push(Problem::new(message).at(place).help(help));
+            problems.push(table.at_column(index, message, &help));
         }
-        if let Some(problem) = implausible_temperature(axis, index, walks, columns) {
-            problems.push(problem);
+        let name = &table.names[index];
+        let (low, high) = (TEMPERATURES_C.start(), TEMPERATURES_C.end());
+        for row in walks.values().flatten() {
+            if let Some(c) = row.temperatures_c[axis].filter(|c| !TEMPERATURES_C.contains(c)) {
+                let message = format!("`{name}` is {c} °C, expected {low} … {high} °C");
+                let place = row.line.cell_place(index);
+                problems.push(Problem::new(message).at(place).help("give degrees Celsius"));
+                break;
+            }
         }
         for (walk, rows) in walks {
-            let empty = |row: &&&Row<'_>| row.temperatures_c[axis].is_none();
-            let Some(row) = rows.iter().find(empty) else {
-                continue;
-            };
-            if rows.iter().all(|row| row.temperatures_c[axis].is_none()) {
-                continue;
+            let is_given = |row: &&Row<'_>| row.temperatures_c[axis].is_some();
+            let empty = rows.iter().find(|row| !is_given(row));
+            if let Some(row) = empty.filter(|_| rows.iter().any(is_given)) {
+                let node = row.node;
+                let message = format!(
+                    "{walk}, node {node}: `{name}` is empty, expected a number as in the other rows of this run"
+                );
+                let help =
+                    "a missing value is never filled in: leave the column empty for the whole run";
+                problems.push(
+                    Problem::new(message)
+                        .at(row.line.cell_place(index))
+                        .help(help),
+                );
             }
-            problems.push(
-                Problem::new(format!(
-                    "{walk}, node {}: `{}` is empty, expected a number as in the other rows of this run",
-                    row.node, columns.names[index]
-                ))
-                .at(row.line.cell_place(index))
-                .help("a missing value is never filled in: leave the column empty for the whole run"),
-            );
         }
     }
 }
 
-/// The first temperature of a column that nobody measures at.
-fn implausible_temperature(
-    axis: Axis,
-    index: usize,
-    walks: &Walks<'_, '_>,
-    columns: &Columns<'_>,
-) -> Option<Problem> {
-    let beyond = |row: &&&Row<'_>| {
-        let temperature = row.temperatures_c[axis];
-        temperature.is_some_and(|c| !TEMPERATURES_C.contains(&c))
-    };
-    let row = walks.values().flatten().find(beyond)?;
-    let (low, high) = (TEMPERATURES_C.start(), TEMPERATURES_C.end());
-    let message = format!(
-        "`{}` is {} °C, expected {low} … {high} °C",
-        columns.names[index], row.temperatures_c[axis]?
-    );
-    let place = row.line.cell_place(index);
-    Some(Problem::new(message).at(place).help("give degrees Celsius"))
-}
-
 fn require_temperature(
     axis: Axis,
-    columns: &Columns<'_>,
+    table: &Columns<'_>,
     measurement: &DiagonalMeasurement,
     problems: &mut Problems,
 ) {
-    let Some(material) = measurement.material.filter(|m| !m.material_corrected) else {
-        return;
-    };
-    let without = |scale: crate::inputs::job::AxisMaterial| scale.temperature_c.is_none();
-    if material.axes[axis].is_some_and(without) {
-        problems.push(
-            Problem::new(format!(
-                "there is no temperature of axis {axis}: neither a column `t_{0}_c` nor `temperature_c` in the job's [measurement.step_diagonal.material]",
-                axis.key()
-            ))
-            .at(columns.header.whole())
-            .help("give the mean temperature of the scale in the job, or a column with that of every reading"),
+    let material = measurement.material.filter(|m| !m.material_corrected);
+    let scale = material.and_then(|material| material.axes[axis]);
+    if scale.is_some_and(|scale| scale.temperature_c.is_none()) {
+        let key = axis.key();
+        let message = format!(
+            "there is no temperature of axis {axis}: neither a column `t_{key}_c` nor `temperature_c` in the job's [measurement.step_diagonal.material]"
         );
+        let help = "give the mean temperature of the scale in the job, or a column with that of every reading";
+        problems.push(table.at_header(message, help));
     }
 }
 
@@ -288,10 +232,11 @@ pub(super) fn run(
     measurement: &DiagonalMeasurement,
 ) -> Run {
     let mut forward: Vec<&Row<'_>> = rows.to_vec();
+    let mut sign = 1.0;
     if walk.is_own() {
         forward.reverse();
+        sign = -1.0;
     }
-    let sign = if walk.is_own() { -1.0 } else { 1.0 };
     let deviation =
         |row: &&Row<'_>| Deviation::from_um(sign * deviation_um(row, quantity, measurement));
     Run {

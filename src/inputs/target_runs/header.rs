@@ -1,12 +1,14 @@
 //! The header of a file of runs: which columns, in which layout, unit and sense.
 
+use crate::inputs::table::Table;
 use crate::inputs::target_runs::{Stated, Values};
 use crate::quantity::axis::Direction;
-use crate::text::delimited::{Expected, LengthUnit, Line, columns_of};
-use crate::text::problem::{Problem, Problems, shown};
+use crate::text::delimited::{Expected, LengthUnit, Line};
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems};
 use std::collections::BTreeSet;
 
-pub(super) const FIRST_LINE: &str = "first line: target_mm,up1_mm,up2_mm,dn1_mm,dn2_mm \
+const FIRST_LINE: &str = "first line: target_mm,up1_mm,up2_mm,dn1_mm,dn2_mm \
                           or target_mm,run,direction,deviation_um";
 
 /// What a column holds.
@@ -23,6 +25,12 @@ pub(super) enum Content {
     Reading(Values),
 }
 
+impl Content {
+    fn is_length(self) -> bool {
+        !matches!(self, Content::Index | Content::Run | Content::Direction)
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Column {
     pub(super) content: Content,
@@ -30,9 +38,8 @@ pub(super) struct Column {
     pub(super) unit: Option<LengthUnit>,
 }
 
-pub(super) struct Layout {
-    pub(super) columns: Vec<Column>,
-    pub(super) names: Vec<String>,
+pub(super) struct Layout<'a> {
+    pub(super) table: Table<'a, Column>,
     pub(super) target: usize,
     pub(super) form: Form,
     /// What the runs hold; `None` where neither a name nor a statement says it.
@@ -49,89 +56,89 @@ pub(super) enum Form {
     },
 }
 
-impl Layout {
-    /// The layout of a header, with what was stated beside it.
-    pub(super) fn read(header: &Line<'_>, stated: Stated) -> Result<Layout, Problems> {
-        refuse_other_tables(header)?;
-        let expected = Expected {
-            known: known_columns(header),
-            same: |a: &Column, b: &Column| same_content(a.content, b.content),
-            first_line: FIRST_LINE,
-            columns: FIRST_LINE,
-        };
-        let (columns, names) = columns_of(header, &expected)?;
-        let mut layout = form(header, columns, names)?;
-        layout.take_unit(header, stated.unit)?;
-        layout.take_values(header, stated.values)?;
+impl<'a> Layout<'a> {
+    /// The layout of a file, with what was stated beside it.
+    pub(super) fn read(source: &'a Source, stated: Stated) -> Result<Layout<'a>, Problems> {
+        let what = "table, expected a header and the runs of an axis";
+        let table = Table::read(source, what, FIRST_LINE, |header| {
+            refuse_other_tables(header)?;
+            Ok(Expected {
+                known: known_columns(header),
+                same: |a: &Column, b: &Column| {
+                    let is_reading = |c: &Column| matches!(c.content, Content::Reading(_));
+                    a.content == b.content || is_reading(a) && is_reading(b)
+                },
+                first_line: FIRST_LINE,
+                columns: FIRST_LINE,
+            })
+        })?;
+        let mut layout = form(table)?;
+        layout.take_unit(stated.unit)?;
+        layout.take_values(stated.values)?;
         Ok(layout)
     }
 
-    fn lengths(&self) -> impl Iterator<Item = (usize, &Column)> {
-        let columns = self.columns.iter().enumerate();
-        columns.filter(|(_, column)| is_length(column.content))
+    /// The columns of lengths whose unit is such.
+    fn lengths(&self, is_such: impl Fn(Option<LengthUnit>) -> bool) -> Vec<usize> {
+        let columns = self.table.kinds.iter().enumerate();
+        let such = columns.filter(|(_, c)| c.content.is_length() && is_such(c.unit));
+        such.map(|(index, _)| index).collect()
     }
 
     /// The unit that was stated goes to the columns whose names have none.
-    fn take_unit(&mut self, header: &Line<'_>, stated: Option<LengthUnit>) -> Result<(), Problem> {
-        let without: Vec<usize> = self
-            .lengths()
-            .filter(|(_, column)| column.unit.is_none())
-            .map(|(index, _)| index)
-            .collect();
-        match (without.first(), stated) {
-            (None, None) => Ok(()),
-            (None, Some(unit)) => Err(Problem::new(format!(
-                "the unit {} was stated, but every column names its own",
-                unit.word()
-            ))
-            .at(header.whole())
-            .help("leave out `--unit`")),
-            (Some(first), None) => Err(Problem::new(format!(
-                "column `{}` has no unit, expected {}{}",
-                self.names[*first],
-                units_of(&self.names[*first]),
-                and_more(without.len() - 1, " column has none", " columns have none"),
-            ))
-            .at(header.cell_place(*first))
-            .help("name the unit in the header, or state it for all of them: `--unit mm`, `in`, `um` or `uin`")),
-            (Some(_), Some(unit)) => {
-                for index in without {
-                    self.columns[index].unit = Some(unit);
-                }
-                Ok(())
+    fn take_unit(&mut self, stated: Option<LengthUnit>) -> Result<(), Problem> {
+        let without = self.lengths(|unit| unit.is_none());
+        let message = match (without.first(), stated) {
+            (None, Some(unit)) => {
+                let unit = unit.word();
+                let message = format!("the unit {unit} was stated, but every column names its own");
+                return Err(self.table.at_header(message, "leave out `--unit`"));
             }
-        }
+            (Some(first), None) => format!(
+                "column `{0}` has no unit, expected `{0}_mm`, `_um`, `_in` or `_uin`{1}",
+                self.table.names[*first],
+                and_more(without.len() - 1, " has none", " have none"),
+            ),
+            (_, _) => {
+                for index in without {
+                    self.table.kinds[index].unit = stated;
+                }
+                return Ok(());
+            }
+        };
+        let help = "name the unit in the header, or state it for all of them: `--unit mm`, `in`, `um` or `uin`";
+        Err(self.table.at_column(without[0], message, help))
     }
 
     /// Positions or deviations: a name decides, else what was stated. Columns of runs that have
     /// the unit of the target are left open: the values themselves may show it.
-    fn take_values(&mut self, header: &Line<'_>, stated: Option<Values>) -> Result<(), Problem> {
+    fn take_values(&mut self, stated: Option<Values>) -> Result<(), Problem> {
+        let names = &self.table.names;
         if let (Form::RowForReading { reading, .. }, Some(named)) = (self.form, self.values) {
-            return match stated {
-                Some(other) if other != named => Err(Problem::new(format!(
-                    "{} were stated, but column `{}` holds {}",
-                    other.word(),
-                    self.names[reading],
-                    named.word()
-                ))
-                .at(header.cell_place(reading))
-                .help("leave out `--values`")),
-                _ => Ok(()),
+            let Some(other) = stated.filter(|other| *other != named) else {
+                return Ok(());
             };
+            let (other, named) = (other.word(), named.word());
+            let message = format!(
+                "{other} were stated, but column `{}` holds {named}",
+                names[reading]
+            );
+            return Err(self
+                .table
+                .at_column(reading, message, "leave out `--values`"));
         }
         self.values = stated;
-        let unit = self.columns[self.target].unit;
-        let other = self.lengths().find(|(_, column)| column.unit != unit);
-        match other {
-            Some((index, _)) if stated.is_none() => Err(Problem::new(format!(
-                "column `{}` has another unit than `{}`, expected to be told whether it holds \
-                 positions or deviations",
-                self.names[index], self.names[self.target]
-            ))
-            .at(header.cell_place(index))
-            .help(STATE_VALUES)),
-            _ => Ok(()),
-        }
+        let unit = self.table.kinds[self.target].unit;
+        let others = self.lengths(|other| other != unit);
+        let Some(other) = others.first().filter(|_| stated.is_none()) else {
+            return Ok(());
+        };
+        let message = format!(
+            "column `{}` has another unit than `{}`, expected to be told whether it holds \
+             positions or deviations",
+            names[*other], names[self.target]
+        );
+        Err(self.table.at_column(*other, message, STATE_VALUES))
     }
 }
 
@@ -147,23 +154,6 @@ pub(super) fn and_more(more: usize, one: &str, many: &str) -> String {
     }
 }
 
-fn is_length(content: Content) -> bool {
-    matches!(
-        content,
-        Content::Target | Content::RunOf(..) | Content::Reading(_)
-    )
-}
-
-fn same_content(a: Content, b: Content) -> bool {
-    a == b || matches!((a, b), (Content::Reading(_), Content::Reading(_)))
-}
-
-/// `` `up1_mm`, `up1_in` … ``: the names that a quantity can have with its unit.
-fn units_of(quantity: &str) -> String {
-    let names = LengthUnit::ALL.map(|unit| format!("`{quantity}_{}`", unit.word()));
-    names.join(", ")
-}
-
 /// The columns that may stand in a header: those of runs for every number that it holds.
 fn known_columns(header: &Line<'_>) -> Vec<(String, Column)> {
     let mut quantities = vec![
@@ -174,40 +164,34 @@ fn known_columns(header: &Line<'_>) -> Vec<(String, Column)> {
         ),
         ("position".to_string(), Content::Reading(Values::Positions)),
     ];
+    let words = [
+        ("up", Direction::Plus),
+        ("dn", Direction::Minus),
+        ("down", Direction::Minus),
+    ];
     for run in run_numbers(header) {
-        for (word, direction) in [
-            ("up", Direction::Plus),
-            ("dn", Direction::Minus),
-            ("down", Direction::Minus),
-        ] {
-            quantities.push((format!("{word}{run}"), Content::RunOf(direction, run)));
-        }
-    }
-    let mut known = Vec::new();
-    for unit in LengthUnit::ALL.map(Some).into_iter().chain([None]) {
-        let ending = unit.map_or_else(String::new, |unit| format!("_{}", unit.word()));
-        let with_unit = |(name, content): &(String, Content)| {
-            let content = *content;
-            (format!("{name}{ending}"), Column { content, unit })
-        };
-        known.extend(quantities.iter().map(with_unit));
+        let content = |direction| Content::RunOf(direction, run);
+        quantities
+            .extend(words.map(|(word, direction)| (format!("{word}{run}"), content(direction))));
     }
     let others = [
         ("i", Content::Index),
         ("run", Content::Run),
         ("direction", Content::Direction),
     ];
-    let unitless = |(name, content): (&str, Content)| {
-        (
-            name.to_string(),
-            Column {
-                content,
-                unit: None,
-            },
-        )
-    };
-    known.extend(others.map(unitless));
-    known
+    let others = others.map(|(name, content)| (name.to_string(), content));
+    let units = LengthUnit::ALL.map(Some).into_iter().chain([None]);
+    let with_units = units.flat_map(|unit| {
+        let ending = unit.map_or(String::new(), |unit| format!("_{}", unit.word()));
+        let column = move |(name, content): &(String, Content)| {
+            let content = *content;
+            (format!("{name}{ending}"), Column { content, unit })
+        };
+        quantities.iter().map(column)
+    });
+    let unit = None;
+    let others = others.map(|(name, content)| (name, Column { content, unit }));
+    with_units.chain(others).collect()
 }
 
 /// Numbers that stand behind the words of a header, as in `up3_mm`; 1 always.
@@ -227,84 +211,49 @@ fn run_numbers(header: &Line<'_>) -> BTreeSet<u32> {
 /// Tables that are something else, or that name their targets as an error table does.
 fn refuse_other_tables(header: &Line<'_>) -> Result<(), Problem> {
     let cells = header.cells();
-    let has = |is: &dyn Fn(&str) -> bool| cells.iter().position(|name| is(name));
-    let is_deviation = |name: &str| ["ex_", "ey_", "ez_"].iter().any(|e| name.starts_with(e));
-    if let (Some(_), Some(_)) = (has(&|name| name == "axis"), has(&is_deviation)) {
-        return Err(Problem::new(
-            "this is an error table, expected the raw runs of a positioning test: repeatability cannot be taken from means",
-        )
-        .at(header.whole())
-        .help(FIRST_LINE));
-    }
-    let is_target = |name: &str| name == "target" || name.starts_with("target_");
-    let is_run = |name: &str| {
-        let digits = name.trim_start_matches(|c: char| c.is_ascii_alphabetic());
-        let word = &name[..name.len() - digits.len()];
-        ["up", "dn", "down"].contains(&word) && digits.starts_with(|c: char| c.is_ascii_digit())
+    let has = |starts: &[&str]| {
+        let mut cells = cells.iter().map(|cell| cell.to_ascii_lowercase());
+        cells.any(|cell| starts.iter().any(|start| cell.starts_with(start)))
     };
-    let is_position = |name: &str| {
-        let name = name.to_ascii_lowercase();
-        ["position", "pos", "nominal"].contains(&name.split(['_', ' ']).next().unwrap_or_default())
+    let message = if has(&["axis"]) && has(&["ex_", "ey_", "ez_"]) {
+        "this is an error table, expected the raw runs of a positioning test: repeatability cannot be taken from means"
+    } else if has(&["pos", "nominal"]) && !has(&["target"]) {
+        TARGETS
+    } else {
+        return Ok(());
     };
-    match (has(&is_target), has(&is_run), has(&is_position)) {
-        (None, Some(_), Some(index)) => Err(Problem::new(format!(
-            "unknown column `{}`, expected the targets in {}",
-            shown(&cells[index]),
-            units_of("target")
-        ))
-        .at(header.cell_place(index))
-        .help("name it `target_mm` if it holds the target positions in mm")),
-        _ => Ok(()),
-    }
+    Err(Problem::new(message).at(header.whole()).help(FIRST_LINE))
 }
 
+const TARGETS: &str =
+    "there is no column for the targets, expected `target_mm`, `target_in` or `target_um`";
+
 /// Which of the two layouts the columns make.
-fn form(header: &Line<'_>, columns: Vec<Column>, names: Vec<String>) -> Result<Layout, Problems> {
-    let at = |wanted: &dyn Fn(Content) -> bool| columns.iter().position(|c| wanted(c.content));
+fn form(table: Table<'_, Column>) -> Result<Layout<'_>, Problems> {
     let mut problems = Problems::none();
-    let mut require = |found: Option<usize>, what: &str, example: &str| {
-        if found.is_none() {
-            problems.push(
-                Problem::new(format!("there is no column for {what}, expected {example}"))
-                    .at(header.whole())
-                    .help(FIRST_LINE),
-            );
-        }
-        found.unwrap_or_default()
-    };
-    let target = require(
-        at(&|c| c == Content::Target),
-        "the targets",
-        "`target_mm`, `target_in` or `target_um`",
-    );
-    let for_target = at(&|c| matches!(c, Content::RunOf(..)));
-    let run = at(&|c| c == Content::Run);
-    let direction = at(&|c| c == Content::Direction);
-    let reading = at(&|c| matches!(c, Content::Reading(_)));
-    let for_reading = run.or(direction).or(reading);
-    let (form, values) = match (for_target, for_reading) {
+    let find = |content| table.find(|column| column.content == content);
+    let mut require = |found, what, example| table.require(found, what, example, &mut problems);
+    let examples = "`target_mm`, `target_in` or `target_um`";
+    let target = require(find(Content::Target), "the targets", examples);
+    let for_target = table.find(|column| matches!(column.content, Content::RunOf(..)));
+    let (run, direction) = (find(Content::Run), find(Content::Direction));
+    let reading = table.find(|column| matches!(column.content, Content::Reading(_)));
+    let (form, values) = match (for_target, run.or(direction).or(reading)) {
         (Some(_), Some(other)) => {
-            return Err(Problem::new(format!(
-                "column `{}` belongs to another layout than `up1`, `dn1` …",
-                names[other]
-            ))
-            .at(header.cell_place(other))
-            .help(FIRST_LINE)
-            .into());
+            let name = &table.names[other];
+            let message = format!("column `{name}` belongs to another layout than `up1`, `dn1` …");
+            return Err(table.at_column(other, message, FIRST_LINE).into());
         }
         (None, Some(_)) => {
-            let run = require(run, "the number of the run", "`run`");
-            let direction = require(direction, "the direction of approach", "`direction`");
-            let reading = require(reading, "the reading", "`deviation_um` or `position_mm`");
-            let values = match columns.get(reading).map(|c| c.content) {
-                Some(Content::Reading(values)) => Some(values),
-                _ => None,
-            };
             let form = Form::RowForReading {
-                run,
-                direction,
-                reading,
+                run: require(run, "the number of the run", "`run`"),
+                direction: require(direction, "the direction of approach", "`direction`"),
+                reading: require(reading, "the reading", "`deviation_um` or `position_mm`"),
             };
+            let values = reading.and_then(|reading| match table.kinds[reading].content {
+                Content::Reading(values) => Some(values),
+                _ => None,
+            });
             (form, values)
         }
         (found, None) => {
@@ -312,9 +261,9 @@ fn form(header: &Line<'_>, columns: Vec<Column>, names: Vec<String>) -> Result<L
             (Form::RowForTarget, None)
         }
     };
-    problems.or_ok(()).map(|()| Layout {
-        columns,
-        names,
+    problems.or_ok(())?;
+    Ok(Layout {
+        table,
         target,
         form,
         values,

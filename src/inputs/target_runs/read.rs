@@ -1,161 +1,319 @@
-//! Rows of a file of runs → readings, each with its cell.
+//! Rows of a file of runs → [`Runs`]. Nothing is guessed: not a reading that is missing, and not whether
+//! a value is a position or a deviation, unless the values leave no doubt.
 
-use crate::inputs::target_runs::complete::complete;
-use crate::inputs::target_runs::header::{Content, FIRST_LINE, Form, Layout};
-use crate::inputs::target_runs::reading::{Length, Reading};
-use crate::inputs::target_runs::{Runs, Stated};
+use crate::inputs::table;
+use crate::inputs::target_runs::header::{Column, Content, Form, Layout, STATE_VALUES, and_more};
+use crate::inputs::target_runs::{Runs, Stated, Values};
 use crate::quantity::axis::Direction;
-use crate::text::delimited::{Line, header_and_rows};
+use crate::quantity::units::{Figure, UM_PER_MM};
+use crate::text::delimited::{LengthUnit, Line};
 use crate::text::document::Source;
-use crate::text::problem::{Problem, Problems, shown};
+use crate::text::problem::{Problem, Problems};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// One value of a run, with the cell it stands in.
+struct Reading<'a> {
+    line: Line<'a>,
+    cell: usize,
+    direction: Direction,
+    run: u32,
+    target: Length,
+    value: Length,
+}
+
+/// A length in the unit of its column.
+#[derive(Clone, Copy)]
+struct Length {
+    number: f64,
+    unit: LengthUnit,
+}
+
+impl Length {
+    fn um(self) -> f64 {
+        self.number * self.unit.um()
+    }
+}
+
+impl Reading<'_> {
+    fn target_mm(&self) -> f64 {
+        self.target.um() / UM_PER_MM
+    }
+
+    /// x_ij = P_ij − P_i. In one unit the subtraction comes first: it is exact for numbers that
+    /// are near to each other.
+    fn deviation_um(&self, values: Values) -> f64 {
+        let (value, target) = (self.value, self.target);
+        match values {
+            Values::Deviations => value.um(),
+            Values::Positions if value.unit == target.unit => {
+                (value.number - target.number) * target.unit.um()
+            }
+            Values::Positions => value.um() - target.um(),
+        }
+    }
+}
+
+/// Readings of one target: direction and run to the reading.
+type OfTarget<'r, 'a> = BTreeMap<(Direction, u32), &'r Reading<'a>>;
+/// Targets in mm, ascending, with their readings.
+type Targets<'r, 'a> = Vec<(f64, OfTarget<'r, 'a>)>;
 
 pub(super) fn runs(source: &Source, stated: Stated) -> Result<Runs, Problems> {
-    let Some((header, rows)) = header_and_rows(source) else {
-        return Err(Problem::new(format!(
-            "`{}` holds no table, expected a header and the runs of an axis",
-            source.name
-        ))
-        .help(FIRST_LINE)
-        .into());
-    };
-    let layout = Layout::read(&header, stated)?;
-    if rows.is_empty() {
-        return Err(
-            Problem::new("the table has a header but no rows, expected readings")
-                .at(header.whole())
-                .help("write one row for each target, or one for each reading")
-                .into(),
-        );
+    let layout = Layout::read(source, stated)?;
+    let readings = readings(&layout)?;
+    if readings.is_empty() {
+        let message = "the table has a header but no rows, expected readings";
+        let help = "write one row for each target, or one for each reading";
+        return Err(layout.table.at_header(message, help).into());
     }
-    let readings = read_rows(&layout, &rows)?;
-    complete(&layout, &header, &readings)
+    let mut problems = Problems::none();
+    let targets = by_target(&layout, &readings, &mut problems);
+    if targets.len() < 2 {
+        let message = "there is one target only, expected at least two";
+        let help = "a positioning test has five or more targets";
+        problems.push(layout.table.at_header(message, help));
+    }
+    let runs: BTreeSet<(Direction, u32)> = readings.iter().map(|r| (r.direction, r.run)).collect();
+    for (_, of_target) in &targets {
+        refuse_gaps(&layout, of_target, &runs, &mut problems);
+    }
+    // Without its neighbours a reading cannot be told to be far.
+    problems.or_ok(())?;
+    let values = values_of(&layout, &targets)?;
+    refuse_far_readings(&layout, values, &targets)?;
+    let of = |direction: Direction| {
+        let deviations = |(_, of_target): &(f64, OfTarget<'_, '_>)| {
+            let of_direction = of_target.values().filter(|r| r.direction == direction);
+            of_direction.map(|r| r.deviation_um(values)).collect()
+        };
+        let measured = runs.iter().any(|(of, _)| *of == direction);
+        measured.then(|| targets.iter().map(deviations).collect())
+    };
+    let targets_mm = targets.iter().map(|(mm, _)| *mm).collect();
+    Ok(Runs::new(
+        targets_mm,
+        of(Direction::Plus),
+        of(Direction::Minus),
+    )?)
 }
 
 /// Readings of a test: each takes some 700 bytes of memory until the figures are printed. A test of 100
 /// targets with five runs each way has 1000.
 const MOST_READINGS: usize = 50_000;
 
-fn read_rows<'a>(layout: &Layout, lines: &[Line<'a>]) -> Result<Vec<Reading<'a>>, Problems> {
-    let mut problems = Problems::none();
-    let mut readings = Vec::new();
-    for line in lines {
-        let Some(cells) = line.cells_under(layout.columns.len(), &mut problems) else {
-            continue;
-        };
-        let mut row = Row {
-            layout,
-            line: *line,
-            cells: cells.iter().map(|cell| &**cell).collect(),
-            problems: &mut problems,
-        };
-        row.read(&mut readings);
-        if readings.len() > MOST_READINGS {
-            let words = format!("here are more than {MOST_READINGS} readings, too many for a test");
-            let problem = Problem::new(words).at(line.whole());
-            problems.push(problem.help("check that the file is a test of one axis"));
-            break;
-        }
-    }
-    problems.or_ok(readings)
-}
+const RUN: (&str, &str) = ("a whole number from 1", "number the runs 1, 2, 3 …");
+const DIRECTION: (&str, &str) = (
+    "`+` (up) or `-` (down)",
+    "`+` = the axis came from smaller coordinates",
+);
 
-/// The cells of one row, while it is read.
-struct Row<'r, 'a, 'p> {
-    layout: &'r Layout,
-    line: Line<'a>,
-    cells: Vec<&'r str>,
-    problems: &'p mut Problems,
-}
-
-impl<'a> Row<'_, 'a, '_> {
-    fn read(&mut self, readings: &mut Vec<Reading<'a>>) {
-        let target = self.length(self.layout.target);
-        let line = self.line;
-        let mut add = |cell: usize, direction, run, value: Option<Length>| {
-            if let (Some(target), Some(direction), Some(run), Some(value)) =
-                (target, direction, run, value)
-            {
-                readings.push(Reading {
-                    line,
-                    cell,
-                    direction,
-                    run,
-                    target,
-                    value,
-                });
-            }
-        };
-        match self.layout.form {
-            Form::RowForReading {
-                run,
-                direction,
-                reading,
-            } => {
-                let number = self.run(run);
-                let approach = self.direction(direction);
-                add(reading, approach, number, self.length(reading));
-            }
-            Form::RowForTarget => {
-                for (cell, column) in self.layout.columns.iter().enumerate() {
-                    if let Content::RunOf(direction, run) = column.content {
-                        add(cell, Some(direction), Some(run), self.length(cell));
-                    }
-                }
-            }
-        }
-    }
-
-    fn refuse(&mut self, index: usize, message: String, help: &str) {
-        let line = self.line;
-        self.problems
-            .push_with(|| Problem::new(message).at(line.cell_place(index)).help(help));
-    }
-
-    fn length(&mut self, index: usize) -> Option<Length> {
-        let (name, cell) = (&self.layout.names[index], self.cells[index]);
-        if cell.is_empty() {
-            let message = format!("`{name}` is empty, expected a number");
-            let help =
-                "a missing reading is not filled in; leave out its run or its target as a whole";
-            self.refuse(index, message, help);
+fn readings<'a>(layout: &Layout<'a>) -> Result<Vec<Reading<'a>>, Problems> {
+    let mut count = 0;
+    let rows = layout.table.rows(|row| {
+        let target = length(layout, row, layout.target);
+        let cells = cells(layout, row);
+        count += cells.len();
+        if count > MOST_READINGS {
+            let message =
+                format!("here are more than {MOST_READINGS} readings, too many for a test");
+            row.refuse(0, message, "check that the file is a test of one axis");
             return None;
         }
-        let expected = "write a plain number; its unit stands in the header";
-        let number = self
-            .line
-            .number_in(index, cell, name, expected, self.problems)?;
-        let unit = self.layout.columns[index].unit?;
-        Some(Length { number, unit })
-    }
-
-    fn run(&mut self, index: usize) -> Option<u32> {
-        let cell = self.cells[index];
-        let number = cell.parse().ok().filter(|run| *run > 0);
-        if number.is_none() {
-            let message = format!(
-                "the run is `{}`, expected a whole number from 1",
-                shown(cell)
-            );
-            self.refuse(index, message, "number the runs 1, 2, 3 …");
-        }
-        number
-    }
-
-    fn direction(&mut self, index: usize) -> Option<Direction> {
-        let cell = self.cells[index];
-        let direction = match cell {
-            "up" => Some(Direction::Plus),
-            "dn" | "down" => Some(Direction::Minus),
-            symbol => Direction::from_symbol(symbol),
+        let (line, target) = (row.line, target?);
+        let reading = |(cell, direction, run, value)| Reading {
+            line,
+            cell,
+            direction,
+            run,
+            target,
+            value,
         };
-        if direction.is_none() {
-            let message = format!(
-                "unknown direction `{}`, expected `+` (up) or `-` (down)",
-                shown(cell)
-            );
-            let help = "`+` = the axis came from smaller coordinates";
-            self.refuse(index, message, help);
+        Some(cells.into_iter().map(reading).collect::<Vec<_>>())
+    })?;
+    Ok(rows.into_iter().flatten().collect())
+}
+
+/// The readings of a row: cell, direction of approach, number of the run, value.
+fn cells(
+    layout: &Layout<'_>,
+    row: &mut table::Row<'_, '_>,
+) -> Vec<(usize, Direction, u32, Length)> {
+    match layout.form {
+        Form::RowForReading {
+            run,
+            direction,
+            reading,
+        } => {
+            let whole = |text: &str| text.parse().ok().filter(|run| *run > 0);
+            let run = row.parsed(Some(run), None, whole, RUN);
+            let approach = |text: &str| match text {
+                "up" => Some(Direction::Plus),
+                "dn" | "down" => Some(Direction::Minus),
+                symbol => Direction::from_symbol(symbol),
+            };
+            let direction = row.parsed(Some(direction), None, approach, DIRECTION);
+            let value = length(layout, row, reading);
+            let all = || Some((reading, direction?, run?, value?));
+            all().into_iter().collect()
         }
-        direction
+        Form::RowForTarget => {
+            let columns = layout.table.kinds.iter().enumerate();
+            let run = |(cell, column): (usize, &Column)| match column.content {
+                Content::RunOf(direction, run) => {
+                    Some((cell, direction, run, length(layout, row, cell)?))
+                }
+                _ => None,
+            };
+            columns.filter_map(run).collect()
+        }
     }
+}
+
+fn length(layout: &Layout<'_>, row: &mut table::Row<'_, '_>, index: usize) -> Option<Length> {
+    let help = "a missing reading is not filled in; leave out its run or its target as a whole";
+    let number = row.number(index, help)?;
+    let unit = layout.table.kinds[index].unit?;
+    Some(Length { number, unit })
+}
+
+/// Targets in ascending order with their readings; a reading that comes twice is refused.
+fn by_target<'r, 'a>(
+    layout: &Layout<'_>,
+    readings: &'r [Reading<'a>],
+    problems: &mut Problems,
+) -> Targets<'r, 'a> {
+    let mut sorted: Vec<&Reading<'_>> = readings.iter().collect();
+    sorted.sort_by(|a, b| a.target_mm().total_cmp(&b.target_mm()));
+    let mut targets: Targets<'_, '_> = Vec::new();
+    for reading in sorted {
+        let target_mm = reading.target_mm();
+        let key = (reading.direction, reading.run);
+        match targets.last_mut() {
+            Some((mm, of_target)) if *mm >= target_mm => match of_target.get(&key) {
+                None => _ = of_target.insert(key, reading),
+                Some(first) => problems.push_with(|| twice(layout, first, reading)),
+            },
+            _ => targets.push((target_mm, BTreeMap::from([(key, reading)]))),
+        }
+    }
+    targets
+}
+
+fn twice(layout: &Layout<'_>, first: &Reading<'_>, second: &Reading<'_>) -> Problem {
+    let mm = second.target_mm();
+    let what = match layout.form {
+        Form::RowForTarget => format!("target {mm} mm"),
+        Form::RowForReading { .. } => format!(
+            "target {mm} mm, run {} moving {}",
+            second.run, second.direction
+        ),
+    };
+    let line = first.line.number();
+    let message = format!("{what} stands here again, the first time in line {line}");
+    let place = second.line.cell_place(layout.target);
+    Problem::new(message)
+        .at(place)
+        .help("keep one of the two rows")
+}
+
+/// Every target needs every run that another target has.
+fn refuse_gaps(
+    layout: &Layout<'_>,
+    of_target: &OfTarget<'_, '_>,
+    runs: &BTreeSet<(Direction, u32)>,
+    problems: &mut Problems,
+) {
+    let Some(first) = of_target.values().next() else {
+        return;
+    };
+    for (direction, run) in runs.iter().filter(|key| !of_target.contains_key(key)) {
+        problems.push_with(|| {
+            let mm = first.target_mm();
+            let message = format!("target {mm} mm has no reading of run {run} moving {direction}, which other targets have");
+            let help = "a missing reading is not filled in; write a target the same way in every row, or leave out the run or the target as a whole";
+            Problem::new(message).at(first.line.cell_place(layout.target)).help(help)
+        });
+    }
+}
+
+/// Deviations are small beside the distance of the targets: at most this part of it.
+const SMALL: f64 = 0.1;
+
+/// Positions or deviations, as named or stated. Else the values are tried as both: they are
+/// positions if their deviations are small beside the smallest distance of two targets; anything
+/// else has to be stated.
+fn values_of(layout: &Layout<'_>, targets: &Targets<'_, '_>) -> Result<Values, Problem> {
+    if let Some(values) = layout.values {
+        return Ok(values);
+    }
+    let distances = targets.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    let small_um = SMALL * distances.fold(f64::INFINITY, f64::min) * UM_PER_MM;
+    let fits = |values: Values| {
+        let mut readings = targets.iter().flat_map(|(_, of)| of.values());
+        readings.all(|reading| reading.deviation_um(values).abs() <= small_um)
+    };
+    // Both cannot fit: no two targets are that near to zero.
+    if fits(Values::Positions) {
+        return Ok(Values::Positions);
+    }
+    let found = if fits(Values::Deviations) {
+        "they look like deviations"
+    } else {
+        "they are far from the targets as either"
+    };
+    let is_run = |column: Column| matches!(column.content, Content::RunOf(..));
+    let first = layout.table.find(is_run).unwrap_or(layout.target);
+    let name = &layout.table.names[first];
+    let message = format!(
+        "column `{name}` does not say whether its values are positions or deviations: {found}"
+    );
+    Err(layout.table.at_column(first, message, STATE_VALUES))
+}
+
+/// No machine tool is off by a millimetre and more, unless something else is wrong.
+const LARGEST_MM: f64 = 1.0;
+
+/// An axis stands nearer to its own target than to the next one. Where it does not, and by more
+/// than a machine can be off, positions were taken for deviations or the other way round, or a row
+/// is wrong.
+fn refuse_far_readings(
+    layout: &Layout<'_>,
+    values: Values,
+    targets: &Targets<'_, '_>,
+) -> Result<(), Problem> {
+    let mut far = Vec::new();
+    for (index, (mm, of_target)) in targets.iter().enumerate() {
+        let before = index.checked_sub(1).and_then(|before| targets.get(before));
+        let neighbours = [before, targets.get(index + 1)].into_iter().flatten();
+        let distances = neighbours.map(|(other, _)| (other - mm).abs());
+        let half_mm = distances.fold(f64::INFINITY, f64::min) / 2.0;
+        let limit_um = half_mm.max(LARGEST_MM) * UM_PER_MM;
+        let is_far = |reading: &&&Reading<'_>| reading.deviation_um(values).abs() >= limit_um;
+        let readings = of_target.values().filter(is_far);
+        far.extend(readings.map(|reading| (limit_um / UM_PER_MM, *reading)));
+    }
+    let first = far.iter().min_by_key(|(_, r)| (r.line.number(), r.cell));
+    let Some((limit_mm, reading)) = first else {
+        return Ok(());
+    };
+    let help = match (layout.form, values) {
+        (Form::RowForTarget, Values::Positions) => {
+            "the values are read as positions; if they are deviations add `--values deviations`"
+        }
+        (Form::RowForTarget, Values::Deviations) => {
+            "the values are read as deviations; if they are positions add `--values positions`"
+        }
+        (Form::RowForReading { .. }, _) => {
+            "check the row and the units; `position_mm` is where the axis stood, `deviation_um` its distance from the target"
+        }
+    };
+    Err(Problem::new(format!(
+        "the reading is {:.4} mm from its target at {} mm, expected less than {limit_mm:.4} mm (half the \
+         way to the next target, or {LARGEST_MM} mm where they are closer){}",
+        Figure(reading.deviation_um(values) / UM_PER_MM),
+        reading.target_mm(),
+        and_more(far.len() - 1, " reading is as far", " readings are as far"),
+    ))
+    .at(reading.line.cell_place(reading.cell))
+    .help(help))
 }

@@ -65,27 +65,25 @@ impl Runs {
         up_um: Option<Vec<Vec<f64>>>,
         down_um: Option<Vec<Vec<f64>>>,
     ) -> Result<Runs, Problem> {
-        if targets_mm.len() < 2 {
+        let ascending = targets_mm.windows(2).all(|pair| pair[0] < pair[1]);
+        if targets_mm.len() < 2 || !ascending || !targets_mm.iter().all(|mm| mm.is_finite()) {
+            return Err(Problem::new(
+                "expected two targets or more, each larger than the one before",
+            ));
+        }
+        let measured = [&up_um, &down_um];
+        let is_complete = |um: &&Vec<Vec<f64>>| {
+            let runs = um.first().map_or(0, Vec::len);
+            let is_full = |of: &Vec<f64>| of.len() == runs && of.iter().all(|um| um.is_finite());
+            runs > 0 && um.len() == targets_mm.len() && um.iter().all(is_full)
+        };
+        let is_one = measured.iter().any(|um| um.is_some());
+        if !is_one || !measured.into_iter().flatten().all(|um| is_complete(&um)) {
             return Err(Problem::new(format!(
-                "{} target, expected at least two",
+                "the runs are not complete: expected one direction or both, and as many finite \
+                 deviations at each of the {} targets",
                 targets_mm.len()
             )));
-        }
-        let ascending = targets_mm.windows(2).all(|pair| pair[0] < pair[1]);
-        if !ascending || !targets_mm.iter().all(|mm| mm.is_finite()) {
-            return Err(Problem::new(
-                "the targets do not ascend, expected each larger than the one before",
-            ));
-        }
-        if up_um.is_none() && down_um.is_none() {
-            return Err(Problem::new(
-                "no direction was measured, expected one or both",
-            ));
-        }
-        for (um, direction) in [(&up_um, Direction::Plus), (&down_um, Direction::Minus)] {
-            if let Some(um) = um {
-                refuse_incomplete(um, targets_mm.len(), direction)?;
-            }
         }
         Ok(Runs {
             targets_mm,
@@ -121,20 +119,4 @@ impl Runs {
             _ => 0.0,
         }
     }
-}
-
-fn refuse_incomplete(um: &[Vec<f64>], targets: usize, direction: Direction) -> Result<(), Problem> {
-    let runs = um.first().map_or(0, Vec::len);
-    if um.len() != targets || runs == 0 || um.iter().any(|of| of.len() != runs) {
-        return Err(Problem::new(format!(
-            "the runs moving {direction} are not complete, expected as many at each of the \
-             {targets} targets"
-        )));
-    }
-    if um.iter().flatten().any(|um| !um.is_finite()) {
-        return Err(Problem::new(format!(
-            "a deviation moving {direction} is not a finite number"
-        )));
-    }
-    Ok(())
 }
