@@ -11,24 +11,19 @@
 //! The language is that of Fanuc-like controls (ISO 6983); docs/path.md lists the words, and what
 //! a control may do differently.
 
-mod arc;
 mod block;
 mod codes;
 mod cycle;
-mod depths;
 mod interpreter;
 mod moves;
-mod offsets;
-mod refused;
 mod run;
 pub mod scan;
 mod setup;
 
-pub use self::moves::{Arc, Move, Place, Plane, Shape};
+pub use self::moves::{Arc, Move, Place, Plane, Refused, Shape};
 pub(crate) use self::setup::EXTENDED;
 pub use self::setup::{G43WithoutH, Setup, WithoutPoint, system_name, system_number};
 #[cfg(test)]
 mod tests;
 
-pub use self::refused::Refused;
 pub use self::run::{Line, Mark, Ran, Text, run};

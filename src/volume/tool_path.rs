@@ -14,15 +14,11 @@
 
 mod cloud;
 mod extremes;
-mod hull;
 mod map;
-mod polynomial;
 mod profile;
-mod setup;
 #[cfg(test)]
 mod tests;
 
 pub use self::extremes::{Channel, Extreme, Range};
-pub use self::map::{AxisPart, PathMap};
-pub use self::profile::{Outside, Profile, ProfileLimits, Sample, Summary};
-pub use self::setup::{limits, path_map};
+pub use self::map::{AxisPart, PathMap, path_map};
+pub use self::profile::{Outside, Profile, ProfileLimits, Sample, Summary, limits};

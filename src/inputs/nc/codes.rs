@@ -1,4 +1,4 @@
-//! The G and M words that are known, and the groups of which a block takes one.
+//! The G and M words that are known, the groups of which a block takes one, and what a cycle remembers.
 
 use crate::inputs::nc::Plane;
 
@@ -59,80 +59,58 @@ pub(super) enum Code {
     Blend,
     /// G96: X is a diameter.
     Turning,
-    /// Known to be without effect on the path, with its reason in words.
-    Harmless(u8),
+    /// Known to be without effect on the path.
+    Harmless,
 }
 
-impl Code {
-    /// Words of one group exclude each other in a block.
-    pub(super) fn group(self) -> u8 {
-        match self {
-            Code::Motion(_) => 0,
-            Code::Plane(_) => 1,
-            Code::Inch(_) => 2,
-            Code::Incremental(_) => 3,
-            Code::AbsoluteCentre(_) => 4,
-            Code::System(_) => 5,
-            Code::ToolLength(_) => 6,
-            Code::Level(_) => 7,
-            Code::Once(_) => 8,
-            Code::MachineCoordinates => 9,
-            Code::EndCycle => 10,
-            Code::Blend => 23,
-            Code::Turning => 26,
-            Code::Harmless(group) => group,
-        }
-    }
-}
-
-/// The meaning of a G word by its number in tenths, if it is known.
-pub(super) fn code(tenths: u16) -> Option<Code> {
+/// The group of a G word by its number in tenths, of which a block takes one word, and what it does.
+pub(super) fn code(tenths: u16) -> Option<(usize, Code)> {
+    let number = u32::from(tenths);
     Some(match tenths {
-        0 => Code::Motion(Motion::Rapid),
-        10 => Code::Motion(Motion::Straight),
-        20 => Code::Motion(Motion::Arc { clockwise: true }),
-        30 => Code::Motion(Motion::Arc { clockwise: false }),
-        40 => Code::Once(Once::Dwell),
-        50 | 51 | 80 => Code::Once(Once::LookAhead),
-        90 => Code::Harmless(20), // exact stop in this block
-        100 => Code::Once(Once::SetOffset),
-        170 => Code::Plane(Plane::Xy),
-        180 => Code::Plane(Plane::Zx),
-        190 => Code::Plane(Plane::Yz),
-        200 => Code::Inch(true),
-        210 => Code::Inch(false),
-        280 => Code::Once(Once::Reference),
-        300 => Code::Once(Once::SecondReference),
-        400 => Code::Harmless(21), // no cutter radius compensation
-        430 => Code::ToolLength(true),
-        490 => Code::ToolLength(false),
-        500 => Code::Harmless(22), // no scaling
-        520 => Code::Once(Once::Local),
-        530 => Code::MachineCoordinates,
-        540 | 550 | 560 | 570 | 580 | 590 => Code::System(Some(u32::from(tenths) / 10 - 53)),
-        541 => Code::System(None),
-        591..=593 => Code::System(Some(u32::from(tenths) - 591 + 7)),
-        610 => Code::Harmless(23), // exact stop
-        640 => Code::Blend,
-        690 => Code::Harmless(24), // no rotation
-        800 => Code::EndCycle,
+        0 => (0, Code::Motion(Motion::Rapid)),
+        10 => (0, Code::Motion(Motion::Straight)),
+        20 => (0, Code::Motion(Motion::Arc { clockwise: true })),
+        30 => (0, Code::Motion(Motion::Arc { clockwise: false })),
         730 | 810 | 820 | 830 | 840 | 850 | 860 | 880 | 890 => {
-            Code::Motion(Motion::Cycle(tenths / 10))
+            (0, Code::Motion(Motion::Cycle(tenths / 10)))
         }
-        900 => Code::Incremental(false),
-        901 => Code::AbsoluteCentre(true),
-        910 => Code::Incremental(true),
-        911 => Code::AbsoluteCentre(false),
-        920 => Code::Once(Once::Shift),
-        921 => Code::Once(Once::CancelShift),
-        930 | 940 | 950 => Code::Harmless(25), // kind of feed
-        960 => Code::Turning,
-        970 => Code::Harmless(26), // a spindle speed in turns
-        980 => Code::Level(Level::Initial),
-        990 => Code::Level(Level::Retract),
+        170 => (1, Code::Plane(Plane::Xy)),
+        180 => (1, Code::Plane(Plane::Zx)),
+        190 => (1, Code::Plane(Plane::Yz)),
+        200 | 210 => (2, Code::Inch(tenths == 200)),
+        900 | 910 => (3, Code::Incremental(tenths == 910)),
+        901 | 911 => (4, Code::AbsoluteCentre(tenths == 901)),
+        540 | 550 | 560 | 570 | 580 | 590 => (5, Code::System(Some(number / 10 - 53))),
+        541 => (5, Code::System(None)),
+        591..=593 => (5, Code::System(Some(number - 591 + 7))),
+        430 | 490 => (6, Code::ToolLength(tenths == 430)),
+        980 => (7, Code::Level(Level::Initial)),
+        990 => (7, Code::Level(Level::Retract)),
+        40 => (8, Code::Once(Once::Dwell)),
+        50 | 51 | 80 => (8, Code::Once(Once::LookAhead)),
+        100 => (8, Code::Once(Once::SetOffset)),
+        280 => (8, Code::Once(Once::Reference)),
+        300 => (8, Code::Once(Once::SecondReference)),
+        520 => (8, Code::Once(Once::Local)),
+        920 => (8, Code::Once(Once::Shift)),
+        921 => (8, Code::Once(Once::CancelShift)),
+        530 => (9, Code::MachineCoordinates),
+        800 => (10, Code::EndCycle),
+        90 => (11, Code::Harmless),  // exact stop in this block
+        400 => (12, Code::Harmless), // no cutter radius compensation
+        500 => (13, Code::Harmless), // no scaling
+        610 => (14, Code::Harmless), // exact stop
+        640 => (14, Code::Blend),
+        690 => (15, Code::Harmless),             // no rotation
+        930 | 940 | 950 => (16, Code::Harmless), // kind of feed
+        960 => (17, Code::Turning),
+        970 => (17, Code::Harmless), // a spindle speed in turns
         _ => return None,
     })
 }
+
+/// More than there are groups.
+pub(super) const GROUPS: usize = 18;
 
 /// The next step for a G word that is not executed.
 pub(super) fn why_not(tenths: u16) -> &'static str {
@@ -158,4 +136,34 @@ pub(super) fn why_not(tenths: u16) -> &'static str {
 /// M words that call programs or move axes on their own.
 pub(super) fn is_call(tenths: u16) -> bool {
     matches!(tenths, 960 | 970 | 1960 | 1970 | 1980 | 1990)
+}
+
+/// Modal values of a cycle. Its depths are kept as they are written: a change of zero or length
+/// inside the cycle moves them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cycle {
+    /// Where the tool stood along the third axis when the cycle was called, machine coordinate, mm.
+    pub(super) initial: f64,
+    /// The program's zero there at that time.
+    pub(super) zero: Option<f64>,
+    pub(super) retract: Option<Depth>,
+    pub(super) bottom: Option<Depth>,
+}
+
+impl Cycle {
+    pub(super) fn new(initial: f64, zero: Option<f64>) -> Cycle {
+        Cycle {
+            initial,
+            zero,
+            retract: None,
+            bottom: None,
+        }
+    }
+}
+
+/// A depth as it is written, and the mode of that block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Depth {
+    pub(super) mm: f64,
+    pub(super) incremental: bool,
 }

@@ -4,11 +4,10 @@ mod motion;
 mod once;
 
 use crate::inputs::nc::block::{Block, CALL, CodeWord, Span, TOOL_CHANGE};
-use crate::inputs::nc::codes::{Code, Level, Motion, Once, code, is_call, why_not};
-use crate::inputs::nc::depths::Cycle;
-use crate::inputs::nc::offsets::Offsets;
+use crate::inputs::nc::codes::{Code, Cycle, GROUPS, Level, Motion, Once, code, is_call, why_not};
 use crate::inputs::nc::scan::Wrong;
-use crate::inputs::nc::{EXTENDED, G43WithoutH, Move, Place, Plane, Refused, Setup};
+use crate::inputs::nc::setup::Offsets;
+use crate::inputs::nc::{EXTENDED, G43WithoutH, Move, Place, Plane, Setup};
 use crate::quantity::units::MM_PER_INCH;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -83,9 +82,20 @@ struct Asked {
     blend: bool,
 }
 
+impl Asked {
+    /// The motion word of the block; G80 ends a cycle.
+    fn motion(self) -> Option<Motion> {
+        self.motion.or(self.end_cycle.map(|_| Motion::Ended))
+    }
+}
+
 /// A control while it executes a program.
 pub(super) struct Interpreter<'s> {
     setup: &'s Setup,
+    /// The moves of the block, each with the place of its words.
+    pub(super) moves: Vec<(Move, Span)>,
+    /// The first axis word of the block, or its centre.
+    pub(super) span: Span,
     pub(super) at: Place,
     pub(super) plane: Plane,
     /// G17, G18 or G19 stood in the program.
@@ -117,6 +127,8 @@ impl<'s> Interpreter<'s> {
     pub(super) fn new(setup: &'s Setup) -> Interpreter<'s> {
         Interpreter {
             setup,
+            moves: Vec::new(),
+            span: (0, 1),
             at: setup.start,
             plane: Plane::Xy,
             has_plane: false,
@@ -139,11 +151,9 @@ impl<'s> Interpreter<'s> {
     }
 
     /// Executes a block; what is wrong goes into its list.
-    pub(super) fn block<F>(&mut self, block: &mut Block, line: usize, follow: &mut F) -> Flow
-    where
-        F: FnMut(&Move) -> Result<(), Refused>,
-    {
+    pub(super) fn block(&mut self, block: &mut Block, line: usize) -> Flow {
         self.line = line;
+        self.span = first_span(block);
         let asked = if block.g.is_empty() {
             Asked::default()
         } else {
@@ -156,47 +166,63 @@ impl<'s> Interpreter<'s> {
         for letter in *b"NFSTD" {
             block.value(letter); // without effect on the path
         }
-        let done = self
-            .select(block, asked)
-            .and_then(|()| self.once(block, asked, follow))
-            .and_then(|taken| {
-                if taken {
-                    Ok(())
-                } else {
-                    self.motion(block, asked, follow)
-                }
-            });
-        let flow = self.programs(block);
-        match (done, flow) {
-            (Err(wrong), _) | (Ok(()), Err(wrong)) => {
-                if block.wrong.is_empty() {
-                    block.wrong.push(wrong); // else it may follow from what is wrong already
-                }
-                Flow::Next
-            }
-            (Ok(()), Ok(flow)) => {
+        let done = self.select(block, asked);
+        let done = done.and_then(|()| self.moved(block, asked));
+        match done.and(self.programs(block)) {
+            Ok(flow) => {
                 if !block.nothing_unused() && block.wrong.is_empty() {
                     refuse_unused(block, self.motion);
                 }
                 flow
             }
+            Err(wrong) => {
+                if block.wrong.is_empty() {
+                    block.wrong.push(wrong); // else it may follow from what is wrong already
+                }
+                Flow::Next
+            }
+        }
+    }
+
+    fn moved(&mut self, block: &mut Block, asked: Asked) -> Result<(), Wrong> {
+        if let Some(span) = asked.machine {
+            let motion = asked.motion().or(self.motion);
+            let is_straight = matches!(motion, Some(Motion::Rapid | Motion::Straight));
+            let fits = is_straight && !self.incremental && asked.once.is_none();
+            if !fits || !block.has_any(&AXES) {
+                return Err(Wrong::new(
+                    span,
+                    "`G53` is executed with G90, G0 or G1, and an axis only",
+                    "write it in a block of its own, e.g. `G90 G53 G0 Z0`",
+                ));
+            }
+        }
+        if let Some(motion) = asked.end_cycle.map(|_| Motion::Ended) {
+            self.set_motion(motion);
+        }
+        if let Some(motion) = asked.motion {
+            self.set_motion(motion);
+        }
+        match asked.once {
+            Some((once, word)) => self.once(block, once, word),
+            None => self.motion(block, asked.machine.is_some()),
         }
     }
 
     /// G words: modes at once, the others as what is asked of this block.
     fn modes(&mut self, block: &mut Block) -> Asked {
         let mut asked = Asked::default();
-        let mut groups: [Option<CodeWord>; 32] = [None; 32];
+        let mut groups: [Option<CodeWord>; GROUPS] = [None; GROUPS];
         for index in 0..block.g.len() {
             let word = block.g[index];
-            let Some(code) = code(word.tenths) else {
+            let Some((group, code)) = code(word.tenths) else {
                 let message = format!("`{}` is not executed", word.name('G'));
                 block
                     .wrong
                     .push(Wrong::new(word.span, message, why_not(word.tenths)));
                 continue;
             };
-            let group = &mut groups[usize::from(code.group())];
+            let group = &mut groups[group];
             if let Some(other) = group.filter(|other| other.tenths != word.tenths) {
                 let message = format!(
                     "`{}` and `{}` stand in one block, but exclude each other",
@@ -245,7 +271,7 @@ impl<'s> Interpreter<'s> {
             Code::Turning => {
                 self.turning = Some(turning(word.span, "`G96` (constant cutting speed)"))
             }
-            Code::Harmless(_) => {}
+            Code::Harmless => {}
         }
     }
 
@@ -439,7 +465,7 @@ fn unknown_system(span: Span, name: &str) -> Wrong {
 }
 
 /// The first axis word of a block, or its centre.
-pub(super) fn first_span(block: &Block) -> Span {
+fn first_span(block: &Block) -> Span {
     let letters = b"XYZIJKR";
     let places = letters.iter().filter(|letter| block.has(**letter));
     places

@@ -1,4 +1,6 @@
-//! Moves of the tool.
+//! Moves of the tool, and the circles of G2 and G3.
+
+use std::f64::consts::TAU;
 
 /// A place in machine coordinates, mm: X, Y, Z.
 pub type Place = [f64; 3];
@@ -113,4 +115,100 @@ fn straight(from: Place, to: Place, part: f64) -> Place {
             from[k] + (to[k] - from[k]) * part
         }
     })
+}
+
+/// Why a move cannot be followed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refused {
+    /// What was found and what was expected.
+    pub message: String,
+    /// What to do next.
+    pub help: String,
+}
+
+/// How far the end of an arc misses the circle in programs that are right, mm: where `u` is the last
+/// decimal, start, end and centre are rounded by u/2 along both axes, so the two radii differ by up to
+/// 2·√2·u, 0.003 mm with three decimals.
+pub(super) const USUAL_MISS_MM: f64 = 0.01;
+/// The same with three decimals of an inch: 2·√2·0.0254 mm.
+pub(super) const INCH_MISS_MM: f64 = 0.072;
+/// No control has a larger radius.
+const LARGEST_RADIUS_MM: f64 = 1e7;
+/// Below this the radius is no circle, mm.
+const SMALLEST_RADIUS_MM: f64 = 1e-6;
+/// Start and end that lie no further apart along the circle are in the same direction from the
+/// centre, mm: a thousandth of what a program can say.
+const SAME_DIRECTION_MM: f64 = 1e-6;
+
+/// The arc around a centre; a full circle where the end lies in the direction of the start. What is
+/// wrong comes back in words.
+pub(super) fn around(
+    plane: Plane,
+    clockwise: bool,
+    (from, to): (Place, Place),
+    centre: [f64; 2],
+    tolerance_mm: f64,
+) -> Result<Arc, String> {
+    let [first, second, _] = plane.axes();
+    let start = [from[first] - centre[0], from[second] - centre[1]];
+    let end = [to[first] - centre[0], to[second] - centre[1]];
+    let radius = [start[0].hypot(start[1]), end[0].hypot(end[1])];
+    if radius[0] < SMALLEST_RADIUS_MM || radius[0] > LARGEST_RADIUS_MM {
+        return Err(format!("the arc has a radius of {:.6} mm", radius[0]));
+    }
+    if (radius[1] - radius[0]).abs() > tolerance_mm {
+        return Err(format!(
+            "the end of the arc lies {:.4} mm from the centre, its start {:.4} mm; expected the same within {tolerance_mm} mm (`arc_mm` in [path])",
+            radius[1], radius[0]
+        ));
+    }
+    let from_rad = start[1].atan2(start[0]);
+    let forward = (end[1].atan2(end[0]) - from_rad).rem_euclid(TAU);
+    let closed = forward.min(TAU - forward) * radius[0] < SAME_DIRECTION_MM;
+    let turn = match (closed, clockwise) {
+        (true, _) => TAU,
+        (false, true) => TAU - forward,
+        (false, false) => forward,
+    };
+    Ok(Arc {
+        centre,
+        from_rad,
+        sweep_rad: if clockwise { -turn } else { turn },
+        radius,
+    })
+}
+
+/// The centre of an arc with a radius; a negative radius takes the long way (over 180°).
+pub(super) fn centre_of_radius(
+    plane: Plane,
+    clockwise: bool,
+    (from, to): (Place, Place),
+    radius: f64,
+    tolerance_mm: f64,
+) -> Result<[f64; 2], String> {
+    let [first, second, _] = plane.axes();
+    let chord = [to[first] - from[first], to[second] - from[second]];
+    let length = chord[0].hypot(chord[1]);
+    if length < SAME_DIRECTION_MM {
+        return Err("the arc with a radius ends where it begins".to_string());
+    }
+    let half = length / 2.0;
+    let size = radius.abs();
+    if size + tolerance_mm < half {
+        return Err(format!(
+            "the radius {size} mm does not reach: start and end are {length:.4} mm apart"
+        ));
+    }
+    let height = (size * size - half * half).max(0.0).sqrt();
+    // The centre of a short counter-clockwise arc lies to the left of the chord.
+    let left = if clockwise == (radius < 0.0) {
+        1.0
+    } else {
+        -1.0
+    };
+    let part = left * height / length;
+    Ok([
+        from[first] + chord[0] / 2.0 - chord[1] * part,
+        from[second] + chord[1] / 2.0 + chord[0] * part,
+    ])
 }

@@ -5,14 +5,12 @@
 //! Subprograms follow it, each from `O…` to M99; an index of the `O` words is made when the first
 //! one is called.
 
-use crate::inputs::nc::arc::USUAL_MISS_MM;
-use crate::inputs::nc::block::{Block, CALL};
+use crate::inputs::nc::block::{Block, CALL, Span};
 use crate::inputs::nc::interpreter::{Flow, Interpreter, Tally};
-use crate::inputs::nc::refused::Refused;
+use crate::inputs::nc::moves::USUAL_MISS_MM;
 use crate::inputs::nc::scan::{Wrong, words};
-use crate::inputs::nc::{Move, Setup};
+use crate::inputs::nc::{Move, Refused, Setup, WithoutPoint};
 use crate::text::problem::{Place, Problem, Problems};
-use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Problems that are told of one program.
@@ -71,26 +69,29 @@ pub struct Ran {
 
 /// Executes a program; `follow` gets every move. All problems are given, up to a number; after
 /// one of them the moves are those of the blocks that could be executed.
-pub fn run<T, F>(text: &mut T, name: &str, setup: &Setup, mut follow: F) -> Result<Ran, Problems>
-where
-    T: Text,
-    F: FnMut(&Move) -> Result<(), Refused>,
-{
+pub fn run(
+    text: &mut dyn Text,
+    name: &str,
+    setup: &Setup,
+    mut follow: impl FnMut(&Move) -> Result<(), Refused>,
+) -> Result<Ran, Problems> {
     let mut control = Control {
+        name,
+        setup,
         interpreter: Interpreter::new(setup),
         problems: Problems::none(),
         found: BTreeSet::new(),
         calls: Vec::new(),
         index: None,
-        ran: Ran::default(),
+        blocks: 0,
         repeated: 0.0,
         deletable: 0,
         percent: false,
         begun: false,
         entered: false,
     };
-    control.execute(text, name, setup, &mut follow)?;
-    control.close(setup)
+    control.execute(text, &mut follow)?;
+    control.close()
 }
 
 /// A call that is being executed.
@@ -105,13 +106,15 @@ struct Call {
 }
 
 struct Control<'s> {
+    name: &'s str,
+    setup: &'s Setup,
     interpreter: Interpreter<'s>,
     problems: Problems,
     /// Lines and bytes at which something is wrong.
     found: BTreeSet<(usize, usize)>,
     calls: Vec<Call>,
     index: Option<BTreeMap<u32, Mark>>,
-    ran: Ran,
+    blocks: u64,
     /// Of [`MOST_REPEATED`].
     repeated: f64,
     deletable: u64,
@@ -124,77 +127,124 @@ struct Control<'s> {
 /// What a line asks of the text.
 enum Next {
     Line,
-    Call {
-        program: u32,
-        times: u32,
-        place: Place,
-    },
+    Call(u32, u32, Place),
     Return,
     /// M2, M30.
     End,
     /// The second `%`.
     TextEnd,
-    /// It is a turning program.
-    Turning(Problem),
 }
 
+type Follow<'f> = &'f mut dyn FnMut(&Move) -> Result<(), Refused>;
+
 impl Control<'_> {
-    fn execute<T, F>(
-        &mut self,
-        text: &mut T,
-        name: &str,
-        setup: &Setup,
-        follow: &mut F,
-    ) -> Result<(), Problems>
-    where
-        T: Text,
-        F: FnMut(&Move) -> Result<(), Refused>,
-    {
+    fn execute(&mut self, text: &mut dyn Text, follow: Follow<'_>) -> Result<(), Problems> {
         let mut block = Block::new();
-        let length_mm = Cell::new(0.0);
-        let mut measured = |step: &Move| {
-            length_mm.set(length_mm.get() + step.length_mm());
-            follow(step)
-        };
         while self.found.len() < MOST_PROBLEMS {
             let Some(line) = text.next_line()? else {
                 return self.ended();
             };
-            let (number, holes) = (line.number, self.interpreter.tally.holes);
-            length_mm.set(0.0);
-            let line = without_mark(line);
-            let next = self.line(line, &mut block, name, setup, &mut measured);
-            let holes = self.interpreter.tally.holes - holes;
-            self.count(holes, length_mm.get(), number)?;
-            match next {
+            match self.line(without_mark(line), &mut block, follow)? {
                 Next::Line => {}
                 Next::End => return Ok(()),
                 Next::TextEnd => return self.ended(),
-                // What else was found follows from it.
-                Next::Turning(problem) => return Err(problem.into()),
                 Next::Return if self.calls.is_empty() => return Ok(()),
                 Next::Return => self.go_back(text)?,
-                Next::Call {
-                    program,
-                    times,
-                    place,
-                } => self.call(text, program, times, place)?,
+                Next::Call(_, 0, _) => {}
+                Next::Call(program, times, place) => self.call(text, program, times, place)?,
             }
         }
         Ok(())
     }
 
-    /// Counts the block that was executed, where it is one of a subprogram or repeats holes.
-    fn count(&mut self, holes: u64, length_mm: f64, line: usize) -> Result<(), Problems> {
-        if self.calls.is_empty() && holes < 2 {
-            return Ok(());
+    /// Executes a line.
+    #[inline]
+    fn line(
+        &mut self,
+        line: Line<'_>,
+        block: &mut Block,
+        follow: Follow<'_>,
+    ) -> Result<Next, Problems> {
+        block.read(line.bytes);
+        self.blocks += 1;
+        if block.percent {
+            // The first `%` begins the text, the next one ends it.
+            let is_end = self.begun || std::mem::replace(&mut self.percent, true);
+            return Ok(if is_end { Next::TextEnd } else { Next::Line });
         }
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "at most some thousand of a block"
-        )]
-        let holes = holes as f64;
-        self.repeated += 1.0 + holes + length_mm;
+        if block.delete {
+            self.deletable += 1;
+            if self.setup.skip_deletable {
+                return Ok(Next::Line);
+            }
+        }
+        if std::mem::take(&mut self.entered) {
+            block.value(b'O');
+        }
+        if !self.begun && block.wrong.is_empty() {
+            // The first O word names the main program.
+            self.begun =
+                block.value(b'O').is_some() || block.has_any(b"XYZ") || !block.g.is_empty();
+        }
+        let holes = self.interpreter.tally.holes;
+        let flow = self.interpreter.block(block, line.number);
+        if let Some(wrong) = self.interpreter.turning.take() {
+            return Err(self.problem(line, &wrong).into()); // what else was found follows from it
+        }
+        self.follow(block, holes, line.number, follow)?;
+        for wrong in &block.wrong {
+            if self.found.insert((line.number, wrong.start)) {
+                self.problems.push(self.problem(line, wrong));
+            }
+        }
+        Ok(match flow {
+            Flow::Next => Next::Line,
+            Flow::Return => Next::Return,
+            Flow::End => Next::End,
+            Flow::Call { program, times } => {
+                let span = block.m_word(CALL).map_or((0, 1), |word| word.span);
+                Next::Call(program, times, self.place(line, span))
+            }
+        })
+    }
+
+    /// Follows the moves of a block to the first one that is refused. They count where the block is one
+    /// of a subprogram or repeats holes.
+    #[inline]
+    fn follow(
+        &mut self,
+        block: &mut Block,
+        holes: u64,
+        line: usize,
+        follow: Follow<'_>,
+    ) -> Result<(), Problems> {
+        let holes = self.interpreter.tally.holes - holes;
+        let repeats = !self.calls.is_empty() || holes > 1;
+        let mut length_mm = 0.0;
+        for (step, span) in self.interpreter.moves.drain(..) {
+            if repeats {
+                length_mm += step.length_mm();
+            }
+            if let Err(refused) = follow(&step) {
+                if block.wrong.is_empty() {
+                    let wrong = Wrong::new(span, refused.message, refused.help);
+                    block.wrong.push(wrong); // else it may follow from what is wrong already
+                }
+                break;
+            }
+        }
+        if repeats {
+            self.count(holes, length_mm, line)?;
+        }
+        Ok(())
+    }
+
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "at most some thousand holes of a block"
+    )]
+    fn count(&mut self, holes: u64, length_mm: f64, line: usize) -> Result<(), Problems> {
+        self.repeated += 1.0 + holes as f64 + length_mm;
         if self.repeated <= MOST_REPEATED {
             return Ok(());
         }
@@ -222,104 +272,31 @@ impl Control<'_> {
         problems
     }
 
-    #[inline]
-    fn line<F>(
+    fn call(
         &mut self,
-        line: Line<'_>,
-        block: &mut Block,
-        name: &str,
-        setup: &Setup,
-        follow: &mut F,
-    ) -> Next
-    where
-        F: FnMut(&Move) -> Result<(), Refused>,
-    {
-        block.read(line.bytes);
-        self.ran.blocks += 1;
-        if block.percent {
-            return self.percent();
-        }
-        if block.delete {
-            self.deletable += 1;
-            if setup.skip_deletable {
-                return Next::Line;
-            }
-        }
-        if std::mem::take(&mut self.entered) {
-            block.value(b'O');
-        }
-        if !self.begun && block.wrong.is_empty() {
-            // The first O word names the main program.
-            self.begun =
-                block.value(b'O').is_some() || block.has_any(b"XYZ") || !block.g.is_empty();
-        }
-        let flow = self.interpreter.block(block, line.number, follow);
-        if let Some(wrong) = self.interpreter.turning.take() {
-            return Next::Turning(problem(name, line, &wrong));
-        }
-        for wrong in &block.wrong {
-            if self.found.insert((line.number, wrong.start)) {
-                self.problems.push(problem(name, line, wrong));
-            }
-        }
-        match flow {
-            Flow::Next => Next::Line,
-            Flow::Return => Next::Return,
-            Flow::End => Next::End,
-            Flow::Call { program, times } => {
-                let span = block.m_word(CALL).map_or((0, 1), |word| word.span);
-                Next::Call {
-                    program,
-                    times,
-                    place: place(name, line, span.0, span.1),
-                }
-            }
-        }
-    }
-
-    /// The first `%` begins the text, the next one ends it.
-    fn percent(&mut self) -> Next {
-        if self.percent || self.begun {
-            return Next::TextEnd;
-        }
-        self.percent = true;
-        Next::Line
-    }
-
-    fn call<T: Text>(
-        &mut self,
-        text: &mut T,
+        text: &mut dyn Text,
         program: u32,
         times: u32,
         place: Place,
     ) -> Result<(), Problems> {
-        if times == 0 {
-            return Ok(());
-        }
         if self.calls.len() == DEEPEST_CALLS {
-            let problem = Problem::new(format!(
-                "more than {DEEPEST_CALLS} subprograms call each other"
-            ));
-            return Err(self.all(problem.at(place).help("a subprogram must not call itself")));
+            let message = format!("more than {DEEPEST_CALLS} subprograms call each other");
+            let help = "a subprogram must not call itself";
+            return Err(self.all(Problem::new(message).at(place).help(help)));
         }
         let back = text.mark();
-        if self.index.is_none() {
-            let index = index(text).map_err(|problem| self.all(problem))?;
-            self.index = Some(index);
-        }
-        let begin = self
-            .index
-            .as_ref()
-            .and_then(|index| index.get(&program))
-            .copied();
+        let index = match self.index.take() {
+            Some(index) => index,
+            None => index(text).map_err(|problem| self.all(problem))?,
+        };
+        let begin = self.index.insert(index).get(&program).copied();
         let Some(begin) = begin else {
             text.go_to(back)?;
             if self.found.insert((place.line, place.column)) {
-                self.problems.push(
-                    Problem::new(format!("there is no subprogram O{program} in the file"))
-                        .at(place)
-                        .help("put the subprograms behind the main program, each from `O…` to M99"),
-                );
+                let message = format!("there is no subprogram O{program} in the file");
+                let help = "put the subprograms behind the main program, each from `O…` to M99";
+                self.problems
+                    .push(Problem::new(message).at(place).help(help));
             }
             return Ok(());
         };
@@ -336,7 +313,7 @@ impl Control<'_> {
         Ok(())
     }
 
-    fn go_back<T: Text>(&mut self, text: &mut T) -> Result<(), Problem> {
+    fn go_back(&mut self, text: &mut dyn Text) -> Result<(), Problem> {
         self.repeated += JUMP;
         let Some(call) = self.calls.last_mut() else {
             return Ok(());
@@ -351,16 +328,36 @@ impl Control<'_> {
         text.go_to(back)
     }
 
-    fn close(mut self, setup: &Setup) -> Result<Ran, Problems> {
-        self.ran.holes = self.interpreter.tally.holes;
-        self.ran.notes = notes(&self.interpreter.tally, self.deletable, setup);
-        let mut problems = self.problems;
+    fn close(mut self) -> Result<Ran, Problems> {
         if self.found.len() >= MOST_PROBLEMS {
-            problems.push(Problem::new(format!(
+            self.problems.push(Problem::new(format!(
                 "reading stopped after {MOST_PROBLEMS} problems; there may be more"
             )));
         }
-        problems.or_ok(self.ran)
+        let tally = &self.interpreter.tally;
+        self.problems.or_ok(Ran {
+            blocks: self.blocks,
+            holes: tally.holes,
+            notes: notes(tally, self.deletable, self.setup),
+        })
+    }
+
+    fn problem(&self, line: Line<'_>, wrong: &Wrong) -> Problem {
+        Problem::new(wrong.message.clone())
+            .at(self.place(line, (wrong.start, wrong.end)))
+            .help(wrong.help.clone())
+    }
+
+    /// The place of bytes of a line; bytes that are no UTF-8 (comments) are shown as such.
+    fn place(&self, line: Line<'_>, (start, end): Span) -> Place {
+        let text = String::from_utf8_lossy(line.bytes);
+        let length = |bytes: usize| {
+            let part = line.bytes.get(..bytes).unwrap_or(line.bytes);
+            String::from_utf8_lossy(part).len()
+        };
+        let mut place = Place::in_text(self.name, &text, length(start), length(end));
+        place.line = line.number;
+        place
     }
 }
 
@@ -377,7 +374,7 @@ fn without_mark(line: Line<'_>) -> Line<'_> {
 }
 
 /// The lines that begin with `O` or `:`, by its number.
-fn index<T: Text>(text: &mut T) -> Result<BTreeMap<u32, Mark>, Problem> {
+fn index(text: &mut dyn Text) -> Result<BTreeMap<u32, Mark>, Problem> {
     text.go_to(Mark::default())?;
     let mut index = BTreeMap::new();
     loop {
@@ -418,32 +415,12 @@ fn program_number(line: &[u8]) -> Option<u32> {
     (word.letter == b'O' && (0.0..=99_999_999.0).contains(&word.value)).then_some(word.value as u32)
 }
 
-fn problem(name: &str, line: Line<'_>, wrong: &Wrong) -> Problem {
-    Problem::new(wrong.message.clone())
-        .at(place(name, line, wrong.start, wrong.end))
-        .help(wrong.help.clone())
-}
-
-/// The place of bytes of a line; bytes that are no UTF-8 (comments) are shown as such.
-fn place(name: &str, line: Line<'_>, start: usize, end: usize) -> Place {
-    let text = String::from_utf8_lossy(line.bytes);
-    let length = |bytes: usize| {
-        let part = line.bytes.get(..bytes).unwrap_or(line.bytes);
-        String::from_utf8_lossy(part).len()
-    };
-    let mut place = Place::in_text(name, &text, length(start), length(end));
-    place.line = line.number;
-    place
-}
-
 fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
     let mut notes = Vec::new();
     if tally.without_point > 0 {
         let meaning = match setup.without_point {
-            crate::inputs::nc::WithoutPoint::Unit => "whole mm or inches (`X100` = 100 mm)",
-            crate::inputs::nc::WithoutPoint::Increment => {
-                "least input increments (`X100` = 0.1 mm)"
-            }
+            WithoutPoint::Unit => "whole mm or inches (`X100` = 100 mm)",
+            WithoutPoint::Increment => "least input increments (`X100` = 0.1 mm)",
         };
         notes.push(format!(
             "coordinates without a decimal point: {}, the first in line {}; taken as {meaning}; see `without_point` in [path]",

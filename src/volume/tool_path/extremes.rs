@@ -1,4 +1,4 @@
-//! Smallest and largest values along a path, with the places where they are.
+//! Smallest and largest values along a path, with the places where they are, and where a polynomial turns.
 
 use crate::inputs::nc::Place;
 
@@ -93,8 +93,109 @@ impl Range {
         }
     }
 
-    /// The range, if anything was taken.
-    pub(super) fn found(self) -> Option<Range> {
-        self.min.um.is_finite().then_some(self)
+    /// Whether anything was taken.
+    pub(super) fn is_found(&self) -> bool {
+        self.min.um.is_finite()
     }
+}
+
+/// Halvings of an interval until it has no more floating-point numbers inside.
+const HALVINGS: usize = 80;
+
+/// The places inside 0 … 1 where the polynomial c₀ + c₁t + c₂t² … has the value zero and changes
+/// its sign, ascending.
+fn crossings(coefficients: &[f64]) -> Vec<f64> {
+    match coefficients {
+        [] | [_] => Vec::new(),
+        [zero, slope] => {
+            let root = -zero / slope;
+            if root > 0.0 && root < 1.0 {
+                vec![root]
+            } else {
+                Vec::new()
+            }
+        }
+        _ => {
+            let mut ends = vec![0.0];
+            ends.extend(crossings(&derivative(coefficients)));
+            ends.push(1.0);
+            let pairs = ends.windows(2);
+            pairs
+                .filter_map(|pair| crossing(coefficients, pair[0], pair[1]))
+                .collect()
+        }
+    }
+}
+
+/// The turning points of a polynomial inside 0 … 1.
+pub(super) fn turning_points(coefficients: &[f64]) -> Vec<f64> {
+    crossings(&derivative(coefficients))
+}
+
+fn derivative(coefficients: &[f64]) -> Vec<f64> {
+    let mut power = 0.0;
+    let terms = coefficients.iter().skip(1);
+    terms
+        .map(|coefficient| {
+            power += 1.0;
+            coefficient * power
+        })
+        .collect()
+}
+
+fn value(coefficients: &[f64], t: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c)
+}
+
+/// The crossing between two places, where the polynomial is monotone.
+fn crossing(coefficients: &[f64], mut low: f64, mut high: f64) -> Option<f64> {
+    let (at_low, at_high) = (value(coefficients, low), value(coefficients, high));
+    if at_low == 0.0 || at_low * at_high >= 0.0 {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = f64::midpoint(low, high);
+        if value(coefficients, middle) * at_low > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(f64::midpoint(low, high))
+}
+
+/// The polynomial through equally spaced values on 0 … 1: three of a parabola, five of a quartic.
+pub(super) fn through(values: &[f64]) -> Vec<f64> {
+    match values {
+        [a, b, c] => vec![*a, 4.0 * b - 3.0 * a - c, 2.0 * (a - 2.0 * b + c)],
+        [a, b, c, d, e] => {
+            let d1 = b - a;
+            let d2 = c - 2.0 * b + a;
+            let d3 = d - 3.0 * c + 3.0 * b - a;
+            let d4 = e - 4.0 * d + 6.0 * c - 4.0 * b + a;
+            // Newton's form in 4t, written out in powers of t.
+            vec![
+                *a,
+                4.0 * (d1 - d2 / 2.0 + d3 / 3.0 - d4 / 4.0),
+                16.0 * (d2 / 2.0 - d3 / 2.0 + d4 * 11.0 / 24.0),
+                64.0 * (d3 / 6.0 - d4 / 4.0),
+                256.0 * d4 / 24.0,
+            ]
+        }
+        _ => values.first().map(|value| vec![*value]).unwrap_or_default(),
+    }
+}
+
+/// The sum of the squares of polynomials.
+pub(super) fn squares(polynomials: &[Vec<f64>]) -> Vec<f64> {
+    let longest = polynomials.iter().map(Vec::len).max().unwrap_or(0);
+    let mut sum = vec![0.0; (2 * longest).saturating_sub(1)];
+    for polynomial in polynomials {
+        for (i, a) in polynomial.iter().enumerate() {
+            for (j, b) in polynomial.iter().enumerate() {
+                sum[i + j] += a * b;
+            }
+        }
+    }
+    sum
 }

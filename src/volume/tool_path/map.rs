@@ -1,8 +1,11 @@
 //! The error vector at any place, in a form that is cheap along a path: polynomials between the
 //! nodes of each axis.
 
+use crate::inputs::job::Job;
 use crate::inputs::nc::Place;
-use crate::quantity::curve::JUMP_MM;
+use crate::quantity::axis::Axis;
+use crate::quantity::curve::{Interpolation, JUMP_MM};
+use crate::volume::volume_model::VolumeModel;
 
 /// µrad × mm = 10⁻³ µm.
 const PER_M: f64 = 1e-3;
@@ -87,15 +90,13 @@ impl PathMap {
     /// The map less the mean error at these places (a datum that was probed on the machine).
     #[must_use]
     pub(crate) fn zeroed_at(mut self, places: &[Place]) -> PathMap {
-        let mut sum = [0.0; 3];
-        let mut count = 0.0;
+        let (mut sum, mut count) = ([0.0; 3], 0.0);
         for place in places {
-            let error = self.error_at(*place, 0.0);
-            sum = std::array::from_fn(|k| sum[k] + error[k]);
+            sum = plus(sum, self.error_at(*place, 0.0));
             count += 1.0;
         }
         if count > 0.0 {
-            self.zero = std::array::from_fn(|k| self.zero[k] + sum[k] / count);
+            self.zero = plus(self.zero, sum.map(|um| um / count));
         }
         self
     }
@@ -290,4 +291,27 @@ fn through_four(a: [f64; 6], b: [f64; 6], c: [f64; 6], d: [f64; 6], width: f64) 
         piece[3][k] = d3 / 6.0 / (third * third * third);
     }
     piece
+}
+
+/// The errors of a machine along a path, less the mean error at the probed places of the job.
+/// `None` where curves do not ascend, which a model that exists does not do.
+pub fn path_map(job: &Job, volume: &VolumeModel) -> Option<PathMap> {
+    let number = |axis: Axis| Axis::ALL.iter().position(|other| *other == axis);
+    let [first, second, third] = volume.chain.order().map(number);
+    let origin = volume.lever_origin();
+    let cubic = job.compensation.curve != Interpolation::Linear;
+    let map = PathMap::new(
+        [first?, second?, third?],
+        Axis::ALL.map(|axis| volume.bends(axis)),
+        Axis::ALL.map(|axis| origin[axis]),
+        cubic,
+        |axis, position_mm| {
+            let state = volume.state(Axis::ALL[axis], position_mm, |_| true);
+            (
+                Axis::ALL.map(|of| state.deviation_um[of]),
+                Axis::ALL.map(|about| state.rotation_urad[about]),
+            )
+        },
+    )?;
+    Some(map.zeroed_at(&job.path.datum))
 }

@@ -1,11 +1,13 @@
 //! Following the moves of a program: extremes, samples, and what lies outside.
 
 use super::cloud::Cloud;
-use super::extremes::{Channel, Range};
+use super::extremes::{Channel, Range, squares, through, turning_points};
 use super::map::PathMap;
-use super::polynomial::{squares, through, turning_points};
+use crate::inputs::job::Job;
 use crate::inputs::nc::{Move, Place, Plane, Refused, Shape};
+use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
+use crate::volume::volume_model::VolumeModel;
 
 /// Samples of one move: a kilometre in steps of a micrometre.
 const MOST_STEPS: f64 = 2e9;
@@ -29,6 +31,20 @@ pub struct ProfileLimits {
     pub travel: [Option<(f64, f64)>; 3],
     /// Whether places outside the measured range are refused.
     pub refuse_outside: bool,
+}
+
+/// How the path of a job is followed.
+pub fn limits(job: &Job, volume: &VolumeModel) -> ProfileLimits {
+    let path = &job.path;
+    ProfileLimits {
+        chord_mm: path.chord_mm,
+        sample_mm: path.sample_mm,
+        rapid: path.rapid,
+        measured_tool_mm: path.measured_tool_mm.unwrap_or(0.0),
+        measured: Axis::ALL.map(|axis| volume.is_measured(axis).then(|| volume.range(axis))),
+        travel: Axis::ALL.map(|axis| job.machine.axes[axis].map(|a| (a.low.mm(), a.high.mm()))),
+        refuse_outside: path.refuse_outside,
+    }
 }
 
 /// A sample of the path.
@@ -79,8 +95,8 @@ pub struct Summary {
     pub arcs: u64,
     /// Rapid moves that were left out.
     pub rapids_left_out: u64,
-    /// Range of each channel, in the order of [`Channel::ALL`]; `None` = there is none.
-    pub ranges: [Option<Range>; 6],
+    /// Range of each channel, in the order of [`Channel::ALL`].
+    ranges: [Range; 6],
     /// Number of samples.
     pub samples: u64,
     /// Error vectors of samples, µm: those among which the ends of the largest difference are.
@@ -100,13 +116,8 @@ pub struct Profile<'m> {
     limits: ProfileLimits,
     cell: [usize; 3],
     cuts: Vec<f64>,
-    ranges: [Range; 6],
-    outside: [Option<Outside>; 3],
-    length_mm: f64,
-    counts: [u64; 3],
-    samples: u64,
     cloud: Cloud,
-    with_tool: bool,
+    found: Summary,
 }
 
 /// A straight stretch of a move.
@@ -130,26 +141,32 @@ impl<'m> Profile<'m> {
             limits,
             cell: [0; 3],
             cuts: Vec::new(),
-            ranges: [Range::NONE; 6],
-            outside: [None; 3],
-            length_mm: 0.0,
-            counts: [0; 3],
-            samples: 0,
             cloud: Cloud::new(),
-            with_tool: false,
+            found: Summary {
+                length_mm: 0.0,
+                lines: 0,
+                arcs: 0,
+                rapids_left_out: 0,
+                ranges: [Range::NONE; 6],
+                samples: 0,
+                vectors: Vec::new(),
+                room_um: 0.0,
+                outside: Vec::new(),
+                with_tool: false,
+            },
         }
     }
 
     /// Follows a move; every sample is given to `sample`.
     pub fn follow(&mut self, step: &Move, sample: &mut impl FnMut(&Sample)) -> Result<(), Refused> {
         if step.rapid && !self.limits.rapid {
-            self.counts[2] += 1;
+            self.found.rapids_left_out += 1;
             return self.check_travel(step.to);
         }
         let longer = step
             .tool_mm
             .map_or(0.0, |mm| mm - self.limits.measured_tool_mm);
-        self.with_tool |= step.tool_mm.is_some();
+        self.found.with_tool |= step.tool_mm.is_some();
         let mut stretch = Stretch {
             from: step.from,
             to: step.to,
@@ -162,11 +179,11 @@ impl<'m> Profile<'m> {
         };
         match step.shape {
             Shape::Line => {
-                self.counts[0] += 1;
+                self.found.lines += 1;
                 self.stretch(stretch, step.plane, sample)
             }
             Shape::Arc(arc) => {
-                self.counts[1] += 1;
+                self.found.arcs += 1;
                 let chords = chords(
                     arc.sweep_rad,
                     arc.radius[0].max(arc.radius[1]),
@@ -213,7 +230,7 @@ impl<'m> Profile<'m> {
             done = *cut;
         }
         self.cuts = cuts;
-        self.length_mm += length;
+        self.found.length_mm += length;
         Ok(())
     }
 
@@ -299,13 +316,13 @@ impl<'m> Profile<'m> {
         let inner: [f64; 5] =
             std::array::from_fn(|k| 2.0 * values[1][k] - f64::midpoint(values[0][k], values[2][k]));
         let square = |v: &[f64; 5]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        let length = self.ranges[5];
+        let length = self.found.ranges[5];
         let points = [&values[0], &inner, &values[2]];
         // A vector is at least as long as its part along the one in the middle.
         let middle = &values[1];
         let along = |v: &[f64; 5]| v[0] * middle[0] + v[1] * middle[1] + v[2] * middle[2];
         let least = length.min.um * square(middle).sqrt();
-        (0..5).any(|k| self.ranges[k].is_passed_by(inner[k]))
+        (0..5).any(|k| self.found.ranges[k].is_passed_by(inner[k]))
             || points.iter().any(|v| square(v).sqrt() > length.max.um)
             || length.min.um > 0.0 && points.iter().any(|v| along(v) < least)
     }
@@ -335,10 +352,10 @@ impl<'m> Profile<'m> {
     fn take(&mut self, stretch: &Stretch, place: Place, error: [f64; 3]) {
         let values = channels(stretch, error);
         let count = if stretch.normal.is_some() { 5 } else { 4 };
-        for (range, value) in self.ranges.iter_mut().zip(&values[..count]) {
+        for (range, value) in self.found.ranges.iter_mut().zip(&values[..count]) {
             range.take(*value, place, stretch.line);
         }
-        self.ranges[5].take(length_of(error), place, stretch.line);
+        self.found.ranges[5].take(length_of(error), place, stretch.line);
     }
 
     #[inline]
@@ -350,9 +367,9 @@ impl<'m> Profile<'m> {
         sample: &mut impl FnMut(&Sample),
     ) {
         self.cloud.take(error);
-        self.samples += 1;
+        self.found.samples += 1;
         sample(&Sample {
-            s_mm: self.length_mm + done,
+            s_mm: self.found.length_mm + done,
             place,
             error_um: error,
             longer_mm: stretch.longer,
@@ -379,7 +396,7 @@ impl<'m> Profile<'m> {
                 return Err(Refused {
                     message: format!(
                         "the move leads to {} = {:.3} mm in machine coordinates, outside the travel {low} … {high} mm",
-                        letter(axis),
+                        Axis::ALL[axis],
                         Figure(at)
                     ),
                     help: "check the zero of the coordinate system ([[path.offset]]), the tool length and `travel_mm`".to_string(),
@@ -402,54 +419,53 @@ impl<'m> Profile<'m> {
                     return Err(Refused {
                         message: format!(
                             "the path is at {} = {:.3} mm, outside the measured range {low} … {high} mm",
-                            letter(axis),
+                            Axis::ALL[axis],
                             Figure(at)
                         ),
                         help: "measure there, or write `outside = \"hold\"` in [path]".to_string(),
                     });
                 }
-                let outside = self.outside[axis].get_or_insert(Outside {
-                    axis,
-                    reached_mm: (at, at),
-                    measured_mm: (low, high),
-                    line: stretch.line,
-                });
-                let (lowest, highest) = outside.reached_mm;
-                outside.reached_mm = (lowest.min(at), highest.max(at));
+                self.note_outside(axis, at, stretch.line);
             }
         }
         Ok(())
     }
 
+    #[cold]
+    fn note_outside(&mut self, axis: usize, at: f64, line: usize) {
+        let outside = &mut self.found.outside;
+        match outside.iter_mut().find(|outside| outside.axis == axis) {
+            Some(Outside { reached_mm, .. }) => {
+                *reached_mm = (reached_mm.0.min(at), reached_mm.1.max(at));
+            }
+            None => outside.extend(self.limits.measured[axis].map(|measured_mm| Outside {
+                axis,
+                reached_mm: (at, at),
+                measured_mm,
+                line,
+            })),
+        }
+    }
+
     /// What was found.
     pub fn summary(self) -> Summary {
         let (vectors, room_um) = self.cloud.ends();
+        let mut found = self.found;
+        found.outside.sort_by_key(|outside| outside.axis);
         Summary {
-            length_mm: self.length_mm,
-            lines: self.counts[0],
-            arcs: self.counts[1],
-            rapids_left_out: self.counts[2],
-            ranges: self.ranges.map(Range::found),
-            samples: self.samples,
             vectors,
             room_um,
-            outside: self.outside.into_iter().flatten().collect(),
-            with_tool: self.with_tool,
+            ..found
         }
     }
 }
 
 impl Summary {
-    /// Range of a channel.
+    /// Range of a channel; `None` where nothing was followed.
     pub fn range(&self, channel: Channel) -> Option<&Range> {
         let index = Channel::ALL.iter().position(|other| *other == channel)?;
-        self.ranges[index].as_ref()
+        Some(&self.ranges[index]).filter(|range| range.is_found())
     }
-}
-
-/// Letter of an axis by its number.
-pub(super) fn letter(axis: usize) -> char {
-    ['X', 'Y', 'Z'][axis.min(2)]
 }
 
 /// X, Y, Z, tangent, normal (0 where there is none).

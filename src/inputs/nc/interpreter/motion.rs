@@ -1,12 +1,11 @@
 //! Blocks that move: where their words lead, lines, arcs and the start of cycles.
 
-use super::{AXES, Asked, Interpreter, Reach, first_span, turning, unknown_system};
-use crate::inputs::nc::arc::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
+use super::{AXES, Interpreter, Reach, turning, unknown_system};
 use crate::inputs::nc::block::{Block, Span};
-use crate::inputs::nc::codes::Motion;
-use crate::inputs::nc::depths::Cycle;
+use crate::inputs::nc::codes::{Cycle, Motion};
+use crate::inputs::nc::moves::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
 use crate::inputs::nc::scan::Wrong;
-use crate::inputs::nc::{Arc, Move, Place, Refused, Shape, WithoutPoint, system_name};
+use crate::inputs::nc::{Arc, Move, Place, Shape, WithoutPoint, system_name};
 use crate::quantity::units::MM_PER_INCH;
 
 const ABSOLUTE_CENTRE: &str = "the centre fits if it counts from the program's zero: write G90.1 before, if the control is set so";
@@ -18,107 +17,54 @@ const INCREMENT_MM: f64 = 0.001;
 const INCREMENT_IN: f64 = 0.0001;
 
 impl Interpreter<'_> {
-    /// G80, then the motion word of the block.
-    pub(super) fn choose_motion(&mut self, asked: Asked) {
-        let motions = [asked.end_cycle.map(|_| Motion::Ended), asked.motion];
-        motions
-            .into_iter()
-            .flatten()
-            .for_each(|motion| self.set_motion(motion));
-    }
-
-    fn set_motion(&mut self, motion: Motion) {
-        let was_cycle = matches!(self.motion, Some(Motion::Cycle(_)));
-        if matches!(motion, Motion::Cycle(_)) {
-            let third = self.plane.axes()[2];
-            if !was_cycle {
-                let zero = self.offsets.base().map(|base| base[third]);
-                self.cycle = Some(Cycle::new(self.at[third], zero));
-            }
-        } else {
+    pub(super) fn set_motion(&mut self, motion: Motion) {
+        if !matches!(motion, Motion::Cycle(_)) {
             self.cycle = None;
+        } else if !matches!(self.motion, Some(Motion::Cycle(_))) {
+            let third = self.plane.axes()[2];
+            let zero = self.offsets.base().map(|base| base[third]);
+            self.cycle = Some(Cycle::new(self.at[third], zero));
         }
         self.motion = Some(motion);
     }
 
-    pub(super) fn motion<F>(
-        &mut self,
-        block: &mut Block,
-        asked: Asked,
-        follow: &mut F,
-    ) -> Result<(), Wrong>
-    where
-        F: FnMut(&Move) -> Result<(), Refused>,
-    {
-        self.choose_motion(asked);
+    /// A block whose axis words are those of the motion that is active; `machine` = G53.
+    pub(super) fn motion(&mut self, block: &mut Block, machine: bool) -> Result<(), Wrong> {
         if let Some(Motion::Cycle(number)) = self.motion {
-            return self.cycle_block(block, number, asked.machine, follow);
+            return self.cycle_block(block, number);
         }
         let is_arc = matches!(self.motion, Some(Motion::Arc { .. }));
         if !(block.has_any(&AXES) || is_arc && block.has_any(b"IJKR")) {
-            return match asked.machine {
-                Some(span) => Err(Wrong::new(
-                    span,
-                    "`G53` without an axis",
-                    "name the axes and their machine coordinates",
-                )),
-                None => Ok(()),
-            };
-        }
-        let span = first_span(block);
-        if asked.machine.is_some() && self.incremental {
-            return Err(Wrong::new(
-                span,
-                "`G53` takes machine coordinates, but G91 is active",
-                "write G90 before",
-            ));
+            return Ok(());
         }
         match self.motion {
             Some(motion @ (Motion::Rapid | Motion::Straight)) => {
-                let reach = if asked.machine.is_some() {
+                let reach = if machine {
                     Reach::Machine
                 } else {
                     Reach::Program
                 };
-                let to = self.target(block, span, reach)?;
-                self.go(to, Shape::Line, motion == Motion::Rapid, span, follow)
+                let to = self.target(block, reach)?;
+                self.go(to, Shape::Line, motion == Motion::Rapid);
+                Ok(())
             }
-            Some(Motion::Arc { clockwise }) => {
-                if let Some(span) = asked.machine {
-                    return Err(Wrong::new(
-                        span,
-                        "`G53` with an arc",
-                        "position with G0 or G1 first",
-                    ));
-                }
-                self.arc(block, clockwise, span, follow)
-            }
-            Some(Motion::Ended) => Err(Wrong::new(
-                span,
-                "axis words after `G80`: controls differ in which motion is active then",
-                "write G0 or G1 before the coordinates",
-            )),
+            Some(Motion::Arc { clockwise }) => self.arc(block, clockwise),
             _ => Err(Wrong::new(
-                span,
-                "axis words, but no motion is active",
-                "write G0, G1, G2 or G3 before the first coordinates",
+                self.span,
+                "axis words, but no motion is active (after `G80` controls differ in it)",
+                "write G0, G1, G2 or G3 before the coordinates",
             )),
         }
     }
 
     /// Where the axis words of a block lead.
     #[inline]
-    pub(super) fn target(
-        &mut self,
-        block: &mut Block,
-        span: Span,
-        reach: Reach,
-    ) -> Result<Place, Wrong> {
-        let words = self.axis_words(block)?;
+    pub(super) fn target(&mut self, block: &mut Block, reach: Reach) -> Result<Place, Wrong> {
+        let words = self.axis_words(block);
         let base = if reach == Reach::Machine || self.incremental {
             [0.0; 3]
         } else {
-            self.base(span)?
+            self.base()?
         };
         let mut to = self.at;
         for axis in 0..3 {
@@ -139,16 +85,16 @@ impl Interpreter<'_> {
             return Ok(to);
         }
         Err(Wrong::new(
-            span,
+            self.span,
             "the move leads farther than a kilometre",
             "check the coordinate and its decimal point",
         ))
     }
 
-    pub(in crate::inputs::nc) fn base(&mut self, span: Span) -> Result<Place, Wrong> {
+    pub(in crate::inputs::nc) fn base(&mut self) -> Result<Place, Wrong> {
         match self.offsets.base() {
             Some(base) => Ok(base),
-            None => Err(self.lose(span, self.offsets.active())),
+            None => Err(self.lose(self.span, self.offsets.active())),
         }
     }
 
@@ -160,12 +106,8 @@ impl Interpreter<'_> {
         unknown_system(span, &system_name(system))
     }
 
-    pub(super) fn axis_words(&mut self, block: &mut Block) -> Result<[Option<f64>; 3], Wrong> {
-        Ok([
-            self.length(block, b'X'),
-            self.length(block, b'Y'),
-            self.length(block, b'Z'),
-        ])
+    pub(super) fn axis_words(&mut self, block: &mut Block) -> [Option<f64>; 3] {
+        AXES.map(|letter| self.length(block, letter))
     }
 
     /// A length word in mm, as the units and the decimal point say.
@@ -187,18 +129,10 @@ impl Interpreter<'_> {
         })
     }
 
-    fn arc<F>(
-        &mut self,
-        block: &mut Block,
-        clockwise: bool,
-        span: Span,
-        follow: &mut F,
-    ) -> Result<(), Wrong>
-    where
-        F: FnMut(&Move) -> Result<(), Refused>,
-    {
+    fn arc(&mut self, block: &mut Block, clockwise: bool) -> Result<(), Wrong> {
         let tolerance_mm = self.arc_mm();
-        let ends = (self.at, self.target(block, span, Reach::Program)?);
+        let ends = (self.at, self.target(block, Reach::Program)?);
+        let span = self.span;
         let in_words = |message| {
             Wrong::new(
                 span,
@@ -217,24 +151,23 @@ impl Interpreter<'_> {
             }
             centre_of_radius(self.plane, clockwise, ends, radius, tolerance_mm).map_err(in_words)?
         } else {
-            self.centre(block, span)?
+            self.centre(block)?
         };
         if self.is_turning_arc(block) {
             self.turning = Some(turning(block.span(b'K'), "an arc with K, but without G18,"));
         }
-        let arc = around(self.plane, clockwise, ends, centre, tolerance_mm);
-        match arc {
+        match around(self.plane, clockwise, ends, centre, tolerance_mm) {
             Ok(arc) => {
                 self.tally_miss(arc, tolerance_mm);
-                self.go(ends.1, Shape::Arc(arc), false, span, follow)
+                self.go(ends.1, Shape::Arc(arc), false);
+                Ok(())
             }
             Err(message) => {
-                let absolute = self.fits_as_absolute(block, clockwise, ends, tolerance_mm);
-                self.at = ends.1; // what follows is judged from where the program means to be
                 let mut wrong = in_words(message);
-                if absolute {
+                if self.fits_as_absolute(block, clockwise, ends, tolerance_mm) {
                     wrong.help = ABSOLUTE_CENTRE.to_string();
                 }
+                self.at = ends.1; // what follows is judged from where the program means to be
                 Err(wrong)
             }
         }
@@ -288,24 +221,24 @@ impl Interpreter<'_> {
     }
 
     /// The centre by I, J, K: those of the plane.
-    fn centre(&mut self, block: &mut Block, span: Span) -> Result<[f64; 2], Wrong> {
+    fn centre(&mut self, block: &mut Block) -> Result<[f64; 2], Wrong> {
         let [first, second, _] = self.plane.axes();
         let words = [first, second].map(|axis| (axis, self.length(block, CENTRES[axis])));
         if words.iter().all(|(_, word)| word.is_none()) {
             return Err(Wrong::new(
-                span,
+                self.span,
                 "the arc has neither a centre in its plane nor a radius",
                 "write two of I, J, K, or R",
             ));
         }
         let base = if self.absolute_centre {
-            self.base(span)?
+            self.base()?
         } else {
             self.at
         };
         if self.absolute_centre && words.iter().any(|(_, word)| word.is_none()) {
             return Err(Wrong::new(
-                span,
+                self.span,
                 "with G90.1 both centre words are needed",
                 "write both",
             ));
@@ -314,17 +247,8 @@ impl Interpreter<'_> {
     }
 
     /// Makes a move, and stands at its end.
-    pub(in crate::inputs::nc) fn go<F>(
-        &mut self,
-        to: Place,
-        shape: Shape,
-        rapid: bool,
-        span: Span,
-        follow: &mut F,
-    ) -> Result<(), Wrong>
-    where
-        F: FnMut(&Move) -> Result<(), Refused>,
-    {
+    #[inline]
+    pub(in crate::inputs::nc) fn go(&mut self, to: Place, shape: Shape, rapid: bool) {
         let step = Move {
             from: self.at,
             to,
@@ -337,12 +261,9 @@ impl Interpreter<'_> {
         };
         self.at = to;
         let stays = (0..3).all(|k| (to[k] - step.from[k]).abs() <= 0.0);
-        if matches!(step.shape, Shape::Line) && stays {
-            return Ok(());
+        let is_point = matches!(step.shape, Shape::Line) && stays;
+        if !is_point && !self.is_lost {
+            self.moves.push((step, self.span));
         }
-        if self.is_lost {
-            return Ok(());
-        }
-        follow(&step).map_err(|refused| Wrong::new(span, refused.message, refused.help))
     }
 }

@@ -1,46 +1,57 @@
 //! Blocks whose axis words are not those of a motion: G4, G10, G28, G30, G52, G92, look-ahead.
 
-use super::{AXES, Asked, Interpreter, Reach, named, unknown_system};
+use super::{AXES, Interpreter, Reach, named, unknown_system};
 use crate::inputs::nc::block::{Block, CodeWord, Span};
 use crate::inputs::nc::codes::Once;
 use crate::inputs::nc::scan::Wrong;
-use crate::inputs::nc::{Move, Place, Refused, Shape, system_name};
+use crate::inputs::nc::setup::Offsets;
+use crate::inputs::nc::{Place, Shape, system_name};
 
 impl Interpreter<'_> {
-    /// A block whose axis words are not those of a motion; true = it was one.
-    pub(super) fn once<F>(
+    /// A block whose axis words are not those of a motion.
+    pub(super) fn once(
         &mut self,
         block: &mut Block,
-        asked: Asked,
-        follow: &mut F,
-    ) -> Result<bool, Wrong>
-    where
-        F: FnMut(&Move) -> Result<(), Refused>,
-    {
-        let Some((once, word)) = asked.once else {
-            return Ok(false);
-        };
-        if let Some(span) = asked.machine {
-            return Err(Wrong::new(
-                span,
-                format!("`G53` and `{}` stand in one block", word.name('G')),
-                "split the block",
-            ));
-        }
-        self.choose_motion(asked);
+        once: Once,
+        word: CodeWord,
+    ) -> Result<(), Wrong> {
         match once {
-            Once::Dwell => ["P", "X", "U"]
-                .iter()
-                .for_each(|letter| _ = block.value(letter.as_bytes()[0])),
-            Once::SetOffset => self.set_offset(block, word.span)?,
-            Once::Reference => self.go_home(block, word.span, self.setup.reference, follow)?,
-            Once::SecondReference => self.go_second(block, word.span, follow)?,
-            Once::Local => self.local(block)?,
-            Once::Shift => self.shift(block, word.span)?,
-            Once::CancelShift => self.offsets.cancel_shift(),
-            Once::LookAhead => self.look_ahead(block, word)?,
+            Once::Dwell => {
+                for letter in *b"PXU" {
+                    block.value(letter);
+                }
+                Ok(())
+            }
+            Once::SetOffset => self.set_offset(block, word.span),
+            Once::Reference => self.go_home(block, word.span, self.setup.reference),
+            Once::SecondReference => self.go_second(block, word.span),
+            Once::Local => {
+                self.each_word(block, |offsets, axis, _, mm| offsets.set_local(axis, mm))
+            }
+            Once::Shift => {
+                self.base()?;
+                self.each_word(block, |offsets, axis, at, mm| offsets.call(axis, at, mm))
+            }
+            Once::CancelShift => {
+                self.offsets.cancel_shift();
+                Ok(())
+            }
+            Once::LookAhead => self.look_ahead(block, word),
         }
-        Ok(true)
+    }
+
+    /// Changes the zero by each axis word of the block: its axis, where that stands, its value in mm.
+    fn each_word(
+        &mut self,
+        block: &mut Block,
+        change: impl Fn(&mut Offsets, usize, f64, f64),
+    ) -> Result<(), Wrong> {
+        for (axis, word) in self.axis_words(block).into_iter().enumerate() {
+            if let Some(mm) = word {
+                change(&mut self.offsets, axis, self.at[axis], mm);
+            }
+        }
+        Ok(())
     }
 
     /// G5 P10000, G5.1 Q1, G8 P1 and their ends: the path stays.
@@ -51,20 +62,19 @@ impl Interpreter<'_> {
             _ => (b'P', 1),
         };
         block.value(b'R');
-        match named(block, letter, word.span, &word.name('G'))? {
-            0 => {}
-            number if number == on => self.tally.look_ahead += 1,
-            number => {
-                let (name, letter) = (word.name('G'), char::from(letter));
-                return Err(Wrong::new(
-                    word.span,
-                    format!(
-                        "`{name} {letter}{number}` is not executed, expected {letter}{on} or {letter}0 (look-ahead)"
-                    ),
-                    "splines and smoothing change the path: let the CAM system write short lines without them",
-                ));
-            }
+        let name = word.name('G');
+        let number = named(block, letter, word.span, &name)?;
+        if number != 0 && number != on {
+            let letter = char::from(letter);
+            return Err(Wrong::new(
+                word.span,
+                format!(
+                    "`{name} {letter}{number}` is not executed, expected {letter}{on} or {letter}0 (look-ahead)"
+                ),
+                "splines and smoothing change the path: let the CAM system write short lines without them",
+            ));
         }
+        self.tally.look_ahead += u64::from(number != 0);
         Ok(())
     }
 
@@ -77,53 +87,24 @@ impl Interpreter<'_> {
                 "state other data in the job, and remove the block",
             ));
         }
-        let number = match named(block, b'P', span, "G10 L2")? {
-            0 => {
-                return Err(Wrong::new(
-                    block.span(b'P'),
-                    "`G10 L2 P0` is not executed: on some controls it moves all systems (external offset), on others the active one",
-                    "write the number of the system, P1 (G54) … P9 (G59.3), or state its zero in the job",
-                ));
-            }
-            number @ 1..=9 => number,
-            number => {
-                return Err(Wrong::new(
-                    block.span(b'P'),
-                    format!("`P{number}` is no coordinate system, expected 1 (G54) … 9 (G59.3)"),
-                    "write the number of the system",
-                ));
-            }
-        };
-        let words = self.axis_words(block)?;
+        let number = named(block, b'P', span, "G10 L2")?;
+        if !(1..=9).contains(&number) {
+            return Err(Wrong::new(
+                block.span(b'P'),
+                format!(
+                    "`G10 L2 P{number}` is not executed: expected a coordinate system, P1 (G54) … P9 (G59.3); P0 moves all systems on some controls, on others the active one"
+                ),
+                "write the number of the system, or state its zero in the job",
+            ));
+        }
+        let words = self.axis_words(block);
         if self.offsets.set_system(number, words, self.incremental) {
             return Ok(());
         }
         Err(unknown_system(span, &system_name(number)))
     }
 
-    fn local(&mut self, block: &mut Block) -> Result<(), Wrong> {
-        for (axis, word) in self.axis_words(block)?.into_iter().enumerate() {
-            if let Some(value) = word {
-                self.offsets.set_local(axis, value);
-            }
-        }
-        Ok(())
-    }
-
-    fn shift(&mut self, block: &mut Block, span: Span) -> Result<(), Wrong> {
-        self.base(span)?;
-        for (axis, word) in self.axis_words(block)?.into_iter().enumerate() {
-            if let Some(value) = word {
-                self.offsets.call(axis, self.at[axis], value);
-            }
-        }
-        Ok(())
-    }
-
-    fn go_second<F>(&mut self, block: &mut Block, span: Span, follow: &mut F) -> Result<(), Wrong>
-    where
-        F: FnMut(&Move) -> Result<(), Refused>,
-    {
+    fn go_second(&mut self, block: &mut Block, span: Span) -> Result<(), Wrong> {
         if block.whole(b'P')?.is_some_and(|number| number != 2) {
             return Err(Wrong::new(
                 block.span(b'P'),
@@ -138,20 +119,11 @@ impl Interpreter<'_> {
                 "add `second_reference_mm = { x = …, y = …, z = … }` to [path] of the job",
             ));
         };
-        self.go_home(block, span, place, follow)
+        self.go_home(block, span, place)
     }
 
     /// G28, G30: through a place to a reference point, with the axes that are named.
-    fn go_home<F>(
-        &mut self,
-        block: &mut Block,
-        span: Span,
-        home: Place,
-        follow: &mut F,
-    ) -> Result<(), Wrong>
-    where
-        F: FnMut(&Move) -> Result<(), Refused>,
-    {
+    fn go_home(&mut self, block: &mut Block, span: Span, home: Place) -> Result<(), Wrong> {
         if !block.has_any(&AXES) {
             return Err(Wrong::new(
                 span,
@@ -160,9 +132,10 @@ impl Interpreter<'_> {
             ));
         }
         let named = AXES.map(|letter| block.has(letter));
-        let through = self.target(block, span, Reach::Home)?;
-        self.go(through, Shape::Line, true, span, follow)?;
+        let through = self.target(block, Reach::Home)?;
+        self.go(through, Shape::Line, true);
         let end = std::array::from_fn(|k| if named[k] { home[k] } else { self.at[k] });
-        self.go(end, Shape::Line, true, span, follow)
+        self.go(end, Shape::Line, true);
+        Ok(())
     }
 }
