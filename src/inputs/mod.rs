@@ -1,6 +1,7 @@
 //! What a person brings: job, error table, readings, files of other makers, part programs.
 
 pub mod error_table;
+pub mod findings;
 pub mod import;
 pub mod job;
 pub mod nc;

@@ -7,23 +7,128 @@
 //!  run 1 ↓ ──●─────────●─────────●─────────●──┘    moving down: approached in the - direction
 //! ```
 //!
-//! `read` turns a file into [`Runs`]; [`crate::machine::standards`] turns them into figures.
+//! A file of runs becomes [`Runs`]; [`crate::machine::standards`] turns them into figures.
 
 mod header;
 mod read;
-mod runs;
 
-pub use self::runs::{Runs, Stated, Values};
+use crate::quantity::axis::Direction;
+use crate::text::delimited::LengthUnit;
+use crate::text::problem::Problem;
 
-use crate::text::document::Source;
-use crate::text::problem::Problems;
+/// What the values of the runs are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Values {
+    /// Where the axis stood, P_ij.
+    Positions,
+    /// How far from the target it stood, x_ij = P_ij − P_i.
+    Deviations,
+}
+
+impl Values {
+    /// Both.
+    pub const ALL: [Values; 2] = [Values::Positions, Values::Deviations];
+
+    /// `positions` or `deviations`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Values::Positions => "positions",
+            Values::Deviations => "deviations",
+        }
+    }
+}
+
+/// What a person says about a file beside its header.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stated {
+    /// Unit of the columns whose names have none.
+    pub unit: Option<LengthUnit>,
+    /// What the run columns hold, where their names do not say it.
+    pub values: Option<Values>,
+}
+
+/// The runs of one axis: for every target the deviations of all runs, complete.
+///
+/// shape  targets ascend strictly, two or more; of a direction every target has the same number of
+///        runs, one or more; one direction may be missing as a whole
+/// unit   targets in mm, deviations in µm
+/// sign   deviation x_ij = P_ij − P_i, actual − commanded
+/// source ISO 230-2, target positions P_i and actual positions P_ij
+#[derive(Clone, Debug, PartialEq)]
+pub struct Runs {
+    targets_mm: Vec<f64>,
+    up_um: Option<Vec<Vec<f64>>>,
+    down_um: Option<Vec<Vec<f64>>>,
+}
 
 impl Runs {
-    /// Reads a file of runs; all its problems are given at once.
+    /// Checked runs. `up_um[i][j]` is the deviation of run j at target i, approached in the +
+    /// direction; `down_um` likewise in the - direction; `None` = not measured.
     ///
-    /// Two layouts: one row for each target (`target_mm,up1_mm,…,dn1_mm,…`), or one row for each
-    /// reading (`target_mm,run,direction,deviation_um`). See docs/interface.md §2.4.
-    pub fn read(source: &Source, stated: Stated) -> Result<Runs, Problems> {
-        read::runs(source, stated)
+    /// ```
+    /// use nonius::inputs::target_runs::Runs;
+    /// let up = vec![vec![0.0, 0.2], vec![1.0, 1.2]];
+    /// let runs = Runs::new(vec![0.0, 100.0], Some(up), None)?;
+    /// assert_eq!(runs.length_mm(), 100.0);
+    /// # Ok::<(), nonius::text::problem::Problem>(())
+    /// ```
+    pub fn new(
+        targets_mm: Vec<f64>,
+        up_um: Option<Vec<Vec<f64>>>,
+        down_um: Option<Vec<Vec<f64>>>,
+    ) -> Result<Runs, Problem> {
+        let ascending = targets_mm.windows(2).all(|pair| pair[0] < pair[1]);
+        if targets_mm.len() < 2 || !ascending || !targets_mm.iter().all(|mm| mm.is_finite()) {
+            return Err(Problem::new(
+                "expected two targets or more, each larger than the one before",
+            ));
+        }
+        let measured = [&up_um, &down_um];
+        let is_complete = |um: &&Vec<Vec<f64>>| {
+            let runs = um.first().map_or(0, Vec::len);
+            let is_full = |of: &Vec<f64>| of.len() == runs && of.iter().all(|um| um.is_finite());
+            runs > 0 && um.len() == targets_mm.len() && um.iter().all(is_full)
+        };
+        let is_one = measured.iter().any(|um| um.is_some());
+        if !is_one || !measured.into_iter().flatten().all(|um| is_complete(&um)) {
+            return Err(Problem::new(format!(
+                "the runs are not complete: expected one direction or both, and as many finite \
+                 deviations at each of the {} targets",
+                targets_mm.len()
+            )));
+        }
+        Ok(Runs {
+            targets_mm,
+            up_um,
+            down_um,
+        })
+    }
+
+    /// The targets, ascending, mm.
+    pub fn targets_mm(&self) -> &[f64] {
+        &self.targets_mm
+    }
+
+    /// Deviations of a direction of approach in µm: for every target those of all runs.
+    pub fn deviations_um(&self, direction: Direction) -> Option<&[Vec<f64>]> {
+        match direction {
+            Direction::Plus => self.up_um.as_deref(),
+            Direction::Minus => self.down_um.as_deref(),
+        }
+    }
+
+    /// Number of runs in a direction; 0 = not measured.
+    pub fn count(&self, direction: Direction) -> usize {
+        self.deviations_um(direction)
+            .and_then(<[Vec<f64>]>::first)
+            .map_or(0, Vec::len)
+    }
+
+    /// From the first to the last target, mm.
+    pub fn length_mm(&self) -> f64 {
+        match (self.targets_mm.first(), self.targets_mm.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        }
     }
 }

@@ -206,7 +206,7 @@ pub(super) fn outside_sentences(page: &Page) -> Vec<String> {
 pub(super) fn remarks(page: &Page) -> Vec<String> {
     let path = &page.inputs.job.path;
     let s = &page.before.summary;
-    let mut notes = page.ran.notes.clone();
+    let mut notes: Vec<String> = page.ran.notes.iter().map(ToString::to_string).collect();
     let mut unstated = Vec::new();
     if !path.has_start {
         unstated.push("`start_mm` (the axes start at the reference)");

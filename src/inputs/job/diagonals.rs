@@ -337,10 +337,25 @@ fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Opti
             "give the two ends of the measured line",
         );
     }
+    refuse_unreachable(section, (from, to), axes, volume);
+    Some(Beam {
+        from,
+        to,
+        slope_um_per_m: slope_um_per_m?,
+        u_um_per_m,
+    })
+}
+
+/// Notes ends of a beam outside the travel, or outside the box of the diagonals along an axis that moves:
+/// what the shapes of the errors contribute to a beam is known inside it only.
+fn refuse_unreachable(
+    section: &Section<'_>,
+    (from, to): (Places, Places),
+    axes: &Axes,
+    volume: Option<&Volume>,
+) {
     for axis in Axis::ALL {
-        // What the shapes of the errors contribute to a beam is known inside the box only; an axis that
-        // rests may stand anywhere.
-        let moves = volume.filter(|_| length(axis) > 0.0);
+        let moves = volume.filter(|_| from[axis] != to[axis]);
         let boxed = moves.map(|v| (v.start[axis], v.start[axis] + v.size[axis]));
         let travel = axes[axis].map(|machine| (machine.low, machine.high));
         let what = boxed.map_or("the travel", |_| "the box of the diagonals");
@@ -349,12 +364,6 @@ fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Opti
             inside(section, "to_mm", (axis, to[axis].mm()), ends, what);
         }
     }
-    Some(Beam {
-        from,
-        to,
-        slope_um_per_m: slope_um_per_m?,
-        u_um_per_m,
-    })
 }
 
 #[cfg(test)]

@@ -96,18 +96,9 @@ pub(super) fn between(
     unit: &str,
 ) -> Option<f64> {
     let number = section.number(key)?;
-    if range.contains(&number) {
-        return Some(number);
-    }
-    let written = shown(section.as_written(key).unwrap_or_default());
-    let (low, high) = range.into_inner();
-    let path = section.path_of(key);
-    section.problem(
-        key,
-        format!("`{path}` is `{written}`, expected {low} … {high} {unit}"),
-        "check the number and its unit",
-    );
-    None
+    let expected = format!("{} … {} {unit}", range.start(), range.end());
+    let help = "check the number and its unit";
+    in_range(section, key, range.contains(&number), (expected, help)).then_some(number)
 }
 
 /// A whole number between two bounds, if the key is present.
@@ -118,18 +109,27 @@ pub(super) fn count(
     help: &str,
 ) -> Option<u32> {
     let number = section.whole(key)?;
-    if range.contains(&number) {
-        return Some(number);
-    }
-    let (low, high) = range.into_inner();
-    let path = section.path_of(key);
-    let expected = match high {
-        u32::MAX => format!("at least {low}"),
-        high => format!("{low} … {high}"),
+    let expected = match range.end() {
+        &u32::MAX => format!("at least {}", range.start()),
+        most => format!("{} … {most}", range.start()),
     };
-    let message = format!("`{path}` is {number}, expected {expected}");
-    section.problem(key, message, help);
-    None
+    in_range(section, key, range.contains(&number), (expected, help)).then_some(number)
+}
+
+/// Notes a number that lies outside its range.
+fn in_range(
+    section: &Section<'_>,
+    key: &'static str,
+    is_inside: bool,
+    (expected, help): (String, &str),
+) -> bool {
+    if !is_inside {
+        let path = section.path_of(key);
+        let written = shown(section.as_written(key).unwrap_or_default());
+        let message = format!("`{path}` is `{written}`, expected {expected}");
+        section.problem(key, message, help);
+    }
+    is_inside
 }
 
 /// Two ends of a range on an axis, the smaller one first.

@@ -164,44 +164,37 @@ pub(super) fn program(
     refuse_other_runs(section, what);
     let (bidirectional, way_back) = directions(section);
     let (overrun, preload) = run_out(section, what, bidirectional);
-    let axes = axes(section);
-    let rest = place(section, "rest_mm");
-    let targets = targets(section);
-    let feed_mm_per_min = between(section, "feed_mm_per_min", 1e-3..=1e6, "mm/min");
-    let dwell_s = between(section, "dwell_s", 0.1..=600.0, "s");
+    let (volume, size_path) = measured_box(section, what, measurement).unzip();
+    let usual_runs = match what {
+        Some(RunType::SingleAxis) => DEFAULT_ISO_RUNS,
+        _ => 1,
+    };
+    let feed = between(section, "feed_mm_per_min", 1e-3..=1e6, "mm/min");
+    let dwell = between(section, "dwell_s", 0.1..=600.0, "s");
     let runs = count(
         section,
         "runs",
         1..=MOST_RUNS,
-        "the runs are numbered in the readings",
+        "write a number of that range",
     );
-    let alignment_pass = section.flag("alignment_pass").unwrap_or(true);
-    let number = count(
-        section,
-        "number",
-        1..=MOST_NUMBER,
-        "the programs have numbers of four digits",
-    );
-    let boxed = measured_box(section, what, measurement);
-    let (what, (volume, size_path)) = (what?, boxed?);
-    let usual_runs = what.path().map_or(DEFAULT_ISO_RUNS, |_| 1);
+    let four = "the programs have numbers of four digits";
     Some(ProgramRequest {
-        what,
-        volume,
-        size_path,
-        axes,
-        rest,
-        feed_mm_per_min: feed_mm_per_min.unwrap_or(DEFAULT_FEED_MM_PER_MIN),
-        dwell_s: dwell_s.unwrap_or(DEFAULT_DWELL_S),
+        axes: axes(section),
+        rest: place(section, "rest_mm"),
+        feed_mm_per_min: feed.unwrap_or(DEFAULT_FEED_MM_PER_MIN),
+        dwell_s: dwell.unwrap_or(DEFAULT_DWELL_S),
         overrun: Millimetres::new(overrun),
         preload: Millimetres::new(preload),
         runs: runs.unwrap_or(usual_runs),
         bidirectional,
         way_back,
-        targets,
-        alignment_pass,
-        number,
+        targets: targets(section),
+        alignment_pass: section.flag("alignment_pass").unwrap_or(true),
+        number: count(section, "number", 1..=MOST_NUMBER, four),
         target: target(what, measurement),
+        what: what?, // what stands above is read for its problems
+        volume: volume?,
+        size_path: size_path?,
     })
 }
 
@@ -241,12 +234,11 @@ fn measured_box(
 }
 
 /// What the job states for the same kind of run, else what is usual for it.
-fn target(what: RunType, measurement: Option<&Measurement>) -> Reflector {
+fn target(what: Option<RunType>, measurement: Option<&Measurement>) -> Reflector {
+    let kind = what.and_then(RunType::path);
     match measurement.map(|m| &m.data) {
-        Some(MeasuredData::Diagonals(measured)) if Some(measured.kind) == what.path() => {
-            measured.target
-        }
-        _ => Reflector::usual(what.path().unwrap_or(PathKind::Straight)),
+        Some(MeasuredData::Diagonals(measured)) if Some(measured.kind) == kind => measured.target,
+        _ => Reflector::usual(kind.unwrap_or(PathKind::Straight)),
     }
 }
 

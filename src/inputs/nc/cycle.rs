@@ -98,7 +98,7 @@ impl Interpreter<'_> {
     /// Controls differ in where the initial level is after a change of zero or length.
     fn check_initial(&self, cycle: &Cycle) -> Result<(), Wrong> {
         let third = self.plane.axes()[2];
-        let zero = self.offsets.base().map(|base| base[third]);
+        let zero = self.offsets.base.map(|base| base[third]);
         let counts = self.level == Level::Initial || self.incremental;
         let pending = self.incremental && third == 2 && self.offsets.pending_z.abs() > 0.0;
         if !pending && (!counts || zero == cycle.zero) {

@@ -321,7 +321,7 @@ impl<'s> Interpreter<'s> {
             (Some((false, _)), _) => self.offsets.no_tool(),
             (Some((true, span)), None) => self.use_tool(span, None)?,
             (Some((true, _)), Some(_)) => self.use_tool(block.span(b'H'), number)?,
-            (None, Some(_)) if self.offsets.tool().is_some() => {
+            (None, Some(_)) if self.offsets.tool.is_some() => {
                 self.use_tool(block.span(b'H'), number)?;
             }
             _ => {}

@@ -5,11 +5,13 @@
 //! Subprograms follow it, each from `O…` to M99; an index of the `O` words is made when the first
 //! one is called.
 
+use crate::inputs::findings::PathFinding;
 use crate::inputs::nc::block::{Block, CALL, Span};
 use crate::inputs::nc::interpreter::{Flow, Interpreter, Tally};
 use crate::inputs::nc::moves::USUAL_MISS_MM;
 use crate::inputs::nc::scan::{Wrong, words};
 use crate::inputs::nc::{Move, Refused, Setup, WithoutPoint};
+use crate::text::finding::Finding;
 use crate::text::problem::{Place, Problem, Problems};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -57,14 +59,14 @@ pub trait Text {
 }
 
 /// What was executed.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ran {
     /// Blocks, with all repeats.
     pub blocks: u64,
     /// Holes of canned cycles.
     pub holes: u64,
-    /// What a person has to know of how the program was understood, one sentence each.
-    pub notes: Vec<String>,
+    /// What a person has to know of how the program was understood.
+    pub notes: Vec<Finding>,
 }
 
 /// Executes a program; `follow` gets every move. All problems are given, up to a number; after
@@ -415,17 +417,20 @@ fn program_number(line: &[u8]) -> Option<u32> {
     (word.letter == b'O' && (0.0..=99_999_999.0).contains(&word.value)).then_some(word.value as u32)
 }
 
-fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
-    let mut notes = Vec::new();
+fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<Finding> {
+    let mut notes: Vec<Finding> = Vec::new();
     if tally.without_point > 0 {
         let meaning = match setup.without_point {
             WithoutPoint::Unit => "whole mm or inches (`X100` = 100 mm)",
             WithoutPoint::Increment => "least input increments (`X100` = 0.1 mm)",
         };
-        notes.push(format!(
-            "coordinates without a decimal point: {}, the first in line {}; taken as {meaning}; see `without_point` in [path]",
-            tally.without_point, tally.first_without_point
-        ));
+        let (count, line) = (tally.without_point, tally.first_without_point);
+        let found = PathFinding::WithoutPoint {
+            count,
+            line,
+            meaning,
+        };
+        notes.push(found.into());
     }
     if deletable > 0 {
         let what = if setup.skip_deletable {
@@ -433,37 +438,51 @@ fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
         } else {
             "executed"
         };
-        notes.push(format!(
-            "lines with `/`: {deletable}, {what}; see `block_delete` in [path]"
-        ));
+        notes.push(
+            PathFinding::Deletable {
+                count: deletable,
+                what,
+            }
+            .into(),
+        );
     }
     if tally.look_ahead > 0 {
-        notes.push(format!(
-            "look-ahead (G5, G5.1, G8) is switched on {} times: taken not to change the path",
-            tally.look_ahead
-        ));
+        notes.push(
+            PathFinding::LookAhead {
+                count: tally.look_ahead,
+            }
+            .into(),
+        );
     }
-    notes.extend(tally.blend.map(|(mm, line)| {
-        format!(
-            "G64 lets the control leave the path by up to {mm:.3} mm (the first so in line {line}): the path is followed as it is written"
-        )
+    notes.extend(
+        tally
+            .blend
+            .map(|(mm, line)| PathFinding::Blend { mm, line }.into()),
+    );
+    notes.extend(tally.rough_arcs.as_ref().map(|arcs| {
+        let found = PathFinding::RoughArcs {
+            usual_mm: USUAL_MISS_MM,
+            count: arcs.count,
+            most_mm: arcs.most_mm,
+            line: arcs.line,
+            allowed_mm: arcs.allowed_mm,
+        };
+        found.into()
     }));
-    notes.extend(tally.rough_arcs.map(|arcs| {
-        format!(
-            "arcs whose end misses the circle by more than {USUAL_MISS_MM} mm: {}, most by {:.4} mm in line {}; taken up to {:.3} mm, see `arc_mm` in [path]",
-            arcs.count, arcs.most_mm, arcs.line, arcs.allowed_mm
-        )
-    }));
-    notes.extend(tally.other_mode.map(|line| {
-        format!(
-            "G90 or G91 was changed inside a cycle in line {line}: R and Z are read as they were written, in the mode of the block that drills; some controls keep the levels"
-        )
-    }));
+    notes.extend(
+        tally
+            .other_mode
+            .map(|line| PathFinding::OtherMode { line }.into()),
+    );
     if !tally.m.is_empty() {
         let words = tally.m.iter();
         let words = words.map(|(m, count)| format!("M{m}{} ({count})", tally.with_words(*m)));
-        let words: Vec<String> = words.collect();
-        notes.push(format!("taken to be without motion: {}", words.join(", ")));
+        notes.push(
+            PathFinding::WithoutMotion {
+                words: words.collect(),
+            }
+            .into(),
+        );
     }
     notes
 }

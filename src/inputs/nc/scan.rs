@@ -190,13 +190,10 @@ impl Words<'_> {
     fn no_number(&mut self, start: usize, end: usize) -> Wrong {
         self.at = end;
         let letter = char::from(self.line[start]);
-        let next = self.line[end..]
-            .iter()
-            .find(|byte| !byte.is_ascii_whitespace());
+        let mut rest = self.line[end..].iter();
+        let next = rest.find(|byte| !byte.is_ascii_whitespace());
         let help = match next {
-            Some(b'[' | b'#') => {
-                "variables and expressions are not executed: let the CAM system write numbers"
-            }
+            Some(b'[' | b'#') => NUMBERS,
             Some(b'=') => "this is the language of another control; expected words like `X10.5`",
             _ => "write letter and number, e.g. `X10.5`; text belongs into `( … )`",
         };
@@ -206,38 +203,23 @@ impl Words<'_> {
         Wrong::new((start, end), format!("`{letter}` has no number"), help)
     }
 
-    /// A sign that begins no word. The rest of the line is passed over.
+    /// A sign that begins no word. The rest of the line is passed over where it would be misread.
     fn unknown(&mut self, byte: u8) -> Wrong {
         let start = self.at;
-        let skip_rest =
-            matches!(byte, b'#' | b'[' | b']' | b'=' | b',') || !byte.is_ascii_graphic();
-        self.at = if skip_rest {
-            self.line.len()
-        } else {
-            start + 1
+        let is_one = byte.is_ascii_graphic() && !matches!(byte, b'#' | b'[' | b']' | b'=' | b',');
+        self.at = if is_one { start + 1 } else { self.line.len() };
+        let help = match byte {
+            b'#' | b'[' | b']' => NUMBERS,
+            b',' => "write numbers with a point, like `X10.5`",
+            _ => "text belongs into `( … )`",
         };
-        let (what, help) = match byte {
-            b'#' => (
-                "variables (`#`) are not executed",
-                "let the CAM system write numbers",
-            ),
-            b'[' | b']' => (
-                "expressions (`[ ]`) are not executed",
-                "let the CAM system write numbers",
-            ),
-            b')' => ("`)` closes no comment", "open it with `(`, or remove it"),
-            b',' => (
-                "a comma, expected a point before decimals",
-                "write numbers like `X10.5`",
-            ),
-            _ => (
-                "a sign that begins no word, expected a letter",
-                "text belongs into `( … )`",
-            ),
-        };
-        Wrong::new((start, start + 1), what, help)
+        let message = "a sign that begins no word, expected a letter";
+        Wrong::new((start, start + 1), message, help)
     }
 }
+
+const NUMBERS: &str =
+    "variables and expressions are not executed: let the CAM system write numbers";
 
 fn too_long(span: (usize, usize), digits: usize) -> Wrong {
     Wrong::new(

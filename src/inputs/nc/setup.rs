@@ -117,13 +117,14 @@ const MOST_EXTENDED: u32 = 300;
 pub(super) struct Offsets {
     systems: BTreeMap<u32, Place>,
     tools: BTreeMap<u32, f64>,
-    active: u32,
+    pub(super) active: u32,
     local: Place,
     shift: Place,
-    tool: Option<f64>,
+    pub(super) tool: Option<f64>,
     /// What the tool length changed since Z was last positioned.
     pub(super) pending_z: f64,
-    base: Option<Place>,
+    /// Machine coordinates of the program's zero; `None` where that of the system is not known.
+    pub(super) base: Option<Place>,
 }
 
 impl Offsets {
@@ -148,20 +149,6 @@ impl Offsets {
             let tool = [0.0, 0.0, self.tool.unwrap_or(0.0)];
             std::array::from_fn(|k| system[k] + self.local[k] + self.shift[k] + tool[k])
         });
-    }
-
-    /// Machine coordinates of the program's zero; `None` where that of the system is not known.
-    #[inline]
-    pub(super) fn base(&self) -> Option<Place> {
-        self.base
-    }
-
-    pub(super) fn tool(&self) -> Option<f64> {
-        self.tool
-    }
-
-    pub(super) fn active(&self) -> u32 {
-        self.active
     }
 
     pub(super) fn select(&mut self, system: u32) {

@@ -2,6 +2,7 @@
 #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
 use super::*;
+use crate::inputs::findings::PathFinding;
 use crate::text::problem::{Problem, Problems};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -265,7 +266,7 @@ fn depths_of_a_cycle_are_read_in_the_mode_of_the_block_that_drills() {
     assert!(
         ran.notes
             .iter()
-            .any(|note| note.contains("inside a cycle in line 3"))
+            .any(|note| note.kind() == Some(&PathFinding::OtherMode { line: 3 }))
     );
 }
 
@@ -279,7 +280,8 @@ fn a_chip_breaking_cycle_is_fed_once() {
 
 fn notes(setup: &Setup, program: &str) -> String {
     let (_, ran) = run_with(setup, program).expect("a program");
-    ran.notes.join("\n")
+    let notes: Vec<String> = ran.notes.iter().map(ToString::to_string).collect();
+    notes.join("\n")
 }
 
 #[test]
@@ -465,7 +467,9 @@ fn coordinates_without_a_point_are_told() {
     let (steps, ran) = run_with(&increments, "G1 X100\nY1.").expect("a program");
     assert!(near(steps[1].to, [0.1, 1.0, 0.0]));
     assert!(
-        ran.notes[0].starts_with("coordinates without a decimal point: 1, the first in line 1; ")
+        ran.notes[0]
+            .to_string()
+            .starts_with("coordinates without a decimal point: 1, the first in line 1; ")
     );
 }
 

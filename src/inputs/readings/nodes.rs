@@ -45,42 +45,46 @@ pub(super) fn check_set(walks: &Walks<'_, '_>, table: &Columns<'_>, problems: &m
     if walks.keys().any(|walk| walk.pass() == Pass::Reverse) {
         require_all(walks, table, (Pass::Reverse, back), problems);
     }
-    for (walk, rows) in walks {
-        let Some(row) = rows.first().filter(|_| walk.direction == Pass::Reverse) else {
-            continue;
-        };
-        let (name, diagonal) = (walk.name(), walk.diagonal);
-        if walk.is_own() {
-            let message = format!("{walk}: `{name}` already names the way back of {diagonal}");
-            problems.push(at_row(
-                row,
-                message,
-                format!("write `{diagonal}` and `reverse`"),
-            ));
-            continue;
+    for (walk, rows) in walks
+        .iter()
+        .filter(|(walk, _)| walk.direction == Pass::Reverse)
+    {
+        if let Some(row) = rows.first() {
+            check_back(*walk, row, walks, problems);
         }
-        let forward = Walk {
-            direction: Pass::Forward,
-            ..*walk
-        };
-        let twin = Walk {
-            named: Pass::Reverse,
-            ..forward
-        };
-        if walks.contains_key(&twin) {
-            let message = format!("{walk} stands a second time as {twin}");
-            let help = "keep one of the two, or give them different runs";
-            problems.push(at_row(row, message, help));
-        }
-        if !walks.contains_key(&forward) {
-            let message =
-                format!("{walk} has no forward rows of the same run, whose start is its zero");
-            problems.push(at_row(
-                row,
-                message,
-                "give both ways of a run the same number",
-            ));
-        }
+    }
+}
+
+/// Whether rows of a way back belong to forward rows, and to nothing else.
+fn check_back(walk: Walk, row: &Row<'_>, walks: &Walks<'_, '_>, problems: &mut Problems) {
+    let (name, diagonal) = (walk.name(), walk.diagonal);
+    if walk.is_own() {
+        let message = format!("{walk}: `{name}` already names the way back of {diagonal}");
+        let help = format!("write `{diagonal}` and `reverse`");
+        problems.push(at_row(row, message, help));
+        return;
+    }
+    let forward = Walk {
+        direction: Pass::Forward,
+        ..walk
+    };
+    let twin = Walk {
+        named: Pass::Reverse,
+        ..forward
+    };
+    if walks.contains_key(&twin) {
+        let message = format!("{walk} stands a second time as {twin}");
+        let help = "keep one of the two, or give them different runs";
+        problems.push(at_row(row, message, help));
+    }
+    if !walks.contains_key(&forward) {
+        let message =
+            format!("{walk} has no forward rows of the same run, whose start is its zero");
+        problems.push(at_row(
+            row,
+            message,
+            "give both ways of a run the same number",
+        ));
     }
 }
 
@@ -276,14 +280,11 @@ fn wrong_move<'r, 'a>(
         true => Some(volume.moved(last + 1 - node.min(last))),
         false => forward(node),
     };
-    let follows = |by: &dyn Fn(usize) -> Option<Axis>| {
-        let mut moves = rows.iter().filter(|row| row.node > 0);
-        moves.all(|row| row.moved == by(row.node))
-    };
     let wrong = |row: &&&Row<'_>| row.node <= last && row.moved != expected(row.node);
     let row = *rows.iter().find(wrong)?;
     let order = Axis::letters(&volume.order);
-    if walk.is_own() && follows(&forward) {
+    let mut moves = rows.iter().filter(|row| row.node > 0);
+    if walk.is_own() && moves.all(|row| row.moved == forward(row.node)) {
         // It takes the axes in the order of the forward run.
         let (diagonal, [first, second, third]) = (walk.diagonal, volume.order);
         let back = Axis::letters(&[third, second, first]);
@@ -295,19 +296,6 @@ fn wrong_move<'r, 'a>(
         );
         return Some((row, Problem::new(message).help(help)));
     }
-    let mut others = Axis::ORDERS
-        .into_iter()
-        .filter(|order| *order != volume.order);
-    let other = others.find(|order| follows(&|node| Some(order[(node + 2) % 3])));
-    let walked = |node: usize| (node < last).then(|| volume.moved(node + 1));
-    let help = match other.filter(|_| !walk.is_own()) {
-        Some(other) => format!(
-            "the whole run follows another order: write `order = \"{}\"` in the job",
-            Axis::letters(&other)
-        ),
-        None if !walk.is_own() && rows.iter().all(|row| row.moved == walked(row.node)) => "in reverse rows too, `moved` names the axis of the forward step that ends at the node".to_string(),
-        None => "`moved` names the axis of the forward step that ends at the node, and is empty at node 0".to_string(),
-    };
     let in_words = |axis: Option<Axis>| axis.map_or("no axis".to_string(), |axis| axis.to_string());
     let by = expected(row.node).map_or(String::new(), |_| format!(" by the order {order}"));
     let (found, wanted) = (in_words(row.moved), in_words(expected(row.node)));
@@ -315,5 +303,35 @@ fn wrong_move<'r, 'a>(
         "{walk}, node {}: {found} moved, expected {wanted}{by}",
         row.node
     );
-    Some((row, Problem::new(message).help(help)))
+    Some((
+        row,
+        Problem::new(message).help(next_step(walk, rows, volume)),
+    ))
+}
+
+/// What may have been meant by other axes than those of the job's order.
+fn next_step(walk: Walk, rows: &[&Row<'_>], volume: &Volume) -> String {
+    let usual =
+        "`moved` names the axis of the forward step that ends at the node, and is empty at node 0";
+    if walk.is_own() {
+        return usual.to_string();
+    }
+    let last = volume.last_node(PathKind::Step);
+    if rows
+        .iter()
+        .all(|row| row.moved == (row.node < last).then(|| volume.moved(row.node + 1)))
+    {
+        return "in reverse rows too, `moved` names the axis of the forward step that ends at the node".to_string();
+    }
+    let follows = |order: &[Axis; 3]| {
+        let mut moves = rows.iter().filter(|row| row.node > 0);
+        *order != volume.order && moves.all(|row| row.moved == Some(order[(row.node + 2) % 3]))
+    };
+    match Axis::ORDERS.into_iter().find(follows) {
+        Some(order) => format!(
+            "the whole run follows another order: write `order = \"{}\"` in the job",
+            Axis::letters(&order)
+        ),
+        None => usual.to_string(),
+    }
 }

@@ -172,49 +172,52 @@ const MOVED: (&str, &str) = (
 const NEVER_FILLED_IN: &str = "a missing reading is never filled in: measure it again";
 
 pub(super) fn rows<'a>(table: &Columns<'a>) -> Result<Vec<Row<'a>>, Problems> {
-    let columns = [
-        Column::Diagonal,
-        Column::Run,
-        Column::Direction,
-        Column::Node,
-        Column::Moved,
-    ];
-    let plain = columns.map(|column| table.find(|kind| kind == column));
     let temperatures = PerAxis::from_fn(|of| table.find(|c| c == Column::Temperature { of }));
+    let find = |column| table.find(|kind| kind == column);
+    let named = [Column::Diagonal, Column::Run, Column::Direction].map(find);
+    let (node, moved) = (find(Column::Node), find(Column::Moved));
     table.rows(|cells| {
-        let [diagonal, run, direction, node, moved] = plain;
-        let pass = |text: &str| Pass::BOTH.into_iter().find(|pass| pass.word() == text);
         let axis = |text: &str| match text {
             "" => Some(None),
             letter => Axis::from_letter(letter).map(Some),
         };
-        let whole = |text: &str| text.parse().ok();
-        let name = |text: &str| Diagonal::from_name(&text.to_ascii_uppercase());
-        let name = cells.parsed(diagonal, None, name, DIAGONAL);
-        let run = cells.parsed(run, Some(1), |t| whole(t).filter(|run| *run > 0), RUN);
-        let direction = cells.parsed(direction, Some(Pass::Forward), pass, DIRECTION);
+        let walk = walk(cells, named);
         let is_node = |node: &usize| *node <= MOST_NODES;
         let node = cells.parsed(node, None, |t| t.parse().ok().filter(is_node), NODE);
         let moved = cells.parsed(moved, Some(None), axis, MOVED);
         let um = reading(table, cells);
         let temperatures_c = PerAxis::from_fn(|axis| {
             let index = temperatures[axis].filter(|index| !cells.cell(*index).is_empty());
-            index.map(|index| cells.number(index, "")) // a problem where it is no number
+            cells.number(index?, "") // a problem where it is no number
         });
-        let (diagonal, named) = name?;
         Some(Row {
             line: cells.line,
-            walk: Walk {
-                diagonal,
-                run: run?,
-                named,
-                direction: direction?,
-            },
+            walk: walk?,
             node: node?,
             moved: moved?,
             um: um?,
-            temperatures_c: PerAxis::from_fn(|axis| temperatures_c[axis].flatten()),
+            temperatures_c,
         })
+    })
+}
+
+/// The walk that a row names by its diagonal, run and direction.
+fn walk(
+    cells: &mut table::Row<'_, '_>,
+    [diagonal, run, direction]: [Option<usize>; 3],
+) -> Option<Walk> {
+    let pass = |text: &str| Pass::BOTH.into_iter().find(|pass| pass.word() == text);
+    let name = |text: &str| Diagonal::from_name(&text.to_ascii_uppercase());
+    let name = cells.parsed(diagonal, None, name, DIAGONAL);
+    let whole = |text: &str| text.parse().ok().filter(|run| *run > 0);
+    let run = cells.parsed(run, Some(1), whole, RUN);
+    let direction = cells.parsed(direction, Some(Pass::Forward), pass, DIRECTION);
+    let (diagonal, named) = name?;
+    Some(Walk {
+        diagonal,
+        run: run?,
+        named,
+        direction: direction?,
     })
 }
 

@@ -147,32 +147,40 @@ pub(super) fn check_temperatures(
         if let Some((message, help)) = unusable(axis, measurement) {
             problems.push(table.at_column(index, message, &help));
         }
-        let name = &table.names[index];
-        let (low, high) = (TEMPERATURES_C.start(), TEMPERATURES_C.end());
-        for row in walks.values().flatten() {
-            if let Some(c) = row.temperatures_c[axis].filter(|c| !TEMPERATURES_C.contains(c)) {
-                let message = format!("`{name}` is {c} °C, expected {low} … {high} °C");
-                let place = row.line.cell_place(index);
-                problems.push(Problem::new(message).at(place).help("give degrees Celsius"));
-                break;
-            }
+        check_column(axis, (index, &table.names[index]), walks, problems);
+    }
+}
+
+fn check_column(
+    axis: Axis,
+    (index, name): (usize, &str),
+    walks: &Walks<'_, '_>,
+    problems: &mut Problems,
+) {
+    let at_cell = |row: &Row<'_>, message: String, help: &str| {
+        Problem::new(message)
+            .at(row.line.cell_place(index))
+            .help(help)
+    };
+    let (low, high) = (TEMPERATURES_C.start(), TEMPERATURES_C.end());
+    for row in walks.values().flatten() {
+        if let Some(c) = row.temperatures_c[axis].filter(|c| !TEMPERATURES_C.contains(c)) {
+            let message = format!("`{name}` is {c} °C, expected {low} … {high} °C");
+            problems.push(at_cell(row, message, "give degrees Celsius"));
+            break;
         }
-        for (walk, rows) in walks {
-            let is_given = |row: &&Row<'_>| row.temperatures_c[axis].is_some();
-            let empty = rows.iter().find(|row| !is_given(row));
-            if let Some(row) = empty.filter(|_| rows.iter().any(is_given)) {
-                let node = row.node;
-                let message = format!(
-                    "{walk}, node {node}: `{name}` is empty, expected a number as in the other rows of this run"
-                );
-                let help =
-                    "a missing value is never filled in: leave the column empty for the whole run";
-                problems.push(
-                    Problem::new(message)
-                        .at(row.line.cell_place(index))
-                        .help(help),
-                );
-            }
+    }
+    for (walk, rows) in walks {
+        let is_given = |row: &&Row<'_>| row.temperatures_c[axis].is_some();
+        let empty = rows.iter().find(|row| !is_given(row));
+        if let Some(row) = empty.filter(|_| rows.iter().any(is_given)) {
+            let node = row.node;
+            let message = format!(
+                "{walk}, node {node}: `{name}` is empty, expected a number as in the other rows of this run"
+            );
+            let help =
+                "a missing value is never filled in: leave the column empty for the whole run";
+            problems.push(at_cell(row, message, help));
         }
     }
 }

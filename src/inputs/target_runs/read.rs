@@ -58,43 +58,50 @@ type OfTarget<'r, 'a> = BTreeMap<(Direction, u32), &'r Reading<'a>>;
 /// Targets in mm, ascending, with their readings.
 type Targets<'r, 'a> = Vec<(f64, OfTarget<'r, 'a>)>;
 
-pub(super) fn runs(source: &Source, stated: Stated) -> Result<Runs, Problems> {
-    let layout = Layout::read(source, stated)?;
-    let readings = readings(&layout)?;
-    if readings.is_empty() {
-        let message = "the table has a header but no rows, expected readings";
-        let help = "write one row for each target, or one for each reading";
-        return Err(layout.table.at_header(message, help).into());
-    }
-    let mut problems = Problems::none();
-    let targets = by_target(&layout, &readings, &mut problems);
-    if targets.len() < 2 {
-        let message = "there is one target only, expected at least two";
-        let help = "a positioning test has five or more targets";
-        problems.push(layout.table.at_header(message, help));
-    }
-    let runs: BTreeSet<(Direction, u32)> = readings.iter().map(|r| (r.direction, r.run)).collect();
-    for (_, of_target) in &targets {
-        refuse_gaps(&layout, of_target, &runs, &mut problems);
-    }
-    // Without its neighbours a reading cannot be told to be far.
-    problems.or_ok(())?;
-    let values = values_of(&layout, &targets)?;
-    refuse_far_readings(&layout, values, &targets)?;
-    let of = |direction: Direction| {
-        let deviations = |(_, of_target): &(f64, OfTarget<'_, '_>)| {
-            let of_direction = of_target.values().filter(|r| r.direction == direction);
-            of_direction.map(|r| r.deviation_um(values)).collect()
+impl Runs {
+    /// Reads a file of runs; all its problems are given at once.
+    ///
+    /// Two layouts: one row for each target (`target_mm,up1_mm,…,dn1_mm,…`), or one row for each
+    /// reading (`target_mm,run,direction,deviation_um`). See docs/interface.md §2.4.
+    pub fn read(source: &Source, stated: Stated) -> Result<Runs, Problems> {
+        let layout = Layout::read(source, stated)?;
+        let readings = readings(&layout)?;
+        if readings.is_empty() {
+            let message = "the table has a header but no rows, expected readings";
+            let help = "write one row for each target, or one for each reading";
+            return Err(layout.table.at_header(message, help).into());
+        }
+        let mut problems = Problems::none();
+        let targets = by_target(&layout, &readings, &mut problems);
+        if targets.len() < 2 {
+            let message = "there is one target only, expected at least two";
+            let help = "a positioning test has five or more targets";
+            problems.push(layout.table.at_header(message, help));
+        }
+        let runs: BTreeSet<(Direction, u32)> =
+            readings.iter().map(|r| (r.direction, r.run)).collect();
+        for (_, of_target) in &targets {
+            refuse_gaps(&layout, of_target, &runs, &mut problems);
+        }
+        // Without its neighbours a reading cannot be told to be far.
+        problems.or_ok(())?;
+        let values = values_of(&layout, &targets)?;
+        refuse_far_readings(&layout, values, &targets)?;
+        let of = |direction: Direction| {
+            let deviations = |(_, of_target): &(f64, OfTarget<'_, '_>)| {
+                let of_direction = of_target.values().filter(|r| r.direction == direction);
+                of_direction.map(|r| r.deviation_um(values)).collect()
+            };
+            let measured = runs.iter().any(|(of, _)| *of == direction);
+            measured.then(|| targets.iter().map(deviations).collect())
         };
-        let measured = runs.iter().any(|(of, _)| *of == direction);
-        measured.then(|| targets.iter().map(deviations).collect())
-    };
-    let targets_mm = targets.iter().map(|(mm, _)| *mm).collect();
-    Ok(Runs::new(
-        targets_mm,
-        of(Direction::Plus),
-        of(Direction::Minus),
-    )?)
+        let targets_mm = targets.iter().map(|(mm, _)| *mm).collect();
+        Ok(Runs::new(
+            targets_mm,
+            of(Direction::Plus),
+            of(Direction::Minus),
+        )?)
+    }
 }
 
 /// Readings of a test: each takes some 700 bytes of memory until the figures are printed. A test of 100

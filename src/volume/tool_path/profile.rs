@@ -177,27 +177,24 @@ impl<'m> Profile<'m> {
             begins: true,
             hole: step.hole,
         };
-        match step.shape {
+        let chords = match step.shape {
             Shape::Line => {
                 self.found.lines += 1;
-                self.stretch(stretch, step.plane, sample)
+                1
             }
             Shape::Arc(arc) => {
                 self.found.arcs += 1;
-                let chords = chords(
-                    arc.sweep_rad,
-                    arc.radius[0].max(arc.radius[1]),
-                    self.limits.chord_mm,
-                );
-                for chord in 1..=chords {
-                    stretch.to = step.at(f64::from(chord) / f64::from(chords));
-                    stretch.begins = chord == 1;
-                    self.stretch(stretch, step.plane, sample)?;
-                    stretch.from = stretch.to;
-                }
-                Ok(())
+                let radius = arc.radius[0].max(arc.radius[1]);
+                chords(arc.sweep_rad, radius, self.limits.chord_mm)
             }
+        };
+        for chord in 1..=chords {
+            stretch.to = step.at(f64::from(chord) / f64::from(chords));
+            stretch.begins = chord == 1;
+            self.stretch(stretch, step.plane, sample)?;
+            stretch.from = stretch.to;
         }
+        Ok(())
     }
 
     /// A straight stretch: split at nodes, each part a polynomial.

@@ -22,7 +22,7 @@ impl Interpreter<'_> {
             self.cycle = None;
         } else if !matches!(self.motion, Some(Motion::Cycle(_))) {
             let third = self.plane.axes()[2];
-            let zero = self.offsets.base().map(|base| base[third]);
+            let zero = self.offsets.base.map(|base| base[third]);
             self.cycle = Some(Cycle::new(self.at[third], zero));
         }
         self.motion = Some(motion);
@@ -92,9 +92,9 @@ impl Interpreter<'_> {
     }
 
     pub(in crate::inputs::nc) fn base(&mut self) -> Result<Place, Wrong> {
-        match self.offsets.base() {
+        match self.offsets.base {
             Some(base) => Ok(base),
-            None => Err(self.lose(self.span, self.offsets.active())),
+            None => Err(self.lose(self.span, self.offsets.active)),
         }
     }
 
@@ -188,7 +188,7 @@ impl Interpreter<'_> {
     ) -> bool {
         let [first, second, _] = self.plane.axes();
         let words = [first, second].map(|axis| self.length(block, CENTRES[axis]));
-        let (Some(base), [Some(a), Some(b)]) = (self.offsets.base(), words) else {
+        let (Some(base), [Some(a), Some(b)]) = (self.offsets.base, words) else {
             return false;
         };
         let centre = [base[first] + a, base[second] + b];
@@ -255,7 +255,7 @@ impl Interpreter<'_> {
             shape,
             rapid,
             plane: self.plane,
-            tool_mm: self.offsets.tool(),
+            tool_mm: self.offsets.tool,
             line: self.line,
             hole: self.hole,
         };
