@@ -395,9 +395,9 @@ fn what_controls_do_differently_or_not_at_all_is_refused() {
         ),
         (
             "G54 G0 X5.\nG81 X10. Z5. R9.\nG80 X20.\n",
-            "axis words after `G80`",
+            "no motion is active (after `G80`",
         ),
-        ("G54 G1 X10,5\n", "a comma, expected a point"),
+        ("G54 G1 X10,5\n", "write numbers with a point"),
         ("G54 G1 X5.\nM8 M98 P77\n", "part.nc:2:4"),
         (
             "G54 G5.1 Q2\nG1 X5.\n",

@@ -442,7 +442,7 @@ fn what_is_not_executed_is_refused_with_line_and_column() {
         ("G0 G1 X1", (1, 4)),
         ("G87 X1 Z1 R1", (1, 1)),
         ("G81 X1", (1, 5)),
-        ("G91 G53 X1 G0", (1, 9)),
+        ("G91 G53 X1 G0", (1, 5)),
         ("M198 P1", (1, 1)),
         ("G1 X1 X2", (1, 7)),
         ("G10 L20 P1 X1", (1, 5)),
