@@ -5,33 +5,34 @@
 //! written).
 
 mod assess;
-mod context;
+mod campaign;
 mod controllers;
-mod corrected;
-mod deliver;
-mod directory;
+mod diagonals;
+mod files;
 mod generate;
 mod history;
 mod import;
 mod inputs;
+mod job_files;
 mod outcome;
 mod path;
 mod program;
 mod screen;
 mod separate;
-mod shell;
 mod show;
 mod simulate;
 mod standards;
+mod tables;
 mod verify;
+mod words;
 mod write;
 
 use crate::text::plain;
-use crate::text::problem::Problems;
-use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
+use crate::text::problem::{Problem, Problems};
+use clap::{CommandFactory, Parser, Subcommand};
 use outcome::Outcome;
+use screen::say;
 use std::ffi::OsString;
-use std::io::Write;
 use std::process::ExitCode;
 
 /// Turns laser measurements of a machine tool into the compensation files its control loads,
@@ -89,7 +90,7 @@ enum Command {
         command: controllers::Command,
     },
     /// Print what the templates of a job's control see (always JSON)
-    Context(context::Options),
+    Context(controllers::Context),
     /// Print completions for a shell
     Completions {
         /// The shell
@@ -97,28 +98,6 @@ enum Command {
     },
     /// Print the manual page
     Man,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// Tables for people
-    Text,
-    /// One JSON document for scripts
-    Json,
-}
-
-/// What a command answers.
-enum Answer {
-    /// Exit status 0.
-    Yes,
-    /// Exit status 1.
-    No,
-}
-
-impl Answer {
-    fn yes(is: bool) -> Answer {
-        if is { Answer::Yes } else { Answer::No }
-    }
 }
 
 /// Runs the program with its arguments (the first is its name) and gives the exit status.
@@ -141,8 +120,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     match execute(arguments.command).and_then(Outcome::deliver) {
-        Ok(Answer::Yes) => ExitCode::SUCCESS,
-        Ok(Answer::No) => ExitCode::from(1),
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
         Err(problems) => {
             say(&problems.render());
             could_not()
@@ -173,7 +152,7 @@ fn execute(command: Command) -> Result<Outcome, Problems> {
         Command::Standards(options) => standards::run(&options),
         Command::Path(options) => path::run(&options),
         Command::Controllers { command } => controllers::run(&command),
-        Command::Context(options) => context::run(&options),
+        Command::Context(options) => controllers::context(&options),
         Command::Completions { shell } => {
             let mut page = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "nonius", &mut page);
@@ -183,18 +162,9 @@ fn execute(command: Command) -> Result<Outcome, Problems> {
             let mut page = Vec::new();
             let man = clap_mangen::Man::new(Arguments::command());
             man.render(&mut page).map_err(|error| {
-                crate::text::problem::Problem::new(format!(
-                    "the manual page cannot be made: {error}"
-                ))
+                Problem::new(format!("the manual page cannot be made: {error}"))
             })?;
             Ok(Outcome::bytes(page))
         }
     }
-}
-
-/// Talk, to standard error.
-fn say(text: &str) {
-    let mut out = std::io::stderr().lock();
-    // Nothing can be said about a standard error that is closed.
-    let _ = writeln!(out, "{}", plain::page(text.trim_end()));
 }

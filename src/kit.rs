@@ -4,6 +4,7 @@
 //! comes from these bytes through the readers and the emulator, never from the numbers that
 //! went in.
 
+pub mod directory;
 mod field;
 mod inputs;
 mod loaded;
@@ -12,6 +13,7 @@ pub mod program_kit;
 mod program_positions;
 mod remarks;
 mod rollback;
+pub mod second_look;
 pub mod simulate;
 mod verification;
 mod ways;

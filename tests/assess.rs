@@ -35,7 +35,7 @@ fn json(directory: &Path, arguments: &str) -> Value {
 }
 
 fn page(directory: &Path, arguments: &str) -> String {
-    let output = nonius(directory, arguments);
+    let output = nonius(directory, &format!("{arguments} --explain"));
     assert_eq!(
         output.status.code(),
         Some(0),

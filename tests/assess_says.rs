@@ -16,6 +16,10 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 fn page(directory: &Path, arguments: &str) -> String {
+    screen(directory, &format!("{arguments} --explain"))
+}
+
+fn screen(directory: &Path, arguments: &str) -> String {
     let output = nonius(directory, arguments);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{arguments}: {said}");
@@ -395,7 +399,7 @@ fn slips_of_the_unit_are_doubted() {
 #[test]
 fn the_page_and_the_document_of_machine_h() {
     let folder = fixtures("machine_h");
-    insta::assert_snapshot!("machine_h_page", page(&folder, "assess job.toml"));
+    insta::assert_snapshot!("machine_h_page", screen(&folder, "assess job.toml"));
     insta::assert_snapshot!(
         "machine_h_document",
         page(&folder, "assess job.toml --format json")

@@ -141,7 +141,7 @@ fn without_linear_axes_the_scales_are_named_and_left_out() {
     let xy = page["squareness_um_per_m"]["xy"].as_f64().unwrap();
     // What is not known of the scales (some 20 um/m) times the tilts (0.5 mrad) stays in it.
     assert!((xy - 19.1667).abs() < 0.05, "{xy}");
-    let text = answered_no(&nonius(directory.path(), "separate job.toml"));
+    let text = answered_no(&nonius(directory.path(), "separate job.toml -v"));
     assert!(text.contains("NOT DETERMINED by these readings"), "{text}");
     assert!(
         text.contains("U(95 %)") && !text.contains("-0.000"),
@@ -176,7 +176,7 @@ fn one_linear_axis_leaves_the_trade_of_the_other_two() {
 fn an_assumed_set_up_is_said_in_every_output() {
     let directory = copy("case_a_ideal", |job| job);
     let words = "set-up assumed perfect";
-    let text = stdout(&nonius(directory.path(), "separate job.toml"));
+    let text = stdout(&nonius(directory.path(), "separate job.toml -v"));
     assert!(text.contains(words), "{text}");
     let page = json(directory.path(), "separate job.toml --format json");
     assert!(page["labels"].to_string().contains(words));
@@ -317,7 +317,7 @@ fn runs_back(own_names: bool) -> String {
 fn straight_runs_with_a_zero_of_their_own_give_no_reversal() {
     let figures = |own_names: bool| {
         let directory = straight_with("", |rows| rows + &runs_back(own_names));
-        let text = stdout(&nonius(directory.path(), "separate job.toml"));
+        let text = stdout(&nonius(directory.path(), "separate job.toml -v"));
         (
             json(directory.path(), "separate job.toml --format json"),
             text,
@@ -399,10 +399,10 @@ fn the_closure_test_has_a_verdict() {
     });
     let page = json(differs.path(), "separate job.toml --format json");
     assert_eq!(page["closure_test"]["agrees"], false, "{page}");
-    let text = stdout(&nonius(differs.path(), "separate job.toml"));
+    let text = stdout(&nonius(differs.path(), "separate job.toml -v"));
     assert!(text.contains("NOT in keeping"), "{text}");
     let unknown = straight();
-    let text = stdout(&nonius(unknown.path(), "separate job.toml"));
+    let text = stdout(&nonius(unknown.path(), "separate job.toml -v"));
     assert!(text.contains("no verdict"), "{text}");
 }
 
@@ -640,7 +640,7 @@ fn a_hidden_set_up_error_is_said_in_words() {
         let path = directory.path().join("readings.csv");
         let text = fs::read_to_string(&path).unwrap();
         fs::write(&path, rows(text)).unwrap();
-        answer(&nonius(directory.path(), "separate job.toml"))
+        answer(&nonius(directory.path(), "separate job.toml -v"))
     };
     let naive = put(&copy("case_a_ideal", |job| job), stdout);
     for words in [
@@ -657,7 +657,7 @@ fn a_hidden_set_up_error_is_said_in_words() {
     let solved = put(&solved, answered_no);
     for words in [
         "Determined: 6 of 9 errors",
-        "NOT DETERMINED by these readings, and left out:\n- scale of X, Y and Z can be traded against each other; measure two axes along their length",
+        "NOT DETERMINED by these readings, and left out:\n  - scale of X, Y and Z can be traded against each other; measure two axes along their length",
         "add two [[measurement.step_diagonal.linear]]",
         "face diagonals of two planes",
     ] {
@@ -681,7 +681,7 @@ fn straight_runs_give_squareness_one_combination_and_the_closure_test() {
         // Both files carry nine decimals.
         assert!(closure.as_f64().unwrap() <= 1e-6, "{diagonal}: {closure}");
     }
-    let text = stdout(&nonius(directory.path(), "separate job.toml"));
+    let text = stdout(&nonius(directory.path(), "separate job.toml -v"));
     assert!(text.contains("Closure test"), "{text}");
 }
 
@@ -718,7 +718,7 @@ fn changed_case_b(change: impl Fn(String) -> String) -> tempfile::TempDir {
 }
 
 fn disagrees(directory: &Path) {
-    let output = nonius(directory, "separate job.toml --trials 0");
+    let output = nonius(directory, "separate job.toml --trials 0 -v");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("they DISAGREE"), "{text}");
@@ -796,7 +796,7 @@ fn the_golden_case_agrees() {
     );
     assert!(page["redundancy"]["contradiction"].is_null());
     assert_eq!(page["redundancy"]["degrees_of_freedom"], 1);
-    let text = stdout(&nonius(&fixture("case_b_setup"), "separate job.toml"));
+    let text = stdout(&nonius(&fixture("case_b_setup"), "separate job.toml -v"));
     assert!(text.contains("they agree"), "{text}");
 }
 

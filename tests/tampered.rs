@@ -839,7 +839,7 @@ fn fanuc_files_are_read_as_the_control_reads_them() {
 
 /// What the program prints of a machine with the tables in `kit`, without how they are called.
 fn figures(directory: &Path, command: &[&str]) -> String {
-    let arguments = [command, &["job.toml", "--tables", "kit"]].concat();
+    let arguments = [command, &["job.toml", "--tables", "kit", "-v"]].concat();
     let output = nonius(directory, &arguments);
     assert_eq!(output.status.code(), Some(0), "{command:?}");
     let page = String::from_utf8_lossy(&output.stdout).into_owned();

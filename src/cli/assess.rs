@@ -1,24 +1,24 @@
 //! `nonius assess JOB|ERRORS`
 
-mod basis;
 mod document;
-mod measured;
+mod page;
 mod parts;
-mod table_alone;
 mod text;
 
-use crate::cli::Format;
-use crate::cli::corrected::{AskedTables, Corrected};
-use crate::cli::inputs::{self, read_argument};
-use crate::cli::outcome::Outcome;
+use crate::cli::files::read_argument;
+use crate::cli::inputs;
+use crate::cli::outcome::{Outcome, Print};
+use crate::cli::tables::{AskedTables, Corrected};
+use crate::cli::words::positive;
+use crate::inputs::kind::FileKind;
 use crate::kit::Inputs;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::chain::Chain;
 use crate::text::problem::{Problem, Problems};
-use crate::volume::assessment::{Assessment, Grid, GridChoice, MOST_POINTS, Request, assess};
+use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
-use basis::Basis;
 use clap::Args;
+use page::{After, Basis, Page};
 use std::path::PathBuf;
 
 /// Most nodes of one axis.
@@ -36,19 +36,18 @@ pub(super) struct Options {
     #[arg(long, value_name = "X,Y,Z", value_parser = window_word)]
     window: Option<PerAxis<f64>>,
     /// Distribution of all differences, in bins of this width, µm
-    #[arg(long, value_name = "UM", value_parser = bin_word)]
+    #[arg(long, value_name = "UM", value_parser = positive)]
     histogram: Option<f64>,
     /// Also the grouping method of paper 002 with this angular tolerance, e.g. 0.1: a lower bound
-    #[arg(long, value_name = "TOL", value_parser = tolerance_word)]
+    #[arg(long, value_name = "TOL", value_parser = positive)]
     grouping: Option<f64>,
     #[command(flatten)]
     tables: AskedTables,
     /// Chain of the machine, for an error table with angles that no job describes, e.g. wXYZt
     #[arg(long, value_parser = chain_word)]
     chain: Option<Chain>,
-    /// What to print
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 fn three<T: Copy>(text: &str, read: impl Fn(&str) -> Option<T>) -> Option<PerAxis<T>> {
@@ -74,22 +73,9 @@ fn grid_word(text: &str) -> Result<GridChoice, String> {
         })
 }
 
-fn positive(part: &str) -> Option<f64> {
-    let number: f64 = part.parse().ok()?;
-    (number.is_finite() && number > 0.0).then_some(number)
-}
-
 fn window_word(text: &str) -> Result<PerAxis<f64>, String> {
-    let sizes = three(text, positive);
+    let sizes = three(text, |part| positive(part).ok());
     sizes.ok_or_else(|| "expected three lengths in mm such as 300,200,200".to_string())
-}
-
-fn bin_word(text: &str) -> Result<f64, String> {
-    positive(text).ok_or_else(|| "expected a width in µm above 0, e.g. 10".to_string())
-}
-
-fn tolerance_word(text: &str) -> Result<f64, String> {
-    positive(text).ok_or_else(|| "expected a tolerance above 0, e.g. 0.1".to_string())
 }
 
 fn chain_word(text: &str) -> Result<Chain, String> {
@@ -99,34 +85,10 @@ fn chain_word(text: &str) -> Result<Chain, String> {
     })
 }
 
-/// What is printed.
-struct Page {
-    /// Name of the machine, or of the table.
-    name: String,
-    volume: VolumeModel,
-    grid: GridChoice,
-    /// What the figures rest on.
-    basis: Basis,
-    /// As it is.
-    before: Assessment,
-    after: Option<After>,
-}
-
-/// As tables leave it.
-struct After {
-    /// Where the tables come from.
-    from: String,
-    assessment: Assessment,
-    /// How the files differ from what the job asks for.
-    disagreements: Vec<String>,
-}
-
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let page = page(options)?;
-    match options.format {
-        Format::Json => Outcome::json(&document::document(&page)),
-        Format::Text => Ok(Outcome::text(&text::text(&page))),
-    }
+    let (screen, document) = (|| text::screen(&page), || document::document(&page));
+    options.print.outcome(screen, document)
 }
 
 fn page(options: &Options) -> Result<Page, Problems> {
@@ -136,11 +98,11 @@ fn page(options: &Options) -> Result<Page, Problems> {
         grouping: options.grouping,
     };
     let (name, bytes) = read_argument(&options.file)?;
-    if table_alone::is_table(&bytes) {
+    if FileKind::of(&name, &bytes) != FileKind::Job {
         return page_of_table(options, &request, name, &bytes);
     }
     let use_of = options.tables.use_of();
-    let mut inputs = inputs::read_job(&options.file, &name, &bytes, use_of)?;
+    let (mut inputs, _) = inputs::read_job(&options.file, &name, &bytes, use_of)?;
     take_chain(&mut inputs, options.chain)?;
     page_of_job(options, &request, &inputs)
 }
@@ -199,7 +161,7 @@ fn page_of_table(
         .help("give the job that names it")
         .into());
     }
-    let (volume, basis) = table_alone::volume(&name, bytes, options.chain)?;
+    let (volume, basis) = page::of_table(&name, bytes, options.chain)?;
     check(&volume, options)?;
     let grid = Grid::of(options.grid, &volume, &[])?;
     Ok(Page {
@@ -240,7 +202,7 @@ fn check(volume: &VolumeModel, options: &Options) -> Result<(), Problem> {
             return Err(Problem::new(format!(
                 "the sub-volume is {} mm long in {axis}, but the volume only {} mm",
                 size[axis],
-                text::short(high - low)
+                parts::short(high - low)
             ))
             .help("give the size of a part that fits, in mm, as X,Y,Z"));
         }
@@ -257,7 +219,7 @@ fn check_grid(volume: &VolumeModel, grid: GridChoice) -> Result<(), Problem> {
         if counts[axis] == 1 && high > low {
             return Err(Problem::new(format!(
                 "`--grid` has one node in {axis}, but {axis} is judged over {} mm, of which one place says nothing",
-                text::short(high - low)
+                parts::short(high - low)
             ))
             .help("give at least 2 nodes, or leave `--grid` out: the nodes are then those of the measurement"));
         }

@@ -1,16 +1,19 @@
-//! `nonius controllers list|show|check`
+//! `nonius controllers list|show|check`, and `nonius context`: what is known of a control, and what its
+//! templates see.
 
-use crate::cli::outcome::Outcome;
-use crate::cli::show::{Column, table};
-use crate::cli::{Format, inputs};
+use crate::cli::files::read_file;
+use crate::cli::inputs;
+use crate::cli::job_files::profile;
+use crate::cli::outcome::{Format, Outcome, Print};
+use crate::cli::screen::{Screen, paragraphs, table};
 use crate::control::controller::{Evidence, Origin, Profile, Statement, builtin};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::Job;
 use crate::kit::program_kit;
-use crate::kit::{Inputs, generate};
+use crate::kit::{Inputs, generate, template_context};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
-use clap::Subcommand;
+use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -19,17 +22,15 @@ use std::path::{Path, PathBuf};
 pub(super) enum Command {
     /// List the built-in controls
     List {
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
+        #[command(flatten)]
+        print: Print,
     },
     /// Show the facts of a control with their sources
     Show {
         /// An id of `controllers list`, or the path of a profile of your own
         id: String,
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
+        #[command(flatten)]
+        print: Print,
         /// Print the profile as it is, to start one of your own
         #[arg(long, conflicts_with = "format")]
         toml: bool,
@@ -38,56 +39,62 @@ pub(super) enum Command {
     Check {
         /// The profile (TOML)
         file: PathBuf,
-        /// What to print
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
+        #[command(flatten)]
+        print: Print,
     },
+}
+
+/// Options of `context`.
+#[derive(Args, Debug)]
+pub(super) struct Context {
+    /// The job (TOML); `-` = standard input
+    job: PathBuf,
+    /// Both print the same JSON document
+    #[arg(long, value_enum, default_value_t = Format::Json)]
+    format: Format,
+}
+
+/// What the templates of a job's control see.
+pub(super) fn context(options: &Context) -> Result<Outcome, Problems> {
+    Outcome::json(&template_context(&inputs::read(&options.job)?)?)
 }
 
 pub(super) fn run(command: &Command) -> Result<Outcome, Problems> {
     match command {
-        Command::List { format } => list(*format),
-        Command::Show { id, format, toml } => show(id, *format, *toml),
-        Command::Check { file, format } => check(file, *format),
+        Command::List { print } => list(*print),
+        Command::Show { id, print, toml } => show(id, *print, *toml),
+        Command::Check { file, print } => check(file, *print),
     }
 }
 
-fn list(format: Format) -> Result<Outcome, Problems> {
-    let profiles: Vec<Profile> = builtin::ids()
-        .into_iter()
-        .map(builtin::profile)
-        .collect::<Result<_, _>>()?;
-    if format == Format::Json {
-        let list: Vec<Value> = profiles.iter().map(summary_json).collect();
-        return Outcome::json(&json!({ "schema": 1, "controllers": list }));
+fn page(text: String) -> Screen {
+    Screen {
+        verdict: text,
+        ..Screen::default()
     }
-    let columns = [
-        Column::Left("id"),
-        Column::Left("control"),
-        Column::Right("facts"),
-        Column::Right("manual"),
-        Column::Right("assumed"),
-        Column::Right("executed"),
-    ];
+}
+
+fn list(print: Print) -> Result<Outcome, Problems> {
+    let profiles = builtin::ids().into_iter().map(builtin::profile);
+    let profiles: Vec<Profile> = profiles.collect::<Result<_, _>>()?;
     let rows = profiles.iter().map(|profile| {
-        vec![
-            profile.id.clone(),
-            profile.name.clone(),
-            profile.statements.len().to_string(),
-            count(profile, Evidence::Manual).to_string(),
-            count(profile, Evidence::Assumed).to_string(),
-            count(profile, Evidence::Executed).to_string(),
-        ]
+        let [manual, assumed, executed] =
+            [Evidence::Manual, Evidence::Assumed, Evidence::Executed].map(|e| count(profile, e));
+        let facts = profile.statements.len();
+        let Profile { id, name, .. } = profile;
+        format!("{id}\t{name}\t{facts}\t{manual}\t{assumed}\t{executed}")
     });
-    Ok(Outcome::text(&table(&columns, rows)))
+    let heading = "id\tcontrol\t>facts\t>manual\t>assumed\t>executed";
+    let list = || profiles.iter().map(summary_json).collect::<Vec<Value>>();
+    print.outcome(
+        || page(table(heading, rows)),
+        || json!({ "schema": 1, "controllers": list() }),
+    )
 }
 
 fn count(profile: &Profile, evidence: Evidence) -> usize {
-    profile
-        .statements
-        .iter()
-        .filter(|s| s.evidence == evidence)
-        .count()
+    let facts = profile.statements.iter();
+    facts.filter(|s| s.evidence == evidence).count()
 }
 
 fn summary_json(profile: &Profile) -> Value {
@@ -101,115 +108,91 @@ fn summary_json(profile: &Profile) -> Value {
     })
 }
 
-fn show(id: &str, format: Format, toml: bool) -> Result<Outcome, Problems> {
-    let profile = inputs::profile(id, Path::new(""), &mut Vec::new())?;
+fn show(id: &str, print: Print, toml: bool) -> Result<Outcome, Problems> {
+    let (profile, _) = profile(id, Path::new(""))?;
     if toml {
         let page = match builtin::page(id) {
             Some(page) => page.to_string(),
-            None => String::from_utf8_lossy(&inputs::read_file(Path::new(id))?).into_owned(),
+            None => String::from_utf8_lossy(&read_file(Path::new(id))?).into_owned(),
         };
         return Ok(Outcome::text(&page));
     }
-    if format == Format::Json {
-        return Outcome::json(&profile_json(&profile));
-    }
-    Ok(Outcome::text(&profile_text(&profile)))
+    print.outcome(|| page(profile_text(&profile)), || profile_json(&profile))
 }
 
 fn profile_json(profile: &Profile) -> Value {
-    let files: Vec<Value> = profile
-        .files
-        .iter()
-        .map(|file| json!({ "path": file.path, "role": file.role.word(), "template": file.template_name }))
-        .collect();
-    let mut document = summary_json(profile);
-    document["schema"] = json!(1);
-    document["facts"] = facts_json(&profile.statements);
-    document["files"] = json!(files);
-    document["program"] = json!(profile.program.as_ref().map(|program| {
+    let files = profile.files.iter().map(|file| {
+        json!({ "path": file.path, "role": file.role.word(), "template": file.template_name })
+    });
+    let program = profile.program.as_ref().map(|program| {
         json!({
             "language": program.language.word(),
             "template": program.template_name,
-            "facts": facts_json(&program.statements),
+            "facts": program.statements,
         })
-    }));
+    });
+    let mut document = summary_json(profile);
+    document["schema"] = json!(1);
+    document["facts"] = json!(profile.statements);
+    document["files"] = files.collect();
+    document["program"] = json!(program);
     document
 }
 
-fn facts_json(statements: &[Statement]) -> Value {
-    let fact = |s: &Statement| {
-        json!({
-            "fact": s.fact,
-            "value": s.value,
-            "evidence": s.evidence.word(),
-            "source": s.source,
-            "consequence": s.consequence,
-        })
-    };
-    json!(statements.iter().map(fact).collect::<Vec<Value>>())
-}
-
 fn profile_text(profile: &Profile) -> String {
-    let mut lines = vec![format!(
+    let mut parts = vec![format!(
         "{} - {} ({} dialect)",
         profile.id,
         profile.name,
         profile.dialect.word()
     )];
     if let Origin::File(path) = &profile.origin {
-        lines.push(format!("your own profile `{path}`"));
+        parts[0] += &format!("\nyour own profile `{path}`");
     }
-    lines.push(String::new());
-    lines.push(files_text(profile));
-    for statement in &profile.statements {
-        lines.push(String::new());
-        lines.extend(statement_lines(statement));
-    }
+    parts.push(files_text(profile));
+    parts.extend(profile.statements.iter().map(statement_text));
     if let Some(program) = &profile.program {
-        lines.push(String::new());
-        lines.push(format!(
+        parts.push(format!(
             "part programs of measuring runs ({}, {}):",
             program.language.word(),
             program.template_name
         ));
-        for statement in &program.statements {
-            lines.push(String::new());
-            lines.extend(statement_lines(statement));
-        }
+        parts.extend(program.statements.iter().map(statement_text));
     }
-    lines.join("\n")
+    paragraphs(&parts)
 }
 
 fn files_text(profile: &Profile) -> String {
-    let columns = [
-        Column::Left("file"),
-        Column::Left("role"),
-        Column::Left("template"),
-    ];
-    let rows = profile.files.iter().map(|file| {
-        vec![
-            file.path.clone(),
-            file.role.word().to_string(),
-            file.template_name.clone(),
-        ]
+    let files = profile.files.iter();
+    let rows = files.map(|file| {
+        format!(
+            "{}\t{}\t{}",
+            file.path,
+            file.role.word(),
+            file.template_name
+        )
     });
-    table(&columns, rows)
+    table("file\trole\ttemplate", rows)
 }
 
-fn statement_lines(statement: &Statement) -> Vec<String> {
-    let mut lines = vec![
-        format!("{} = {}", statement.fact, statement.value),
-        format!("    {}: {}", statement.evidence.word(), statement.source),
-    ];
-    if let Some(consequence) = &statement.consequence {
-        lines.push(format!("    if wrong: {consequence}"));
+fn statement_text(statement: &Statement) -> String {
+    let Statement {
+        fact,
+        value,
+        source,
+        ..
+    } = statement;
+    let evidence = statement.evidence.word();
+    let text = format!("{fact} = {value}\n    {evidence}: {source}");
+    match &statement.consequence {
+        Some(consequence) => format!("{text}\n    if wrong: {consequence}"),
+        None => text,
     }
-    lines
 }
 
 /// Checks a profile and renders its templates with a small machine that has everything: nine
 /// errors, X in both directions.
-fn check(file: &Path, format: Format) -> Result<Outcome, Problems> {
+fn check(file: &Path, print: Print) -> Result<Outcome, Problems> {
     let path = file.display().to_string();
     // A bare name is still a path here, so it gets a folder in front.
     let reference = if path.contains(['/', '\\']) {
@@ -217,7 +200,7 @@ fn check(file: &Path, format: Format) -> Result<Outcome, Problems> {
     } else {
         format!("./{path}")
     };
-    let profile = inputs::profile(&reference, Path::new(""), &mut Vec::new())?;
+    let (profile, _) = profile(&reference, Path::new(""))?;
     let sample = |name: &str, text: &str| Source::from_bytes(name, text.as_bytes());
     let job = Job::read(sample("sample job", SAMPLE_JOB)?)?;
     let table = ErrorTable::read(sample("sample errors", SAMPLE_ERRORS)?)?;
@@ -225,16 +208,14 @@ fn check(file: &Path, format: Format) -> Result<Outcome, Problems> {
         program_kit::make(&job, &profile, &[])?;
     }
     let kit = generate(&Inputs::new(job, profile.clone(), &table, Vec::new())?)?;
-    if format == Format::Json {
-        return Outcome::json(&profile_json(&profile));
-    }
     let valid = format!(
         "`{path}` is a valid profile: {} ({}); its templates made {} files of a sample machine",
         profile.name,
         profile.id,
         kit.files.len()
     );
-    Ok(Outcome::text(&files_text(&profile)).saying(valid))
+    let outcome = print.outcome(|| page(files_text(&profile)), || profile_json(&profile))?;
+    Ok(outcome.saying(print.detail, valid))
 }
 
 const SAMPLE_JOB: &str = r#"

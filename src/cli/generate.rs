@@ -1,10 +1,8 @@
 //! `nonius generate JOB -o DIR`
 
-use crate::cli::deliver::Delivery;
-use crate::cli::outcome::Outcome;
-use crate::cli::screen::{More, Screen, wrapped};
-use crate::cli::shell::shell_word;
-use crate::cli::{Answer, inputs, show};
+use crate::cli::outcome::{Outcome, Output};
+use crate::cli::screen::{More, Screen, shell_word, wrapped};
+use crate::cli::{inputs, show};
 use crate::control::controller::{Dialect, Role};
 use crate::judge::conformity::Verdict;
 use crate::kit::manifest::MANIFEST;
@@ -15,30 +13,29 @@ use std::path::{Path, PathBuf};
 
 // Options of `generate`.
 #[derive(Args, Debug)]
+#[command(mut_arg("output", |arg| arg.required(true).value_name("DIR")
+    .help("Directory of the kit; must not exist yet, or must be empty")))]
 pub(super) struct Options {
     /// The job (TOML); `-` = standard input
     job: PathBuf,
-    /// Directory of the kit; must not exist yet, or must be empty
-    #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
     #[command(flatten)]
-    delivery: Delivery,
+    output: Output,
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let (job, directory) = (&options.job, &options.output);
-    options.delivery.ensure_free(directory)?;
-    let inputs = inputs::read(job)?;
+    let directory = options.output.free_directory()?;
+    let inputs = inputs::read(&options.job)?;
     let kit = generate(&inputs)?;
     let files = kit.files.iter();
-    let outcome = options.delivery.outcome(
-        directory,
-        files.map(|file| (file.path.as_str(), file.bytes.as_slice())),
-        &kit.manifest_bytes()?,
+    let files = files.map(|file| (file.path.as_str(), file.bytes.as_slice()));
+    let next_steps = next_steps(&options.job, directory, &inputs, &kit);
+    let outcome = options.output.deliver_directory(
+        &files.collect::<Vec<_>>(),
+        kit.manifest_bytes()?,
         &screen(&inputs, &kit),
-        next_steps(job, directory, &inputs, &kit),
+        next_steps,
     )?;
-    Ok(outcome.answering(Answer::yes(kit.verdict == Verdict::Pass)))
+    Ok(outcome.answering(kit.verdict == Verdict::Pass))
 }
 
 fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
@@ -56,33 +53,24 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
     let verdict = show::verdict(kit.verdict, job, Some(&kit.forecast), false, &kit.doubts);
     let ways = kit.ways.iter().map(|way| format!("\n  {way}"));
     let verdict: String = std::iter::once(verdict).chain(ways).collect();
-    let of_axes = [show::squareness(model), show::reversals(model)];
     let proofs = kit.files.iter().filter(|f| f.role == Role::SignProof);
     let proofs: Vec<&str> = proofs.map(|file| file.path.as_str()).collect();
     Screen {
         verdict: format!("{verdict}\n{heading}"),
         figures: vec![
             show::forecast(&kit.forecast, &compiled.placements),
-            of_axes.join("\n").trim().to_string(),
+            show::squareness_and_reversals(model),
         ],
         findings: remarks(&kit.plan, compiled, Some(&kit.forecast)),
         always: show::assumed_signs(&compiled.assumptions, &proofs),
         more: vec![
-            More {
-                count: compiled.placements.len(),
-                what: "tables with their points and counts",
-                text: [show::placements(&compiled.placements), show::slopes(model)].join("\n"),
-            },
-            More {
-                count: show::effective(&compiled.assumptions),
-                what: "assumptions",
-                text: show::assumptions(&compiled.assumptions),
-            },
-            More {
-                count: compiled.preconditions.len(),
-                what: "preconditions",
-                text: show::preconditions(&compiled.preconditions),
-            },
+            More::new(
+                compiled.placements.len(),
+                "tables with their points and counts",
+                [show::placements(&compiled.placements), show::slopes(model)].join("\n"),
+            ),
+            show::assumptions(&compiled.assumptions),
+            show::preconditions(&compiled.preconditions),
         ],
     }
 }

@@ -1,18 +1,165 @@
 //! What a command made, on its way out: standard output first, then the files into their places, then
 //! the talk. Where one of the first two fails, nothing is written.
 
-use crate::cli::write::Ready;
-use crate::cli::{Answer, say};
-use crate::kit::manifest;
+use crate::cli::screen::{Detail, Screen, say};
+use crate::cli::write::{self, NamedBytes, Ready};
+use crate::kit::manifest::{self, MANIFEST, picometres};
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
+use clap::{Args, ValueEnum};
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Format {
+    /// Tables for people
+    Text,
+    /// One JSON document for scripts
+    Json,
+}
+
+/// Options of every command that prints.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct Print {
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+    #[command(flatten)]
+    pub(super) detail: Detail,
+}
+
+impl Print {
+    /// The screen, or the document for scripts.
+    pub(super) fn outcome<D: Serialize>(
+        self,
+        screen: impl FnOnce() -> Screen,
+        document: impl FnOnce() -> D,
+    ) -> Result<Outcome, Problems> {
+        match self.format {
+            Format::Text => Ok(Outcome::text(&screen().page(self.detail))),
+            Format::Json => Outcome::json(&document()),
+        }
+    }
+}
+
+/// Options of every command that writes.
+#[derive(Args, Debug)]
+pub(super) struct Output {
+    /// The file to write (CSV); `-` = standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Replace what is there; a directory is kept as DIR.previous
+    #[arg(long, requires = "output")]
+    force: bool,
+    #[command(flatten)]
+    pub(super) print: Print,
+}
+
+impl Output {
+    /// Where it goes; standard output has no place.
+    pub(super) fn place(&self) -> Option<&Path> {
+        self.output
+            .as_deref()
+            .filter(|path| *path != Path::new("-"))
+    }
+
+    /// Whether something is to be written at all.
+    pub(super) fn is_asked_for(&self) -> bool {
+        self.output.is_some()
+    }
+
+    /// Refuses a file that is there already, before anything is computed; `what` = what it will hold.
+    pub(super) fn ensure_new(&self, what: &str) -> Result<(), Problems> {
+        if self.output.as_deref() == Some(Path::new("-")) && self.print.format == Format::Json {
+            let words = format!("{what} and the document cannot both go to standard output");
+            let help = "name a file with `-o`, or leave `--format json` out";
+            return Err(Problem::new(words).help(help).into());
+        }
+        self.place()
+            .map_or(Ok(()), |place| write::ensure_new(place, self.force))
+    }
+
+    /// A long file beside its place and a handle to write with; of standard output there is no place.
+    pub(super) fn open(&self) -> Result<(Option<Ready>, std::io::Result<File>), Problems> {
+        match self.place() {
+            None => Ok((None, tempfile::tempfile())),
+            Some(place) => {
+                let (ready, file) = Ready::file(place, self.force)?;
+                Ok((Some(ready), Ok(file)))
+            }
+        }
+    }
+
+    /// The screen or the document, and the file; where the file goes to standard output, the screen is
+    /// talk. `next` is said behind the name of a file that was written.
+    pub(super) fn deliver<D: Serialize>(
+        &self,
+        content: Option<Content>,
+        screen: impl FnOnce() -> Screen,
+        document: impl FnOnce() -> D,
+        next: &str,
+    ) -> Result<Outcome, Problems> {
+        let detail = self.print.detail;
+        let ready = match (content, self.place()) {
+            (None, _) => return self.print.outcome(screen, document),
+            (Some(Content::Bytes(bytes)), Some(place)) => {
+                write::write_file(place, &bytes, self.force)?
+            }
+            (Some(Content::Ready(ready)), _) => ready.complete()?,
+            (Some(Content::Bytes(bytes)), None) => {
+                return Ok(Outcome::bytes(bytes).saying(detail, screen().page(detail)));
+            }
+            (Some(Content::Spooled(file)), _) => {
+                return Ok(Outcome::of(Data::File(file)).saying(detail, screen().page(detail)));
+            }
+        };
+        let place = self.place().unwrap_or(Path::new("-")).display();
+        let outcome = self.print.outcome(screen, document)?.writing(ready);
+        Ok(outcome.saying(detail, format!("wrote {place}{next}")))
+    }
+
+    /// Refuses a directory that is not free, before anything is computed.
+    pub(super) fn free_directory(&self) -> Result<&Path, Problems> {
+        let directory = self.output.as_deref().unwrap_or(Path::new("."));
+        write::ensure_free(directory, self.force)?;
+        Ok(directory)
+    }
+
+    /// The files and then the bytes of the manifest, complete beside their place; the screen or the
+    /// manifest is printed, `next_steps` are said.
+    pub(super) fn deliver_directory(
+        &self,
+        files: &[NamedBytes<'_>],
+        manifest: Vec<u8>,
+        screen: &Screen,
+        next_steps: String,
+    ) -> Result<Outcome, Problems> {
+        let directory = self.free_directory()?;
+        let ready = write::write_kit(directory, files, (MANIFEST, &manifest), self.force)?;
+        let detail = self.print.detail;
+        let outcome = match self.print.format {
+            Format::Json => Outcome::bytes(manifest),
+            Format::Text => Outcome::text(&screen.page(detail)),
+        };
+        Ok(outcome.writing(ready).saying(detail, next_steps))
+    }
+}
+
+/// What a file is to hold.
+pub(super) enum Content {
+    Bytes(Vec<u8>),
+    /// What may be too long for the memory, on its way to standard output: from here to its end.
+    Spooled(File),
+    /// The same, on its way to a place.
+    Ready(Ready),
+}
 
 /// What a command made; nothing of it is outside yet.
 pub(super) struct Outcome {
-    answer: Answer,
+    yes: bool,
     data: Data,
     ready: Option<Ready>,
     talk: Vec<String>,
@@ -21,14 +168,14 @@ pub(super) struct Outcome {
 /// What goes to standard output.
 enum Data {
     Bytes(Vec<u8>),
-    /// What is too long for the memory, from here to its end.
+    /// What may be too long for the memory, from here to its end.
     File(File),
 }
 
 impl Outcome {
     fn of(data: Data) -> Outcome {
         Outcome {
-            answer: Answer::Yes,
+            yes: true,
             data,
             ready: None,
             talk: Vec::new(),
@@ -41,9 +188,12 @@ impl Outcome {
         Outcome::bytes(page.into_bytes())
     }
 
-    /// A document for scripts.
+    /// A document for scripts: its figures rounded as in a manifest.
     pub(super) fn json(document: &impl Serialize) -> Result<Outcome, Problems> {
-        Ok(Outcome::bytes(manifest::bytes(document)?))
+        let refuse = |error| Problem::new(format!("the document cannot be written: {error}"));
+        let mut document = serde_json::to_value(document).map_err(refuse)?;
+        round_figures(&mut document, false);
+        Ok(Outcome::bytes(manifest::bytes(&document)?))
     }
 
     /// A file, as it stands.
@@ -51,31 +201,26 @@ impl Outcome {
         Outcome::of(Data::Bytes(bytes))
     }
 
-    /// A long file.
-    pub(super) fn file(file: File) -> Outcome {
-        Outcome::of(Data::File(file))
-    }
-
-    /// The same with another exit status.
-    pub(super) fn answering(mut self, answer: Answer) -> Outcome {
-        self.answer = answer;
+    /// The same with another answer: exit status 0 or 1.
+    pub(super) fn answering(mut self, yes: bool) -> Outcome {
+        self.yes = yes;
         self
     }
 
     /// The same, and this is put into its place.
-    pub(super) fn writing(mut self, ready: Ready) -> Outcome {
+    fn writing(mut self, ready: Ready) -> Outcome {
         self.ready = Some(ready);
         self
     }
 
-    /// The same, and this is said at the end.
-    pub(super) fn saying(mut self, text: impl Into<String>) -> Outcome {
-        self.talk.push(text.into());
+    /// The same, and this is said at the end, unless nobody wants to hear it.
+    pub(super) fn saying(mut self, detail: Detail, text: impl Into<String>) -> Outcome {
+        self.talk.extend(detail.talks().then(|| text.into()));
         self
     }
 
-    /// Lets everything out.
-    pub(super) fn deliver(self) -> Result<Answer, Problems> {
+    /// Lets everything out, and gives the answer.
+    pub(super) fn deliver(self) -> Result<bool, Problems> {
         self.data
             .print()
             .map_err(|error| Problem::new(format!("standard output cannot be written: {error}")))?;
@@ -83,7 +228,28 @@ impl Outcome {
             ready.put()?;
         }
         self.talk.iter().for_each(|text| say(text));
-        Ok(self.answer)
+        Ok(self.yes)
+    }
+}
+
+/// Figures of a document, to be read and the same everywhere: what stands below a key with a unit.
+fn round_figures(document: &mut Value, is_figure: bool) {
+    const UNITS: [&str; 7] = ["um", "mm", "m", "arcsec", "urad", "mrad", "fitted"];
+    match document {
+        Value::Number(number) if is_figure && number.is_f64() => {
+            *document = json!(number.as_f64().map(picometres));
+        }
+        Value::Array(items) => items
+            .iter_mut()
+            .for_each(|item| round_figures(item, is_figure)),
+        Value::Object(fields) => fields.iter_mut().for_each(|(key, value)| {
+            let has_unit = key
+                .rsplit('_')
+                .next()
+                .is_some_and(|word| UNITS.contains(&word));
+            round_figures(value, is_figure || has_unit);
+        }),
+        _ => {}
     }
 }
 

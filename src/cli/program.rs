@@ -1,10 +1,9 @@
 //! `nonius program JOB -o DIR`
 
-use crate::cli::deliver::Delivery;
-use crate::cli::outcome::Outcome;
-use crate::cli::screen::{More, Screen, wrapped};
-use crate::cli::show::{Column, table};
-use crate::cli::{inputs, show};
+use crate::cli::job_files::read_job_and_profile;
+use crate::cli::outcome::{Outcome, Output};
+use crate::cli::screen::{Screen, table, wrapped};
+use crate::cli::show;
 use crate::inputs::job::{Job, RunType, TargetGrid};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::program_kit::{ProgramKit, make};
@@ -18,26 +17,24 @@ use std::path::{Path, PathBuf};
 
 // Options of `program`.
 #[derive(Args, Debug)]
+#[command(mut_arg("output", |arg| arg.required(true).value_name("DIR")
+    .help("Directory of the programs; must not exist yet, or must be empty")))]
 pub(super) struct Options {
     /// The job (TOML) with a section [program]; `-` = standard input
     job: PathBuf,
-    /// Directory of the programs; must not exist yet, or must be empty
-    #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
     #[command(flatten)]
-    delivery: Delivery,
+    output: Output,
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let directory = &options.output;
-    options.delivery.ensure_free(directory)?;
-    let (job, profile, hashes) = inputs::read_job_and_profile(&options.job)?;
+    let directory = options.output.free_directory()?;
+    let (job, profile, hashes) = read_job_and_profile(&options.job)?;
     let kit = make(&job, &profile, &hashes)?;
     let files = kit.files.iter();
-    options.delivery.outcome(
-        directory,
-        files.map(|file| (file.path.as_str(), file.bytes.as_slice())),
-        &kit.manifest_bytes()?,
+    let files = files.map(|file| (file.path.as_str(), file.bytes.as_slice()));
+    options.output.deliver_directory(
+        &files.collect::<Vec<_>>(),
+        kit.manifest_bytes()?,
         &screen(&job, &profile.name, &kit),
         next_steps(directory, &kit),
     )
@@ -49,7 +46,6 @@ fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
         job.machine.name,
         kit.request.what.word()
     );
-    let notes = kit.run.notes.iter();
     Screen {
         verdict: heading,
         figures: vec![
@@ -59,20 +55,12 @@ fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
             reach(job, kit),
             mirror(kit),
         ],
-        findings: notes.map(|note| format!("note: {note}")).collect(),
-        always: Vec::new(),
+        findings: show::notes(&kit.run.notes),
         more: vec![
-            More {
-                count: show::effective(&kit.assumptions),
-                what: "assumptions",
-                text: show::assumptions(&kit.assumptions),
-            },
-            More {
-                count: kit.preconditions.len(),
-                what: "preconditions",
-                text: show::preconditions(&kit.preconditions),
-            },
+            show::assumptions(&kit.assumptions),
+            show::preconditions(&kit.preconditions),
         ],
+        ..Screen::default()
     }
 }
 
@@ -123,42 +111,26 @@ fn not_determined(job: &Job, kit: &ProgramKit) -> String {
 }
 
 fn files(kit: &ProgramKit) -> String {
-    let columns = [
-        Column::Left("program"),
-        Column::Left("measures"),
-        Column::Right("readings"),
-    ];
-    let rows = kit
-        .run
-        .programs
-        .iter()
-        .zip(&kit.files)
-        .map(|(program, file)| {
-            vec![
-                file.path.clone(),
-                program.subject.name(),
-                program.readings.len().to_string(),
-            ]
-        });
-    table(&columns, rows)
+    let programs = kit.run.programs.iter().zip(&kit.files);
+    let rows = programs.map(|(program, file)| {
+        let (subject, readings) = (program.subject.name(), program.readings.len());
+        format!("{}\t{subject}\t{readings}", file.path)
+    });
+    table("program\tmeasures\t>readings", rows)
 }
 
 fn reach(job: &Job, kit: &ProgramKit) -> String {
-    let columns = [
-        Column::Left("axis"),
-        Column::Right("from/mm"),
-        Column::Right("to/mm"),
-        Column::Right("travel/mm"),
-        Column::Right("to/mm"),
-    ];
     let row = |axis: Axis| {
         let (low, high) = kit.run.reach_mm(axis)?;
         let travel = job.machine.axes[axis]?;
-        let numbers = [low, high, travel.low.mm(), travel.high.mm()];
-        let numbers = numbers.iter().map(|mm| format!("{:.3}", Figure(*mm)));
-        Some([axis.to_string()].into_iter().chain(numbers).collect())
+        let [low, high] = [low, high].map(Figure);
+        let [from, to] = [travel.low, travel.high].map(|at| Figure(at.mm()));
+        Some(format!("{axis}\t{low:.3}\t{high:.3}\t{from:.3}\t{to:.3}"))
     };
-    table(&columns, Axis::ALL.into_iter().filter_map(row))
+    table(
+        "axis\t>from/mm\t>to/mm\t>travel/mm\t>to/mm",
+        Axis::ALL.into_iter().filter_map(row),
+    )
 }
 
 fn mirror(kit: &ProgramKit) -> String {

@@ -1,9 +1,10 @@
-//! One screen: the verdict, the figures, the worst findings, the next step. Everything else is one
-//! option away (`--explain`).
+//! What people see: one screen with the verdict, the figures, the worst findings and the next step;
+//! everything else is one option away (`--explain`). Tables, lists, and paths as a shell reads them.
 
-use super::show::paragraphs;
+use crate::text::plain;
 use clap::Args;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
+use std::path::Path;
 
 /// Findings on the screen; those that decide the verdict stand under it and are not counted.
 const MOST_FINDINGS: usize = 5;
@@ -13,7 +14,7 @@ const WIDTH: usize = 100;
 /// How much is printed.
 #[derive(Args, Clone, Copy, Debug)]
 pub(super) struct Detail {
-    /// Print everything: all findings, assumptions and preconditions
+    /// Print everything: all findings, tables and assumptions
     #[arg(short = 'v', long)]
     explain: bool,
     /// Print the verdict only, and a sign that is assumed
@@ -30,15 +31,27 @@ impl Detail {
 
 /// What stands elsewhere, and is announced with its count.
 pub(super) struct More {
-    /// How many.
-    pub(super) count: usize,
-    /// Of what, e.g. `assumptions`.
-    pub(super) what: &'static str,
-    /// All of it, for `--explain`.
-    pub(super) text: String,
+    count: Option<usize>,
+    what: &'static str,
+    text: String,
+}
+
+impl More {
+    /// So many of something, e.g. `assumptions`, and all of it for `--explain`.
+    pub(super) fn new(count: usize, what: &'static str, text: String) -> More {
+        let count = Some(count);
+        More { count, what, text }
+    }
+
+    /// A part of the page that nobody counts, e.g. `closure`; empty where there is none.
+    pub(super) fn part(what: &'static str, text: String) -> More {
+        let count = (text.is_empty()).then_some(0);
+        More { count, what, text }
+    }
 }
 
 /// What a command has to tell.
+#[derive(Default)]
 pub(super) struct Screen {
     /// The answer, and what decided it.
     pub(super) verdict: String,
@@ -83,13 +96,69 @@ impl Screen {
     fn announced(&self) -> String {
         let hidden = self.findings.len().saturating_sub(MOST_FINDINGS);
         let findings = (hidden > 0).then(|| format!("{hidden} more findings"));
-        let more = self.more.iter().filter(|more| more.count > 0);
-        let more = more.map(|more| format!("{} {}", more.count, more.what));
+        let more = self.more.iter().filter(|more| more.count != Some(0));
+        let more = more.map(|more| match more.count {
+            None => more.what.to_string(),
+            Some(count) => format!("{count} {}", more.what),
+        });
         let all: Vec<String> = findings.into_iter().chain(more).collect();
         match all.is_empty() {
             true => String::new(),
             false => wrapped(&format!("not shown: {} (--explain)", all.join(", "))),
         }
+    }
+}
+
+/// Talk, to standard error.
+pub(super) fn say(text: &str) {
+    let mut out = std::io::stderr().lock();
+    // Nothing can be said about a standard error that is closed.
+    let _ = writeln!(out, "{}", plain::page(text.trim_end()));
+}
+
+/// Paragraphs with a blank line between; empty ones are left out.
+pub(super) fn paragraphs(parts: &[String]) -> String {
+    let parts: Vec<&str> = parts
+        .iter()
+        .map(String::as_str)
+        .filter(|part| !part.is_empty())
+        .collect();
+    parts.join("\n\n")
+}
+
+/// A table without lines. Heading and rows have a tab between their cells; a column whose heading
+/// begins with `>` stands right.
+pub(super) fn table(heading: &str, rows: impl IntoIterator<Item = String>) -> String {
+    let is_right: Vec<bool> = heading
+        .split('\t')
+        .map(|name| name.starts_with('>'))
+        .collect();
+    let lines: Vec<String> = std::iter::once(heading.replace('>', ""))
+        .chain(rows)
+        .collect();
+    let width = |column| {
+        let cells = lines.iter().filter_map(|line| line.split('\t').nth(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..is_right.len()).map(width).collect();
+    let aligned = |line: &String| {
+        let cells = line.split('\t').zip(widths.iter().zip(&is_right));
+        let cells = cells.map(|(cell, (width, is_right))| match is_right {
+            true => format!("{cell:>width$}"),
+            false => format!("{cell:<width$}"),
+        });
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_string()
+    };
+    lines.iter().map(aligned).collect::<Vec<_>>().join("\n")
+}
+
+/// A heading with a line for each entry; nothing without entries.
+pub(super) fn list(heading: &str, lines: &[impl std::fmt::Display]) -> String {
+    match lines {
+        [] => String::new(),
+        lines => lines.iter().fold(heading.to_string(), |text, line| {
+            format!("{text}\n  - {line}")
+        }),
     }
 }
 
@@ -127,9 +196,43 @@ fn broken(line: &str) -> String {
     written
 }
 
+/// A path as one word of a command: quoted where the shell of this computer needs it.
+pub(super) fn shell_word(path: &Path) -> String {
+    let word = path.display().to_string();
+    match cfg!(windows) {
+        true => cmd_word(&word),
+        false => posix_word(&word),
+    }
+}
+
+/// Letters of file names that no shell reads as anything else.
+fn is_plain(c: char) -> bool {
+    c.is_alphanumeric() || "_-./:+@".contains(c)
+}
+
+/// Double quotes where they are enough, so that a blank looks the same everywhere; else single ones.
+fn posix_word(word: &str) -> String {
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_string()
+    } else if word.contains(['"', '$', '`', '\\', '!']) {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    } else {
+        format!("\"{word}\"")
+    }
+}
+
+/// A name of Windows holds no `"`; a backslash before the closing mark would take it away.
+fn cmd_word(word: &str) -> String {
+    if !word.is_empty() && word.chars().all(|c| is_plain(c) || c == '\\') {
+        return word.to_string();
+    }
+    let end = if word.ends_with('\\') { "\\" } else { "" };
+    format!("\"{word}{end}\"")
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Detail, More, Screen, broken_lines};
+    use super::*;
 
     #[test]
     fn long_lines_are_broken_at_blanks_and_lose_nothing() {
@@ -153,11 +256,7 @@ mod tests {
             figures: vec!["table".to_string()],
             findings: (1..=7).map(|number| format!("finding {number}")).collect(),
             always: vec!["sign assumed".to_string()],
-            more: vec![More {
-                count: 3,
-                what: "assumptions",
-                text: "all of them".to_string(),
-            }],
+            more: vec![More::new(3, "assumptions", "all of them".to_string())],
         };
         let detail = |explain, quiet| Detail { explain, quiet };
         let page = screen.page(detail(false, false));
@@ -169,5 +268,40 @@ mod tests {
             screen.page(detail(false, true)),
             "verdict: pass\nsign assumed"
         );
+    }
+
+    #[test]
+    fn paths_are_one_word_in_a_shell() {
+        for (path, expected) in [
+            ("kit/job.toml", "kit/job.toml"),
+            ("Fräse/job.toml", "Fräse/job.toml"),
+            ("my kit", "\"my kit\""),
+            ("it's", "\"it's\""),
+            ("a$b 'c'", r"'a$b '\''c'\'''"),
+            ("a;rm (1)&", "\"a;rm (1)&\""),
+            ("~x", "\"~x\""),
+            ("", "\"\""),
+        ] {
+            assert_eq!(posix_word(path), expected);
+        }
+    }
+
+    #[test]
+    fn paths_are_one_word_in_the_windows_command_line() {
+        for (path, expected) in [
+            (r"C:\kit\job.toml", r"C:\kit\job.toml"),
+            (r"C:\my kit\", r#""C:\my kit\\""#),
+            ("a&b", "\"a&b\""),
+            ("a,b", "\"a,b\""),
+        ] {
+            assert_eq!(cmd_word(path), expected);
+        }
+    }
+
+    #[test]
+    fn cells_stand_below_their_headings() {
+        let rows = ["EXX\t1.5".to_string(), "diagonal\t-10.25".to_string()];
+        let page = "term      after/µm\nEXX            1.5\ndiagonal    -10.25";
+        assert_eq!(table("term\t>after/µm", rows), page);
     }
 }

@@ -1,17 +1,13 @@
 //! `nonius separate JOB [-o errors.csv]`
 
-mod advice;
-mod agreement;
 mod closure;
-mod diagonals;
 mod document;
-mod reversal;
 mod straight;
 mod text;
 mod words;
 
-use crate::cli::outcome::Outcome;
-use crate::cli::{Answer, Format, inputs, write};
+use crate::cli::campaign::{CampaignFiles, read_campaign};
+use crate::cli::outcome::{Content, Outcome, Output};
 use crate::inputs::error_table;
 use crate::machine::separation::Separation;
 use crate::machine::separation::metric::Plane;
@@ -23,7 +19,7 @@ use crate::quantity::diagonal::PathKind;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use std::io::{IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -32,21 +28,14 @@ use std::time::{Duration, Instant};
 pub(super) struct Options {
     /// The job (TOML) with readings of the body diagonals; `-` = standard input
     job: PathBuf,
-    /// The error table (CSV) of the nine errors; `-` = standard output
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-    /// Replace an existing error table
-    #[arg(long)]
-    force: bool,
     /// Trials of the Monte Carlo simulation of ranges and straightness; 0 = none
     #[arg(long, default_value_t = 2000, value_parser = trials)]
     trials: usize,
     /// Seed of the simulation
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// What to print
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[command(flatten)]
+    output: Output,
 }
 
 const MOST_TRIALS: usize = 10_000_000;
@@ -64,46 +53,25 @@ fn trials(text: &str) -> Result<usize, String> {
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let to_stdout = options.output.as_deref() == Some(Path::new("-"));
-    if to_stdout && options.format == Format::Json {
-        return Err(Problem::new(
-            "the error table and the document cannot both go to standard output",
-        )
-        .help("name a file with `-o`, or leave `--format json` out")
-        .into());
-    }
-    if let Some(output) = options.output.as_deref().filter(|_| !to_stdout) {
-        write::ensure_new(output, options.force)?;
-    }
-    let campaign = inputs::read_campaign(&options.job)?;
+    let output = &options.output;
+    output.ensure_new("the error table")?;
+    let campaign = read_campaign(&options.job)?;
     if campaign.measurement.kind == PathKind::Straight {
         return straight_runs(options, &campaign);
     }
     let separation = campaign.separate()?;
     let simulated = simulated(options, &campaign, &separation)?;
-    let csv = || error_table::write(&campaign.draft(&separation)).into_bytes();
-    let outcome = match options.format {
-        Format::Json => Outcome::json(&document::separation(&separation, simulated.as_ref())?)?,
-        Format::Text => {
-            let summary = text::summary(&separation, simulated.as_ref())?;
-            match to_stdout {
-                true => Outcome::bytes(csv()).saying(summary),
-                false => Outcome::text(&summary),
-            }
-        }
-    };
+    let csv = || Content::Bytes(error_table::write(&campaign.draft(&separation)).into_bytes());
+    let csv = output.is_asked_for().then(csv);
+    let document = document::separation(&separation, simulated.as_ref())?;
+    let screen = text::screen(&separation, simulated.as_ref())?;
+    let outcome = output.deliver(csv, || screen, || document, "")?;
     // No, where an error is not determined or something speaks against the result.
-    let outcome = outcome.answering(Answer::yes(separation.stands()));
-    Ok(match options.output.as_deref().filter(|_| !to_stdout) {
-        None => outcome,
-        Some(output) => outcome
-            .writing(write::write_file(output, &csv(), options.force)?)
-            .saying(format!("wrote {}", output.display())),
-    })
+    Ok(outcome.answering(separation.stands()))
 }
 
-fn straight_runs(options: &Options, campaign: &inputs::CampaignFiles) -> Result<Outcome, Problems> {
-    if options.output.is_some() {
+fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome, Problems> {
+    if options.output.is_asked_for() {
         return Err(Problem::new(
             "straight runs hold no nine errors: four totals are three squareness errors and one combination of the scales",
         )
@@ -111,16 +79,14 @@ fn straight_runs(options: &Options, campaign: &inputs::CampaignFiles) -> Result<
         .into());
     }
     let result = campaign.straight()?;
-    let outcome = match options.format {
-        Format::Text => Outcome::text(&straight::page(&result)?),
-        Format::Json => Outcome::json(&straight::document(&result)?)?,
-    };
-    Ok(outcome.answering(Answer::yes(result.doubts.is_empty())))
+    let (screen, document) = (straight::screen(&result)?, straight::document(&result)?);
+    let outcome = options.output.print.outcome(|| screen, || document)?;
+    Ok(outcome.answering(result.doubts.is_empty()))
 }
 
 fn simulated(
     options: &Options,
-    files: &inputs::CampaignFiles,
+    files: &CampaignFiles,
     separation: &Separation,
 ) -> Result<Option<Simulated>, Problems> {
     if options.trials == 0 {

@@ -1,25 +1,23 @@
 //! `nonius standards FILE`
 
-pub(super) mod diagonals;
-mod document;
-mod text;
+mod axis;
+mod diagonals;
 
-use crate::cli::Format;
-use crate::cli::inputs::{file_name, read_argument};
-use crate::cli::outcome::Outcome;
+use crate::cli::files::{file_name, read_argument};
+use crate::cli::outcome::{Outcome, Print};
 use crate::control::controller::TableSign;
 use crate::inputs::import::stated::{
     self, MaterialCorrected, Runs as Ways, axis_word, direction_word, millimetres,
 };
 use crate::inputs::import::{Measurement, encoding_word, measured_runs};
+use crate::inputs::kind::FileKind;
 use crate::inputs::target_runs::{Runs, Stated, Values};
 use crate::kit::sha256;
-use crate::machine::standards::iso_230_2::{self, Travel};
-use crate::machine::standards::{Condition, vdi_3441};
 use crate::quantity::axis::{Axis, Direction};
-use crate::text::delimited::{LengthUnit, header_and_rows};
+use crate::text::delimited::LengthUnit;
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
+use axis::Page;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -56,21 +54,20 @@ pub(super) struct Options {
     /// .rtl: encoding of its text, where it does not show itself, e.g. latin-1 or gbk
     #[arg(long, value_parser = encoding_word)]
     encoding: Option<&'static encoding_rs::Encoding>,
-    /// What to print
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let (name, bytes) = read_argument(&options.file)?;
-    let input = Input::of(&name, &bytes);
+    let input = FileKind::of(&name, &bytes);
     options.refuse_foreign(input)?;
     match input {
-        Input::Job => diagonals::of_job(&options.file, options.format),
-        Input::Readings => {
-            diagonals::of_readings(Source::from_bytes(&name, &bytes)?, options.format)
+        FileKind::Job => diagonals::of_job(&options.file, options.print),
+        FileKind::Readings => {
+            diagonals::of_readings(Source::from_bytes(&name, &bytes)?, options.print)
         }
-        Input::RunsTable => {
+        FileKind::Table => {
             let stated = Stated {
                 unit: options.unit,
                 values: options.values,
@@ -78,7 +75,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
             let runs = Runs::read(&Source::from_bytes(&name, &bytes)?, stated)?;
             options.axis(&name, &runs, Vec::new())
         }
-        Input::Rtl => {
+        FileKind::Rtl => {
             let file = Measurement {
                 path: &name,
                 name: &file_name(&options.file),
@@ -90,75 +87,6 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
             options.axis(&name, &runs, measured.facts)
         }
     }
-}
-
-/// What a file is, by what stands in it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Input {
-    /// Runs of one axis in rows and columns.
-    RunsTable,
-    /// Runs of one axis as Renishaw writes them.
-    Rtl,
-    /// Readings of the body diagonals.
-    Readings,
-    /// A job that names readings.
-    Job,
-}
-
-impl Input {
-    fn of(name: &str, bytes: &[u8]) -> Input {
-        let ends_with = |ending: &str| name.to_ascii_lowercase().ends_with(ending);
-        let text = String::from_utf8_lossy(bytes);
-        let is_content = |line: &&str| !line.is_empty() && !line.starts_with('#');
-        let text = text.trim_start_matches('\u{feff}');
-        let first = text.lines().map(str::trim).find(is_content).unwrap_or("");
-        let key = first.split('=').next().unwrap_or("").trim();
-        if ends_with(".rtl") || first == "HEADER::" {
-            Input::Rtl
-        } else if ends_with(".toml") || key == "schema" || first.starts_with('[') {
-            Input::Job
-        } else if is_readings(name, bytes) {
-            Input::Readings
-        } else {
-            Input::RunsTable
-        }
-    }
-
-    const fn word(self) -> &'static str {
-        match self {
-            Input::RunsTable => "a table of runs",
-            Input::Rtl => "an `.rtl` file",
-            Input::Readings => "readings of the body diagonals",
-            Input::Job => "a job",
-        }
-    }
-
-    const fn takes(self) -> &'static [&'static str] {
-        match self {
-            Input::RunsTable => &["--unit", "--values", "--travel-mm"],
-            Input::Rtl => &[
-                "--travel-mm",
-                "--sign",
-                "--targets-run",
-                "--runs",
-                "--axis",
-                "--material-corrected",
-                "--encoding",
-            ],
-            Input::Readings | Input::Job => &[],
-        }
-    }
-}
-
-fn is_readings(name: &str, bytes: &[u8]) -> bool {
-    let source = Source::from_bytes(name, bytes).ok();
-    let header = source.as_ref().and_then(header_and_rows);
-    header.is_some_and(|(header, _)| {
-        let cells = header.cells();
-        ["diagonal", "node"]
-            .iter()
-            .all(|name| cells.iter().any(|cell| cell == name))
-    })
 }
 
 impl Options {
@@ -174,61 +102,36 @@ impl Options {
     }
 
     /// An option without meaning for the file is a mistake of the user.
-    fn refuse_foreign(&self, input: Input) -> Result<(), Problems> {
+    fn refuse_foreign(&self, input: FileKind) -> Result<(), Problems> {
+        use FileKind::{Rtl, Table};
         let given = [
-            ("--unit", self.unit.is_some()),
-            ("--values", self.values.is_some()),
-            ("--travel-mm", self.travel_mm.is_some()),
-            ("--sign", self.sign.is_some()),
-            ("--targets-run", self.targets_run.is_some()),
-            ("--runs", self.runs.is_some()),
-            ("--axis", self.axis.is_some()),
-            ("--material-corrected", self.material_corrected.is_some()),
-            ("--encoding", self.encoding.is_some()),
+            ("--unit", &[Table][..], self.unit.is_some()),
+            ("--values", &[Table], self.values.is_some()),
+            ("--travel-mm", &[Table, Rtl], self.travel_mm.is_some()),
+            ("--sign", &[Rtl], self.sign.is_some()),
+            ("--targets-run", &[Rtl], self.targets_run.is_some()),
+            ("--runs", &[Rtl], self.runs.is_some()),
+            ("--axis", &[Rtl], self.axis.is_some()),
+            (
+                "--material-corrected",
+                &[Rtl],
+                self.material_corrected.is_some(),
+            ),
+            ("--encoding", &[Rtl], self.encoding.is_some()),
         ];
         let mut problems = Problems::none();
-        for (option, _) in given
-            .iter()
-            .filter(|(option, is)| *is && !input.takes().contains(option))
-        {
-            problems.push(
-                Problem::new(format!("`{option}` has no meaning for {}", input.word()))
-                    .help("leave it out"),
-            );
+        for (option, takes, is_given) in given {
+            if is_given && !takes.contains(&input) {
+                let words = format!("`{option}` has no meaning for {}", input.words());
+                problems.push(Problem::new(words).help("leave it out"));
+            }
         }
         problems.or_ok(())
     }
 
     /// Figures of one axis; `facts` are what its file states.
     fn axis(&self, name: &str, runs: &Runs, facts: Vec<String>) -> Result<Outcome, Problems> {
-        let results = Results::of(runs, self.travel_mm, facts)?;
-        match self.format {
-            Format::Json => Outcome::json(&document::document(runs, &results)),
-            Format::Text => Ok(Outcome::text(&text::report(name, runs, &results))),
-        }
-    }
-}
-
-/// What the standards say about the runs of an axis.
-struct Results {
-    travel: Travel,
-    iso: iso_230_2::Figures,
-    conditions: Vec<Condition>,
-    vdi: Option<vdi_3441::Figures>,
-    notes: Vec<String>,
-}
-
-impl Results {
-    fn of(runs: &Runs, travel_mm: Option<f64>, facts: Vec<String>) -> Result<Results, Problem> {
-        let travel = Travel::of(runs, travel_mm)?;
-        let mut notes = facts;
-        notes.extend(iso_230_2::remarks(runs, travel));
-        Ok(Results {
-            travel,
-            iso: iso_230_2::figures(runs),
-            conditions: iso_230_2::conditions(runs, travel),
-            vdi: vdi_3441::figures(runs),
-            notes,
-        })
+        let page = Page::of(name, runs, self.travel_mm, facts)?;
+        self.print.outcome(|| page.screen(), || page.document())
     }
 }

@@ -6,19 +6,22 @@
 //!        ▼ one rename
 //!       DIR/
 //! ```
+//! A directory that is there already is kept: DIR.partial-… → DIR.previous, then DIR.previous ⇄ DIR, so
+//! that DIR is never absent (where the system exchanges no names: DIR → DIR.previous, then the rename).
+//! Nothing is ever removed: the next one is DIR.previous-2, and so on.
+//!
 //! No output is an input of the run, or lies in a directory that is read, or is anything but a regular
 //! file. Killed at any moment, what lies at DIR is the old kit, nothing, or the complete new one. A
 //! left-over `DIR.partial-…` is no kit, whatever it holds.
 
 mod partial;
-mod replace;
 
-use crate::cli::inputs::{input_at, plain_words};
+use crate::cli::files::{input_at, plain_words, with_suffix};
+use crate::cli::screen::say;
 use crate::text::problem::{Problem, Problems};
-use partial::Partial;
-pub(super) use replace::previous;
+use partial::{Partial, parent_of};
 use std::fs::{self, File};
-use std::io::{Read, Seek, Write};
+use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// A file to be written: name and bytes.
@@ -28,65 +31,100 @@ pub(super) type NamedBytes<'a> = (&'a str, &'a [u8]);
 pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems> {
     let name = directory.display();
     let found = fs::symlink_metadata(trimmed(directory));
-    if found.is_ok_and(|found| !found.is_dir()) {
-        return Err(Problem::new(format!(
-            "`{name}` is a link or a file, expected a new or an empty directory"
-        ))
-        .help("choose another directory; of a link, name what it leads to")
-        .into());
-    }
-    if is_drive(directory) {
-        return Err(
-            Problem::new(format!("`{name}` is a drive, expected a directory on it"))
-                .help(format!(
-                    "name one, e.g. `{}`",
-                    directory.join("kit").display()
-                ))
-                .into(),
-        );
-    }
-    match fs::read_dir(directory).map(Iterator::count) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        Err(error) => Err(Problem::new(format!(
-            "`{name}` cannot be used as the kit's directory: {}",
-            plain_words(&error)
-        ))
-        .help("choose another directory")
-        .into()),
-        Ok(entries) if entries == 0 || force => Ok(()),
-        Ok(_) => Err(Problem::new(format!(
-            "the directory `{name}` is not empty, expected a new or an empty one"
-        ))
-        .help("choose another directory, or `--force` to keep the old one as DIR.previous")
-        .into()),
-    }
-}
-
-/// An output that is complete beside its place.
-pub(super) enum Ready {
-    /// One file.
-    File(ReadyFile),
-    /// A directory.
-    Kit(ReadyKit),
-}
-
-impl Ready {
-    /// One rename puts it into its place.
-    pub(super) fn put(self) -> Result<(), Problems> {
-        match self {
-            Ready::File(file) => file.put(),
-            Ready::Kit(kit) => kit.put(),
+    let (message, help) = if found.is_ok_and(|found| !found.is_dir()) {
+        (
+            format!("`{name}` is a link or a file, expected a new or an empty directory"),
+            "choose another directory; of a link, name what it leads to".to_string(),
+        )
+    } else if is_drive(directory) {
+        (
+            format!("`{name}` is a drive, expected a directory on it"),
+            format!("name one, e.g. `{}`", directory.join("kit").display()),
+        )
+    } else {
+        match fs::read_dir(directory).map(Iterator::count) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+            Ok(entries) if entries == 0 || force => return Ok(()),
+            Err(error) => (
+                format!(
+                    "`{name}` cannot be used as the kit's directory: {}",
+                    plain_words(&error)
+                ),
+                "choose another directory".to_string(),
+            ),
+            Ok(_) => (
+                format!("the directory `{name}` is not empty, expected a new or an empty one"),
+                "choose another directory, or `--force` to keep the old one as DIR.previous"
+                    .to_string(),
+            ),
         }
-    }
+    };
+    Err(Problem::new(message).help(help).into())
 }
 
-/// A directory of files beside its place.
-pub(super) struct ReadyKit {
+/// An output that is complete beside its place: a directory, or one file.
+pub(super) struct Ready {
     partial: Partial,
     /// Directories that were made for it; without it they go, so they stand behind it.
     _parents: Vec<Partial>,
+    /// The file; a directory has none.
+    file: Option<File>,
     place: PathBuf,
     force: bool,
+}
+
+impl Ready {
+    /// A new file beside a place where a file may be put, and a handle to write with.
+    pub(super) fn file(place: &Path, force: bool) -> Result<(Ready, File), Problems> {
+        ensure_new(place, force)?;
+        refuse_input(place)?;
+        let refuse = |error| not_written("cannot write", place, &error);
+        let (partial, file) = Partial::file(place).map_err(refuse)?;
+        let handle = file.try_clone().map_err(refuse)?;
+        let ready = Ready {
+            partial,
+            _parents: Vec::new(),
+            file: Some(file),
+            place: place.to_path_buf(),
+            force,
+        };
+        Ok((ready, handle))
+    }
+
+    /// Where it will be.
+    pub(super) fn place(&self) -> &Path {
+        &self.place
+    }
+
+    /// Waits until a file is on the disk.
+    pub(super) fn complete(self) -> Result<Ready, Problems> {
+        let synced = self.file.as_ref().map_or(Ok(()), File::sync_all);
+        synced.map_err(|error| not_written("cannot write", &self.place, &error))?;
+        Ok(self)
+    }
+
+    /// One rename puts it into its place.
+    pub(super) fn put(self) -> Result<(), Problems> {
+        if self.file.is_some() {
+            self.put_file()?;
+        } else {
+            take_place(&self.partial, &self.place, self.force)?;
+        }
+        sync_directory(&parent_of(&self.place));
+        Ok(())
+    }
+
+    fn put_file(&self) -> Result<(), Problems> {
+        ensure_new(&self.place, self.force)?;
+        let put = self.partial.placed(&self.place, |new| match self.force {
+            true => fs::rename(new, &self.place),
+            false => {
+                let new = tempfile::TempPath::try_from_path(new)?;
+                new.persist_noclobber(&self.place).map_err(|e| e.error)
+            }
+        });
+        put.map_err(|error| not_written("cannot put into place", &self.place, &error))
+    }
 }
 
 /// Whether a directory is where a drive begins: nothing can take its place.
@@ -128,20 +166,13 @@ pub(super) fn write_kit(
         write_new(&path, bytes).map_err(|e| not_written("cannot write", &path, &e))?;
     }
     sync_directory(partial.path());
-    Ok(Ready::Kit(ReadyKit {
+    Ok(Ready {
         partial,
         _parents: parents,
+        file: None,
         place,
         force,
-    }))
-}
-
-impl ReadyKit {
-    fn put(self) -> Result<(), Problems> {
-        replace::take_place(&self.partial, &self.place, self.force)?;
-        sync_directory(&parent_of(&self.place));
-        Ok(())
-    }
+    })
 }
 
 /// Refuses an output that this run reads, that contains something that it reads, or that would lie in
@@ -183,67 +214,12 @@ pub(super) fn ensure_new(file: &Path, force: bool) -> Result<(), Problems> {
     Err(Problem::new(message).help(help).into())
 }
 
-/// A file beside its place.
-pub(super) struct ReadyFile {
-    partial: Partial,
-    file: File,
-    place: PathBuf,
-    force: bool,
-}
-
 /// Writes a file beside its place, whole.
 pub(super) fn write_file(place: &Path, bytes: &[u8], force: bool) -> Result<Ready, Problems> {
-    let mut ready = ReadyFile::new(place, force)?;
-    let written = write_and_read_back(&mut ready.file, bytes);
+    let (ready, mut file) = Ready::file(place, force)?;
+    let written = write_and_read_back(&mut file, bytes);
     written.map_err(|error| not_written("cannot write", place, &error))?;
     ready.complete()
-}
-
-impl ReadyFile {
-    /// A new file beside a place where a file may be put.
-    pub(super) fn new(place: &Path, force: bool) -> Result<ReadyFile, Problems> {
-        ensure_new(place, force)?;
-        refuse_input(place)?;
-        let made = Partial::file(place);
-        let (partial, file) = made.map_err(|e| not_written("cannot write", place, &e))?;
-        Ok(ReadyFile {
-            partial,
-            file,
-            place: place.to_path_buf(),
-            force,
-        })
-    }
-
-    /// The file, to write into.
-    pub(super) fn file(&self) -> std::io::Result<File> {
-        self.file.try_clone()
-    }
-
-    /// Where it will be.
-    pub(super) fn place(&self) -> &Path {
-        &self.place
-    }
-
-    /// Waits until it is on the disk.
-    pub(super) fn complete(self) -> Result<Ready, Problems> {
-        let synced = self.file.sync_all();
-        synced.map_err(|error| not_written("cannot write", &self.place, &error))?;
-        Ok(Ready::File(self))
-    }
-
-    fn put(self) -> Result<(), Problems> {
-        ensure_new(&self.place, self.force)?;
-        let put = self.partial.placed(&self.place, |new| match self.force {
-            true => fs::rename(new, &self.place),
-            false => {
-                let new = tempfile::TempPath::try_from_path(new)?;
-                new.persist_noclobber(&self.place).map_err(|e| e.error)
-            }
-        });
-        put.map_err(|error| not_written("cannot put into place", &self.place, &error))?;
-        sync_directory(&parent_of(&self.place));
-        Ok(())
-    }
 }
 
 pub(super) fn not_written(what: &str, path: &Path, error: &std::io::Error) -> Problems {
@@ -287,9 +263,66 @@ fn sync_directory(directory: &Path) {
     }
 }
 
-fn parent_of(directory: &Path) -> PathBuf {
-    match directory.parent() {
-        Some(parent) if parent != Path::new("") => parent.to_path_buf(),
-        _ => PathBuf::from("."),
+/// Puts a complete directory at `place`, and says what became of an old one.
+fn take_place(partial: &Partial, place: &Path, force: bool) -> Result<(), Problems> {
+    let failed = |error: std::io::Error| not_written("cannot put into place", place, &error);
+    if is_free(place) {
+        return partial
+            .placed(place, |new| fs::rename(new, place))
+            .map_err(failed);
+    }
+    ensure_free(place, force)?;
+    let kept = free_name(place);
+    partial
+        .placed(place, |new| exchange(new, place, &kept))
+        .map_err(failed)?;
+    say(&format!("moved {} to {}", place.display(), kept.display()));
+    Ok(())
+}
+
+/// The first of DIR.previous, DIR.previous-2, … where nothing is.
+fn free_name(place: &Path) -> PathBuf {
+    let is_new = |kept: &PathBuf| fs::symlink_metadata(kept).is_err();
+    let mut names = (1..).map(|number| previous(place, number));
+    names.find(is_new).unwrap_or_else(|| previous(place, 1))
+}
+
+/// Whether nothing is at a place, or an empty directory, which a rename replaces (but not on Windows).
+fn is_free(place: &Path) -> bool {
+    let Ok(found) = fs::symlink_metadata(place) else {
+        return true;
+    };
+    let is_empty = || fs::read_dir(place).is_ok_and(|mut entries| entries.next().is_none());
+    found.is_dir() && is_empty() && (cfg!(unix) || fs::remove_dir(place).is_ok())
+}
+
+/// `new` to `place`, and what was there to `kept`, where nothing is.
+fn exchange(new: &Path, place: &Path, kept: &Path) -> std::io::Result<()> {
+    fs::rename(new, kept)?;
+    if swap(kept, place).is_ok() {
+        return Ok(());
+    }
+    fs::rename(kept, new)?;
+    fs::rename(place, kept)?;
+    fs::rename(new, place).or_else(|error| fs::rename(kept, place).and(Err(error)))
+}
+
+/// Two names change what they name, at once.
+#[cfg(any(target_os = "linux", target_vendor = "apple"))]
+fn swap(one: &Path, other: &Path) -> std::io::Result<()> {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    Ok(renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE)?)
+}
+
+#[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
+fn swap(_: &Path, _: &Path) -> std::io::Result<()> {
+    Err(ErrorKind::Unsupported.into())
+}
+
+/// Where the directory that `--force` replaces is kept: `DIR.previous`, `DIR.previous-2`, ….
+pub(super) fn previous(directory: &Path, number: usize) -> PathBuf {
+    match number {
+        0 | 1 => with_suffix(directory, ".previous"),
+        _ => with_suffix(directory, &format!(".previous-{number}")),
     }
 }

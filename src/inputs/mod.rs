@@ -4,6 +4,7 @@ pub mod error_table;
 pub mod findings;
 pub mod import;
 pub mod job;
+pub mod kind;
 pub mod nc;
 pub mod readings;
 mod table;

@@ -10,6 +10,7 @@
 mod nodes;
 mod rows;
 mod values;
+mod without_job;
 
 use crate::inputs::error_table::Remarks;
 use crate::inputs::job::DiagonalMeasurement;
@@ -38,6 +39,12 @@ impl Readings {
             runs,
             own_zero,
         })
+    }
+
+    /// Reads a file by itself, in a box of unit cells.
+    pub(crate) fn without_job(source: Source) -> Result<(Readings, DiagonalMeasurement), Problems> {
+        let measurement = without_job::measurement(&source)?;
+        Ok((Readings::read(source, &measurement)?, measurement))
     }
 
     /// What the file says of itself in comments `# note: …`, one sentence each.

@@ -37,6 +37,7 @@ use crate::judge::after::Observation;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Figure;
 use crate::text::problem::Problem;
+use serde::Serialize;
 
 /// Predictions of one kind that differ by less are one cause, µm.
 const SAME_UM: f64 = 1e-6;
@@ -50,16 +51,16 @@ const NO_SCATTER_UM: f64 = 0.01;
 const UNIT: f64 = 1000.0;
 
 /// A fault that the data do not exclude.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cause {
     /// Its kind, e.g. `not active`.
     pub kind: &'static str,
+    /// In words.
+    pub words: String,
     /// Fitted numbers: mm of a shift, factor, K of a temperature.
     pub fitted: Vec<f64>,
     /// What it leaves unexplained, root mean square, µm.
     pub left_um: f64,
-    /// In words.
-    pub words: String,
 }
 
 /// What the data say of the causes.

@@ -114,6 +114,11 @@ impl Verification {
         words_of(&self.findings, Severity::Note)
     }
 
+    /// What acts in addition to the tables.
+    pub(crate) fn beside(&self) -> Vec<String> {
+        words_of(&self.findings, Severity::Doubt)
+    }
+
     /// A remark on the directory.
     pub(crate) fn note(&mut self, words: String) {
         self.findings.push(InControl::Read { words }.into());

@@ -6,6 +6,7 @@
 //! docs/standards.md lists formulas, editions and how surely they are known.
 
 use crate::quantity::units::Figure;
+use serde::{Serialize, Serializer};
 
 mod diagonals;
 pub mod iso_230_2;
@@ -16,7 +17,8 @@ pub use self::diagonals::{
 };
 
 /// How surely a formula or a condition is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Confidence {
     /// The same in all sources, and recomputed on measured data.
     Sure,
@@ -42,13 +44,16 @@ pub const ISO_230_2: Confidence = Confidence::Sure;
 pub const DIAGONALS: Confidence = Confidence::Likely;
 
 /// Whether a condition of a standard is met.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Met {
     /// The data meet it.
+    #[serde(rename = "met")]
     Yes,
     /// The data do not meet it; figures are not according to the standard.
+    #[serde(rename = "not met")]
     No,
     /// The data cannot show it.
+    #[serde(rename = "not tested")]
     NotTested,
 }
 
@@ -68,18 +73,24 @@ impl Met {
 }
 
 /// A condition of a standard.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Condition {
     /// What the standard asks for.
     pub asked: String,
     /// What the data show; empty where they cannot show it.
+    #[serde(serialize_with = "null_if_empty")]
     pub found: String,
     /// The outcome.
+    #[serde(rename = "outcome")]
     pub met: Met,
     /// Editions that ask for it, by their year.
     pub editions: &'static [u16],
     /// How surely it is known that they do.
     pub confidence: Confidence,
+}
+
+fn null_if_empty<S: Serializer>(found: &str, to: S) -> Result<S::Ok, S::Error> {
+    (!found.is_empty()).then_some(found).serialize(to)
 }
 
 impl Condition {

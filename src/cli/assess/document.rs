@@ -1,8 +1,6 @@
 //! `nonius assess --format json` (contract §5).
 
-use super::basis::Basis;
-use super::measured::{count, shows, unknown_axes};
-use super::{After, Page};
+use super::page::{After, Basis, Page, count, shows, unknown_axes};
 use crate::kit::manifest::picometres;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::Millimetres;

@@ -1,12 +1,12 @@
 //! Parts of the page of `nonius assess` below the figures: contributions, sub-volumes,
 //! distribution, grouping.
 
-use super::Page;
-use super::measured::{has_no_lever, unknown_axes};
-use super::text::{place, short, um};
-use crate::cli::show::{Column, table};
-use crate::quantity::units::Figure;
-use crate::volume::assessment::{Assessment, Contribution, Histogram, Windows};
+use super::page::{Page, has_no_lever, unknown_axes};
+use crate::cli::screen::table;
+use crate::cli::show;
+use crate::quantity::axis::PerAxis;
+use crate::quantity::units::{Figure, Millimetres};
+use crate::volume::assessment::{Assessment, Contribution, Histogram};
 use crate::volume::volume_model::Component;
 
 /// Parts and changes of VA below the last digit that is shown are none, µm.
@@ -15,28 +15,22 @@ const SHOWN_UM: f64 = 0.000_5;
 pub(super) fn contributions(page: &Page) -> String {
     let before = &page.before;
     let after = page.after.as_ref().map(|after| &after.assessment);
-    let mut columns = vec![
-        Column::Left("error"),
-        Column::Right("part of VA/µm"),
-        Column::Right("%"),
-        Column::Right("VA without it/µm"),
-    ];
-    if after.is_some() {
-        columns.push(Column::Right("part with tables/µm"));
-        columns.push(Column::Right("VA without it, with tables/µm"));
-    }
+    let with = after.map_or(
+        "",
+        |_| "\t>part with tables/µm\t>VA without it, with tables/µm",
+    );
+    let heading = format!("error\t>part of VA/µm\t>%\t>VA without it/µm{with}");
     let va = before.definitions.va.um;
     let row = |part: &Contribution| {
-        let share = if va > 0.0 { 100.0 * part.um / va } else { 0.0 };
-        let mut cells = vec![
+        let share = Figure(if va > 0.0 { 100.0 * part.um / va } else { 0.0 });
+        let other = after.map(|after| with_tables(after, part.component));
+        format!(
+            "{}\t{}\t{share:.2}\t{}{}",
             error_name(part.component),
             um(part.um),
-            format!("{:.2}", Figure(share)),
             um(part.va_without_um),
-        ];
-        let other = after.map(|after| with_tables(after, part.component));
-        cells.extend(other.into_iter().flatten());
-        cells
+            other.unwrap_or_default()
+        )
     };
     let acts = |part: &&Contribution| {
         let other = after.and_then(|after| Some((after, find(after, part.component)?)));
@@ -45,7 +39,7 @@ pub(super) fn contributions(page: &Page) -> String {
     let (acting, idle): (Vec<&Contribution>, Vec<&Contribution>) =
         before.contributions.iter().partition(acts);
     let mut lines = vec![
-        table(&columns, acting.into_iter().map(row)),
+        table(&heading, acting.into_iter().map(row)),
         "  the parts add up to VA; a negative one works against the others".to_string(),
     ];
     lines.extend(without_effect(page, &idle));
@@ -64,11 +58,11 @@ fn acts(of: &Assessment, part: &Contribution) -> bool {
 }
 
 /// A table takes off squareness and straightness as one: what is left of both stands at the latter.
-fn with_tables(after: &Assessment, component: Component) -> [String; 2] {
+fn with_tables(after: &Assessment, component: Component) -> String {
     match (find(after, component), component) {
-        (Some(part), _) => [um(part.um), um(part.va_without_um)],
-        (None, Component::Squareness(term)) => [format!("in {term}"), String::new()],
-        (None, _) => <[String; 2]>::default(),
+        (Some(part), _) => format!("\t{}\t{}", um(part.um), um(part.va_without_um)),
+        (None, Component::Squareness(term)) => format!("\tin {term}\t"),
+        (None, _) => "\t\t".to_string(),
     }
 }
 
@@ -110,35 +104,29 @@ fn error_name(component: Component) -> String {
     }
 }
 
-pub(super) fn windows(before: &Assessment, after: Option<&Assessment>) -> String {
-    let Some(found) = &before.windows else {
+pub(super) fn windows(page: &Page) -> String {
+    let Some(found) = &page.before.windows else {
         return String::new();
     };
-    let size = found.size_mm;
-    let line = |what: &str, w: &Windows| {
-        format!(
-            "{what}: best {:.3} µm at {}, worst {:.3} µm at {}, corner {:.3} µm",
-            w.best.0,
-            place(w.best.1),
-            w.worst.0,
-            place(w.worst.1),
-            w.corner_um
-        )
+    let line = |(side, of): (&str, &Assessment)| {
+        let found = of.windows.as_ref()?;
+        let (best, best_at) = (found.best.0, place(found.best.1));
+        let (worst, worst_at) = (found.worst.0, place(found.worst.1));
+        let corner = found.corner_um;
+        Some(format!(
+            "  {side}: best {best:.3} µm at {best_at}, worst {worst:.3} µm at {worst_at}, corner {corner:.3} µm"
+        ))
     };
-    let mut lines = vec![format!(
-        "volumetric accuracy of the {} sub-volumes of {} x {} x {} mm between {} x {} x {} nodes (places: corner with the smallest coordinates)",
+    let by = |of: [String; 3]| of.join(" x ");
+    let size = found.size_mm;
+    let head = format!(
+        "volumetric accuracy of the {} sub-volumes of {} mm between {} nodes (places: corner with the smallest coordinates)",
         found.count,
-        short(size.x),
-        short(size.y),
-        short(size.z),
-        found.grid.x,
-        found.grid.y,
-        found.grid.z
-    )];
-    lines.push(line("  as it is", found));
-    let after = after.and_then(|after| after.windows.as_ref());
-    lines.extend(after.map(|w| line("  with the tables", w)));
-    lines.join("\n")
+        by([size.x, size.y, size.z].map(|mm| short(mm).to_string())),
+        by([found.grid.x, found.grid.y, found.grid.z].map(|nodes| nodes.to_string())),
+    );
+    let lines = std::iter::once(head).chain(page.sides().filter_map(line));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 pub(super) fn histogram(before: &Assessment, after: Option<&Assessment>) -> String {
@@ -146,22 +134,21 @@ pub(super) fn histogram(before: &Assessment, after: Option<&Assessment>) -> Stri
         return String::new();
     };
     let after = after.and_then(|after| after.histogram.as_ref());
-    let mut columns = vec![Column::Left("differences/µm"), Column::Right("pairs")];
-    if after.is_some() {
-        columns.push(Column::Right("with tables"));
-    }
+    let with = after.map_or("", |_| "\t>with tables");
     let bins = found.counts.len().max(after.map_or(0, |a| a.counts.len()));
     let rows = (0..bins).map(|bin| {
         #[allow(clippy::cast_precision_loss, reason = "few bins")]
         let from = bin as f64 * found.bin_um;
-        let mut row = vec![
-            format!("{} … {}", short(from), short(from + found.bin_um)),
+        let other = after.map(|after| format!("\t{}", in_bin(after, bin)));
+        let (from, to) = (short(from), short(from + found.bin_um));
+        format!(
+            "{from} … {to}\t{}{}",
             in_bin(found, bin),
-        ];
-        row.extend(after.map(|h| in_bin(h, bin)));
-        row
+            other.unwrap_or_default()
+        )
     });
-    let mut lines = vec![table(&columns, rows), format!("  {}", how(found))];
+    let heading = format!("differences/µm\t>pairs{with}");
+    let mut lines = vec![table(&heading, rows), format!("  {}", how(found))];
     lines.extend(
         after
             .filter(|after| after.sampled != found.sampled)
@@ -197,28 +184,44 @@ fn how(histogram: &Histogram) -> String {
     )
 }
 
-pub(super) fn grouping(before: &Assessment, after: Option<&Assessment>) -> String {
-    let line = |what: &str, of: &Assessment| {
+pub(super) fn grouping(page: &Page) -> String {
+    let Some(found) = &page.before.grouping else {
+        return String::new();
+    };
+    let line = |(side, of): (&str, &Assessment)| {
         let found = of.grouping.as_ref()?;
-        let longest = match found.longest {
-            Some((um, [p, q])) => {
-                format!("{um:.3} µm between {} and {}", place(p), place(q))
-            }
+        let longest = match found.longest.map(|(um, pair)| (um, pair.map(place))) {
+            Some((um, [p, q])) => format!("{um:.3} µm between {p} and {q}"),
             None => "no two vectors are kept".to_string(),
         };
         Some(format!(
-            "{what}{longest}; exact {:.3} µm (kept {} of {} vectors, groups: {})",
+            "  {side}: {longest}; exact {:.3} µm (kept {} of {} vectors, groups: {})",
             of.definitions.va.um, found.records, found.vectors, found.groups
         ))
     };
-    let Some(found) = &before.grouping else {
-        return String::new();
-    };
-    let mut lines = vec![format!(
+    let head = format!(
         "grouping of paper 002 §4.2, tolerances {} (angle) and {} (length), for comparison only: it may miss the largest difference",
         found.angular, found.magnitude
-    )];
-    lines.extend(line("  as it is: ", before));
-    lines.extend(after.and_then(|after| line("  with the tables: ", after)));
-    lines.join("\n")
+    );
+    let lines = std::iter::once(head).chain(page.sides().filter_map(line));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+pub(super) fn place(place: PerAxis<f64>) -> String {
+    format!(
+        "({}, {}, {}) mm",
+        short(place.x),
+        short(place.y),
+        short(place.z)
+    )
+}
+
+/// Without the dust of binary fractions.
+pub(super) fn short(mm: f64) -> f64 {
+    Millimetres::new(mm).shown()
+}
+
+/// A figure with the digits of the page.
+pub(super) fn um(um: f64) -> String {
+    show::um(Some(um))
 }

@@ -1,32 +1,64 @@
 //! The page of `nonius assess` for people.
 
-use super::measured::{ERRORS, count, shows, unknown_axes};
-use super::parts::{contributions, grouping, histogram, windows};
-use super::{After, Page};
-use crate::cli::show::{self, Column, table};
+use super::page::{ERRORS, Page, count, shows, unknown_axes};
+use super::parts::{contributions, grouping, histogram, place, short, um, windows};
+use crate::cli::screen::{More, Screen, list, table};
+use crate::cli::show;
 use crate::inputs::job::Levers;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{Figure, Millimetres};
-use crate::volume::assessment::{Assessment, GridChoice};
+use crate::volume::assessment::GridChoice;
 use crate::volume::definitions::Definitions;
 
-pub(super) fn text(page: &Page) -> String {
+pub(super) fn screen(page: &Page) -> Screen {
     let before = &page.before;
     let after = page.after.as_ref().map(|after| &after.assessment);
-    show::paragraphs(&[
-        heading(page),
+    let differences = page
+        .after
+        .as_ref()
+        .map_or(&[][..], |after| &after.disagreements);
+    let missing = page.volume.missing();
+    let missing: Vec<String> = missing
+        .iter()
+        .map(|m| format!("{}: {}", m.name, m.consequence))
+        .collect();
+    // Doubts first.
+    let (doubts, notes): (Vec<&String>, Vec<&String>) = page
+        .basis
+        .labels
+        .iter()
+        .partition(|label| label.starts_with("doubt: "));
+    let left_out = list("not measured, so left out of every figure:", &missing);
+    let verdict = [
         headline(page),
-        figures(page),
-        worst_pairs(before, after),
-        contributions(page),
-        windows(before, after),
-        histogram(before, after),
-        grouping(before, after),
-        tables(page),
-        missing(page),
-        labels(page),
-    ])
+        list("job and tables DISAGREE:", differences),
+        heading(page),
+    ];
+    Screen {
+        verdict: verdict.join("\n").replace("\n\n", "\n"),
+        figures: vec![
+            figures(page),
+            worst_pairs(page),
+            windows(page),
+            histogram(before, after),
+            grouping(page),
+        ],
+        findings: doubts
+            .into_iter()
+            .cloned()
+            .chain(show::notes(notes))
+            .collect(),
+        more: vec![
+            More::new(
+                before.contributions.len(),
+                "contributions",
+                contributions(page),
+            ),
+            More::new(missing.len(), "errors not measured", left_out),
+        ],
+        ..Screen::default()
+    }
 }
 
 fn heading(page: &Page) -> String {
@@ -101,7 +133,15 @@ fn headline(page: &Page) -> String {
         "volumetric accuracy {:.3} µm: {claim}",
         before.definitions.va.um
     )];
-    lines.extend(page.after.as_ref().map(with_tables));
+    lines.extend(page.after.as_ref().map(|after| {
+        let hedge = match after.assessment.va_exact {
+            true => "",
+            false => " at these nodes; other places may differ by more",
+        };
+        let va = after.assessment.definitions.va.um;
+        let from = &after.from;
+        format!("with the tables {va:.3} µm{hedge}: {from}, read back from their bytes; angular errors stay")
+    }));
     let measured = count(&page.volume);
     if measured < ERRORS {
         lines.push(format!(
@@ -119,37 +159,19 @@ fn headline(page: &Page) -> String {
     lines.join("\n")
 }
 
-fn with_tables(after: &After) -> String {
-    let hedge = if after.assessment.va_exact {
-        ""
-    } else {
-        " at these nodes; other places may differ by more"
-    };
-    format!(
-        "with the tables {:.3} µm{hedge}",
-        after.assessment.definitions.va.um
-    )
-}
-
 fn figures(page: &Page) -> String {
     let before = &page.before.definitions;
     let after = page.after.as_ref().map(|a| &a.assessment.definitions);
-    let mut columns = vec![Column::Left("figure"), Column::Right("µm")];
-    if after.is_some() {
-        columns.push(Column::Right("with tables/µm"));
-    }
-    columns.push(Column::Left("what it is"));
-    let first = rows(page, before);
+    let with = after.map_or("", |_| "\t>with tables/µm");
     let second = after.map(|after| rows(page, after));
-    let rows = first.into_iter().enumerate().map(|(index, row)| {
-        let mut cells = vec![row.0, row.1];
-        if let Some(other) = second.as_ref().and_then(|rows| rows.get(index)) {
-            cells.push(other.1.clone());
-        }
-        cells.push(row.2);
-        cells
+    let rows = rows(page, before).into_iter().enumerate();
+    let rows = rows.map(|(index, (name, value, what))| {
+        let other = second.as_ref().and_then(|rows| rows.get(index));
+        let other = other.map_or_else(String::new, |(_, value, _)| format!("\t{value}"));
+        format!("{name}\t{value}{other}\t{what}")
     });
-    let mut lines = vec![table(&columns, rows), PAPERS.to_string()];
+    let heading = format!("figure\t>µm{with}\twhat it is");
+    let mut lines = vec![table(&heading, rows), PAPERS.to_string()];
     let mut all = [Some(before), after].into_iter().flatten();
     if all.any(|d| !d.length.exact) {
         lines.push(
@@ -166,143 +188,80 @@ const PAPERS: &str = "  paper 002: Defining and computing machine tool accuracy,
 /// Name, value and meaning of every figure.
 fn rows(page: &Page, d: &Definitions) -> Vec<(String, String, String)> {
     let some = |value: Option<f64>| value.map_or_else(|| "not measured".to_string(), um);
-    let mut rows = Vec::new();
-    let mut row = |name: &str, value: String, what: &str| {
-        rows.push((name.to_string(), value, what.to_string()));
-    };
-    row(
-        "VA",
-        um(d.va.um),
-        "largest difference of two error vectors (paper 002)",
-    );
     let at_least = if d.length.exact { "" } else { "≥ " };
-    row(
-        "length error",
-        format!("{at_least}{}", um(d.length.um)),
-        "largest error of a distance of two nodes",
-    );
-    for axis in Axis::ALL {
-        row(
-            &format!("range {axis}"),
-            some(shows(&page.volume, &page.basis.levers, axis).then_some(d.ranges_um[axis])),
-            &format!("max - min of the error in {axis}"),
-        );
-    }
-    row("box", um(d.box_um), "root of the squared ranges");
+    let length = format!("{at_least}{}", um(d.length.um));
     let from = format!("largest error seen from {}", place(d.origin_mm));
-    row("largest from", um(d.from_origin_um), &from);
-    row(
-        "proposed",
-        um(d.proposed_um),
-        "root of the squared maxima of X, Y and Z + the same of the minima (paper 000 §II, whole vector)",
-    );
-    row(
-        "existing",
-        some(d.by_component.existing),
-        "nine maxima and nine minima, each as root of squares (paper 000 §I)",
-    );
-    row(
-        "ELSv",
-        some(d.by_component.elsv),
-        "ranges of the nine, summed in each direction, then root of squares",
-    );
-    row(
-        "ELv",
-        some(d.by_component.elv),
-        "ranges of EXX, EYY, EZZ, root of squares: positioning alone (paper 001)",
-    );
-    for diagonal in Diagonal::ALL {
-        row(
-            &format!("diagonal {diagonal}"),
-            um(d.diagonals_um[diagonal]),
-            "max - min along it",
-        );
-    }
-    rows
-}
-
-fn worst_pairs(before: &Assessment, after: Option<&Assessment>) -> String {
-    let mut lines = vec![worst_pair(&before.definitions)];
-    lines.extend(after.map(|a| format!("with the tables:\n{}", worst_pair(&a.definitions))));
-    lines.join("\n")
-}
-
-fn worst_pair(d: &Definitions) -> String {
-    let [p, q] = d.va.places_mm;
-    let e = d.va.difference_um;
-    let [a, b] = d.length.places_mm;
-    format!(
-        "largest difference between {} and {}: {:+.3}, {:+.3}, {:+.3} µm in X, Y, Z\nlargest error of a length between {} and {}",
-        place(p),
-        place(q),
-        Figure(e.x),
-        Figure(e.y),
-        Figure(e.z),
-        place(a),
-        place(b)
-    )
-}
-
-pub(super) fn place(place: PerAxis<f64>) -> String {
-    format!(
-        "({}, {}, {}) mm",
-        short(place.x),
-        short(place.y),
-        short(place.z)
-    )
-}
-
-/// Without the dust of binary fractions.
-pub(super) fn short(mm: f64) -> f64 {
-    Millimetres::new(mm).shown()
-}
-
-/// A figure with the digits of the page.
-pub(super) fn um(um: f64) -> String {
-    format!("{:.3}", (um * 1000.0).round() / 1000.0 + 0.0)
-}
-
-fn tables(page: &Page) -> String {
-    let Some(after) = &page.after else {
-        return String::new();
+    let nine = &d.by_component;
+    let range = |axis| {
+        let shown = shows(&page.volume, &page.basis.levers, axis);
+        let value = some(shown.then_some(d.ranges_um[axis]));
+        (
+            format!("range {axis}"),
+            value,
+            format!("max - min of the error in {axis}"),
+        )
     };
-    let mut lines = vec![format!(
-        "with tables: {}, read back from their bytes; angular errors stay",
-        after.from
-    )];
-    if !after.disagreements.is_empty() {
-        lines.push("job and tables DISAGREE:".to_string());
-        lines.extend(
-            after
-                .disagreements
-                .iter()
-                .map(|words| format!("  - {words}")),
-        );
-    }
-    lines.join("\n")
+    let row =
+        |(name, value, what): (&str, String, &str)| (name.to_string(), value, what.to_string());
+    let first = [
+        (
+            "VA",
+            um(d.va.um),
+            "largest difference of two error vectors (paper 002)",
+        ),
+        (
+            "length error",
+            length,
+            "largest error of a distance of two nodes",
+        ),
+    ];
+    let others = [
+        ("box", um(d.box_um), "root of the squared ranges"),
+        ("largest from", um(d.from_origin_um), &from),
+        (
+            "proposed",
+            um(d.proposed_um),
+            "root of the squared maxima of X, Y and Z + the same of the minima (paper 000 §II, whole vector)",
+        ),
+        (
+            "existing",
+            some(nine.existing),
+            "nine maxima and nine minima, each as root of squares (paper 000 §I)",
+        ),
+        (
+            "ELSv",
+            some(nine.elsv),
+            "ranges of the nine, summed in each direction, then root of squares",
+        ),
+        (
+            "ELv",
+            some(nine.elv),
+            "ranges of EXX, EYY, EZZ, root of squares: positioning alone (paper 001)",
+        ),
+    ];
+    let diagonal = |diagonal| {
+        let value = um(d.diagonals_um[diagonal]);
+        (
+            format!("diagonal {diagonal}"),
+            value,
+            "max - min along it".to_string(),
+        )
+    };
+    let rows = first.map(row).into_iter().chain(Axis::ALL.map(range));
+    let rows = rows
+        .chain(others.map(row))
+        .chain(Diagonal::ALL.map(diagonal));
+    rows.collect()
 }
 
-fn missing(page: &Page) -> String {
-    let missing = page.volume.missing();
-    if missing.is_empty() {
-        return String::new();
-    }
-    let lines: Vec<String> = missing
-        .iter()
-        .map(|m| format!("  {}: {}", m.name, m.consequence))
-        .collect();
-    format!(
-        "not measured, so left out of every figure:\n{}",
-        lines.join("\n")
-    )
-}
-
-/// Doubts first.
-fn labels(page: &Page) -> String {
-    let labels = page.basis.labels.iter();
-    let (doubts, notes): (Vec<&String>, Vec<&String>) =
-        labels.partition(|label| label.starts_with("doubt: "));
-    let notes = notes.into_iter().map(|label| format!("note: {label}"));
-    let lines: Vec<String> = doubts.into_iter().cloned().chain(notes).collect();
-    lines.join("\n")
+/// Between which places each of the two machines differs most.
+fn worst_pairs(page: &Page) -> String {
+    let lines = page.sides().map(|(side, of)| {
+        let d = &of.definitions;
+        let ([p, q], [a, b]) = (d.va.places_mm.map(place), d.length.places_mm.map(place));
+        let PerAxis { x, y, z } = d.va.difference_um;
+        let [x, y, z] = [x, y, z].map(Figure);
+        format!("{side}: largest difference between {p} and {q}: {x:+.3}, {y:+.3}, {z:+.3} µm in X, Y, Z; largest error of a length between {a} and {b}")
+    });
+    lines.collect::<Vec<_>>().join("\n")
 }

@@ -1,6 +1,6 @@
 //! A part program on disk, read line by line.
 
-use crate::cli::inputs::{STANDARD_INPUT, open, plain_words, standard_input};
+use crate::cli::files::{STANDARD_INPUT, open, plain_words, standard_input};
 use crate::inputs::nc::{Line, Mark, Text};
 use crate::text::problem::Problem;
 use std::fs::File;

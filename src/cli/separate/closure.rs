@@ -1,11 +1,16 @@
-//! What `separate` prints of the closure and of disturbed readings.
+//! What `separate` prints of the closure, of disturbed readings, of the reversal at a turn and of repeated
+//! runs.
 
-use super::words::{list, signed};
+use crate::cli::screen::{paragraphs, table};
 use crate::machine::separation::Separation;
 use crate::machine::separation::closure::{Closure, Ramps};
 use crate::machine::separation::noise::{Noise, NoiseSource};
+use crate::machine::separation::noise::{coverage_factor, repeatability_um};
 use crate::machine::separation::outlier::{FALSE_DOUBT, Outlier};
-use crate::quantity::axis::Axis;
+use crate::machine::separation::reversal::{Estimate, Turn};
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::diagonal::{Diagonal, Pass};
+use crate::quantity::units::Figure;
 
 pub(super) fn closure(separation: &Separation) -> String {
     let closure = &separation.closure;
@@ -36,11 +41,11 @@ fn means(separation: &Separation) -> String {
     let closure = &separation.closure;
     let mean = |axis: Axis| match separation.noise {
         Some(noise) => format!(
-            "{axis} {} (expected scatter {:.3})",
-            signed(closure.mean[axis]),
+            "{axis} {:+.3} (expected scatter {:.3})",
+            Figure(closure.mean[axis]),
             closure.u_mean_um(axis, noise.sigma_um)
         ),
-        None => format!("{axis} {}", signed(closure.mean[axis])),
+        None => format!("{axis} {:+.3}", Figure(closure.mean[axis])),
     };
     Axis::ALL.map(mean).join(", ")
 }
@@ -64,8 +69,8 @@ fn ramps(ramps: &Ramps, noise: Option<Noise>) -> String {
     let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
     let each = Axis::ALL.map(|axis| {
         format!(
-            "{axis} {} (expected scatter {:.3})",
-            signed(ramps.change_um[axis]),
+            "{axis} {:+.3} (expected scatter {:.3})",
+            Figure(ramps.change_um[axis]),
             ramps.u[axis] * sigma
         )
     });
@@ -111,10 +116,91 @@ fn test(closure: &Closure, noise: Option<Noise>) -> String {
     )
 }
 
-pub(super) fn outliers(outliers: &[Outlier]) -> String {
-    let lines: Vec<String> = outliers.iter().map(Outlier::words).collect();
-    list(
-        "Disturbed readings (they stay in the result: repeat the run):",
-        &lines,
+/// A disturbed reading; it stays in the result.
+pub(super) fn disturbed(outlier: &Outlier) -> String {
+    format!("disturbed reading, repeat the run: {}", outlier.words())
+}
+
+pub(super) fn reversal(separation: &Separation) -> String {
+    let Some(turn) = &separation.turn else {
+        return String::new();
+    };
+    let k = coverage_factor(separation.noise.and_then(|noise| noise.freedom_f64()));
+    let shown = |b: Estimate| {
+        let u = b
+            .u_um
+            .map_or_else(|| "not known".into(), |u| format!("{:.3}", Figure(k * u)));
+        format!("{:.3} ± {u}", Figure(b.um))
+    };
+    paragraphs(&[
+        reversal_of_axes(turn, shown),
+        reversal_by_diagonal(turn, shown),
+        reversal_of_cross_terms(turn, shown),
+    ])
+}
+
+fn reversal_of_axes(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
+    let rows = Axis::ALL.into_iter().map(|axis| {
+        let own = ErrorTerm {
+            of: axis,
+            along: axis,
+        };
+        let [low, high] = turn.ends[axis];
+        let constancy = turn.constancy[axis];
+        let constancy = constancy.map_or_else(|| "-".into(), |p| format!("probability {p:.3}"));
+        let (whole, low, high) = (shown(turn.reversal[own]), shown(low), shown(high));
+        format!("{axis}\t{whole}\t{low}\t{high}\t{constancy}")
+    });
+    let heading = "axis\t>B/µm\t>at low end/µm\t>at high end/µm\t>constant?";
+    format!(
+        "Reversal from the turn (B = moving + minus moving -; ± U(95 %)): one for the whole axis, and at each end as the curves hold it\n{}\na small probability in the last column: the reversal differs along the axis, and the first figure is no figure of the machine",
+        table(heading, rows)
+    )
+}
+
+fn reversal_by_diagonal(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
+    let rows = Axis::ALL.into_iter().map(|axis| {
+        let each = turn.by_diagonal.iter();
+        let each = each.map(|(_, b)| format!("\t{}", shown(b[axis])));
+        format!("{axis}{}", each.collect::<String>())
+    });
+    let heading = Diagonal::ALL.map(|d| format!("\t>{d}")).concat();
+    format!(
+        "From each diagonal alone, where the axis turned (X of NPP, Y of PNP, Z of PPN at the low end, all others at the high end)\n{}",
+        table(&format!("B/µm{heading}"), rows)
+    )
+}
+
+fn reversal_of_cross_terms(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
+    let cross = ErrorTerm::ALL.into_iter().filter(|t| !t.is_positioning());
+    let said: Vec<String> = cross
+        .map(|term| {
+            let held = if turn.in_curves[term] {
+                " (in the - curve)"
+            } else {
+                ""
+            };
+            format!("{term} {}{held}", shown(turn.reversal[term]))
+        })
+        .collect();
+    format!("Reversal of cross terms, µm: {}", said.join(", "))
+}
+
+/// R of both passes along every diagonal.
+pub(super) fn repeatability(separation: &Separation) -> String {
+    let of = |diagonal: Diagonal| {
+        let pass = |pass: Pass| {
+            let found = repeatability_um(&separation.runs, diagonal, pass)?;
+            Some(format!("{diagonal} {} {:.3}", pass.word(), Figure(found)))
+        };
+        Pass::BOTH.into_iter().filter_map(pass).collect::<Vec<_>>()
+    };
+    let all: Vec<String> = Diagonal::ALL.into_iter().flat_map(of).collect();
+    if all.is_empty() {
+        return String::new();
+    }
+    format!(
+        "Repeatability R = 4 s, the largest over all nodes (ISO 230-2), µm: {}",
+        all.join(", ")
     )
 }

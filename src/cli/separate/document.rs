@@ -1,7 +1,7 @@
 //! The documents of `separate --format json` (contract §5).
 
-use super::advice::advice;
-use super::diagonals::StandardFigures;
+use super::words::advice;
+use crate::cli::diagonals::StandardFigures;
 use crate::inputs::job::SetUp;
 use crate::kit::manifest::picometres;
 use crate::machine::separation::metric::{PerPlane, Plane};
@@ -100,7 +100,7 @@ pub(super) fn separation(
         planes(&separation.squareness_freedom),
     );
     if let Some(found) = &separation.agreement {
-        page.insert("redundancy".into(), super::agreement::document(found));
+        page.insert("redundancy".into(), super::words::agreement_json(found));
     }
     page.insert(
         "squareness_least_squares_um_per_m".into(),

@@ -1,13 +1,10 @@
 //! What `separate` says of straight runs: the page for people and the document.
 
-use super::advice::advice;
-use super::agreement;
-use super::diagonals::{StandardFigures, diagonal_table};
-use super::document::{holds_below, noise, planes};
-use super::words::{
-    SQUARENESS_SIGN, doubtful, expanded, freedom, list, shown, signed, three, undetermined,
-};
-use crate::cli::show::{Column, paragraphs, table};
+use super::document::{diagonal_totals, holds_below, noise, planes};
+use super::words::{self, SQUARENESS_SIGN, advice, expanded, freedom};
+use crate::cli::diagonals::StandardFigures;
+use crate::cli::screen::{More, Screen, table};
+use crate::cli::show::um;
 use crate::kit::manifest::picometres;
 use crate::machine::separation::metric::Plane;
 use crate::machine::separation::prediction::{ClosureTest, ClosureTests};
@@ -15,26 +12,33 @@ use crate::machine::separation::straight::{StraightResult, scale_shares};
 use crate::machine::separation::uncertainty::SlopeUncertainty;
 use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, PathKind};
-use crate::quantity::units::Squared;
+use crate::quantity::units::{Figure, Squared};
 use crate::text::problem::Problems;
 use serde_json::{Map, Value, json};
 
-pub(super) fn page(result: &StraightResult) -> Result<String, Problems> {
+pub(super) fn screen(result: &StraightResult) -> Result<Screen, Problems> {
     let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
-    Ok(paragraphs(&[
-        doubtful(&result.doubts),
+    let diagonals = figures.as_read(|diagonal| result.diagonals[diagonal].end_um);
+    let closure = result.closure.as_ref();
+    let (open, advice) = (result.metric.undetermined(), advice(&result.metric));
+    Ok(words::screen(
+        &result.doubts,
         outcome(result),
-        undetermined(&result.metric.undetermined(), &advice(&result.metric)),
-        squareness(result),
-        scales(result),
-        agreement::table_of(result.agreement.as_ref()),
-        diagonal_table(&figures, |diagonal| result.diagonals[diagonal].end_um),
-        result
-            .closure
-            .as_ref()
-            .map_or_else(String::new, closure_page),
-        list("Assumed, and what the uncertainty holds:", &result.labels),
-    ]))
+        (&open, &advice),
+        vec![
+            squareness(result),
+            scales(result),
+            closure.map_or_else(String::new, closure_table),
+        ],
+        vec![
+            More::part(
+                "linear axes and beams",
+                words::agreement(result.agreement.as_ref()),
+            ),
+            More::part("diagonals", diagonals),
+        ],
+        &result.labels,
+    ))
 }
 
 fn outcome(result: &StraightResult) -> String {
@@ -56,24 +60,20 @@ fn outcome(result: &StraightResult) -> String {
 }
 
 fn squareness(result: &StraightResult) -> String {
-    let columns = [
-        Column::Left("plane"),
-        Column::Right("squareness/(µm/m)"),
-        Column::Right("U(95 %)/(µm/m)"),
-        Column::Right("freedom"),
-    ];
     let rows = Plane::ALL.into_iter().map(|plane| {
         let u = result.u_squareness.of(plane);
-        vec![
+        format!(
+            "{}\t{}\t{}\t{}",
             plane.key().to_uppercase(),
-            shown(result.metric.squareness.of(plane)),
+            um(result.metric.squareness.of(plane)),
             expanded(u.map(|u| u.expanded_um_per_m())),
             freedom(u.map(|u| u.freedom)),
-        ]
+        )
     });
+    let heading = "plane\t>squareness/(µm/m)\t>U(95 %)/(µm/m)\t>freedom";
     format!(
         "{}\n{SQUARENESS_SIGN}; from the totals of the diagonals, so of the lines through the end points",
-        table(&columns, rows)
+        table(heading, rows)
     )
 }
 
@@ -82,45 +82,38 @@ fn scales(result: &StraightResult) -> String {
     let shares = Axis::ALL.map(|axis| format!("{:.3} x slope of E{axis}{axis}", shares[axis]));
     let square_m = result.volume.diagonal_mm().squared() / 1000.0;
     let mut lines = vec![format!(
-        "One combination of the scales from the diagonals alone: {} = {} µm/m",
+        "One combination of the scales from the diagonals alone: {} = {:.3} µm/m",
         shares.join(" + "),
-        three(result.totals.scale_sum_um_mm / square_m)
+        Figure(result.totals.scale_sum_um_mm / square_m)
     )];
     for axis in Axis::ALL {
         if let Some(scale) = result.metric.scale[axis] {
             let u = expanded(result.u_scale[axis].map(|u| u.expanded_um_per_m()));
             lines.push(format!(
-                "slope of E{axis}{axis}: {} µm/m, U(95 %) {u}",
-                three(scale)
+                "slope of E{axis}{axis}: {:.3} µm/m, U(95 %) {u}",
+                Figure(scale)
             ));
         }
     }
     lines.join("\n")
 }
 
-fn closure_page(closure: &ClosureTests) -> String {
-    let columns = [
-        Column::Left("diagonal"),
-        Column::Left("runs"),
-        Column::Right("largest/µm"),
-        Column::Right("far end/µm"),
-        Column::Right("U(k=2) there/µm"),
-        Column::Right("largest by its u"),
-    ];
+fn closure_table(closure: &ClosureTests) -> String {
     let rows = closure.tests.iter().map(|test| {
-        vec![
-            test.diagonal.to_string(),
-            test.pass.word().to_string(),
-            three(test.largest_um),
-            signed(test.end_um),
-            expanded(test.u_end_um),
-            test.worst_ratio
-                .map_or_else(|| "-".to_string(), |ratio| format!("{ratio:.1}")),
-        ]
+        let (largest, end) = (Figure(test.largest_um), Figure(test.end_um));
+        let (pass, u) = (test.pass.word(), expanded(test.u_end_um));
+        let ratio = test
+            .worst_ratio
+            .map_or_else(|| "-".to_string(), |ratio| format!("{ratio:.1}"));
+        format!(
+            "{}\t{pass}\t{largest:.3}\t{end:+.3}\t{u}\t{ratio}",
+            test.diagonal
+        )
     });
+    let heading = "diagonal\truns\t>largest/µm\t>far end/µm\t>U(k=2) there/µm\t>largest by its u";
     format!(
         "Closure test: measured less what the nine errors of `closure_errors` predict, each run from its own start\n{}\n{}",
-        table(&columns, rows),
+        table(heading, rows),
         verdict(closure)
     )
 }
@@ -149,12 +142,11 @@ pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
         planes(&result.u_squareness.map(u)),
     );
     if let Some(found) = &result.agreement {
-        page.insert("redundancy".into(), agreement::document(found));
+        page.insert("redundancy".into(), words::agreement_json(found));
     }
     let scales = |of: &dyn Fn(Axis) -> Option<f64>| -> Value {
         let pairs = Axis::ALL.into_iter();
-        let pairs =
-            pairs.filter_map(|axis| Some((axis.key().into(), json!(picometres(of(axis)?)))));
+        let pairs = pairs.filter_map(|axis| Some((axis.key().into(), json!(of(axis)?))));
         Value::Object(pairs.collect())
     };
     page.insert("scale_um_per_m".into(), scales(&|axis| metric.scale[axis]));
@@ -186,23 +178,20 @@ pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
 
 fn diagonals(result: &StraightResult) -> Result<Value, Problems> {
     let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
-    let mut all = super::document::diagonal_totals(
+    let mut all = diagonal_totals(
         &figures.all,
         result.range_over_all_um,
         result.totals.scale_sum_um_mm,
     );
     for (diagonal, f) in result.diagonals.iter() {
         let mut entry = json!({
-            "end_reading_um": picometres(f.end_um),
-            "range_um": picometres(f.range_um),
+            "end_reading_um": f.end_um,
+            "range_um": f.range_um,
             "figures_um": figures.document(diagonal),
         });
         if let (Some(test), Some(entry)) = (largest(result, diagonal), entry.as_object_mut()) {
-            entry.insert(
-                "closure_largest_um".into(),
-                json!(picometres(test.largest_um)),
-            );
-            entry.insert("closure_end_um".into(), json!(picometres(test.end_um)));
+            entry.insert("closure_largest_um".into(), json!(test.largest_um));
+            entry.insert("closure_end_um".into(), json!(test.end_um));
         }
         all.insert(diagonal.name().into(), entry);
     }
@@ -224,9 +213,9 @@ fn closure_document(closure: &ClosureTests) -> Value {
             json!({
                 "diagonal": test.diagonal.name(),
                 "direction": test.pass.word(),
-                "largest_um": picometres(test.largest_um),
-                "end_um": picometres(test.end_um),
-                "u_end_um": test.u_end_um.map(picometres),
+                "largest_um": test.largest_um,
+                "end_um": test.end_um,
+                "u_end_um": test.u_end_um,
                 "largest_by_u": test.worst_ratio.map(picometres),
             })
         })

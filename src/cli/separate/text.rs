@@ -1,48 +1,53 @@
 //! What `separate` prints for people: what was determined and what not, then the figures.
 
-use super::agreement;
-use super::closure::{closure, outliers};
-use super::diagonals::{StandardFigures, diagonal_table};
+use super::closure::{closure, disturbed, repeatability, reversal};
 use super::document::open_advice;
-use super::reversal::{repeatability, reversal};
-use super::words::{
-    SQUARENESS_SIGN, doubtful, expanded, freedom, list, shown, signed, three, undetermined,
-};
-use crate::cli::show::{Column, paragraphs, table};
+use super::words::{self, SQUARENESS_SIGN, expanded, freedom};
+use crate::cli::diagonals::StandardFigures;
+use crate::cli::screen::{More, Screen, table};
+use crate::cli::show::um;
 use crate::inputs::job::SetUp;
 use crate::machine::separation::line::{ReferenceLine, range};
 use crate::machine::separation::metric::Plane;
-use crate::machine::separation::monte_carlo::{Figure, Simulated, measured_coverage};
+use crate::machine::separation::monte_carlo::{Figure as Simulation, Simulated, measured_coverage};
 use crate::machine::separation::{Evidence, Separation};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::diagonal::PathKind;
+use crate::quantity::units::Figure;
 use crate::text::problem::Problems;
 
-pub(super) fn summary(
+pub(super) fn screen(
     separation: &Separation,
     simulated: Option<&Simulated>,
-) -> Result<String, Problems> {
-    Ok(paragraphs(&[
-        doubtful(&separation.doubts),
-        outcome(separation),
-        assumed_set_up(separation),
-        undetermined(&separation.undetermined, &open_advice(separation)),
-        outliers(&separation.closure.outliers),
-        terms(separation),
-        directions(separation),
-        squareness(separation),
-        agreement::table_of(separation.agreement.as_ref()),
-        setup(separation),
-        closure(separation),
-        reversal(separation),
-        diagonals(separation)?,
-        repeatability(separation),
-        simulated.map_or_else(String::new, monte_carlo),
-        list(
-            "Assumed, and what the uncertainty holds:",
-            &separation.labels,
+) -> Result<Screen, Problems> {
+    let figures = StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs)?;
+    let outliers = &separation.closure.outliers;
+    let more = vec![
+        More::part("directions", directions(separation)),
+        More::part(
+            "linear axes and beams",
+            words::agreement(separation.agreement.as_ref()),
         ),
-    ]))
+        More::part("set-up", setup(separation)),
+        More::part("closure", closure(separation)),
+        More::part("reversal", reversal(separation)),
+        More::part("diagonals", diagonals(separation, &figures)),
+        More::part("repeatability", repeatability(separation)),
+        More::part(
+            "Monte Carlo",
+            simulated.map_or_else(String::new, monte_carlo),
+        ),
+    ];
+    let mut screen = words::screen(
+        &separation.doubts,
+        outcome(separation),
+        (&separation.undetermined, &open_advice(separation)),
+        vec![terms(separation), squareness(separation)],
+        more,
+        &separation.labels,
+    );
+    screen.findings = outliers.iter().map(disturbed).collect();
+    Ok(screen)
 }
 
 /// What was determined, in one line, and what no U holds.
@@ -64,15 +69,11 @@ fn outcome(separation: &Separation) -> String {
         planes.join(", ")
     )];
     lines.extend(separation.not_counted.sentences());
-    lines.join("\n")
-}
-
-/// The first thing to read where the set-up is assumed; the label says the rest.
-fn assumed_set_up(separation: &Separation) -> String {
-    match separation.setup {
-        SetUp::Solve => String::new(),
-        SetUp::AssumePerfect => "WARNING: `setup = \"assume-perfect\"`: slopes that were separated hold the tilt of the mirror.\nFor figures of the machine use `setup = \"solve\"` with two or three linear axes.".to_string(),
+    if separation.setup == SetUp::AssumePerfect {
+        // The first thing to read there; the label says the rest.
+        lines.push("WARNING: `setup = \"assume-perfect\"`: slopes that were separated hold the tilt of the mirror; for figures of the machine use `setup = \"solve\"` with two or three linear axes".to_string());
     }
+    lines.join("\n")
 }
 
 fn positions_mm(separation: &Separation, axis: Axis) -> Vec<f64> {
@@ -81,43 +82,26 @@ fn positions_mm(separation: &Separation, axis: Axis) -> Vec<f64> {
 }
 
 fn terms(separation: &Separation) -> String {
-    let columns = [
-        Column::Left("error"),
-        Column::Right("slope/(µm/m)"),
-        Column::Right("far end/µm"),
-        Column::Right("max - min/µm"),
-        Column::Right("straightness/µm"),
-        Column::Right("largest U(95 %)/µm"),
-        Column::Right("freedom"),
-    ];
     let rows = ErrorTerm::ALL.into_iter().map(|term| {
-        let mut row = vec![term.to_string()];
-        match &separation.errors.mean[term] {
-            None => row.extend(["not determined", "-", "-"].map(String::from)),
-            Some(found) => row.extend([
-                three(
-                    ReferenceLine::EndPoints
-                        .slope_um_per_m(&positions_mm(separation, term.along), &found.deviation_um),
-                ),
-                three(last(&found.deviation_um)),
-                three(range(found.deviation_um.iter().copied())),
-            ]),
-        }
-        row.push(three(range(separation.shapes[term].iter().copied())));
-        let largest = separation.errors.mean[term].as_ref();
-        let largest = largest.map(|found| largest_u(found, separation));
-        row.extend(match largest {
-            None => ["-".to_string(), "-".to_string()],
-            Some(largest) => [
-                expanded(largest.map(|(um, _)| um)),
-                freedom(largest.map(|(_, freedom)| freedom)),
-            ],
-        });
-        row
+        let shape = um(Some(range(separation.shapes[term].iter().copied())));
+        let Some(found) = &separation.errors.mean[term] else {
+            return format!("{term}\tnot determined\t-\t-\t{shape}\t-\t-");
+        };
+        let curve = &found.deviation_um;
+        let positions = positions_mm(separation, term.along);
+        let slope = ReferenceLine::EndPoints.slope_um_per_m(&positions, curve);
+        let [slope, end, range] = [slope, last(curve), range(curve.iter().copied())].map(Figure);
+        let largest = largest_u(found, separation);
+        let (u, freedom) = (
+            expanded(largest.map(|(um, _)| um)),
+            freedom(largest.map(|(_, f)| f)),
+        );
+        format!("{term}\t{slope:.3}\t{end:.3}\t{range:.3}\t{shape}\t{u}\t{freedom}")
     });
+    let heading = "error\t>slope/(µm/m)\t>far end/µm\t>max - min/µm\t>straightness/µm\t>largest U(95 %)/µm\t>freedom";
     format!(
         "Errors (actual - commanded), zero at the low end of each axis\nslope, straightness: line through the end points; straightness of EXX, EYY, EZZ: what is left beside that line\n{}",
-        table(&columns, rows)
+        table(heading, rows)
     )
 }
 
@@ -141,31 +125,16 @@ fn directions(separation: &Separation) -> String {
     let Some((plus, minus)) = plus.zip(separation.errors.directed(Direction::Minus)) else {
         return String::new();
     };
-    let columns = [
-        Column::Left("error"),
-        Column::Right("far end +/µm"),
-        Column::Right("far end -/µm"),
-        Column::Right("max - min +/µm"),
-        Column::Right("max - min -/µm"),
-        Column::Right("largest U(95 %) of either/µm"),
-    ];
-    let pairs = |term: ErrorTerm| {
-        let of = |errors: &PerTerm<Option<Evidence>>| errors[term].clone();
-        of(plus).zip(of(minus))
-    };
     let rows = ErrorTerm::ALL.into_iter().filter_map(|term| {
-        let (plus, minus) = pairs(term)?;
-        let size = |found: &Evidence| three(range(found.deviation_um.iter().copied()));
+        let (plus, minus) = (plus[term].as_ref()?, minus[term].as_ref()?);
+        let both = [plus, minus].map(|found| &found.deviation_um);
+        let [end, other_end] = both.map(|curve| Figure(last(curve)));
+        let [size, other_size] = both.map(|curve| Figure(range(curve.iter().copied())));
         let u = |found: &Evidence| largest_u(found, separation).map(|(um, _)| um);
-        let either = u(&plus).zip(u(&minus)).map(|(a, b)| a.max(b));
-        Some(vec![
-            term.to_string(),
-            three(last(&plus.deviation_um)),
-            three(last(&minus.deviation_um)),
-            size(&plus),
-            size(&minus),
-            expanded(either),
-        ])
+        let either = expanded(u(plus).zip(u(minus)).map(|(a, b)| a.max(b)));
+        Some(format!(
+            "{term}\t{end:.3}\t{other_end:.3}\t{size:.3}\t{other_size:.3}\t{either}"
+        ))
     });
     let apart = "+ is zero at the low end, - stands beside it by the reversal there";
     let open = "each is zero at its own low end: the reversal between them is not determined";
@@ -180,111 +149,82 @@ fn directions(separation: &Separation) -> String {
     } else {
         format!("{}: {apart}; others: {open}", known.join(", "))
     };
-    format!(
-        "The same by direction of motion; {zero}\n{}",
-        table(&columns, rows)
-    )
+    let heading = "error\t>far end +/µm\t>far end -/µm\t>max - min +/µm\t>max - min -/µm\t>largest U(95 %) of either/µm";
+    let table = table(heading, rows);
+    format!("The same by direction of motion; {zero}\n{table}")
 }
 
 fn squareness(separation: &Separation) -> String {
     let naive = separation.setup == SetUp::AssumePerfect;
-    let mut columns = vec![
-        Column::Left("plane"),
-        Column::Right("squareness/(µm/m)"),
-        Column::Right("U(95 %)/(µm/m)"),
-        Column::Right("freedom"),
-        Column::Right("by least squares/(µm/m)"),
-    ];
-    if naive {
-        columns.push(Column::Right("sum of separated slopes/(µm/m)"));
-    }
-    let known = |plane: Plane| {
-        let u = separation.u_squareness_um_per_m.of(plane);
-        u.map(|_| separation.squareness_freedom.of(plane))
-    };
     let rows = Plane::ALL.into_iter().map(|plane| {
-        let mut row = vec![
+        let found = separation.squareness_um_per_m.of(plane);
+        let found = found.map_or_else(|| "not determined".into(), |slope| um(Some(slope)));
+        let u = separation.u_squareness_um_per_m.of(plane);
+        let freedom = freedom(u.map(|_| separation.squareness_freedom.of(plane)));
+        let row = format!(
+            "{}\t{found}\t{}\t{freedom}\t{}",
             plane.key().to_uppercase(),
-            separation
-                .squareness_um_per_m
-                .of(plane)
-                .map_or_else(|| "not determined".into(), three),
             expanded(separation.expanded_squareness_um_per_m(plane)),
-            freedom(known(plane)),
-            shown(separation.squareness_least_squares_um_per_m.of(plane)),
-        ];
-        if naive {
-            row.push(three(separation.naive_squareness_um_per_m(plane)));
+            um(separation.squareness_least_squares_um_per_m.of(plane)),
+        );
+        match naive {
+            true => format!(
+                "{row}\t{:.3}",
+                Figure(separation.naive_squareness_um_per_m(plane))
+            ),
+            false => row,
         }
-        row
     });
-    let mut lines = vec![
-        table(&columns, rows),
-        SQUARENESS_SIGN.to_string(),
-        "squareness and U: lines through the end points, from the totals of the diagonals; by least squares: lines through the curves above, with their straightness".to_string(),
-    ];
-    if naive {
-        lines.push("sum of separated slopes: holds the tilt of the mirror, no figure of the machine; with `frame = \"as-measured\"` it is what the curves and the tables made from them carry".to_string());
-    }
-    lines.join("\n")
+    let (column, legend) = match naive {
+        true => (
+            "\t>sum of separated slopes/(µm/m)",
+            "\nsum of separated slopes: holds the tilt of the mirror, no figure of the machine; with `frame = \"as-measured\"` it is what the curves and the tables made from them carry",
+        ),
+        false => ("", ""),
+    };
+    let heading = format!(
+        "plane\t>squareness/(µm/m)\t>U(95 %)/(µm/m)\t>freedom\t>by least squares/(µm/m){column}"
+    );
+    format!(
+        "{}\n{SQUARENESS_SIGN}\nsquareness and U: lines through the end points, from the totals of the diagonals; by least squares: lines through the curves above, with their straightness{legend}",
+        table(&heading, rows)
+    )
 }
 
 fn setup(separation: &Separation) -> String {
     let Some(tilts) = &separation.tilts else {
         return String::new();
     };
-    let columns = [
-        Column::Left("set-up"),
-        Column::Right("tilt/arcsec"),
-        Column::Right("towards X"),
-        Column::Right("Y"),
-        Column::Right("Z"),
-    ];
     let rows = tilts.iter().map(|(diagonal, tilt)| {
-        vec![
-            diagonal.to_string(),
-            format!("{:.1}", tilt.arcsec),
-            signed(tilt.direction.x),
-            signed(tilt.direction.y),
-            signed(tilt.direction.z),
-        ]
+        let towards = tilt.direction;
+        let [x, y, z] = [towards.x, towards.y, towards.z].map(Figure);
+        format!("{diagonal}\t{:.1}\t{x:+.3}\t{y:+.3}\t{z:+.3}", tilt.arcsec)
     });
     format!(
         "Tilt of the mirror: its normal against the nominal diagonal (solved for and taken out; no error of the machine)\n{}",
-        table(&columns, rows)
+        table("set-up\t>tilt/arcsec\t>towards X\t>Y\t>Z", rows)
     )
 }
 
-fn diagonals(separation: &Separation) -> Result<String, Problems> {
-    let figures = StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs)?;
-    let table = diagonal_table(&figures, |diagonal| separation.diagonals[diagonal].end_um);
-    Ok(format!(
+fn diagonals(separation: &Separation, figures: &StandardFigures) -> String {
+    let table = figures.as_read(|diagonal| separation.diagonals[diagonal].end_um);
+    format!(
         "{table}\n`generate` computes its diagonals from the nine errors instead: without the tilt of the mirror, without noise between the nodes"
-    ))
+    )
 }
 
 fn monte_carlo(simulated: &Simulated) -> String {
-    let columns = [
-        Column::Left("figure"),
-        Column::Right("estimate"),
-        Column::Right("bias by noise"),
-        Column::Right("from"),
-        Column::Right("to"),
-        Column::Left("unit"),
-        Column::Right("held the truth"),
-    ];
-    let rows = simulated.figures.iter().map(|f: &Figure| {
-        vec![
-            f.name.clone(),
-            three(f.estimate),
-            signed(f.bias),
-            three(f.interval[0]),
-            three(f.interval[1]),
-            f.unit.to_string(),
-            format!("{:.1} %", 100.0 * measured_coverage(f)),
-        ]
+    let rows = simulated.figures.iter().map(|f: &Simulation| {
+        let [estimate, bias, from, to] =
+            [f.estimate, f.bias, f.interval[0], f.interval[1]].map(Figure);
+        let held = 100.0 * measured_coverage(f);
+        format!(
+            "{}\t{estimate:.3}\t{bias:+.3}\t{from:.3}\t{to:.3}\t{}\t{held:.1} %",
+            f.name, f.unit
+        )
     });
-    let size = |f: &Figure| f.unit == "µm" && f.interval[0] < 0.0;
+    let heading = "figure\t>estimate\t>bias by noise\t>from\t>to\tunit\t>held the truth";
+    let size = |f: &Simulation| f.unit == "µm" && f.interval[0] < 0.0;
     let hidden = if simulated.figures.iter().any(size) {
         "\na range or straightness whose interval reaches below 0 cannot be told from noise"
     } else {
@@ -294,6 +234,6 @@ fn monte_carlo(simulated: &Simulated) -> String {
         "Monte Carlo, {} trials, seed {}; range = max - min, straightness by least squares lines\nonly noise of the readings and the stated u of linear axes and beams are varied: no tilt, no angular errors\nintervals are made for 95 %; how often such intervals held the truth on simulated machines stands beside them\n{}{hidden}",
         simulated.plan.trials,
         simulated.plan.seed,
-        table(&columns, rows)
+        table(heading, rows)
     )
 }

@@ -1,4 +1,14 @@
-//! Numbers and lists in the text output.
+//! What both pages of `separate` show: numbers, what is open and how to determine it, linear axes and
+//! beams against the diagonals.
+
+use crate::cli::screen::{More, Screen, list, paragraphs, table};
+use crate::cli::show::um;
+use crate::kit::manifest::picometres;
+use crate::machine::separation::agreement::{Agreement, CHECK, LineCheck};
+use crate::machine::separation::metric::Metric;
+use crate::quantity::axis::Axis;
+use crate::quantity::units::Figure;
+use serde_json::{Value, json};
 
 /// More degrees of freedom than these need no exact number: k is 2.00.
 const MANY: f64 = 1000.0;
@@ -6,27 +16,12 @@ const MANY: f64 = 1000.0;
 /// The sentence of contract §1 that stands wherever φ stands.
 pub(super) const SQUARENESS_SIGN: &str = "positive = the angle between the two positive axis directions is less than 90° (ISO 230-1: EC0Y = -xy, EB0Z = +xz, EA0Z = -yz)";
 
-/// Three decimals, never −0.
-pub(super) fn three(value: f64) -> String {
-    format!("{:.3}", (value * 1000.0).round() / 1000.0 + 0.0)
-}
-
-/// The same with its sign.
-pub(super) fn signed(value: f64) -> String {
-    format!("{:+.3}", (value * 1000.0).round() / 1000.0 + 0.0)
-}
-
-/// Three decimals, or a dash where there is nothing.
-pub(super) fn shown(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_string(), three)
-}
-
 /// U with its coverage factor; one that is known never reads 0 unless it is.
 pub(super) fn expanded(expanded: Option<f64>) -> String {
     match expanded {
         None => "not known".to_string(),
         Some(expanded) if expanded > 0.0 && expanded < 0.0005 => "< 0.001".to_string(),
-        Some(expanded) => three(expanded),
+        known => um(known),
     }
 }
 
@@ -40,27 +35,111 @@ pub(super) fn freedom(known: Option<Option<f64>>) -> String {
     }
 }
 
-/// What speaks against a result: the first thing to read.
-pub(super) fn doubtful(doubts: &[String]) -> String {
-    list("DOUBTFUL, so the answer is no:", doubts)
+/// The screen of a result: what speaks against it and what is not determined, with how to determine it,
+/// stand first.
+pub(super) fn screen(
+    doubts: &[String],
+    determined: String,
+    (undetermined, advice): (&[String], &[String]),
+    figures: Vec<String>,
+    mut more: Vec<More>,
+    labels: &[String],
+) -> Screen {
+    let mut open = list(
+        "NOT DETERMINED by these readings, and left out:",
+        undetermined,
+    );
+    for advice in advice.iter().filter(|_| !undetermined.is_empty()) {
+        open += &format!("\n      {advice}");
+    }
+    let heading = "Assumed, and what the uncertainty holds:";
+    more.push(More::new(labels.len(), "labels", list(heading, labels)));
+    Screen {
+        verdict: paragraphs(&[
+            list("DOUBTFUL, so the answer is no:", doubts),
+            determined,
+            open,
+        ]),
+        figures,
+        more,
+        ..Screen::default()
+    }
 }
 
-/// A heading with a line for each entry; nothing without entries.
-pub(super) fn list(heading: &str, lines: &[String]) -> String {
-    if lines.is_empty() {
-        return String::new();
+const LINEAR: &str =
+    "[[measurement.step_diagonal.linear]] with axis, slope_um_per_m (or errors) and u_um_per_m";
+const BEAM: &str =
+    "[[measurement.step_diagonal.beam]] with from_mm, to_mm, slope_um_per_m and u_um_per_m";
+
+/// Ways to determine the scales that are open (docs/method.md §5); empty where none is.
+pub(super) fn advice(metric: &Metric) -> Vec<String> {
+    let open = |axis: &Axis| metric.scale[*axis].is_none();
+    let (open, known): (Vec<Axis>, Vec<Axis>) = Axis::ALL.into_iter().partition(open);
+    match (open.as_slice(), known.as_slice()) {
+        ([], _) => Vec::new(),
+        ([a, b], [known]) => vec![
+            format!("{a} or {b} measured along its length: add {LINEAR}"),
+            format!("or a face diagonal of a plane with {known}: add {BEAM}"),
+        ],
+        _ => vec![
+            format!("two axes measured along their length: add two {LINEAR}"),
+            format!(
+                "or face diagonals of two planes, or one axis and a face diagonal of a plane with it: add {BEAM}"
+            ),
+        ],
     }
-    let lines: Vec<String> = lines.iter().map(|line| format!("- {line}")).collect();
-    format!("{heading}\n{}", lines.join("\n"))
 }
 
-/// What is not determined, and below it how to determine it.
-pub(super) fn undetermined(words: &[String], advice: &[String]) -> String {
-    if words.is_empty() {
+/// Linear axes and beams against each other and the diagonals.
+pub(super) fn agreement(agreement: Option<&Agreement>) -> String {
+    let Some(agreement) = agreement else {
         return String::new();
-    }
-    let mut lines = vec!["NOT DETERMINED by these readings, and left out:".to_string()];
-    lines.extend(words.iter().map(|words| format!("- {words}")));
-    lines.extend(advice.iter().map(|advice| format!("    {advice}")));
-    lines.join("\n")
+    };
+    let rows = agreement.lines.iter().map(|line| {
+        let found = line.others.zip(line.difference());
+        let others = found.map_or("nothing\t-\t-".to_string(), |(others, (by, _))| {
+            let [found, by, u] =
+                [others.found_um_per_m, by, others.u_difference_um_per_m].map(Figure);
+            format!("{found:.3}\t{by:+.3}\t{u:.3}")
+        });
+        format!(
+            "{}\t{:.3}\t{others}",
+            line.name(),
+            Figure(line.stated_um_per_m)
+        )
+    });
+    let heading = "line\t>stated/(µm/m)\t>by all others/(µm/m)\t>difference/(µm/m)\t>u(k=1)/(µm/m)";
+    let verdict = match agreement.probability {
+        Some(p) if agreement.is_refuted() => {
+            format!("probability {p:.3}: they DISAGREE; {CHECK}")
+        }
+        Some(p) => format!("probability {p:.3}: they agree"),
+        None => "not judged: the noise of the readings is not known".into(),
+    };
+    format!(
+        "Linear axes and beams against the diagonals\n{}\nchi-squared {:.2}, degrees of freedom {}, {verdict}",
+        table(heading, rows),
+        agreement.chi_squared,
+        agreement.freedom
+    )
+}
+
+/// Linear axes and beams against each other and the diagonals.
+pub(super) fn agreement_json(agreement: &Agreement) -> Value {
+    let line = |line: &LineCheck| {
+        json!({
+            "line": line.name(),
+            "stated_um_per_m": line.stated_um_per_m,
+            "by_others_um_per_m": line.others.map(|o| o.found_um_per_m),
+            "difference_um_per_m": line.difference().map(|(um_per_m, _)| um_per_m),
+            "u_difference_um_per_m": line.others.map(|o| o.u_difference_um_per_m),
+        })
+    };
+    json!({
+        "chi_squared": picometres(agreement.chi_squared),
+        "degrees_of_freedom": agreement.freedom,
+        "probability": agreement.probability,
+        "contradiction": agreement.contradiction(),
+        "lines": agreement.lines.iter().map(line).collect::<Vec<_>>(),
+    })
 }

@@ -1,17 +1,23 @@
 //! Files of a user → the measurement with the tables active.
 
-use crate::cli::inputs::{self, file_name, read_argument};
+use crate::cli::campaign::CampaignFiles;
+use crate::cli::files::{file_name, read_argument};
+use crate::cli::inputs::{self, ACTIVE};
+use crate::cli::job_files::JobFiles;
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{ActiveTables, Job, MeasuredData};
+use crate::inputs::kind::FileKind;
 use crate::judge::active::ActiveControl;
 use crate::judge::after::{AfterMeasurement, ensure_same_machine};
+use crate::judge::causes::{Corrected, Slip};
 use crate::judge::disagreement::{compare, measuring_systems};
 use crate::kit::manifest::HashedFile;
 use crate::kit::{Inputs, Verification, cannot_emulate, emulator, hashed};
 use crate::machine::model::ErrorModel;
 use crate::quantity::diagonal::PathKind;
+use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
-use crate::text::problem::{Place, Problem, Problems};
+use crate::text::problem::{Problem, Problems};
 use std::path::Path;
 
 /// A second measurement, and every file that it was read from.
@@ -24,42 +30,14 @@ pub(super) struct Second {
     active: Option<(Job, ActiveControl)>,
 }
 
-/// Reads an error table, or a job with errors, readings or straight diagonals, measured with the
-/// tables of a directory active.
-pub(super) fn read(first: &Inputs, path: &Path, tables: &Path) -> Result<Second, Problems> {
-    let (name, bytes) = read_argument(path)?;
-    let mut hashes = vec![hashed(&file_name(path), &bytes)];
-    let source = Source::from_bytes(&name, &bytes)?;
-    if !is_job(path, &source.text) {
-        return Ok(Second {
-            measurement: of_table(first, source)?,
-            hashes,
-            notes: Vec::new(),
-            active: None,
-        });
-    }
-    let job = Job::read(source)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    ensure_same_machine(&first.job, &job)?;
-    let active = active(first, &job, folder, tables)?;
-    Ok(Second {
-        measurement: of_job(&job, folder, &mut hashes)?,
-        hashes,
-        notes: notes(&job, tables),
-        active: active.map(|active| (job, active)),
-    })
-}
-
-const ACTIVE: &str = "measurement.active_while_measuring";
-
 /// What was active as the second job names it; `None` where it says nothing, or names the tables
 /// that are judged.
 fn active(
     first: &Inputs,
-    job: &Job,
-    folder: &Path,
+    files: &mut JobFiles<'_>,
     tables: &Path,
 ) -> Result<Option<ActiveControl>, Problems> {
+    let job = files.job;
     match &job.measurement.active {
         ActiveTables::NotStated => Ok(None),
         ActiveTables::None => Err(job
@@ -71,11 +49,11 @@ fn active(
             .into()),
         ActiveTables::Path(path) => {
             let place = |path: &Path| std::fs::canonicalize(path).ok();
-            let own = place(&folder.join(path));
+            let own = place(&files.folder.join(path));
             if own.is_some() && own == place(tables) {
                 return Ok(None);
             }
-            inputs::active_control(job, &first.profile, folder, &mut Vec::new())
+            inputs::active(files, &first.profile)
         }
     }
 }
@@ -93,6 +71,40 @@ fn notes(job: &Job, tables: &Path) -> Vec<String> {
 }
 
 impl Second {
+    /// Reads an error table, or a job with errors, readings or straight diagonals, measured with the
+    /// tables of a directory active.
+    pub(super) fn read(first: &Inputs, path: &Path, tables: &Path) -> Result<Second, Problems> {
+        let (name, bytes) = read_argument(path)?;
+        let own = hashed(&file_name(path), &bytes);
+        let source = Source::from_bytes(&name, &bytes)?;
+        if FileKind::of(&name, &bytes) != FileKind::Job {
+            return Ok(Second {
+                measurement: of_table(first, source)?,
+                hashes: vec![own],
+                notes: Vec::new(),
+                active: None,
+            });
+        }
+        let job = Job::read(source)?;
+        ensure_same_machine(&first.job, &job)?;
+        let mut files = JobFiles::new(&job, path);
+        let active = active(first, &mut files, tables)?;
+        files.hashes = vec![own];
+        Ok(Second {
+            measurement: of_job(&mut files)?,
+            hashes: files.hashes,
+            notes: notes(&job, tables),
+            active: active.map(|active| (job, active)),
+        })
+    }
+
+    /// The files that it was read from.
+    pub(super) fn files_words(&self) -> String {
+        let names: Vec<&str> = self.hashes.iter().map(|file| file.path.as_str()).collect();
+        let names = names.join(", ");
+        format!("measured afterwards, with the tables active: {names}")
+    }
+
     /// Refuses a measurement that was taken with other tables than those that are judged.
     pub(super) fn ensure_active(
         &self,
@@ -129,15 +141,6 @@ impl Second {
     }
 }
 
-/// A job is a `.toml` file, or begins with a key or a section.
-fn is_job(path: &Path, text: &str) -> bool {
-    let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
-    let lines = text.lines().map(str::trim);
-    let mut content = lines.filter(|line| !line.is_empty() && !line.starts_with('#'));
-    let begins = content.next().is_some_and(|line| line.contains(['=', '[']));
-    ending.is_some_and(|ending| ending == "toml") || begins
-}
-
 /// An error table counts in the coordinates of the first job.
 fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems> {
     refuse_readings(&source)?;
@@ -157,37 +160,56 @@ fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems
 
 /// Readings by themselves do not say how they were taken.
 fn refuse_readings(source: &Source) -> Result<(), Problem> {
-    let mut lines = source.text.lines().zip(1..);
-    let is_head = |line: &str| !line.trim().is_empty() && !line.starts_with('#');
-    let head = lines.find(|(line, _)| is_head(line));
-    match head.filter(|(line, _)| line.to_ascii_lowercase().contains("diagonal")) {
-        None => Ok(()),
-        Some((text, line)) => Err(Problem::new(
-            "these are readings of the diagonals, expected an error table (CSV) or a job (TOML)",
-        )
-        .at(Place {
-            line,
-            ..Place::in_text(&source.name, text, 0, text.len())
-        })
-        .help(
-            "write a job that names them with `readings = …`: how they were walked stands there",
-        )),
+    if FileKind::of(&source.name, source.text.as_bytes()) != FileKind::Readings {
+        return Ok(());
     }
+    let problem = Problem::new(
+        "these are readings of the diagonals, expected an error table (CSV) or a job (TOML)",
+    )
+    .help("write a job that names them with `readings = …`: how they were walked stands there");
+    Err(match header_and_rows(source) {
+        Some((header, _)) => problem.at(header.cell_place(0)),
+        None => problem,
+    })
 }
 
-fn of_job(
-    job: &Job,
-    folder: &Path,
-    hashes: &mut Vec<HashedFile>,
-) -> Result<AfterMeasurement, Problems> {
+fn of_job(files: &mut JobFiles<'_>) -> Result<AfterMeasurement, Problems> {
+    let job = files.job;
     if let MeasuredData::Diagonals(measurement) = &job.measurement.data
         && measurement.kind == PathKind::Straight
     {
-        let files = inputs::campaign_files(job, measurement, folder, hashes)?;
-        return Ok(AfterMeasurement::Diagonals(files.straight_runs()?));
+        let campaign = CampaignFiles::read(files, measurement)?;
+        return Ok(AfterMeasurement::Diagonals(campaign.straight_runs()?));
     }
-    let table = inputs::error_table(job, folder, hashes)?;
-    Ok(AfterMeasurement::Errors(Box::new(ErrorModel::build(
-        job, &table,
-    )?)))
+    let model = ErrorModel::build(job, &inputs::error_table(files)?)?;
+    Ok(AfterMeasurement::Errors(Box::new(model)))
+}
+
+/// The machine as found under each slip of the records of the first measurement; none where its job
+/// gives errors, not readings.
+pub(super) fn corrected(first: &Inputs, job_path: &Path) -> Result<Vec<Corrected>, Problems> {
+    let Inputs { job, profile, .. } = first;
+    let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
+        return Ok(Vec::new());
+    };
+    if measurement.kind != PathKind::Step {
+        return Ok(Vec::new());
+    }
+    let campaign = CampaignFiles::read(&mut JobFiles::new(job, job_path), measurement)?;
+    // The machine without tables, by the way that the job itself is read.
+    let model = |slip| -> Result<ErrorModel, Problems> {
+        let table = campaign.without(slip).error_table()?;
+        let inputs = Inputs::new(job.clone(), profile.clone(), &table, Vec::new())?;
+        Ok(match first.active.clone() {
+            Some(active) => inputs.with_active(active)?.model,
+            None => inputs.model,
+        })
+    };
+    let slips = Slip::all(measurement.volume.order).into_iter();
+    // Readings that do not go through with a slip taken back do not hold it.
+    let corrected = slips.filter_map(|slip| {
+        let before = model(slip).ok()?;
+        Some(Corrected { slip, before })
+    });
+    Ok(corrected.collect())
 }

@@ -3,8 +3,7 @@
 //!
 //! A run that is at work holds a lock on what it made, so that no other run takes it for left over.
 
-use super::parent_of;
-use crate::cli::say;
+use crate::cli::screen::say;
 use std::fs::{self, File, TryLockError};
 use std::io::{ErrorKind, Result};
 use std::path::{Path, PathBuf};
@@ -73,30 +72,33 @@ fn remove_for_good(path: &Path) {
 impl Partial {
     /// A new directory for what shall be at `place`.
     pub(super) fn directory(place: &Path) -> Result<Partial> {
-        let new = |builder: &mut tempfile::Builder<'_, '_>, parent: &Path| {
-            Ok((builder.tempdir_in(parent)?.keep(), ()))
-        };
-        let (partial, ()) = Partial::at(place, 0o777, new, |path, ()| File::open(path))?;
-        Ok(partial)
+        Partial::at(place, 0o777, |builder, parent| {
+            let path = builder.tempdir_in(parent)?.keep();
+            let handle = File::open(&path).ok();
+            Ok((path, handle))
+        })
     }
 
     /// A new file for what shall be at `place`, and a handle to write with.
     pub(super) fn file(place: &Path) -> Result<(Partial, File)> {
-        let new = |builder: &mut tempfile::Builder<'_, '_>, parent: &Path| {
-            let (file, path) = builder.tempfile_in(parent)?.keep()?;
-            Ok((path, file))
-        };
-        Partial::at(place, 0o666, new, |_, file| file.try_clone())
+        let mut file = None;
+        let partial = Partial::at(place, 0o666, |builder, parent| {
+            let (new, path) = builder.tempfile_in(parent)?.keep()?;
+            let handle = new.try_clone().ok();
+            file = Some(new);
+            Ok((path, handle))
+        })?;
+        let file = file.ok_or(ErrorKind::NotFound)?;
+        Ok((partial, file))
     }
 
     /// Something new with a name of its own beside `place`, with the permissions that the user's mask
     /// leaves, after what killed runs left there was removed.
-    fn at<T>(
+    fn at(
         place: &Path,
         mode: u32,
-        new: impl Fn(&mut tempfile::Builder<'_, '_>, &Path) -> Result<(PathBuf, T)>,
-        handle: impl Fn(&Path, &T) -> Result<File>,
-    ) -> Result<(Partial, T)> {
+        new: impl FnOnce(&tempfile::Builder<'_, '_>, &Path) -> Result<(PathBuf, Option<File>)>,
+    ) -> Result<Partial> {
         let parent = parent_of(place);
         let door = File::open(&parent).ok();
         clean(place, &parent, door.as_ref());
@@ -109,15 +111,14 @@ impl Partial {
         builder.prefix(&prefix).rand_bytes(CHANCE);
         with_mode(&mut builder, mode);
         let mut made = made();
-        let (path, thing) = new(&mut builder, &parent)?;
+        let (path, _lock) = new(&builder, &parent)?;
         made.paths.push(path.clone());
         drop(made);
-        let _lock = handle(&path, &thing).ok();
         if cfg!(unix) {
             // Windows would keep this run itself from reading the file by another handle.
             let _ = _lock.as_ref().map(File::try_lock);
         }
-        Ok((Partial { path, _lock }, thing))
+        Ok(Partial { path, _lock })
     }
 
     /// A directory that was not there, and those above it; the innermost first.
@@ -161,6 +162,14 @@ impl Partial {
         made.paths.clear(); // with it the directories above: they are in use
         made.is_placed = true;
         Ok(done)
+    }
+}
+
+/// The folder that something lies in.
+pub(super) fn parent_of(directory: &Path) -> PathBuf {
+    match directory.parent() {
+        Some(parent) if parent != Path::new("") => parent.to_path_buf(),
+        _ => PathBuf::from("."),
     }
 }
 

@@ -1,6 +1,7 @@
 //! A fact of a control, how sure it is, and how it is read from its page.
 
 use crate::text::document::Section;
+use serde::Serialize;
 use std::cell::RefCell;
 
 /// A closed list of values with the word of each in profiles.
@@ -16,7 +17,8 @@ pub(crate) trait Word: Copy + PartialEq + 'static {
 }
 
 /// How well a fact is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Evidence {
     /// Read in a manual of the maker, or in data that a real control wrote.
     Manual,
@@ -255,7 +257,7 @@ impl NumberRange {
 }
 
 /// A fact as it stands in the profile, for people and for the manifest.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Statement {
     /// Name of the fact.
     pub fact: String,
@@ -268,6 +270,7 @@ pub struct Statement {
     /// What happens if it is wrong.
     pub consequence: Option<String>,
     /// What it belongs to; `None` = it matters for every kit.
+    #[serde(skip)]
     pub mechanism: Option<Mechanism>,
 }
 

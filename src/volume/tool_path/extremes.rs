@@ -1,6 +1,7 @@
 //! Smallest and largest values along a path, with the places where they are, and where a polynomial turns.
 
 use crate::inputs::nc::Place;
+use serde::Serialize;
 
 /// What is followed along a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,18 +45,19 @@ impl Channel {
 }
 
 /// An extreme value and where it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Extreme {
     /// µm.
     pub um: f64,
     /// Machine coordinates, mm.
+    #[serde(rename = "at_mm")]
     pub place: Place,
     /// Line of the program.
     pub line: usize,
 }
 
 /// Smallest and largest value of a channel; of several places with the same one, the first.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Range {
     /// The smallest.
     pub min: Extreme,

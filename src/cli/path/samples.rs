@@ -1,19 +1,21 @@
-//! The samples of a path as CSV, written as they come: whole or not at all.
+//! The samples of a path as CSV, written as they come: whole or not at all; and the worst of the holes
+//! that canned cycles drill.
 
-use super::holes::length;
-use crate::cli::inputs::plain_words;
-use crate::cli::write::{self, Ready, ReadyFile};
+use crate::cli::files::plain_words;
+use crate::cli::outcome::{Content, Output};
+use crate::cli::write::{self, Ready};
 use crate::quantity::units::Figure;
 use crate::text::problem::{Problem, Problems};
 use crate::volume::tool_path::{PathMap, Sample};
+use serde::Serialize;
 use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Seek, Write};
+use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
 
 /// A file that is being written beside its place; that of standard output is a temporary one.
 pub(super) struct Points {
     /// `None` = standard output.
-    ready: Option<ReadyFile>,
+    ready: Option<Ready>,
     writer: BufWriter<File>,
     failed: Option<std::io::Error>,
 }
@@ -24,17 +26,9 @@ const AFTER: &str =
     ",after_ex_um,after_ey_um,after_ez_um,after_e_um,after_tangent_um,after_normal_um";
 
 impl Points {
-    /// `None` = standard output.
-    pub(super) fn create(
-        path: Option<&Path>,
-        has_after: bool,
-        force: bool,
-    ) -> Result<Points, Problems> {
-        let ready = path.map(|path| ReadyFile::new(path, force)).transpose()?;
-        let file = ready
-            .as_ref()
-            .map_or_else(tempfile::tempfile, ReadyFile::file);
-        let file = file.map_err(|error| not_written(path, &error))?;
+    pub(super) fn create(output: &Output, has_after: bool) -> Result<Points, Problems> {
+        let (ready, file) = output.open()?;
+        let file = file.map_err(|error| not_written(output.place(), &error))?;
         let mut points = Points {
             ready,
             writer: BufWriter::with_capacity(1 << 18, file),
@@ -60,31 +54,23 @@ impl Points {
         }
     }
 
-    /// All samples, for standard output.
-    pub(super) fn printed(self) -> Result<File, Problems> {
-        let (_, mut file) = self.finished()?;
-        let rewound = file.rewind();
-        rewound.map_err(|error| not_written(None, &error))?;
-        Ok(file)
-    }
-
-    /// All samples, in a file.
-    pub(super) fn written(self) -> Result<Ready, Problems> {
-        match self.finished()? {
-            (Some(ready), _) => ready.complete(),
-            (None, _) => Err(not_written(None, &ErrorKind::NotFound.into())),
-        }
-    }
-
-    fn finished(mut self) -> Result<(Option<ReadyFile>, File), Problems> {
+    /// All samples, to be delivered.
+    pub(super) fn content(mut self) -> Result<Content, Problems> {
         let flushed = self.writer.flush();
         self.note(flushed);
-        let path = self.ready.as_ref().map(ReadyFile::place);
+        let path = self.ready.as_ref().map(Ready::place);
         if let Some(error) = &self.failed {
             return Err(not_written(path, error));
         }
-        let (file, _) = self.writer.into_parts();
-        Ok((self.ready, file))
+        let (mut file, _) = self.writer.into_parts();
+        match self.ready {
+            Some(ready) => Ok(Content::Ready(ready)),
+            None => {
+                let rewound = file.rewind();
+                rewound.map_err(|error| not_written(None, &error))?;
+                Ok(Content::Spooled(file))
+            }
+        }
     }
 }
 
@@ -132,4 +118,59 @@ fn not_written(path: Option<&Path>, error: &std::io::Error) -> Problems {
             Problem::new(format!("standard output cannot be written: {words}")).into()
         }
     }
+}
+
+/// Holes that are kept; the CSV has all of them.
+const MOST_HOLES: usize = 20;
+
+/// A hole at its bottom.
+#[derive(Serialize)]
+pub(super) struct Hole {
+    #[serde(rename = "hole")]
+    pub(super) number: u64,
+    pub(super) line: usize,
+    /// Machine coordinates.
+    pub(super) at_mm: [f64; 3],
+    pub(super) error_um: [f64; 3],
+    pub(super) e_um: f64,
+    /// With tables.
+    pub(super) after_um: Option<[f64; 3]>,
+    pub(super) after_e_um: Option<f64>,
+}
+
+/// The holes with the largest errors, the worst first; of equal ones the first.
+#[derive(Default)]
+pub(super) struct Holes(Vec<Hole>);
+
+impl Holes {
+    /// Takes a sample if it is the bottom of a hole; `after` = the machine with tables.
+    pub(super) fn take(&mut self, sample: &Sample, after: Option<&PathMap>) {
+        let Some(number) = sample.hole else { return };
+        let size = length(sample.error_um);
+        let place = self.0.partition_point(|hole| hole.e_um >= size);
+        if place == MOST_HOLES {
+            return;
+        }
+        self.0.truncate(MOST_HOLES - 1);
+        let after_um = after.map(|map| map.error_at(sample.place, sample.longer_mm));
+        let hole = Hole {
+            number,
+            line: sample.line,
+            at_mm: sample.place,
+            error_um: sample.error_um,
+            e_um: size,
+            after_um,
+            after_e_um: after_um.map(length),
+        };
+        self.0.insert(place, hole);
+    }
+
+    pub(super) fn worst(&self) -> &[Hole] {
+        &self.0
+    }
+}
+
+/// Of an error vector.
+fn length([x, y, z]: [f64; 3]) -> f64 {
+    (x * x + y * y + z * z).sqrt()
 }

@@ -37,7 +37,7 @@ fn remember(name: &str, place: Option<&Path>, metadata: &Metadata) {
 }
 
 /// What was read in this run and is, contains or lies in what is at `output` (that need not exist).
-pub(in crate::cli) fn input_at(output: &Path) -> Option<String> {
+pub(super) fn input_at(output: &Path) -> Option<String> {
     let place = resolved(output);
     let own = output.metadata().ok().and_then(|m| identity(&m));
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
@@ -73,7 +73,7 @@ fn identity(_: &Metadata) -> Option<Identity> {
     None
 }
 
-pub(in crate::cli) fn file_name(path: &Path) -> String {
+pub(super) fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(
         || "-".to_string(),
         |name| name.to_string_lossy().into_owned(),
@@ -81,7 +81,7 @@ pub(in crate::cli) fn file_name(path: &Path) -> String {
 }
 
 /// A file argument: `-` is standard input.
-pub(in crate::cli) fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Problems> {
+pub(super) fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Problems> {
     if path != Path::new("-") {
         let bytes = read_file(path).map_err(|p| or_help(p, "check the path"))?;
         return Ok((path.display().to_string(), bytes));
@@ -91,10 +91,10 @@ pub(in crate::cli) fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Pr
 }
 
 /// How standard input is called.
-pub(in crate::cli) const STANDARD_INPUT: &str = "standard input";
+pub(super) const STANDARD_INPUT: &str = "standard input";
 
 /// Standard input, which may be a file into which something else is to be written.
-pub(in crate::cli) fn standard_input() -> impl Read {
+pub(super) fn standard_input() -> impl Read {
     let input = std::io::stdin();
     #[cfg(unix)]
     {
@@ -108,7 +108,7 @@ pub(in crate::cli) fn standard_input() -> impl Read {
 }
 
 /// The bytes of a file.
-pub(in crate::cli) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
+pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     let name = path.display().to_string();
     let (file, metadata) = open(path)?;
     let bytes = bounded(&format!("`{name}`"), metadata.len(), file)?;
@@ -122,7 +122,7 @@ pub(in crate::cli) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
 }
 
 /// Opens a regular file or a pipe, without waiting for somebody who writes into it.
-pub(in crate::cli) fn open(path: &Path) -> Result<(File, Metadata), Problem> {
+pub(super) fn open(path: &Path) -> Result<(File, Metadata), Problem> {
     let name = path.display().to_string();
     if name.chars().any(char::is_control) {
         let plain = name.escape_debug();
@@ -203,7 +203,7 @@ fn bounded(name: &str, length: u64, input: impl Read) -> Result<Vec<u8>, Problem
 }
 
 /// The names of the files in a directory, in order; links and directories are none.
-pub(in crate::cli) fn file_names(directory: &Path) -> std::io::Result<Vec<String>> {
+pub(super) fn file_names(directory: &Path) -> std::io::Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(directory)? {
         let entry = entry?;
@@ -218,7 +218,7 @@ pub(in crate::cli) fn file_names(directory: &Path) -> std::io::Result<Vec<String
 }
 
 /// What went wrong, the same on every operating system where it is common.
-pub(in crate::cli) fn plain_words(error: &std::io::Error) -> String {
+pub(super) fn plain_words(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "it does not exist".to_string(),
         std::io::ErrorKind::NotADirectory => "a part of its path is a file".to_string(),
@@ -229,14 +229,14 @@ pub(in crate::cli) fn plain_words(error: &std::io::Error) -> String {
 }
 
 /// A path beside another one: the same name with something added.
-pub(in crate::cli) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_os_string();
     name.push(suffix);
     PathBuf::from(name)
 }
 
 /// The next step for a file that a job names.
-pub(in crate::cli) fn beside_job(problem: Problem) -> Problem {
+pub(super) fn beside_job(problem: Problem) -> Problem {
     or_help(
         problem,
         "relative paths in a job are relative to the job file",

@@ -1,29 +1,30 @@
 //! A measurement of body diagonals with everything that its job names.
 
-use super::{read_argument, read_named};
-use crate::inputs::error_table::{Draft, ErrorTable};
-use crate::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use crate::cli::files::read_argument;
+use crate::cli::job_files::JobFiles;
+use crate::inputs::error_table::{self, Draft, ErrorTable};
+use crate::inputs::job::{BacklashPolicy, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use crate::inputs::readings::Readings;
 use crate::judge::after::{StraightRuns, Walk};
 use crate::judge::causes::Slip;
-use crate::kit::manifest::HashedFile;
 use crate::machine::separation::noise::{Noise, means, run_counts};
 use crate::machine::separation::prepare::{self, NamedTables};
 use crate::machine::separation::repeats::repeats;
 use crate::machine::separation::straight::{StraightResult, straight};
 use crate::machine::separation::{self, Campaign, Separation, table};
+use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
 use crate::text::document::Source;
-use crate::text::problem::Problems;
+use crate::text::problem::{Problem, Problems};
 use crate::write::emit::TOOL;
 use std::path::Path;
 
 /// A measurement of diagonals with everything that its job names.
 #[derive(Clone)]
-pub(in crate::cli) struct CampaignFiles {
-    pub(super) job: Job,
+pub(super) struct CampaignFiles {
+    job: Job,
     /// How it was measured.
-    pub(in crate::cli) measurement: DiagonalMeasurement,
+    pub(super) measurement: DiagonalMeasurement,
     readings: Readings,
     tables: NamedTables,
     closure_errors: Option<ErrorTable>,
@@ -31,8 +32,55 @@ pub(in crate::cli) struct CampaignFiles {
 }
 
 impl CampaignFiles {
+    /// The readings of a job, and every file that it names for them.
+    pub(super) fn read(
+        files: &mut JobFiles<'_>,
+        measurement: &DiagonalMeasurement,
+    ) -> Result<CampaignFiles, Problems> {
+        const KEY: &str = "measurement.step_diagonal";
+        let (source, readings_sha256) =
+            files.source(&measurement.readings, "measurement.readings")?;
+        let readings = Readings::read(source, measurement)?;
+        let mut tables = NamedTables::default();
+        for (index, linear) in measurement.linear.iter().enumerate() {
+            tables.linear.push(match &linear.slope {
+                LinearSlope::Stated(_) => None,
+                LinearSlope::Errors(path) => {
+                    Some(files.table(path, &format!("{KEY}.linear[{index}].errors"))?)
+                }
+            });
+        }
+        let job = files.job;
+        let mut table = |path: &Option<String>, key: &str| {
+            let table = path.as_ref().map(|path| files.table(path, key));
+            table.transpose()
+        };
+        tables.angles = table(&job.measurement.angles, "measurement.angles")?;
+        let closure_errors = table(
+            &measurement.closure_errors,
+            &format!("{KEY}.closure_errors"),
+        )?;
+        Ok(CampaignFiles {
+            job: job.clone(),
+            measurement: measurement.clone(),
+            readings,
+            tables,
+            closure_errors,
+            readings_sha256,
+        })
+    }
+
+    /// The nine errors, as the very table that `separate -o` writes.
+    pub(super) fn error_table(&self) -> Result<ErrorTable, Problems> {
+        let separation = self.separate()?;
+        check_policy(&self.job, &separation)?;
+        let text = error_table::write(&self.draft(&separation));
+        let name = format!("nine errors separated from {}", self.measurement.readings);
+        ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)
+    }
+
     /// What goes into a separation beside the readings.
-    pub(in crate::cli) fn campaign(&self) -> Result<Campaign<'_>, Problems> {
+    pub(super) fn campaign(&self) -> Result<Campaign<'_>, Problems> {
         let known = |run| self.readings.offset_known(run);
         let reverse_zero_known = self.readings.runs.iter().all(known);
         prepare::campaign(
@@ -44,7 +92,7 @@ impl CampaignFiles {
     }
 
     /// The nine errors.
-    pub(in crate::cli) fn separate(&self) -> Result<Separation, Problems> {
+    pub(super) fn separate(&self) -> Result<Separation, Problems> {
         self.check_turn()?;
         let mut separation = separation::separate(&self.campaign()?, &self.readings.runs);
         separation.labels.splice(0..0, self.readings.notes());
@@ -52,7 +100,7 @@ impl CampaignFiles {
     }
 
     /// The same with a slip of the records taken back.
-    pub(in crate::cli) fn without(&self, slip: Slip) -> CampaignFiles {
+    pub(super) fn without(&self, slip: Slip) -> CampaignFiles {
         let mut files = self.clone();
         match slip {
             Slip::Names(one, other) => files.readings.exchange(one, other),
@@ -82,7 +130,7 @@ impl CampaignFiles {
     }
 
     /// What straight runs say.
-    pub(in crate::cli) fn straight(&self) -> Result<StraightResult, Problems> {
+    pub(super) fn straight(&self) -> Result<StraightResult, Problems> {
         let mut result = straight(
             &self.campaign()?,
             &self.readings.runs,
@@ -93,7 +141,7 @@ impl CampaignFiles {
     }
 
     /// Means and figures of straight runs, for a comparison with a forecast.
-    pub(in crate::cli) fn straight_runs(&self) -> Result<StraightRuns, Problems> {
+    pub(super) fn straight_runs(&self) -> Result<StraightRuns, Problems> {
         let result = self.straight()?;
         let counts = run_counts(&result.runs);
         let means = means(&result.runs);
@@ -135,7 +183,7 @@ impl CampaignFiles {
     }
 
     /// The error table, with where it comes from and what it rests on.
-    pub(in crate::cli) fn draft(&self, separation: &Separation) -> Draft {
+    pub(super) fn draft(&self, separation: &Separation) -> Draft {
         let comments = vec![
             format!("nine errors separated from step diagonals by {TOOL}"),
             format!(
@@ -148,10 +196,9 @@ impl CampaignFiles {
 }
 
 /// Reads a job with readings and everything it names.
-pub(in crate::cli) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> {
+pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> {
     let (name, bytes) = read_argument(job_path)?;
     let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
-    let folder = job_path.parent().unwrap_or(Path::new(""));
     let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
         return Err(job
             .problem_at(
@@ -161,44 +208,29 @@ pub(in crate::cli) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Pr
             .help("a job with `readings` is needed here")
             .into());
     };
-    campaign_files(&job, measurement, folder, &mut Vec::new())
+    CampaignFiles::read(&mut JobFiles::new(&job, job_path), measurement)
 }
 
-pub(in crate::cli) fn campaign_files(
-    job: &Job,
-    measurement: &DiagonalMeasurement,
-    folder: &Path,
-    hashes: &mut Vec<HashedFile>,
-) -> Result<CampaignFiles, Problems> {
-    let mut read = |path: &str, key: &str| read_named(job, folder, path, key, hashes);
-    let (source, readings_sha256) = read(&measurement.readings, "measurement.readings")?;
-    let readings = Readings::read(source, measurement)?;
-    let mut tables = NamedTables::default();
-    for (index, linear) in measurement.linear.iter().enumerate() {
-        tables.linear.push(match &linear.slope {
-            LinearSlope::Stated(_) => None,
-            LinearSlope::Errors(path) => {
-                let key = format!("measurement.step_diagonal.linear[{index}].errors");
-                Some(ErrorTable::read(read(path, &key)?.0)?)
-            }
-        });
+/// Readings in both directions need a word on the reversal, even where they do not determine it.
+fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
+    let open: Vec<String> = Axis::ALL
+        .into_iter()
+        .filter(|axis| !separation.is_directed(*axis))
+        .map(|axis| axis.to_string())
+        .collect();
+    if separation.means.reverse.is_none() || open.is_empty() {
+        return Ok(());
     }
-    if let Some(path) = &job.measurement.angles {
-        tables.angles = Some(ErrorTable::read(read(path, "measurement.angles")?.0)?);
+    match job.compensation.backlash {
+        None => Err(job
+            .problem_at("compensation", "the readings were taken in both directions, but `backlash` is not stated; there is no default")
+            .help("write `backlash = \"mean\"` or \"forward-only\"; the reversal of each axis is not determined by these readings")),
+        Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter) => Err(job
+            .problem_at(
+                "compensation.backlash",
+                format!("this needs the reversal of each axis, which these readings do not determine for {}", open.join(", ")),
+            )
+            .help("turn once without overrun at the far end of the diagonals, or name a linear measurement of each axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]]), or use `backlash = \"mean\"`")),
+        Some(BacklashPolicy::Mean | BacklashPolicy::ForwardOnly) => Ok(()),
     }
-    let closure_errors = match &measurement.closure_errors {
-        None => None,
-        Some(path) => {
-            let key = "measurement.step_diagonal.closure_errors";
-            Some(ErrorTable::read(read(path, key)?.0)?)
-        }
-    };
-    Ok(CampaignFiles {
-        job: job.clone(),
-        measurement: measurement.clone(),
-        readings,
-        tables,
-        closure_errors,
-        readings_sha256,
-    })
 }

@@ -1,0 +1,309 @@
+//! What `assess` prints, and what its figures rest on: frame, levers, tables that were active, how much
+//! of the machine was measured (what is missing must not look like an error of 0).
+
+use crate::inputs::error_table::{ErrorTable, Remarks};
+use crate::inputs::job::{ActiveTables, Frame, Job, Levers, MeasuredData, UseOf};
+use crate::kit::Inputs;
+use crate::machine::model::ErrorModel;
+use crate::quantity::axis::{Axis, PerAxis, Rotation};
+use crate::quantity::chain::{Chain, unit};
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems};
+use crate::volume::assessment::{Assessment, GridChoice};
+use crate::volume::volume_model::{Component, VolumeModel};
+use std::fmt::Write;
+
+/// What is printed.
+pub(super) struct Page {
+    /// Name of the machine, or of the table.
+    pub(super) name: String,
+    pub(super) volume: VolumeModel,
+    pub(super) grid: GridChoice,
+    /// What the figures rest on.
+    pub(super) basis: Basis,
+    /// As it is.
+    pub(super) before: Assessment,
+    pub(super) after: Option<After>,
+}
+
+impl Page {
+    /// The machine as it is, and as tables leave it.
+    pub(super) fn sides(&self) -> impl Iterator<Item = (&'static str, &Assessment)> {
+        let after = self.after.as_ref();
+        let after = after.map(|after| ("with the tables", &after.assessment));
+        std::iter::once(("as it is", &self.before)).chain(after)
+    }
+}
+
+/// As tables leave it.
+pub(super) struct After {
+    /// Where the tables come from.
+    pub(super) from: String,
+    pub(super) assessment: Assessment,
+    /// How the files differ from what the job asks for.
+    pub(super) disagreements: Vec<String>,
+}
+
+/// A deviation above this is more often a slip of the unit, µm.
+const UNLIKELY_UM: f64 = 5_000.0;
+/// An angle above this, µrad, and a squareness above this, µm/m, likewise.
+const UNLIKELY_URAD: f64 = 5_000.0;
+
+/// What the figures rest on.
+pub(super) struct Basis {
+    /// How the axes are aligned: `as given`, `x-primary`, `as-measured`.
+    pub(super) frame: &'static str,
+    /// The stated places that levers depend on.
+    pub(super) levers: Levers,
+    /// The tables that were active while measuring.
+    pub(super) active: Option<String>,
+    /// VA of the machine without them, µm.
+    pub(super) without_tables_um: Option<f64>,
+    /// What whoever reads a figure has to know, one sentence each.
+    pub(super) labels: Vec<String>,
+}
+
+impl Basis {
+    /// Of a job.
+    pub(super) fn of_job(inputs: &Inputs, volume: &VolumeModel) -> Basis {
+        let job = &inputs.job;
+        let measurement = &job.measurement;
+        let not_stated = "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these figures are those of the machine with it; write \"none\", or the path of the kit or of the files read out of the control";
+        let (active, open) = match &measurement.active {
+            ActiveTables::None => (None, None),
+            ActiveTables::NotStated => (None, Some(not_stated.to_string())),
+            ActiveTables::Path(path) => (Some(path.clone()), None),
+        };
+        let stated = outside(job).into_iter().chain(open);
+        let stated = stated
+            .chain(inputs.active_notes.iter().cloned())
+            .chain(measurement.notes());
+        Basis {
+            active,
+            ..Basis::of(
+                job,
+                inputs.as_measured(),
+                &inputs.model.remarks,
+                volume,
+                stated,
+            )
+        }
+    }
+
+    /// Of an error table alone.
+    pub(super) fn of_table(job: &Job, model: &ErrorModel, volume: &VolumeModel) -> Basis {
+        let no_job = "no job describes this machine: the curves are zero, and levers count from, the lowest measured position of each axis; whether a compensation was active during the measurement is not known";
+        let stated = std::iter::once(no_job.to_string());
+        Basis::of(job, model, &model.remarks, volume, stated)
+    }
+
+    fn of(
+        job: &Job,
+        measured: &ErrorModel,
+        remarks: &Remarks,
+        volume: &VolumeModel,
+        stated: impl Iterator<Item = String>,
+    ) -> Basis {
+        let doubts = doubts(job, measured).into_iter();
+        let labels = doubts.chain(volume.labels.iter().cloned());
+        Basis {
+            frame: frame(&job.measurement.data),
+            levers: job.measurement.levers,
+            active: None,
+            without_tables_um: None,
+            labels: labels.chain(stated).chain(said(remarks)).collect(),
+        }
+    }
+
+    /// How the axes are aligned, in words.
+    pub(super) fn frame_words(&self) -> &'static str {
+        match self.frame {
+            "x-primary" => {
+                "X primary, XY plane secondary: the separation took the slopes off EYX, EZX and EZY"
+            }
+            "as-measured" => {
+                "as measured: the slopes of the cross terms hold an arbitrary rotation of the separation"
+            }
+            _ => "as given in the error table",
+        }
+    }
+}
+
+/// The word of the job where readings were separated; given errors are not rotated.
+fn frame(data: &MeasuredData) -> &'static str {
+    match data {
+        MeasuredData::Errors(_) => "as given",
+        MeasuredData::Diagonals(measurement) => match measurement.frame {
+            Frame::XPrimary => "x-primary",
+            Frame::AsMeasured => "as-measured",
+        },
+    }
+}
+
+/// What the error table says of itself, beside the doubts that the model tells.
+fn said(remarks: &Remarks) -> Vec<String> {
+    let missing = remarks.not_determined.iter();
+    let missing = missing.map(|(term, why)| format!("{term} is not determined: {why}"));
+    let reversal = remarks.hidden_reversal_um.map(|um| format!("the readings show a reversal of about {um:.3} µm along the diagonals, which these curves do not hold: every figure here is without it"));
+    let notes = remarks.notes.iter().cloned();
+    missing.chain(reversal).chain(notes).collect()
+}
+
+/// Values that no machine tool has, which are more often a slip of the unit.
+fn doubts(job: &Job, model: &ErrorModel) -> Vec<String> {
+    let deviations = model
+        .measured()
+        .map(|(term, measured)| (term.to_string(), measured.largest_um(), "µm", UNLIKELY_UM));
+    let angles = Rotation::all().filter_map(|rotation| {
+        let curve = model.rotations[rotation].as_ref()?.mean();
+        let (from, to) = curve.measured_range();
+        let largest = curve.largest_magnitude(from, to);
+        Some((rotation.to_string(), largest, "µrad", UNLIKELY_URAD))
+    });
+    let squareness = job.measurement.squareness.iter().map(|(term, slope)| {
+        let name = Component::Squareness(*term).to_string();
+        (name, slope.abs(), "µm/m", UNLIKELY_URAD)
+    });
+    let small = model.unlikely_small(job.measurement.uncertainty.noise_um);
+    let small = small.map(|words| format!("doubt: {words}"));
+    deviations
+        .chain(angles)
+        .chain(squareness)
+        .filter(|(_, largest, _, limit)| largest > limit)
+        .map(|(name, largest, unit, limit)| {
+            format!("doubt: {name} reaches {largest:.0} {unit}, and more than {limit:.0} {unit} is unlikely: check the unit of its column or key")
+        })
+        .chain(small)
+        .collect()
+}
+
+/// Offsets that no axis reaches.
+fn outside(job: &Job) -> Option<String> {
+    let beyond = |axis: Axis| {
+        let place = job.measurement.levers.offsets[axis]?.mm();
+        let machine = job.machine.axes[axis]?;
+        let (low, high) = (machine.low.mm(), machine.high.mm());
+        let is_reached = (low..=high).contains(&place);
+        (!is_reached).then(|| format!("{axis} {place} mm (its travel is {low} … {high} mm)"))
+    };
+    let words: Vec<String> = Axis::ALL.into_iter().filter_map(beyond).collect();
+    (!words.is_empty()).then(|| {
+        format!(
+            "`offsets_mm` names a place that the machine does not reach: {}; levers count from there all the same",
+            words.join(", ")
+        )
+    })
+}
+
+/// Errors of a machine with three axes.
+pub(super) const ERRORS: usize = 21;
+
+/// How many of the 21 were measured or stated; squareness also counts where the slopes of both
+/// straightnesses hold it.
+pub(super) fn count(volume: &VolumeModel) -> usize {
+    let missing = volume.missing();
+    let squareness = missing.iter().filter(|m| m.name.starts_with("squareness_"));
+    let components = volume.components();
+    let others = components
+        .iter()
+        .filter(|component| !matches!(component, Component::Squareness(_)));
+    others.count() + 3 - squareness.count().min(3)
+}
+
+/// Axes along which nothing was measured, and whose travel nobody states: they stand at one place.
+pub(super) fn unknown_axes(volume: &VolumeModel) -> Vec<Axis> {
+    let unknown = |axis: &Axis| {
+        let (low, high) = volume.range(*axis);
+        !volume.is_measured(*axis) && high <= low
+    };
+    Axis::ALL.into_iter().filter(unknown).collect()
+}
+
+/// Whether anything that was measured shows in a direction.
+pub(super) fn shows(volume: &VolumeModel, levers: &Levers, direction: Axis) -> bool {
+    volume
+        .components()
+        .into_iter()
+        .any(|component| match component {
+            Component::Deviation(term) | Component::Squareness(term) => term.of == direction,
+            Component::Rotation(rotation) => {
+                let mut effects = volume.chain.effects(rotation).into_iter();
+                let unknown = unknown_axes(volume);
+                effects.any(|e| e.direction == direction && !unknown.contains(&e.arm))
+                    || swings(levers, rotation, direction)
+            }
+        })
+}
+
+/// Whether a rotation moves the tool point in a direction, by the stated tool offset.
+fn swings(levers: &Levers, rotation: Rotation, direction: Axis) -> bool {
+    let tool = levers.tool.map_or(PerAxis::default(), |tool| {
+        PerAxis::from_fn(|axis| tool[axis].mm())
+    });
+    unit(rotation.about).cross(tool)[direction].abs() > 0.0
+}
+
+/// Whether an error is a rotation whose every lever stands at one place because nobody states the
+/// travel of its axis.
+pub(super) fn has_no_lever(volume: &VolumeModel, levers: &Levers, component: Component) -> bool {
+    let Component::Rotation(rotation) = component else {
+        return false;
+    };
+    let unknown = unknown_axes(volume);
+    let effects = volume.chain.effects(rotation);
+    !effects.is_empty()
+        && effects.iter().all(|effect| unknown.contains(&effect.arm))
+        && !Axis::ALL.into_iter().any(|d| swings(levers, rotation, d))
+}
+
+/// The model of a table and what it rests on: each axis travels where it was measured, its reference is its lowest
+/// measured position.
+pub(super) fn of_table(
+    name: &str,
+    bytes: &[u8],
+    chain: Option<Chain>,
+) -> Result<(VolumeModel, Basis), Problems> {
+    let table = ErrorTable::read(Source::from_bytes(name, bytes)?)?;
+    let page = least_job(&table, chain);
+    let job = Job::read_for(Source::from_bytes(name, page.as_bytes())?, UseOf::Figures)?;
+    let model = ErrorModel::for_figures(&job, &table)?;
+    if chain.is_none() && model.rotations.iter().any(|(_, angle)| angle.is_some()) {
+        return Err(Problem::new(
+            "the table holds angles, which act through levers: the order of the axes is missing",
+        )
+        .at(table.header.clone())
+        .help("state it, e.g. `--chain wXYZt`, or give a job with `machine.chain`")
+        .into());
+    }
+    let volume = VolumeModel::build(&job, &model)?;
+    let basis = Basis::of_table(&job, &model, &volume);
+    Ok((volume, basis))
+}
+
+/// The least job that such a table needs.
+fn least_job(table: &ErrorTable, chain: Option<Chain>) -> String {
+    let mut page = "schema = 1\n[machine]\nname = \"error table\"\n".to_string();
+    let mut line = |text: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(page, "{text}");
+    };
+    if let Some(chain) = chain {
+        line(format!("chain = \"{chain}\""));
+    }
+    let ranges = PerAxis::from_fn(|axis| {
+        let positions = table.series(axis).iter().flat_map(|s| &s.positions);
+        positions.fold(None, |ends: Option<(f64, f64)>, at| {
+            let (low, high) = ends.unwrap_or((at.mm(), at.mm()));
+            Some((low.min(at.mm()), high.max(at.mm())))
+        })
+    });
+    for axis in Axis::ALL {
+        if let Some((low, high)) = ranges[axis] {
+            line(format!("[machine.axes.{}]", axis.key()));
+            line(format!("travel_mm = [{low:?}, {high:?}]"));
+            line(format!("reference_mm = {low:?}"));
+        }
+    }
+    line("[measurement]\nerrors = \"-\"".to_string());
+    page
+}

@@ -1,0 +1,157 @@
+//! Figures of the body diagonals by standard, for people and for documents.
+
+use crate::cli::screen::table;
+use crate::cli::show::um;
+use crate::inputs::target_runs::Runs;
+use crate::machine::separation::diagonal_runs::diagonal_runs;
+use crate::machine::separation::noise::CorrectedRun;
+use crate::machine::standards::iso_230_2::AxisFigures;
+use crate::machine::standards::{
+    DiagonalFigures, DiagonalMotion, Diagonals, diagonal, diagonal_of_unknown_length,
+};
+use crate::quantity::axis::Direction;
+use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
+use crate::text::problem::Problem;
+use serde_json::{Map, Value, json};
+
+/// The runs of the four diagonals, and their figures by standard.
+pub(super) struct StandardFigures {
+    /// By the name of their diagonal.
+    pub(super) runs: Vec<(&'static str, Runs)>,
+    /// Figures of every diagonal and of all four, with the label of the motion.
+    pub(super) all: Diagonals,
+}
+
+impl StandardFigures {
+    /// `runs`: only those that count from the start of the forward run, or the two directions
+    /// cannot be compared.
+    pub(super) fn of(
+        volume: &Volume,
+        kind: PathKind,
+        runs: &[CorrectedRun],
+    ) -> Result<StandardFigures, Problem> {
+        StandardFigures::by(diagonal, volume, kind, runs)
+    }
+
+    /// The same where nobody knows the size of the box.
+    pub(super) fn of_unknown_length(
+        volume: &Volume,
+        kind: PathKind,
+        runs: &[CorrectedRun],
+    ) -> Result<StandardFigures, Problem> {
+        StandardFigures::by(diagonal_of_unknown_length, volume, kind, runs)
+    }
+
+    fn by(
+        figures: impl Fn(&[(&str, &Runs)], DiagonalMotion) -> Diagonals,
+        volume: &Volume,
+        kind: PathKind,
+        runs: &[CorrectedRun],
+    ) -> Result<StandardFigures, Problem> {
+        let motion = match kind {
+            PathKind::Step => DiagonalMotion::StepDiagonalCellEnds,
+            PathKind::Straight => DiagonalMotion::StraightRuns,
+        };
+        let each = Diagonal::ALL.into_iter();
+        let each = each.map(|d| Ok((d.name(), diagonal_runs(volume, kind, d, runs)?)));
+        let runs = each.collect::<Result<Vec<_>, Problem>>()?;
+        let named: Vec<(&str, &Runs)> = runs.iter().map(|(name, runs)| (*name, runs)).collect();
+        let all = figures(&named, motion);
+        Ok(StandardFigures { runs, all })
+    }
+
+    /// Every diagonal with its runs and its figures.
+    pub(super) fn each(&self) -> impl Iterator<Item = (&'static str, &Runs, &DiagonalFigures)> {
+        let each = self.runs.iter().zip(&self.all.diagonals);
+        each.map(|((name, runs), figures)| (*name, runs, figures))
+    }
+
+    /// Every figure of a diagonal by its name in the standards.
+    pub(super) fn document(&self, diagonal: Diagonal) -> Value {
+        let found = self.each().find(|(name, ..)| *name == diagonal.name());
+        found.map_or(Value::Null, |(_, runs, of)| diagonal_json(runs, of))
+    }
+
+    /// Every figure of every diagonal; what no diagonal has gets no column.
+    pub(super) fn table(&self) -> String {
+        let diagonals = &self.all.diagonals;
+        let is_there = |name: &&&str| {
+            let mut all = diagonals.iter();
+            all.any(|of| figure(&of.figures, name).is_some())
+        };
+        let there: Vec<&str> = FIGURES.iter().filter(is_there).copied().collect();
+        let headings = there
+            .iter()
+            .map(|name| format!("\t>{}", name.replace('_', " ")));
+        let rows = diagonals.iter().map(|of| {
+            let figures = there
+                .iter()
+                .map(|name| um(figure(&of.figures, name)) + "\t");
+            format!(
+                "{}\t{}{}",
+                of.name,
+                figures.collect::<String>(),
+                um(of.range_um)
+            )
+        });
+        let heading = format!("diagonal, µm{}\t>max - min", headings.collect::<String>());
+        table(&heading, rows)
+    }
+
+    /// The table of the diagonals as they were read, with their far ends and the figures of all four.
+    pub(super) fn as_read(&self, end_um: impl Fn(Diagonal) -> f64) -> String {
+        let figures = &self.all;
+        let ends = Diagonal::ALL.map(|d| format!("{d} {}", um(Some(end_um(d)))));
+        let machine = match (figures.e_d_um, figures.b_d_um) {
+            (Some(e_d), Some(b_d)) => {
+                format!("machine: E_d {e_d:.3} µm, B_d {b_d:.3} µm (largest of the four)")
+            }
+            _ => {
+                "no E and B: they need runs in both directions that count from one zero".to_string()
+            }
+        };
+        format!(
+            "Body diagonals as read (corrected readings, no compensation forecast), {}\n{}\nfar end less start, mean of all runs (µm): {}\nlargest range {} µm; over all four {} µm\n{machine}",
+            figures.label,
+            self.table(),
+            ends.join(", "),
+            um(figures.largest_range_um),
+            um(figures.range_over_all_um),
+        )
+    }
+}
+
+/// Figures of a diagonal in the order of the table.
+const FIGURES: [&str; 12] = [
+    "E", "E_up", "E_down", "M", "B", "B_mean", "R", "R_up", "R_down", "A", "A_up", "A_down",
+];
+
+fn figure(of: &AxisFigures, wanted: &str) -> Option<f64> {
+    let named = of.named_um().into_iter().find(|(name, _)| *name == wanted);
+    named.and_then(|(_, um)| um)
+}
+
+/// Every figure of a diagonal.
+pub(super) fn diagonal_json(runs: &Runs, of: &DiagonalFigures) -> Value {
+    let mut entry = Map::new();
+    entry.insert("targets".into(), json!(runs.targets_mm().len()));
+    entry.insert("runs".into(), counts(runs));
+    let range = ("range", of.range_um);
+    entry.extend(named_um(of.figures.named_um().into_iter().chain([range])));
+    Value::Object(entry)
+}
+
+/// How many runs there are of each direction.
+pub(super) fn counts(runs: &Runs) -> Value {
+    json!({ "up": runs.count(Direction::Plus), "down": runs.count(Direction::Minus) })
+}
+
+/// Figures under their letter and unit; `null` where one is absent.
+pub(super) fn named_um<'a>(
+    figures: impl IntoIterator<Item = (&'a str, Option<f64>)>,
+) -> Map<String, Value> {
+    let figures = figures.into_iter();
+    figures
+        .map(|(name, um)| (format!("{name}_um"), json!(um)))
+        .collect()
+}

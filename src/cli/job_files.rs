@@ -1,0 +1,157 @@
+//! The files that a job names: read, and hashed.
+
+use crate::cli::files::{beside_job, file_name, read_argument, read_file};
+use crate::control::controller::{Origin, Profile, builtin, load};
+use crate::inputs::error_table::ErrorTable;
+use crate::inputs::import::source_of;
+use crate::inputs::job::Job;
+use crate::kit::hashed;
+use crate::kit::manifest::HashedFile;
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems};
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+/// A job and where it lies, with the hash of everything that was read for it.
+pub(super) struct JobFiles<'a> {
+    pub(super) job: &'a Job,
+    pub(super) folder: &'a Path,
+    pub(super) hashes: Vec<HashedFile>,
+}
+
+impl<'a> JobFiles<'a> {
+    /// Of a job that was read from `path`.
+    pub(super) fn new(job: &'a Job, path: &'a Path) -> JobFiles<'a> {
+        JobFiles {
+            job,
+            folder: folder_of(path),
+            hashes: Vec::new(),
+        }
+    }
+
+    /// A problem of what stands at `key`.
+    pub(super) fn at(&self, key: &str, problem: Problem) -> Problem {
+        beside_job(match self.job.source.place_of(key) {
+            Some(place) => problem.at(place),
+            None => problem,
+        })
+    }
+
+    /// The bytes of a file that stands at `key`.
+    pub(super) fn bytes(&self, path: &Path, key: &str) -> Result<Vec<u8>, Problem> {
+        read_file(path).map_err(|problem| self.at(key, problem))
+    }
+
+    /// A text that stands at `key`, and its hash; the measurement that it came from is hashed too.
+    pub(super) fn source(&mut self, path: &str, key: &str) -> Result<(Source, String), Problems> {
+        let full = self.folder.join(path);
+        let bytes = self.bytes(&full, key)?;
+        let hash = hashed(path, &bytes);
+        let source = Source::from_bytes(&full.display().to_string(), &bytes)?;
+        let measured = source_of(&source.text).map(|(name, sha256)| HashedFile {
+            path: name,
+            role: None,
+            sha256,
+            through: Some(path.to_string()),
+        });
+        let sha256 = hash.sha256.clone();
+        let new = std::iter::once(hash).chain(measured);
+        let new: Vec<HashedFile> = new.filter(|hash| !self.hashes.contains(hash)).collect();
+        self.hashes.extend(new);
+        Ok((source, sha256))
+    }
+
+    /// An error table that stands at `key`.
+    pub(super) fn table(&mut self, path: &str, key: &str) -> Result<ErrorTable, Problems> {
+        ErrorTable::read(self.source(path, key)?.0)
+    }
+
+    /// The profile of the job's control.
+    pub(super) fn profile(&mut self) -> Result<Profile, Problems> {
+        let (profile, hashes) = profile(&self.job.compensation.controller, self.folder)
+            .map_err(|problems| self.at_controller(&problems))?;
+        self.hashes.extend(hashes);
+        Ok(profile)
+    }
+
+    /// Problems without a place of their own concern the key that named the controller.
+    fn at_controller(&self, problems: &Problems) -> Problems {
+        let mut placed = Problems::none();
+        for problem in problems.iter() {
+            let mut problem = problem.clone();
+            let key = || self.job.source.place_of("compensation.controller");
+            problem.place = problem.place.or_else(key);
+            placed.push(problem);
+        }
+        placed
+    }
+}
+
+/// The folder that the paths of a job are relative to.
+pub(super) fn folder_of(job_path: &Path) -> &Path {
+    job_path.parent().unwrap_or(Path::new(""))
+}
+
+/// Reads a job and the profile of its control, and nothing that was measured.
+pub(super) fn read_job_and_profile(
+    job_path: &Path,
+) -> Result<(Job, Profile, Vec<HashedFile>), Problems> {
+    let (name, bytes) = read_argument(job_path)?;
+    let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
+    let mut files = JobFiles::new(&job, job_path);
+    files.hashes.push(hashed(&file_name(job_path), &bytes));
+    let (profile, hashes) = (files.profile()?, files.hashes);
+    Ok((job, profile, hashes))
+}
+
+/// A built-in profile by id, or a user's own by path (relative to `folder`), with the hashes of its files.
+pub(super) fn profile(
+    reference: &str,
+    folder: &Path,
+) -> Result<(Profile, Vec<HashedFile>), Problems> {
+    let is_path =
+        reference.to_ascii_lowercase().ends_with(".toml") || reference.contains(['/', '\\']);
+    if !is_path {
+        return Ok((builtin::profile(reference)?, Vec::new()));
+    }
+    let path = folder.join(reference.strip_prefix("./").unwrap_or(reference));
+    let bytes = read_file(&path).map_err(beside_job)?;
+    let source = Source::from_bytes(&path.display().to_string(), &bytes)?;
+    let beside = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let hashes = RefCell::new(vec![hashed(reference, &bytes)]);
+    let unreadable = RefCell::new(Problems::none());
+    let own = |name: &str| match own_template(&beside, name) {
+        Ok(None) => builtin::template(name),
+        Ok(Some((text, hash))) => {
+            let mut hashes = hashes.borrow_mut();
+            let is_known = hashes.iter().skip(1).any(|known| known.path == name);
+            hashes.extend((!is_known).then_some(hash));
+            Some(text)
+        }
+        Err(problems) => {
+            unreadable.borrow_mut().extend(problems);
+            Some(String::new())
+        }
+    };
+    let find = |name: &str, is_own: bool| match is_own {
+        true => own(name),
+        false => builtin::template(name),
+    };
+    let origin = Origin::File(reference.to_string());
+    let profile = load::profile(source, origin, &find, &builtin::page);
+    unreadable.into_inner().or_ok(())?;
+    Ok((profile?, hashes.into_inner()))
+}
+
+/// A template beside the profile, `None` if there is none; its name must be a plain file name.
+fn own_template(folder: &Path, name: &str) -> Result<Option<(String, HashedFile)>, Problems> {
+    let path: PathBuf = folder.join(name);
+    let plain = !name.contains(['/', '\\']) && !name.starts_with('.');
+    let is_absent = |error: std::io::Error| error.kind() == std::io::ErrorKind::NotFound;
+    if !plain || std::fs::symlink_metadata(&path).is_err_and(is_absent) {
+        return Ok(None);
+    }
+    let bytes = read_file(&path)?;
+    let text = Source::from_bytes(&path.display().to_string(), &bytes)?.text;
+    Ok(Some((text, hashed(name, &bytes))))
+}

@@ -1,0 +1,267 @@
+//! Figures of one axis: what `standards` prints of it.
+
+use crate::cli::diagonals::{counts, named_um};
+use crate::cli::screen::{More, Screen, table};
+use crate::cli::show::{self, um};
+use crate::inputs::target_runs::Runs;
+use crate::machine::standards::iso_230_2::{self, Travel};
+use crate::machine::standards::{
+    self, ByDirection, Condition, Confidence, Met, VDI_3441, in_words, vdi_3441,
+};
+use crate::quantity::axis::Direction;
+use crate::text::problem::Problem;
+use serde_json::{Map, Value, json};
+
+/// What the standards say about the runs of an axis.
+pub(super) struct Page<'a> {
+    name: &'a str,
+    runs: &'a Runs,
+    travel: Travel,
+    iso: iso_230_2::Figures,
+    conditions: Vec<Condition>,
+    vdi: Option<vdi_3441::Figures>,
+    notes: Vec<String>,
+}
+
+impl Page<'_> {
+    /// `facts`: what the file of the runs states.
+    pub(super) fn of<'a>(
+        name: &'a str,
+        runs: &'a Runs,
+        travel_mm: Option<f64>,
+        facts: Vec<String>,
+    ) -> Result<Page<'a>, Problem> {
+        let travel = Travel::of(runs, travel_mm)?;
+        let mut notes = facts;
+        notes.extend(iso_230_2::remarks(runs, travel));
+        Ok(Page {
+            name,
+            runs,
+            travel,
+            iso: iso_230_2::figures(runs),
+            conditions: iso_230_2::conditions(runs, travel),
+            vdi: vdi_3441::figures(runs),
+            notes,
+        })
+    }
+
+    pub(super) fn screen(&self) -> Screen {
+        let targets = self.runs.targets_mm();
+        let end = |at: Option<&f64>| in_words(at.copied().unwrap_or_default());
+        let heading = format!(
+            "{} - {} targets from {} to {} mm, runs: {} up (+), {} down (-)",
+            self.name,
+            targets.len(),
+            end(targets.first()),
+            end(targets.last()),
+            self.runs.count(Direction::Plus),
+            self.runs.count(Direction::Minus),
+        );
+        let title = format!(
+            "ISO 230-2, k = 2; the formulas are those of the editions {}\n{}",
+            editions_words(&iso_230_2::EDITIONS),
+            iso_230_2::label(&self.conditions)
+        );
+        Screen {
+            verdict: format!("{heading}\n{title}"),
+            figures: vec![self.axis_table(), vdi_table(self.vdi.as_ref())],
+            findings: [missed(&self.conditions), show::notes(&self.notes)].concat(),
+            more: vec![
+                More::part("every target", self.targets_table()),
+                conditions("conditions of ISO 230-2", &self.conditions),
+                More::part(
+                    "every target of VDI/DGQ 3441",
+                    self.vdi.as_ref().map_or_else(String::new, vdi_targets),
+                ),
+            ],
+            ..Screen::default()
+        }
+    }
+
+    fn axis_table(&self) -> String {
+        let axis = &self.iso.axis;
+        let both = |both_um| ByDirection {
+            both_um,
+            ..ByDirection::default()
+        };
+        let mark = match self.travel.is_long() {
+            true => ", not in the standard above 2 m",
+            false => "",
+        };
+        let rows = [
+            ("A", "positioning error (accuracy)", mark, axis.a),
+            ("E", "systematic positioning error", "", axis.e),
+            ("R", "repeatability", mark, axis.r),
+            (
+                "M",
+                "range of the mean bidirectional error",
+                "",
+                both(axis.m_um),
+            ),
+            ("B", "reversal error, largest |B_i|", "", both(axis.b_um)),
+            ("B mean", "mean reversal error", "", both(axis.b_mean_um)),
+        ];
+        let rows = rows.map(|(letter, what, mark, of)| {
+            let [up, down, both] = [of.up_um, of.down_um, of.both_um].map(um);
+            format!("{letter}\t{what}{mark}\t{up}\t{down}\t{both}")
+        });
+        table("figure\t\t>up/µm\t>down/µm\t>both/µm", rows)
+    }
+
+    fn targets_table(&self) -> String {
+        let rows = self.iso.targets.iter().map(|of| {
+            let figures = named_figures(of).map(|(_, figure)| um(figure));
+            format!("{}\t{}", in_words(of.target_mm), figures.join("\t"))
+        });
+        let heading = "target/mm\t>mean/µm\t>mean up/µm\t>mean down/µm\t>s up/µm\t>s down/µm\t>B/µm\t>R/µm\t>R up/µm\t>R down/µm";
+        table(&format!(">{heading}"), rows)
+    }
+
+    pub(super) fn document(&self) -> Value {
+        let target = |of: &iso_230_2::TargetFigures| at_target(of.target_mm, named_figures(of));
+        let vdi = |figures: &vdi_3441::Figures| {
+            let mut part = Map::new();
+            part.insert("confidence".into(), json!(VDI_3441.word()));
+            part.extend(named_um(
+                vdi_figures(figures).map(|(name, _, um)| (name, um)),
+            ));
+            let targets = figures.targets.iter().map(|of| {
+                let figures = [
+                    ("mean", Some(of.mean_um)),
+                    ("U", Some(of.u_um)),
+                    ("s_mean", of.s_um),
+                ];
+                at_target(of.target_mm, figures)
+            });
+            part.insert("targets".into(), targets.collect());
+            part
+        };
+        let mut iso = Map::new();
+        let mut put = |key: &str, value: Value| _ = iso.insert(key.to_string(), value);
+        put("editions", json!(iso_230_2::EDITIONS));
+        put("confidence", json!(standards::ISO_230_2.word()));
+        let missed = self.conditions.iter().any(|of| of.met == Met::No);
+        put("condition_missed", json!(missed));
+        put("label", json!(iso_230_2::label(&self.conditions)));
+        iso.extend(named_um(self.iso.axis.named_um()));
+        let foreign: &[&str] = if self.travel.is_long() {
+            &["A", "R"]
+        } else {
+            &[]
+        };
+        let mut put = |key: &str, value: Value| _ = iso.insert(key.to_string(), value);
+        put("not_in_the_standard", json!(foreign));
+        put("targets", self.iso.targets.iter().map(target).collect());
+        put("conditions", conditions_json(&self.conditions));
+        put("notes", json!(self.notes));
+        json!({
+            "schema": 1,
+            "targets": self.runs.targets_mm().len(),
+            "length_mm": self.runs.length_mm(),
+            "travel_mm": self.travel.stated_mm(),
+            "runs": counts(self.runs),
+            "iso_230_2": iso,
+            "vdi_dgq_3441": self.vdi.as_ref().map(vdi),
+        })
+    }
+}
+
+/// The figures of a target, each by its name in the document.
+fn named_figures(of: &iso_230_2::TargetFigures) -> [(&'static str, Option<f64>); 9] {
+    [
+        ("mean", of.mean.both_um),
+        ("mean_up", of.mean.up_um),
+        ("mean_down", of.mean.down_um),
+        ("s_up", of.s.up_um),
+        ("s_down", of.s.down_um),
+        ("B", of.b_um),
+        ("R", of.r.both_um),
+        ("R_up", of.r.up_um),
+        ("R_down", of.r.down_um),
+    ]
+}
+
+fn at_target<const N: usize>(mm: f64, figures: [(&str, Option<f64>); N]) -> Value {
+    let mut target = Map::new();
+    target.insert("target_mm".into(), json!(mm));
+    target.extend(named_um(figures));
+    Value::Object(target)
+}
+
+/// `1997, 2006, 2014`.
+fn editions_words(editions: &[u16]) -> String {
+    let years: Vec<String> = editions.iter().map(u16::to_string).collect();
+    years.join(", ")
+}
+
+pub(super) fn likely_words(confidence: Confidence) -> &'static str {
+    match confidence {
+        Confidence::Sure => "sure",
+        Confidence::Likely => "likely: from secondary sources, not compared with the text",
+    }
+}
+
+/// Conditions that the data do not meet.
+pub(super) fn missed(conditions: &[Condition]) -> Vec<String> {
+    let missed = conditions.iter().filter(|of| of.met == Met::No);
+    let missed = missed.map(|of| format!("not met: {}, found: {}", of.asked, of.found));
+    missed.collect()
+}
+
+pub(super) fn conditions(heading: &str, conditions: &[Condition]) -> More {
+    let rows = conditions.iter().map(|condition| {
+        format!(
+            "{}\t{}\t{}\t{} ({})",
+            condition.met.word(),
+            condition.asked,
+            condition.found,
+            editions_words(condition.editions),
+            condition.confidence.word()
+        )
+    });
+    let table = table("outcome\tasked\tfound\teditions", rows);
+    More::new(
+        conditions.len(),
+        "conditions",
+        format!("{heading}\n{table}"),
+    )
+}
+
+pub(super) fn conditions_json(conditions: &[Condition]) -> Value {
+    json!({ "list": conditions })
+}
+
+/// The figures of VDI/DGQ 3441, each by its name and in words.
+fn vdi_figures(of: &vdi_3441::Figures) -> [(&'static str, &'static str, Option<f64>); 5] {
+    [
+        ("P", "positioning uncertainty", of.p_um),
+        (
+            "P_a",
+            "positioning deviation, range of the means",
+            Some(of.p_a_um),
+        ),
+        ("P_s", "positioning scatter, largest 6 s mean", of.p_s_um),
+        ("U", "largest reversal", Some(of.u_um)),
+        ("U_mean", "mean reversal", Some(of.u_mean_um)),
+    ]
+}
+
+fn vdi_table(figures: Option<&vdi_3441::Figures>) -> String {
+    let heading = format!("VDI/DGQ 3441 ({})", likely_words(VDI_3441));
+    let Some(figures) = figures else {
+        return format!("{heading}\nnote: every figure needs both directions");
+    };
+    let rows = vdi_figures(figures).map(|(name, what, figure)| {
+        let letter = if name == "U_mean" { "U mean" } else { name };
+        format!("{letter}\t{what}\t{}", um(figure))
+    });
+    format!("{heading}\n{}", table("figure\t\t>value/µm", rows))
+}
+
+fn vdi_targets(figures: &vdi_3441::Figures) -> String {
+    let rows = figures.targets.iter().map(|of| {
+        let [mean, u, s] = [Some(of.mean_um), Some(of.u_um), of.s_um].map(um);
+        format!("{}\t{mean}\t{u}\t{s}", in_words(of.target_mm))
+    });
+    table(">target/mm\t>mean/µm\t>U/µm\t>s mean/µm", rows)
+}

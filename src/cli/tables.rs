@@ -1,0 +1,129 @@
+//! The directory of a kit, or of what was read out of a control; and the machine as such tables leave it,
+//! for `assess` and `path`.
+
+use crate::cli::files::{file_names, plain_words, read_file};
+use crate::inputs::job::UseOf;
+use crate::kit::directory::Directory;
+use crate::kit::manifest::MANIFEST;
+use crate::kit::{Inputs, LoadedControl, load_own};
+use crate::text::finding::{Finding, Severity};
+use crate::text::problem::{Problem, Problems};
+use crate::volume::assessment::with_tables;
+use crate::volume::volume_model::VolumeModel;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Options that ask for tables.
+#[derive(Args, Debug)]
+pub(super) struct AskedTables {
+    /// Also as the files of this directory leave the machine
+    #[arg(long, value_name = "DIR", conflicts_with = "with_tables")]
+    tables: Option<PathBuf>,
+    /// Also as the tables that the job asks for would leave the machine
+    #[arg(long)]
+    with_tables: bool,
+}
+
+/// The machine with tables.
+pub(super) struct Corrected {
+    /// Where the tables come from, in words.
+    pub(super) from: String,
+    /// Its errors.
+    pub(super) volume: VolumeModel,
+    /// How the files differ from what the job asks for, one sentence each.
+    pub(super) disagreements: Vec<String>,
+    /// What no file does, what was passed over, and what is taken for granted.
+    pub(super) notes: Vec<String>,
+}
+
+impl AskedTables {
+    /// Whether any are asked for.
+    pub(super) fn is_any(&self) -> bool {
+        self.tables.is_some() || self.with_tables
+    }
+
+    /// What the job has to hold for them.
+    pub(super) fn use_of(&self) -> UseOf {
+        UseOf::with(self.is_any())
+    }
+
+    /// The machine with them; `volume` is the machine as it was measured.
+    pub(super) fn corrected(
+        &self,
+        inputs: &Inputs,
+        volume: &VolumeModel,
+    ) -> Result<Option<Corrected>, Problems> {
+        let Some((from, loaded)) = self.loaded(inputs)? else {
+            return Ok(None);
+        };
+        let control = loaded.control.as_ref();
+        let volume = with_tables(volume, &inputs.model, &loaded.plan, control).map_err(|e| {
+            Problem::new(format!("the tables cannot be emulated: {}", e.0))
+                .help("nothing can be said of the machine with them")
+        })?;
+        let (differences, notes): (Vec<&Finding>, Vec<&Finding>) = loaded
+            .findings
+            .iter()
+            .partition(|found| found.severity() == Severity::Disagreement);
+        let words = |findings: Vec<&Finding>| findings.iter().map(ToString::to_string).collect();
+        Ok(Some(Corrected {
+            from,
+            volume,
+            disagreements: words(differences),
+            notes: words(notes),
+        }))
+    }
+
+    fn loaded(&self, inputs: &Inputs) -> Result<Option<(String, LoadedControl)>, Problems> {
+        if self.with_tables {
+            let from = format!("the tables of the job for {}", inputs.profile.name);
+            return Ok(Some((from, load_own(inputs)?)));
+        }
+        let Some(directory) = &self.tables else {
+            return Ok(None);
+        };
+        let loaded = read_directory(inputs, directory)?.load(inputs)?;
+        let from = format!("the files of {}", directory.display());
+        Ok(Some((from, loaded)))
+    }
+}
+
+/// What operating systems leave on a stick; no file of a control is called so.
+fn is_left_by_a_computer(name: &str) -> bool {
+    let names = ["thumbs.db", "desktop.ini"];
+    name.starts_with('.') || names.contains(&name.to_ascii_lowercase().as_str())
+}
+
+/// Reads the files of a directory, and its manifest where it has one.
+pub(super) fn read_directory(inputs: &Inputs, path: &Path) -> Result<Directory, Problems> {
+    let name = path.display();
+    let refuse = |words: String| {
+        Problem::new(format!("`{name}` {words}"))
+            .help("name the directory with the control's files, as `nonius generate` wrote it")
+    };
+    if path.is_file() {
+        return Err(refuse("is a file, expected the directory that holds it".to_string()).into());
+    }
+    let names = file_names(path)
+        .map_err(|error| refuse(format!("cannot be read: {}", plain_words(&error))))?;
+    let (left, names): (Vec<String>, Vec<String>) =
+        names.into_iter().partition(|n| is_left_by_a_computer(n));
+    let (manifest, names): (Vec<String>, Vec<String>) =
+        names.into_iter().partition(|name| name == MANIFEST);
+    if names.is_empty() {
+        let words = "holds no file of a control, expected its tables".to_string();
+        return Err(refuse(words).into());
+    }
+    let read = |name: &String| read_file(&path.join(name));
+    let files = names.into_iter().map(|name| {
+        let bytes = read(&name)?;
+        Ok((name, bytes))
+    });
+    let files: Vec<_> = files.collect::<Result<_, Problem>>()?;
+    let manifest = manifest.first().map(read).transpose()?;
+    let mut found = Directory::of(inputs, name.to_string(), files, manifest.as_deref())?;
+    for name in &left {
+        found.ignored(name, "an operating system left it");
+    }
+    Ok(found)
+}

@@ -1,0 +1,54 @@
+//! What a file is, by its name and by what stands in its first line of content.
+
+/// What a person may give where several kinds of file will do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A job (TOML).
+    Job,
+    /// Runs of one axis as Renishaw writes them.
+    Rtl,
+    /// A table of readings of the body diagonals.
+    Readings,
+    /// Another table: errors, or runs of one axis.
+    Table,
+}
+
+impl FileKind {
+    /// By the ending of the name, else by the first line that is neither empty nor a comment: a key or a
+    /// section, or the names of columns.
+    pub fn of(name: &str, bytes: &[u8]) -> FileKind {
+        let text = String::from_utf8_lossy(bytes);
+        let text = text.trim_start_matches('\u{feff}');
+        let is_content = |line: &&str| !line.is_empty() && !line.starts_with('#');
+        let head = text.lines().map(str::trim).find(is_content).unwrap_or("");
+        let name = name.to_ascii_lowercase();
+        let is_key = |c: char| c.is_ascii_alphanumeric() || "_-.\" ".contains(c);
+        let key = head.split_once('=').map(|(key, _)| key);
+        let has = |column: &str| {
+            let mut cells = head.split([',', ';', '\t']);
+            cells.any(|cell| cell.trim().trim_matches('"').eq_ignore_ascii_case(column))
+        };
+        if name.ends_with(".rtl") || head == "HEADER::" {
+            FileKind::Rtl
+        } else if name.ends_with(".toml")
+            || head.starts_with('[')
+            || key.is_some_and(|key| key.chars().all(is_key))
+        {
+            FileKind::Job
+        } else if has("diagonal") {
+            FileKind::Readings
+        } else {
+            FileKind::Table
+        }
+    }
+
+    /// In words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            FileKind::Job => "a job",
+            FileKind::Rtl => "an `.rtl` file",
+            FileKind::Readings => "readings of the body diagonals",
+            FileKind::Table => "a table of runs",
+        }
+    }
+}

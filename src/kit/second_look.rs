@@ -1,0 +1,177 @@
+//! A measurement with the tables active, judged: as found, forecast, as left, and why they differ.
+
+use super::{Inputs, Verification, emulator};
+use crate::inputs::job::{Job, MeasuredData};
+use crate::judge::after::{
+    AfterMeasurement, Comparison, Control, Observation, compare, observations, unseen_reversal,
+};
+use crate::judge::causes::{Corrected, Diagnosis, Question, diagnose};
+use crate::judge::conformity::Verdict;
+use crate::judge::findings::words_of;
+use crate::judge::forecast::Forecast;
+use crate::quantity::axis::{Direction, ErrorTerm, PerAxis};
+use crate::text::finding::Severity;
+use crate::text::problem::{Problem, Problems};
+
+/// Steel, where the job states no scale's expansion, 1/K.
+const STEEL_PER_K: f64 = 11.5e-6;
+
+/// What the second measurement shows.
+pub struct SecondLook {
+    /// As found, forecast and as left beside each other.
+    pub comparison: Comparison,
+    /// Why they differ; `None` where the tables cannot be emulated.
+    pub diagnosis: Option<Diagnosis>,
+    /// Lost motion that the first measurement could not see, where it alone is off the forecast.
+    pub lost_motion: Option<String>,
+    /// What is missing or doubtful, one sentence each.
+    pub doubts: Vec<String>,
+    /// The as-left figures against the acceptance.
+    pub verdict: Verdict,
+}
+
+/// Compares and judges. `corrected` = the machine as found under each slip of the first records: asked
+/// for only where as left is not as forecast, since each takes a separation of its own.
+pub fn second_look(
+    inputs: &Inputs,
+    verification: &Verification,
+    measured: &AfterMeasurement,
+    corrected: impl FnOnce() -> Result<Vec<Corrected>, Problems>,
+) -> Result<SecondLook, Problems> {
+    let control = emulator(&inputs.profile, &verification.found, &verification.state)
+        .and_then(|found| Control::new(&inputs.model, &verification.plan, found.as_ref()));
+    let comparison = compare(
+        inputs.machine(),
+        &verification.plan,
+        control.as_ref().ok(),
+        verification.forecast.as_ref(),
+        measured,
+        &inputs.job,
+    )?;
+    let (mut diagnosis, mut lost_motion) = (None, None);
+    let is_measured = comparison.is_measured();
+    if let (true, Ok(control), Some(forecast)) = (is_measured, &control, &verification.forecast) {
+        let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
+            let seen = observations(&inputs.model, measured);
+            let question = question(inputs, verification, forecast, control, &seen);
+            diagnose(&Question {
+                corrected,
+                ..question
+            })
+        };
+        let mut found = diagnosed(measured, &[])?;
+        if !found.as_forecast {
+            let corrected = corrected()?;
+            if !corrected.is_empty() {
+                found = diagnosed(measured, &corrected)?;
+            }
+        }
+        if !found.as_forecast && found.causes.is_empty() {
+            lost_motion = unseen(inputs, measured, |measured| diagnosed(measured, &[]))?;
+        }
+        diagnosis = Some(found);
+    }
+    Ok(SecondLook {
+        verdict: judged(inputs, verification, &comparison, diagnosis.as_ref()),
+        doubts: doubts(inputs, verification, &comparison),
+        comparison,
+        diagnosis,
+        lost_motion,
+    })
+}
+
+/// Lost motion that the first measurement could not see, if as left is as forecast without it.
+fn unseen(
+    inputs: &Inputs,
+    measured: &AfterMeasurement,
+    diagnosed: impl Fn(&AfterMeasurement) -> Result<Diagnosis, Problem>,
+) -> Result<Option<String>, Problem> {
+    let AfterMeasurement::Errors(model) = measured else {
+        return Ok(None);
+    };
+    let Some(reversal) = unseen_reversal(&inputs.model, model) else {
+        return Ok(None);
+    };
+    let without = diagnosed(&AfterMeasurement::Errors(Box::new(reversal.without)))?;
+    Ok(without.as_forecast.then_some(reversal.words))
+}
+
+fn question<'a>(
+    inputs: &'a Inputs,
+    verification: &Verification,
+    forecast: &Forecast,
+    control: &'a Control,
+    seen: &'a [Observation],
+) -> Question<'a> {
+    let axis = |axis| inputs.job.machine.axes[axis];
+    let counts = verification.compiled.placements.iter().map(|p| p.count_um);
+    Question {
+        before: &inputs.model,
+        under_tables: inputs.under_tables.as_ref(),
+        corrected: &[],
+        control,
+        seen,
+        homing: PerAxis::from_fn(|a| axis(a).map_or(Direction::Plus, |a| a.homing())),
+        reference_mm: PerAxis::from_fn(|a| axis(a).map_or(0.0, |a| a.reference.mm())),
+        alpha_per_k: alpha_per_k(&inputs.job),
+        count_um: counts.fold(0.0, f64::max),
+        forecast_um: forecast.max_residual_um(),
+        display: inputs.profile.display.as_ref().map(|f| f.value.as_str()),
+    }
+}
+
+fn alpha_per_k(job: &Job) -> PerAxis<f64> {
+    let material = match &job.measurement.data {
+        MeasuredData::Diagonals(measurement) => measurement.material,
+        MeasuredData::Errors(_) => None,
+    };
+    let stated = |axis| material?.axes[axis].map(|scale| scale.alpha_per_k);
+    PerAxis::from_fn(|axis| stated(axis).unwrap_or(STEEL_PER_K))
+}
+
+/// The as-left figures against the acceptance; what is missing or doubtful leaves it at best undecided,
+/// and files that differ from the job fail. Without any limit a machine that is not as forecast is not
+/// passed either.
+fn judged(
+    inputs: &Inputs,
+    verification: &Verification,
+    comparison: &Comparison,
+    diagnosis: Option<&Diagnosis>,
+) -> Verdict {
+    if !verification.agrees() {
+        return Verdict::Fail;
+    }
+    if !comparison.is_measured() {
+        return Verdict::Undecided;
+    }
+    let asked = inputs.job.acceptance;
+    let verdict = comparison.as_left.verdict(asked);
+    let unknown = asked.max_deviation_um.is_some() && !comparison.missing.is_empty();
+    let no_limit = asked.max_deviation_um.is_none() && asked.max_diagonal_um.is_none();
+    let off = no_limit && diagnosis.is_some_and(|found| !found.as_forecast);
+    let doubts = words_of(&comparison.findings, Severity::Doubt);
+    let doubtful = !doubts.is_empty() || !verification.beside().is_empty();
+    match unknown || off || doubtful {
+        true => verdict.max(Verdict::Undecided),
+        false => verdict,
+    }
+}
+
+/// Doubts, what acts in addition to the tables, and what the limit asks for and was not measured.
+fn doubts(inputs: &Inputs, verification: &Verification, comparison: &Comparison) -> Vec<String> {
+    let missing: Vec<String> = comparison
+        .missing
+        .iter()
+        .map(ErrorTerm::to_string)
+        .collect();
+    let is_asked = inputs.job.acceptance.max_deviation_um.is_some() && !missing.is_empty();
+    let missing = is_asked.then(|| {
+        format!(
+            "not measured afterwards, so nothing is known of what is left: {}",
+            missing.join(", ")
+        )
+    });
+    let stated = words_of(&comparison.findings, Severity::Doubt).into_iter();
+    let stated = stated.chain(verification.beside());
+    stated.chain(missing).collect()
+}
