@@ -219,6 +219,16 @@ impl Response {
         }
     }
 
+    /// Adds a table.
+    pub(crate) fn push(&mut self, table: NodeTable) {
+        self.tables.push(table);
+    }
+
+    /// Adds a constant.
+    pub(crate) fn shift(&mut self, by: Correction) {
+        self.constant_um += by.um();
+    }
+
     /// The correction at a position.
     pub fn correction(&self, at: Millimetres) -> Correction {
         self.tables

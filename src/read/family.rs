@@ -5,6 +5,7 @@ use crate::control::controller::{Dialect, Profile, Role};
 use crate::control::table::Tables;
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::siemens::MachineDatum;
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
 
@@ -88,7 +89,7 @@ pub struct ReadBack {
     /// Tables, parameters and points.
     pub tables: Tables,
     /// Remarks of the reader.
-    pub notes: Vec<String>,
+    pub notes: Vec<Finding>,
     /// Parameters of tables that no file writes, so that the control keeps older ones (Siemens).
     pub unwritten: Vec<String>,
     /// Machine and setting data of every file, also of files that set none (Siemens).

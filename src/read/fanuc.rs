@@ -11,6 +11,7 @@
 
 mod block;
 pub mod control;
+pub(super) mod program;
 #[cfg(test)]
 pub(crate) mod tests;
 

@@ -11,6 +11,7 @@
 pub mod emulate;
 mod family;
 pub mod fanuc;
+mod findings;
 pub mod generic;
 mod lexer;
 pub mod program;

@@ -1,24 +1,23 @@
 //! Part programs of measuring runs back to what the axes do, and a walk along them.
 //!
 //! ```text
-//!   bytes ─→ words ─→ deeds (stop, machine position, increment, dwell) ─→ walk: where the axes
+//!   bytes ─→ blocks ─→ actions (stop, machine position, increment, dwell) ─→ walk: where the axes
 //!   are, how they came there, whether it is what positions.csv and the job say
 //! ```
-//! Written from the languages' descriptions, not from the templates. A word that is not known here
-//! is refused, whatever the control would make of it: a program that was read moves three axes,
-//! stands still and stops, and does nothing else (no offset, no tool, no spindle).
+//! Written from the languages' descriptions, not from the templates; the words of a language stand in the
+//! folder of its family. A word that is not known there is refused, whatever the control would make of it: a
+//! program that was read moves three axes, stands still and stops, and does nothing else (no offset, no
+//! tool, no spindle).
 
-mod blocks;
-mod fanuc;
+pub(super) mod blocks;
 pub mod positions;
-mod siemens;
-mod steps;
 pub mod walk;
-mod words;
 
-pub use self::steps::{Cancelled, Deed, OwnWords, Step};
+pub use self::blocks::{Action, Cancelled, OwnWords, Step};
 
 use crate::control::controller::program::Language;
+use crate::read::lexer::located;
+use crate::read::{fanuc, siemens};
 use crate::text::problem::{Problem, Problems};
 
 /// Reads a program.
@@ -28,21 +27,15 @@ pub fn read(
     file: &str,
     bytes: &[u8],
 ) -> Result<Vec<Step>, Problems> {
-    let text = ascii(file, bytes)?;
-    let result = match language {
-        Language::Siemens => siemens::read(text, words),
-        Language::Fanuc => fanuc::read(text, words),
+    let text = std::str::from_utf8(bytes).ok();
+    let Some(text) = text.filter(|text| text.is_ascii()) else {
+        let message = format!("`{file}` holds a letter that is not ASCII");
+        return Err(Problem::new(message).help("part programs are ASCII").into());
     };
-    result.map_err(|complaint| complaint.at(file, text).into())
-}
-
-fn ascii<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, Problems> {
-    match std::str::from_utf8(bytes) {
-        Ok(text) if text.is_ascii() => Ok(text),
-        _ => Err(
-            Problem::new(format!("`{file}` holds a letter that is not ASCII"))
-                .help("part programs are ASCII")
-                .into(),
-        ),
-    }
+    let language = match language {
+        Language::Siemens => &siemens::program::LANGUAGE,
+        Language::Fanuc => &fanuc::program::LANGUAGE,
+    };
+    let steps = blocks::steps(text, language, words);
+    steps.map_err(|complaint| located(file, text, vec![complaint]))
 }

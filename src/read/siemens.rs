@@ -13,10 +13,10 @@
 //! refuses with line and column what stops a control, what could move the machine, and what the
 //! documents leave open.
 
-mod archive;
 mod contents;
 pub mod control;
 mod memory;
+pub(super) mod program;
 mod read_out;
 mod statement;
 mod variable;
@@ -29,10 +29,12 @@ use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::Tables;
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::family::{Family, FileData, KitText, Part, ReadBack, each, other_family};
+use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, refuse_long_lines};
 use memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
-use read_out::{Concern, concern, header, is_program, sections};
+use read_out::{Concern, concern, header, is_archive, is_program, parts, sections};
 use statement::{Statement, check_characters, code_of, statement};
 use std::ops::Range;
 
@@ -85,8 +87,8 @@ impl Family for SiemensFacts {
     }
 
     fn parts<'a>(&self, name: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Problem> {
-        match archive::is_archive(bytes) {
-            true => archive::parts(name, bytes),
+        match is_archive(bytes) {
+            true => parts(name, bytes),
             false => Ok(vec![(name.to_string(), bytes)]),
         }
     }
@@ -146,7 +148,7 @@ struct Reader<'a> {
     text: &'a str,
     memory: Memory,
     complaints: Vec<Complaint>,
-    notes: Vec<String>,
+    notes: Vec<Finding>,
     read_out: ReadOut,
     statements: usize,
     ended: bool,
@@ -211,10 +213,10 @@ impl<'a> Reader<'a> {
         match found {
             Statement::Nothing => {}
             Statement::End => self.ended = true,
-            Statement::Stop => self.notes.push(format!(
-                "`{}`: M0 waits for cycle start before the program goes on",
-                self.file
-            )),
+            Statement::Stop => {
+                let file = self.file.to_string();
+                self.notes.push(ReadFinding::Stops { file }.into());
+            }
             Statement::Activate => self.memory.activate(),
             Statement::Set(set) => self.memory.set(&set)?,
         }
@@ -279,10 +281,11 @@ impl<'a> Reader<'a> {
     }
 
     fn finish(mut self) -> Result<SiemensContents, Problems> {
-        let waiting = self.memory.waiting();
-        self.notes.extend(waiting.map(|variable| {
-            format!("`{}` sets {variable} and no NEWCONF follows: it acts from the next NEWCONF or reset on, wherever the axes stand then", self.file)
-        }));
+        if let Some(variable) = self.memory.waiting() {
+            let file = self.file.to_string();
+            self.notes
+                .push(ReadFinding::ActsLater { file, variable }.into());
+        }
         let mut contents = self.memory.finish(&mut self.complaints);
         contents.notes = self.notes;
         contents.read_out = ReadOut {

@@ -34,9 +34,7 @@ pub(super) fn read(reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Foun
     let (data, contrary) = agreed(&contents);
     let mut all = merge(contents)?;
     let mut told = std::mem::take(&mut all.read_out);
-    for words in all.notes.iter().cloned() {
-        reading.tell(InControl::Read { words });
-    }
+    reading.findings.extend(all.notes.iter().cloned());
     if !all.unwritten.is_empty() {
         let parameters = all.unwritten.clone();
         reading.tell(InControl::NotWritten { parameters });

@@ -59,7 +59,7 @@ pub fn absent(profile: &Profile, wanted: &Tables, read: &ReadBack) -> Vec<String
         }
         _ => Vec::new(),
     };
-    words.extend(read.notes.iter().cloned());
+    words.extend(read.notes.iter().map(ToString::to_string));
     words
 }
 

@@ -59,7 +59,7 @@ impl Loaded {
                 )
             })
         };
-        let mut notes = read.notes;
+        let mut notes = words_of(&read.notes, Severity::Note);
         notes.extend(words_of(&findings, Severity::Disagreement));
         notes.extend(Axis::ALL.into_iter().filter_map(parameter));
         Ok(Loaded { control, notes })

@@ -9,21 +9,18 @@
 //! points of one table. Everything is checked while loading; after that a response cannot fail
 //! but for an unknown axis. Signs turn in [`crate::control::controller::TableSign::correction`] only.
 
-mod link;
 mod parameters;
 mod pitch;
 mod straightness;
-
-use self::link::{Link, Run};
 #[cfg(test)]
 mod tests;
 
-use crate::control::control_state::{AxisState, ControlState};
+use crate::control::control_state::ControlState;
 use crate::control::controller::FanucFacts;
 use crate::control::table::fanuc::FanucMemory;
 use crate::quantity::axis::Direction;
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
-use parameters::{Loading, cannot};
+use parameters::{Link, Loading, Run, cannot};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// 1006#5 ZMI: 1 = reference return in −.
@@ -66,8 +63,13 @@ impl FanucControl {
         from.refuse_others()?;
         refuse_other_return(from)?;
         let mut links = load_links(from)?;
+        // The backlash parameter (1851/1852) moves an axis further after a reversal (docs/fanuc.md §5.3).
         for axis in &state.axes {
-            add_backlash(axis, &mut links);
+            let own = (axis.name.clone(), axis.name.clone());
+            let link = links.entry(own).or_default();
+            for direction in Direction::BOTH {
+                link.way(direction).shift(axis.backlash(direction));
+            }
         }
         let axes = state.axes.iter().map(|axis| axis.name.clone()).collect();
         Ok(FanucControl { axes, links })
@@ -88,7 +90,7 @@ impl Emulator for FanucControl {
     fn connected_axes(&self) -> Vec<(String, String)> {
         self.links
             .iter()
-            .filter(|(_, link)| !link.plus.tables.is_empty())
+            .filter(|(_, link)| !link.plus.tables().is_empty())
             .map(|(pair, _)| pair.clone())
             .collect()
     }
@@ -100,13 +102,8 @@ impl Emulator for FanucControl {
         direction: Direction,
     ) -> Result<Response, CannotEmulate> {
         let pair = (self.known(base)?, self.known(output)?);
-        Ok(self
-            .links
-            .get(&pair)
-            .map_or_else(Response::default, |link| {
-                let way = link.way(direction);
-                Response::new(way.tables.clone(), way.constant)
-            }))
+        let mut link = self.links.get(&pair).cloned().unwrap_or_default();
+        Ok(std::mem::take(link.way(direction)))
     }
 }
 
@@ -122,8 +119,8 @@ fn load_links(from: Loading) -> Result<Links, CannotEmulate> {
         let base = from.axis(shift.moving)?.name.clone();
         let output = from.axis(shift.compensation)?.name.clone();
         let link = links.entry((base, output)).or_default();
-        link.plus.tables.push(shift.table.clone());
-        link.minus.tables.push(shift.table);
+        link.plus.push(shift.table.clone());
+        link.minus.push(shift.table);
     }
     refuse_shared(&runs)?;
     Ok(links)
@@ -137,16 +134,6 @@ fn pitch_axes(memory: &FanucMemory) -> BTreeSet<u32> {
         .filter(|key| (3620..=3627).contains(&key.number))
         .filter_map(|key| key.axis)
         .collect()
-}
-
-/// The backlash parameter (1851/1852) moves an axis further after a reversal (docs/fanuc.md §5.3).
-fn add_backlash(axis: &AxisState, links: &mut Links) {
-    let own = (axis.name.clone(), axis.name.clone());
-    let link = links.entry(own).or_default();
-    for direction in Direction::BOTH {
-        let way = link.way_mut(direction);
-        way.constant = way.constant + axis.backlash(direction);
-    }
 }
 
 /// A kit may repeat the direction of the reference return, but not change it.
@@ -172,14 +159,13 @@ fn refuse_other_return(from: Loading) -> Result<(), CannotEmulate> {
 
 /// Two tables with a point in common would each use the other's values.
 fn refuse_shared(runs: &[Run]) -> Result<(), CannotEmulate> {
-    for (index, a) in runs.iter().enumerate() {
-        for b in &runs[index + 1..] {
-            if a.points.overlaps(b.points) {
-                return cannot(format!(
-                    "{} (points {} to {}) and {} (points {} to {}) share points",
-                    a.owner, a.points.first, a.points.last, b.owner, b.points.first, b.points.last
-                ));
-            }
+    for (index, (own, a)) in runs.iter().enumerate() {
+        let shared = runs[index + 1..].iter().find(|(_, b)| a.overlaps(*b));
+        if let Some((other, b)) = shared {
+            return cannot(format!(
+                "{own} (points {} to {}) and {other} (points {} to {}) share points",
+                a.first, a.last, b.first, b.last
+            ));
         }
     }
     Ok(())

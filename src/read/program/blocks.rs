@@ -1,21 +1,86 @@
-//! What both languages share: words that stay in force, and how a block becomes a deed.
+//! Blocks of a part program: their words, what stays in force from block to block, and what a block does.
 
 use crate::control::controller::LengthUnit;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::program::steps::Complaint;
-use crate::read::program::words::{Block, Word};
-use crate::read::program::{Cancelled, Deed, Step};
+use crate::read::lexer::{Complaint, Cursor};
+use std::ops::Range;
+
+/// What can be active when a program begins and would falsify its moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Cancelled {
+    /// Tool length.
+    ToolLength,
+    /// Tool radius.
+    ToolRadius,
+    /// Work offsets.
+    Offset,
+    /// Shifts of the program.
+    Shift,
+    /// Rotation.
+    Rotation,
+    /// Scaling.
+    Scaling,
+    /// Mirroring.
+    Mirroring,
+    /// Kinematic transformations.
+    Transformation,
+    /// Drilling cycles.
+    Cycle,
+}
+
+/// One thing that a program does; lengths in mm.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Cancels something.
+    Cancel(Cancelled),
+    /// Waits for cycle start.
+    Stop,
+    /// Goes to machine coordinates; `None` = the axis stays.
+    ToMachine(PerAxis<Option<f64>>),
+    /// Goes by an increment at a feed, mm/min.
+    By(PerAxis<f64>, f64),
+    /// Stands still for some seconds, in the block with this number.
+    Dwell(f64, Option<u32>),
+    /// Ends.
+    End,
+}
+
+/// An action and the bytes of its block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// What is done.
+    pub action: Action,
+    /// Where it stands.
+    pub span: Range<usize>,
+}
+
+/// What a machine or a control names itself.
+#[derive(Clone, Copy, Debug)]
+pub struct OwnWords<'a> {
+    /// Addresses of the axes X, Y and Z.
+    pub letters: &'a [String],
+    /// Address of the seconds of a dwell.
+    pub seconds: char,
+}
+
+impl OwnWords<'_> {
+    fn axis(&self, letter: char) -> Option<Axis> {
+        let mut letters = Axis::ALL.into_iter().zip(self.letters);
+        let found = letters.find(|(_, own)| own.starts_with(letter));
+        found.map(|(axis, _)| axis)
+    }
+}
 
 /// How a block moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Motion {
+pub(in crate::read) enum Motion {
     Rapid,
     Feed,
 }
 
 /// What a word of a language means here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Meaning {
+pub(in crate::read) enum Meaning {
     /// Named and without effect on these moves (planes, exact stop).
     Neutral,
     Motion(Motion),
@@ -35,21 +100,48 @@ pub(super) enum Meaning {
     End,
 }
 
-/// The rules of a language.
-pub(super) struct Rules<'a> {
-    /// Meaning of a name or of an address with its number, as written.
-    pub(super) meaning: fn(&str) -> Option<Meaning>,
-    /// Address of the seconds of a dwell.
-    pub(super) seconds: char,
+/// A block without its comments, and the byte of the program at which it begins.
+pub(in crate::read) type Code = (usize, String);
+
+/// A language of part programs.
+pub(in crate::read) struct Language {
+    /// Names, and addresses with their number as written.
+    pub(in crate::read) words: &'static [(&'static str, Meaning)],
     /// Whether increments need the word for machine coordinates in their block too.
-    pub(super) increments_need_machine: bool,
-    /// Addresses of X, Y and Z.
-    pub(super) letters: &'a [String],
+    pub(in crate::read) increments_need_machine: bool,
+    /// The blocks of a program.
+    pub(in crate::read) blocks: fn(&str) -> Result<Vec<Code>, Complaint>,
+}
+
+/// What is wrong with a part of a program.
+pub(in crate::read) fn refuse(span: Range<usize>, message: impl Into<String>) -> Complaint {
+    let help = "a template of your own may lay out the words, not add others (docs/program.md)";
+    Complaint::new(span, message, help)
+}
+
+/// What a program does, block by block.
+pub(super) fn steps(
+    text: &str,
+    language: &Language,
+    own: &OwnWords<'_>,
+) -> Result<Vec<Step>, Complaint> {
+    let mut modal = Modal::default();
+    let mut steps = Vec::new();
+    for (start, code) in (language.blocks)(text)? {
+        let span = start..start + code.len();
+        let actions = modal.block(&code, language, own);
+        let actions = actions.map_err(|message| refuse(span.clone(), message))?;
+        steps.extend(actions.into_iter().map(|action| Step {
+            action,
+            span: span.clone(),
+        }));
+    }
+    Ok(steps)
 }
 
 /// Words that stay in force.
 #[derive(Default)]
-pub(super) struct Modal {
+struct Modal {
     motion: Option<Motion>,
     incremental: Option<bool>,
     unit: Option<LengthUnit>,
@@ -61,67 +153,61 @@ pub(super) struct Modal {
 #[derive(Default)]
 struct Said {
     number: Option<u32>,
+    /// The numbers of axes, feed and seconds, by their address.
     numbers: Vec<(char, f64)>,
     machine: bool,
     dwell: bool,
     of_axes: bool,
-    deeds: Vec<Deed>,
+    actions: Vec<Action>,
 }
 
 impl Modal {
-    /// The deeds of a block.
-    pub(super) fn block(
+    /// What a block does, or what is wrong with it.
+    fn block(
         &mut self,
-        block: &Block,
-        rules: &Rules<'_>,
-    ) -> Result<Vec<Step>, Complaint> {
-        let said = self.said(block, rules)?;
-        let mut deeds = said.deeds.clone();
+        code: &str,
+        language: &Language,
+        own: &OwnWords<'_>,
+    ) -> Result<Vec<Action>, String> {
+        let mut said = self.said(code, language, own)?;
         if said.dwell {
-            deeds.push(dwell(&said, rules, block)?);
+            said.actions.push(dwell(&said, own)?);
         } else if !said.of_axes {
-            deeds.extend(self.motion(&said, rules, block)?);
+            let moves = self.motion(&said, language, own)?;
+            said.actions.extend(moves);
         }
-        if deeds.len() > 1 && !deeds.iter().all(|deed| matches!(deed, Deed::Cancel(_))) {
-            return Err(refuse(block, "this block does more than one thing"));
+        let cancels = |action: &Action| matches!(action, Action::Cancel(_));
+        if said.actions.len() > 1 && !said.actions.iter().all(cancels) {
+            return Err("this block does more than one thing".to_string());
         }
-        let step = |deed| Step {
-            deed,
-            span: block.span.clone(),
-        };
-        Ok(deeds.into_iter().map(step).collect())
+        Ok(said.actions)
     }
 
-    fn said(&mut self, block: &Block, rules: &Rules<'_>) -> Result<Said, Complaint> {
+    fn said(
+        &mut self,
+        code: &str,
+        language: &Language,
+        own: &OwnWords<'_>,
+    ) -> Result<Said, String> {
         let mut said = Said::default();
-        for word in &block.words {
-            let written = match word {
-                Word::Name(name) => name.clone(),
-                Word::Address(letter, number) => format!("{letter}{number}"),
-            };
-            if let Some(meaning) = (rules.meaning)(&written) {
-                self.take(meaning, &mut said);
-                continue;
-            }
-            match word {
-                Word::Address('N', number) => said.number = number.parse().ok(),
-                Word::Address(letter, number) if is_number_address(*letter, rules) => {
+        let mut cursor = Cursor::new(code, 0..code.len(), &[' ', '\t']);
+        while cursor.peek_word().is_some() {
+            let (written, address) = word(&mut cursor)?;
+            let known = language.words.iter().find(|(word, _)| *word == written);
+            match (known, address) {
+                (Some((_, meaning)), _) => self.take(*meaning, &mut said),
+                (None, Some(('N', number))) => said.number = number.parse().ok(),
+                (None, Some((letter, number)))
+                    if letter == 'F' || letter == own.seconds || own.axis(letter).is_some() =>
+                {
                     let value = number.parse().ok().filter(|v: &f64| v.is_finite());
-                    let value = value.ok_or_else(|| refuse(block, "a number cannot be read"))?;
-                    if said.numbers.iter().any(|(known, _)| known == letter) {
-                        return Err(refuse(
-                            block,
-                            &format!("`{letter}` stands twice in a block"),
-                        ));
+                    let value = value.ok_or("a number cannot be read")?;
+                    if said.numbers.iter().any(|(known, _)| *known == letter) {
+                        return Err(format!("duplicate `{letter}` in a block"));
                     }
-                    said.numbers.push((*letter, value));
+                    said.numbers.push((letter, value));
                 }
-                _ => {
-                    return Err(refuse(
-                        block,
-                        &format!("`{written}` is not a word of a measuring run"),
-                    ));
-                }
+                _ => return Err(format!("`{written}` is not a word of a measuring run")),
             }
         }
         Ok(said)
@@ -137,95 +223,85 @@ impl Modal {
             Meaning::Unit(unit) => self.unit = Some(unit),
             Meaning::Machine => said.machine = true,
             Meaning::Dwell => said.dwell = true,
-            Meaning::Cancel(what) => said.deeds.push(Deed::Cancel(what)),
+            Meaning::Cancel(what) => said.actions.push(Action::Cancel(what)),
             Meaning::CancelOfAxes(what) => {
                 said.of_axes = true;
-                said.deeds.push(Deed::Cancel(what));
+                said.actions.push(Action::Cancel(what));
             }
-            Meaning::Stop => said.deeds.push(Deed::Stop),
-            Meaning::End => said.deeds.push(Deed::End),
+            Meaning::Stop => said.actions.push(Action::Stop),
+            Meaning::End => said.actions.push(Action::End),
         }
     }
 
     fn motion(
         &mut self,
         said: &Said,
-        rules: &Rules<'_>,
-        block: &Block,
-    ) -> Result<Option<Deed>, Complaint> {
-        let number = |letter: char| said.numbers.iter().find(|(known, _)| *known == letter);
-        let moves = |letter: char| letter == 'F' || is_axis(letter, rules);
-        if let Some((letter, _)) = said.numbers.iter().find(|(letter, _)| !moves(*letter)) {
-            let message = format!("`{letter}` names no axis and stands in no dwell");
-            return Err(refuse(block, &message));
-        }
+        language: &Language,
+        own: &OwnWords<'_>,
+    ) -> Result<Option<Action>, String> {
         let unit_mm = self.unit.map(LengthUnit::in_mm);
-        if let Some((_, feed)) = number('F') {
-            let unit =
-                unit_mm.ok_or_else(|| refuse(block, "a feed before mm or inch is chosen"))?;
-            self.feed = Some(feed * unit);
+        let mut place = PerAxis::<Option<f64>>::default();
+        for (letter, value) in &said.numbers {
+            match own.axis(*letter) {
+                Some(axis) => {
+                    let unit = unit_mm.ok_or("a position before mm or inch is chosen")?;
+                    place[axis] = Some(value * unit);
+                }
+                None if *letter == 'F' => {
+                    let unit = unit_mm.ok_or("a feed before mm or inch is chosen")?;
+                    self.feed = Some(value * unit);
+                }
+                None => return Err(format!("`{letter}` names no axis and stands in no dwell")),
+            }
         }
-        let place = PerAxis::from_fn(|axis| {
-            let letter = letter(rules, axis)?;
-            number(letter).map(|(_, value)| value * unit_mm.unwrap_or(f64::NAN))
-        });
         if place.iter().all(|(_, value)| value.is_none()) {
             return match said.machine {
-                true => Err(refuse(block, "machine coordinates without a position")),
+                true => Err("machine coordinates without a position".to_string()),
                 false => Ok(None),
             };
         }
-        if unit_mm.is_none() {
-            return Err(refuse(block, "a position before mm or inch is chosen"));
-        }
         match (self.motion, self.incremental, said.machine) {
-            (Some(Motion::Rapid), Some(false), true) => Ok(Some(Deed::ToMachine(place))),
+            (Some(Motion::Rapid), Some(false), true) => Ok(Some(Action::ToMachine(place))),
             (Some(Motion::Feed), Some(true), machine)
-                if machine == rules.increments_need_machine =>
+                if machine == language.increments_need_machine =>
             {
                 let feed = self.feed.filter(|_| self.per_minute);
-                let feed = feed.ok_or_else(|| refuse(block, "a move without a feed per minute"))?;
+                let feed = feed.ok_or("a move without a feed per minute")?;
                 let by = PerAxis::from_fn(|axis| place[axis].unwrap_or(0.0));
-                Ok(Some(Deed::By(by, feed)))
+                Ok(Some(Action::By(by, feed)))
             }
-            _ => Err(refuse(
-                block,
-                "a measuring run moves to machine coordinates at rapid traverse, then by increments at a feed; this is neither",
-            )),
+            _ => Err("a measuring run moves to machine coordinates at rapid traverse, then by increments at a feed; this is neither".to_string()),
         }
     }
 }
 
-fn dwell(said: &Said, rules: &Rules<'_>, block: &Block) -> Result<Deed, Complaint> {
+fn dwell(said: &Said, own: &OwnWords<'_>) -> Result<Action, String> {
     match said.numbers.as_slice() {
-        [(letter, seconds)] if *letter == rules.seconds && *seconds > 0.0 => {
-            Ok(Deed::Dwell(*seconds, said.number))
+        [(letter, seconds)] if *letter == own.seconds && *seconds > 0.0 => {
+            Ok(Action::Dwell(*seconds, said.number))
         }
-        _ => Err(refuse(
-            block,
-            &format!(
-                "a dwell names its seconds as `{}` and nothing else",
-                rules.seconds
-            ),
+        _ => Err(format!(
+            "a dwell names its seconds as `{}` and nothing else",
+            own.seconds
         )),
     }
 }
 
-fn letter(rules: &Rules<'_>, axis: Axis) -> Option<char> {
-    let place = Axis::ALL.iter().position(|other| *other == axis)?;
-    rules.letters.get(place)?.chars().next()
-}
+/// A word as written; of an address its letter and number. Two or more letters are a name, one letter is the
+/// address of the number behind it.
+type Word<'a> = (&'a str, Option<(char, &'a str)>);
 
-fn is_number_address(letter: char, rules: &Rules<'_>) -> bool {
-    letter == 'F' || letter == rules.seconds || is_axis(letter, rules)
-}
-
-fn is_axis(letter: char, rules: &Rules<'_>) -> bool {
-    Axis::ALL
-        .iter()
-        .any(|axis| self::letter(rules, *axis) == Some(letter))
-}
-
-fn refuse(block: &Block, message: &str) -> Complaint {
-    Complaint::new(block.span.clone(), message)
+fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Word<'a>, String> {
+    let start = cursor.at;
+    let rest = cursor.text(cursor.rest());
+    let name = cursor.take(|c| c.is_ascii_alphabetic());
+    let number = cursor.take(|c| c.is_ascii_digit() || "+-.".contains(c));
+    let mut letters = name.chars();
+    match (letters.next(), letters.next()) {
+        (Some(_), Some(_)) if number.is_empty() => Ok((name, None)),
+        (Some(letter), None) if number.parse::<f64>().is_ok() => {
+            Ok((cursor.text(start..cursor.at), Some((letter, number))))
+        }
+        _ => Err(format!("`{rest}` is no word")),
+    }
 }

@@ -58,17 +58,12 @@ impl Named {
 pub fn read(file: &str, bytes: &[u8]) -> Result<Vec<Position>, Problems> {
     let text =
         std::str::from_utf8(bytes).map_err(|_| Problem::new(format!("`{file}` is no text")))?;
-    let mut rows = Vec::new();
-    for (index, line) in text.lines().enumerate().skip(1) {
-        let row = row(line).ok_or_else(|| {
-            Problem::new(format!(
-                "`{file}`, line {}: `{line}` is no position",
-                index + 1
-            ))
-        })?;
-        rows.push(row);
-    }
-    Ok(rows)
+    let rows = text.lines().enumerate().skip(1);
+    let position = |(index, line)| {
+        let wrong = || format!("`{file}`, line {}: `{line}` is no position", index + 1);
+        row(line).ok_or_else(|| Problem::new(wrong()).into())
+    };
+    rows.map(position).collect()
 }
 
 fn row(line: &str) -> Option<Position> {
@@ -132,34 +127,31 @@ fn is_form_of(rows: &[Position], form: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(form) else {
         return false;
     };
-    let moved = text.lines().next().is_some_and(|l| l.contains(",moved,"));
+    let has_moved = text.lines().next().is_some_and(|l| l.contains(",moved,"));
     let lines: Vec<&str> = text.lines().skip(1).collect();
-    lines.len() == rows.len()
-        && rows.iter().zip(lines).all(|(row, line)| {
-            let cells: Vec<&str> = line.split(',').collect();
-            asks_for(row, &cells, moved)
-        })
+    let mut pairs = rows.iter().zip(&lines);
+    lines.len() == rows.len() && pairs.all(|(row, line)| asks_for(row, line, has_moved))
 }
 
-fn asks_for(row: &Position, cells: &[&str], moved: bool) -> bool {
-    let run = row.run.to_string();
-    match (row.of, cells) {
-        (Named::Axis(axis), [target, its_run, direction, ""]) => {
-            let expected = row.of.travelled(axis, row.pass).map(Direction::symbol);
-            target.parse() == Ok(row.place[axis]) && *its_run == run && expected == Some(*direction)
+fn asks_for(row: &Position, line: &str, has_moved: bool) -> bool {
+    let Position {
+        run, pass, node, ..
+    } = row;
+    match row.of {
+        Named::Axis(axis) => {
+            let direction = row.of.travelled(axis, *pass).map_or("", Direction::symbol);
+            line.split_once(',').is_some_and(|(target, rest)| {
+                target.parse() == Ok(row.place[axis]) && rest == format!("{run},{direction},")
+            })
         }
-        (Named::Diagonal(_), [of, its_run, pass, node, rest @ .., ""]) => {
-            let axis = row.moved.map_or("", Axis::key);
-            *of == row.of.name()
-                && *its_run == run
-                && *pass == row.pass.word()
-                && *node == row.node.to_string()
-                && (if moved {
-                    *rest == [axis]
-                } else {
-                    rest.is_empty() && row.moved.is_none()
-                })
+        Named::Diagonal(diagonal) => {
+            let moved = row.moved.map_or("", Axis::key);
+            let moved = match has_moved {
+                true => format!(",{moved}"),
+                false => moved.to_string(), // which no line without the column ends with
+            };
+            let (of, pass) = (diagonal.name(), pass.word());
+            line == format!("{of},{run},{pass},{node}{moved},")
         }
-        _ => false,
     }
 }

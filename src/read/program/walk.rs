@@ -3,9 +3,10 @@
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::Pass;
 use crate::quantity::units::Figure;
+use crate::read::lexer::{Complaint, located};
+use crate::read::program::blocks::{Action, Cancelled, Step};
 use crate::read::program::positions::Position;
-use crate::read::program::{Cancelled, Deed, Step};
-use crate::text::problem::{Place, Problem, Problems};
+use crate::text::problem::Problems;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -55,21 +56,15 @@ pub fn walk(
         cancelled: BTreeSet::new(),
         reach: None,
         found: Vec::new(),
+        at: 0..0,
     };
     for step in steps {
-        walker.step(step);
+        walker.at = step.span.clone();
+        walker.step(&step.action);
     }
-    walker.finish(text.len());
-    let mut problems = Problems::none();
-    for (span, message) in &walker.found {
-        let place = Place::in_text(file, text, span.start, span.end);
-        problems.push(
-            Problem::new(message.clone())
-                .at(place)
-                .help("this program must not be used; nothing was written"),
-        );
-    }
-    problems.or_ok(Walked {
+    walker.at = text.len()..text.len();
+    walker.finish();
+    located(file, text, walker.found).or_ok(Walked {
         reach: walker.reach.unwrap_or_default(),
         cancelled: walker.cancelled,
         readings: walker.read,
@@ -93,64 +88,56 @@ struct Walker<'a> {
     ended: bool,
     cancelled: BTreeSet<Cancelled>,
     reach: Option<PerAxis<(f64, f64)>>,
-    found: Vec<(Range<usize>, String)>,
+    found: Vec<Complaint>,
+    /// The block that is walked.
+    at: Range<usize>,
 }
 
 impl Walker<'_> {
-    fn find(&mut self, span: &Range<usize>, message: String) {
-        self.found.push((span.clone(), message));
+    fn find(&mut self, message: impl Into<String>) {
+        let help = "this program must not be used; nothing was written";
+        self.found
+            .push(Complaint::new(self.at.clone(), message, help));
     }
 
-    fn step(&mut self, step: &Step) {
+    fn step(&mut self, action: &Action) {
         if self.ended {
-            self.find(
-                &step.span,
-                "a block follows the end of the program".to_string(),
-            );
-            return;
+            return self.find("a block follows the end of the program");
         }
-        match &step.deed {
-            Deed::Cancel(what) => {
+        match action {
+            Action::Cancel(what) => {
                 if self.here.is_some() {
-                    self.find(
-                        &step.span,
-                        "something is cancelled after the first move".to_string(),
-                    );
+                    self.find("something is cancelled after the first move");
                 }
                 self.cancelled.insert(*what);
             }
-            Deed::Stop => {}
-            Deed::End => self.ended = true,
-            Deed::ToMachine(place) => self.approach(place, &step.span),
-            Deed::By(by, feed) => self.feed(by, *feed, &step.span),
-            Deed::Dwell(seconds, block) => self.dwell(*seconds, *block, &step.span),
+            Action::Stop => {}
+            Action::End => self.ended = true,
+            Action::ToMachine(place) => self.approach(place),
+            Action::By(by, feed) => self.feed(by, *feed),
+            Action::Dwell(seconds, block) => self.dwell(*seconds, *block),
         }
     }
 
-    fn approach(&mut self, place: &PerAxis<Option<f64>>, span: &Range<usize>) {
+    fn approach(&mut self, place: &PerAxis<Option<f64>>) {
         if self.here.is_some() {
-            self.find(
-                span,
-                "machine coordinates are approached a second time".to_string(),
-            );
+            self.find("machine coordinates are approached a second time");
         }
         for needed in [Cancelled::ToolLength, Cancelled::ToolRadius] {
             if !self.cancelled.contains(&needed) {
-                self.find(
-                    span,
-                    format!("the first move comes before {needed:?} is cancelled"),
-                );
+                self.find(format!(
+                    "the first move comes before {needed:?} is cancelled"
+                ));
             }
         }
         let together = place.x.or(place.y).is_some();
         if place.z.is_some() && (together || self.approached.x.and(self.approached.y).is_none()) {
-            let message = "Z goes to the first place before X and Y are there, or with them";
-            self.find(span, message.to_string());
+            self.find("Z goes to the first place before X and Y are there, or with them");
         }
         for (axis, mm) in place.iter() {
             if let Some(mm) = mm {
                 self.approached[axis] = Some(*mm);
-                self.judge_travel(axis, *mm, span);
+                self.judge_travel(axis, *mm);
             }
         }
         let PerAxis { x, y, z } = self.approached;
@@ -159,93 +146,74 @@ impl Walker<'_> {
         }
     }
 
-    fn feed(&mut self, by: &PerAxis<f64>, feed: f64, span: &Range<usize>) {
+    fn feed(&mut self, by: &PerAxis<f64>, feed: f64) {
         let Some(here) = self.here else {
-            self.find(
-                span,
-                "an increment before all three axes are at machine coordinates".to_string(),
-            );
-            return;
+            return self.find("an increment before all three axes are at machine coordinates");
         };
         for axis in Axis::ALL {
-            let way = by[axis];
-            if way.abs() < self.bounds.digit_mm / 2.0 {
+            if !self.moves(axis, by) {
                 continue;
             }
-            let direction = if way > 0.0 {
-                Direction::Plus
-            } else {
-                Direction::Minus
-            };
-            self.heading[axis] = Some(direction);
+            self.heading[axis] = Some(match by[axis] > 0.0 {
+                true => Direction::Plus,
+                false => Direction::Minus,
+            });
             self.turned[axis] = true;
             let largest = self.bounds.max_feed[axis];
             if largest.is_some_and(|largest| feed > largest + 1e-3) {
-                self.find(
-                    span,
-                    format!("the feed of {feed} mm/min is too high for {axis}"),
-                );
+                self.find(format!("the feed of {feed} mm/min is too high for {axis}"));
             }
         }
         self.since.push(*by);
         let place = PerAxis::from_fn(|axis| here[axis] + by[axis]);
         for (axis, mm) in place.iter() {
-            self.judge_travel(axis, *mm, span);
+            self.judge_travel(axis, *mm);
         }
         self.arrive(place);
     }
 
-    fn judge_travel(&mut self, axis: Axis, mm: f64, span: &Range<usize>) {
+    fn moves(&self, axis: Axis, by: &PerAxis<f64>) -> bool {
+        by[axis].abs() >= self.bounds.digit_mm / 2.0
+    }
+
+    fn judge_travel(&mut self, axis: Axis, mm: f64) {
         let (low, high) = self.bounds.travel[axis];
         let slack = self.bounds.digit_mm / 10.0;
         if mm < low - slack || mm > high + slack {
-            self.find(
-                span,
-                format!(
-                    "{axis} is sent to {:.4} mm, outside its travel {low} … {high} mm",
-                    Figure(mm)
-                ),
-            );
+            let mm = Figure(mm);
+            self.find(format!(
+                "{axis} is sent to {mm:.4} mm, outside its travel {low} … {high} mm"
+            ));
         }
     }
 
     fn arrive(&mut self, place: PerAxis<f64>) {
-        let reach = self
-            .reach
-            .unwrap_or(PerAxis::from_fn(|axis| (place[axis], place[axis])));
+        let reach = self.reach;
         self.reach = Some(PerAxis::from_fn(|axis| {
-            (
-                reach[axis].0.min(place[axis]),
-                reach[axis].1.max(place[axis]),
-            )
+            let (low, high) = reach.map_or((place[axis], place[axis]), |reach| reach[axis]);
+            (low.min(place[axis]), high.max(place[axis]))
         }));
         self.here = Some(place);
     }
 
-    fn dwell(&mut self, seconds: f64, block: Option<u32>, span: &Range<usize>) {
+    fn dwell(&mut self, seconds: f64, block: Option<u32>) {
         let rows = self.rows;
         let Some(row) = rows.get(self.read) else {
-            self.find(span, "a standstill that belongs to no reading".to_string());
-            return;
+            return self.find("a standstill that belongs to no reading");
         };
-        if seconds < self.bounds.dwell_s - 1e-3 {
-            self.find(
-                span,
-                format!(
-                    "the standstill is {seconds} s, expected {} s",
-                    self.bounds.dwell_s
-                ),
-            );
+        let wanted = self.bounds.dwell_s;
+        if seconds < wanted - 1e-3 {
+            self.find(format!(
+                "the standstill is {seconds} s, expected {wanted} s"
+            ));
         }
         if block != Some(row.block) {
-            self.find(
-                span,
-                format!("the block of reading {} has another number", row.block),
-            );
+            let number = row.block;
+            self.find(format!("the block of reading {number} has another number"));
         }
-        self.judge_place(row, span);
-        self.judge_step(row, span);
-        self.judge_headings(row, span);
+        self.judge_place(row);
+        self.judge_step(row);
+        self.judge_headings(row);
         self.since.clear();
         if row.pass == Pass::Forward {
             self.turned = PerAxis::default();
@@ -253,89 +221,66 @@ impl Walker<'_> {
         self.read += 1;
     }
 
-    fn judge_place(&mut self, row: &Position, span: &Range<usize>) {
+    fn judge_place(&mut self, row: &Position) {
         let Some(here) = self.here else {
-            self.find(span, "a reading before any position".to_string());
-            return;
+            return self.find("a reading before any position");
         };
         for axis in Axis::ALL {
-            if (here[axis] - row.place[axis]).abs() > self.bounds.digit_mm / 10.0 {
-                self.find(
-                    span,
-                    format!(
-                        "node {} is read at {axis} {:.4} mm, expected {} mm",
-                        row.node,
-                        Figure(here[axis]),
-                        row.place[axis]
-                    ),
-                );
+            let (is, wanted) = (here[axis], row.place[axis]);
+            if (is - wanted).abs() > self.bounds.digit_mm / 10.0 {
+                let (node, is) = (row.node, Figure(is));
+                self.find(format!(
+                    "node {node} is read at {axis} {is:.4} mm, expected {wanted} mm"
+                ));
             }
         }
     }
 
     /// Between two nodes of a pass lies one move: of the axis that `moved` names on the forward
     /// path, of all axes where it names none.
-    fn judge_step(&mut self, row: &Position, span: &Range<usize>) {
-        let Some(before) = self
-            .read
-            .checked_sub(1)
-            .and_then(|index| self.rows.get(index))
-        else {
+    fn judge_step(&mut self, row: &Position) {
+        let before = self.read.checked_sub(1).map(|index| &self.rows[index]);
+        let Some(before) = before.filter(|b| (b.run, b.pass) == (row.run, row.pass)) else {
             return;
         };
-        if (before.run, before.pass) != (row.run, row.pass) {
-            return;
-        }
         let moved = match row.pass {
             Pass::Forward => row.moved,
             Pass::Reverse => before.moved,
         };
-        let moves = |axis: Axis, by: &PerAxis<f64>| by[axis].abs() > self.bounds.digit_mm / 2.0;
-        let right = match self.since.as_slice() {
-            [by] => Axis::ALL.iter().all(|axis| match moved {
-                Some(moved) => moves(*axis, by) == (*axis == moved),
-                None => moves(*axis, by),
-            }),
-            _ => false,
+        let is_right = |by: &PerAxis<f64>| {
+            let mut axes = Axis::ALL.into_iter();
+            axes.all(|axis| self.moves(axis, by) == moved.is_none_or(|moved| moved == axis))
         };
-        if !right {
-            self.find(
-                span,
-                format!("node {} is not reached by one move of its own", row.node),
-            );
+        if !matches!(self.since.as_slice(), [by] if is_right(by)) {
+            let node = row.node;
+            self.find(format!("node {node} is not reached by one move of its own"));
         }
     }
 
     /// Every measured axis has arrived in the direction of the pass. Where it turns without
     /// overrun, an axis keeps its heading until it moves: that step shows its reversal.
-    fn judge_headings(&mut self, row: &Position, span: &Range<usize>) {
+    fn judge_headings(&mut self, row: &Position) {
         for axis in Axis::ALL {
             let Some(wanted) = row.of.travelled(axis, row.pass) else {
                 continue;
             };
             let turning = row.pass == Pass::Reverse && !self.bounds.overrun && !self.turned[axis];
             if self.heading[axis] != Some(wanted) && !turning {
-                self.find(
-                    span,
-                    format!(
-                        "{axis} has not arrived at node {} moving {}",
-                        row.node,
-                        wanted.symbol()
-                    ),
-                );
+                let (node, wanted) = (row.node, wanted.symbol());
+                self.find(format!(
+                    "{axis} has not arrived at node {node} moving {wanted}"
+                ));
             }
         }
     }
 
-    fn finish(&mut self, end: usize) {
+    fn finish(&mut self) {
         if !self.ended {
-            self.find(&(end..end), "the program has no end".to_string());
+            self.find("the program has no end");
         }
-        if self.read < self.rows.len() {
-            self.find(
-                &(end..end),
-                format!("{} of {} readings are taken", self.read, self.rows.len()),
-            );
+        let (read, rows) = (self.read, self.rows.len());
+        if read < rows {
+            self.find(format!("{read} of {rows} readings are taken"));
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::control::controller::LengthUnit;
 use crate::control::table::siemens::{CecTable, LecTable, SiemensTables};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 
 /// What one file, or all files of a kit together, write into a control.
@@ -12,7 +13,7 @@ pub struct SiemensContents {
     /// Machine and setting data, in the order of their first assignment, with their last value.
     pub machine_data: Vec<MachineDatum>,
     /// Remarks for the user that are no problem.
-    pub notes: Vec<String>,
+    pub notes: Vec<Finding>,
     /// Parameters of tables that the file does not write, such as `IS_MODULO of $AN_CEC[0]`: the control
     /// keeps an older one. They are read as 0, the value of a table that was never written.
     pub unwritten: Vec<String>,

@@ -290,7 +290,7 @@ fn parameters_that_no_line_writes_and_stops_are_told() {
     assert_eq!(contents.tables.cec[0].direction, CecDirection::Both);
     assert_eq!(contents.unwritten, ["DIRECTION of $AN_CEC[0]"]);
     assert!(
-        contents.notes.iter().any(|note| note.contains("M0 waits")),
+        contents.notes[0].to_string().contains("M0 waits"),
         "{:?}",
         contents.notes
     );

@@ -3,9 +3,29 @@
 //! A parameter that no file writes keeps its old content, so a missing one is never taken as 0.
 
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::FanucFacts;
+use crate::control::controller::{FanucFacts, NumberRange};
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
-use crate::read::emulate::CannotEmulate;
+use crate::quantity::axis::Direction;
+use crate::read::emulate::{CannotEmulate, Response};
+
+/// What a base axis gives an output axis, by direction of the base.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Link {
+    pub(super) plus: Response,
+    pub(super) minus: Response,
+}
+
+impl Link {
+    pub(super) fn way(&mut self, direction: Direction) -> &mut Response {
+        match direction {
+            Direction::Plus => &mut self.plus,
+            Direction::Minus => &mut self.minus,
+        }
+    }
+}
+
+/// Whose points a table has, and which.
+pub(super) type Run = (String, NumberRange);
 
 /// Everything the tables of a control are built from.
 #[derive(Clone, Copy)]
@@ -44,12 +64,8 @@ impl<'a> Loading<'a> {
     pub(super) fn detection_unit_um(self, axis: &AxisState) -> Result<f64, CannotEmulate> {
         match axis.detection_unit_um {
             Some(um) if um.is_finite() && um > 0.0 => Ok(um),
-            Some(um) => cannot(format!(
-                "axis {}: the detection unit is {um} µm, expected more than 0",
-                axis.name
-            )),
-            None => cannot(format!(
-                "axis {}: the detection unit is not stated",
+            _ => cannot(format!(
+                "axis {}: the detection unit is not stated, or not more than 0 µm",
                 axis.name
             )),
         }
@@ -80,13 +96,11 @@ impl<'a> Loading<'a> {
         limit: u32,
     ) -> Result<u32, CannotEmulate> {
         let value = self.integer(number, axis)?;
-        match u32::try_from(value) {
-            Ok(count) if count <= limit => Ok(count),
-            _ => cannot(format!(
-                "{} is {value}, expected 0 to {limit}",
-                name(number, axis)
-            )),
-        }
+        let count = u32::try_from(value).ok().filter(|count| *count <= limit);
+        count.ok_or_else(|| {
+            let name = name(number, axis);
+            CannotEmulate(format!("{name} is {value}, expected 0 to {limit}"))
+        })
     }
 
     /// A whole number that has to lie in `-limit..=limit`.
@@ -97,13 +111,12 @@ impl<'a> Loading<'a> {
         limit: u32,
     ) -> Result<f64, CannotEmulate> {
         let value = self.integer(number, axis)?;
-        match i32::try_from(value) {
-            Ok(amount) if amount.unsigned_abs() <= limit => Ok(f64::from(amount)),
-            _ => cannot(format!(
-                "{} is {value}, expected -{limit} to {limit}",
-                name(number, axis)
-            )),
-        }
+        let amount = i32::try_from(value).ok();
+        let amount = amount.filter(|amount| amount.unsigned_abs() <= limit);
+        amount.map(f64::from).ok_or_else(|| {
+            let name = name(number, axis);
+            CannotEmulate(format!("{name} is {value}, expected -{limit} to {limit}"))
+        })
     }
 
     /// Eight bits, if the kit writes them.
@@ -132,16 +145,16 @@ impl<'a> Loading<'a> {
     pub(super) fn refuse_others(self) -> Result<(), CannotEmulate> {
         for key in self.memory.parameters.keys() {
             let what = name(key.number, key.axis);
-            if let Some((_, _, words)) = OTHERS
-                .iter()
-                .find(|(a, b, _)| (*a..=*b).contains(&key.number))
-            {
+            let other = OTHERS.iter().find(|(_, ranges)| is_in(ranges, key.number));
+            if let Some((words, _)) = other {
                 return cannot(format!("{what}: {words}"));
             }
             if AXIS_TYPE.contains(&key.number) && key.axis.is_none() {
                 return cannot(format!("{what} names no axis, but each axis has its own"));
             }
-            if key.axis.is_some() && self.is_without_axis(key.number) {
+            let has_none =
+                is_in(&NO_AXIS, key.number) || self.facts.is_of_per_point_set(key.number);
+            if key.axis.is_some() && has_none {
                 return cannot(format!("{what}: no axis owns this parameter"));
             }
             self.refuse_bits(key.number, key.axis)?;
@@ -149,20 +162,9 @@ impl<'a> Loading<'a> {
         Ok(())
     }
 
-    fn is_without_axis(self, number: u32) -> bool {
-        let sets = self.facts.straightness_sets.value;
-        let per_point = [
-            self.facts.straightness_magnification_parameter.value,
-            self.facts.straightness_start_parameter.value,
-        ];
-        NO_AXIS.iter().any(|(a, b)| (*a..=*b).contains(&number))
-            || per_point
-                .iter()
-                .any(|first| (*first..*first + sets).contains(&number))
-    }
-
     fn refuse_bits(self, number: u32, axis: Option<u32>) -> Result<(), CannotEmulate> {
-        let Some((_, mask, words)) = OTHER_BITS.iter().find(|(bits, _, _)| *bits == number) else {
+        let known = OTHER_BITS.iter().find(|(bits, _, _)| *bits == number);
+        let Some((_, mask, words)) = known else {
             return Ok(());
         };
         match self.bits(number, axis)? {
@@ -187,39 +189,35 @@ const NO_AXIS: [(u32, u32); 8] = [
     (5781, 5784),
 ];
 
-/// First, last, and why the emulation would be wrong if it passed over them (docs/fanuc.md §5.6).
-const OTHERS: [(u32, u32, &str); 8] = [
+fn is_in(ranges: &[(u32, u32)], number: u32) -> bool {
+    ranges.iter().any(|(a, b)| (*a..=*b).contains(&number))
+}
+
+/// Why the emulation would be wrong if it passed over them, and first and last number (docs/fanuc.md §5.6).
+const OTHERS: [(&str, &[(u32, u32)]); 6] = [
     (
-        1240,
-        1240,
         "the reference position is taken from the job, a kit must not change it",
+        &[(1240, 1240)],
     ),
     (
-        1851,
-        1852,
         "the backlash is taken from the job, a kit must not change it",
+        &[(1851, 1852)],
     ),
     (
-        3666,
-        3671,
         "separate point numbers of slave axes are not emulated",
+        &[(3666, 3671), (3676, 3677)],
     ),
     (
-        3676,
-        3677,
-        "separate point numbers of slave axes are not emulated",
+        "inclination compensation is not emulated",
+        &[(5861, 5864), (5871, 5874)],
     ),
-    (5861, 5864, "inclination compensation is not emulated"),
-    (5871, 5874, "inclination compensation is not emulated"),
     (
-        10800,
-        10814,
         "three-dimensional error compensation is not emulated",
+        &[(10800, 10814)],
     ),
     (
-        14985,
-        14988,
         "cyclic second pitch compensation is not emulated",
+        &[(14985, 14988)],
     ),
 ];
 
@@ -227,17 +225,17 @@ const OTHERS: [(u32, u32, &str); 8] = [
 const OTHER_BITS: [(u32, u8, &str); 3] = [
     (
         3602,
-        0b0000_0001,
+        1,
         "pitch data as total values (bit 0) are not emulated",
     ),
     (
         3605,
-        0b0000_1100,
+        0b1100,
         "arbitrary-pitch and cyclic second compensation (bits 2, 3) are not emulated",
     ),
     (
         8135,
-        0b0000_0001,
+        1,
         "pitch compensation is not available on this control (bit 0)",
     ),
 ];

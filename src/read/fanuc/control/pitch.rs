@@ -9,12 +9,9 @@
 //! Point n is the section between node n−1 and node n; node N0 is the reference position. A value
 //! is the step of the curve in its section, seen from − to +.
 
-use super::parameters::{Loading, cannot, name};
-use super::{Link, Run};
-use crate::control::control_state::AxisState;
+use super::parameters::{Link, Loading, Run, cannot, name};
 use crate::control::controller::{IntervalForm, LengthUnit, NumberRange};
 use crate::control::table::fanuc::ParameterValue;
-use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres, power_of_ten};
 use crate::read::emulate::{Between, CannotEmulate, NodeTable};
 
@@ -102,17 +99,13 @@ fn point_numbers(from: Loading, axis: u32) -> Result<[u32; 3], CannotEmulate> {
 }
 
 fn refuse_rotary(from: Loading, axis: u32) -> Result<(), CannotEmulate> {
-    let rotary = match from.memory.parameter(3625, Some(axis)) {
-        None | Some(ParameterValue::Integer(0)) => false,
-        Some(ParameterValue::Real(travel)) => travel.abs() > 0.0,
-        Some(_) => true,
-    };
-    if rotary {
-        return cannot(format!(
+    match from.memory.parameter(3625, Some(axis)) {
+        None | Some(ParameterValue::Integer(0)) => Ok(()),
+        Some(ParameterValue::Real(travel)) if travel.abs() <= 0.0 => Ok(()),
+        Some(_) => cannot(format!(
             "axis {axis}: 3625 is not 0; rotary axes are not emulated"
-        ));
+        )),
     }
-    Ok(())
 }
 
 /// 3624 as a length: a real number in mm or inch, or a number of least input increments.
@@ -171,12 +164,10 @@ pub(super) fn node_sums(increments: &[i32], zero_node: u32) -> Vec<f64> {
         sum += f64::from(*value);
         sums.push(sum);
     }
-    let at_reference = usize::try_from(zero_node)
-        .ok()
-        .and_then(|index| sums.get(index).copied());
-    sums.iter()
-        .map(|s| s - at_reference.unwrap_or(0.0))
-        .collect()
+    let place = usize::try_from(zero_node).ok();
+    let at_reference = place.and_then(|index| sums.get(index)).copied();
+    let at_reference = at_reference.unwrap_or(0.0);
+    sums.iter().map(|sum| sum - at_reference).collect()
 }
 
 /// Pitch compensation of an axis for both directions; magnification 0 gives none.
@@ -194,23 +185,20 @@ pub(super) fn load(from: Loading, axis: u32, runs: &mut Vec<Run>) -> Result<Link
         unit_um: from.detection_unit_um(state)?,
         magnification: f64::from(magnification),
     };
-    runs.push(Run::new(format!("axis {axis}"), pitch.grid.points));
+    runs.push((format!("axis {axis}"), pitch.grid.points));
     let table = pitch.table(pitch.grid.points.first)?;
-    link.plus.tables.push(table.clone());
+    link.plus.push(table.clone());
     if switch(from, axis, 0)?.unwrap_or(state.bidirectional) {
         let run = pitch.second_run()?;
-        runs.push(Run::new(format!("axis {axis}, travel in -"), run));
-        link.minus.tables.push(pitch.table(run.first)?);
-        link.way_mut(against_return(state)).constant = pitch.reversal()?;
+        runs.push((format!("axis {axis}, travel in -"), run));
+        link.minus.push(pitch.table(run.first)?);
+        // 3627 belongs to the direction opposite to the reference return.
+        let against_return = state.reference_direction.opposite();
+        link.way(against_return).shift(pitch.reversal()?);
     } else {
-        link.minus.tables.push(table);
+        link.minus.push(table);
     }
     Ok(link)
-}
-
-/// The direction that 3627 and the backlash belong to: opposite to the reference return.
-pub(super) fn against_return(state: &AxisState) -> Direction {
-    state.reference_direction.opposite()
 }
 
 struct Pitch<'a> {

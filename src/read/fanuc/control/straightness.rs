@@ -7,8 +7,7 @@
 //! Both are zero at the reference of the moving axis and count detection units of the
 //! compensation axis. A set is known by its number s from 1; no axis owns its parameters.
 
-use super::Run;
-use super::parameters::{Loading, cannot, name};
+use super::parameters::{Loading, Run, cannot, name};
 use super::pitch::{Grid, lies_in, node_sums};
 use crate::control::controller::{NumberRange, StraightnessForm};
 use crate::quantity::units::Correction;
@@ -225,10 +224,7 @@ impl Set<'_> {
                 "points {first} to {last} are not in one block of the control's points"
             ));
         }
-        runs.push(Run::new(
-            format!("straightness set {}", self.index + 1),
-            run,
-        ));
+        runs.push((format!("straightness set {}", self.index + 1), run));
         let increments = self.from.increments(first, grid.count())?;
         let nodes: Vec<Correction> = node_sums(&increments, grid.zero_node())
             .into_iter()

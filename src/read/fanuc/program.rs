@@ -1,0 +1,88 @@
+//! FANUC part programs of measuring runs: `%` frames the program, `O` numbers it, `(…)` is a comment.
+
+use crate::control::controller::LengthUnit;
+use crate::read::lexer::{Complaint, lines};
+use crate::read::program::blocks::Meaning::{self, *};
+use crate::read::program::blocks::{Cancelled::*, Code, Language, Motion as Way, refuse};
+
+/// Its language (B-64484EN, G-code system of a machining centre).
+pub(in crate::read) const LANGUAGE: Language = Language {
+    words: &WORDS,
+    increments_need_machine: false,
+    blocks,
+};
+
+/// G17, G61 and G64 (exact stop, cutting) do not change where the axes go.
+const WORDS: [(&str, Meaning); 20] = [
+    ("G00", Motion(Way::Rapid)),
+    ("G01", Motion(Way::Feed)),
+    ("G04", Dwell),
+    ("G17", Neutral),
+    ("G61", Neutral),
+    ("G64", Neutral),
+    ("G94", FeedPerMinute),
+    ("G20", Unit(LengthUnit::Inch)),
+    ("G21", Unit(LengthUnit::Millimetre)),
+    ("G40", Cancel(ToolRadius)),
+    ("G49", Cancel(ToolLength)),
+    ("G50", Cancel(Scaling)),
+    ("G50.1", CancelOfAxes(Mirroring)),
+    ("G53", Machine),
+    ("G69", Cancel(Rotation)),
+    ("G80", Cancel(Cycle)),
+    ("G90", Absolute),
+    ("G91", Incremental),
+    ("M00", Stop),
+    ("M30", End),
+];
+
+fn blocks(text: &str) -> Result<Vec<Code>, Complaint> {
+    let mut blocks = Vec::new();
+    let (mut frames, mut numbered) = (0, false);
+    for line in lines(text) {
+        let Some(code) = without_comments(&text[line.clone()]) else {
+            return Err(refuse(line, "the brackets of a comment do not match"));
+        };
+        let code = code.trim();
+        match (code, frames) {
+            ("%", _) => frames += 1,
+            ("", _) => {}
+            // The control stores what stands before the number, or behind a second one, as another program.
+            (_, 1) if !numbered && is_number_of_program(code) => numbered = true,
+            (_, 1) if !numbered => {
+                let message = "a block before the number of the program (`O` and four digits)";
+                return Err(refuse(line, message));
+            }
+            (_, 1) => blocks.push((line.start, code.to_string())),
+            _ => return Err(refuse(line, "a block outside the two `%` of a program")),
+        }
+    }
+    match frames {
+        2 => Ok(blocks),
+        _ => Err(refuse(
+            text.len()..text.len(),
+            "a program stands between two `%`",
+        )),
+    }
+}
+
+fn is_number_of_program(code: &str) -> bool {
+    let digits = code.strip_prefix('O').unwrap_or("");
+    digits.len() == 4 && digits.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// The line without its comments; `None` where their brackets do not match.
+fn without_comments(line: &str) -> Option<String> {
+    let mut code = String::new();
+    let mut inside = false;
+    for letter in line.chars() {
+        match (letter, inside) {
+            ('(', false) => inside = true,
+            (')', true) => inside = false,
+            ('(' | ')', _) => return None,
+            (_, true) => {}
+            (_, false) => code.push(letter),
+        }
+    }
+    (!inside).then_some(code)
+}
