@@ -8,6 +8,7 @@
 mod refusals;
 
 use super::*;
+use crate::control::control_state::AxisState;
 use crate::control::controller::{IntervalForm, LengthUnit, StraightnessForm, TableSign};
 use crate::quantity::units::{Deviation, Millimetres};
 use crate::read::fanuc::read;
