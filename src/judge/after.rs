@@ -16,6 +16,7 @@ mod observation;
 
 pub use self::doubts::{UnseenReversal, unseen_reversal};
 pub use self::ground::ensure_same_machine;
+pub(crate) use self::ground::{not_known, outside};
 pub use self::measurement::{AfterMeasurement, StraightRuns, Walk};
 pub use self::observation::{Control, Observation, Part, before_um, observations};
 

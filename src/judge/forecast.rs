@@ -12,17 +12,13 @@
 
 mod diagonals;
 mod figures;
-mod machine;
 mod share;
-mod silent;
 mod words;
-
-pub use self::machine::Machine;
-use self::machine::within;
 
 pub use self::figures::{Basis, DiagonalForecast, Forecast, Silent, TermForecast};
 pub(crate) use self::share::range_of;
-pub use self::share::{JudgedRange, judged_ranges};
+use self::share::within;
+pub use self::share::{JudgedRange, Machine, judged_ranges};
 
 use crate::judge::conformity::{Magnitude, Sigma, expanded_um, largest_um};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
@@ -98,7 +94,7 @@ pub fn forecast(
         basis: Basis::Forecast,
         sigma,
         ranges: ranges.to_vec(),
-        silent: silent::of(&model.remarks),
+        silent: words::silent(&model.remarks),
         diagonals,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),

@@ -6,16 +6,12 @@
 //!   control with the real tables ─→ largest movement of each axis (movement) ───────┘
 //! ```
 
-mod head;
 mod lists;
-mod made;
-mod movement;
 mod proofs;
 mod reading;
 
-pub(super) use self::made::{Made, as_kit_file};
-
-use super::{Inputs, rollback};
+use super::made::Made;
+use super::{Inputs, movement, rollback};
 use crate::control::checklist::List;
 use crate::control::checklist::{KitFacts, parts};
 use crate::control::controller::{Mechanism, Role};
@@ -27,7 +23,7 @@ use crate::write::compensation::{Compiled, uses};
 use crate::write::emit::{self, RenderedFile};
 use crate::write::plan::Plan;
 use crate::write::sign_proof::{SignProof, sign_proofs};
-use proofs::{Proofs, Shown};
+use proofs::Proofs;
 use serde_json::Value;
 
 /// What is written beside the tables of a kit.
@@ -49,7 +45,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let notes = [proofs.missing, rollback.note().into_iter().collect()].concat();
     files.extend(rollback.files);
     not_written.extend(rollback.not_written);
-    let movement = movement::movement(made).map_err(|reason| cannot_emulate(&reason))?;
+    let movement = movement::switching(made).map_err(|reason| cannot_emulate(&reason))?;
     let lists = |list: List| match list {
         List::Places => lists::places(made),
         List::Preconditions => lists::preconditions(made.compiled),
@@ -82,7 +78,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         task,
         made.templates,
         made.context,
-        &head::lines(made),
+        &lists::head(made),
         &parts,
     )?);
     Ok(FieldKit {

@@ -1,12 +1,14 @@
-//! What a kit is made from.
+//! What a kit is made from, and what has to be known about its tables.
 
 use crate::control::controller::Profile;
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::Job;
 use crate::judge::active::{self, ActiveControl};
-use crate::judge::forecast::Machine;
+use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::manifest::HashedFile;
 use crate::machine::model::ErrorModel;
+use crate::quantity::axis::Axis;
+use crate::quantity::units::Millimetres;
 use crate::read::emulate::CannotEmulate;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, compile};
@@ -124,4 +126,37 @@ pub fn cannot_emulate(reason: &CannotEmulate) -> Problems {
     Problem::new(format!("the tables cannot be emulated: {}", reason.0))
         .help("nothing is written, because no forecast could be given")
         .into()
+}
+
+/// Terms without a table, parts of the travel that were not measured, figures that become worse,
+/// and the notes.
+pub fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Forecast>) -> Vec<String> {
+    let omitted = plan.omitted.iter();
+    let omitted = omitted.map(|o| format!("no table for {}: {}", o.term, o.reason));
+    let unmeasured = forecast.map(not_measured).unwrap_or_default();
+    let worsened = forecast.map(Forecast::worsened).unwrap_or_default();
+    let worsened = worsened.iter().map(|words| format!("WARNING: {words}"));
+    let notes = compiled.notes.iter().map(|note| format!("note: {note}"));
+    omitted
+        .chain(unmeasured)
+        .chain(worsened)
+        .chain(notes)
+        .collect()
+}
+
+fn not_measured(forecast: &Forecast) -> Vec<String> {
+    let sentence = |axis: Axis, (from, to): &(Millimetres, Millimetres)| {
+        let shown = |at: &Millimetres| (at.mm() * 1e6).round() / 1e6 + 0.0;
+        format!(
+            "not measured: {axis} from {} to {} mm; the table holds the end value there",
+            shown(from),
+            shown(to)
+        )
+    };
+    let of_axis = |axis: Axis| {
+        forecast.unmeasured[axis]
+            .iter()
+            .map(move |part| sentence(axis, part))
+    };
+    Axis::ALL.into_iter().flat_map(of_axis).collect()
 }

@@ -5,8 +5,8 @@
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::judge::active::{ActiveControl, Origin};
-use crate::judge::forecast::{DiagonalForecast, Forecast, TermForecast};
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::judge::forecast::{DiagonalForecast, Forecast};
+use crate::quantity::units::Millimetres;
 use crate::text::document::{refuse_large_page, sha256};
 use crate::text::plain;
 use crate::text::problem::Problem;
@@ -158,28 +158,24 @@ pub struct Manifest {
 
 /// Terms without a table, as JSON.
 pub fn omitted(omitted: &[Omission]) -> Vec<Value> {
-    omitted
-        .iter()
-        .map(|o| json!({ "term": o.term.to_string(), "reason": o.reason }))
-        .collect()
+    let one = |o: &Omission| json!({ "term": o.term.to_string(), "reason": o.reason });
+    omitted.iter().map(one).collect()
 }
 
 /// Where each term went, as JSON.
 pub fn placements(placements: &[Placement]) -> Vec<Value> {
-    placements
-        .iter()
-        .map(|p| {
-            json!({
-                "term": p.term.to_string(),
-                "direction": p.direction.map(|d| d.symbol()),
-                "place": p.place,
-                "points": p.points,
-                "count_um": picometres(p.count_um),
-                "grid_residual_um": picometres(p.grid_residual_um),
-                "fit_residual_um": p.fit_residual_um.map(picometres),
-            })
+    let one = |p: &Placement| {
+        json!({
+            "term": p.term.to_string(),
+            "direction": p.direction.map(|d| d.symbol()),
+            "place": p.place,
+            "points": p.points,
+            "count_um": picometres(p.count_um),
+            "grid_residual_um": picometres(p.grid_residual_um),
+            "fit_residual_um": p.fit_residual_um.map(picometres),
         })
-        .collect()
+    };
+    placements.iter().map(one).collect()
 }
 
 /// The state of the control as JSON: what an update compares with its job. `backlash_um` gives the
@@ -202,15 +198,28 @@ pub fn state(state: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) ->
 
 /// A forecast as JSON, with the keys of the manifest.
 pub fn forecast(forecast: &Forecast) -> Value {
-    let mut terms = Map::new();
-    for term in &forecast.terms {
-        terms.insert(term.term.to_string(), term_json(term));
-    }
+    let terms = forecast.terms.iter().map(|term| {
+        let row = json!({
+            "before_um": picometres(term.before_um),
+            "after_um": picometres(term.after_um),
+            "u_um": term.u_um.map(picometres),
+            "expanded_um": term.expanded_um.map(picometres),
+        });
+        (term.term.to_string(), row)
+    });
+    let unmeasured = forecast.unmeasured.iter();
+    let unmeasured = unmeasured.filter(|(_, stretches)| !stretches.is_empty());
+    let unmeasured = unmeasured.map(|(axis, stretches)| {
+        let pair =
+            |(from, to): &(Millimetres, Millimetres)| [from, to].map(|at| picometres(at.mm()));
+        let pairs: Vec<[f64; 2]> = stretches.iter().map(pair).collect();
+        (axis.key().to_string(), json!(pairs))
+    });
     let mut document = json!({
         "max_residual_um": picometres(forecast.max_residual_um()),
         "max_residual_expanded_um": forecast.max_expanded_um().map(picometres),
-        "terms": terms,
-        "unmeasured_mm": unmeasured(&forecast.unmeasured),
+        "terms": terms.collect::<Map<_, _>>(),
+        "unmeasured_mm": unmeasured.collect::<Map<_, _>>(),
     });
     if !forecast.diagonals.is_empty() {
         document["diagonals"] = diagonals(&forecast.diagonals, "after_um");
@@ -221,52 +230,18 @@ pub fn forecast(forecast: &Forecast) -> Value {
     document
 }
 
-fn term_json(term: &TermForecast) -> Value {
-    json!({
-        "before_um": picometres(term.before_um),
-        "after_um": picometres(term.after_um),
-        "u_um": term.u_um.map(picometres),
-        "expanded_um": term.expanded_um.map(picometres),
-    })
-}
-
 /// Body diagonals as JSON; `after` names the key of the figure with tables.
 pub fn diagonals(diagonals: &[DiagonalForecast], after: &str) -> Value {
-    let mut document = Map::new();
-    for diagonal in diagonals {
-        let mut figures = Map::new();
-        figures.insert(
-            "before_um".to_string(),
-            json!(picometres(diagonal.before_um)),
-        );
-        figures.insert(after.to_string(), json!(picometres(diagonal.after_um)));
-        figures.insert("u_um".to_string(), json!(diagonal.u_um.map(picometres)));
-        let expanded = diagonal.expanded_um.map(picometres);
-        figures.insert("expanded_um".to_string(), json!(expanded));
-        document.insert(diagonal.name.to_string(), Value::Object(figures));
-    }
-    Value::Object(document)
-}
-
-fn unmeasured(
-    stretches: &PerAxis<
-        Vec<(
-            crate::quantity::units::Millimetres,
-            crate::quantity::units::Millimetres,
-        )>,
-    >,
-) -> Value {
-    let mut document = Map::new();
-    for axis in Axis::ALL {
-        if !stretches[axis].is_empty() {
-            let pairs: Vec<[f64; 2]> = stretches[axis]
-                .iter()
-                .map(|(from, to)| [picometres(from.mm()), picometres(to.mm())])
-                .collect();
-            document.insert(axis.key().to_string(), json!(pairs));
-        }
-    }
-    Value::Object(document)
+    let row = |diagonal: &DiagonalForecast| {
+        let figures = json!({
+            "before_um": picometres(diagonal.before_um),
+            after: picometres(diagonal.after_um),
+            "u_um": diagonal.u_um.map(picometres),
+            "expanded_um": diagonal.expanded_um.map(picometres),
+        });
+        (diagonal.name.to_string(), figures)
+    };
+    Value::Object(diagonals.iter().map(row).collect())
 }
 
 /// Rounded to 1e-6 µm, never −0.

@@ -7,12 +7,14 @@
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::controller::program::{Language, ProgramFacts};
 use crate::control::controller::{Evidence, Profile};
-use crate::inputs::job::{Job, ProgramRequest};
+use crate::inputs::job::{Job, ProgramRequest, TargetGrid};
 use crate::kit::manifest::{self, HashedFile, SCHEMA};
-use crate::kit::program_positions;
 use crate::kit::sha256;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::program::positions::{self as readback_positions, Position, form_differences};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::read::program::positions::{
+    self as readback_positions, Named, Position, form_differences,
+};
 use crate::read::program::walk::{Bounds, Walked, walk};
 use crate::read::program::{Cancelled, OwnWords, read};
 use crate::text::problem::{Problem, Problems};
@@ -75,7 +77,7 @@ pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Pr
         None => Vec::new(),
     };
     let digit_mm = task.resolution().digit_mm();
-    let mut wrong = program_positions::differences(&rows, task.request, digit_mm);
+    let mut wrong = position_differences(&rows, task.request, digit_mm);
     let forms: Vec<&[u8]> = of_role(FileRole::Readings)
         .map(|f| f.bytes.as_slice())
         .collect();
@@ -266,4 +268,91 @@ fn mirror(size: MirrorSize) -> Value {
         "farthest": rounded(size.farthest_mm),
         "circle": rounded(size.circle_mm),
     })
+}
+
+/// What differs between the rows and what the job asks for, one sentence each; empty = nothing.
+/// Diagonals are compared with the nodes that `separate` will expect.
+fn position_differences(rows: &[Position], request: &ProgramRequest, digit_mm: f64) -> Vec<String> {
+    let expected = order(request);
+    let mut words = Vec::new();
+    if expected.len() != rows.len() {
+        words.push(format!(
+            "positions.csv has {} readings, expected {}",
+            rows.len(),
+            expected.len()
+        ));
+    }
+    for (row, (of, run, pass, node)) in rows.iter().zip(&expected) {
+        let same = (row.of, row.run, row.pass, row.node) == (*of, *run, *pass, *node);
+        if !same {
+            words.push(format!(
+                "reading {} of run {} should be node {node} of run {run}, {}",
+                row.node,
+                row.run,
+                pass.word()
+            ));
+        } else if !is_at_node(row, request, digit_mm) {
+            words.push(format!(
+                "node {} of run {} is not where the job has it",
+                row.node, row.run
+            ));
+        }
+        if words.len() > 20 {
+            break;
+        }
+    }
+    words
+}
+
+type Key = (Named, u32, Pass, usize);
+
+/// Diagonal, run, direction and node of every reading in the order of the files of readings.
+fn order(request: &ProgramRequest) -> Vec<Key> {
+    let (set_ups, last): (Vec<Named>, usize) = match request.what.path() {
+        Some(kind) => (
+            Diagonal::ALL.into_iter().map(Named::Diagonal).collect(),
+            request.volume.last_node(kind),
+        ),
+        None => (
+            request.axes.iter().map(|axis| Named::Axis(*axis)).collect(),
+            request.volume.steps,
+        ),
+    };
+    let mut keys = Vec::new();
+    for of in set_ups {
+        for run in 1..=request.runs {
+            keys.extend((0..=last).map(|node| (of, run, Pass::Forward, node)));
+            if request.bidirectional {
+                keys.extend((0..=last).rev().map(|node| (of, run, Pass::Reverse, node)));
+            }
+        }
+    }
+    keys
+}
+
+fn is_at_node(row: &Position, request: &ProgramRequest, digit_mm: f64) -> bool {
+    let close = |a: f64, b: f64, slack: f64| (a - b).abs() <= slack;
+    match (row.of, request.what.path()) {
+        (Named::Diagonal(diagonal), Some(kind)) => {
+            let place = request.volume.place(diagonal, kind, row.node);
+            let nominal = request.volume.nominal_mm(diagonal, kind, row.node);
+            let moved =
+                (kind == PathKind::Step && row.node > 0).then(|| request.volume.moved(row.node));
+            moved == row.moved
+                && close(row.nominal_mm, nominal, 1e-6)
+                && place
+                    .iter()
+                    .all(|(axis, mm)| close(row.place[axis], mm.mm(), digit_mm / 100.0))
+        }
+        (Named::Axis(axis), None) => {
+            let equal = request.volume.start[axis].mm() + request.volume.along_mm(axis, row.node);
+            let step = request.volume.step_mm(axis);
+            let slack = match request.targets {
+                TargetGrid::Equal => digit_mm / 100.0,
+                TargetGrid::Offset { shift } => shift.map_or(step / 4.0, |s| s.mm()) + digit_mm,
+            };
+            close(row.place[axis], equal, slack)
+        }
+        _ => false,
+    }
 }

@@ -12,18 +12,15 @@
 //! point and parameter that the files overwrite, there is no rollback file, and what is missing is
 //! named. Zeros are not a rollback.
 
-mod before;
 mod fanuc;
-mod movement;
 mod siemens;
 
-use self::before::{Before, Old, Unknown};
-
-use super::Inputs;
-use super::field::{Made, as_kit_file};
+use super::made::{Before, Made, Old, Unknown, as_kit_file};
+use super::{Inputs, movement};
 use crate::control::controller::Role;
 use crate::control::table::Tables;
 use crate::judge::active::Origin;
+use crate::judge::findings::listed;
 use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::read::{KitFile, ReadBack, read_apart};
 use crate::text::problem::Problems;
@@ -90,16 +87,9 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
 }
 
 fn incomplete(missing: &[String]) -> String {
-    const MOST: usize = 8;
-    let shown = missing[..missing.len().min(MOST)].join(", ");
-    let rest = missing.len().saturating_sub(MOST);
-    let rest = if rest > 0 {
-        format!(" and {rest} more")
-    } else {
-        String::new()
-    };
     format!(
-        "the files read out of the control do not hold all that this kit overwrites; missing: {shown}{rest}"
+        "the files read out of the control do not hold all that this kit overwrites; missing: {}",
+        listed(missing)
     )
 }
 
@@ -138,7 +128,7 @@ impl Before<'_> {
         let unknown = old.unknown.iter();
         let mut by_hand: Vec<String> = unknown.clone().map(Unknown::by_hand).collect();
         by_hand.extend(old.stays.iter().cloned());
-        by_hand.extend(movement::at_reference(self));
+        by_hand.extend(movement::way_back(self));
         Ok(Rollback {
             files,
             not_written: unknown.map(Unknown::not_written).collect(),

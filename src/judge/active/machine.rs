@@ -9,14 +9,15 @@
 //! what the steps stand for; at the nodes both are the same.
 
 use super::reading::{ActiveControl, KEY, Origin, axis_of, problem};
+use crate::control::control_state::ControlState;
 use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job, NotMeasured};
-use crate::judge::findings::InControl;
+use crate::judge::findings::{InControl, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
 use crate::quantity::units::{Deviation, Millimetres};
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
 use crate::read::emulator;
 use crate::text::problem::{Problem, Problems};
 use crate::write::plan::{axis_names, axis_pairs};
@@ -55,24 +56,18 @@ pub fn uncompensated(
     for term in ErrorTerm::ALL {
         let pairs = axis_pairs(&names, term);
         let old = problems.take(old_correction(job, term, &pairs, control.as_ref()));
-        if let Some(Some(old)) = old {
+        if let Some(old) = old.flatten() {
             acts = true;
             sum.add(term, &old, &mut problems);
         }
     }
-    let has_backlash = active.backlash_um.iter().any(|(_, um)| um.is_some());
-    let tables = control.connected_axes();
+    let knows_backlash = active.backlash_um.iter().any(|(_, um)| um.is_some());
+    let tables = control.connected_axes().into_iter();
+    let tables = joined(tables.map(|(base, output)| format!("{base} → {output}")));
     if !acts && !tables.is_empty() {
-        let pairs = tables
-            .iter()
-            .map(|(base, output)| format!("{base} → {output}"));
-        let pairs: Vec<String> = pairs.collect();
-        let words = format!(
-            "the active tables of {} hold zeros: old = 0",
-            pairs.join(", ")
-        );
+        let words = format!("the active tables of {tables} hold zeros: old = 0");
         sum.notes.push(words);
-    } else if !acts && !has_backlash && problems.is_empty() {
+    } else if !acts && !knows_backlash && problems.is_empty() {
         problems.push(nothing(job, active));
     }
     problems.or_ok((sum.model, sum.notes))
@@ -94,10 +89,9 @@ fn nothing(job: &Job, active: &ActiveControl) -> Problem {
     };
     let passed_over = active.findings.iter();
     let passed_over = passed_over.filter(|f| f.kind().is_some_and(is_passed_over));
-    let passed_over: Vec<String> = passed_over.map(ToString::to_string).collect();
-    let found = match passed_over.is_empty() {
-        true => "the files hold no correction at all".to_string(),
-        false => passed_over.join("; "),
+    let found = match joined(passed_over) {
+        none if none.is_empty() => "the files hold no correction at all".to_string(),
+        found => found,
     };
     let message = format!("the active tables correct nothing of the job's axes: {found}");
     problem(
@@ -145,10 +139,10 @@ fn check_backlash(
 /// The state without the backlash parameters that act before and after alike.
 fn acting_state(
     job: &Job,
-    names: &crate::quantity::axis::PerAxis<Vec<String>>,
+    names: &PerAxis<Vec<String>>,
     measured: &ErrorModel,
     active: &ActiveControl,
-) -> crate::control::control_state::ControlState {
+) -> ControlState {
     let mut state = active.state.clone();
     for axis in &mut state.axes {
         let own = axis_of(names, &axis.name);
@@ -159,38 +153,48 @@ fn acting_state(
     state
 }
 
-/// What the old tables did to one term in the two directions.
-struct Old {
-    plus: Response,
-    minus: Response,
-}
+/// What the old tables did to one term, moving + and −.
+struct Old([Response; 2]);
 
 impl Old {
     fn way(&self, direction: Direction) -> &Response {
+        let [plus, minus] = &self.0;
         match direction {
-            Direction::Plus => &self.plus,
-            Direction::Minus => &self.minus,
+            Direction::Plus => plus,
+            Direction::Minus => minus,
         }
+    }
+
+    fn tables(&self) -> impl Iterator<Item = &NodeTable> {
+        self.0.iter().flat_map(|way| way.tables())
     }
 
     /// All nodes, or none where only a constant acts.
     fn nodes(&self) -> Vec<Millimetres> {
-        let tables = self.plus.tables().iter().chain(self.minus.tables());
-        let mut nodes: Vec<Millimetres> = tables
-            .flat_map(|table| table.nodes().map(|(at, _)| at))
-            .collect();
+        let nodes = self
+            .tables()
+            .flat_map(|table| table.nodes().map(|(at, _)| at));
+        let mut nodes: Vec<Millimetres> = nodes.collect();
         nodes.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
         nodes.dedup_by(|a, b| (a.mm() - b.mm()).abs() < AT_NODE_MM);
         nodes
     }
 
     fn acts(&self) -> bool {
-        let anywhere = [Millimetres::new(0.0)];
-        let nodes = self.nodes();
-        nodes.iter().chain(&anywhere).any(|at| {
-            [&self.plus, &self.minus]
-                .iter()
-                .any(|way| way.straightened().correction(*at).um().abs() > NOTHING_UM)
+        let places = [self.nodes(), vec![Millimetres::new(0.0)]].concat();
+        let ways = [0, 1].map(|way| self.0[way].straightened());
+        let is_off = |at: &Millimetres| {
+            ways.iter()
+                .any(|way| way.correction(*at).um().abs() > NOTHING_UM)
+        };
+        places.iter().any(is_off)
+    }
+
+    fn differs(&self, other: &Old) -> bool {
+        let places = [self.nodes(), other.nodes(), vec![Millimetres::new(0.0)]].concat();
+        self.0.iter().zip(&other.0).any(|(a, b)| {
+            let off = |at: &Millimetres| (a.correction(*at).um() - b.correction(*at).um()).abs();
+            places.iter().any(|at| off(at) > NOTHING_UM)
         })
     }
 }
@@ -202,46 +206,39 @@ fn old_correction(
     pairs: &[(&str, &str)],
     control: &dyn Emulator,
 ) -> Result<Option<Old>, Problems> {
-    if [term.of, term.along]
-        .iter()
-        .any(|axis| job.machine.axes[*axis].is_none())
-    {
+    let is_missing = |axis: &Axis| job.machine.axes[*axis].is_none();
+    if [term.of, term.along].iter().any(is_missing) {
         return Ok(None); // the job has no such axis
     }
-    let of_pair = |(base, output): &(&str, &str)| -> Result<Old, CannotEmulate> {
-        Ok(Old {
-            plus: control.response(base, output, Direction::Plus)?,
-            minus: control.response(base, output, Direction::Minus)?,
-        })
-    };
     let mut all = Vec::new();
-    for pair in pairs {
-        all.push(of_pair(pair).map_err(|reason| cannot(job, &reason))?);
+    for (base, output) in pairs {
+        let way = |direction| control.response(base, output, direction);
+        let ways = way(Direction::Plus).and_then(|plus| Ok([plus, way(Direction::Minus)?]));
+        all.push(Old(ways.map_err(|reason| cannot(job, &reason))?));
     }
-    if let Some(index) = (1..all.len()).find(|index| differs(&all[0], &all[*index])) {
+    let refuse = |message: String, help: &str| Err(problem(job, message, help).into());
+    if let Some(index) = (1..all.len()).find(|index| all[0].differs(&all[*index])) {
         let (first, other) = (pairs[0].1, pairs[index].1);
-        return Err(problem(job, format!("{term}: the active tables of {first} and {other} differ, and one table for both would lose the difference"), "bring the axes of the gantry to the same table first, or measure with the compensation switched off").into());
+        return refuse(
+            format!(
+                "{term}: the active tables of {first} and {other} differ, and one table for both would lose the difference"
+            ),
+            "bring the axes of the gantry to the same table first, or measure with the compensation switched off",
+        );
     }
-    let tables = all
+    if all
         .iter()
-        .flat_map(|old| old.plus.tables().iter().chain(old.minus.tables()));
-    if tables
-        .into_iter()
-        .any(crate::read::emulate::NodeTable::is_repeating)
+        .flat_map(Old::tables)
+        .any(NodeTable::is_repeating)
     {
-        return Err(problem(job, format!("{term}: the active table repeats (modulo), which no table of a linear axis of this program does"), "measure with this compensation switched off").into());
+        return refuse(
+            format!(
+                "{term}: the active table repeats (modulo), which no table of a linear axis of this program does"
+            ),
+            "measure with this compensation switched off",
+        );
     }
     Ok(all.into_iter().next().filter(Old::acts))
-}
-
-fn differs(one: &Old, other: &Old) -> bool {
-    let places = [one.nodes(), other.nodes(), vec![Millimetres::new(0.0)]].concat();
-    Direction::BOTH.into_iter().any(|direction| {
-        places.iter().any(|at| {
-            let (a, b) = (one.way(direction), other.way(direction));
-            (a.correction(*at).um() - b.correction(*at).um()).abs() > NOTHING_UM
-        })
-    })
 }
 
 /// The model that grows term by term.

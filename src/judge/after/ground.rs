@@ -5,7 +5,9 @@ use crate::inputs::job::Job;
 use crate::judge::findings::joined;
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::diagonal::Volume;
 use crate::text::problem::{Problem, Problems};
+use crate::write::grid::EDGE_MM;
 
 /// Refuses a second job of another machine: serial number, travel, reference point and direction
 /// of the reference return have to be those of the first, each shown at both places.
@@ -103,54 +105,58 @@ fn common_terms(before: &ErrorModel, model: &ErrorModel) -> Result<(), Problems>
 }
 
 fn nine_terms_over(before: &ErrorModel, runs: &StraightRuns) -> Result<(), Problems> {
-    let mut problems = Problems::none();
-    let mut refuse = |names: String, says: &str, help: &str| {
-        if !names.is_empty() {
-            problems.push(Problem::new(format!("{says}: {names}")).help(help));
-        }
+    let walks = |axis: Axis, direction: Direction| {
+        let mut walks = runs.walks.iter();
+        walks.any(|walk| walk.diagonal.travelled(axis, walk.pass) == direction)
     };
-    let terms = || ErrorTerm::ALL.into_iter();
-    let missing = joined(terms().filter(|term| before.terms[*term].is_none()));
-    let is_whole = missing.is_empty();
-    refuse(
-        missing,
-        "straight runs of the body diagonals show all nine errors together, but these were not measured as found",
-        "measure the errors of the first measurement again, each by itself",
-    );
-    for direction in Direction::BOTH.into_iter().filter(|_| is_whole) {
-        // Every diagonal moves some axis in either direction; a curve of the other one says nothing.
-        let is_unknown = |term: &ErrorTerm| {
-            let mut walks = runs.walks.iter();
-            let first = before.terms[*term].as_ref();
-            walks.any(|w| w.diagonal.travelled(term.along, w.pass) == direction)
-                && first.is_some_and(|m| m.measured.curve(direction).is_none())
-        };
-        refuse(
-            joined(terms().filter(is_unknown)),
-            &format!(
-                "the straight runs move the axes in both directions, but moving in {direction} these were not measured as found"
-            ),
-            "measure the errors of the first measurement in both directions, or give the second one as an error table of the direction that was measured",
-        );
-    }
-    for axis in Axis::ALL.into_iter().filter(|_| is_whole) {
-        problems.extend(outside(before, runs, axis).map_or_else(Problems::none, Problems::from));
+    let mut problems = Problems::none();
+    let outside = outside(before, &runs.volume);
+    for words in not_known(before, walks).into_iter().chain(outside) {
+        let message =
+            format!("the first measurement does not tell what the straight runs show: {words}");
+        problems.push(Problem::new(message).help("measure the errors of the first measurement there too, each by itself, or give the second one as an error table of what was measured first"));
     }
     problems.or_ok(())
 }
 
-/// A box of the diagonals that passes the range that was measured first.
-fn outside(before: &ErrorModel, runs: &StraightRuns, axis: Axis) -> Option<Problem> {
-    /// Targets may miss the end of a range by this much (rounding of inch positions), mm.
-    const NEAR_MM: f64 = 0.01;
-    let low = runs.volume.start[axis].mm();
-    let high = low + runs.volume.size[axis].mm();
-    let (first, last) = before.ranges[axis]?;
-    let (first, last) = (first.mm(), last.mm());
-    (low < first - NEAR_MM || high > last + NEAR_MM).then(|| {
-        Problem::new(format!(
-            "the box of the diagonals reaches from {low} to {high} mm of axis {axis}, as found only {first} to {last} mm were measured"
-        ))
-        .help("walk diagonals inside the box that was measured first")
-    })
+/// Errors that the body diagonals show, all nine together, and that a model does not hold, one
+/// sentence for each way in which axes walk.
+pub(crate) fn not_known(
+    model: &ErrorModel,
+    walks: impl Fn(Axis, Direction) -> bool,
+) -> Vec<String> {
+    let terms = || ErrorTerm::ALL.into_iter();
+    let missing = joined(terms().filter(|term| model.terms[*term].is_none()));
+    if !missing.is_empty() {
+        return vec![format!(
+            "the diagonals need all nine errors; not measured: {missing}"
+        )];
+    }
+    let unknown = |direction: Direction| {
+        // Every diagonal moves some axis in either direction; a curve of the other one says nothing.
+        let is_unknown = |term: &ErrorTerm| {
+            let own = model.terms[*term].as_ref();
+            walks(term.along, direction)
+                && own.is_some_and(|m| m.measured.curve(direction).is_none())
+        };
+        let names = joined(terms().filter(is_unknown));
+        (!names.is_empty()).then(|| {
+            format!("the diagonals move every axis in both directions; not measured moving in {direction}: {names}")
+        })
+    };
+    Direction::BOTH.into_iter().filter_map(unknown).collect()
+}
+
+/// Axes that the body diagonals of a volume take beyond the range that was measured, each in a sentence.
+pub(crate) fn outside(model: &ErrorModel, volume: &Volume) -> Vec<String> {
+    let of = |axis: Axis| {
+        let from = volume.start[axis].mm();
+        let to = from + volume.size[axis].mm();
+        let (low, high) = model.ranges[axis]?;
+        let (low, high) = (low.mm(), high.mm());
+        (from < low - EDGE_MM || to > high + EDGE_MM).then(|| {
+            format!("the diagonals take {axis} from {from} to {to} mm, but its errors are measured from {low} to {high} mm only")
+        })
+    };
+    Axis::ALL.into_iter().filter_map(of).collect()
 }

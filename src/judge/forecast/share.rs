@@ -1,8 +1,9 @@
-//! Over which part of each axis a verdict is passed, and how much of it was measured.
+//! The machine that a verdict is passed on; over which part of each axis, and how much of it was measured.
 
 use crate::inputs::job::Job;
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{Millimetres, larger};
 
 /// Share of a judged range that has to be measured before a limit counts as kept: the offset
@@ -56,7 +57,7 @@ pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<
     let gaps = || places.windows(2).map(|pair| (pair[1] - pair[0]).mm());
     let near = |pair: &&[Millimetres]| (pair[1] - pair[0]).mm() <= WIDEST_GAP * ROUNDING * whole;
     let common = |pair: &[Millimetres]| {
-        let (low, high) = super::within(judged, Some((pair[0], pair[1])));
+        let (low, high) = within(judged, Some((pair[0], pair[1])));
         larger((high - low).mm(), 0.0)
     };
     Some(JudgedRange {
@@ -142,7 +143,53 @@ pub(super) fn words(ranges: &[JudgedRange]) -> String {
 pub(super) fn stated(ranges: &[JudgedRange]) -> PerAxis<Option<Range>> {
     PerAxis::from_fn(|axis| {
         let own = ranges.iter().find(|r| r.axis == axis && r.is_stated)?;
-        let (low, high) = super::within(own.measured, Some(own.judged));
+        let (low, high) = within(own.measured, Some(own.judged));
         (low < high).then_some(own.judged)
     })
+}
+
+/// One machine, before and without compensation. Both are the same model where no table was
+/// active while measuring.
+#[derive(Clone, Copy, Debug)]
+pub struct Machine<'a> {
+    /// As it was measured: what the forecast compares with, and the range that is known.
+    pub as_measured: &'a ErrorModel,
+    /// Without any table: what corrections are added to.
+    pub uncompensated: &'a ErrorModel,
+}
+
+impl<'a> Machine<'a> {
+    /// A machine that was measured without any table.
+    pub fn alone(model: &'a ErrorModel) -> Machine<'a> {
+        Machine {
+            as_measured: model,
+            uncompensated: model,
+        }
+    }
+
+    /// Whether tables were active while measuring.
+    pub(super) fn was_under_tables(self) -> bool {
+        !std::ptr::eq(self.as_measured, self.uncompensated)
+    }
+
+    /// The curves of a term in a direction: as measured, and without tables.
+    pub(super) fn curves(
+        self,
+        term: ErrorTerm,
+        direction: Direction,
+    ) -> Option<(&'a ErrorCurve, &'a ErrorCurve)> {
+        let of = |model: &'a ErrorModel| model.terms[term].as_ref()?.measured.curve(direction);
+        Some((of(self.as_measured)?, of(self.uncompensated)?))
+    }
+}
+
+/// What two ranges have in common; the first where there is no second.
+pub(super) fn within(
+    (from, to): (Millimetres, Millimetres),
+    other: Option<(Millimetres, Millimetres)>,
+) -> (Millimetres, Millimetres) {
+    let (low, high) = other.unwrap_or((from, to));
+    let from = if low > from { low } else { from };
+    let to = if high < to { high } else { to };
+    (from, to)
 }

@@ -1,15 +1,59 @@
-//! Lists of a checklist: what is overwritten, what has to be set, what the display shows.
-
-use crate::quantity::units::Figure;
-
-use super::Made;
+//! A checklist: what stands above its steps (whether the kit is a rehearsal, doubtful, good enough), and its
+//! lists: what is overwritten, what has to be set, what the display shows.
 
 use crate::control::checklist::Listed;
 use crate::control::claims::{Precondition, shared};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{CecDirection, SiemensGrid};
+use crate::judge::conformity::Verdict;
+use crate::kit::made::Made;
+use crate::kit::remarks;
+use crate::quantity::units::Figure;
 use crate::write::compensation::Compiled;
 use crate::write::compensation::siemens::at_reference;
+
+/// One paragraph each.
+pub(super) fn head(made: &Made<'_>) -> Vec<String> {
+    let remarks = &made.inputs.model.remarks;
+    let simulated = remarks.simulated().map(|note| format!("**{note}**"));
+    let doubts = made.doubts.iter();
+    let doubts = doubts.map(|doubt| format!("**DOUBTFUL:** {doubt}"));
+    simulated
+        .chain(doubts)
+        .chain([verdict(made)])
+        .chain(known(made))
+        .collect()
+}
+
+/// What was printed when the kit was made, for the person who has only this page.
+fn known(made: &Made<'_>) -> Option<String> {
+    let known = remarks(made.plan, made.compiled, Some(made.forecast));
+    (!known.is_empty()).then(|| with_list("About these tables:", &known))
+}
+
+/// A sentence with a list below it, as one paragraph.
+fn with_list(sentence: &str, lines: &[String]) -> String {
+    let lines = lines.iter().map(|line| format!("\n- {line}"));
+    std::iter::once(sentence.to_string()).chain(lines).collect()
+}
+
+fn verdict(made: &Made<'_>) -> String {
+    let nothing_asked = made.inputs.job.acceptance.asks_nothing();
+    match made.verdict {
+        Verdict::Pass if nothing_asked => {
+            "Verdict: no acceptance is stated in the job, so there is nothing to judge.".to_string()
+        }
+        verdict => {
+            let sentence = format!(
+                "Verdict of the forecast against the acceptance of the job, {}: **{}**.",
+                made.forecast.range_words(),
+                verdict.word()
+            );
+            let misses = made.forecast.misses(made.inputs.job.acceptance);
+            with_list(&sentence, &misses)
+        }
+    }
+}
 
 /// Where each term goes: what is overwritten.
 pub(super) fn places(made: &Made<'_>) -> Listed {

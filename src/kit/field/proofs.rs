@@ -1,9 +1,9 @@
 //! Sign proofs as files: written, read back, and what their bytes do on the control.
 
-use super::{Made, as_kit_file};
 use crate::control::controller::Role;
 use crate::control::table::Tables;
 use crate::control::table::siemens::LecTable;
+use crate::kit::made::{Made, as_kit_file};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::{CannotEmulate, Emulator};

@@ -4,12 +4,11 @@
 //! off between the two states. So the reading is one of two places in **one** state, which needs no
 //! common zero of both: (peak − start) with compensation, less (peak − start) without.
 
-use crate::kit::field::lists::trimmed;
-
-use super::lists::BLANK;
-use super::{Made, Shown};
+use super::lists::{BLANK, trimmed};
+use super::proofs::Shown;
 use crate::control::checklist::Listed;
 use crate::control::controller::{Dialect, Evidence, Mechanism};
+use crate::kit::made::Made;
 use crate::quantity::axis::Axis;
 use crate::write::sign_proof::{name, sign_fact};
 

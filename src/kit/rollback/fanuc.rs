@@ -1,11 +1,9 @@
 //! What a kit changes on a Fanuc control: parameters and points, 3605, 1851 and 1852.
 
-use super::{Before, Old, Unknown};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use crate::kit::rollback::before::ChangedBy;
+use crate::kit::made::{Before, ChangedBy, Lacking, Old, unknown};
 use crate::quantity::axis::Axis;
-use std::collections::BTreeMap;
 
 /// The magnification of the pitch points of an axis, and the moving axes of straightness sets: what
 /// a person sets to 0 to switch an old compensation off.
@@ -19,62 +17,40 @@ pub(super) fn old(
     let mut old = FanucMemory::default();
     let mut missing = Vec::new();
     for key in kit.parameters.keys() {
-        match held.parameters.get(key) {
-            Some(value) => {
-                old.parameters.insert(*key, *value);
-            }
-            None => missing.push(format!("parameter {}", name(*key))),
-        }
+        let value = held.parameters.get(key);
+        old.parameters.extend(value.map(|value| (*key, *value)));
+        missing.extend(value.is_none().then(|| key.to_string()));
     }
     for point in kit.points.keys() {
-        match held.points.get(point) {
-            Some(value) => {
-                old.points.insert(*point, *value);
-            }
-            None => missing.push(format!("point {point}")),
-        }
+        let value = held.points.get(point);
+        old.points.extend(value.map(|value| (*point, *value)));
+        missing.extend(value.is_none().then(|| format!("point {point}")));
     }
     if !missing.is_empty() {
         return Err(missing);
     }
-    let mut lacking = Vec::new();
+    let mut lacking: Vec<Lacking> = Vec::new();
     for (key, by) in changed_by_hand(before, kit) {
         match held.parameters.get(&key) {
             Some(value) => {
                 old.parameters.insert(key, *value);
             }
             None if by == ChangedBy::Nobody => {}
-            None => lacking.push((key, by)),
+            None => {
+                let axis = key.axis.map(|axis| axis.to_string());
+                let of = if axis.is_some() { " of axis " } else { "" };
+                let name = format!("{}{of}", key.number);
+                lacking.push((name, axis.unwrap_or_default(), ChangedBy::Precondition));
+            }
         }
     }
+    lacking.sort_by(|a, b| a.0.cmp(&b.0));
     Ok(Old {
         tables: Tables::Fanuc(old),
         data: Vec::new(),
-        unknown: named(&lacking),
+        unknown: unknown(lacking),
         stays: Vec::new(),
     })
-}
-
-/// One name for a parameter of several axes: `3605 of axis 1, 2`.
-fn named(lacking: &[(ParameterKey, ChangedBy)]) -> Vec<Unknown> {
-    let mut groups: BTreeMap<u32, Vec<String>> = BTreeMap::new();
-    for (key, _) in lacking {
-        let axes = groups.entry(key.number).or_default();
-        axes.extend(key.axis.map(|axis| axis.to_string()));
-    }
-    let named = |(number, axes): (u32, Vec<String>)| Unknown {
-        what: match axes.as_slice() {
-            [] => number.to_string(),
-            axes => format!("{number} of axis {}", axes.join(", ")),
-        },
-        by: ChangedBy::Precondition,
-    };
-    groups.into_iter().map(named).collect()
-}
-
-fn name(key: ParameterKey) -> String {
-    let axis = key.axis.map(|axis| format!(" of axis {axis}"));
-    format!("{}{}", key.number, axis.unwrap_or_default())
 }
 
 /// Parameters that no file of the kit writes and its preconditions ask for.

@@ -1,9 +1,8 @@
 //! What a kit changes on a Siemens control: tables, their switches, weights and limit, MD32450.
 
-use super::{Before, Old, Unknown};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{CecTable, LecTable, SiemensTables};
-use crate::kit::rollback::before::ChangedBy;
+use crate::kit::made::{Before, ChangedBy, Lacking, Old, unknown};
 use crate::quantity::axis::Axis;
 use crate::write::compensation::siemens::encoder;
 use ChangedBy::{File, Nobody, Precondition};
@@ -104,11 +103,18 @@ impl Gathered {
 
     fn with_data(self, before: &Before<'_>, changed: Vec<Changed>) -> Old {
         let found = |c: &Changed| before.held.datum(c.name, &c.indices).cloned();
-        let lacks = |c: &&Changed| c.by != Nobody && found(c).is_none();
+        let lacking = changed
+            .iter()
+            .filter(|c| c.by != Nobody && found(c).is_none());
+        let lacking = lacking.map(|c| -> Lacking {
+            let number = ORDER.iter().find(|o| o.1 == c.name).map_or("", |o| o.0);
+            let index = format!("[{}]", c.indices.join(","));
+            (format!("{number} ${}", c.name), index, c.by)
+        });
         Old {
             tables: Tables::Siemens(self.tables),
             data: changed.iter().filter_map(found).collect(),
-            unknown: named(changed.iter().filter(lacks)),
+            unknown: unknown(lacking),
             stays: self.stays,
         }
     }
@@ -201,25 +207,4 @@ fn of_axis(before: &Before<'_>, axis: Axis) -> Vec<(&'static str, u32, ChangedBy
         list.push((LEC_ON, 1 - system.min(1), Nobody));
     }
     list
-}
-
-/// One name for all data of a kind: `MD32700 $MA_ENC_COMP_ENABLE[0,AX1], [0,AX2]`.
-fn named<'a>(lacking: impl Iterator<Item = &'a Changed>) -> Vec<Unknown> {
-    let mut groups: Vec<(&str, ChangedBy, Vec<String>)> = Vec::new();
-    for changed in lacking {
-        let index = format!("[{}]", changed.indices.join(","));
-        match groups
-            .iter_mut()
-            .find(|g| g.0 == changed.name && g.1 == changed.by)
-        {
-            Some(group) => group.2.push(index),
-            None => groups.push((changed.name, changed.by, vec![index])),
-        }
-    }
-    let number = |name: &str| ORDER.iter().find(|o| o.1 == name).map_or("", |o| o.0);
-    let named = |(name, by, indices): (&str, ChangedBy, Vec<String>)| Unknown {
-        what: format!("{} ${name}{}", number(name), indices.join(", ")),
-        by,
-    };
-    groups.into_iter().map(named).collect()
 }

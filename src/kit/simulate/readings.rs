@@ -2,6 +2,7 @@
 
 use super::{Rehearsal, SimulatedMachine, written};
 use crate::inputs::job::{Job, MeasuredData};
+use crate::judge::after::{not_known, outside};
 use crate::machine::separation::corrections::{REFERENCE_C, expansion_um};
 use crate::machine::separation::noise::CorrectedRun;
 use crate::machine::separation::straight::{DiagonalFigures, figures};
@@ -10,7 +11,6 @@ use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
 use crate::quantity::units::Deviation;
 use crate::text::document::MOST_LINES;
 use crate::text::problem::{Problem, Problems};
-use crate::write::grid::EDGE_MM;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -56,8 +56,7 @@ pub fn readings(
     job: &Job,
 ) -> Result<Simulation, Problems> {
     let mut problems = Problems::none();
-    check_terms(machine, job, &mut problems);
-    check_box(machine, rehearsal, job, &mut problems);
+    check_measured(machine, rehearsal, job, &mut problems);
     check_rows(rehearsal, &mut problems);
     problems.or_ok(())?;
     let mut exact = Vec::new();
@@ -196,86 +195,29 @@ fn add_expansion(rehearsal: &Rehearsal, run: &mut Run) {
     run.deviations = read.collect();
 }
 
-/// Notes errors that are not measured, or not in a direction in which a pass moves.
-fn check_terms(machine: &SimulatedMachine<'_>, job: &Job, problems: &mut Problems) {
-    let terms = &machine.model.terms;
-    let names = |found: &mut dyn Iterator<Item = ErrorTerm>| -> String {
-        let names: Vec<String> = found.map(|term| term.to_string()).collect();
-        names.join(", ")
-    };
-    let missing = names(&mut ErrorTerm::ALL.into_iter().filter(|t| terms[*t].is_none()));
-    if !missing.is_empty() {
-        problems.push(
-            job.problem_at(
-                data_key(job),
-                format!("readings of the diagonals need all nine errors; not known: {missing}"),
-            )
-            .help("measure them, or predict what is left of the others with `--errors`"),
-        );
-    }
-    for direction in Direction::BOTH {
-        let unknown = |term: &ErrorTerm| {
-            let measured = terms[*term].as_ref();
-            measured.is_some_and(|m| m.measured.curve(direction).is_none())
-        };
-        let found = names(&mut ErrorTerm::ALL.into_iter().filter(unknown));
-        if !found.is_empty() {
-            problems.push(
-                job.problem_at(
-                    data_key(job),
-                    format!("the diagonals move every axis in both directions, but moving in {direction} these are not known: {found}"),
-                )
-                .help("measure both directions, or predict the measured one with `--errors`"),
-            );
-        }
-    }
-}
-
-const fn data_key(job: &Job) -> &'static str {
-    match job.measurement.data {
-        MeasuredData::Errors(_) => "measurement.errors",
-        MeasuredData::Diagonals(_) => "measurement.readings",
-    }
-}
-
-/// Notes axes whose errors were not measured all over the box: nothing is extrapolated.
-fn check_box(
+/// Notes errors that are not measured, or not in a direction in which a pass moves, or not all over the
+/// box: nothing is extrapolated.
+fn check_measured(
     machine: &SimulatedMachine<'_>,
     rehearsal: &Rehearsal,
     job: &Job,
     problems: &mut Problems,
 ) {
-    let volume = &rehearsal.volume;
+    let key = match job.measurement.data {
+        MeasuredData::Errors(_) => "measurement.errors",
+        MeasuredData::Diagonals(_) => "measurement.readings",
+    };
+    for words in not_known(machine.model, |_, _| true) {
+        let problem = job.problem_at(key, words);
+        problems.push(problem.help("measure them, or predict what was measured with `--errors`"));
+    }
     let key = match (&job.measurement.data, &job.program) {
         (MeasuredData::Errors(_), Some(program)) => program.size_path,
         _ => "measurement.step_diagonal.size_mm",
     };
-    for axis in Axis::ALL {
-        let Some((low, high)) = machine.model.ranges[axis] else {
-            continue;
-        };
-        let from = volume.start[axis].mm();
-        let to = from + volume.size[axis].mm();
-        if from >= low.mm() - EDGE_MM && to <= high.mm() + EDGE_MM {
-            continue;
-        }
-        problems.push(not_measured(
-            job,
-            key,
-            axis,
-            [from, to],
-            [low.mm(), high.mm()],
-        ));
+    for words in outside(machine.model, &rehearsal.volume) {
+        let problem = job.problem_at(key, words);
+        problems
+            .push(problem.help("keep the box inside the measured range: nothing is extrapolated"));
     }
-}
-
-fn not_measured(job: &Job, key: &str, axis: Axis, way: [f64; 2], range: [f64; 2]) -> Problem {
-    job.problem_at(
-        key,
-        format!(
-            "the diagonals take {axis} from {} to {} mm, but its errors are measured from {} to {} mm only",
-            way[0], way[1], range[0], range[1]
-        ),
-    )
-    .help("keep the box inside the measured range: nothing is extrapolated")
 }

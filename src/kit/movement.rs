@@ -1,6 +1,7 @@
-//! How far the axes can move when the tables are switched.
+//! How the axes move: when the tables of a kit are switched, and at the reference point when the old ones
+//! act again.
 
-use super::Made;
+use super::made::{Before, Made};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
@@ -9,7 +10,7 @@ use crate::write::plan::axis_pairs;
 
 /// Largest movement of each physical axis when the tables are switched, all base axes at their
 /// worst place: a bound, not a place.
-pub(super) fn movement(made: &Made<'_>) -> Result<Vec<String>, CannotEmulate> {
+pub(super) fn switching(made: &Made<'_>) -> Result<Vec<String>, CannotEmulate> {
     let control = switched(made)?;
     let has_tables = |axis: &Axis| made.plan.tables.iter().any(|t| t.term.of == *axis);
     let line = |axis: Axis| {
@@ -69,4 +70,64 @@ fn extremes(response: &Response, reference: Option<Millimetres>) -> (f64, f64) {
     let nodes = response.tables().iter().flat_map(|table| table.nodes());
     let largest = nodes.map(|(place, _)| at(place)).fold(there, f64::max);
     (largest, there)
+}
+
+/// Movements below it are none, µm.
+const NOTHING_UM: f64 = 1e-3;
+
+/// One sentence for each physical axis that the old tables hold off zero at the reference point.
+///
+/// unit   µm, with the side it moves to · limits all axes at the reference point; the tables that
+///        acted, not those that were switched off
+pub(super) fn way_back(before: &Before<'_>) -> Vec<String> {
+    let (profile, active) = (before.task.profile, before.active);
+    let moved = emulator(profile, &active.tables, &active.state)
+        .and_then(|control| moved(before, control.as_ref()));
+    match moved {
+        Ok(sentences) => sentences,
+        Err(reason) => vec![format!(
+            "what moves at the reference point when the old tables act again cannot be told: {}",
+            reason.0
+        )],
+    }
+}
+
+fn moved(before: &Before<'_>, control: &dyn Emulator) -> Result<Vec<String>, CannotEmulate> {
+    let names = &before.plan.names;
+    let mut sentences = Vec::new();
+    for of in Axis::ALL {
+        for name in &names[of] {
+            let mut um = 0.0;
+            for along in Axis::ALL {
+                let pairs = axis_pairs(names, ErrorTerm { of, along });
+                for (base, output) in pairs.iter().filter(|(_, output)| output == name) {
+                    um += at_place(before, control, (*base, *output), along)?;
+                }
+            }
+            if um.abs() > NOTHING_UM {
+                let side = if um > 0.0 { "+" } else { "−" };
+                sentences.push(format!(
+                    "at the reference point {of} ({name}) moves by {:.3} µm towards {side}{of} when the old tables act again: they are not zero there",
+                    um.abs()
+                ));
+            }
+        }
+    }
+    Ok(sentences)
+}
+
+/// What an axis adds to another at its reference, having come from the reference return.
+fn at_place(
+    before: &Before<'_>,
+    control: &dyn Emulator,
+    (base, output): (&str, &str),
+    along: Axis,
+) -> Result<f64, CannotEmulate> {
+    let Some(machine) = before.task.job.machine.axes[along] else {
+        return Ok(0.0);
+    };
+    let place: Millimetres = machine.reference;
+    let response = control.response(base, output, machine.homing())?;
+    let tables = response.tables().iter();
+    Ok(tables.map(|table| table.correction(place).um()).sum())
 }
