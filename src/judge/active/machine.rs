@@ -89,9 +89,10 @@ fn nothing(job: &Job, active: &ActiveControl) -> Problem {
     };
     let passed_over = active.findings.iter();
     let passed_over = passed_over.filter(|f| f.kind().is_some_and(is_passed_over));
-    let found = match joined(passed_over) {
-        none if none.is_empty() => "the files hold no correction at all".to_string(),
-        found => found,
+    let passed_over: Vec<String> = passed_over.map(ToString::to_string).collect();
+    let found = match passed_over.as_slice() {
+        [] => "the files hold no correction at all".to_string(),
+        some => some.join("; "),
     };
     let message = format!("the active tables correct nothing of the job's axes: {found}");
     problem(
@@ -286,7 +287,7 @@ impl Sum<'_> {
             self.notes.push(format!("{term}: it was not measured; the correction of the active tables is carried over (`active_terms_not_measured = \"keep\"`), and nothing is forecast for it"));
             let (plus, minus) = (held(Direction::Plus), held(Direction::Minus));
             self.model.terms[term] = Some(MeasuredTerm {
-                measured: joined(plus, minus),
+                measured: one_if_same(plus, minus),
                 uncertainty: Vec::new(),
             });
             return;
@@ -306,7 +307,7 @@ impl Sum<'_> {
                 minus: with(minus, Direction::Minus),
             },
             Measured::Undirected(curve) => {
-                joined(with(curve, Direction::Plus), with(curve, Direction::Minus))
+                one_if_same(with(curve, Direction::Plus), with(curve, Direction::Minus))
             }
         };
         if measured.has_both_ways() && !own.measured.has_both_ways() {
@@ -321,7 +322,7 @@ impl Sum<'_> {
 }
 
 /// One curve where both directions are the same.
-fn joined(plus: ErrorCurve, minus: ErrorCurve) -> Measured {
+fn one_if_same(plus: ErrorCurve, minus: ErrorCurve) -> Measured {
     let same = |at: &Millimetres| (plus.at(*at) - minus.at(*at)).um().abs() <= NOTHING_UM;
     if plus.knots().iter().chain(minus.knots()).all(same) {
         Measured::Undirected(plus)

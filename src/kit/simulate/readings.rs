@@ -6,7 +6,7 @@ use crate::judge::after::{not_known, outside};
 use crate::machine::separation::corrections::{REFERENCE_C, expansion_um};
 use crate::machine::separation::noise::CorrectedRun;
 use crate::machine::separation::straight::{DiagonalFigures, figures};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
 use crate::quantity::units::Deviation;
 use crate::text::document::MOST_LINES;
