@@ -37,6 +37,7 @@ use crate::write::compensation::Compiled;
 use crate::write::emit::{self, RenderedFile, TOOL, Templates};
 use crate::write::plan::{Plan, plan};
 use crate::write::target::wants;
+use inputs::judged;
 pub use inputs::{Inputs, cannot_emulate, remarks};
 pub use loaded::{LoadedControl, load, load_own, load_read_out};
 use made::{Made, as_kit_file};
@@ -154,13 +155,6 @@ fn doubts(inputs: &Inputs) -> Vec<String> {
 
 /// Old tables, or a backlash parameter, that were active would have to be added to the new ones.
 const ACTIVE_NOT_STATED: &str = "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these tables are wrong; write \"none\", or the path of the kit or of the files read out of the control, which are then added";
-
-/// Forecast against the acceptance; doubtful errors decide nothing in favour.
-fn judged(forecast: &Forecast, inputs: &Inputs, doubts: &[String]) -> Verdict {
-    let doubtful = (!doubts.is_empty()).then_some(Verdict::Undecided);
-    let verdict = forecast.verdict(inputs.job.acceptance);
-    doubtful.map_or(verdict, |doubtful| verdict.max(doubtful))
-}
 
 fn as_read(files: &[RenderedFile]) -> Vec<KitFile<'_>> {
     files.iter().map(as_kit_file).collect()

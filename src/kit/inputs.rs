@@ -4,6 +4,7 @@ use crate::control::controller::Profile;
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::Job;
 use crate::judge::active::{self, ActiveControl};
+use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::manifest::HashedFile;
 use crate::machine::model::ErrorModel;
@@ -159,4 +160,11 @@ fn not_measured(forecast: &Forecast) -> Vec<String> {
             .map(move |part| sentence(axis, part))
     };
     Axis::ALL.into_iter().flat_map(of_axis).collect()
+}
+
+/// Forecast against the acceptance; doubtful errors decide nothing in favour.
+pub(super) fn judged(forecast: &Forecast, inputs: &Inputs, doubts: &[String]) -> Verdict {
+    let doubtful = (!doubts.is_empty()).then_some(Verdict::Undecided);
+    let verdict = forecast.verdict(inputs.job.acceptance);
+    doubtful.map_or(verdict, |doubtful| verdict.max(doubtful))
 }

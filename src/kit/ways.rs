@@ -5,7 +5,7 @@ use crate::inputs::job::BacklashPolicy;
 use crate::judge::after::Bare;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, Machine, forecast, judged_ranges};
-use crate::kit::{Inputs, judged};
+use crate::kit::inputs::{Inputs, judged};
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::larger;
 use crate::read::emulate::Emulator;
