@@ -40,6 +40,7 @@ pub(super) fn screen(page: &Page) -> Screen {
         figures: vec![
             figures(page),
             worst_pairs(page),
+            contributions(page),
             windows(page),
             histogram(before, after),
             grouping(page),
@@ -49,14 +50,7 @@ pub(super) fn screen(page: &Page) -> Screen {
             .cloned()
             .chain(show::notes(notes))
             .collect(),
-        more: vec![
-            More::new(
-                before.contributions.len(),
-                "contributions",
-                contributions(page),
-            ),
-            More::new(missing.len(), "errors not measured", left_out),
-        ],
+        more: vec![More::new(missing.len(), "errors not measured", left_out)],
         ..Screen::default()
     }
 }
@@ -187,71 +181,55 @@ const PAPERS: &str = "  paper 002: Defining and computing machine tool accuracy,
 
 /// Name, value and meaning of every figure.
 fn rows(page: &Page, d: &Definitions) -> Vec<(String, String, String)> {
-    let some = |value: Option<f64>| value.map_or_else(|| "not measured".to_string(), um);
-    let at_least = if d.length.exact { "" } else { "≥ " };
-    let length = format!("{at_least}{}", um(d.length.um));
-    let from = format!("largest error seen from {}", place(d.origin_mm));
-    let nine = &d.by_component;
-    let range = |axis| {
-        let shown = shows(&page.volume, &page.basis.levers, axis);
-        let value = some(shown.then_some(d.ranges_um[axis]));
-        (
-            format!("range {axis}"),
-            value,
-            format!("max - min of the error in {axis}"),
-        )
-    };
     let row =
         |(name, value, what): (&str, String, &str)| (name.to_string(), value, what.to_string());
-    let first = [
-        (
-            "VA",
-            um(d.va.um),
-            "largest difference of two error vectors (paper 002)",
-        ),
-        (
-            "length error",
-            length,
-            "largest error of a distance of two nodes",
-        ),
-    ];
-    let others = [
+    let range = |axis| {
+        let shown = shows(&page.volume, &page.basis.levers, axis);
+        let value = measured(shown.then_some(d.ranges_um[axis]));
+        let what = format!("max - min of the error in {axis}");
+        (format!("range {axis}"), value, what)
+    };
+    let from = format!("largest error seen from {}", place(d.origin_mm));
+    let whole = [
         ("box", um(d.box_um), "root of the squared ranges"),
-        ("largest from", um(d.from_origin_um), &from),
-        (
-            "proposed",
-            um(d.proposed_um),
-            "root of the squared maxima of X, Y and Z + the same of the minima (paper 000 §II, whole vector)",
-        ),
-        (
-            "existing",
-            some(nine.existing),
-            "nine maxima and nine minima, each as root of squares (paper 000 §I)",
-        ),
-        (
-            "ELSv",
-            some(nine.elsv),
-            "ranges of the nine, summed in each direction, then root of squares",
-        ),
-        (
-            "ELv",
-            some(nine.elv),
-            "ranges of EXX, EYY, EZZ, root of squares: positioning alone (paper 001)",
-        ),
+        ("largest from", um(d.from_origin_um), from.as_str()),
     ];
     let diagonal = |diagonal| {
         let value = um(d.diagonals_um[diagonal]);
-        (
-            format!("diagonal {diagonal}"),
-            value,
-            "max - min along it".to_string(),
-        )
+        let what = "max - min along it".to_string();
+        (format!("diagonal {diagonal}"), value, what)
     };
-    let rows = first.map(row).into_iter().chain(Axis::ALL.map(range));
-    let rows = rows
-        .chain(others.map(row))
-        .chain(Diagonal::ALL.map(diagonal));
-    rows.collect()
+    let rows = largest(d).map(row).into_iter();
+    let rows = rows.chain(Axis::ALL.map(range)).chain(whole.map(row));
+    let rows = rows.chain(of_papers(d).map(row));
+    rows.chain(Diagonal::ALL.map(diagonal)).collect()
+}
+
+fn measured(value: Option<f64>) -> String {
+    value.map_or_else(|| "not measured".to_string(), um)
+}
+
+fn largest(d: &Definitions) -> [(&'static str, String, &'static str); 2] {
+    let at_least = if d.length.exact { "" } else { "≥ " };
+    let length = format!("{at_least}{}", um(d.length.um));
+    let va = "largest difference of two error vectors (paper 002)";
+    let distance = "largest error of a distance of two nodes";
+    [("VA", um(d.va.um), va), ("length error", length, distance)]
+}
+
+/// What the papers define beside VA.
+fn of_papers(d: &Definitions) -> [(&'static str, String, &'static str); 4] {
+    let nine = &d.by_component;
+    let proposed = "root of the squared maxima of X, Y and Z + the same of the minima (paper 000 §II, whole vector)";
+    let existing = "nine maxima and nine minima, each as root of squares (paper 000 §I)";
+    let elsv = "ranges of the nine, summed in each direction, then root of squares";
+    let elv = "ranges of EXX, EYY, EZZ, root of squares: positioning alone (paper 001)";
+    [
+        ("proposed", um(d.proposed_um), proposed),
+        ("existing", measured(nine.existing), existing),
+        ("ELSv", measured(nine.elsv), elsv),
+        ("ELv", measured(nine.elv), elv),
+    ]
 }
 
 /// Between which places each of the two machines differs most.
