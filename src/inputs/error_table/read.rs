@@ -167,26 +167,11 @@ impl Columns {
             };
             let mut number = None;
             match column.holds {
-                Quantity::Axis => {
-                    axis = Axis::from_letter(cell.text);
-                    if axis.is_none() {
-                        let found = shown(cell.text);
-                        let message = format!("unknown axis `{found}`, expected `x`, `y` or `z`");
-                        problems.push_with(|| cell.problem(message, "name the moving axis"));
-                    }
-                }
+                Quantity::Axis => axis = read_axis(&cell, problems),
                 _ if cell.text.is_empty() => {}
                 Quantity::Direction => {
-                    direction = Direction::from_symbol(cell.text);
+                    direction = read_direction(&cell, problems);
                     complete &= direction.is_some();
-                    if direction.is_none() {
-                        let found = shown(cell.text);
-                        let message = format!(
-                            "unknown direction `{found}`, expected `+`, `-` or an empty cell"
-                        );
-                        let help = "`+` = the axis came from smaller coordinates";
-                        problems.push_with(|| cell.problem(message, help));
-                    }
                 }
                 _ => {
                     number = read_number(&cell, column.holds, problems);
@@ -211,6 +196,27 @@ impl Columns {
             numbers: numbers.into_boxed_slice(),
         })
     }
+}
+
+fn read_axis(cell: &Cell<'_, '_>, problems: &mut Problems) -> Option<Axis> {
+    let axis = Axis::from_letter(cell.text);
+    if axis.is_none() {
+        let found = shown(cell.text);
+        let message = format!("unknown axis `{found}`, expected `x`, `y` or `z`");
+        problems.push_with(|| cell.problem(message, "name the moving axis"));
+    }
+    axis
+}
+
+fn read_direction(cell: &Cell<'_, '_>, problems: &mut Problems) -> Option<Direction> {
+    let direction = Direction::from_symbol(cell.text);
+    if direction.is_none() {
+        let found = shown(cell.text);
+        let message = format!("unknown direction `{found}`, expected `+`, `-` or an empty cell");
+        let help = "`+` = the axis came from smaller coordinates";
+        problems.push_with(|| cell.problem(message, help));
+    }
+    direction
 }
 
 fn read_number(cell: &Cell<'_, '_>, holds: Quantity, problems: &mut Problems) -> Option<f64> {

@@ -22,7 +22,8 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     let mapping = Mapping::read(mapping)?;
     let mut problems = Problems::none();
     let table = problems.take(Table::read(source, &mapping));
-    mapping.check(stated, &mut problems);
+    mapping.refuse_twice(stated, &mut problems);
+    mapping.require(stated, &mut problems);
     let sign = stated.required_sign(&mut problems);
     let Some(table) = table else {
         return Err(problems);

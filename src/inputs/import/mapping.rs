@@ -156,18 +156,11 @@ impl Mapping {
         self.has_any(|own| own == content)
     }
 
-    /// What must be mapped or stated, and what is stated twice or without a meaning.
-    pub(super) fn check(&self, stated: &Stated, problems: &mut Problems) {
+    /// Statements that the mapping makes already.
+    pub(super) fn refuse_twice(&self, stated: &Stated, problems: &mut Problems) {
         let positions = self.has(Content::Table(Quantity::Position));
         let directions = self.has(Content::Table(Quantity::Direction));
-        let axis = self.has(Content::Table(Quantity::Axis));
         let (targets, runs) = (self.has(Content::Target), self.has(Content::Run));
-        let values = self.has_any(|content| {
-            matches!(
-                content,
-                Content::Table(Quantity::Deviation(_) | Quantity::Angle(_))
-            )
-        });
         let uncertainties =
             self.has_any(|content| matches!(content, Content::Table(Quantity::Uncertainty(_))));
         let only_positions = positions && !targets;
@@ -194,9 +187,21 @@ impl Mapping {
             let message = format!("`{option}` is stated, but the mapping gives `{mapped}`");
             problems.push(Problem::new(message).help("keep one of the two"));
         }
+    }
+
+    /// What must be mapped or stated, and what is stated without a meaning.
+    pub(super) fn require(&self, stated: &Stated, problems: &mut Problems) {
+        let positions = self.has(Content::Table(Quantity::Position)) || self.has(Content::Target);
+        let directions = self.has(Content::Table(Quantity::Direction));
+        let values = self.has_any(|content| {
+            matches!(
+                content,
+                Content::Table(Quantity::Deviation(_) | Quantity::Angle(_))
+            )
+        });
         let without = [
             (
-                !positions && !targets,
+                !positions,
                 "`--columns` maps no column to a position",
                 "map one to `position_mm` (machine coordinate) or `target_mm` (counted from the laser's zero)",
             ),
@@ -214,7 +219,7 @@ impl Mapping {
         for (_, message, help) in without.into_iter().filter(|(is, ..)| *is) {
             problems.push(Problem::new(message).help(help));
         }
-        if stated.axis.is_none() && !axis {
+        if stated.axis.is_none() && !self.has(Content::Table(Quantity::Axis)) {
             problems.push(AXIS.missing());
         }
         if stated.travel.is_none() && !directions {

@@ -102,40 +102,7 @@ fn assemble(
             break; // each is compared with all before it
         }
         refuse_twice(&parameters[..index], parameter, &mut problems);
-        let name = &parameter.name;
-        let taken = match Name::of(name) {
-            Some(Name::Component(component)) => {
-                add(&mut reading.series, component, parameter, sign)
-            }
-            Some(Name::Squareness(pair, name, of_phi)) => single_value(parameter).map(|rad| {
-                reading.squareness.push(Squareness {
-                    pair,
-                    um_per_m: tidy(of_phi * deviation(sign, rad).um() * MICRO),
-                    name,
-                });
-            }),
-            Some(Name::OtherLocation) if parameter.values.iter().any(|value| *value != 0.0) => {
-                let message = format!(
-                    "`{name}` is a location that is none of C0Y, B0Z, A0Z, and it is not zero"
-                );
-                let help = "export with the X axis as primary and the Y axis as secondary axis";
-                Err(parameter.problem(message, help))
-            }
-            Some(Name::OtherLocation) => {
-                let fact = format!("left out: {name} (a location that is none of C0Y, B0Z, A0Z)");
-                reading.facts.push(fact);
-                Ok(())
-            }
-            Some(Name::LeftOut(what)) => {
-                reading.facts.push(format!("left out: {name} ({what})"));
-                Ok(())
-            }
-            None => {
-                let message = format!("unknown parameter `{}`", shown(name));
-                Err(parameter.problem(message, "expected EXX … ECZ, or C0Y, B0Z, A0Z"))
-            }
-        };
-        if let Err(problem) = taken {
+        if let Err(problem) = take(parameter, sign, &mut reading) {
             problems.push(problem);
         }
     }
@@ -147,6 +114,41 @@ fn assemble(
         problems.push(Problem::new(message).help(help));
     }
     problems.or_ok(reading)
+}
+
+/// Takes a parameter by its name.
+fn take(parameter: &Parameter, sign: TableSign, reading: &mut Reading) -> Result<(), Problem> {
+    let name = &parameter.name;
+    let is_zero = parameter.values.iter().all(|value| *value == 0.0);
+    let left_out = match Name::of(name) {
+        Some(Name::Component(component)) => {
+            return add(&mut reading.series, component, parameter, sign);
+        }
+        Some(Name::Squareness(pair, name, of_phi)) => {
+            let rad = single_value(parameter)?;
+            let um_per_m = tidy(of_phi * deviation(sign, rad).um() * MICRO);
+            reading.squareness.push(Squareness {
+                pair,
+                um_per_m,
+                name,
+            });
+            return Ok(());
+        }
+        Some(Name::OtherLocation) if is_zero => "a location that is none of C0Y, B0Z, A0Z",
+        Some(Name::OtherLocation) => {
+            let message =
+                format!("`{name}` is a location that is none of C0Y, B0Z, A0Z, and it is not zero");
+            let help = "export with the X axis as primary and the Y axis as secondary axis";
+            return Err(parameter.problem(message, help));
+        }
+        Some(Name::LeftOut(what)) => what,
+        None => {
+            let message = format!("unknown parameter `{}`", shown(name));
+            return Err(parameter.problem(message, "expected EXX … ECZ, or C0Y, B0Z, A0Z"));
+        }
+    };
+    reading.facts.push(format!("left out: {name} ({left_out})"));
+    Ok(())
 }
 
 /// One quantity may have two names: `C0Y` and `EC0Y`.
@@ -359,10 +361,46 @@ fn read_block(header: &Piece<'_>, rows: &[&Piece<'_>]) -> Result<Vec<Parameter>,
             "an error table holds curves along one axis; export component errors instead of a map";
         return Err(header.problem(message, help).into());
     }
+    let columns = read_columns(header, rows, (arguments, names.len()))?;
+    let positions_mm = if arguments == 0 {
+        Vec::new()
+    } else {
+        columns[0].clone()
+    };
+    let along = names
+        .first()
+        .filter(|_| arguments == 1)
+        .and_then(|name| Axis::from_letter(name.text));
+    let (mut problems, mut parameters) = (Problems::none(), Vec::new());
+    for (name, values) in names.iter().zip(columns).skip(arguments) {
+        let component = Component::from_name(name.text);
+        if let Some(component) = component.filter(|component| Some(component.along) != along) {
+            let along = component.along;
+            let message = format!(
+                "`{component}` is a curve along {along}, but it does not stand under this argument"
+            );
+            problems.push_with(|| name.problem(message, "each block has its own moving axis"));
+        }
+        parameters.push(Parameter {
+            name: name.text.to_string(),
+            place: name.place(),
+            positions_mm: positions_mm.clone(),
+            values,
+        });
+    }
+    problems.or_ok(parameters)
+}
+
+/// The numbers below each name of a block.
+fn read_columns(
+    header: &Piece<'_>,
+    rows: &[&Piece<'_>],
+    (arguments, width): (usize, usize),
+) -> Result<Vec<Vec<f64>>, Problems> {
     let mut problems = Problems::none();
-    let mut columns = vec![Vec::new(); names.len()];
+    let mut columns = vec![Vec::new(); width];
     for row in rows {
-        let words = row.row(names.len(), is_separator, &mut problems);
+        let words = row.row(width, is_separator, &mut problems);
         for (column, word) in columns.iter_mut().zip(words.unwrap_or_default()) {
             column.extend(word.number("a value", &mut problems));
         }
@@ -377,31 +415,5 @@ fn read_block(header: &Piece<'_>, rows: &[&Piece<'_>]) -> Result<Vec<Parameter>,
             "put a line with `#` between the blocks; the file may be incomplete",
         ));
     }
-    let positions_mm = if arguments == 0 {
-        Vec::new()
-    } else {
-        columns[0].clone()
-    };
-    let along = names
-        .first()
-        .filter(|_| arguments == 1)
-        .and_then(|name| Axis::from_letter(name.text));
-    let mut parameters = Vec::new();
-    for (name, values) in names.iter().zip(columns).skip(arguments) {
-        let component = Component::from_name(name.text);
-        if let Some(component) = component.filter(|component| Some(component.along) != along) {
-            let (own, name_) = (component.along, shown(name.text));
-            let message = format!(
-                "`{name_}` is a curve along {own}, but it does not stand under this argument"
-            );
-            problems.push_with(|| name.problem(message, "each block has its own moving axis"));
-        }
-        parameters.push(Parameter {
-            name: name.text.to_string(),
-            place: name.place(),
-            positions_mm: positions_mm.clone(),
-            values,
-        });
-    }
-    problems.or_ok(parameters)
+    problems.or_ok(columns)
 }

@@ -25,13 +25,14 @@ use crate::text::problem::{Problem, Problems, shown};
 /// The version of the format that was at hand.
 const KNOWN_VERSION: &str = "5";
 /// Fields that are copied into our table.
-const COPIED: [&str; 6] = [
+const COPIED: [&str; 7] = [
     "Instrument(S/N)",
     "TestDate",
     "MachID",
     "MachName",
     "TestType",
     "ZeroOffset",
+    "TestAxis",
 ];
 const CHANGED: &str = "the file was edited: save it again, or take the maker's averages with `--rows averages` if they are what was changed on purpose";
 
@@ -41,16 +42,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     let mut problems = Problems::none();
     let term = stated.required_term(Format::Pos, &mut problems);
     let sign = stated.required_sign(&mut problems);
-    let mut said = Reading {
-        facts: header.fields.said(&COPIED),
-        ..Reading::default()
-    };
-    if let Some(axis) = header.fields.value("TestAxis") {
-        let (facts, warnings) = (&mut said.facts, &mut said.warnings);
-        facts.push(format!("the file says: TestAxis: {}", shown(axis.text)));
-        warnings.extend(stated.axis_warning(&axis, Format::Pos, &mut problems));
-    }
-    said.warnings.extend(header.version_warning());
+    let mut said = header.said(stated, &mut problems);
     let is_measured = stated.rows != Some(Rows::Averages);
     let unit = header.unit("Unit", &mut problems);
     // Measured errors have the unit of reading and position, from which they follow.
@@ -137,6 +129,17 @@ impl<'a> Header<'a> {
         }
         let (first, fields) = (*first, Fields(fields));
         Ok(Header { first, fields })
+    }
+
+    /// What is copied, and what to look at.
+    fn said(&self, stated: &Stated, problems: &mut Problems) -> Reading {
+        let axis = self.fields.value("TestAxis");
+        let axis = axis.and_then(|axis| stated.axis_warning(&axis, Format::Pos, problems));
+        Reading {
+            facts: self.fields.said(&COPIED),
+            warnings: axis.into_iter().chain(self.version_warning()).collect(),
+            ..Reading::default()
+        }
     }
 
     fn version_warning(&self) -> Option<String> {

@@ -210,27 +210,7 @@ fn compare(header: &Fields<'_>, passes: &Passes, problems: &mut Problems) {
         let help = "save the table again: which of the two holds is not known";
         problems.push(line.problem(message, help));
     }
-    match header.value("Backlash error") {
-        Some(line) => {
-            let first = line.text.split_whitespace().next().unwrap_or_default();
-            if !first.eq_ignore_ascii_case("n/a") && plain_number(first) != Some(0.0) {
-                let found = shown(line.text);
-                let message = format!(
-                    "the table leaves out a backlash of `{found}`, whose sense is not known"
-                );
-                problems.push(line.problem(message, SEPARATE));
-            }
-        }
-        None if combined => {
-            let message = "there is no line `Backlash error`, so it is not known whether the combined table leaves out a backlash";
-            problems.push(
-                Problem::new(message)
-                    .at(passes.place.clone())
-                    .help(SEPARATE),
-            );
-        }
-        None => {}
-    }
+    refuse_backlash(header, passes, problems);
     let targets = &passes.targets;
     compare_end(
         header,
@@ -244,6 +224,35 @@ fn compare(header: &Fields<'_>, passes: &Passes, problems: &mut Problems) {
         (passes, targets.last()),
         problems,
     );
+    compare_spacing(header, targets, problems);
+}
+
+/// A combined table may leave out a backlash that stands in a line of its own.
+fn refuse_backlash(header: &Fields<'_>, passes: &Passes, problems: &mut Problems) {
+    match header.value("Backlash error") {
+        Some(line) => {
+            let first = line.text.split_whitespace().next().unwrap_or_default();
+            if !first.eq_ignore_ascii_case("n/a") && plain_number(first) != Some(0.0) {
+                let found = shown(line.text);
+                let message = format!(
+                    "the table leaves out a backlash of `{found}`, whose sense is not known"
+                );
+                problems.push(line.problem(message, SEPARATE));
+            }
+        }
+        None if is_combined(passes) => {
+            let message = "there is no line `Backlash error`, so it is not known whether the combined table leaves out a backlash";
+            problems.push(
+                Problem::new(message)
+                    .at(passes.place.clone())
+                    .help(SEPARATE),
+            );
+        }
+        None => {}
+    }
+}
+
+fn compare_spacing(header: &Fields<'_>, targets: &[f64], problems: &mut Problems) {
     let Some((line, spacing)) = millimetres(header, "Compensation spacing", problems) else {
         return;
     };
