@@ -37,7 +37,7 @@ pub(super) struct Options {
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     travel_mm: Option<f64>,
     /// .rtl: as-error = measured - target; as-correction = what has to be added
-    #[arg(long)]
+    #[arg(long, hide_possible_values = true)]
     sign: Option<TableSign>,
     /// .rtl: way of the axis from the first target to the last, in machine coordinates: + or -
     #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]

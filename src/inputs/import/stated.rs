@@ -126,7 +126,7 @@ pub struct Stated {
     #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
     pub plus_moves: Option<Direction>,
     /// as-error = measured - target, as the file counts; as-correction = what has to be added
-    #[arg(long)]
+    #[arg(long, hide_possible_values = true)]
     pub sign: Option<TableSign>,
     /// Unit of the values
     #[arg(long)]
