@@ -55,7 +55,7 @@
 //! * **where a sign changes**: the last lines of [`quantity::units`]; what a control's table means:
 //!   [`control::controller::TableSign`]
 //! * **where a limit of a control comes from**: `controllers/<id>.toml`, each fact with its source
-//! * **where something is rounded**: [`write::compensation`], once, on totals
+//! * **where something is rounded**: [`write::siemens`], [`write::fanuc`], once, on totals
 //! * **what a control does with a table**: [`read::emulate`]
 //!
 //! The library serves the program and its tests; its interface may change in every version.

@@ -10,7 +10,9 @@ mod support;
 
 use nonius::control::controller::{
     Dialect, EmittedFile, Evidence, Mechanism, Origin, Profile, Role, StraightnessForm, builtin,
+    load,
 };
+use nonius::text::document::Source;
 use std::collections::BTreeSet;
 
 fn all() -> Vec<Profile> {
@@ -128,6 +130,43 @@ fn every_template_renders() {
             profile.id
         );
     }
+}
+
+/// Facts of the page itself decide which files of the page below are written, and what is not stated stays.
+#[test]
+fn a_page_is_laid_over_the_one_it_builds_on() {
+    let page = "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"siemens-828d\"\n\
+        [facts.table_form]\nvalue = \"data\"\nevidence = \"manual\"\nsource = \"a page\"\n\
+        [facts.cec_sign]\nvalue = \"as_correction\"\nevidence = \"executed\"\nsource = \"a proof\"\n\
+        [program]\nextension = \"SPF\"\n";
+    let source = Source::from_bytes("own.toml", page.as_bytes()).unwrap();
+    let own = load::profile(
+        source,
+        Origin::BuiltIn,
+        &|name, is_own| (!is_own).then(|| builtin::template(name))?,
+        &builtin::page,
+    );
+    let (own, base) = (own.unwrap(), builtin::profile("siemens-828d").unwrap());
+    assert!(own.files.iter().any(|file| file.path.ends_with(".INI")));
+    assert!(base.files.iter().all(|file| !file.path.ends_with(".INI")));
+    assert_eq!(own.checklist, base.checklist);
+    assert_eq!(own.program.as_ref().unwrap().extension, "SPF");
+    let fact = |profile: &Profile, name: &str| {
+        let stated = profile.statements.iter().find(|s| s.fact == name);
+        stated.cloned().unwrap()
+    };
+    let names = |profile: &Profile| {
+        let names = profile.statements.iter().map(|s| s.fact.clone());
+        names.collect::<Vec<String>>()
+    };
+    assert_eq!(names(&own), names(&base));
+    let sign = fact(&own, "cec_sign");
+    assert_eq!(
+        (sign.value.as_str(), sign.consequence),
+        ("as_correction", None)
+    );
+    assert_eq!(sign.mechanism, fact(&base, "cec_sign").mechanism);
+    assert_eq!(fact(&own, "cec_tables"), fact(&base, "cec_tables"));
 }
 
 /// Whether a control of this profile takes the file: one form of straightness has points.

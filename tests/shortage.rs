@@ -130,3 +130,35 @@ fn without_a_free_cec_table_positioning_gets_the_mean() {
             .all(|p| p.value == "as during the measurement")
     );
 }
+
+/// X and Y are the same in both directions, Z is not; only X and Z shall have two tables.
+#[test]
+fn equal_directions_and_policies_of_their_own_get_one_table() {
+    let table = "axis,direction,position_mm,ex_um,ez_um\nx,+,0,0,0\nx,+,100,3,0\nx,-,0,0,0\nx,-,100,3,0\n\
+                 z,+,0,0,0\nz,+,100,0,5\nz,-,0,0,-2\nz,-,100,0,4\n";
+    let policies = "backlash = { x = \"two-tables\", y = \"mean\", z = \"two-tables\" }";
+    for id in builtin::ids() {
+        let (_, kit) = support::generate(&job(id, policies, 0.0, 50.0), table);
+        let directed = |term: &str| {
+            let term = ErrorTerm::from_name(term).unwrap();
+            let tables = kit.plan.tables.iter().filter(|t| t.term == term);
+            let directions: Vec<bool> = tables.map(|t| t.direction.is_some()).collect();
+            directions
+        };
+        assert_eq!(directed("EXX"), [false], "{id}");
+        assert_eq!(directed("EZZ"), [true, true], "{id}");
+        let backlash = kit.plan.backlash_um.x;
+        assert!(
+            backlash.is_some_and(|um| um.abs() < 1e-9),
+            "{id}: {backlash:?}"
+        );
+        let words = "EXX: both directions are equal, so one table is written";
+        assert!(kit.plan.notes.iter().any(|note| note == words), "{id}");
+        let mean = policies.replace("z = \"two-tables\"", "z = \"mean\"");
+        let (_, kit) = support::generate(&job(id, &mean, 0.0, 50.0), table);
+        assert!(
+            kit.plan.tables.iter().all(|t| t.direction.is_none()),
+            "{id}"
+        );
+    }
+}

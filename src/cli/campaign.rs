@@ -191,7 +191,7 @@ impl CampaignFiles {
                 self.measurement.readings, self.readings_sha256
             ),
         ];
-        table::draft(separation, self.job.compensation.backlash, comments)
+        table::draft(separation, &self.job.compensation.backlash, comments)
     }
 }
 
@@ -213,24 +213,25 @@ pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> 
 
 /// Readings in both directions need a word on the reversal, even where they do not determine it.
 fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
-    let open: Vec<String> = Axis::ALL
-        .into_iter()
-        .filter(|axis| !separation.is_directed(*axis))
-        .map(|axis| axis.to_string())
-        .collect();
-    if separation.means.reverse.is_none() || open.is_empty() {
+    if separation.means.reverse.is_none() {
         return Ok(());
     }
-    match job.compensation.backlash {
-        None => Err(job
+    let is_open = |axis: &Axis| !separation.is_directed(*axis);
+    let policy = |axis: Axis| job.compensation.backlash[axis];
+    let open = || Axis::ALL.into_iter().filter(is_open);
+    let both = [BacklashPolicy::TwoTables, BacklashPolicy::CurveAndParameter];
+    let needed = open().filter(|axis| policy(*axis).is_some_and(|own| both.contains(&own)));
+    let needed: Vec<String> = needed.map(|axis| axis.to_string()).collect();
+    match (open().any(|axis| policy(axis).is_none()), needed.is_empty()) {
+        (true, _) => Err(job
             .problem_at("compensation", "the readings were taken in both directions, but `backlash` is not stated; there is no default")
             .help("write `backlash = \"mean\"` or \"forward-only\"; the reversal of each axis is not determined by these readings")),
-        Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter) => Err(job
+        (false, false) => Err(job
             .problem_at(
                 "compensation.backlash",
-                format!("this needs the reversal of each axis, which these readings do not determine for {}", open.join(", ")),
+                format!("this needs the reversal of each axis, which these readings do not determine for {}", needed.join(", ")),
             )
             .help("turn once without overrun at the far end of the diagonals, or name a linear measurement of each axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]]), or use `backlash = \"mean\"`")),
-        Some(BacklashPolicy::Mean | BacklashPolicy::ForwardOnly) => Ok(()),
+        (false, true) => Ok(()),
     }
 }

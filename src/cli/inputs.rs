@@ -9,6 +9,7 @@ use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MeasuredData, UseOf,
 use crate::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::{Inputs, hashed};
+use crate::quantity::axis::PerAxis;
 use crate::quantity::diagonal::PathKind;
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
@@ -39,7 +40,9 @@ pub(super) fn read_job(
         problems
     })?;
     if use_of == UseOf::Figures {
-        job.compensation.backlash = job.compensation.backlash.or(Some(BacklashPolicy::Mean));
+        let policies = job.compensation.backlash;
+        let or_mean = |axis| policies[axis].or(Some(BacklashPolicy::Mean));
+        job.compensation.backlash = PerAxis::from_fn(or_mean);
     }
     let mut files = JobFiles::new(&job, job_path);
     files.hashes.push(hashed(&file_name(job_path), bytes));

@@ -215,6 +215,20 @@ impl FanucFacts {
     }
 }
 
+facts! {
+    /// Facts of every control.
+    CommonFacts {
+        /// Line end of the emitted files.
+        line_end: LineEnd,
+        /// Whether the control's files may carry comments.
+        comments: bool,
+        /// Names of the axes X, Y, Z where the job does not state them.
+        axis_names: Vec<String>,
+        /// Whether the job must state a detection unit for each axis.
+        detection_unit_required: bool,
+    }
+}
+
 /// The family of formats that a control reads.
 #[allow(
     clippy::large_enum_variant,

@@ -6,7 +6,7 @@ use crate::judge::after::Bare;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, Machine, forecast, judged_ranges};
 use crate::kit::inputs::{Inputs, judged};
-use crate::quantity::axis::ErrorTerm;
+use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::units::larger;
 use crate::read::emulate::Emulator;
 use crate::read::emulator;
@@ -112,12 +112,12 @@ fn as_found(inputs: &Inputs, made: &Plan, doubts: &[String]) -> Option<Way> {
 /// The policies that come to a better verdict, or leave less where the limit is exceeded, the best first.
 /// What the control refuses is no way.
 fn other_policies(inputs: &Inputs, verdict: Verdict, left_um: f64, doubts: &[String]) -> Vec<Way> {
-    let Some(own) = inputs.job.compensation.backlash else {
+    let own = &inputs.job.compensation.backlash;
+    if own.iter().all(|(_, policy)| policy.is_none()) {
         return Vec::new();
-    };
-    let others = BacklashPolicy::ALL
-        .into_iter()
-        .filter(|policy| *policy != own);
+    }
+    let is_other = |policy: &BacklashPolicy| own.iter().any(|(_, own)| *own != Some(*policy));
+    let others = BacklashPolicy::ALL.into_iter().filter(is_other);
     let mut ways: Vec<(Verdict, f64, Way)> = others
         .filter_map(|policy| with_policy(inputs, policy, doubts))
         .filter(|(other, um, _)| *other < verdict || verdict == Verdict::Fail && *um < left_um)
@@ -132,7 +132,7 @@ fn with_policy(
     doubts: &[String],
 ) -> Option<(Verdict, f64, Way)> {
     let mut inputs = inputs.clone();
-    inputs.job.compensation.backlash = Some(policy);
+    inputs.job.compensation.backlash = PerAxis::from_fn(|_| Some(policy));
     let made = plan(inputs.task()).ok()?;
     let compiled = inputs.compile(&made).ok()?;
     let control: Box<dyn Emulator> =

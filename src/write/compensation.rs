@@ -1,41 +1,28 @@
 //! The plan in a control's own numbers: rounded once, numbered, within its limits.
 //!
 //! ```text
-//!   Plan ─→ siemens | fanuc | generic ─→ Compiled { tables, state, assumptions, preconditions }
+//!   Plan ─→ Family (siemens, fanuc, generic) ─→ Compiled { tables, state, assumptions, preconditions }
 //! ```
 //! Deviations become table values through [`crate::control::controller::TableSign`], the only place where
 //! a profile's sense of a table enters. Rounding is half away from zero, on totals, so no point
 //! is off by more than half a count.
 
-mod compiled;
-pub mod fanuc;
-pub mod four_point;
-pub mod generic;
-mod reasons;
-pub mod siemens;
-
-use self::reasons::counts_as_zero;
-
-pub(crate) use self::reasons::{backlash_why, two_tables_why};
-
-pub use self::compiled::{Compiled, Placement};
+pub use crate::write::compiled::{Compiled, Placement};
 
 use crate::control::claims::Assumption;
-use crate::control::controller::{Dialect, Evidence, LengthUnit, Mechanism, StraightnessForm};
+use crate::control::controller::{Evidence, LengthUnit, Mechanism};
 use crate::control::table::Tables;
-use crate::inputs::job::{ActiveTables, BacklashPolicy, Job};
+use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MachineAxis};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::text::problem::Problems;
+use crate::write::compiled::counts_as_zero;
+use crate::write::family::family;
 use crate::write::grid::EDGE_MM;
-use crate::write::plan::{Plan, Task};
+use crate::write::task::{Plan, Task};
 
 /// Puts a plan into the numbers of the task's control; all problems are given at once.
 pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
-    let mut compiled = match &task.profile.dialect {
-        Dialect::Siemens(facts) => siemens::compile(task, plan, facts)?,
-        Dialect::Fanuc(facts) => fanuc::compile(task, plan, facts)?,
-        Dialect::Generic(_) => generic::compile(task, plan),
-    };
+    let mut compiled = family(task.profile).compile(task, plan)?;
     let mut assumptions = profile_assumptions(task, plan, &compiled.tables);
     assumptions.extend(job_assumptions(task, plan));
     assumptions.append(&mut compiled.assumptions);
@@ -118,25 +105,11 @@ fn unlikely_reversals(task: Task<'_>) -> Vec<String> {
 
 /// Whether a kit uses what a fact belongs to; what cannot be judged counts as used.
 pub(crate) fn uses(task: Task<'_>, plan: &Plan, tables: &Tables, mechanism: Mechanism) -> bool {
-    let cross = plan.tables.iter().any(|t| t.term.is_cross());
-    let has_form = |form| matches!(&task.profile.dialect, Dialect::Fanuc(facts) if facts.straightness_form.value == form);
-    match (mechanism, tables) {
-        (Mechanism::Nothing, _) => false,
-        (Mechanism::Metric, _) => task.job.compensation.control_unit == LengthUnit::Millimetre,
-        (Mechanism::Inch, _) => task.job.compensation.control_unit == LengthUnit::Inch,
-        (Mechanism::EncComp, Tables::Siemens(tables)) => !tables.lec.is_empty(),
-        (Mechanism::Cec, Tables::Siemens(tables)) => !tables.cec.is_empty(),
-        (Mechanism::CecProducts, Tables::Siemens(tables)) => {
-            tables.cec.iter().any(|table| table.multiply_by != 0)
-        }
-        (Mechanism::Pitch, Tables::Fanuc(_)) => plan.tables.iter().any(|t| t.term.is_positioning()),
-        (Mechanism::Bidirectional, Tables::Fanuc(_)) => {
-            plan.tables.iter().any(|t| t.direction.is_some())
-        }
-        (Mechanism::Straightness, Tables::Fanuc(_)) => cross,
-        (Mechanism::FourPoint, Tables::Fanuc(_)) => cross && has_form(StraightnessForm::FourPoint),
-        (Mechanism::PerPoint, Tables::Fanuc(_)) => cross && has_form(StraightnessForm::PerPoint),
-        _ => true,
+    match mechanism {
+        Mechanism::Nothing => false,
+        Mechanism::Metric => task.job.compensation.control_unit == LengthUnit::Millimetre,
+        Mechanism::Inch => task.job.compensation.control_unit == LengthUnit::Inch,
+        _ => family(task.profile).uses(mechanism, plan, tables),
     }
 }
 
@@ -160,54 +133,58 @@ fn profile_assumptions(task: Task<'_>, plan: &Plan, tables: &Tables) -> Vec<Assu
 }
 
 fn job_assumptions(task: Task<'_>, plan: &Plan) -> Vec<Assumption> {
-    let mut assumptions = Vec::new();
-    let involved = |axis: Axis| {
-        plan.tables
-            .iter()
-            .any(|t| t.term.of == axis || t.term.along == axis)
-    };
-    for axis in plan.default_names.iter().filter(|axis| involved(**axis)) {
-        if !matches!(task.profile.dialect, Dialect::Generic(_)) {
-            assumptions.push(Assumption::of_job(
-                format!("axis_name_{}", axis.key()),
-                plan.names[*axis].join(", "),
-                format!(
-                    "tables would reach another axis: state `id` in [compensation.axes.{}]",
-                    axis.key()
-                ),
-            ));
-        }
-    }
-    for axis in counted_as_zero(task.job, plan) {
-        assumptions.push(Assumption::of_job(
+    let names = default_names(task, plan);
+    let parameters = counted_as_zero(task.job, plan).into_iter().map(|axis| {
+        Assumption::of_job(
             format!("backlash_while_measuring_{}", axis.key()),
             "0",
             format!("the reversal of {axis} would be off by the parameter that was on (MD32450, 1851): state `active_backlash_um`"),
-        ));
-    }
-    let separates = task
-        .job
-        .compensation
-        .backlash
-        .is_some_and(|p| p != BacklashPolicy::Mean);
-    let both_ways = |axis: Axis| {
-        task.model
+        )
+    });
+    let directions = reference_directions(task, plan);
+    names.chain(parameters).chain(directions).collect()
+}
+
+fn is_involved(plan: &Plan, axis: Axis) -> bool {
+    let mut terms = plan.tables.iter().map(|t| t.term);
+    terms.any(|term| term.of == axis || term.along == axis)
+}
+
+/// Names that the profile gives and the job does not state.
+fn default_names(task: Task<'_>, plan: &Plan) -> impl Iterator<Item = Assumption> {
+    let reach_axes = family(task.profile).names_reach_axes();
+    let axes = plan.default_names.iter();
+    let axes = axes.filter(move |axis| reach_axes && is_involved(plan, **axis));
+    axes.map(|axis| {
+        Assumption::of_job(
+            format!("axis_name_{}", axis.key()),
+            plan.names[*axis].join(", "),
+            format!(
+                "tables would reach another axis: state `id` in [compensation.axes.{}]",
+                axis.key()
+            ),
+        )
+    })
+}
+
+/// Directions of the reference return that the job does not state, where two directions stand apart.
+fn reference_directions(task: Task<'_>, plan: &Plan) -> impl Iterator<Item = Assumption> {
+    let matters = move |axis: &Axis| {
+        let policy = task.job.compensation.backlash[*axis];
+        let separates = policy.is_some_and(|policy| policy != BacklashPolicy::Mean);
+        let both_ways = task
+            .model
             .measured()
-            .any(|(term, measured)| term.along == axis && measured.measured.has_both_ways())
+            .any(|(term, measured)| term.along == *axis && measured.measured.has_both_ways());
+        let is_open = |machine: MachineAxis| machine.reference_direction.is_none();
+        let open = task.job.machine.axes[*axis].is_some_and(is_open);
+        separates && both_ways && open && is_involved(plan, *axis)
     };
-    for axis in Axis::ALL
-        .into_iter()
-        .filter(|axis| separates && involved(*axis) && both_ways(*axis))
-    {
-        let stated =
-            task.job.machine.axes[axis].is_none_or(|machine| machine.reference_direction.is_some());
-        if !stated {
-            assumptions.push(Assumption::of_job(
-                format!("reference_direction_{}", axis.key()),
-                "+",
-                format!("the whole table of {axis} would be off by the reversal: state `reference_direction` in [machine.axes.{}]", axis.key()),
-            ));
-        }
-    }
-    assumptions
+    Axis::ALL.into_iter().filter(matters).map(|axis| {
+        Assumption::of_job(
+            format!("reference_direction_{}", axis.key()),
+            "+",
+            format!("the whole table of {axis} would be off by the reversal: state `reference_direction` in [machine.axes.{}]", axis.key()),
+        )
+    })
 }

@@ -4,22 +4,15 @@
 //! turned into text here, once, so a template decides about layout and nothing else. What a
 //! template sees is printed by `nonius context JOB` and explained in docs/templates.md.
 
-mod ascii;
-mod fanuc;
-mod generic;
 mod layout;
-mod number;
 pub mod program;
-mod siemens;
-mod switch;
 mod templates;
 
-pub use self::switch::Switch;
-
-use self::number::fixed;
+pub use crate::write::control_text::{Instead, Switch};
+pub use templates::Templates;
 
 use crate::control::checklist::Part;
-use crate::control::controller::{Dialect, EmittedFile, Role};
+use crate::control::controller::{EmittedFile, Role};
 use crate::control::table::Tables;
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
@@ -27,10 +20,11 @@ use crate::quantity::axis::Direction;
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, Placement};
-use crate::write::emit::ascii::ascii;
-use crate::write::plan::Task;
+use crate::write::control_text::{COMMENT_TEXT, ascii, is_comment_text};
+use crate::write::family::family;
+use crate::write::task::Task;
 use serde::Serialize;
-pub use templates::Templates;
+use serde_json::{Value, json};
 
 /// A file of the kit, ready to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,79 +42,14 @@ pub const TOOL: &str = concat!("nonius ", env!("CARGO_PKG_VERSION"));
 
 /// What the templates of a control see. Every number is finished text.
 #[derive(Clone, Debug, Serialize)]
-pub struct Context {
-    tool: &'static str,
-    controller: ControllerContext,
-    machine: MachineContext,
-    measurement: MeasurementContext,
-    unit: &'static str,
-    header: Vec<String>,
-    terms: Vec<TermContext>,
-    #[serde(flatten)]
-    tables: TablesContext,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct ControllerContext {
-    id: String,
-    name: String,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct MachineContext {
-    name: String,
-    serial: String,
-    chain: String,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct MeasurementContext {
-    date: String,
-    active: &'static str,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct TermContext {
-    term: String,
-    direction: &'static str,
-    place: String,
-    points: String,
-}
-
-#[derive(Clone, Debug, Serialize)]
-#[serde(untagged)]
-enum TablesContext {
-    Siemens(siemens::SiemensContext),
-    Fanuc(fanuc::FanucContext),
-    Generic(generic::GenericContext),
-}
+pub struct Context(Value);
 
 impl Context {
     /// Whether a list of tables (`lec`, `cec`, `points`, …) holds something; profiles ask with `when`.
     fn holds(&self, list: &str) -> bool {
-        match (&self.tables, list) {
-            (TablesContext::Siemens(tables), "lec") => !tables.lec.is_empty(),
-            (TablesContext::Siemens(tables), "cec") => !tables.cec.is_empty(),
-            (TablesContext::Siemens(tables), "switches") => !tables.switches.is_empty(),
-            (TablesContext::Fanuc(tables), "points") => !tables.points.is_empty(),
-            (TablesContext::Fanuc(tables), "parameters") => !tables.parameters.is_empty(),
-            (TablesContext::Generic(tables), "rows") => !tables.rows.is_empty(),
-            _ => false,
-        }
+        let list = self.0.get(list).and_then(Value::as_array);
+        list.is_some_and(|list| !list.is_empty())
     }
-}
-
-/// What a file that stands apart writes in place of the tables of the kit.
-#[derive(Clone, Debug, Default)]
-pub struct Instead<'a> {
-    /// What it is, in place of the measurement that the tables of the kit are from.
-    pub notice: &'a str,
-    /// Whether the places are those of the kit, so that their terms may be named.
-    pub names_terms: bool,
-    /// Whether numbers keep the digits they were read with, also beyond those of the profile.
-    pub as_read: bool,
-    /// Machine data that it restores (Siemens).
-    pub switches: Vec<Switch>,
 }
 
 /// What the templates of a control see.
@@ -131,7 +60,7 @@ pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems>
     };
     let context = context_of(task, compiled, &compiled.tables, &own)?;
     if task.profile.comments.value {
-        refuse_unsafe_text(task, &context)?;
+        refuse_unsafe_text(task)?;
     }
     Ok(context)
 }
@@ -142,113 +71,77 @@ fn context_of(
     tables: &Tables,
     instead: &Instead<'_>,
 ) -> Result<Context, Problems> {
-    let placements = if instead.names_terms {
-        compiled.placements.as_slice()
-    } else {
-        &[]
+    let placements = match instead.names_terms {
+        true => compiled.placements.as_slice(),
+        false => &[],
     };
-    let tables = match (tables, &task.profile.dialect) {
-        (Tables::Siemens(tables), Dialect::Siemens(facts)) => {
-            let (state, as_read) = (&compiled.state, instead.as_read);
-            let mut context = siemens::context(task, placements, tables, facts, state, as_read);
-            context.switches.clone_from(&instead.switches);
-            TablesContext::Siemens(context)
-        }
-        (Tables::Fanuc(memory), Dialect::Fanuc(facts)) => {
-            TablesContext::Fanuc(fanuc::context(memory, facts))
-        }
-        (Tables::Generic(table), _) => TablesContext::Generic(generic::context(table)),
-        _ => return Err(Problem::new("the tables are not of the profile's dialect").into()),
-    };
-    Ok(with_header(task, placements, tables, instead))
-}
-
-fn with_header(
-    task: Task<'_>,
-    placements: &[Placement],
-    tables: TablesContext,
-    instead: &Instead<'_>,
-) -> Context {
+    let tables = family(task.profile).context(task, compiled, tables, instead);
+    let mut tables =
+        tables.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
     let machine = &task.job.machine;
     let said = |text: &str| match task.profile.comments.value {
         true => ascii(text).into_owned(),
         false => text.to_string(),
     };
-    let text = |value: &Option<String>| said(value.as_deref().unwrap_or("not stated"));
-    let measurement = MeasurementContext {
-        date: text(&task.job.measurement.date),
-        active: match &task.job.measurement.active {
-            ActiveTables::None => "none",
-            ActiveTables::NotStated => "not stated",
-            ActiveTables::Path(_) => "yes, the tables of this kit contain it",
-        },
+    let text = |value: Option<&str>| said(value.unwrap_or("not stated"));
+    let date = text(task.job.measurement.date.as_deref());
+    let active = match &task.job.measurement.active {
+        ActiveTables::None => "none",
+        ActiveTables::NotStated => "not stated",
+        ActiveTables::Path(_) => "yes, the tables of this kit contain it",
     };
-    Context {
-        tool: TOOL,
-        controller: ControllerContext {
-            id: task.profile.id.clone(),
-            name: said(&task.profile.name),
+    let mut context = json!({
+        "tool": TOOL,
+        "controller": { "id": task.profile.id, "name": said(&task.profile.name) },
+        "machine": {
+            "name": said(&machine.name),
+            "serial": text(machine.serial.as_deref()),
+            "chain": text(machine.chain.map(|chain| chain.to_string()).as_deref()),
         },
-        machine: MachineContext {
-            name: said(&machine.name),
-            serial: text(&machine.serial),
-            chain: text(&machine.chain.map(|chain| chain.to_string())),
-        },
-        header: header(task, &measurement, instead.notice),
-        measurement,
-        unit: task.job.compensation.control_unit.word(),
-        terms: placements.iter().map(term_context).collect(),
-        tables,
+        "measurement": { "date": date, "active": active },
+        "unit": task.job.compensation.control_unit.word(),
+        "header": header(task, &date, active, instead.notice),
+        "terms": placements.iter().map(term).collect::<Vec<Value>>(),
+    });
+    for (name, seen) in tables.as_object_mut().into_iter().flatten() {
+        context[name] = seen.take();
     }
+    Ok(Context(context))
 }
 
 /// First comments of a file, where the control's files may carry comments: where its values are
 /// from. Only the kit's own tables hold a measurement.
-fn header(task: Task<'_>, measurement: &MeasurementContext, notice: &str) -> Vec<String> {
+fn header(task: Task<'_>, date: &str, active: &str, notice: &str) -> Vec<String> {
     let simulated = task.model.remarks.simulated().next();
     let simulated = simulated.map(|_| format!("{SIMULATED}: predicted readings, a rehearsal"));
     let origin = match notice {
-        "" => format!(
-            "measured {}, compensation active while measuring: {}",
-            measurement.date, measurement.active
-        ),
+        "" => format!("measured {date}, compensation active while measuring: {active}"),
         notice => notice.to_string(),
     };
     simulated.into_iter().chain([origin]).collect()
 }
 
-fn term_context(placement: &Placement) -> TermContext {
-    TermContext {
-        term: placement.term.to_string(),
-        direction: direction_word(placement.direction),
-        place: placement.place.clone(),
-        points: placement.points.to_string(),
-    }
-}
-
-/// `both`, `+` or `-`.
-fn direction_word(direction: Option<Direction>) -> &'static str {
-    direction.map_or("both", Direction::symbol)
+fn term(placement: &Placement) -> Value {
+    json!({
+        "term": placement.term.to_string(),
+        "direction": placement.direction.map_or("both", Direction::symbol),
+        "place": placement.place,
+        "points": placement.points.to_string(),
+    })
 }
 
 /// Text of a job that reaches a control's file must not be able to end a comment, start a block
 /// or a program (contract §2.3, `name`).
-fn refuse_unsafe_text(task: Task<'_>, context: &Context) -> Result<(), Problems> {
+fn refuse_unsafe_text(task: Task<'_>) -> Result<(), Problems> {
     let mut problems = Problems::none();
-    let fields = [
-        ("machine.name", &context.machine.name),
-        ("machine.serial", &context.machine.serial),
-        ("measurement.date", &context.measurement.date),
-    ];
-    for (path, text) in fields {
-        if is_comment_text(text) {
-            continue;
+    for (path, text) in comment_texts(task.job) {
+        if !is_comment_text(&ascii(text)) {
+            problems.push(
+                task.job
+                    .problem_at(path, format!("`{path}` goes into comments of the control's files, expected {COMMENT_TEXT}"))
+                    .help("write it in plain letters and digits"),
+            );
         }
-        problems.push(
-            task.job
-                .problem_at(path, format!("`{path}` goes into comments of the control's files, expected {COMMENT_TEXT}"))
-                .help("write it in plain letters and digits"),
-        );
     }
     if !is_comment_text(&ascii(&task.profile.name)) {
         problems.push(
@@ -259,18 +152,22 @@ fn refuse_unsafe_text(task: Task<'_>, context: &Context) -> Result<(), Problems>
     problems.or_ok(())
 }
 
-/// Names that stand in the control's files in other letters than in the job.
-pub(crate) fn other_letters(job: &Job, profile_name: &str) -> Vec<String> {
+/// Texts of a job that stand in comments, with their keys.
+fn comment_texts(job: &Job) -> impl Iterator<Item = (&'static str, &str)> {
     let machine = &job.machine;
     let texts = [
         ("machine.name", Some(machine.name.as_str())),
         ("machine.serial", machine.serial.as_deref()),
         ("measurement.date", job.measurement.date.as_deref()),
-        ("name of the profile", Some(profile_name)),
     ];
-    let texts = texts
+    texts
         .into_iter()
-        .filter_map(|(key, text)| Some((key, text?)));
+        .filter_map(|(key, text)| Some((key, text?)))
+}
+
+/// Names that stand in the control's files in other letters than in the job.
+pub(crate) fn other_letters(job: &Job, profile_name: &str) -> Vec<String> {
+    let texts = comment_texts(job).chain([("name of the profile", profile_name)]);
     let changed = texts.filter(|(_, text)| !text.is_ascii());
     let words = changed.map(|(key, text)| {
         format!(
@@ -280,16 +177,6 @@ pub(crate) fn other_letters(job: &Job, profile_name: &str) -> Vec<String> {
     });
     words.collect()
 }
-
-fn is_comment_text(text: &str) -> bool {
-    let safe = |c: char| (' '..='~').contains(&c) && !"%;()[]{}<>".contains(c);
-    text.chars().all(safe) && text.len() <= LONGEST_TEXT
-}
-
-/// Longest name in a comment: the line stays below 80 characters.
-const LONGEST_TEXT: usize = 60;
-const COMMENT_TEXT: &str =
-    "up to 60 printable characters without line breaks, `%`, `;` or brackets";
 
 /// The tables, parameters and switches of the kit, with the control's line ends.
 pub fn render(
@@ -329,10 +216,9 @@ pub(crate) fn render_checklist(
     parts: &[Part],
 ) -> Result<Vec<RenderedFile>, Problems> {
     let mut seen = tera::Context::new();
-    seen.insert("tool", &context.tool);
-    seen.insert("controller", &context.controller);
-    seen.insert("machine", &context.machine);
-    seen.insert("measurement", &context.measurement);
+    for name in ["tool", "controller", "machine", "measurement"] {
+        seen.insert(name, &context.0[name]);
+    }
     seen.insert("head", head);
     seen.insert("parts", parts);
     let files = task.profile.files.iter();
@@ -388,22 +274,5 @@ fn with_line_ends(text: String, line_end: &str) -> String {
         text
     } else {
         text.replace('\n', line_end)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::fixed;
-
-    #[test]
-    fn numbers_have_their_decimals_and_no_negative_zero() {
-        assert_eq!(fixed(-0.0004, 3), "0.000");
-        assert_eq!(fixed(-0.012, 3), "-0.012");
-        assert_eq!(fixed(1234.5, 0), "1234"); // half to even, as the formatter of numbers does
-        assert_eq!(fixed(-0.3, 1), "-0.3");
-        assert_eq!(fixed(-1e12, 0), "-1000000000000");
-        assert_eq!(fixed(-1.0, 12), "-1.000000000000");
-        assert_eq!(fixed(-0.05, 13), "-0.0500000000000");
-        assert_eq!(fixed(f64::NAN, 3), "NaN"); // no input brings one here; a control would refuse it
     }
 }

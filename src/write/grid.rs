@@ -73,9 +73,8 @@ impl Grid {
     }
 
     /// Machine coordinate of a point.
-    #[allow(clippy::cast_precision_loss, reason = "indices are small")]
     pub fn position(&self, index: i64) -> Millimetres {
-        Millimetres::new(self.reference.mm() + index as f64 * self.spacing().mm())
+        Millimetres::new(self.reference.mm() + as_number(index) * self.spacing().mm())
     }
 
     /// Number of points.
@@ -128,12 +127,8 @@ impl Span {
     }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "lengths of a job are bounded where it is read, spacings by the last digit"
-)]
 fn steps(length_mm: f64, spacing_mm: f64) -> i64 {
-    ((length_mm - SHORT_MM) / spacing_mm).ceil().max(0.0) as i64
+    whole(((length_mm - SHORT_MM) / spacing_mm).ceil().max(0.0))
 }
 
 /// A grid of the spacing that the job asks for.
@@ -210,20 +205,23 @@ fn digits_of(spacing_mm: f64, digit: LengthDigit) -> i64 {
     }
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "spacings are far below 2^52 digits"
-)]
 fn written_mm(spacing_digits: i64, digit: LengthDigit) -> f64 {
-    spacing_digits as f64 * digit.mm()
+    as_number(spacing_digits) * digit.mm()
 }
 
+/// A number that was rounded, far below 2^52; NaN and infinity saturate.
 #[allow(
     clippy::cast_possible_truncation,
     reason = "the number was rounded and is far below 2^52"
 )]
-fn whole(rounded: f64) -> i64 {
+pub(crate) fn whole(rounded: f64) -> i64 {
     rounded as i64
+}
+
+/// A count as a number, far below 2^52.
+#[allow(clippy::cast_precision_loss, reason = "far below 2^52")]
+pub(crate) fn as_number(count: i64) -> f64 {
+    count as f64
 }
 
 fn on_grid(
@@ -287,12 +285,8 @@ pub(crate) fn with_points(
     })
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a spacing in micrometres, far below 2^52"
-)]
 fn spacing_of(step: i64) -> f64 {
-    step as f64 * SPACING_STEP_MM
+    as_number(step) * SPACING_STEP_MM
 }
 
 #[cfg(test)]

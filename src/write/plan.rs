@@ -7,52 +7,18 @@
 
 mod grids;
 mod limits;
-mod names;
-mod task;
 
-pub use self::task::{PlannedTable, Task};
+pub use crate::write::task::{Plan, PlannedTable, Task, axis_pairs};
 
-pub use names::{axis_names, axis_pairs};
-
-use crate::control::controller::Dialect;
-use crate::inputs::job::BacklashPolicy;
+use crate::control::controller::Profile;
+use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use crate::text::document::MOST_ROWS;
 use crate::text::problem::{Problem, Problems};
+use crate::write::family::family;
 use crate::write::grid::Grid;
 use crate::write::selection::{self, Budget, Choice, Cost};
 use crate::write::target::{self, Omission, Target, TermTargets};
 use grids::{grids, point_limit, tabulate};
-use names::default_names;
-
-/// All tables of a kit, before they are put into a control's numbers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
-    /// The tables, in the contract's order of terms.
-    pub tables: Vec<PlannedTable>,
-    /// The points of each moving axis.
-    pub grids: PerAxis<Option<Grid>>,
-    /// The control's names of the physical axes.
-    pub names: PerAxis<Vec<String>>,
-    /// Axes whose names are the profile's default.
-    pub default_names: Vec<Axis>,
-    /// Value of the backlash parameter (−B) of each axis, µm, where the policy names one.
-    pub backlash_um: PerAxis<Option<f64>>,
-    /// Terms that get no table: not wanted, not determined, or beyond what the control holds.
-    pub omitted: Vec<Omission>,
-    /// What the user should know.
-    pub notes: Vec<String>,
-}
-
-impl Plan {
-    /// Whether the tables name the backlash parameter of an axis: 0 with two tables, else −B.
-    pub(crate) fn sets_backlash(&self, axis: Axis) -> bool {
-        let two_tables = |t: &PlannedTable| {
-            t.term.is_positioning() && t.term.of == axis && t.direction.is_some()
-        };
-        self.backlash_um[axis].is_some() || self.tables.iter().any(two_tables)
-    }
-}
 
 /// Makes the plan; all problems are given at once, nothing is rounded yet.
 pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
@@ -143,11 +109,10 @@ fn costs(
     targets: &[TermTargets],
 ) -> Option<(Vec<Cost>, Budget)> {
     let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-    let budget = budget(task)?;
-    let siemens = matches!(task.profile.dialect, Dialect::Siemens(_));
+    let budget = family(task.profile).budget(&task.job.compensation)?;
     let costs = targets
         .iter()
-        .filter(|t| t.term.is_cross() || (siemens && t.targets.len() > 1))
+        .filter(|t| t.term.is_cross() || (budget.takes_pairs && t.targets.len() > 1))
         .map(|t| {
             let outputs = names[t.term.of].len();
             // The mean of a positioning error goes into ENC_COMP, of which each axis has its own.
@@ -160,26 +125,6 @@ fn costs(
         })
         .collect();
     Some((costs, budget))
-}
-
-/// The tables that a control has few of; `None` where it has enough for everything.
-fn budget(task: Task<'_>) -> Option<Budget> {
-    let compensation = &task.job.compensation;
-    match &task.profile.dialect {
-        Dialect::Siemens(facts) => Some(Budget {
-            tables: facts.cec_tables.value,
-            used: compensation.first_table.unwrap_or(0),
-            resource: "CEC tables",
-            key: "first_table",
-        }),
-        Dialect::Fanuc(facts) => Some(Budget {
-            tables: facts.straightness_sets.value,
-            used: compensation.first_set.unwrap_or(1).saturating_sub(1),
-            resource: "straightness sets",
-            key: "first_set",
-        }),
-        Dialect::Generic(_) => None,
-    }
 }
 
 /// `first_table` or `first_set` names one that the control does not have.
@@ -207,70 +152,70 @@ fn tables(
     grids: &PerAxis<Option<Grid>>,
     problems: &mut Problems,
 ) -> Vec<PlannedTable> {
-    let mut tables = Vec::new();
-    let mut limited: Vec<Axis> = Vec::new();
-    for target in &targets {
-        let Some(grid) = grids[target.term.along] else {
-            continue;
-        };
-        let (most, holder) = point_limit(task.profile, &[target]);
-        if grid.count() > most as usize && !limited.contains(&target.term.along) {
-            limited.push(target.term.along);
-            let path = format!("compensation.axes.{}", target.term.along.key());
-            problems.push(
-                task.job
-                    .problem_at(
-                        &path,
-                        format!(
-                            "axis {} would have {} points, more than the {most} of {holder}",
-                            target.term.along,
-                            grid.count()
-                        ),
-                    )
-                    .help("use a larger spacing, or `points`, or `max_residual_um`"),
-            );
-        }
+    refuse_too_many_points(task, &targets, grids, problems);
+    if !problems.is_empty() {
+        return Vec::new();
     }
-    if !limited.is_empty() {
-        return tables;
-    }
-    for target in targets {
-        let Some(grid) = grids[target.term.along] else {
-            continue;
-        };
+    let planned = targets.into_iter().filter_map(|target| {
+        let grid = grids[target.term.along]?;
         let (values, grid_residual_um) = tabulate(task, &target, &grid);
-        tables.push(PlannedTable {
+        Some(PlannedTable {
             term: target.term,
             direction: target.direction,
             grid,
             curve: target.curve,
             values,
             grid_residual_um,
-        });
-    }
+        })
+    });
+    let tables: Vec<PlannedTable> = planned.collect();
     limits::check(task, &tables, problems);
     tables
 }
 
-/// A generic table with more rows than its reader takes is not written.
+/// Told once for each moving axis.
+fn refuse_too_many_points(
+    task: Task<'_>,
+    targets: &[Target],
+    grids: &PerAxis<Option<Grid>>,
+    problems: &mut Problems,
+) {
+    for (axis, grid) in grids.iter() {
+        let Some(count) = grid.map(|grid| grid.count()) else {
+            continue;
+        };
+        let along = targets.iter().filter(|target| target.term.along == axis);
+        let mut limits = along.map(|target| point_limit(task.profile, &[target]));
+        if let Some((most, holder)) = limits.find(|(most, _)| count > *most as usize) {
+            let path = format!("compensation.axes.{}", axis.key());
+            let message =
+                format!("axis {axis} would have {count} points, more than the {most} of {holder}");
+            problems.push(
+                task.job
+                    .problem_at(&path, message)
+                    .help("use a larger spacing, or `points`, or `max_residual_um`"),
+            );
+        }
+    }
+}
+
+/// A table with more rows than its reader takes is not written.
 fn refuse_too_many_rows(
     task: Task<'_>,
     targets: &[Target],
     names: &PerAxis<Vec<String>>,
     grids: &PerAxis<Option<Grid>>,
 ) -> Result<(), Problem> {
-    let Dialect::Generic(_) = &task.profile.dialect else {
-        return Ok(());
-    };
+    let most = family(task.profile).most_rows();
     let rows_of = |target: &Target| {
         let points = grids[target.term.along].map_or(0, |grid| grid.count());
         points * names[target.term.of].len()
     };
     let rows: usize = targets.iter().map(rows_of).sum();
-    if rows <= MOST_ROWS {
+    if rows <= most {
         return Ok(());
     }
-    let words = format!("the table would have {rows} rows, expected at most {MOST_ROWS}");
+    let words = format!("the table would have {rows} rows, expected at most {most}");
     Err(task
         .job
         .problem_at("compensation.axes", words)
@@ -283,12 +228,98 @@ fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {
             of: axis,
             along: axis,
         };
-        let compensated = targets.iter().any(|t| t.term == term);
-        if !compensated || task.job.compensation.backlash != Some(BacklashPolicy::CurveAndParameter)
-        {
-            return None;
-        }
-        let reversal = task.model.terms[term].as_ref()?.reversal()?;
-        Some((-reversal).um())
+        let own = targets.iter().find(|t| t.term == term)?;
+        let measured = task.model.terms[term].as_ref()?;
+        let names_parameter = match task.job.compensation.backlash[axis]? {
+            BacklashPolicy::CurveAndParameter => true,
+            // One table for two that are equal supposes, as they do, that the parameter is 0.
+            BacklashPolicy::TwoTables => {
+                own.targets.len() == 1 && target::are_equal(&measured.measured)
+            }
+            BacklashPolicy::Mean | BacklashPolicy::ForwardOnly => false,
+        };
+        let reversal = measured.reversal().filter(|_| names_parameter)?;
+        Some((-reversal).um() + 0.0)
     })
+}
+
+/// How the control names the physical axes: as the job states, else the profile's default. An axis
+/// that the machine of the job does not have has no name: what the control calls so is another's.
+pub fn axis_names(job: &Job, profile: &Profile) -> Result<PerAxis<Vec<String>>, Problems> {
+    let defaults = &profile.axis_names.value;
+    let mut problems = Problems::none();
+    let names = PerAxis::from_fn(|axis| {
+        let stated = job.compensation.axes[axis]
+            .as_ref()
+            .map(|s| s.ids.clone())
+            .unwrap_or_default();
+        if job.machine.axes[axis].is_none() {
+            if !stated.is_empty() {
+                problems.push(
+                    job.problem_at(
+                        &format!("compensation.axes.{}", axis.key()),
+                        format!(
+                            "[compensation.axes.{}] names an axis that [machine] does not have",
+                            axis.key()
+                        ),
+                    )
+                    .help("add it to [machine.axes], or take it out here"),
+                );
+            }
+            Vec::new()
+        } else if stated.is_empty() {
+            let index = Axis::ALL.iter().position(|a| *a == axis).unwrap_or(0);
+            vec![defaults[index].clone()]
+        } else {
+            stated
+        }
+    });
+    check_names(job, profile, &names, &mut problems);
+    problems.or_ok(names)
+}
+
+fn check_names(
+    job: &Job,
+    profile: &Profile,
+    names: &PerAxis<Vec<String>>,
+    problems: &mut Problems,
+) {
+    let mut seen: Vec<&String> = Vec::new();
+    for (axis, of_axis) in names.iter() {
+        for name in of_axis {
+            let path = format!("compensation.axes.{}.id", axis.key());
+            if let Some(expected) = family(profile).expected_name(name) {
+                problems.push(
+                    job.problem_at(
+                        &path,
+                        format!("`{name}` is no axis of this control, expected {expected}"),
+                    )
+                    .help("write it as the control shows it"),
+                );
+            }
+            if seen.iter().any(|other| other.eq_ignore_ascii_case(name)) {
+                problems.push(
+                    job.problem_at(
+                        &path,
+                        format!("`{name}` names two axes, expected a name of its own for {axis}"),
+                    )
+                    .help("correct `id` or `ids`"),
+                );
+            }
+            seen.push(name);
+        }
+    }
+}
+
+fn default_names(task: Task<'_>, names: &PerAxis<Vec<String>>) -> Vec<Axis> {
+    let is_default = |axis: Axis| {
+        task.job.compensation.axes[axis]
+            .as_ref()
+            .is_none_or(|s| s.ids.is_empty())
+    };
+    names
+        .iter()
+        .map(|(axis, _)| axis)
+        .filter(|axis| !names[*axis].is_empty() && is_default(*axis))
+        .collect()
 }

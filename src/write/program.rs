@@ -15,15 +15,14 @@
 mod fit;
 mod mirror;
 mod open;
-mod places;
-mod resolution;
 mod route;
 mod run;
 
 pub use self::mirror::MirrorSize;
 pub use self::open::{Open, left_open};
-pub use self::resolution::{Digits, Resolution};
-pub use self::run::{MeasuringRun, Move, Reading, RunTask, SetUpProgram, Subject};
+pub use self::run::{
+    Digits, MeasuringRun, Move, Reading, Resolution, RunTask, SetUpProgram, Subject,
+};
 
 use crate::text::problem::Problems;
 
@@ -39,7 +38,7 @@ pub fn plan(task: RunTask<'_>) -> Result<MeasuringRun, Problems> {
     fit::refuse_outside_travel(job, request, resolution, &mut problems);
     fit::refuse_other_turn(job, request, &mut problems);
     fit::refuse_number(task, &mut problems);
-    let scale = problems.take(places::Scale::of(job, request, resolution));
+    let scale = problems.take(route::Scale::of(job, request, resolution));
     let Some(scale) = scale else {
         return Err(problems);
     };

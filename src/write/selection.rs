@@ -19,8 +19,7 @@ use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::Millimetres;
-use crate::write::target::{Omission, TermTargets};
-use std::collections::HashMap;
+use crate::write::task::{Omission, TermTargets};
 
 type Vector = [f64; 3];
 
@@ -46,6 +45,8 @@ pub struct Budget {
     pub resource: &'static str,
     /// The key of the job that says which are in use.
     pub key: &'static str,
+    /// Whether the two tables of an axis that corrects itself are of this kind.
+    pub takes_pairs: bool,
 }
 
 impl Budget {
@@ -59,6 +60,7 @@ impl Budget {
             used,
             resource,
             key,
+            ..
         } = self;
         if *used == 0 {
             format!("the control has {tables} {resource} for {wanted}")
@@ -127,7 +129,7 @@ pub(crate) fn choose(
     if wanted <= budget.free() {
         return None;
     }
-    let mut parts = Parts::of(model, targets, costs);
+    let parts = Parts::of(model, targets, costs);
     let mut best: Option<(f64, Vec<Form>)> = None;
     for forms in maximal(costs, budget.free()) {
         let limit = best.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
@@ -142,7 +144,7 @@ pub(crate) fn choose(
     }
     let (left_um, forms) = best?;
     Some(explain(
-        &mut parts,
+        &parts,
         costs,
         &forms,
         left_um,
@@ -186,13 +188,7 @@ fn maximal(costs: &[Cost], free: u32) -> Vec<Vec<Form>> {
         .collect()
 }
 
-fn explain(
-    parts: &mut Parts,
-    costs: &[Cost],
-    forms: &[Form],
-    left_um: f64,
-    shortage: &str,
-) -> Choice {
+fn explain(parts: &Parts, costs: &[Cost], forms: &[Form], left_um: f64, shortage: &str) -> Choice {
     let mut choice = Choice {
         omitted: Vec::new(),
         reduced: Vec::new(),
@@ -228,11 +224,10 @@ struct State {
     terms: Vec<(ErrorTerm, [f64; 3])>,
 }
 
-/// What the axes leave; the vectors of an axis depend on the forms of its own terms only.
+/// What the axes leave.
 struct Parts {
     states: PerAxis<Vec<State>>,
     terms: Vec<ErrorTerm>,
-    known: PerAxis<HashMap<Vec<Form>, Vec<Vector>>>,
 }
 
 impl Parts {
@@ -240,34 +235,15 @@ impl Parts {
         Parts {
             states: PerAxis::from_fn(|axis| states_of(model, targets, axis)),
             terms: costs.iter().map(|cost| cost.term).collect(),
-            known: PerAxis::from_fn(|_| HashMap::new()),
         }
     }
 
     /// Largest error vector if the terms have tables of these forms, and all terms that cost
     /// nothing have theirs. Above `enough` any larger value may be returned.
-    fn largest(&mut self, forms: &[Form], enough: f64) -> f64 {
-        let keys = PerAxis::from_fn(|axis| self.key(axis, forms));
-        for axis in Axis::ALL {
-            if !self.known[axis].contains_key(&keys[axis]) {
-                let vectors = vectors_of(&self.states[axis], |term| self.form_of(term, forms));
-                self.known[axis].insert(keys[axis].clone(), vectors);
-            }
-        }
-        let set = |axis: Axis| {
-            self.known[axis]
-                .get(&keys[axis])
-                .map_or(&[][..], Vec::as_slice)
-        };
-        largest_sum([set(Axis::X), set(Axis::Y), set(Axis::Z)], enough)
-    }
-
-    fn key(&self, axis: Axis, forms: &[Form]) -> Vec<Form> {
-        let of_terms = self.terms.iter().zip(forms);
-        of_terms
-            .filter(|(term, _)| term.along == axis)
-            .map(|(_, form)| *form)
-            .collect()
+    fn largest(&self, forms: &[Form], enough: f64) -> f64 {
+        let vectors = |axis: Axis| vectors_of(&self.states[axis], |t| self.form_of(t, forms));
+        let [x, y, z] = Axis::ALL.map(vectors);
+        largest_sum([&x, &y, &z], enough)
     }
 
     fn form_of(&self, term: ErrorTerm, forms: &[Form]) -> Form {

@@ -10,22 +10,17 @@
 //! reads the table as its profile says; if it reads it the other way round, the axis goes h
 //! further. Tables, grids and numbers are those of the kit, so nothing else is overwritten.
 
-mod bump;
-mod fanuc;
-mod siemens;
+pub use crate::write::compiled::{Bump, SignProof};
 
-use self::bump::whole_below;
-pub use self::bump::{Bump, SignProof};
-
-use crate::control::controller::{Dialect, Mechanism, StraightnessForm};
+use crate::control::controller::Mechanism;
 use crate::control::table::Tables;
 use crate::inputs::job::LEAST_BUMP_UM;
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::units::Millimetres;
-use crate::write::compensation::Compiled;
-use crate::write::compensation::siemens::is_lec;
+use crate::write::compiled::{Compiled, whole_below};
+use crate::write::family::family;
 use crate::write::grid::Grid;
-use crate::write::plan::{Plan, PlannedTable, Task};
+use crate::write::task::{Plan, PlannedTable, Task};
 
 /// The proofs of a kit.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,18 +34,18 @@ pub struct SignProofs {
 /// The sign proofs of a kit; a mechanism without a place for a bump is named.
 pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProofs {
     let mut found = SignProofs::default();
-    for mechanism in mechanisms(task) {
-        let is_own = |t: &&PlannedTable| belongs(task, mechanism, t);
+    let family = family(task.profile);
+    for mechanism in family.mechanisms() {
+        let is_own = |t: &&PlannedTable| family.belongs(mechanism, t);
         let planned: Vec<&PlannedTable> = plan.tables.iter().filter(is_own).collect();
         if planned.is_empty() {
             continue;
         }
-        let limits = section_limits(task, mechanism);
-        let best = limits
-            .into_iter()
-            .find_map(|limit| highest(task, compiled, &planned, limit));
-        let proof = best.and_then(|(term, bump)| {
-            let tables = tables(task, plan, compiled, mechanism, term, &bump)?;
+        let limits = family.section_limits(mechanism).into_iter();
+        let mut bumps = limits.filter_map(|limit| highest(task, compiled, &planned, limit));
+        let proof = bumps.next().and_then(|(term, bump)| {
+            let proof = (mechanism, term, &bump);
+            let tables = family.proof_tables(task, plan, &compiled.tables, proof)?;
             Some(SignProof {
                 mechanism,
                 term,
@@ -63,47 +58,10 @@ pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProo
             None => found.missing.push(no_place(task, mechanism)),
         }
     }
-    if let Tables::Fanuc(memory) = &compiled.tables {
-        fanuc::zero_the_rest(memory, &mut found.proofs);
-    }
+    let tables = found.proofs.iter_mut().map(|proof| &mut proof.tables);
+    let mut tables: Vec<&mut Tables> = tables.collect();
+    family.zero_the_rest(&compiled.tables, &mut tables);
     found
-}
-
-fn mechanisms(task: Task<'_>) -> [Mechanism; 2] {
-    match &task.profile.dialect {
-        Dialect::Siemens(_) => [Mechanism::EncComp, Mechanism::Cec],
-        Dialect::Fanuc(facts) => match facts.straightness_form.value {
-            StraightnessForm::FourPoint => [Mechanism::Pitch, Mechanism::FourPoint],
-            StraightnessForm::PerPoint => [Mechanism::Pitch, Mechanism::PerPoint],
-        },
-        Dialect::Generic(_) => [Mechanism::Nothing; 2],
-    }
-}
-
-fn belongs(task: Task<'_>, mechanism: Mechanism, planned: &PlannedTable) -> bool {
-    match (&task.profile.dialect, mechanism) {
-        (Dialect::Siemens(_), Mechanism::EncComp) => is_lec(planned),
-        (Dialect::Siemens(_), Mechanism::Cec) => !is_lec(planned),
-        (Dialect::Fanuc(_), Mechanism::Pitch) => planned.term.is_positioning(),
-        (Dialect::Fanuc(_), _) => planned.term.is_cross(),
-        _ => false,
-    }
-}
-
-/// Largest changes in one section that are tried in turn, counts; `None` = the slope alone limits.
-///
-/// A straightness set of four points has no increments, but the control refuses a slope that is too
-/// large (alarm PW5046, from memory; the limit is not known). So its bump rises like one of pitch
-/// points, and steeper only where the table has no room for that.
-fn section_limits(task: Task<'_>, mechanism: Mechanism) -> Vec<Option<i64>> {
-    let Dialect::Fanuc(facts) = &task.profile.dialect else {
-        return vec![None];
-    };
-    let increment = Some(i64::from(facts.increment_max.value));
-    match mechanism {
-        Mechanism::FourPoint => vec![increment, None],
-        _ => vec![increment],
-    }
 }
 
 /// The highest bump of all tables of a mechanism, then the narrowest, then the first in the
@@ -129,10 +87,7 @@ fn highest(
 fn most_um(task: Task<'_>, planned: &PlannedTable) -> f64 {
     let limits = task.job.limits;
     let wanted = limits.max_bump_um.min(limits.max_correction_um);
-    match &task.profile.dialect {
-        Dialect::Siemens(facts) if !is_lec(planned) => wanted.min(facts.cec_max_sum_um.value),
-        _ => wanted,
-    }
+    wanted.min(family(task.profile).cut_off_um(planned))
 }
 
 /// The highest legal bump of a table, the narrowest of that height, nearest to the middle of the
@@ -221,26 +176,5 @@ pub(crate) fn sign_fact(mechanism: Mechanism) -> &'static str {
         Mechanism::Cec => "cec_sign",
         Mechanism::Pitch => "pitch_sign",
         _ => "straightness_sign",
-    }
-}
-
-fn tables(
-    task: Task<'_>,
-    plan: &Plan,
-    compiled: &Compiled,
-    mechanism: Mechanism,
-    term: ErrorTerm,
-    bump: &Bump,
-) -> Option<Tables> {
-    match (&compiled.tables, &task.profile.dialect) {
-        (Tables::Siemens(kit), Dialect::Siemens(facts)) => {
-            let own = (term, bump);
-            let tables = siemens::tables(task, plan, facts, kit, mechanism, own);
-            Some(Tables::Siemens(tables))
-        }
-        (Tables::Fanuc(kit), Dialect::Fanuc(facts)) => {
-            fanuc::memory(plan, facts, kit, mechanism, (term, bump)).map(Tables::Fanuc)
-        }
-        _ => None,
     }
 }

@@ -1,72 +1,18 @@
 //! Which curve each table has to cancel: the backlash policy applied to the measured terms.
 
-use crate::control::controller::{Dialect, Profile};
+pub use crate::write::task::{Omission, Target, TermTargets};
+
+use crate::control::controller::Profile;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, WantedTerms};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::curve::ErrorCurve;
 use crate::text::problem::{Problem, Problems};
-
-/// One table's worth: a term, the direction of its moving axis the table acts in, the curve.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Target {
-    /// Which error.
-    pub term: ErrorTerm,
-    /// `None` = both directions.
-    pub direction: Option<Direction>,
-    /// The deviation to cancel.
-    pub curve: ErrorCurve,
-}
-
-/// The targets of one term.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TermTargets {
-    /// Which error.
-    pub term: ErrorTerm,
-    /// One for both directions, or one for each.
-    pub targets: Vec<Target>,
-    /// The mean of both directions, which can stand in for two tables where the control has few.
-    pub mean: Option<ErrorCurve>,
-    /// What the user should know about the choice.
-    pub note: Option<String>,
-}
-
-impl TermTargets {
-    /// The curve that the tables cancel while the moving axis travels in `direction`.
-    pub fn curve(&self, direction: Direction) -> Option<&ErrorCurve> {
-        self.targets
-            .iter()
-            .find(|target| target.direction.is_none_or(|d| d == direction))
-            .map(|target| &target.curve)
-    }
-
-    /// One table with the mean of both directions instead of two tables.
-    pub(crate) fn take_mean(&mut self) {
-        if let Some(curve) = self.mean.take() {
-            self.targets = vec![Target {
-                term: self.term,
-                direction: None,
-                curve,
-            }];
-        }
-    }
-}
-
-/// A term that gets no table.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Omission {
-    /// Which error.
-    pub term: ErrorTerm,
-    /// Why.
-    pub reason: String,
-}
+use crate::write::family::family;
 
 /// Whether a control can hold separate tables for the two directions of a term.
 pub fn takes_directions(profile: &Profile, term: ErrorTerm) -> bool {
-    match &profile.dialect {
-        Dialect::Siemens(_) | Dialect::Generic(_) => true,
-        Dialect::Fanuc(facts) => term.is_positioning() && !facts.minus_points.value.is_empty(),
-    }
+    family(profile).takes_directions(term)
 }
 
 /// The targets of all wanted terms, and the terms that are not wanted or not determined.
@@ -126,19 +72,37 @@ fn check_wanted(job: &Job, model: &ErrorModel, problems: &mut Problems) {
 }
 
 fn check_policy(job: &Job, model: &ErrorModel, problems: &mut Problems) {
-    let wanted = || model.measured().filter(|(term, _)| wants(job, *term));
-    let both_ways = wanted().any(|(_, measured)| measured.measured.has_both_ways());
-    let one_way = wanted().any(|(_, measured)| matches!(measured.measured, Measured::OneWay(..)));
-    match job.compensation.backlash {
-        None if both_ways => problems.push(
+    let wanted = |axis: Axis| {
+        let own = model.measured();
+        own.filter(move |(term, _)| term.along == axis && wants(job, *term))
+    };
+    let both_ways = |axis: Axis| wanted(axis).any(|(_, m)| m.measured.has_both_ways());
+    let directed =
+        |axis: Axis| wanted(axis).any(|(_, m)| !matches!(m.measured, Measured::Undirected(_)));
+    let policies = &job.compensation.backlash;
+    if Axis::ALL
+        .into_iter()
+        .any(|axis| policies[axis].is_none() && both_ways(axis))
+    {
+        problems.push(
             job.problem_at("compensation", format!("the errors {} in both directions, but `backlash` is not stated; there is no default", known_how(job)))
                 .help("write `backlash = \"mean\"`, \"two-tables\", \"forward-only\" or \"curve-and-parameter\""),
-        ),
-        Some(policy @ (BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter)) if !both_ways && !one_way => problems.push(
+        );
+    }
+    let needs_both = |axis: &Axis| match policies[*axis] {
+        Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter) => policies[*axis],
+        _ => None,
+    };
+    let is_directed = Axis::ALL.into_iter().any(directed);
+    let policy = Axis::ALL
+        .iter()
+        .find_map(needs_both)
+        .filter(|_| !is_directed);
+    if let Some(policy) = policy {
+        problems.push(
             job.problem_at("compensation.backlash", format!("`backlash = \"{}\"` needs errors measured in both directions", policy.word()))
                 .help("give the error table a `direction` column with `+` and `-` rows, or leave `backlash` out"),
-        ),
-        _ => {}
+        );
     }
 }
 
@@ -152,10 +116,10 @@ fn known_how(job: &Job) -> &'static str {
 
 /// A policy for two directions says nothing about an axis that was measured in one.
 fn check_one_way(job: &Job, model: &ErrorModel, problems: &mut Problems) {
-    let Some(policy) = job.compensation.backlash else {
-        return;
-    };
     for axis in Axis::ALL {
+        let Some(policy) = job.compensation.backlash[axis] else {
+            continue;
+        };
         for direction in Direction::BOTH {
             let terms = one_way_terms(job, model, axis, direction);
             let fits = policy == BacklashPolicy::ForwardOnly && direction == Direction::Plus;
@@ -216,7 +180,20 @@ fn term_targets(
     term: ErrorTerm,
     measured: &MeasuredTerm,
 ) -> Result<TermTargets, Problems> {
-    let one = |curve: ErrorCurve, note: Option<String>| TermTargets {
+    match &measured.measured {
+        Measured::Undirected(curve) => Ok(one_table(term, curve.clone(), None)),
+        Measured::OneWay(direction, curve) => {
+            let note = one_way_note(term, *direction);
+            Ok(one_table(term, curve.clone(), Some(note)))
+        }
+        Measured::BothWays { plus, minus } => {
+            both_ways(job, profile, (term, measured), (plus, minus))
+        }
+    }
+}
+
+fn one_table(term: ErrorTerm, curve: ErrorCurve, note: Option<String>) -> TermTargets {
+    TermTargets {
         term,
         targets: vec![Target {
             term,
@@ -225,53 +202,75 @@ fn term_targets(
         }],
         mean: None,
         note,
-    };
-    let (plus, minus) = match &measured.measured {
-        Measured::Undirected(curve) => return Ok(one(curve.clone(), None)),
-        Measured::OneWay(direction, curve) => {
-            let note = one_way_note(term, *direction);
-            return Ok(one(curve.clone(), Some(note)));
-        }
-        Measured::BothWays { plus, minus } => (plus, minus),
-    };
-    let homing = job.machine.axes[term.along].map_or(Direction::Plus, |axis| axis.homing());
-    let at_reference = |curve: &ErrorCurve| match job.machine.axes[term.along] {
+    }
+}
+
+/// The targets of a term that was measured in both directions, as the policy of its axis asks.
+fn both_ways(
+    job: &Job,
+    profile: &Profile,
+    (term, measured): (ErrorTerm, &MeasuredTerm),
+    (plus, minus): (&ErrorCurve, &ErrorCurve),
+) -> Result<TermTargets, Problems> {
+    let machine = job.machine.axes[term.along];
+    let at_reference = |curve: &ErrorCurve| match machine {
         Some(axis) => curve.rezeroed_at(axis.reference),
         None => curve.clone(),
     };
-    let policy = job.compensation.backlash.unwrap_or(BacklashPolicy::Mean);
+    let policy = job.compensation.backlash[term.along].unwrap_or(BacklashPolicy::Mean);
+    let mean = plus.mean_with(minus).map(|mean| at_reference(&mean));
+    let has_two = policy == BacklashPolicy::TwoTables;
+    let equal = are_equal(&measured.measured);
     match policy {
-        BacklashPolicy::ForwardOnly => Ok(one(at_reference(plus), None)),
+        BacklashPolicy::ForwardOnly => Ok(one_table(term, at_reference(plus), None)),
         BacklashPolicy::CurveAndParameter => {
-            let curve = if homing == Direction::Plus {
-                plus
-            } else {
-                minus
+            let curve = match machine.map_or(Direction::Plus, |axis| axis.homing()) {
+                Direction::Plus => plus,
+                Direction::Minus => minus,
             };
             let note = term.is_cross().then(|| format!("{term}: a backlash parameter cannot hold the reversal of a straightness; only the curve of the reference direction is compensated"));
-            Ok(one(at_reference(curve), note))
+            Ok(one_table(term, at_reference(curve), note))
         }
-        BacklashPolicy::TwoTables if takes_directions(profile, term) => Ok(TermTargets {
+        BacklashPolicy::TwoTables if takes_directions(profile, term) && !equal => Ok(TermTargets {
             term,
             targets: vec![
                 directed(term, Direction::Plus, plus),
                 directed(term, Direction::Minus, minus),
             ],
-            mean: plus.mean_with(minus).map(|mean| at_reference(&mean)),
+            mean,
             note: noise_note(term, measured.u_value_um(), plus.difference(minus)),
         }),
         BacklashPolicy::TwoTables | BacklashPolicy::Mean => {
-            let mean = plus.mean_with(minus).map(|mean| at_reference(&mean));
-            let Some(mean) = mean else {
-                return Err(Problem::new(format!(
-                    "the two directions of {term} have no common range"
-                ))
-                .into());
-            };
-            let note = (policy == BacklashPolicy::TwoTables).then(|| format!("{term}: {} has no direction-dependent table for it; the mean of both directions is used", profile.name));
-            Ok(one(mean, note))
+            let none =
+                || Problem::new(format!("the two directions of {term} have no common range"));
+            let note = has_two.then(|| one_for_two_note(term, profile, equal));
+            Ok(one_table(term, mean.ok_or_else(none)?, note))
         }
     }
+}
+
+fn one_for_two_note(term: ErrorTerm, profile: &Profile, equal: bool) -> String {
+    match equal {
+        true => format!("{term}: both directions are equal, so one table is written"),
+        false => format!(
+            "{term}: {} has no direction-dependent table for it; the mean of both directions is used",
+            profile.name
+        ),
+    }
+}
+
+/// Deviations closer than this are equal, µm: what floating point adds.
+const EQUAL_UM: f64 = 1e-9;
+
+/// Whether a term is the same in both directions, so that one table says it all.
+pub(crate) fn are_equal(measured: &Measured) -> bool {
+    let Measured::BothWays { plus, minus } = measured else {
+        return false;
+    };
+    let (from, to) = plus.measured_range();
+    let difference = plus.difference(minus);
+    plus.measured_range() == minus.measured_range()
+        && difference.is_some_and(|curve| curve.largest_magnitude(from, to) < EQUAL_UM)
 }
 
 fn directed(term: ErrorTerm, direction: Direction, curve: &ErrorCurve) -> Target {

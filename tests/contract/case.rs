@@ -5,7 +5,7 @@ use nonius::control::controller::{Dialect, Profile, StraightnessForm};
 use nonius::control::table::Tables;
 use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
 use nonius::kit::{Inputs, Kit};
-use nonius::quantity::axis::ErrorTerm;
+use nonius::quantity::axis::{Direction, ErrorTerm};
 use nonius::read::emulate::{Emulator, Response};
 
 /// A kit under test, with the control that loaded its bytes.
@@ -113,8 +113,22 @@ pub(crate) fn two_tables(case: &Case<'_>, term: &Term) -> bool {
     let directed = own.any(|t| t.direction.is_some());
     let asked = case.machine.policy == Some("two-tables") && term.both_ways();
     if asked && !directed && term.takes_directions(case.profile) {
-        let said = format!("{}: the mean of both directions is used", term.term);
-        assert!(case.kit.plan.notes.iter().any(|n| n.starts_with(&said)));
+        let says = |words: &str| {
+            let said = format!("{}: {words}", term.term);
+            case.kit.plan.notes.iter().any(|n| n.starts_with(&said))
+        };
+        let is_equal = || {
+            let grid = case.kit.plan.grids[term.term.along].unwrap();
+            (grid.first..=grid.last).all(|node| {
+                let at = grid.position(node).mm();
+                let [plus, minus] = Direction::BOTH.map(|way| term.deviation(way, at));
+                (plus - minus).abs() < 1e-6
+            })
+        };
+        assert!(
+            says("the mean of both directions is used")
+                || says("both directions are equal, so one table is written") && is_equal()
+        );
     }
     directed
 }

@@ -6,7 +6,7 @@
 use crate::control::controller::fact::{Facts, origin};
 use crate::control::controller::load_parts::{Templates, checklist, files, program_facts};
 use crate::control::controller::{
-    Dialect, Fact, FanucFacts, GenericFacts, Origin, Profile, SiemensFacts,
+    CommonFacts, Dialect, Fact, FanucFacts, GenericFacts, Origin, Profile, SiemensFacts,
 };
 use crate::text::document::{Section, Source, read_page_over};
 use crate::text::problem::{Problems, shown};
@@ -104,23 +104,11 @@ fn read_profile(
     check_base(root, below)?;
     let family = family(root);
     let facts = root.required_section("facts").map(Facts::of);
-    let known = facts.as_ref().map(|facts| {
-        let dialect = dialect(family, facts);
-        let line_end = facts.stated("line_end");
-        let comments = facts.stated("comments");
-        let axis_names = facts.read("axis_names", axis_names);
-        let detection_unit_required = facts.stated("detection_unit_required");
+    let dialect = facts.as_ref().and_then(|facts| dialect(family, facts));
+    let common = facts.as_ref().and_then(CommonFacts::read);
+    if let Some(facts) = &facts {
         facts.section.refuse_unknown_keys();
-        (
-            dialect,
-            line_end,
-            comments,
-            axis_names,
-            detection_unit_required,
-        )
-    });
-    let (dialect, line_end, comments, axis_names, detection_unit_required) =
-        known.unwrap_or_default();
+    }
     let form = match &dialect {
         Some(Dialect::Siemens(facts)) => Some(facts.table_form.value),
         _ => None,
@@ -130,15 +118,17 @@ fn read_profile(
     let program = program.map(|own| program_facts(&own, templates));
     let checklist = checklist(root);
     let display = root.section("display").map(|own| display(&own));
+    let common = common?;
+    check_axis_names(&facts.as_ref()?.section, &common.axis_names.value);
     Some(Profile {
         id,
         name,
         origin,
         dialect: dialect?,
-        line_end: line_end?,
-        comments: comments?,
-        axis_names: axis_names?,
-        detection_unit_required: detection_unit_required?,
+        line_end: common.line_end,
+        comments: common.comments,
+        axis_names: common.axis_names,
+        detection_unit_required: common.detection_unit_required,
         files: files?,
         checklist: checklist?,
         display: optional(display)?,
@@ -235,8 +225,10 @@ fn display(section: &Section<'_>) -> Option<Fact<String>> {
     Some(origin?.with(value?))
 }
 
-fn axis_names(fact: &Section<'_>) -> Option<Vec<String>> {
-    let names = fact.texts("value")?;
+fn check_axis_names(facts: &Section<'_>, names: &[String]) {
+    let Some(fact) = facts.section("axis_names") else {
+        return;
+    };
     if names.len() != 3 {
         fact.problem(
             "value",
@@ -256,7 +248,6 @@ fn axis_names(fact: &Section<'_>) -> Option<Vec<String>> {
             "write it as the control shows it, e.g. `AX1`",
         );
     }
-    Some(names)
 }
 
 /// Numbers beyond what the program can write or a control can mean.

@@ -132,8 +132,8 @@ pub struct Compensation {
     pub control_unit: LengthUnit,
     /// Which terms.
     pub terms: WantedTerms,
-    /// What to do with two directions; no default where the data have two.
-    pub backlash: Option<BacklashPolicy>,
+    /// What to do with two directions of each moving axis; no default where the data have two.
+    pub backlash: PerAxis<Option<BacklashPolicy>>,
     /// Between measured points.
     pub curve: Interpolation,
     /// Table values.
@@ -156,7 +156,7 @@ impl Default for Compensation {
             controller: "generic".to_string(),
             control_unit: LengthUnit::Millimetre,
             terms: WantedTerms::All,
-            backlash: None,
+            backlash: PerAxis::default(),
             curve: Interpolation::Linear,
             fit: Fit::Sample,
             first_table: None,
@@ -189,7 +189,6 @@ pub(super) fn compensation(section: &Section<'_>) -> Compensation {
             "write [first, last]",
         );
     }
-    let policies = BacklashPolicy::ALL.map(|policy| (policy.word(), policy));
     let usual = Compensation::default();
     Compensation {
         controller: section
@@ -199,7 +198,7 @@ pub(super) fn compensation(section: &Section<'_>) -> Compensation {
             .choice("control_unit", &UNITS)
             .unwrap_or(usual.control_unit),
         terms: terms(section),
-        backlash: section.choice("backlash", &policies),
+        backlash: policies(section),
         curve: section.choice("curve", &CURVES).unwrap_or(usual.curve),
         fit: section.choice("fit", &FITS).unwrap_or(usual.fit),
         first_table: section.whole("first_table"),
@@ -207,6 +206,21 @@ pub(super) fn compensation(section: &Section<'_>) -> Compensation {
         reserved_points,
         axes: axes(section, |axis| Some(axis_settings(axis))),
     }
+}
+
+/// One policy for all axes, or one for each.
+fn policies(section: &Section<'_>) -> PerAxis<Option<BacklashPolicy>> {
+    let words = BacklashPolicy::ALL.map(|policy| (policy.word(), policy));
+    if !section.is_section("backlash") {
+        let policy = section.choice("backlash", &words);
+        return PerAxis::from_fn(|_| policy);
+    }
+    let policies = section.section("backlash").map(|own| {
+        let policies = PerAxis::from_fn(|axis| own.choice(axis.key(), &words));
+        own.refuse_unknown_keys();
+        policies
+    });
+    policies.unwrap_or_default()
 }
 
 const TERMS: &str = "write \"all\", or for instance [\"EXX\", \"EYX\"]";

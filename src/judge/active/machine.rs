@@ -108,7 +108,7 @@ fn sets_backlash(job: &Job, measured: &ErrorModel, axis: Axis) -> bool {
         of: axis,
         along: axis,
     };
-    let policy = job.compensation.backlash;
+    let policy = job.compensation.backlash[axis];
     matches!(
         policy,
         Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter)

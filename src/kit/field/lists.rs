@@ -10,7 +10,7 @@ use crate::kit::made::Made;
 use crate::kit::remarks;
 use crate::quantity::units::Figure;
 use crate::write::compensation::Compiled;
-use crate::write::compensation::siemens::at_reference;
+use crate::write::siemens::at_reference;
 
 /// One paragraph each.
 pub(super) fn head(made: &Made<'_>) -> Vec<String> {

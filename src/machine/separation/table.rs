@@ -13,15 +13,16 @@ use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 /// a job that asks for the curves moving + gets these alone, any other one the mean of both.
 pub fn draft(
     separation: &Separation,
-    policy: Option<BacklashPolicy>,
+    policies: &PerAxis<Option<BacklashPolicy>>,
     mut comments: Vec<String>,
 ) -> Draft {
-    let plus_only =
-        policy == Some(BacklashPolicy::ForwardOnly) && separation.means.reverse.is_some();
+    let plus_only = |axis: Axis| {
+        policies[axis] == Some(BacklashPolicy::ForwardOnly) && separation.means.reverse.is_some()
+    };
     let directions = |axis: Axis| -> &[Option<Direction>] {
         if separation.is_directed(axis) {
             &[Some(Direction::Plus), Some(Direction::Minus)]
-        } else if plus_only {
+        } else if plus_only(axis) {
             &[Some(Direction::Plus)]
         } else {
             &[None]

@@ -135,6 +135,11 @@ impl<'a> Section<'a> {
         Some(self.table.get(key)?.span().start)
     }
 
+    /// Whether the key holds a section (it then counts as known).
+    pub(crate) fn is_section(&self, key: &'static str) -> bool {
+        self.value(key).is_some_and(DeValue::is_table)
+    }
+
     /// Whether the key holds a list (it then counts as known).
     pub(crate) fn is_list(&self, key: &'static str) -> bool {
         self.value(key).is_some_and(DeValue::is_array)

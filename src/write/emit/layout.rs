@@ -3,13 +3,9 @@
 //! The engine bounds neither loops nor texts that grow (`{% set s = s ~ s %}` forty times is a terabyte), and
 //! has no place to count them. So a template says what a layout needs and no more: names, loops over lists
 //! of the context, choices. Then no value is longer than one of the context, each tag is done in a time that
-//! does not depend on the lists, and how many tags are executed follows from the lengths of the lists.
-//!
-//! ```text
-//!   template ─→ tags ─→ words, each allowed ─→ loops inside each other ─┐
-//!   context  ─→ lengths of the lists ──────────────────────────────────┴─→ tags to be executed
-//! ```
+//! does not depend on the lists, and how many tags are executed at most follows from the lengths of the lists.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Filters whose work and whose result do not grow with a list.
@@ -32,27 +28,10 @@ pub(super) struct Wrong {
     pub(super) message: String,
 }
 
-/// The tags of a template, and its loops.
+/// Of each tag of a template the loops around it, each with the first and the last name of its list.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Layout {
-    tags: u64,
-    loops: Vec<Loop>,
-}
-
-/// `{% for name in path %} … {% else %} … {% endfor %}`.
-#[derive(Clone, Debug, Default)]
-struct Loop {
-    name: String,
-    path: Vec<String>,
-    body: Layout,
-    /// What is done where the list is empty.
-    otherwise: Layout,
-}
-
-/// What is open at a place of a template.
-enum Open {
-    Choice,
-    Loop { begun: Loop, in_else: bool },
+    tags: Vec<Vec<(String, String)>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -69,8 +48,8 @@ type Placed<'a> = (Token<'a>, Range<usize>);
 impl Layout {
     /// The layout of a template that the engine has parsed.
     pub(super) fn of(template: &str) -> Result<Layout, Wrong> {
-        let mut open = Vec::new();
-        let mut whole = Layout::default();
+        let mut layout = Layout::default();
+        let mut open: Vec<Option<(String, String)>> = Vec::new(); // `None` is a choice
         let mut at = 0;
         while let Some(tag) = next_tag(template, at)? {
             at = tag.end;
@@ -82,108 +61,58 @@ impl Layout {
                 _ => return Err(wrong(tag, "this tag")),
             };
             check(&tokens, is_print)?;
-            innermost(&mut whole, &mut open).tags += 1;
+            layout.tags.push(open.iter().flatten().cloned().collect());
             match kind {
-                "for" => open.push(Open::Loop {
-                    begun: loop_of(&tokens, tag)?,
-                    in_else: false,
-                }),
-                "if" => open.push(Open::Choice),
-                "else" => {
-                    if let Some(Open::Loop { in_else, .. }) = open.last_mut() {
-                        *in_else = true;
-                    }
-                }
+                "for" => open.push(Some(list_of(&tokens, tag)?)),
+                "if" => open.push(None),
                 "endfor" | "endif" => {
-                    if let Some(Open::Loop { begun, .. }) = open.pop() {
-                        innermost(&mut whole, &mut open).loops.push(begun);
-                    }
+                    open.pop();
                 }
-                "" | "elif" => {}
+                "" | "elif" | "else" => {}
                 other => return Err(wrong(tokens[0].1.clone(), &format!("`{other}`"))),
             }
         }
-        Ok(whole)
+        Ok(layout)
     }
 
-    /// Tags that rendering executes, at most: both branches of a choice count. `None` = more than `most`.
+    /// Tags that rendering executes, at most: all branches count, and each list is as long as the longest of
+    /// its name. `None` = more than `most`.
     pub(super) fn work(&self, context: &tera::Context, most: u64) -> Option<u64> {
-        let mut scope = Scope {
-            context,
-            names: Vec::new(),
-        };
-        self.add(&mut scope, 0, most)
-    }
-
-    fn add<'a>(&'a self, scope: &mut Scope<'a>, done: u64, most: u64) -> Option<u64> {
-        let mut done = done.checked_add(self.tags).filter(|done| *done <= most)?;
-        for own in &self.loops {
-            let list = scope.value(&own.path);
-            let length = list.map_or(1, |list| list.len().unwrap_or(0));
-            if length == 0 {
-                done = own.otherwise.add(scope, done, most)?;
-            } else if own.body.loops.is_empty() {
-                let all = own.body.tags.checked_mul(length as u64)?;
-                done = done.checked_add(all).filter(|done| *done <= most)?;
-            } else {
-                for item in items(list, length) {
-                    scope.names.push((&own.name, item));
-                    let added = own.body.add(scope, done, most);
-                    scope.names.pop();
-                    done = added?;
-                }
+        let mut longest = BTreeMap::new();
+        for (root, _) in self.tags.iter().flatten() {
+            if let Some(value) = context
+                .get(root)
+                .filter(|_| !longest.contains_key(root.as_str()))
+            {
+                measure(root, value, &mut longest);
             }
         }
-        Some(done)
-    }
-}
-
-/// What a loop goes over: the values of a list or of a map; of anything else they are not known.
-fn items(
-    list: Option<&tera::Value>,
-    length: usize,
-) -> Box<dyn Iterator<Item = Option<&tera::Value>> + '_> {
-    let values = list.and_then(tera::Value::as_array).map(<[_]>::iter);
-    match (values, list.and_then(tera::Value::as_map)) {
-        (Some(values), _) => Box::new(values.map(Some)),
-        (None, Some(map)) => Box::new(map.values().map(Some)),
-        (None, None) => Box::new(std::iter::repeat_n(None, length)),
-    }
-}
-
-/// The names that a tag sees.
-struct Scope<'a> {
-    context: &'a tera::Context,
-    /// Of the loops around it; an item that is not known has no lists in it.
-    names: Vec<(&'a str, Option<&'a tera::Value>)>,
-}
-
-impl<'a> Scope<'a> {
-    /// `None` = not known: the engine refuses it, or it is a letter of a text.
-    fn value(&self, path: &[String]) -> Option<&'a tera::Value> {
-        let (first, rest) = path.split_first()?;
-        let mut own = self.names.iter().rev();
-        let root = match own.find(|(name, _)| name == first) {
-            Some((_, item)) => (*item)?,
-            None => self.context.get(first)?,
+        let of_any = longest.get(ANY).copied().unwrap_or(0);
+        let turns = |(_, list): &(String, String)| {
+            longest.get(list.as_str()).copied().unwrap_or(of_any).max(1)
         };
-        rest.iter().try_fold(root, |value, name| {
-            let map = value.as_map()?;
-            map.iter()
-                .find_map(|(key, value)| (key.as_str() == Some(name)).then_some(value))
-        })
+        let times = |loops: &Vec<_>| loops.iter().map(turns).fold(1, u64::saturating_mul);
+        let work = self.tags.iter().map(times).fold(0, u64::saturating_add);
+        (work <= most).then_some(work)
     }
 }
 
-fn innermost<'a>(whole: &'a mut Layout, open: &'a mut [Open]) -> &'a mut Layout {
-    let around = open.iter_mut().rev().find_map(|open| match open {
-        Open::Choice => None,
-        Open::Loop { begun, in_else } => Some(match in_else {
-            true => &mut begun.otherwise,
-            false => &mut begun.body,
-        }),
-    });
-    around.unwrap_or(whole)
+/// The name of lists that have none of their own, and the longest of all.
+const ANY: &str = "";
+
+/// Notes the longest list, map or text of each name in a value.
+fn measure<'a>(name: &'a str, value: &'a tera::Value, longest: &mut BTreeMap<&'a str, u64>) {
+    let length = value.len().unwrap_or(0) as u64;
+    for name in [name, ANY] {
+        let known = longest.entry(name).or_default();
+        *known = length.max(*known);
+    }
+    for item in value.as_array().into_iter().flatten() {
+        measure(ANY, item, longest);
+    }
+    for (key, item) in value.as_map().into_iter().flatten() {
+        measure(key.as_str().unwrap_or(ANY), item, longest);
+    }
 }
 
 /// The next `{{ … }}` or `{% … %}` from `at` on, comments passed over; one that does not end is wrong.
@@ -306,31 +235,29 @@ fn check(tokens: &[Placed<'_>], is_print: bool) -> Result<(), Wrong> {
     Ok(())
 }
 
-/// `for name in path`, and nothing else.
-fn loop_of(tokens: &[Placed<'_>], tag: Range<usize>) -> Result<Loop, Wrong> {
+/// First and last name of the list of `for name in path`, which says nothing else.
+fn list_of(tokens: &[Placed<'_>], tag: Range<usize>) -> Result<(String, String), Wrong> {
     let words: Vec<&Token<'_>> = tokens.iter().map(|(token, _)| token).collect();
-    let [
-        Token::Word("for"),
-        Token::Word(name),
-        Token::Word("in"),
-        path @ ..,
-    ] = words.as_slice()
-    else {
-        return Err(wrong(tag, "this loop"));
+    let path = match words.as_slice() {
+        [
+            Token::Word("for"),
+            Token::Word(_),
+            Token::Word("in"),
+            path @ ..,
+        ] => path,
+        _ => return Err(wrong(tag, "this loop")),
     };
-    let mut names = Vec::new();
-    for (index, token) in path.iter().enumerate() {
-        match token {
-            Token::Word(word) if index % 2 == 0 => names.push((*word).to_string()),
-            Token::Sign(".") if index % 2 == 1 => {}
-            _ => return Err(wrong(tag, "this loop")),
+    let is_path = path.iter().enumerate().all(|(index, token)| match token {
+        Token::Word(_) => index % 2 == 0,
+        Token::Sign(".") => index % 2 == 1,
+        _ => false,
+    });
+    match (path.first(), path.last()) {
+        (Some(Token::Word(first)), Some(Token::Word(last))) if is_path => {
+            Ok(((*first).to_string(), (*last).to_string()))
         }
+        _ => Err(wrong(tag, "this loop")),
     }
-    Ok(Loop {
-        name: (*name).to_string(),
-        path: names,
-        ..Loop::default()
-    })
 }
 
 fn wrong(span: Range<usize>, found: &str) -> Wrong {

@@ -5,14 +5,13 @@ use crate::control::controller::program::Language;
 use crate::inputs::job::{Reflector, RunType, TargetGrid};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::Pass;
-use crate::text::problem::{Problem, Problems};
-use crate::write::emit::ascii::ascii;
-use crate::write::emit::{COMMENT_TEXT, LONGEST_TEXT};
-use crate::write::emit::{TOOL, Templates, fixed, is_comment_text, with_line_ends};
+use crate::text::problem::{Problem, Problems, shown};
+use crate::write::control_text::{COMMENT_TEXT, ascii, fixed, is_comment_text, trimmed};
+use crate::write::emit::{TOOL, Templates, with_line_ends};
 use crate::write::program::{
     Digits, MeasuringRun, Move, Reading, Resolution, RunTask, SetUpProgram, Subject,
 };
-use serde::Serialize;
+use serde_json::{Value, json};
 
 /// A file of a measuring run, ready to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,33 +48,6 @@ impl FileRole {
 
 const POSITIONS: &str = "positions.csv";
 
-/// What the template of a program sees. Every number is finished text.
-#[derive(Clone, Debug, Serialize)]
-struct ProgramContext<'a> {
-    name: String,
-    number: String,
-    header: Vec<String>,
-    opening: String,
-    cancel: &'a [String],
-    machine_position: &'a str,
-    increment: &'a str,
-    dwell: &'a str,
-    dwell_s: String,
-    unit_word: &'static str,
-    feed: String,
-    blocks: Vec<Block>,
-}
-
-#[derive(Clone, Debug, Serialize)]
-#[serde(tag = "kind", rename_all = "lowercase")]
-enum Block {
-    Comment { text: String },
-    Stop { text: String },
-    Approach { words: String },
-    Feed { words: String },
-    Dwell { number: String },
-}
-
 /// Decimals of times and feeds: a thousandth of a second, of a millimetre per minute.
 const TIME_DECIMALS: u32 = 3;
 
@@ -101,10 +73,10 @@ fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
         ..
     } = task;
     let mut problems = Problems::none();
-    let serial = job.machine.serial.clone().unwrap_or_default();
+    let serial = job.machine.serial.as_deref().unwrap_or_default();
     for (path, text) in [
-        ("machine.name", &job.machine.name),
-        ("machine.serial", &serial),
+        ("machine.name", job.machine.name.as_str()),
+        ("machine.serial", serial),
     ] {
         if !is_comment_text(&ascii(text)) {
             let message =
@@ -115,59 +87,52 @@ fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
             );
         }
     }
-    let blocks = facts.cancel.value.iter().chain([
+    let profile_name = ascii(&profile.name).into_owned();
+    let of_profile = facts.cancel.value.iter().chain([
         &facts.machine_position.value,
         &facts.increment.value,
         &facts.dwell.value,
+        &profile_name,
     ]);
-    let profile_name = ascii(&profile.name).into_owned();
-    for text in blocks.chain([&profile_name]) {
-        if !is_comment_text(text) || text.len() > LONGEST_TEXT {
-            problems.push(
-                Problem::new(format!(
-                    "the profile's text `{}` cannot stand in a program",
-                    crate::text::problem::shown(text)
-                ))
-                .help(format!("expected {COMMENT_TEXT}")),
-            );
-        }
+    for text in of_profile.filter(|text| !is_comment_text(text)) {
+        let message = format!(
+            "the profile's text `{}` cannot stand in a program",
+            shown(text)
+        );
+        problems.push(Problem::new(message).help(format!("expected {COMMENT_TEXT}")));
     }
     problems.or_ok(())
 }
 
-fn context<'a>(
-    task: RunTask<'a>,
+/// What the template of a program sees: names with finished texts.
+fn context(
+    task: RunTask<'_>,
     program: &SetUpProgram,
     resolution: Resolution,
     number: u32,
-) -> ProgramContext<'a> {
+) -> Value {
     let RunTask { request, facts, .. } = task;
     let unit = resolution.unit;
     let letters = &facts.axis_letters.value;
     let name = program.subject.name();
-    let start = program
-        .places()
-        .first()
-        .copied()
-        .unwrap_or(PerAxis::from_fn(|_| 0));
+    let start = program.places().first().copied();
+    let start = start.unwrap_or(PerAxis::from_fn(|_| 0));
     let [plane, height] = approach(letters, &start, resolution);
     let tool_axis = letters.get(2).map_or("", String::as_str);
-    ProgramContext {
-        name: format!("NONIUS {name}"),
-        number: format!("{number:04}"),
-        header: header(task, program, unit),
-        opening: format!(
-            "RETRACT {tool_axis}, NO TOOL OFFSET. {name} GOES TO{plane}, THEN{height}: PATH FREE, CYCLE START"
-        ),
-        cancel: &facts.cancel.value,
-        machine_position: &facts.machine_position.value,
-        increment: &facts.increment.value,
-        dwell: &facts.dwell.value,
-        dwell_s: decimal(request.dwell_s),
-        unit_word: unit_word(facts.language, unit),
-        feed: decimal(request.feed_mm_per_min / unit.in_mm()),
-        blocks: blocks(program, letters, resolution),
-    }
+    json!({
+        "name": format!("NONIUS {name}"),
+        "number": format!("{number:04}"),
+        "header": header(task, program, unit),
+        "opening": format!("RETRACT {tool_axis}, NO TOOL OFFSET. {name} GOES TO{plane}, THEN{height}: PATH FREE, CYCLE START"),
+        "cancel": facts.cancel.value,
+        "machine_position": facts.machine_position.value,
+        "increment": facts.increment.value,
+        "dwell": facts.dwell.value,
+        "dwell_s": decimal(request.dwell_s),
+        "unit_word": unit_word(facts.language, unit),
+        "feed": decimal(request.feed_mm_per_min / unit.in_mm()),
+        "blocks": blocks(program, letters, resolution),
+    })
 }
 
 const fn unit_word(language: Language, unit: LengthUnit) -> &'static str {
@@ -229,19 +194,20 @@ fn header(task: RunTask<'_>, program: &SetUpProgram, unit: LengthUnit) -> Vec<St
     lines.map(|line| line.to_uppercase()).to_vec()
 }
 
-fn blocks(program: &SetUpProgram, letters: &[String], resolution: Resolution) -> Vec<Block> {
+fn blocks(program: &SetUpProgram, letters: &[String], resolution: Resolution) -> Vec<Value> {
     let block = |step: &Move| match step {
-        Move::Stop(text) => vec![Block::Stop { text: text.clone() }],
-        Move::Remark(text) => vec![Block::Comment { text: text.clone() }],
+        Move::Stop(text) => vec![json!({ "kind": "stop", "text": text })],
+        Move::Remark(text) => vec![json!({ "kind": "comment", "text": text })],
         Move::Approach(place) => approach(letters, place, resolution)
-            .map(|words| Block::Approach { words })
-            .into(),
-        Move::Feed(by) => vec![Block::Feed {
-            words: words(letters, by, resolution, |axis| by[axis] != 0),
-        }],
-        Move::Dwell(reading) => vec![Block::Dwell {
-            number: (reading + 1).to_string(),
-        }],
+            .map(|words| json!({ "kind": "approach", "words": words }))
+            .to_vec(),
+        Move::Feed(by) => {
+            let words = words(letters, by, resolution, |axis| by[axis] != 0);
+            vec![json!({ "kind": "feed", "words": words })]
+        }
+        Move::Dwell(reading) => {
+            vec![json!({ "kind": "dwell", "number": (reading + 1).to_string() })]
+        }
     };
     program.moves.iter().flat_map(block).collect()
 }
@@ -271,7 +237,7 @@ fn words(
 fn render(
     task: RunTask<'_>,
     templates: &Templates,
-    context: &ProgramContext<'_>,
+    context: &Value,
     number: u32,
     program: &SetUpProgram,
 ) -> Result<ProgramFile, Problems> {
@@ -414,6 +380,5 @@ fn decimal(number: f64) -> String {
 
 /// A length in mm with all digits that a laser can show, 1e-6 mm, without trailing zeros.
 fn shortest(mm: f64) -> String {
-    let text = fixed(mm, 6);
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
+    trimmed(mm, 6)
 }

@@ -1,15 +1,15 @@
 //! The points of each moving axis, and what the tables hold there.
 
-use super::Task;
-use crate::control::controller::{Dialect, Profile};
+use crate::control::controller::Profile;
 use crate::inputs::job::{AxisSettings, GridRequest, MachineAxis, OutsideMeasured};
 use crate::inputs::job::{GRID_HELP, UNIT_HELP, without_grid, without_unit};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::fit::{residual, table_values};
 use crate::quantity::units::{Deviation, Millimetres};
 use crate::text::problem::{Problem, Problems};
-use crate::write::grid::{self, EDGE_MM, Grid};
-use crate::write::target::Target;
+use crate::write::family::family;
+use crate::write::grid::{self, EDGE_MM, Grid, LengthDigit, as_number};
+use crate::write::task::{Target, Task};
 
 pub(super) fn grids(
     task: Task<'_>,
@@ -80,7 +80,7 @@ fn axis_grid(
     settings: &AxisSettings,
     targets: &[&Target],
 ) -> Result<Grid, Problems> {
-    let digit = task.length_digit();
+    let digit = length_digit(task);
     let path = |key: &str| format!("compensation.axes.{}.{key}", axis.key());
     let request = settings.grid.unwrap_or(GridRequest::Points(2));
     let ends_given = settings.start_mm.is_some() || settings.end_mm.is_some();
@@ -134,7 +134,7 @@ fn coarsest(
         .min(MOST_PLANNED_POINTS);
     let mut least = f64::INFINITY;
     for points in 2..=most {
-        let Ok(grid) = grid::with_points(machine, task.length_digit(), points) else {
+        let Ok(grid) = grid::with_points(machine, length_digit(task), points) else {
             continue;
         };
         let worst = targets
@@ -157,48 +157,10 @@ fn coarsest(
         .into())
 }
 
-/// Most points of a table for these targets, and why.
+/// Most points of a table for these targets, and of what.
 pub(super) fn point_limit(profile: &Profile, targets: &[&Target]) -> (u32, String) {
-    let crosses = targets.iter().any(|t| t.term.is_cross());
-    let directed = targets.iter().any(|t| t.direction.is_some());
-    let name = &profile.name;
-    match &profile.dialect {
-        Dialect::Siemens(facts) => {
-            let lec = targets
-                .iter()
-                .any(|t| t.term.is_positioning() && t.direction.is_none());
-            let cec = crosses || directed;
-            match (lec, cec) {
-                (true, true) => (
-                    facts.lec_points.value.min(facts.cec_points.value),
-                    format!("a CEC table of {name}"),
-                ),
-                (false, true) => (facts.cec_points.value, format!("a CEC table of {name}")),
-                _ => (
-                    facts.lec_points.value,
-                    format!("an ENC_COMP table of {name}"),
-                ),
-            }
-        }
-        Dialect::Fanuc(facts) => {
-            let space = facts
-                .pitch_points
-                .value
-                .iter()
-                .map(|r| r.last - r.first + 1)
-                .max()
-                .unwrap_or(0);
-            if crosses {
-                (
-                    facts.straightness_axis_points.value.min(space),
-                    format!("the moving axis of a straightness compensation of {name}"),
-                )
-            } else {
-                (space, format!("the pitch points of {name}"))
-            }
-        }
-        Dialect::Generic(facts) => (facts.points.value, format!("a table of {name}")),
-    }
+    let (most, holder) = family(profile).point_limit(targets);
+    (most, format!("{holder} of {}", profile.name))
 }
 
 fn check_grid(
@@ -210,16 +172,17 @@ fn check_grid(
     problems: &mut Problems,
 ) {
     refuse_unmeasured(task, axis, settings, grid, problems);
-    if let (Dialect::Fanuc(facts), Some(feed)) = (&task.profile.dialect, machine.max_feed) {
-        let least = feed / facts.interval_feed_divisor.value;
-        let spacing = grid.spacing().mm();
-        if spacing < least {
-            problems.push(
-                task.job
-                    .problem_at(&format!("compensation.axes.{}", axis.key()), format!("a spacing of {spacing} mm is below {least} mm, the smallest that {} takes at {feed} mm/min", task.profile.name))
-                    .help("use a larger spacing"),
-            );
-        }
+    let Some(feed) = machine.max_feed else {
+        return;
+    };
+    let least = family(task.profile).least_spacing_mm(feed);
+    let spacing = grid.spacing().mm();
+    if spacing < least {
+        problems.push(
+            task.job
+                .problem_at(&format!("compensation.axes.{}", axis.key()), format!("a spacing of {spacing} mm is below {least} mm, the smallest that {} takes at {feed} mm/min", task.profile.name))
+                .help("use a larger spacing"),
+        );
     }
 }
 
@@ -250,12 +213,7 @@ fn note_spacing(axis: Axis, settings: &AxisSettings, grid: &Grid, notes: &mut Ve
     if let Some(GridRequest::Spacing(asked)) = settings.grid
         && (asked - spacing).abs() > 1e-9
     {
-        let per_unit = grid.digit.per_unit();
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "spacings are far below 2^52 digits"
-        )]
-        let written = grid.spacing_digits as f64 / per_unit;
+        let written = as_number(grid.spacing_digits) / grid.digit.per_unit();
         notes.push(format!(
             "{axis}: the control writes a spacing of {asked} mm as {written} {} = {spacing:.6} mm; points and values are those of the written spacing",
             grid.digit.unit.word()
@@ -289,4 +247,9 @@ pub(super) fn tabulate(task: Task<'_>, target: &Target, grid: &Grid) -> (Vec<Dev
 
 fn whole_axis(task: Task<'_>, axis: Axis, grid: &Grid) -> (Millimetres, Millimetres) {
     task.job.machine.axes[axis].map_or_else(|| grid.range(), |machine| (machine.low, machine.high))
+}
+
+/// The last digit of positions and spacings in the control's files.
+fn length_digit(task: Task<'_>) -> LengthDigit {
+    family(task.profile).length_digit(task.job.compensation.control_unit)
 }

@@ -3,11 +3,11 @@
 //! A column whose unit slipped (micrometres under a heading in mm) passes both limits in every
 //! table; that is one cause, told once, at the heading.
 
-use super::{PlannedTable, Task};
 use crate::inputs::error_table::Heading;
 use crate::inputs::job::Limits;
 use crate::quantity::units::{Deviation, UM_PER_MM};
 use crate::text::problem::{Problem, Problems};
+use crate::write::task::{PlannedTable, Task};
 
 /// No machine tool is off by more, µm: beyond it the unit of the column is the likelier cause.
 const NO_MACHINE_UM: f64 = UM_PER_MM;

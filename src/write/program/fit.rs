@@ -6,8 +6,7 @@ use crate::inputs::job::{
 };
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
-use crate::write::program::places::moving;
-use crate::write::program::route::readings_of;
+use crate::write::program::route::{moving, readings_of};
 use crate::write::program::run::{MOST_READINGS, problem};
 use crate::write::program::{Resolution, RunTask};
 
@@ -175,50 +174,61 @@ pub(super) fn refuse_outside_travel(
     resolution: Resolution,
     problems: &mut Problems,
 ) {
-    let mut outside = Vec::new();
-    for axis in Axis::ALL {
-        let Some(travel) = job.machine.axes[axis] else {
-            problems.push(problem(
-                job,
-                "machine.axes",
-                format!("the travel of {axis} is not stated, so nobody could tell where the program leaves it"),
-                format!("add [machine.axes.{}] with travel_mm and reference_mm", axis.key()),
-            ));
-            continue;
-        };
-        if !moving(request).contains(&axis) {
-            continue;
-        }
-        let (low, high) = reach(request, resolution, axis);
-        let slack = resolution.digit_mm() / 100.0;
-        if low < travel.low.mm() - slack || high > travel.high.mm() + slack {
-            outside.push(format!(
-                "{axis} from {} to {} mm (travel {} … {} mm)",
-                plain(low),
-                plain(high),
-                travel.low.mm(),
-                travel.high.mm()
-            ));
-        }
+    for axis in Axis::ALL
+        .into_iter()
+        .filter(|axis| job.machine.axes[*axis].is_none())
+    {
+        problems.push(problem(
+            job,
+            "machine.axes",
+            format!("the travel of {axis} is not stated, so nobody could tell where the program leaves it"),
+            format!("add [machine.axes.{}] with travel_mm and reference_mm", axis.key()),
+        ));
     }
+    let axes = moving(request).into_iter();
+    let outside = axes.filter_map(|axis| outside_travel(job, request, resolution, axis));
+    let outside: Vec<String> = outside.collect();
     if outside.is_empty() {
         return;
     }
-    problems.push(problem(
-        job,
-        request.size_path,
+    let message = format!(
+        "with {} mm of preload and {} mm of overrun the run needs {}",
+        request.preload.mm(),
+        overrun_mm(request),
+        outside.join(", ")
+    );
+    let help = largest_box(job, request, resolution);
+    problems.push(problem(job, request.size_path, message, help));
+}
+
+/// Where an axis goes that leaves its travel.
+fn outside_travel(
+    job: &Job,
+    request: &ProgramRequest,
+    resolution: Resolution,
+    axis: Axis,
+) -> Option<String> {
+    let travel = job.machine.axes[axis]?;
+    let (low, high) = reach(request, resolution, axis);
+    let slack = resolution.digit_mm() / 100.0;
+    let leaves = low < travel.low.mm() - slack || high > travel.high.mm() + slack;
+    leaves.then(|| {
         format!(
-            "with {} mm of preload and {} mm of overrun the run needs {}",
-            request.preload.mm(),
-            if request.bidirectional {
-                request.overrun.mm()
-            } else {
-                0.0
-            },
-            outside.join(", ")
-        ),
-        largest_box(job, request, resolution),
-    ));
+            "{axis} from {} to {} mm (travel {} … {} mm)",
+            plain(low),
+            plain(high),
+            travel.low.mm(),
+            travel.high.mm()
+        )
+    })
+}
+
+/// Only a run in both directions goes over the far end.
+fn overrun_mm(request: &ProgramRequest) -> f64 {
+    match request.bidirectional {
+        true => request.overrun.mm(),
+        false => 0.0,
+    }
 }
 
 /// From where to where an axis moves: both ends of a diagonal's box are start corners. What lies
@@ -228,11 +238,7 @@ fn reach(request: &ProgramRequest, resolution: Resolution, axis: Axis) -> (f64, 
     let high = low + request.volume.size[axis].mm();
     let whole = |mm: f64| resolution.mm(resolution.at_least(mm));
     let preload = whole(request.preload.mm());
-    let overrun = if request.bidirectional {
-        whole(request.overrun.mm())
-    } else {
-        0.0
-    };
+    let overrun = whole(overrun_mm(request));
     match request.what {
         RunType::SingleAxis => (low - preload, high + overrun),
         RunType::StepDiagonal | RunType::StraightDiagonal => {

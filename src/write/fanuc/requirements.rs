@@ -3,21 +3,19 @@
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::controller::FanucFacts;
 use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::Figure;
 use crate::text::problem::Problems;
-use crate::write::compensation::fanuc::detection_unit;
-use crate::write::compensation::fanuc::form::is_four_point;
-use crate::write::compensation::fanuc::numbers::Run;
-use crate::write::compensation::{backlash_why, two_tables_why};
-use crate::write::plan::{Plan, PlannedTable, Task};
+use crate::write::compiled::backlash_parameter;
+use crate::write::control_text::trimmed;
+use crate::write::fanuc::numbers::{Run, is_four_point};
+use crate::write::task::{Plan, Task};
 
 const MEMORY: &str = "parameter manual of the family, from memory";
 const LARGEST_BACKLASH: f64 = 9999.0; // 1851, detection units; parameter manual, from memory
 
 /// Backlash parameter of an axis in detection units, and the unit in µm.
 pub(super) fn backlash_counts(task: Task<'_>, plan: &Plan, axis: Axis) -> Option<(f64, f64)> {
-    let unit_um = detection_unit(task, axis);
-    plan.backlash_um[axis].map(|um| ((um / unit_um).round() + 0.0, unit_um))
+    let (um, unit_um) = (plan.backlash_um[axis]?, task.detection_unit_um(axis)?);
+    Some(((um / unit_um).round() + 0.0, unit_um))
 }
 
 pub(super) fn check_backlash(task: Task<'_>, plan: &Plan, problems: &mut Problems) {
@@ -51,8 +49,7 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
         ));
     }
     for run in runs {
-        let own = |t: &PlannedTable| t.term.is_positioning() && t.term.of == run.axis;
-        if !plan.tables.iter().any(own) {
+        if plan.of_axis(run.axis).next().is_none() {
             assumptions.push(Assumption::of_job(
                 format!("pitch_compensation_of_axis_{}", run.id),
                 "none in use",
@@ -63,8 +60,7 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
             ));
         }
     }
-    let crosses = plan.tables.iter().any(|t| t.term.is_cross());
-    if crosses && task.job.compensation.first_set.is_none() {
+    if plan.has_cross() && task.job.compensation.first_set.is_none() {
         assumptions.push(Assumption::of_job(
             "first_set",
             "1",
@@ -72,12 +68,6 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
         ));
     }
     assumptions
-}
-
-/// A length as it is named: up to six decimals, no trailing zeros, no `-0`.
-fn trimmed(length: f64) -> String {
-    let text = format!("{:.6}", Figure(length));
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 pub(super) fn preconditions(
@@ -92,7 +82,7 @@ pub(super) fn preconditions(
         "without it the tables stay without effect",
         "B-64303CM-1/01 section 1.3.1",
     )];
-    if plan.tables.iter().any(|t| t.term.is_cross()) {
+    if plan.has_cross() {
         let name = if is_four_point(facts) {
             "option straightness compensation"
         } else {
@@ -147,7 +137,7 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
         format!("1240 of axis {id}"),
         format!(
             "{} {}",
-            trimmed(machine.reference.mm() / unit.in_mm()),
+            trimmed(machine.reference.mm() / unit.in_mm(), 6),
             unit.word()
         ),
         "the points are anchored on the reference position",
@@ -194,31 +184,13 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
 }
 
 fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
-    let own = plan
-        .tables
-        .iter()
-        .any(|t| t.term.is_positioning() && t.term.of == run.axis);
-    if !own {
-        return None;
-    }
-    let (value, why, entered) = match backlash_counts(task, plan, run.axis) {
-        Some((counts, unit_um)) => (
-            format!("{counts} (detection units of {unit_um} µm)"),
-            backlash_why(task.job, run.axis),
-            true,
-        ),
-        None if run.minus_first.is_some() => {
-            ("0".to_string(), two_tables_why(task.job, run.axis), true)
-        }
-        None => (
-            "as during the measurement".to_string(),
-            "backlash acts beside the table and adds to it",
-            false,
-        ),
-    };
+    plan.of_axis(run.axis).next()?;
     let what = format!("1851 and 1852 of axis {}", run.id);
-    Some(Precondition {
-        entered,
-        ..Precondition::new(what, value, why, MEMORY)
-    })
+    let named = |_| {
+        let (counts, unit_um) = backlash_counts(task, plan, run.axis).unwrap_or_default();
+        format!("{counts} (detection units of {unit_um} µm)")
+    };
+    Some(backlash_parameter(
+        task, plan, run.axis, what, named, MEMORY,
+    ))
 }

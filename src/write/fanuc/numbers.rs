@@ -1,11 +1,10 @@
 //! Point numbers: which axis gets which, without overlap.
 
-use crate::control::controller::{FanucFacts, NumberRange};
+use crate::control::controller::{FanucFacts, NumberRange, StraightnessForm};
 use crate::quantity::axis::Axis;
-use crate::text::problem::Problems;
-use crate::write::compensation::fanuc::form::is_four_point;
+use crate::text::problem::{Problem, Problems};
 use crate::write::grid::Grid;
-use crate::write::plan::{Plan, Task};
+use crate::write::task::{Plan, Task};
 
 /// The pitch points of one physical axis.
 pub(super) struct Run {
@@ -40,6 +39,11 @@ impl Run {
     pub(super) fn point(&self, node: i64) -> u32 {
         u32::try_from(i64::from(self.first) + node - self.lowest).unwrap_or(u32::MAX)
     }
+}
+
+/// Whether the straightness of this control goes through four points.
+pub(super) fn is_four_point(facts: &FanucFacts) -> bool {
+    facts.straightness_form.value == StraightnessForm::FourPoint
 }
 
 /// Point numbers in use.
@@ -110,37 +114,33 @@ pub(super) fn runs(
     problems: &mut Problems,
 ) -> Vec<Run> {
     let mut runs = needed(plan, facts);
+    let blocks = &facts.pitch_points.value;
     let stated = |run: &Run| {
         let settings = task.job.compensation.axes[run.axis].as_ref();
-        settings.and_then(|s| s.first_point).filter(|_| {
-            plan.names[run.axis]
-                .first()
-                .is_some_and(|n| *n == run.id.to_string())
-        })
+        let first_axis = plan.names[run.axis].first();
+        settings
+            .and_then(|s| s.first_point)
+            .filter(|_| first_axis.is_some_and(|name| *name == run.id.to_string()))
     };
-    for run in runs.iter_mut().filter(|run| stated(run).is_some()) {
-        let first = stated(run).unwrap_or(0);
-        match space.take_at(&facts.pitch_points.value, first, run.count) {
+    for run in &mut runs {
+        let Some(first) = stated(run) else { continue };
+        match space.take_at(blocks, first, run.count) {
             Some(first) => run.first = first,
             None => problems.push(
                 task.job
-                    .problem_at(&format!("compensation.axes.{}.first_point", run.axis.key()), format!("points {first}…{} of axis {} are reserved, in use by another axis, or outside the control's {}", first.saturating_add(run.count - 1), run.axis, blocks_text(&facts.pitch_points.value)))
+                    .problem_at(&format!("compensation.axes.{}.first_point", run.axis.key()), format!("points {first}…{} of axis {} are reserved, in use by another axis, or outside the control's {}", first.saturating_add(run.count - 1), run.axis, blocks_text(blocks)))
                     .help("choose another `first_point`, or leave it out"),
             ),
         }
     }
     for run in runs.iter_mut().filter(|run| stated(run).is_none()) {
-        match space.take(&facts.pitch_points.value, run.count) {
+        match space.take(blocks, run.count) {
             Some(first) => run.first = first,
-            None => problems.push(no_room(task, run, &facts.pitch_points.value)),
+            None => problems.push(no_room(task, run, blocks)),
         }
     }
     for run in &mut runs {
-        let directed = plan
-            .tables
-            .iter()
-            .any(|t| t.term.is_positioning() && t.term.of == run.axis && t.direction.is_some());
-        if !directed {
+        if !plan.has_two_tables(run.axis) {
             continue;
         }
         run.minus_first = space.take(&facts.minus_points.value, run.count);
@@ -151,7 +151,7 @@ pub(super) fn runs(
     runs
 }
 
-fn no_room(task: Task<'_>, run: &Run, blocks: &[NumberRange]) -> crate::text::problem::Problem {
+fn no_room(task: Task<'_>, run: &Run, blocks: &[NumberRange]) -> Problem {
     task.job
         .problem_at(
             &format!("compensation.axes.{}", run.axis.key()),
@@ -180,10 +180,7 @@ fn needed(plan: &Plan, facts: &FanucFacts) -> Vec<Run> {
         let Some(grid) = plan.grids[axis] else {
             continue;
         };
-        let own = plan
-            .tables
-            .iter()
-            .any(|t| t.term.is_positioning() && t.term.of == axis);
+        let own = plan.of_axis(axis).next().is_some();
         let crosses = plan
             .tables
             .iter()

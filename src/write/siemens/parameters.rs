@@ -1,20 +1,91 @@
-//! What a person has to see to on the control: switches, memory, limits, backlash, reference.
+//! What stands beside the tables on a Siemens control: encoder, backlash, value at the reference point,
+//! largest sum; and what a person has to see to: switches, memory, limits.
 
-use super::{backlash_text, encoder, is_lec, largest_sum_um, reference_text};
 use crate::control::claims::{Assumption, Precondition};
+use crate::control::control_state::ControlState;
 use crate::control::controller::LengthUnit;
-use crate::control::table::siemens::SiemensTables;
+use crate::control::table::siemens::{SiemensGrid, SiemensTables};
 use crate::inputs::job::ActiveTables;
-use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::axis::Axis;
 use crate::quantity::units::{Figure, UM_PER_MM, power_of_ten};
-use crate::write::compensation::{backlash_why, two_tables_why};
-use crate::write::plan::{Plan, PlannedTable, Task};
+use crate::write::compiled::backlash_parameter;
+use crate::write::control_text::trimmed;
+use crate::write::task::{Plan, PlannedTable, Task};
+
+/// Whether a planned table goes into ENC_COMP.
+pub(crate) fn is_lec(planned: &PlannedTable) -> bool {
+    planned.term.is_positioning() && planned.direction.is_none()
+}
+
+/// Index of the measuring system of an axis in the files: 0 = the first.
+pub(crate) fn encoder(task: Task<'_>, axis: Axis) -> u32 {
+    let system = task.job.compensation.axes[axis]
+        .as_ref()
+        .and_then(|s| s.measuring_system);
+    system.unwrap_or(1) - 1
+}
+
+/// MD32450 as it is named: four decimals of a millimetre, five of an inch.
+pub(super) fn backlash_text(task: Task<'_>, um: f64) -> (String, f64) {
+    let unit = task.job.compensation.control_unit;
+    let decimals = match unit {
+        LengthUnit::Millimetre => 4,
+        LengthUnit::Inch => 5,
+    };
+    let text = format!("{:.decimals$}", um / (unit.in_mm() * UM_PER_MM) + 0.0);
+    let rounded_um = text.parse::<f64>().unwrap_or(0.0) * unit.in_mm() * UM_PER_MM;
+    (format!("{text} {}", unit.word()), rounded_um)
+}
+
+/// Largest sum of CEC corrections of any output axis, µm ([`SiemensTables::largest_cec_sum`]).
+pub(super) fn largest_sum_um(task: Task<'_>, tables: &SiemensTables) -> f64 {
+    let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
+    let sums = outputs(tables).into_iter();
+    let sums = sums.map(|output| tables.largest_cec_sum(output));
+    sums.fold(0.0, f64::max) * um_per_unit
+}
+
+/// Axes that CEC tables correct, each once.
+pub(super) fn outputs(tables: &SiemensTables) -> Vec<&str> {
+    let mut outputs: Vec<&str> = tables.cec.iter().map(|t| t.output_axis.as_str()).collect();
+    outputs.sort_unstable();
+    outputs.dedup();
+    outputs
+}
+
+/// What a table holds at the reference point of its base axis, in the unit of the file.
+pub(crate) fn at_reference(
+    state: &ControlState,
+    base: &str,
+    grid: &SiemensGrid,
+    values: &[Option<f64>],
+) -> f64 {
+    let reference = state.axis(base).map(|axis| axis.reference.mm());
+    let position = reference.map(|mm| mm / state.unit.in_mm());
+    let held = position.and_then(|position| grid.nearest(values, position));
+    held.unwrap_or(0.0)
+}
+
+/// Machine coordinates of the reference points, as they stand in files and preconditions.
+pub(crate) fn reference_text(task: Task<'_>) -> String {
+    let texts: Vec<String> = task
+        .job
+        .machine
+        .axes
+        .iter()
+        .filter_map(|(axis, machine)| {
+            let reference = machine.as_ref()?.reference.mm();
+            Some(format!("{axis} {} mm", trimmed(reference, 6)))
+        })
+        .collect();
+    texts.join(", ")
+}
 
 const K3: &str = "Function Manual Extended Functions 03/2013, K3";
 
 pub(super) fn assumptions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -> Vec<Assumption> {
     let mut assumptions = Vec::new();
-    let has_lec = |axis: Axis| plan.tables.iter().any(|t| is_lec(t) && t.term.of == axis);
+    let has_lec = |axis: Axis| plan.of_axis(axis).any(is_lec);
     for axis in Axis::ALL {
         let settings = task.job.compensation.axes[axis].as_ref();
         if has_lec(axis) && settings.is_some_and(|s| s.measuring_system.is_none()) {
@@ -79,9 +150,7 @@ fn basic_system(task: Task<'_>) -> Precondition {
 fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition> {
     let metric = task.job.compensation.control_unit.as_metric();
     let numbers: Vec<String> = tables.cec.iter().map(|t| t.number.to_string()).collect();
-    let mut outputs: Vec<&str> = tables.cec.iter().map(|t| t.output_axis.as_str()).collect();
-    outputs.sort_unstable();
-    outputs.dedup();
+    let outputs = outputs(tables).join(", ");
     vec![
         Precondition::new(
             "option sag compensation (CEC)",
@@ -97,13 +166,13 @@ fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition
         ),
         max_sum_precondition(task, tables),
         Precondition::new(
-            format!("MD32710 $MA_CEC_ENABLE[{}]", outputs.join(", ")),
+            format!("MD32710 $MA_CEC_ENABLE[{}]", outputs),
             "0 while the tables are loaded",
             "tables can only be loaded while CEC is off",
             format!("{K3} p. 237"),
         ),
         Precondition::new(
-            format!("other CEC tables of {}", outputs.join(", ")),
+            format!("other CEC tables of {}", outputs),
             "absent, or meant to act",
             "MD32710 in the enable and disable files switches every CEC table of an axis",
             format!("{K3} p. 245"),
@@ -157,65 +226,31 @@ fn max_sum_precondition(task: Task<'_>, tables: &SiemensTables) -> Precondition 
 }
 
 fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precondition> {
-    let term = ErrorTerm {
-        of: axis,
-        along: axis,
-    };
-    if !plan.tables.iter().any(|t| t.term == term) {
+    if plan.of_axis(axis).next().is_none() {
         return Vec::new();
     }
-    let (value, why, entered) = match plan.backlash_um[axis] {
-        Some(um) => (
-            backlash_text(task, um).0,
-            backlash_why(task.job, axis),
-            true,
-        ),
-        None if has_two_tables(plan, axis) => {
-            ("0".to_string(), two_tables_why(task.job, axis), true)
-        }
-        _ => (
-            "as during the measurement".to_string(),
-            "backlash acts beside the table and adds to it",
-            false,
-        ),
-    };
     let system = encoder(task, axis);
-    plan.names[axis]
-        .iter()
-        .map(|name| Precondition {
-            entered,
-            ..Precondition::new(
-                format!("MD32450 $MA_BACKLASH[{system},{name}]"),
-                value.clone(),
-                why,
-                format!("{K3} p. 277 (sum in the service display)"),
-            )
-        })
-        .chain(no_second_table(plan, axis))
-        .collect()
-}
-
-fn has_two_tables(plan: &Plan, axis: Axis) -> bool {
-    let own = |t: &&PlannedTable| t.term.is_positioning() && t.term.of == axis;
-    plan.tables
-        .iter()
-        .filter(own)
-        .any(|t| t.direction.is_some())
-}
-
-fn no_second_table(plan: &Plan, axis: Axis) -> Vec<Precondition> {
-    if !has_two_tables(plan, axis) {
-        return Vec::new();
-    }
-    plan.names[axis]
-        .iter()
-        .map(|name| {
-            Precondition::new(
-                format!("MD32700 $MA_ENC_COMP_ENABLE[0,{name}] and [1,{name}]"),
-                "0",
-                "the positioning error is in CEC tables; an ENC_COMP table with the same error would correct it twice",
-                format!("{K3} section 4.4.4"),
-            )
-        })
-        .collect()
+    let names = plan.names[axis].iter();
+    let backlash = names.clone().map(|name| {
+        let what = format!("MD32450 $MA_BACKLASH[{system},{name}]");
+        let source = format!("{K3} p. 277 (sum in the service display)");
+        backlash_parameter(
+            task,
+            plan,
+            axis,
+            what,
+            |um| backlash_text(task, um).0,
+            &source,
+        )
+    });
+    let in_cec = names.filter(|_| plan.has_two_tables(axis));
+    let no_second_table = in_cec.map(|name| {
+        Precondition::new(
+            format!("MD32700 $MA_ENC_COMP_ENABLE[0,{name}] and [1,{name}]"),
+            "0",
+            "the positioning error is in CEC tables; an ENC_COMP table with the same error would correct it twice",
+            format!("{K3} section 4.4.4"),
+        )
+    });
+    backlash.chain(no_second_table).collect()
 }

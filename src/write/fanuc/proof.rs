@@ -3,14 +3,14 @@
 //! The parameters of the kit (3620 to 3624, magnifications, sets) stay as they are: the bump is in
 //! counts of these magnifications.
 
-use super::{Bump, SignProof, whole_below};
 use crate::control::controller::{FanucFacts, Mechanism, TableSign};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Deviation;
-use crate::write::plan::{Plan, axis_pairs};
-use crate::write::sign_proof::bump::as_number;
+use crate::write::compiled::Bump;
+use crate::write::grid::{as_number, whole};
+use crate::write::task::{Plan, axis_pairs};
 
 const MOST_SETS: u32 = 6;
 
@@ -44,7 +44,7 @@ pub(super) fn memory(
         let run = run(kit, set.moving)?;
         if mechanism == Mechanism::PerPoint {
             let start = facts.straightness_start_parameter.value + set.index;
-            increments(run, whole(kit, start, None)?, sign, bump, &mut out);
+            increments(run, held(kit, start, None)?, sign, bump, &mut out);
         } else {
             four_points(kit, &set, run, sign, bump, &mut out)?;
         }
@@ -54,23 +54,19 @@ pub(super) fn memory(
 
 /// Points of the kit that no proof writes would keep what the control holds: the first file that
 /// holds points writes zeros there.
-pub(super) fn zero_the_rest(kit: &FanucMemory, proofs: &mut [SignProof]) {
-    let written = |proofs: &[SignProof], point: u32| {
-        proofs.iter().any(|proof| match &proof.tables {
-            Tables::Fanuc(memory) => memory.points.contains_key(&point),
-            _ => false,
+pub(super) fn zero_the_rest(kit: &FanucMemory, proofs: &mut [&mut Tables]) {
+    let mut proofs: Vec<&mut FanucMemory> = proofs
+        .iter_mut()
+        .filter_map(|tables| match tables {
+            Tables::Fanuc(memory) => Some(memory),
+            _ => None,
         })
-    };
-    let missing = |point: &u32| !written(proofs, *point);
-    let rest: Vec<u32> = kit.points.keys().copied().filter(missing).collect();
-    let with_points = proofs.iter_mut().find_map(|proof| match &mut proof.tables {
-        Tables::Fanuc(memory) if !memory.points.is_empty() => Some(memory),
-        _ => None,
-    });
-    if let Some(memory) = with_points {
-        memory
-            .points
-            .extend(rest.into_iter().map(|point| (point, 0)));
+        .collect();
+    let is_missing = |point: &&u32| !proofs.iter().any(|p| p.points.contains_key(*point));
+    let rest: Vec<u32> = kit.points.keys().filter(is_missing).copied().collect();
+    if let Some(memory) = proofs.iter_mut().find(|p| !p.points.is_empty()) {
+        let zeros = rest.into_iter().map(|point| (point, 0));
+        memory.points.extend(zeros);
     }
 }
 
@@ -83,7 +79,7 @@ struct Run {
     second: Option<u32>,
 }
 
-fn whole(kit: &FanucMemory, number: u32, axis: Option<u32>) -> Option<u32> {
+fn held(kit: &FanucMemory, number: u32, axis: Option<u32>) -> Option<u32> {
     match kit.parameter(number, axis)? {
         ParameterValue::Integer(value) => u32::try_from(value).ok(),
         _ => None,
@@ -91,12 +87,12 @@ fn whole(kit: &FanucMemory, number: u32, axis: Option<u32>) -> Option<u32> {
 }
 
 fn run(kit: &FanucMemory, axis: u32) -> Option<Run> {
-    let first = whole(kit, 3621, Some(axis))?;
+    let first = held(kit, 3621, Some(axis))?;
     Some(Run {
-        reference: whole(kit, 3620, Some(axis))?,
+        reference: held(kit, 3620, Some(axis))?,
         first,
-        count: whole(kit, 3622, Some(axis))?.checked_sub(first)? + 1,
-        second: whole(kit, 3626, Some(axis)),
+        count: held(kit, 3622, Some(axis))?.checked_sub(first)? + 1,
+        second: held(kit, 3626, Some(axis)),
     })
 }
 
@@ -119,7 +115,7 @@ fn increments(run: Run, first: u32, sign: TableSign, bump: Option<&Bump>, out: &
 
 /// Counts of a deviation in the sense of the table.
 fn in_table(sign: TableSign, counts: i64) -> i64 {
-    whole_below(sign.table_um(Deviation::from_um(as_number(counts))).round())
+    whole(sign.table_um(Deviation::from_um(as_number(counts))).round())
 }
 
 /// A straightness set of the kit; `index` counts from 0.
@@ -134,8 +130,8 @@ fn sets(kit: &FanucMemory) -> Vec<Set> {
         .filter_map(|index| {
             Some(Set {
                 index,
-                moving: whole(kit, 5711 + index, None)?,
-                output: whole(kit, 5721 + index, None)?,
+                moving: held(kit, 5711 + index, None)?,
+                output: held(kit, 5721 + index, None)?,
             })
         })
         .collect()
@@ -154,7 +150,7 @@ fn four_points(
     for knot in 0..4 {
         let number = 10 * set.index + knot;
         let (point, amount) = match bump {
-            None => (whole(kit, 5731 + number, None)?, 0),
+            None => (held(kit, 5731 + number, None)?, 0),
             Some(bump) => {
                 let nodes = bump_nodes(bump);
                 let node = nodes[usize::try_from(knot).ok()?];

@@ -1,0 +1,141 @@
+//! Numbers and texts as they stand in a control's files, which are ASCII: letters of other scripts as the
+//! Latin letters that stand for them, German umlauts as German writes them without (ä → ae).
+
+use crate::quantity::units::Figure;
+use crate::text::plain::is_unseen;
+use deunicode::deunicode_with_tofu;
+use serde::Serialize;
+use std::borrow::Cow;
+
+/// A machine or setting datum with its value, as found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Switch {
+    /// Name without `$`.
+    pub name: String,
+    /// What stands in brackets.
+    pub indices: String,
+    /// Its value.
+    pub value: String,
+}
+
+/// What a file that stands apart writes in place of the tables of the kit.
+#[derive(Clone, Debug, Default)]
+pub struct Instead<'a> {
+    /// What it is, in place of the measurement that the tables of the kit are from.
+    pub notice: &'a str,
+    /// Whether the places are those of the kit, so that their terms may be named.
+    pub names_terms: bool,
+    /// Whether numbers keep the digits they were read with, also beyond those of the profile.
+    pub as_read: bool,
+    /// Machine data that it restores (Siemens).
+    pub switches: Vec<Switch>,
+}
+
+/// A number with a fixed number of decimals, never `-0`.
+pub(crate) fn fixed(number: f64, decimals: u32) -> String {
+    format!("{:.*}", decimals as usize, Figure(number))
+}
+
+/// The same without trailing zeros.
+pub(crate) fn trimmed(number: f64, decimals: u32) -> String {
+    let text = fixed(number, decimals);
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+/// Whether a text cannot end a comment, start a block or a program.
+pub(crate) fn is_comment_text(text: &str) -> bool {
+    let safe = |c: char| (' '..='~').contains(&c) && !"%;()[]{}<>".contains(c);
+    text.chars().all(safe) && text.len() <= LONGEST_TEXT
+}
+
+/// Longest name in a comment: the line stays below 80 characters.
+const LONGEST_TEXT: usize = 60;
+/// What a text in a comment has to be.
+pub(crate) const COMMENT_TEXT: &str =
+    "up to 60 printable characters without line breaks, `%`, `;` or brackets";
+
+/// What stands for a letter that has no Latin ones.
+const NO_LETTER: &str = "_";
+
+/// The text in ASCII. One with a control or direction character stays as it is: it is refused.
+pub(crate) fn ascii(text: &str) -> Cow<'_, str> {
+    if text.is_ascii() || text.contains(is_unseen) {
+        return Cow::Borrowed(text);
+    }
+    let german = without_umlauts(text);
+    Cow::Owned(deunicode_with_tofu(&german, NO_LETTER).trim().to_string())
+}
+
+fn without_umlauts(text: &str) -> String {
+    const PAIRS: [(char, &str); 7] = [
+        ('ä', "ae"),
+        ('ö', "oe"),
+        ('ü', "ue"),
+        ('ß', "ss"),
+        ('Ä', "Ae"),
+        ('Ö', "Oe"),
+        ('Ü', "Ue"),
+    ];
+    const TWO_CHARACTERS: [(&str, &str); 6] = [
+        ("a\u{308}", "ä"),
+        ("o\u{308}", "ö"),
+        ("u\u{308}", "ü"),
+        ("A\u{308}", "Ä"),
+        ("O\u{308}", "Ö"),
+        ("U\u{308}", "Ü"),
+    ];
+    let joined = TWO_CHARACTERS.iter();
+    let text = joined.fold(text.to_string(), |text, (two, one)| text.replace(two, one));
+    let letters: Vec<char> = text.chars().collect();
+    let is_capital = |at: usize| letters.get(at).is_some_and(|letter| letter.is_uppercase());
+    let written = |(at, letter): (usize, &char)| {
+        let in_capitals =
+            letter.is_uppercase() && (is_capital(at.wrapping_sub(1)) || is_capital(at + 1));
+        match PAIRS.iter().find(|(umlaut, _)| umlaut == letter) {
+            Some((_, pair)) if in_capitals => pair.to_uppercase(),
+            Some((_, pair)) => (*pair).to_string(),
+            None => letter.to_string(),
+        }
+    };
+    letters.iter().enumerate().map(written).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_other_scripts_become_latin_letters() {
+        for (name, expected) in [
+            ("Fräse Süd, groß", "Fraese Sued, gross"),
+            ("FRÄSE Über", "FRAESE Ueber"),
+            ("Fra\u{308}se", "Fraese"),
+            ("Ö", "Oe"),
+            ("é à ñ č ø ł", "e a n c o l"),
+            ("Станок 5", "Stanok 5"),
+            ("VMC 900", "VMC 900"),
+        ] {
+            assert_eq!(ascii(name), expected);
+        }
+        assert!(ascii("机床 7").is_ascii() && !ascii("机床 \u{e000}").contains('?'));
+    }
+
+    #[test]
+    fn numbers_have_their_decimals_and_no_negative_zero() {
+        assert_eq!(fixed(-0.0004, 3), "0.000");
+        assert_eq!(fixed(-0.012, 3), "-0.012");
+        assert_eq!(fixed(1234.5, 0), "1234"); // half to even, as the formatter of numbers does
+        assert_eq!(fixed(-0.3, 1), "-0.3");
+        assert_eq!(fixed(-1e12, 0), "-1000000000000");
+        assert_eq!(fixed(-1.0, 12), "-1.000000000000");
+        assert_eq!(fixed(-0.05, 13), "-0.0500000000000");
+        assert_eq!(fixed(f64::NAN, 3), "NaN"); // no input brings one here; a control would refuse it
+    }
+
+    #[test]
+    fn what_is_not_seen_is_left_to_be_refused() {
+        for name in ["M\u{202e}1", "M\u{2066}ä", "ä\n"] {
+            assert_eq!(ascii(name), name);
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! What differs from one family of controls to the next. Each family is a folder of this room that implements
+//! the trait for the facts of its profiles; nothing else of the room asks which family it is.
+
+use crate::control::controller::{Dialect, LengthUnit, Mechanism, Profile};
+use crate::control::table::Tables;
+use crate::inputs::job::Compensation;
+use crate::quantity::axis::ErrorTerm;
+use crate::text::problem::Problems;
+use crate::write::compiled::{Bump, Compiled};
+use crate::write::control_text::Instead;
+use crate::write::grid::LengthDigit;
+use crate::write::selection::Budget;
+use crate::write::task::{Plan, PlannedTable, Target, Task};
+use serde_json::Value;
+
+/// A family of controls, on the writing side.
+pub(crate) trait Family {
+    /// What a name of an axis has to be, where it is not.
+    fn expected_name(&self, name: &str) -> Option<&'static str>;
+
+    /// The last digit of positions and spacings in the files.
+    fn length_digit(&self, unit: LengthUnit) -> LengthDigit;
+
+    /// Whether there can be a table for each direction of a term.
+    fn takes_directions(&self, term: ErrorTerm) -> bool;
+
+    /// The tables that the control has few of; `None` where it has enough for everything.
+    fn budget(&self, compensation: &Compensation) -> Option<Budget>;
+
+    /// Most points of a table for these targets, and of what.
+    fn point_limit(&self, targets: &[&Target]) -> (u32, &'static str);
+
+    /// Smallest distance of two points of an axis with this largest feed, mm.
+    fn least_spacing_mm(&self, _max_feed: f64) -> f64 {
+        0.0
+    }
+
+    /// Most rows of all tables together.
+    fn most_rows(&self) -> usize {
+        usize::MAX
+    }
+
+    /// Puts a plan into the control's numbers.
+    fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems>;
+
+    /// Whether a kit uses what a fact belongs to; what cannot be judged counts as used.
+    fn uses(&self, mechanism: Mechanism, plan: &Plan, tables: &Tables) -> bool;
+
+    /// Whether the names of the axes say which axis of the control is meant.
+    fn names_reach_axes(&self) -> bool {
+        true
+    }
+
+    /// What the templates see of tables: names with finished texts; `None` for those of another family.
+    fn context(
+        &self,
+        task: Task<'_>,
+        compiled: &Compiled,
+        tables: &Tables,
+        instead: &Instead<'_>,
+    ) -> Option<Value>;
+
+    /// Mechanisms that a sign proof can prove.
+    fn mechanisms(&self) -> Vec<Mechanism>;
+
+    /// Whether a table belongs to one of these mechanisms.
+    fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool;
+
+    /// Largest changes of a bump in one section that are tried in turn, counts; `None` = the slope alone limits.
+    fn section_limits(&self, _mechanism: Mechanism) -> Vec<Option<i64>> {
+        vec![None]
+    }
+
+    /// Height above which the control cuts a table off, µm.
+    fn cut_off_um(&self, _table: &PlannedTable) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The tables of a kit of one mechanism, zero but for the bump in the table of a term.
+    fn proof_tables(
+        &self,
+        task: Task<'_>,
+        plan: &Plan,
+        kit: &Tables,
+        proof: (Mechanism, ErrorTerm, &Bump),
+    ) -> Option<Tables>;
+
+    /// What no proof of a kit writes and would keep what the control holds, zero in one of the proofs.
+    fn zero_the_rest(&self, _kit: &Tables, _proofs: &mut [&mut Tables]) {}
+}
+
+/// The family of a profile's control.
+pub(crate) fn family(profile: &Profile) -> &dyn Family {
+    match &profile.dialect {
+        Dialect::Siemens(facts) => facts,
+        Dialect::Fanuc(facts) => facts,
+        Dialect::Generic(facts) => facts,
+    }
+}

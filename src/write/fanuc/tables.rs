@@ -1,0 +1,405 @@
+//! Pitch data of each axis and straightness sets: a moving axis shifts another one.
+//!
+//! ```text
+//!   point number   Nmin … N0 │ N0+1 … Nmax          point n is the section from node n−1 to n
+//!   node (index)       … −1  0   1   …              node 0 is the reference point, N0 in 3620
+//!   data(n) = total(n) − total(n−1),  total = round(correction / count),  total(0) = 0
+//! ```
+//! Each increment is a difference of rounded **totals**, so rounding never adds up and no node is
+//! off by more than half a count (count = magnification × detection unit). N0 and N0+1 are
+//! always in the table, zero where there is no travel, so 3621 ≤ 3620 < 3622.
+
+use crate::control::controller::{FanucFacts, IntervalForm, TableSign};
+use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::inputs::job::AxisSettings;
+use crate::quantity::axis::{Axis, Direction};
+use crate::text::problem::Problems;
+use crate::write::compiled::Placement;
+use crate::write::fanuc::four_point::best_fit;
+use crate::write::fanuc::numbers::{Run, Space, is_four_point};
+use crate::write::grid::{Grid, as_number, whole};
+use crate::write::task::{Plan, PlannedTable, Task};
+
+/// What is written so far, and what it is made from.
+pub(super) struct Writer<'a> {
+    pub(super) task: Task<'a>,
+    pub(super) plan: &'a Plan,
+    pub(super) facts: &'a FanucFacts,
+    pub(super) space: Space,
+    pub(super) memory: FanucMemory,
+    pub(super) placements: Vec<Placement>,
+    pub(super) notes: Vec<String>,
+    pub(super) problems: Problems,
+}
+
+/// One set: a planned table on one physical output axis.
+struct Set<'a> {
+    number: u32,
+    planned: &'a PlannedTable,
+    run: &'a Run,
+    output: u32,
+    unit_um: f64,
+}
+
+/// Parameter 3627 is a signed word; parameter manual B-63530EN, from memory.
+const LARGEST_REVERSAL: i64 = 32767;
+
+impl<'a> Writer<'a> {
+    /// Detection unit of an axis, µm; the plan has checked that it is stated.
+    fn unit_um(&self, axis: Axis) -> f64 {
+        self.task.detection_unit_um(axis).unwrap_or(f64::NAN)
+    }
+
+    fn parameter(&mut self, number: u32, axis: Option<u32>, value: ParameterValue) {
+        let key = ParameterKey { number, axis };
+        self.memory.parameters.insert(key, value);
+    }
+
+    fn integer(&mut self, number: u32, axis: Option<u32>, value: impl Into<i64>) {
+        self.parameter(number, axis, ParameterValue::Integer(value.into()));
+    }
+
+    /// All points of a run; zero where nothing is compensated.
+    fn points(&mut self, first: u32, run: &Run, totals: Option<&Totals>) {
+        for offset in 0..run.count {
+            let node = run.lowest + i64::from(offset);
+            let increment = totals.map_or(0, |t| t.increment(node));
+            let increment = i32::try_from(increment).unwrap_or(0);
+            self.memory.points.insert(first + offset, increment);
+        }
+    }
+
+    /// Notes where a planned table went; a second physical axis of a gantry joins the first.
+    fn place(&mut self, points: u32, placement: Placement) {
+        let is_known =
+            |p: &&mut Placement| (p.term, p.direction) == (placement.term, placement.direction);
+        match self.placements.iter_mut().find(is_known) {
+            Some(known) => known.place = format!("{}; {}", known.place, placement.place),
+            None => self.placements.push(Placement {
+                points: points as usize,
+                ..placement
+            }),
+        }
+    }
+
+    fn refuse(&mut self, path: &str, message: String, help: &str) {
+        let problem = self.task.job.problem_at(path, message);
+        self.problems.push(problem.help(help));
+    }
+
+    fn refuse_steep(&mut self, planned: &PlannedTable, unit_um: f64) {
+        let (increment, magnification) = (
+            self.facts.increment_max.value,
+            self.facts.magnification_max.value,
+        );
+        let most = f64::from(increment) * f64::from(magnification) * unit_um;
+        let change = steepest(&wanted(planned, self.facts.pitch_sign.value));
+        self.refuse(
+            &format!("compensation.axes.{}", planned.term.along.key()),
+            format!(
+                "{} changes by {change:.1} µm between two points, more than {increment} × {magnification} × {unit_um} µm = {most:.3} µm that the control can add",
+                planned.term
+            ),
+            "use a smaller spacing, or check the measurement and `detection_unit_um`",
+        );
+    }
+
+    /// Pitch parameters and data of one physical axis.
+    pub(super) fn pitch(&mut self, run: &Run) {
+        let tables: Vec<&PlannedTable> = self.plan.of_axis(run.axis).collect();
+        let unit_um = self.unit_um(run.axis);
+        let machine = self.task.job.machine.axes[run.axis];
+        let homing = machine.map_or(Direction::Plus, |axis| axis.homing());
+        let curve = |planned: &&PlannedTable| Curve {
+            wanted_um: wanted(planned, self.facts.pitch_sign.value),
+            carries_reversal: planned.direction.is_some_and(|own| own != homing),
+        };
+        let curves: Vec<Curve> = tables.iter().map(curve).collect();
+        let Some((magnification, reversal, totals)) =
+            magnify(self.facts, run.grid, &curves, unit_um)
+        else {
+            let change =
+                |table: &PlannedTable| steepest(&wanted(table, self.facts.pitch_sign.value));
+            let steepest = tables.iter().max_by(|a, b| change(a).total_cmp(&change(b)));
+            if let Some(planned) = steepest {
+                self.refuse_steep(planned, unit_um);
+            }
+            return;
+        };
+        if reversal.abs() > LARGEST_REVERSAL {
+            self.refuse(
+                &format!("compensation.axes.{}.detection_unit_um", run.axis.key()),
+                format!(
+                    "the reversal of axis {} at the reference is {reversal} × {unit_um} µm, more than ±{LARGEST_REVERSAL} that parameter 3627 holds",
+                    run.axis
+                ),
+                "check the measurement and `detection_unit_um`",
+            );
+            return;
+        }
+        self.pitch_parameters(run, magnification);
+        let acts_in = |direction: Direction| {
+            let acts = |t: &&PlannedTable| t.direction.is_none_or(|own| own == direction);
+            Some(&totals[tables.iter().position(acts)?])
+        };
+        self.points(run.first, run, acts_in(Direction::Plus));
+        if let Some(second) = run.minus_first {
+            self.integer(3626, Some(run.id), second);
+            self.integer(3627, Some(run.id), reversal);
+            self.points(second, run, acts_in(Direction::Minus));
+        }
+        self.place_pitch(&tables, run, unit_um * f64::from(magnification));
+    }
+
+    fn pitch_parameters(&mut self, run: &Run, magnification: u32) {
+        let id = Some(run.id);
+        self.integer(3620, id, run.reference_point());
+        self.integer(3621, id, run.first);
+        self.integer(3622, id, run.last());
+        self.integer(3623, id, magnification);
+        let digits = run.grid.spacing_digits;
+        let interval = match self.facts.interval_form.value {
+            IntervalForm::Integer => ParameterValue::Integer(digits),
+            IntervalForm::Real => {
+                ParameterValue::Real(as_number(digits) / run.grid.digit.per_unit())
+            }
+        };
+        self.parameter(3624, id, interval);
+        let settings = self.task.job.compensation.axes[run.axis].as_ref();
+        if let Some(found) = settings.and_then(|s| s.parameter_3605) {
+            let interpolated = settings.is_some_and(AxisSettings::is_interpolated);
+            let directed = u8::from(run.minus_first.is_some());
+            let bits = (found & !0b11) | directed | (u8::from(interpolated) << 1);
+            self.parameter(3605, id, ParameterValue::Bits(bits));
+        }
+    }
+
+    fn place_pitch(&mut self, tables: &[&PlannedTable], run: &Run, count_um: f64) {
+        if tables.is_empty() {
+            self.notes.push(format!(
+                "{}: the pitch points of axis {} are all zero; they carry the straightness of other axes only",
+                run.axis, run.id
+            ));
+        }
+        for planned in tables {
+            let first = match planned.direction {
+                Some(Direction::Minus) => run.minus_first.unwrap_or(run.first),
+                _ => run.first,
+            };
+            let place = format!("axis {}: points {first}…{}", run.id, first + run.count - 1);
+            self.place(run.count, Placement::of(planned, place, count_um));
+        }
+    }
+
+    /// Parameters and data of all straightness sets, from the first free set on.
+    pub(super) fn straightness(&mut self, runs: &[Run]) {
+        let mut number = self.task.job.compensation.first_set.unwrap_or(1);
+        let plan = self.plan;
+        for planned in plan.tables.iter().filter(|t| t.term.is_cross()) {
+            let Some(run) = runs.iter().find(|run| run.axis == planned.term.along) else {
+                continue;
+            };
+            for output in &plan.names[planned.term.of] {
+                let set = Set {
+                    number,
+                    planned,
+                    run,
+                    output: output.parse().unwrap_or(0),
+                    unit_um: self.unit_um(planned.term.of),
+                };
+                self.integer(5710 + number, None, run.id);
+                self.integer(5720 + number, None, set.output);
+                if is_four_point(self.facts) {
+                    self.four_points(&set);
+                } else {
+                    self.per_point(&set);
+                }
+                number += 1;
+            }
+        }
+    }
+
+    fn per_point(&mut self, set: &Set<'_>) {
+        let facts = self.facts;
+        let curve = Curve {
+            wanted_um: wanted(set.planned, facts.straightness_sign.value),
+            carries_reversal: false,
+        };
+        let Some((magnification, _, totals)) = magnify(facts, set.run.grid, &[curve], set.unit_um)
+        else {
+            return self.refuse_steep(set.planned, set.unit_um);
+        };
+        let Some(first) = self.block(set) else {
+            return self.refuse(
+                "compensation",
+                format!(
+                    "there is no room for the {} straightness data of {}",
+                    set.run.count, set.planned.term
+                ),
+                "free `reserved_points`, or use a larger spacing",
+            );
+        };
+        let of_set = |first: u32| first + set.number - 1;
+        self.integer(
+            of_set(facts.straightness_magnification_parameter.value),
+            None,
+            magnification,
+        );
+        self.integer(
+            of_set(facts.straightness_start_parameter.value),
+            None,
+            first,
+        );
+        self.points(first, set.run, totals.first());
+        let last = first + set.run.count - 1;
+        let place = format!("{}, data {first}…{last}", set.words());
+        let count_um = set.unit_um * f64::from(magnification);
+        self.place(set.run.count, Placement::of(set.planned, place, count_um));
+    }
+
+    /// The block of the set (each set has one of `straightness_axis_points` numbers), or the first
+    /// free one.
+    fn block(&mut self, set: &Set<'_>) -> Option<u32> {
+        let blocks = &self.facts.straightness_points.value;
+        let room = self.facts.straightness_axis_points.value;
+        let own = blocks.first()?.first + room * (set.number - 1);
+        self.space
+            .take_at(blocks, own, set.run.count)
+            .or_else(|| self.space.take(blocks, set.run.count))
+    }
+
+    fn four_points(&mut self, set: &Set<'_>) {
+        let wanted = wanted(set.planned, self.facts.straightness_sign.value);
+        let units: Vec<f64> = wanted.iter().map(|um| um / set.unit_um).collect();
+        let grid = &set.run.grid;
+        let reference = usize::try_from(-grid.first).unwrap_or(0);
+        let most = self.facts.straightness_amount_max.value;
+        let Some(fit) = best_fit(&units, reference, most) else {
+            return self.refuse(
+                "limits",
+                format!(
+                    "{} needs a straightness amount beyond ±{most} detection units",
+                    set.planned.term
+                ),
+                "check the measurement and `detection_unit_um`",
+            );
+        };
+        let group = 10 * (set.number - 1);
+        for (index, (node, amount)) in (0..).zip(fit.nodes.iter().zip(fit.amounts)) {
+            let node = grid.first + i64::try_from(*node).unwrap_or(0);
+            self.integer(5731 + group + index, None, set.run.point(node));
+            self.integer(5761 + group + index, None, amount);
+        }
+        let place = format!("{}, four points", set.words());
+        let placement = Placement {
+            fit_residual_um: Some(fit.residual * set.unit_um),
+            ..Placement::of(set.planned, place, set.unit_um)
+        };
+        self.place(4, placement);
+    }
+}
+
+impl Set<'_> {
+    fn words(&self) -> String {
+        format!(
+            "set {}: axis {} by {}",
+            self.number, self.output, self.run.id
+        )
+    }
+}
+
+/// One curve to be put into increments.
+struct Curve {
+    wanted_um: Vec<f64>,
+    /// Whether its value at the reference goes to parameter 3627.
+    carries_reversal: bool,
+}
+
+/// The smallest magnification with which every increment is legal, and the totals with it.
+///
+/// Returns the detection units of 3627 as well (0 if no curve carries the reversal).
+fn magnify(
+    facts: &FanucFacts,
+    grid: Grid,
+    curves: &[Curve],
+    unit_um: f64,
+) -> Option<(u32, i64, Vec<Totals>)> {
+    let steepest = curves.iter().map(|curve| steepest(&curve.wanted_um));
+    let legal = i64::from(facts.increment_max.value);
+    // Rounding of two totals can add or save one count, so the search begins a little below.
+    let per_count = unit_um * as_number(legal + 1);
+    let least = whole((steepest.fold(0.0, f64::max) / per_count).floor()).max(1);
+    let least = u32::try_from(least).unwrap_or(u32::MAX);
+    (least..=facts.magnification_max.value).find_map(|magnification| {
+        let count_um = unit_um * f64::from(magnification);
+        let step_um = match facts.reversal_magnified.value {
+            true => count_um,
+            false => unit_um,
+        };
+        let mut reversal = 0.0;
+        let totals = curves.iter().map(|curve| {
+            let at_reference = curve.wanted_um[usize::try_from(-grid.first).unwrap_or(0)];
+            let carried = f64::from(u8::from(curve.carries_reversal));
+            let units = carried * (at_reference / step_um).round();
+            reversal += units;
+            Totals::round(grid, &curve.wanted_um, units * step_um, count_um)
+        });
+        let totals: Vec<Totals> = totals.collect();
+        let fits = totals.iter().all(|t| t.largest_increment() <= legal);
+        fits.then(|| (magnification, whole(reversal), totals))
+    })
+}
+
+/// Largest change between two points.
+fn steepest(values: &[f64]) -> f64 {
+    let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    changes.fold(0.0, f64::max)
+}
+
+fn wanted(planned: &PlannedTable, sign: TableSign) -> Vec<f64> {
+    let values = planned.values.iter();
+    values.map(|value| sign.table_um(*value)).collect()
+}
+
+/// Totals at the nodes of a grid in counts, and the count they are in.
+struct Totals {
+    grid: Grid,
+    counts: Vec<i64>,
+}
+
+impl Totals {
+    /// `wanted_um`: what the table is to stand for at each node, in the sense of the table;
+    /// `zero_um`: what is already there at the reference (parameter 3627).
+    fn round(grid: Grid, wanted_um: &[f64], zero_um: f64, count_um: f64) -> Totals {
+        let reference = usize::try_from(-grid.first).unwrap_or(0);
+        let counts = wanted_um
+            .iter()
+            .enumerate()
+            .map(|(node, um)| {
+                if node == reference {
+                    0
+                } else {
+                    whole(((um - zero_um) / count_um).round())
+                }
+            })
+            .collect();
+        Totals { grid, counts }
+    }
+
+    /// The increment of the section that ends at a node; zero outside the grid.
+    fn increment(&self, node: i64) -> i64 {
+        if node <= self.grid.first || node > self.grid.last {
+            return 0;
+        }
+        let at = |node: i64| self.counts[usize::try_from(node - self.grid.first).unwrap_or(0)];
+        at(node) - at(node - 1)
+    }
+
+    fn largest_increment(&self) -> i64 {
+        self.counts
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).abs())
+            .max()
+            .unwrap_or(0)
+    }
+}

@@ -1,0 +1,213 @@
+//! The generic table: deviation, correction and increment of every point (contract §4.1).
+//! Unrounded, unless the corrected axis has a detection unit.
+
+use crate::control::claims::Precondition;
+use crate::control::controller::{GenericFacts, LengthUnit, Mechanism};
+use crate::control::table::Tables;
+use crate::control::table::generic::{GenericRow, GenericTable};
+use crate::inputs::job::Compensation;
+use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::quantity::units::{Deviation, power_of_ten};
+use crate::text::document::MOST_ROWS;
+use crate::text::problem::Problems;
+use crate::write::compiled::{Bump, Compiled, Placement, backlash_parameter, control_state};
+use crate::write::control_text::Instead;
+use crate::write::family::Family;
+use crate::write::grid::LengthDigit;
+use crate::write::selection::Budget;
+use crate::write::task::{Plan, PlannedTable, Target, Task};
+use serde_json::{Value, json};
+
+impl Family for GenericFacts {
+    fn expected_name(&self, _name: &str) -> Option<&'static str> {
+        None
+    }
+
+    fn names_reach_axes(&self) -> bool {
+        false
+    }
+
+    /// Positions are in mm whatever the control is in.
+    fn length_digit(&self, _unit: LengthUnit) -> LengthDigit {
+        LengthDigit {
+            unit: LengthUnit::Millimetre,
+            decimals: POSITION_DECIMALS,
+        }
+    }
+
+    fn takes_directions(&self, _term: ErrorTerm) -> bool {
+        true
+    }
+
+    fn budget(&self, _compensation: &Compensation) -> Option<Budget> {
+        None
+    }
+
+    fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
+        (self.points.value, "a table")
+    }
+
+    /// What its reader takes.
+    fn most_rows(&self) -> usize {
+        MOST_ROWS
+    }
+
+    fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
+        let mut rows = Vec::new();
+        let mut placements = Vec::new();
+        for planned in &plan.tables {
+            let unit_um = task.detection_unit_um(planned.term.of);
+            for output in &plan.names[planned.term.of] {
+                rows.extend(table_rows(plan, planned, output, unit_um));
+            }
+            let count_um = unit_um.unwrap_or(0.0);
+            placements.push(Placement::of(planned, "rows".to_string(), count_um));
+        }
+        let backlash_um = |um: f64| decimals(um, BACKLASH_DECIMALS);
+        Ok(Compiled {
+            tables: Tables::Generic(GenericTable { rows }),
+            placements,
+            state: control_state(task, plan, |axis| {
+                plan.backlash_um[axis].map_or(0.0, backlash_um)
+            }),
+            assumptions: Vec::new(),
+            preconditions: backlash(task, plan),
+            notes: Vec::new(),
+        })
+    }
+
+    fn uses(&self, _mechanism: Mechanism, _plan: &Plan, _tables: &Tables) -> bool {
+        true
+    }
+
+    fn context(
+        &self,
+        _task: Task<'_>,
+        _compiled: &Compiled,
+        tables: &Tables,
+        _instead: &Instead<'_>,
+    ) -> Option<Value> {
+        let Tables::Generic(table) = tables else {
+            return None;
+        };
+        Some(context(table))
+    }
+
+    fn mechanisms(&self) -> Vec<Mechanism> {
+        Vec::new()
+    }
+
+    fn belongs(&self, _mechanism: Mechanism, _table: &PlannedTable) -> bool {
+        false
+    }
+
+    fn proof_tables(
+        &self,
+        _task: Task<'_>,
+        _plan: &Plan,
+        _kit: &Tables,
+        _proof: (Mechanism, ErrorTerm, &Bump),
+    ) -> Option<Tables> {
+        None
+    }
+}
+
+fn table_rows(
+    plan: &Plan,
+    planned: &PlannedTable,
+    output: &str,
+    unit_um: Option<f64>,
+) -> Vec<GenericRow> {
+    let base = plan.base_of(planned.term, output);
+    let mut before: Option<f64> = None;
+    let mut rows = Vec::new();
+    for (index, value) in planned.values.iter().enumerate() {
+        let deviation = rounded(*value, unit_um);
+        let correction_um = (-deviation).um() + 0.0;
+        let at = planned.grid.first + i64::try_from(index).unwrap_or(0);
+        rows.push(GenericRow {
+            term: planned.term,
+            base_axis: base.into(),
+            output_axis: output.into(),
+            direction: planned.direction,
+            index: u32::try_from(index).unwrap_or(u32::MAX),
+            position_mm: decimals(planned.grid.position(at).mm(), POSITION_DECIMALS),
+            deviation_um: deviation.um() + 0.0,
+            correction_um,
+            increment_um: before.map(|b| increment(correction_um - b, unit_um)),
+        });
+        before = Some(correction_um);
+    }
+    rows
+}
+
+/// Positions are written to the nanometre.
+const POSITION_DECIMALS: u32 = 6;
+/// Multiples of a detection unit are freed from binary dust at a femtometre.
+const DUST_DECIMALS: u32 = 9;
+/// The backlash parameter is named to a tenth of a micrometre.
+const BACKLASH_DECIMALS: u32 = 1;
+
+fn rounded(value: Deviation, unit_um: Option<f64>) -> Deviation {
+    match unit_um {
+        Some(unit) => {
+            Deviation::from_um(decimals((value.um() / unit).round() * unit, DUST_DECIMALS))
+        }
+        None => value,
+    }
+}
+
+fn increment(um: f64, unit_um: Option<f64>) -> f64 {
+    match unit_um {
+        Some(_) => decimals(um, DUST_DECIMALS),
+        None => um + 0.0,
+    }
+}
+
+fn decimals(number: f64, decimals: u32) -> f64 {
+    let scale = power_of_ten(decimals);
+    (number * scale).round() / scale + 0.0
+}
+
+fn backlash(task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
+    let named = |um| format!("{:.1} µm", decimals(um, BACKLASH_DECIMALS));
+    let axes = plan.backlash_um.iter().filter(|(_, um)| um.is_some());
+    axes.map(|(axis, _)| {
+        let what = format!("backlash parameter of {axis}");
+        let source = "contract of the generic table";
+        backlash_parameter(task, plan, axis, what, named, source)
+    })
+    .collect()
+}
+
+/// What the templates see: `rows`, with every number as finished text.
+fn context(table: &GenericTable) -> Value {
+    let last = table.rows.len().saturating_sub(1);
+    let rows = table.rows.iter().enumerate();
+    let rows = rows.map(|(index, row)| seen_row(row, index == last));
+    json!({ "rows": rows.collect::<Vec<Value>>() })
+}
+
+fn seen_row(row: &GenericRow, is_last: bool) -> Value {
+    // The shortest decimal text that reads back as the same number; no exponent, no `-0`.
+    let number = |value: f64| format!("{}", value + 0.0);
+    let increment = row.increment_um.map(number);
+    json!({
+        "term": row.term.to_string(),
+        "base_axis": row.base_axis,
+        "output_axis": row.output_axis,
+        "direction": row.direction.map_or("", Direction::symbol),
+        "direction_json": match row.direction {
+            None => "null",
+            Some(Direction::Plus) => "\"+\"",
+            Some(Direction::Minus) => "\"-\"",
+        },
+        "index": row.index.to_string(),
+        "position_mm": number(row.position_mm),
+        "deviation_um": number(row.deviation_um),
+        "correction_um": number(row.correction_um),
+        "increment_um": increment.clone().unwrap_or_default(),
+        "increment_um_json": increment.as_deref().unwrap_or("null"),
+        "comma": if is_last { "" } else { "," },
+    })
+}

@@ -1,0 +1,264 @@
+//! Siemens: positioning into ENC_COMP, everything else into CEC tables.
+//!
+//! * A positioning error for both directions goes into `$AA_ENC_COMP` of each physical axis;
+//!   with separate tables for the directions into two CEC tables of the axis onto itself
+//!   (Function Manual Extended Functions 03/2013, K3 section 4.4.4).
+//! * A cross term goes into one CEC table (or two) for each physical output axis.
+//! * No product tables are ever made: a misreading of their meaning moves an axis by millimetres.
+
+mod context;
+mod parameters;
+
+pub(crate) use self::parameters::{at_reference, encoder, is_lec, reference_text};
+
+use self::parameters::{assumptions, backlash_text, largest_sum_um, preconditions};
+use crate::control::controller::{LengthUnit, Mechanism, SiemensFacts, TableSign};
+use crate::control::table::Tables;
+use crate::control::table::siemens::{
+    CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
+};
+use crate::inputs::job::Compensation;
+use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::quantity::units::{Deviation, UM_PER_MM, power_of_ten};
+use crate::text::problem::Problems;
+use crate::write::compiled::{Bump, Compiled, Placement, control_state};
+use crate::write::control_text::Instead;
+use crate::write::family::Family;
+use crate::write::grid::{Grid, LengthDigit, as_number};
+use crate::write::selection::Budget;
+use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
+use serde_json::Value;
+
+impl Family for SiemensFacts {
+    fn expected_name(&self, name: &str) -> Option<&'static str> {
+        let is_capital = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
+        let is_right = name.starts_with(|c: char| c.is_ascii_uppercase());
+        (!is_right || !name.chars().all(is_capital))
+            .then_some("a machine axis name in capitals, e.g. \"AX1\"")
+    }
+
+    fn length_digit(&self, unit: LengthUnit) -> LengthDigit {
+        let decimals = self.position_decimals.value;
+        LengthDigit { unit, decimals }
+    }
+
+    fn takes_directions(&self, _term: ErrorTerm) -> bool {
+        true
+    }
+
+    fn budget(&self, compensation: &Compensation) -> Option<Budget> {
+        Some(Budget {
+            tables: self.cec_tables.value,
+            used: compensation.first_table.unwrap_or(0),
+            resource: "CEC tables",
+            key: "first_table",
+            takes_pairs: true,
+        })
+    }
+
+    fn point_limit(&self, targets: &[&Target]) -> (u32, &'static str) {
+        let (lec, cec) = (self.lec_points.value, self.cec_points.value);
+        let is_lec = |t: &&Target| t.term.is_positioning() && t.direction.is_none();
+        match (targets.iter().all(is_lec), targets.iter().any(is_lec)) {
+            (true, _) => (lec, "an ENC_COMP table"),
+            (false, true) => (lec.min(cec), "a CEC table"),
+            (false, false) => (cec, "a CEC table"),
+        }
+    }
+
+    fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
+        let mut tables = SiemensTables::default();
+        let mut placements = Vec::new();
+        let mut number = task.job.compensation.first_table.unwrap_or(0);
+        let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
+        let count_um = um_per_unit / power_of_ten(self.value_decimals.value);
+        for planned in &plan.tables {
+            let mut places = Vec::new();
+            for output in &plan.names[planned.term.of] {
+                if is_lec(planned) {
+                    let table = lec_table(task, self, planned, output);
+                    places.push(format!("ENC_COMP[{},{}]", table.encoder, table.axis));
+                    tables.lec.push(table);
+                } else {
+                    places.push(format!("CEC table {number}"));
+                    let base = plan.base_of(planned.term, output);
+                    let table = cec_table(task, self, planned, (base, output), number);
+                    tables.cec.push(table);
+                    number += 1;
+                }
+            }
+            placements.push(Placement::of(planned, places.join(", "), count_um));
+        }
+        let place = |table: &LecTable| (table.axis.clone(), table.encoder);
+        tables.lec.sort_by_key(place);
+        check_sum(task, &tables, self)?;
+        let backlash = |um: f64| backlash_text(task, um).1;
+        Ok(Compiled {
+            assumptions: assumptions(task, plan, &tables),
+            preconditions: preconditions(task, plan, &tables),
+            notes: Vec::new(),
+            state: control_state(task, plan, |axis| {
+                plan.backlash_um[axis].map_or(0.0, backlash)
+            }),
+            tables: Tables::Siemens(tables),
+            placements,
+        })
+    }
+
+    fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
+        let Tables::Siemens(tables) = tables else {
+            return true;
+        };
+        match mechanism {
+            Mechanism::EncComp => !tables.lec.is_empty(),
+            Mechanism::Cec => !tables.cec.is_empty(),
+            Mechanism::CecProducts => tables.cec.iter().any(|table| table.multiply_by != 0),
+            _ => true,
+        }
+    }
+
+    fn context(
+        &self,
+        task: Task<'_>,
+        compiled: &Compiled,
+        tables: &Tables,
+        instead: &Instead<'_>,
+    ) -> Option<Value> {
+        let Tables::Siemens(tables) = tables else {
+            return None;
+        };
+        Some(context::context(task, compiled, tables, self, instead))
+    }
+
+    fn mechanisms(&self) -> Vec<Mechanism> {
+        vec![Mechanism::EncComp, Mechanism::Cec]
+    }
+
+    fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
+        is_lec(table) == (mechanism == Mechanism::EncComp)
+    }
+
+    fn cut_off_um(&self, table: &PlannedTable) -> f64 {
+        match is_lec(table) {
+            true => f64::INFINITY,
+            false => self.cec_max_sum_um.value,
+        }
+    }
+
+    /// Every physical axis of the term has the bump, so that the two sides of a gantry move alike; CEC tables
+    /// of the term have it in both directions.
+    fn proof_tables(
+        &self,
+        task: Task<'_>,
+        plan: &Plan,
+        kit: &Tables,
+        (mechanism, term, bump): (Mechanism, ErrorTerm, &Bump),
+    ) -> Option<Tables> {
+        let Tables::Siemens(kit) = kit else {
+            return None;
+        };
+        let pairs = axis_pairs(&plan.names, term);
+        let contents = |pair: (&str, &str), sign: TableSign, count: usize| {
+            let deviations = match pairs.contains(&pair) {
+                true => bump.deviations(),
+                false => vec![Deviation::ZERO; count],
+            };
+            values(task, self, &deviations, sign)
+        };
+        let mut tables = SiemensTables::default();
+        if mechanism == Mechanism::EncComp {
+            tables.lec.clone_from(&kit.lec);
+        } else {
+            tables.cec.clone_from(&kit.cec);
+        }
+        for table in &mut tables.lec {
+            let pair = (table.axis.as_str(), table.axis.as_str());
+            table.values = contents(pair, self.lec_sign.value, table.values.len());
+        }
+        for table in &mut tables.cec {
+            let pair = (table.input_axis.as_str(), table.output_axis.as_str());
+            table.values = contents(pair, self.cec_sign.value, table.values.len());
+        }
+        Some(Tables::Siemens(tables))
+    }
+}
+
+fn lec_table(task: Task<'_>, facts: &SiemensFacts, planned: &PlannedTable, axis: &str) -> LecTable {
+    LecTable {
+        encoder: encoder(task, planned.term.of),
+        axis: axis.to_string(),
+        grid: siemens_grid(&planned.grid),
+        values: values(task, facts, &planned.values, facts.lec_sign.value),
+        modulo: false,
+    }
+}
+
+fn cec_table(
+    task: Task<'_>,
+    facts: &SiemensFacts,
+    planned: &PlannedTable,
+    (input, output): (&str, &str),
+    number: u32,
+) -> CecTable {
+    CecTable {
+        number,
+        input_axis: input.to_string(),
+        output_axis: output.to_string(),
+        grid: siemens_grid(&planned.grid),
+        values: values(task, facts, &planned.values, facts.cec_sign.value),
+        direction: match planned.direction {
+            None => CecDirection::Both,
+            Some(Direction::Plus) => CecDirection::Plus,
+            Some(Direction::Minus) => CecDirection::Minus,
+        },
+        multiply_by: 0,
+        modulo: false,
+    }
+}
+
+/// MIN, STEP and MAX in the control's unit, from whole last digits so that (MAX − MIN)/STEP is a
+/// whole number.
+fn siemens_grid(grid: &Grid) -> SiemensGrid {
+    let per_unit = grid.digit.per_unit();
+    let reference = (grid.reference.mm() / grid.digit.mm()).round();
+    let at = |index: i64| (reference + as_number(index * grid.spacing_digits)) / per_unit + 0.0;
+    SiemensGrid {
+        min: at(grid.first),
+        step: as_number(grid.spacing_digits) / per_unit,
+        max: at(grid.last),
+    }
+}
+
+/// Table values in the control's unit, rounded to its last decimal.
+fn values(
+    task: Task<'_>,
+    facts: &SiemensFacts,
+    deviations: &[Deviation],
+    sign: TableSign,
+) -> Vec<Option<f64>> {
+    let per_unit = power_of_ten(facts.value_decimals.value);
+    let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
+    deviations
+        .iter()
+        .map(|deviation| {
+            let counts = (sign.table_um(*deviation) / um_per_unit * per_unit).round();
+            Some(counts / per_unit + 0.0) // + 0.0 turns −0 into 0
+        })
+        .collect()
+}
+
+/// What the control would cut off is refused before it is written.
+fn check_sum(task: Task<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Result<(), Problems> {
+    let (sum, limit) = (largest_sum_um(task, tables), facts.cec_max_sum_um.value);
+    if sum <= limit {
+        return Ok(());
+    }
+    Err(task
+        .job
+        .problem_at(
+            "compensation.controller",
+            format!("CEC corrections may add up to {sum:.0} µm, more than the {limit} µm at which the control cuts off (MD32720)"),
+        )
+        .help("check the measurement; a control with another MD32720 needs a profile with its own `cec_max_sum_um`")
+        .into())
+}

@@ -1,0 +1,191 @@
+//! What Siemens templates see: `lec`, `cec`, and the switches of both.
+
+use crate::control::control_state::ControlState;
+use crate::control::controller::{Evidence, SiemensFacts, TableSign};
+use crate::control::table::siemens::{
+    CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
+};
+use crate::quantity::axis::Direction;
+use crate::write::compiled::{Compiled, Placement};
+use crate::write::control_text::{Instead, fixed};
+use crate::write::siemens::parameters::{at_reference, outputs, reference_text};
+use crate::write::task::Task;
+use serde_json::{Value, json};
+
+pub(super) fn context(
+    task: Task<'_>,
+    compiled: &Compiled,
+    tables: &SiemensTables,
+    facts: &SiemensFacts,
+    instead: &Instead<'_>,
+) -> Value {
+    let digits = Digits {
+        facts,
+        as_read: instead.as_read,
+    };
+    let placements = match instead.names_terms {
+        true => compiled.placements.as_slice(),
+        false => &[],
+    };
+    let (lecs, cecs) = (tables.lec.iter(), tables.cec.iter());
+    let state = &compiled.state;
+    json!({
+        "lec": lecs.clone().map(|t| lec(t, placements, digits)).collect::<Vec<Value>>(),
+        "cec": cecs.clone().map(|t| cec(t, placements, digits)).collect::<Vec<Value>>(),
+        "lec_sense": sense(facts.lec_sign.value),
+        "cec_sense": sense(facts.cec_sign.value),
+        "lec_sense_evidence": evidence(facts.lec_sign.evidence),
+        "cec_sense_evidence": evidence(facts.cec_sign.evidence),
+        "cec_outputs": outputs(tables),
+        "cec_memory_fixed": if facts.cec_memory_fixed.value { "yes" } else { "no" },
+        "controller_reference": reference_text(task),
+        "lec_at_reference": zero_but_for(task, lecs.filter_map(|t| lec_held(t, facts, state))),
+        "cec_at_reference": zero_but_for(task, cecs.filter_map(|t| cec_held(t, facts, state))),
+        "switches": instead.switches,
+    })
+}
+
+/// What the tables of a file hold at the reference point, where they move an axis when switched.
+fn zero_but_for(task: Task<'_>, exceptions: impl Iterator<Item = String>) -> Vec<String> {
+    let exceptions: Vec<String> = exceptions.collect();
+    let but = if exceptions.is_empty() {
+        ""
+    } else {
+        ", but for"
+    };
+    let zero = format!("zero at the reference point {}{but}", reference_text(task));
+    std::iter::once(zero).chain(exceptions).collect()
+}
+
+/// What a table holds at the reference point of its base axis, if that is not zero.
+fn held(
+    state: &ControlState,
+    facts: &SiemensFacts,
+    base: &str,
+    (grid, values): (&SiemensGrid, &[Option<f64>]),
+) -> Option<String> {
+    let value = at_reference(state, base, grid, values);
+    let text = fixed(value, facts.value_decimals.value);
+    (value.abs() > 0.0).then(|| format!("{text} {}", state.unit.word()))
+}
+
+fn lec_held(table: &LecTable, facts: &SiemensFacts, state: &ControlState) -> Option<String> {
+    let text = held(state, facts, &table.axis, (&table.grid, &table.values))?;
+    Some(format!(
+        "  ENC_COMP[{},{}]: {text}",
+        table.encoder, table.axis
+    ))
+}
+
+fn cec_held(table: &CecTable, facts: &SiemensFacts, state: &ControlState) -> Option<String> {
+    let base = &table.input_axis;
+    let text = held(state, facts, base, (&table.grid, &table.values))?;
+    let way = match table.direction {
+        CecDirection::Both => String::new(),
+        CecDirection::Plus => format!(" while {base} moves in +"),
+        CecDirection::Minus => format!(" while {base} moves in -"),
+    };
+    Some(format!("  CEC table {}: {text}{way}", table.number))
+}
+
+fn lec(table: &LecTable, placements: &[Placement], digits: Digits<'_>) -> Value {
+    let place = format!("ENC_COMP[{},{}]", table.encoder, table.axis);
+    json!({
+        "encoder": table.encoder.to_string(),
+        "axis": table.axis,
+        "title": title(placements, &place),
+        "grid": digits.grid(&table.grid),
+        "memory": table.values.len().to_string(),
+        "points": digits.points(&table.values, &table.grid),
+    })
+}
+
+fn cec(table: &CecTable, placements: &[Placement], digits: Digits<'_>) -> Value {
+    let direction = match table.direction {
+        CecDirection::Both => "0",
+        CecDirection::Plus => "1",
+        CecDirection::Minus => "-1",
+    };
+    json!({
+        "number": table.number.to_string(),
+        "input_axis": table.input_axis,
+        "output_axis": table.output_axis,
+        "title": title(placements, &format!("CEC table {}", table.number)),
+        "grid": digits.grid(&table.grid),
+        "direction": direction,
+        "memory": table.values.len().to_string(),
+        "points": digits.points(&table.values, &table.grid),
+    })
+}
+
+/// What the numbers of a table mean, in words.
+fn sense(sign: TableSign) -> &'static str {
+    match sign {
+        TableSign::AsError => "error (measured - nominal)",
+        TableSign::AsCorrection => "correction (added to the command)",
+    }
+}
+
+/// How well that is known, as a line for the person who loads the file.
+fn evidence(evidence: Evidence) -> &'static str {
+    match evidence {
+        Evidence::Manual => "sense of the values as in the manual",
+        Evidence::Executed => "sense of the values as seen on a control",
+        Evidence::Assumed => "sense of the values ASSUMED: prove it with one small bump before use",
+    }
+}
+
+/// The term of a table in words, by the place it was put.
+fn title(placements: &[Placement], place: &str) -> String {
+    let placement = placements
+        .iter()
+        .find(|p| p.place.split(", ").any(|one| one == place));
+    placement.map_or_else(
+        || place.to_string(),
+        |p| {
+            let travel = match p.direction {
+                None => "",
+                Some(Direction::Plus) => " while it travels in +",
+                Some(Direction::Minus) => " while it travels in -",
+            };
+            format!(
+                "{}: deviation of {} over {}{travel}",
+                p.term, p.term.of, p.term.along
+            )
+        },
+    )
+}
+
+/// How numbers become text.
+#[derive(Clone, Copy)]
+struct Digits<'a> {
+    facts: &'a SiemensFacts,
+    /// All digits of a number that has more than the profile writes.
+    as_read: bool,
+}
+
+impl Digits<'_> {
+    fn text(self, number: f64, decimals: u32) -> String {
+        let text = fixed(number, decimals);
+        if self.as_read && text.parse() != Ok(number) {
+            return format!("{number}");
+        }
+        text
+    }
+
+    fn grid(self, grid: &SiemensGrid) -> Value {
+        let text = |number: f64| self.text(number, self.facts.position_decimals.value);
+        json!({ "min": text(grid.min), "step": text(grid.step), "max": text(grid.max) })
+    }
+
+    fn points(self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Value> {
+        let of_point = |(index, value): (usize, &Option<f64>)| {
+            Some(json!({
+                "index": index.to_string(),
+                "position": fixed(grid.position(index), self.facts.position_decimals.value),
+                "value": self.text((*value)?, self.facts.value_decimals.value),
+            }))
+        };
+        values.iter().enumerate().filter_map(of_point).collect()
+    }
+}
