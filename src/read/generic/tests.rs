@@ -143,9 +143,9 @@ EXX,X,X,,2        | EXX,X,X,,          | 4:10 | `index` is ``
 2,50,             | 2,-inf,            | 4:12 | expected a finite number
 2,50,             | 2,1e400,           | 4:12 | `position_mm` is `1e400`, which is too large
 2,50,             | 2,50mm,            | 4:12 | expected a finite number
-2,50,             | 2,,                | 4:12 | `position_mm` is ``
-50,-1,1,2.5       | 50,,1,2.5          | 4:15 | `deviation_um` is ``
-50,-1,1,2.5       | 50,-1,,2.5         | 4:18 | `correction_um` is ``
+2,50,             | 2,,                | 4:12 | `position_mm` is empty
+50,-1,1,2.5       | 50,,1,2.5          | 4:15 | `deviation_um` is empty
+50,-1,1,2.5       | 50,-1,,2.5         | 4:18 | `correction_um` is empty
 50,-1,1,2.5       | 50,-1,1,           | 4:20 | `increment_um` is empty
 50,-1,1,2.5       | 50,-1,1,nan        | 4:20 | `increment_um` is `nan`
 -50,0,0,          | -50,0,0,0          | 2:20 | `increment_um` is `0`, expected nothing at index 0
