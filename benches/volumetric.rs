@@ -11,13 +11,13 @@ mod machine_h;
 use criterion::{Criterion, criterion_group, criterion_main};
 use machine_h::machine_h;
 use nonius::volume::space::cloud;
+use nonius::volume::space::diameter::WindowMap;
 use nonius::volume::space::diameter::diameter;
 use nonius::volume::space::grid_map::Vector;
 use nonius::volume::space::grouping::{Tolerance, grouping};
 use nonius::volume::space::histogram::exact;
 use nonius::volume::space::pair::square;
 use nonius::volume::space::sample::estimate;
-use nonius::volume::space::windows::WindowMap;
 use std::hint::black_box;
 
 /// Every pair, one after the other.

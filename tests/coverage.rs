@@ -12,10 +12,11 @@ mod simulated;
 
 use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
 use nonius::machine::separation::agreement::Agreement;
-use nonius::machine::separation::line::{ReferenceLine, range};
+use nonius::machine::separation::curves::{ReferenceLine, range};
 use nonius::machine::separation::metric::Plane;
-use nonius::machine::separation::monte_carlo::{Plan, measured_coverage, simulate};
-use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor, run_counts};
+use nonius::machine::separation::monte_carlo::{Plan, simulate};
+use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor};
+use nonius::machine::separation::readings::run_counts;
 use nonius::machine::separation::reversal::{Estimate, Turn};
 use nonius::machine::separation::uncertainty::Budget;
 use nonius::machine::separation::{Evidence, Line, Separation, separate};
@@ -531,7 +532,7 @@ fn intervals_of_ranges_are_measured() {
             bias[kind] += found[index] - wanted[index];
             told[kind] += figure.bias;
             all[kind] += 1;
-            printed[kind] = measured_coverage(figure);
+            printed[kind] = figure.measured_coverage();
         }
         for (figure, plane) in simulated.figures[9..].iter().zip(Plane::ALL) {
             let (a, b) = plane.axes();
@@ -539,7 +540,7 @@ fn intervals_of_ranges_are_measured() {
             let [low, high] = figure.interval;
             inside[2] += usize::from((low..=high).contains(&wanted));
             all[2] += 1;
-            printed[2] = measured_coverage(figure);
+            printed[2] = figure.measured_coverage();
         }
     }
     for (kind, name) in ["range", "straightness"].into_iter().enumerate() {

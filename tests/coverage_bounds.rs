@@ -684,7 +684,8 @@ fn the_bound_is_the_sum_of_what_single_values_do() {
             }
         }
         for (plane, sum) in Plane::ALL.into_iter().zip(squareness) {
-            let u = |found: &Separation| found.u_squareness_um_per_m.of(plane).unwrap();
+            let u =
+                |found: &Separation| found.u_squareness.of(plane).map(|u| u.u_um_per_m).unwrap();
             let angle = angle(u(&with), u(&without));
             assert!(
                 (angle - sum).abs() < 1e-3,
@@ -746,7 +747,7 @@ fn what_is_not_stated_is_said_with_the_bound_below_which_u_holds() {
             u.unwrap().into_iter().fold(0.0, f64::max)
         };
         let mut all = ErrorTerm::ALL.map(u).to_vec();
-        all.extend(Plane::ALL.map(|p| found.u_squareness_um_per_m.of(p).unwrap()));
+        all.extend(Plane::ALL.map(|p| found.u_squareness.of(p).map(|u| u.u_um_per_m).unwrap()));
         all
     };
     for stated in [

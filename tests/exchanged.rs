@@ -30,7 +30,7 @@ use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use published::{is_whole, published, share};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use simulated::{Machine, Readings, float, normal, runs, solved, volume, with_noise};
+use simulated::{Machine, Readings, float, normal, runs, solved, volume, with_noise, words};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -189,8 +189,8 @@ fn under_names(readings: &Readings, slip: Option<Slip>) -> Readings {
 }
 
 /// The sentence on what would hardly show.
-fn hardly(found: &Separation) -> Option<&String> {
-    let mut labels = found.labels.iter();
+fn hardly(found: &Separation) -> Option<String> {
+    let mut labels = words(&found.labels).into_iter();
     labels.find(|label| label.starts_with("these readings would hardly show"))
 }
 
@@ -201,8 +201,10 @@ fn is_warned(found: &Separation, slip: Slip) -> bool {
     })
 }
 
-fn accuses(found: &Separation) -> Option<&String> {
-    found.doubts.iter().find(|doubt| doubt.starts_with("as if"))
+fn accuses(found: &Separation) -> Option<String> {
+    words(&found.doubts)
+        .into_iter()
+        .find(|doubt| doubt.starts_with("as if"))
 }
 
 fn is_wrong(truth: &Machine, found: &Separation) -> bool {

@@ -16,8 +16,8 @@ use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
 use nonius::machine::separation::corrections::{AngleModel, angle_effects};
 use nonius::machine::separation::curves::{Curve, curves, with_slope};
-use nonius::machine::separation::increments::{Group, Means};
 use nonius::machine::separation::metric::Plane;
+use nonius::machine::separation::readings::{Group, Means};
 use nonius::machine::separation::{Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use nonius::quantity::chain::Chain;
@@ -26,7 +26,9 @@ use nonius::text::document::Source;
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use simulated::{Machine, curve, index, measurement, mm, naive, runs, solved, volume, with_noise};
+use simulated::{
+    Machine, curve, index, measurement, mm, naive, runs, solved, volume, with_noise, words,
+};
 
 /// Sums of a few hundred readings of up to a millimetre.
 const DUST_UM: f64 = 1e-8;
@@ -266,7 +268,7 @@ proptest! {
                 }
             }
         }
-        prop_assert!(found.undetermined.iter().any(|words| words.contains("reversal of each axis")));
+        prop_assert!(words(&found.undetermined).iter().any(|words| words.contains("reversal of each axis")));
     }
 }
 
@@ -293,15 +295,19 @@ fn rank_and_words_follow_the_linear_axes() {
         (&[Axis::X], 5, "scale of Y and Z can be traded"),
         (&[Axis::X, Axis::Y], 6, ""),
     ];
-    for (axes, rank, words) in cases {
+    for (axes, rank, wanted) in cases {
         let found = solved(&machine.volume, machine.lines(axes, Some(0.5)), &runs);
         assert_eq!(found.metric.rank, rank);
-        match words {
-            "" => assert!(found.undetermined.is_empty(), "{:?}", found.undetermined),
-            _ => assert!(
-                found.undetermined[0].starts_with(words),
+        match wanted {
+            "" => assert!(
+                found.undetermined.is_empty(),
                 "{:?}",
-                found.undetermined
+                words(&found.undetermined)
+            ),
+            _ => assert!(
+                words(&found.undetermined)[0].starts_with(wanted),
+                "{:?}",
+                words(&found.undetermined)
             ),
         }
         assert_eq!(found.tilts.is_some(), rank == 6);
@@ -347,14 +353,14 @@ fn scales_that_cancel_are_named_as_undetermined() {
     }
     close(found.scale_sum_um_mm, 0.0, 1e-5, "S");
     assert_eq!(
-        found.undetermined,
+        words(&found.undetermined),
         [
             "scale of X, Y and Z can be traded against each other; measure two axes along their length"
         ]
     );
     let naive = naive(&machine.volume, &runs);
     curves_close(&naive, &machine.curves, DUST_UM);
-    assert!(naive.labels[0].starts_with("set-up assumed perfect"));
+    assert!(words(&naive.labels)[0].starts_with("set-up assumed perfect"));
     assert!(naive.undetermined.is_empty());
 }
 
@@ -382,10 +388,9 @@ fn a_hidden_set_up_error_is_solved_away_with_linear_axes() {
         close(naive.diagonals[d].end_um, 0.0, 0.003, d);
     }
     let blind = solved(&machine.volume, Vec::new(), &runs);
-    assert!(blind.undetermined[0].starts_with("scale of X, Y and Z"));
+    assert!(words(&blind.undetermined)[0].starts_with("scale of X, Y and Z"));
     assert!(
-        blind
-            .labels
+        words(&blind.labels)
             .iter()
             .all(|label| !label.contains("assumed perfect"))
     );

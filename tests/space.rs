@@ -21,13 +21,13 @@ mod random_map;
 use machine_h::machine_h;
 use nonius::quantity::axis::Axis;
 use nonius::volume::space::cloud;
+use nonius::volume::space::diameter::WindowMap;
 use nonius::volume::space::diameter::{Diameter, diameter};
 use nonius::volume::space::grid_map::{AxisNodes, GridMap, Node, Vector};
 use nonius::volume::space::grouping::{Tolerance, grouping};
 use nonius::volume::space::histogram::{exact, pairs};
 use nonius::volume::space::pair::square;
 use nonius::volume::space::sample::estimate;
-use nonius::volume::space::windows::WindowMap;
 use random_map::{Family, random_map};
 
 /// All pairs, the smaller numbers first.

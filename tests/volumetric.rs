@@ -539,7 +539,7 @@ fn a_machine_without_angles_says_what_it_leaves_out() {
         volume
             .labels
             .iter()
-            .any(|l| l.contains("X is judged from 0 to 800 mm")),
+            .any(|l| l.to_string().contains("X is judged from 0 to 800 mm")),
         "{:?}",
         volume.labels
     );

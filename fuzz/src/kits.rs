@@ -9,7 +9,7 @@ use nonius::inputs::job::{ActiveTables, DiagonalMeasurement, Job, LinearSlope, M
 use nonius::inputs::readings::Readings;
 use nonius::judge::active::{ReadOutFor, from_kit, from_read_out};
 use nonius::kit::{Inputs, generate as make, hashed, verify as judge};
-use nonius::machine::separation::prepare::{NamedTables, campaign};
+use nonius::machine::separation::campaign::{NamedTables, campaign};
 use nonius::machine::separation::straight::straight;
 use nonius::machine::separation::{separate, table};
 use nonius::read::KitFile;

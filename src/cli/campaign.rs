@@ -7,14 +7,18 @@ use crate::inputs::job::{BacklashPolicy, DiagonalMeasurement, Job, LinearSlope, 
 use crate::inputs::readings::Readings;
 use crate::judge::after::{StraightRuns, Walk};
 use crate::judge::causes::Slip;
-use crate::machine::separation::noise::{Noise, means, run_counts};
-use crate::machine::separation::prepare::{self, NamedTables};
-use crate::machine::separation::repeats::repeats;
+use crate::machine::separation::campaign;
+use crate::machine::separation::campaign::NamedTables;
+use crate::machine::separation::findings::SeparationFinding;
+use crate::machine::separation::noise::Noise;
+use crate::machine::separation::noise::repeats;
+use crate::machine::separation::readings::{means, run_counts};
 use crate::machine::separation::straight::{StraightResult, straight};
 use crate::machine::separation::{self, Campaign, Separation, table};
 use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
 use crate::text::document::Source;
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::emit::TOOL;
 use std::path::Path;
@@ -83,7 +87,7 @@ impl CampaignFiles {
     pub(super) fn campaign(&self) -> Result<Campaign<'_>, Problems> {
         let known = |run| self.readings.offset_known(run);
         let reverse_zero_known = self.readings.runs.iter().all(known);
-        prepare::campaign(
+        campaign::campaign(
             &self.job,
             &self.measurement,
             &self.tables,
@@ -91,11 +95,19 @@ impl CampaignFiles {
         )
     }
 
+    /// What the file says of itself.
+    fn notes(&self) -> Vec<Finding> {
+        let notes = self.readings.notes().into_iter();
+        notes
+            .map(|note| SeparationFinding::Recorded { note }.into())
+            .collect()
+    }
+
     /// The nine errors.
     pub(super) fn separate(&self) -> Result<Separation, Problems> {
         self.check_turn()?;
         let mut separation = separation::separate(&self.campaign()?, &self.readings.runs);
-        separation.labels.splice(0..0, self.readings.notes());
+        separation.labels.splice(0..0, self.notes());
         Ok(separation)
     }
 
@@ -136,7 +148,7 @@ impl CampaignFiles {
             &self.readings.runs,
             self.closure_errors.as_ref(),
         )?;
-        result.labels.splice(0..0, self.readings.notes());
+        result.labels.splice(0..0, self.notes());
         Ok(result)
     }
 
@@ -173,7 +185,7 @@ impl CampaignFiles {
             u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
             degrees_of_freedom: repeated.and_then(Noise::freedom_f64),
             scale_um_per_m: self.job.measurement.uncertainty.laser_ppm.unwrap_or(0.0),
-            labels: result.labels,
+            labels: result.labels.iter().map(ToString::to_string).collect(),
             one_zero: self
                 .readings
                 .runs

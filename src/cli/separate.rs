@@ -10,11 +10,9 @@ use crate::cli::campaign::{CampaignFiles, read_campaign};
 use crate::cli::outcome::{Content, Outcome, Output};
 use crate::inputs::error_table;
 use crate::machine::separation::Separation;
-use crate::machine::separation::metric::Plane;
-use crate::machine::separation::monte_carlo::{Plan, Simulated, simulate};
-use crate::machine::separation::noise::run_counts;
+use crate::machine::separation::monte_carlo::{Plan, Quantity, Simulated, simulate};
+use crate::machine::separation::readings::run_counts;
 use crate::machine::separation::uncertainty::Budget;
-use crate::quantity::axis::ErrorTerm;
 use crate::quantity::diagonal::PathKind;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
@@ -116,21 +114,14 @@ fn simulated(
 
 /// Without the figures whose uncertainty is not known: a simulation knows no more of them.
 fn known_only(mut simulated: Simulated, separation: &Separation) -> Simulated {
-    let range_known = |term: ErrorTerm| {
-        let found = separation.errors.mean[term].as_ref();
-        found.is_some_and(|found| found.u_um.is_some())
-    };
-    let squareness_known = |plane: &Plane| separation.u_squareness_um_per_m.of(*plane).is_some();
-    simulated
-        .figures
-        .retain(|figure| match figure.name.split_once(' ') {
-            Some(("range", term)) => ErrorTerm::from_name(term).is_none_or(range_known),
-            Some(("squareness", key)) => {
-                let plane = Plane::ALL.into_iter().find(|plane| plane.key() == key);
-                plane.as_ref().is_none_or(squareness_known)
-            }
-            _ => true,
-        });
+    simulated.figures.retain(|figure| match figure.quantity {
+        Quantity::Range(term) => {
+            let found = separation.errors.mean[term].as_ref();
+            found.is_some_and(|found| found.u_um.is_some())
+        }
+        Quantity::Straightness(_) => true,
+        Quantity::Squareness(plane) => separation.u_squareness.of(plane).is_some(),
+    });
     simulated
 }
 

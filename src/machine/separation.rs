@@ -26,47 +26,30 @@
 //! from the totals instead, see [`metric`].
 
 pub mod agreement;
-pub mod angle_bound;
-mod angle_evidence;
+mod angle_bound;
+pub mod campaign;
 pub mod closure;
 pub mod corrections;
 pub mod curves;
-pub mod diagonal_runs;
-pub mod doubt;
-pub mod evidence;
-pub mod increments;
-pub mod line;
-pub mod linear_reversal;
+mod exchange;
+pub mod findings;
+mod labels;
 pub mod metric;
 pub mod monte_carlo;
 pub mod noise;
-pub mod not_counted;
-pub mod outlier;
-pub mod plane;
-pub mod prediction;
-pub mod prepare;
-pub mod propagation;
-pub mod repeats;
+pub mod patterns;
+mod plane;
+
+pub mod readings;
 pub mod reversal;
-pub mod slope_gains;
+mod separate;
+pub mod slopes;
+pub mod solved;
 pub mod straight;
 pub mod table;
-pub mod tilt;
-mod totals;
 pub mod uncertainty;
 pub mod unmeasured;
 
-mod campaign;
-
-mod banded;
-mod beams;
-mod exchange;
-mod labels;
-mod lookup;
-mod separate;
-mod solved;
-mod system;
-
 pub use self::campaign::{Campaign, Line, corrected};
-pub use self::evidence::{Evidence, NineErrors};
 pub use self::separate::{Separation, curves_of, separate};
+pub use self::solved::{Evidence, NineErrors};

@@ -3,6 +3,7 @@
 //! `EYX` is the deviation in **Y** while **X** moves: direction first, moving axis second.
 //! Terms are indexed by their two axes, never by a number.
 
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::{Index, IndexMut};
 
@@ -218,7 +219,7 @@ impl fmt::Display for Rotation {
 }
 
 /// One value for each axis.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
 pub struct PerAxis<T> {
     /// Of the X axis.
     pub x: T,
@@ -341,6 +342,13 @@ impl<T> PerTerm<T> {
     /// Term and value, in the order of [`ErrorTerm::ALL`].
     pub fn iter(&self) -> impl Iterator<Item = (ErrorTerm, &T)> {
         ErrorTerm::ALL.into_iter().map(|term| (term, &self[term]))
+    }
+}
+
+/// By the names of the terms.
+impl<T: Serialize> Serialize for PerTerm<T> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_map(self.iter().map(|(term, value)| (term.to_string(), value)))
     }
 }
 

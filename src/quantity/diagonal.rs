@@ -15,6 +15,7 @@
 
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::{Deviation, Millimetres, Squared};
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::{Index, IndexMut};
 
@@ -123,6 +124,16 @@ impl<T> PerDiagonal<T> {
     /// Diagonal and value, in the order of [`Diagonal::ALL`].
     pub fn iter(&self) -> impl Iterator<Item = (Diagonal, &T)> {
         Diagonal::ALL.into_iter().zip(&self.0)
+    }
+}
+
+/// By the names of the diagonals.
+impl<T: Serialize> Serialize for PerDiagonal<T> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_map(
+            self.iter()
+                .map(|(diagonal, value)| (diagonal.name(), value)),
+        )
     }
 }
 

@@ -6,26 +6,19 @@
 //!               └─ + what the control adds (emulated from bytes) ─→ Assessment   with the tables
 //! ```
 
-mod baseline;
-mod exactness;
-mod grid;
-mod tables;
-mod windows;
-
-use self::windows::no_map;
-
-pub use self::baseline::Baseline;
-pub use self::exactness::holds_everywhere;
-pub use self::grid::{Grid, GridChoice, MOST_POINTS};
+use self::grid::no_map;
+pub use self::grid::{Grid, GridChoice, MOST_POINTS, Windows, holds_everywhere};
 pub use self::tables::with_tables;
-pub use self::windows::Windows;
-
 use crate::quantity::axis::PerAxis;
 use crate::text::problem::Problem;
 use crate::volume::definitions::{Definitions, LargestDifference, definitions, largest_difference};
+use crate::volume::space::grouping::{Tolerance, grouping};
 use crate::volume::space::histogram;
 use crate::volume::space::sample::estimate;
 use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel};
+
+mod grid;
+mod tables;
 
 /// What is asked of a volume beside its figures.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -89,7 +82,7 @@ pub fn assess(model: &VolumeModel, grid: &Grid, request: &Request) -> Result<Ass
     let definitions = definitions(model, &map);
     let windows = request
         .window_mm
-        .map(|size| windows::windows(model, grid, size));
+        .map(|size| grid::windows(model, grid, size));
     let histogram = request.histogram_um.map(|bin| histogram(&map, bin));
     let grouping = request.grouping.map(|angular| Baseline::of(&map, angular));
     Ok(Assessment {
@@ -163,4 +156,60 @@ fn histogram(map: &ErrorMap, bin_um: f64) -> Result<Histogram, Problem> {
         pairs,
         sampled: Some((estimate.drawn, estimate.standard_errors)),
     })
+}
+
+/// The paper's magnitude tolerance: a shorter vector of a group is dismissed.
+const MAGNITUDE: f64 = 0.9;
+/// Nodes that are grouped at most: what is kept is compared pair by pair.
+const MOST_NODES: usize = 50_000;
+
+/// What the grouping keeps and finds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Baseline {
+    /// Angular tolerance.
+    pub angular: f64,
+    /// Magnitude tolerance.
+    pub magnitude: f64,
+    /// Vectors that are grouped.
+    pub vectors: usize,
+    /// Groups.
+    pub groups: usize,
+    /// Vectors that are kept and compared (*records*).
+    pub records: usize,
+    /// Largest difference of two that are kept, µm, and their places, mm; `None` = no two are kept.
+    pub longest: Option<(f64, [PerAxis<f64>; 2])>,
+}
+
+impl Baseline {
+    /// Groups the error vectors of a map as they are, zero at the reference.
+    ///
+    /// source paper 002 §4.2, see [`crate::volume::space::grouping`]
+    /// limits not exact: the volumetric accuracy is at least this; 50 000 nodes at most
+    pub fn of(map: &ErrorMap, angular: f64) -> Result<Baseline, Problem> {
+        let count = map.count();
+        if count > MOST_NODES {
+            return Err(Problem::new(format!(
+                "the grid has {count} nodes, but the grouping compares what it keeps pair by pair: {MOST_NODES} at most"
+            ))
+            .help("use fewer nodes with `--grid`, or leave `--grouping` out"));
+        }
+        let tolerance = Tolerance {
+            angular,
+            magnitude: MAGNITUDE,
+        };
+        let vectors = map.vectors();
+        let found = grouping(&vectors.vectors(), tolerance);
+        let place = |number: usize| map.place(vectors.node(number));
+        Ok(Baseline {
+            angular,
+            magnitude: MAGNITUDE,
+            vectors: count,
+            groups: found.groups,
+            records: found.records.len(),
+            longest: found
+                .longest
+                .filter(|_| found.records.len() > 1)
+                .map(|l| (l.um(), l.pair.map(place))),
+        })
+    }
 }

@@ -7,14 +7,8 @@
 //! ```
 //! Which one to quote when, and why they differ: docs/volumetric.md §4.
 
-mod diagonals;
-mod length;
-
-pub use self::diagonals::diagonal_ranges;
-pub use self::length::{LengthError, length_error};
-
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::PerDiagonal;
+use crate::quantity::diagonal::{Diagonal, PerDiagonal};
 use crate::quantity::units::Millimetres;
 use crate::volume::space::diameter::diameter;
 use crate::volume::volume_model::{Component, ErrorMap, VolumeModel};
@@ -168,4 +162,150 @@ pub(crate) fn largest_difference(map: &ErrorMap) -> LargestDifference {
         places_mm: found.nodes.map(|node| map.place(node)),
         difference_um: map.error(p).minus(map.error(q)),
     }
+}
+
+/// Range of the deviation along each body diagonal of the assessed box, µm: max − min of e · u.
+///
+/// between two places where a curve bends, e · u of straight curves is a parabola of the way
+/// travelled (angle × lever), so its extreme is found from three places; of other curves it is
+/// close.
+pub fn diagonal_ranges(model: &VolumeModel) -> PerDiagonal<f64> {
+    let bends = bends(model);
+    PerDiagonal::from_fn(|diagonal| {
+        let along = |t: f64| along(model, diagonal, t);
+        let mut bends: Vec<f64> = bends
+            .iter()
+            .map(|(axis, t)| {
+                if diagonal.sign(*axis) > 0.0 {
+                    *t
+                } else {
+                    1.0 - t
+                }
+            })
+            .collect();
+        bends.sort_by(f64::total_cmp);
+        let mut ends = (along(0.0), along(0.0));
+        for pair in bends.windows(2) {
+            let (a, b) = (pair[0], pair[1]);
+            let (first, middle, last) = (along(a), along(f64::midpoint(a, b)), along(b));
+            for value in [first, last].into_iter().chain(vertex(first, middle, last)) {
+                ends = (ends.0.min(value), ends.1.max(value));
+            }
+        }
+        ends.1 - ends.0
+    })
+}
+
+/// Extreme of the parabola through three values at 0, ½ and 1, where it lies between them.
+fn vertex(first: f64, middle: f64, last: f64) -> Option<f64> {
+    let bent = 2.0 * (first - 2.0 * middle + last);
+    let slope = last - first - bent;
+    let place = -slope / (2.0 * bent);
+    (place > 0.0 && place < 1.0).then_some(first + place * (slope + bent * place))
+}
+
+/// Parts of the travel (0 … 1) where a curve of an axis bends.
+fn bends(model: &VolumeModel) -> Vec<(Axis, f64)> {
+    let nodes = model.own_nodes();
+    let of_axis = |axis: Axis| {
+        let (low, high) = model.range(axis);
+        let inside = nodes[axis].iter().filter(move |_| high > low);
+        inside.map(move |node| (axis, (node - low) / (high - low)))
+    };
+    Axis::ALL.into_iter().flat_map(of_axis).collect()
+}
+
+/// e · u at the part t of a diagonal, µm.
+fn along(model: &VolumeModel, diagonal: Diagonal, t: f64) -> f64 {
+    let size = PerAxis::from_fn(|axis| {
+        let (low, high) = model.range(axis);
+        high - low
+    });
+    let length = size.length();
+    if length <= 0.0 {
+        return 0.0;
+    }
+    let way = PerAxis::from_fn(|axis| diagonal.sign(axis) * size[axis]);
+    let place = PerAxis::from_fn(|axis| {
+        let travelled = if diagonal.sign(axis) > 0.0 {
+            t
+        } else {
+            1.0 - t
+        };
+        model.range(axis).0 + travelled * size[axis]
+    });
+    model.error_at(place).dot(way) / length
+}
+
+/// Nodes of which every pair is compared: more of them are thinned out.
+const MOST_NODES: usize = 10_000;
+/// Nodes an axis keeps when a map is thinned out.
+const KEPT: usize = 21;
+const UM_PER_MM: f64 = 1000.0;
+
+/// Largest | |actual distance| − |nominal distance| | of two nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LengthError {
+    /// The largest that was found, µm.
+    pub um: f64,
+    /// Whether every pair of nodes was compared; else this is a lower bound, and VA an upper one.
+    pub exact: bool,
+    /// The two places, mm.
+    pub places_mm: [PerAxis<f64>; 2],
+}
+
+/// The largest error of the distance of two nodes, µm.
+///
+/// what    | |p − q + e(p) − e(q)| − |p − q| |, all nodes p, q
+/// limits  exact up to 10 000 nodes; beyond, at most 21 nodes of each axis are compared, the ends
+///         among them, and the figure is a lower bound
+pub fn length_error(map: &ErrorMap) -> LengthError {
+    let exact = map.count() <= MOST_NODES;
+    let counts = map.counts();
+    let kept = PerAxis::from_fn(|axis| {
+        if exact {
+            counts[axis]
+        } else {
+            counts[axis].min(KEPT)
+        }
+    });
+    let number = |index: usize, kept: usize, count: usize| match kept {
+        0 | 1 => 0,
+        _ => index * (count - 1) / (kept - 1),
+    };
+    let mut points = Vec::with_capacity(kept.x * kept.y * kept.z);
+    for x in 0..kept.x {
+        for y in 0..kept.y {
+            for z in 0..kept.z {
+                points.push(map.point(PerAxis {
+                    x: number(x, kept.x, counts.x),
+                    y: number(y, kept.y, counts.y),
+                    z: number(z, kept.z, counts.z),
+                }));
+            }
+        }
+    }
+    let (um, pair) = largest(&points);
+    LengthError {
+        um,
+        exact,
+        places_mm: pair.map(|index| points.get(index).map_or(PerAxis::default(), |p| p.0)),
+    }
+}
+
+fn largest(points: &[(PerAxis<f64>, PerAxis<f64>)]) -> (f64, [usize; 2]) {
+    let mut found = (0.0, [0, 0]);
+    for (index, (place, error)) in points.iter().enumerate() {
+        for (further, (other, other_error)) in points[..index].iter().enumerate() {
+            let nominal = place.minus(*other).times(UM_PER_MM);
+            let shift = error.minus(*other_error);
+            // |n + s| − |n| without the loss of digits of a difference of two large numbers.
+            let sum = nominal.plus(shift).length() + nominal.length();
+            let change = shift.dot(nominal.times(2.0).plus(shift)) / sum;
+            if change.abs() > found.0 {
+                found = (change.abs(), [further, index]);
+            }
+        }
+    }
+    found
 }

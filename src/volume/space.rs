@@ -21,23 +21,11 @@ pub mod grid_map;
 
 pub mod pair;
 
-mod direction_cell;
-
-mod lists;
-
-mod envelope;
-
-mod distinct;
-
 mod support;
 
 pub mod diameter;
 
 pub mod cloud;
-
-pub mod windows;
-
-mod processor;
 
 pub mod histogram;
 

@@ -22,23 +22,20 @@
 //!
 //! An error that was not measured is left out and *named* ([`VolumeModel::missing`]).
 
-mod component;
-mod map;
-mod missing;
-mod optic;
-mod range;
-
-pub use self::component::Component;
 pub use self::map::{ErrorMap, Nodes};
 pub use self::missing::Missing;
-
 use crate::inputs::job::{Job, Levers, MachineAxis};
 use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::chain::{Chain, unit};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
 use crate::quantity::units::{Deviation, Millimetres};
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
+use std::fmt;
+
+mod map;
+mod missing;
 
 /// mm in a metre: µrad × mm = 10⁻³ µm, and slopes are in µm/m.
 const MM_PER_M: f64 = 1000.0;
@@ -65,8 +62,8 @@ pub struct VolumeModel {
     machine: PerAxis<Option<MachineAxis>>,
     /// The range of each axis that the model holds for, mm; a single place where nothing is known.
     ranges: PerAxis<(f64, f64)>,
-    /// What whoever reads a figure of this model has to know, one sentence each.
-    pub labels: Vec<String>,
+    /// What whoever reads a figure of this model has to know.
+    pub labels: Vec<Finding>,
 }
 
 /// Stated squareness: the slope of one term.
@@ -345,4 +342,77 @@ fn check_optics(job: &Job, chain: Chain, levers: Levers) -> Result<(), Problems>
         }
     }
     problems.or_ok(())
+}
+
+/// One of the 21 errors of a three-axis machine: nine deviations, nine rotations, three squareness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Component {
+    /// `EXX` … `EZZ`.
+    Deviation(ErrorTerm),
+    /// `EAX` … `ECZ`.
+    Rotation(Rotation),
+    /// The squareness that is stated as a slope of this term: φxy of EXY.
+    Squareness(ErrorTerm),
+}
+
+impl Component {
+    /// Its name in ISO 230-1 with the sign that turns it into ours, where the two differ
+    /// (contract §1): EC0Y = −φxy, EB0Z = +φxz, EA0Z = −φyz.
+    pub(crate) fn iso_name(self) -> String {
+        match self {
+            Component::Squareness(term) => match (term.of.letter(), term.along.letter()) {
+                ('X', 'Y') => "-EC0Y".to_string(),
+                ('X', 'Z') => "EB0Z".to_string(),
+                ('Y', 'Z') => "-EA0Z".to_string(),
+                _ => self.to_string(),
+            },
+            _ => self.to_string(),
+        }
+    }
+}
+
+impl fmt::Display for Component {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Component::Deviation(term) => term.fmt(out),
+            Component::Rotation(rotation) => rotation.fmt(out),
+            Component::Squareness(term) => {
+                out.pad(&format!("squareness_{}{}", term.of.key(), term.along.key()))
+            }
+        }
+    }
+}
+
+impl VolumeModel {
+    /// r × (x − optic) at the positions where the straightness was measured, e.g. of X: + ECX·(x − optic)
+    /// to EYX, − EBX·(x − optic) to EZX, µm.
+    ///
+    /// source  docs/volumetric.md §2: once, as the data are read, not between the measured positions
+    pub(super) fn optics(
+        &self,
+        model: &ErrorModel,
+        kind: Interpolation,
+    ) -> PerTerm<Option<ErrorCurve>> {
+        PerTerm::from_fn(|term: ErrorTerm| {
+            let optic = self.levers.straightness_optic[term.along]?;
+            let measured = model.terms[term].as_ref()?;
+            if term.is_positioning() {
+                return None;
+            }
+            let curve = Measured::mean(&measured.measured);
+            let added = |place: &Millimetres| self.swung(term, *place, optic);
+            let added: Vec<Deviation> = curve.knots().iter().map(added).collect();
+            Some(ErrorCurve::through(curve.knots(), &added, kind))
+        })
+    }
+
+    fn swung(&self, term: ErrorTerm, place: Millimetres, optic: Millimetres) -> Deviation {
+        let axis: Axis = term.along;
+        let rotation = PerAxis::from_fn(|about| {
+            let curve = self.rotations[Rotation { about, along: axis }].as_ref();
+            curve.map_or(0.0, |curve| curve.at(place).um())
+        });
+        let own = unit(axis).times((place - optic).mm());
+        Deviation::from_um(rotation.cross(own)[term.of] / MM_PER_M)
+    }
 }

@@ -7,6 +7,7 @@ use nonius::machine::separation::{Campaign, Line, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use nonius::quantity::units::{Deviation, Millimetres};
+use nonius::text::finding::Finding;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -280,4 +281,9 @@ pub(crate) fn solved(volume: &Volume, lines: Vec<Line>, runs: &[Run]) -> Separat
 
 pub(crate) fn curve(separation: &Separation, term: ErrorTerm) -> &[f64] {
     &separation.errors.mean[term].as_ref().unwrap().deviation_um
+}
+
+/// What was found, in words.
+pub(crate) fn words(findings: &[Finding]) -> Vec<String> {
+    findings.iter().map(ToString::to_string).collect()
 }

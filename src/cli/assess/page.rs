@@ -105,7 +105,7 @@ impl Basis {
         stated: impl Iterator<Item = String>,
     ) -> Basis {
         let doubts = doubts(job, measured).into_iter();
-        let labels = doubts.chain(volume.labels.iter().cloned());
+        let labels = doubts.chain(volume.labels.iter().map(ToString::to_string));
         Basis {
             frame: frame(&job.measurement.data),
             levers: job.measurement.levers,

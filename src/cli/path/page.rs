@@ -295,7 +295,7 @@ fn remarks(page: &Page) -> Vec<String> {
     if s.with_tool && !path.datum.is_empty() {
         notes.push("the datum is taken as probed with a tool of the measured length".to_string());
     }
-    notes.extend(page.volume.labels.iter().cloned());
+    notes.extend(page.volume.labels.iter().map(ToString::to_string));
     notes.extend(
         page.after
             .iter()

@@ -3,10 +3,12 @@
 
 use crate::cli::screen::{paragraphs, table};
 use crate::machine::separation::Separation;
-use crate::machine::separation::closure::{Closure, Ramps};
+use crate::machine::separation::closure::Closure;
+use crate::machine::separation::noise::coverage_factor;
+use crate::machine::separation::noise::{FALSE_DOUBT, Outlier};
 use crate::machine::separation::noise::{Noise, NoiseSource};
-use crate::machine::separation::noise::{coverage_factor, repeatability_um};
-use crate::machine::separation::outlier::{FALSE_DOUBT, Outlier};
+use crate::machine::separation::patterns::Ramps;
+use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::{Estimate, Turn};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::diagonal::{Diagonal, Pass};

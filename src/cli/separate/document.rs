@@ -5,11 +5,12 @@ use crate::cli::diagonals::StandardFigures;
 use crate::inputs::job::SetUp;
 use crate::kit::manifest::picometres;
 use crate::machine::separation::metric::{PerPlane, Plane};
-use crate::machine::separation::monte_carlo::{Simulated, measured_coverage};
-use crate::machine::separation::noise::{Noise, coverage_factor, repeatability_um};
-use crate::machine::separation::not_counted::NotCounted;
-use crate::machine::separation::outlier::Outlier;
+use crate::machine::separation::monte_carlo::Simulated;
+use crate::machine::separation::noise::Outlier;
+use crate::machine::separation::noise::{Noise, coverage_factor};
+use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::{Estimate, Turn};
+use crate::machine::separation::unmeasured::NotCounted;
 use crate::machine::separation::{Evidence, Separation};
 use crate::machine::standards::Diagonals;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
@@ -93,11 +94,11 @@ pub(super) fn separation(
     );
     page.insert(
         "u_squareness_um_per_m".into(),
-        planes(&separation.u_squareness_um_per_m),
+        planes(&separation.u_squareness.map(|u| Some(u?.u_um_per_m))),
     );
     page.insert(
         "squareness_freedom".into(),
-        planes(&separation.squareness_freedom),
+        planes(&separation.u_squareness.map(|u| u?.freedom)),
     );
     if let Some(found) = &separation.agreement {
         page.insert("redundancy".into(), super::words::agreement_json(found));
@@ -321,12 +322,12 @@ fn monte_carlo(simulated: &Simulated) -> Value {
         .iter()
         .map(|f| {
             json!({
-                "name": f.name,
-                "unit": f.unit,
+                "name": f.quantity.to_string(),
+                "unit": f.quantity.unit(),
                 "estimate": picometres(f.estimate),
                 "bias": picometres(f.bias),
                 "interval_95": rounded(&f.interval),
-                "interval_coverage_measured": measured_coverage(f),
+                "interval_coverage_measured": f.measured_coverage(),
                 "u": picometres(f.u),
             })
         })

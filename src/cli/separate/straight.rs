@@ -7,7 +7,7 @@ use crate::cli::screen::{More, Screen, table};
 use crate::cli::show::um;
 use crate::kit::manifest::picometres;
 use crate::machine::separation::metric::Plane;
-use crate::machine::separation::prediction::{ClosureTest, ClosureTests};
+use crate::machine::separation::straight::{ClosureTest, ClosureTests};
 use crate::machine::separation::straight::{StraightResult, scale_shares};
 use crate::machine::separation::uncertainty::SlopeUncertainty;
 use crate::quantity::axis::Axis;

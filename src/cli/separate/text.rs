@@ -7,9 +7,9 @@ use crate::cli::diagonals::StandardFigures;
 use crate::cli::screen::{More, Screen, table};
 use crate::cli::show::um;
 use crate::inputs::job::SetUp;
-use crate::machine::separation::line::{ReferenceLine, range};
+use crate::machine::separation::curves::{ReferenceLine, range};
 use crate::machine::separation::metric::Plane;
-use crate::machine::separation::monte_carlo::{Figure as Simulation, Simulated, measured_coverage};
+use crate::machine::separation::monte_carlo::{Figure as Simulation, Simulated};
 use crate::machine::separation::{Evidence, Separation};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::diagonal::PathKind;
@@ -159,8 +159,8 @@ fn squareness(separation: &Separation) -> String {
     let rows = Plane::ALL.into_iter().map(|plane| {
         let found = separation.squareness_um_per_m.of(plane);
         let found = found.map_or_else(|| "not determined".into(), |slope| um(Some(slope)));
-        let u = separation.u_squareness_um_per_m.of(plane);
-        let freedom = freedom(u.map(|_| separation.squareness_freedom.of(plane)));
+        let u = separation.u_squareness.of(plane);
+        let freedom = freedom(u.map(|u| u.freedom));
         let row = format!(
             "{}\t{found}\t{}\t{freedom}\t{}",
             plane.key().to_uppercase(),
@@ -217,14 +217,15 @@ fn monte_carlo(simulated: &Simulated) -> String {
     let rows = simulated.figures.iter().map(|f: &Simulation| {
         let [estimate, bias, from, to] =
             [f.estimate, f.bias, f.interval[0], f.interval[1]].map(Figure);
-        let held = 100.0 * measured_coverage(f);
+        let held = 100.0 * f.measured_coverage();
         format!(
             "{}\t{estimate:.3}\t{bias:+.3}\t{from:.3}\t{to:.3}\t{}\t{held:.1} %",
-            f.name, f.unit
+            f.quantity,
+            f.quantity.unit()
         )
     });
     let heading = "figure\t>estimate\t>bias by noise\t>from\t>to\tunit\t>held the truth";
-    let size = |f: &Simulation| f.unit == "µm" && f.interval[0] < 0.0;
+    let size = |f: &Simulation| f.quantity.unit() == "µm" && f.interval[0] < 0.0;
     let hidden = if simulated.figures.iter().any(size) {
         "\na range or straightness whose interval reaches below 0 cannot be told from noise"
     } else {

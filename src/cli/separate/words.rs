@@ -4,10 +4,12 @@
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show::um;
 use crate::kit::manifest::picometres;
-use crate::machine::separation::agreement::{Agreement, CHECK, LineCheck};
+use crate::machine::separation::agreement::{Agreement, LineCheck};
+use crate::machine::separation::findings::CHECK;
 use crate::machine::separation::metric::Metric;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
+use crate::text::finding::Finding;
 use serde_json::{Value, json};
 
 /// More degrees of freedom than these need no exact number: k is 2.00.
@@ -38,12 +40,12 @@ pub(super) fn freedom(known: Option<Option<f64>>) -> String {
 /// The screen of a result: what speaks against it and what is not determined, with how to determine it,
 /// stand first.
 pub(super) fn screen(
-    doubts: &[String],
+    doubts: &[Finding],
     determined: String,
-    (undetermined, advice): (&[String], &[String]),
+    (undetermined, advice): (&[Finding], &[String]),
     figures: Vec<String>,
     mut more: Vec<More>,
-    labels: &[String],
+    labels: &[Finding],
 ) -> Screen {
     let mut open = list(
         "NOT DETERMINED by these readings, and left out:",
@@ -139,7 +141,7 @@ pub(super) fn agreement_json(agreement: &Agreement) -> Value {
         "chi_squared": picometres(agreement.chi_squared),
         "degrees_of_freedom": agreement.freedom,
         "probability": agreement.probability,
-        "contradiction": agreement.contradiction(),
+        "contradiction": agreement.contradiction().map(Finding::from),
         "lines": agreement.lines.iter().map(line).collect::<Vec<_>>(),
     })
 }

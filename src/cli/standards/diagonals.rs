@@ -7,7 +7,7 @@ use crate::cli::outcome::{Outcome, Print};
 use crate::cli::screen::{Screen, table};
 use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;
-use crate::machine::separation::noise::CorrectedRun;
+use crate::machine::separation::readings::CorrectedRun;
 use crate::machine::standards::{DIAGONALS, Diagonals};
 use crate::quantity::axis::Direction;
 use crate::quantity::diagonal::PathKind;

@@ -4,8 +4,8 @@ use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{
     DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector,
 };
+use crate::machine::separation::campaign::angles;
 use crate::machine::separation::corrections::AngleEffects;
-use crate::machine::separation::prepare::angles;
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
 use crate::text::problem::{Problem, Problems};

@@ -8,19 +8,17 @@
 //! the only thing that notices a slope of the wrong sign or unit, or a wrong edge of the box; which
 //! of the equations is wrong it cannot tell. A line whose uncertainty is not known counts as exact.
 
-use super::metric::{
-    DiagonalEquation, Equations, Metric, Plane, StraightLine, TotalsUncertainty, row,
-};
+use super::findings::SeparationFinding;
+use super::metric::{Equation, Equations, Metric};
+use super::noise::chance_of;
+use super::plane::Unknown;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{PerDiagonal, Volume};
 use crate::quantity::units::Figure;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Below this probability the equations contradict each other.
 const SMALL_PROBABILITY: f64 = 0.01;
-
-/// What to do about a contradiction.
-pub const CHECK: &str = "check sign, unit, `laser_sign`, the size of the box, temperature and air";
+/// The first four equations are those of the diagonals.
+const DIAGONALS: usize = 4;
 
 /// One line against the diagonals and all other lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,11 +82,8 @@ impl Agreement {
         self.probability.is_some_and(|p| p < SMALL_PROBABILITY)
     }
 
-    /// The contradiction in one sentence; `None` where there is none.
-    pub fn contradiction(&self) -> Option<String> {
-        if !self.is_refuted() {
-            return None;
-        }
+    /// The contradiction; `None` where there is none.
+    pub fn contradiction(&self) -> Option<SeparationFinding> {
         let says = |line: &LineCheck| {
             let (um_per_m, ratio) = line.difference()?;
             let (name, um_per_m, ratio) = (line.name(), Figure(um_per_m), ratio.abs());
@@ -96,82 +91,53 @@ impl Agreement {
                 "{name} by {um_per_m:+.3} µm/m ({ratio:.1} standard deviations)"
             ))
         };
-        let all: Vec<String> = self.lines.iter().filter_map(says).collect();
-        let missing = if self.taken_as_exact {
-            "; a line without `u_um_per_m` counts as exact here: state it"
-        } else {
-            ""
-        };
-        Some(format!(
-            "linear axes and diagonals DISAGREE: each against all others, {}; {CHECK}{missing}; no uncertainty of scales and squareness and no tilt is given",
-            all.join(", ")
-        ))
-    }
-}
-
-/// Tests the redundancy; `None` where there is none.
-pub fn agreement(
-    volume: &Volume,
-    diagonals: &PerDiagonal<DiagonalEquation>,
-    totals: &TotalsUncertainty,
-    lines: &[StraightLine],
-    metric: &Metric,
-) -> Option<Agreement> {
-    let equations = Equations::new(volume, diagonals, totals, lines);
-    let freedom = equations.redundancy();
-    if freedom == 0 {
-        return None;
-    }
-    let largest = largest_slope(metric);
-    let variances = equations.test_variances(largest);
-    let solution = equations
-        .system(&equations.covariance(&variances))
-        .solve()?;
-    let check = |(index, line): (usize, &StraightLine)| {
-        let mut rest = lines.to_vec();
-        rest.remove(index);
-        let rest = Equations::new(volume, diagonals, totals, &rest);
-        LineCheck {
-            direction: line.direction,
-            stated_um_per_m: line.slope_um_per_m,
-            others: rest.others(&line.direction, largest, variances[4 + index]),
-        }
-    };
-    #[allow(clippy::cast_precision_loss, reason = "a handful of lines")]
-    let spread = ChiSquared::new(freedom as f64).ok()?;
-    Some(Agreement {
-        chi_squared: solution.chi_squared,
-        freedom,
-        probability: totals.known.then(|| spread.sf(solution.chi_squared)),
-        lines: lines.iter().enumerate().map(check).collect(),
-        taken_as_exact: lines.iter().any(|line| line.u_um_per_m.is_none()),
-    })
-}
-
-impl Equations {
-    /// What these equations say of a line that is not among them, of this variance.
-    fn others(&self, direction: &PerAxis<f64>, largest: f64, variance: f64) -> Option<Others> {
-        let row = row(direction);
-        if !self.space.holds(&row) {
-            return None;
-        }
-        let solution = self
-            .system(&self.covariance(&self.test_variances(largest)))
-            .solve()?;
-        let (found_um_per_m, found_variance) = solution.along(&row);
-        Some(Others {
-            found_um_per_m,
-            u_difference_um_per_m: (variance + found_variance).sqrt(),
+        let lines: Vec<String> = self.lines.iter().filter_map(says).collect();
+        self.is_refuted().then(|| SeparationFinding::LinesDisagree {
+            lines: lines.join(", "),
+            taken_as_exact: self.taken_as_exact,
         })
     }
 }
 
-fn largest_slope(metric: &Metric) -> f64 {
-    let scales = Axis::ALL.into_iter().filter_map(|axis| metric.scale[axis]);
-    let squareness = Plane::ALL
-        .into_iter()
-        .filter_map(|plane| metric.squareness.of(plane));
-    scales
-        .chain(squareness)
-        .fold(0.0, |largest: f64, slope| largest.max(slope.abs()))
+impl Equations {
+    /// Tests the redundancy; `None` where there is none.
+    pub(super) fn agreement(&self, metric: &Metric) -> Option<Agreement> {
+        let freedom = self.redundancy();
+        if freedom == 0 {
+            return None;
+        }
+        let slopes = Unknown::ALL.into_iter().filter_map(|one| metric.value(one));
+        let largest = slopes.fold(0.0, |largest: f64, slope| largest.max(slope.abs()));
+        let variances = self.test_variances(largest);
+        let chi_squared = self.solved_with(&variances)?.chi_squared;
+        let (diagonals, lines) = self.all.split_at(DIAGONALS);
+        let check = |(index, line): (usize, &Equation)| LineCheck {
+            direction: line.direction,
+            stated_um_per_m: line.value,
+            others: self.others(DIAGONALS + index, largest, &variances),
+        };
+        let known = diagonals.iter().all(|one| one.known);
+        Some(Agreement {
+            chi_squared,
+            freedom,
+            probability: chance_of(chi_squared, freedom, None).filter(|_| known),
+            lines: lines.iter().enumerate().map(check).collect(),
+            taken_as_exact: lines.iter().any(|line| !line.known),
+        })
+    }
+
+    /// What all equations but one say of it.
+    fn others(&self, index: usize, largest: f64, variances: &[f64]) -> Option<Others> {
+        let direction = &self.all[index].direction;
+        let rest = self.without(index);
+        if !rest.holds(direction) {
+            return None;
+        }
+        let solution = rest.solved_with(&rest.test_variances(largest))?;
+        let (found_um_per_m, variance) = solution.along(direction);
+        Some(Others {
+            found_um_per_m,
+            u_difference_um_per_m: (variances[index] + variance).sqrt(),
+        })
+    }
 }

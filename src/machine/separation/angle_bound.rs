@@ -16,70 +16,73 @@
 //! Levers count from the middle of the box: another origin, or a tool offset, moves the machine's
 //! own figures along with the readings.
 
-use crate::inputs::job::{Reflector, StatedUncertainty};
-
+use super::campaign::Campaign;
 use super::curves::noise_gain;
-use super::metric::{PerPlane, Plane};
-use super::plane::per_plane;
-use super::slope_gains::SlopeGains;
+use super::metric::PerPlane;
+use super::plane::Unknown;
+use super::slopes::SlopeGains;
+use crate::inputs::job::{Reflector, StatedUncertainty};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Volume};
 
 /// Standard uncertainties (k = 1) that a bound of 1 µrad on every unmeasured angle makes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AngleBound {
+pub(super) struct AngleBound {
     /// Along the curves, µm for each µrad, by interval end.
-    pub curves_um: PerTerm<Vec<f64>>,
+    pub(super) curves_um: PerTerm<Vec<f64>>,
     /// Of the squareness, µm/m for each µrad.
-    pub squareness_um_per_m: PerPlane<f64>,
+    pub(super) squareness_um_per_m: PerPlane<f64>,
 }
 
 /// Below this a value of 1 µrad does not move a curve, µm.
 const DUST_UM: f64 = 1e-12;
 
 impl AngleBound {
-    /// Of the rotations that were not measured; where the order of the axes is not known, the
-    /// largest of all orders for every figure.
-    pub fn of(
-        volume: &Volume,
-        reflector: Reflector,
-        (missing, order): (&[Rotation], Option<[Axis; 3]>),
-        gains: &SlopeGains,
-    ) -> AngleBound {
+    /// Of the rotations that were not measured, `None` where all were; where the order of the axes is
+    /// not known, the largest of all orders for every figure.
+    pub(super) fn of(campaign: &Campaign<'_>, gains: &SlopeGains) -> Option<AngleBound> {
+        let evidence = campaign.angle_evidence();
+        let volume = &campaign.measurement.volume;
+        if evidence.missing.is_empty() {
+            return None;
+        }
         let mut largest = Squares::none(volume);
-        let walks = Walks::new(volume, reflector);
+        let walks = Walks::new(volume, campaign.measurement.target);
         let mut known: Vec<(Rotation, PerAxis<bool>, Squares)> = Vec::new();
-        let orders = order
-            .as_ref()
-            .map_or(&Axis::ORDERS[..], std::slice::from_ref);
-        for order in orders {
+        let orders = evidence.order.as_ref();
+        for order in orders.map_or(&Axis::ORDERS[..], std::slice::from_ref) {
             let mut all = Squares::none(volume);
-            for rotation in missing {
+            for rotation in &evidence.missing {
                 let carried = carried(order, rotation.along);
-                let found = known
-                    .iter()
-                    .find(|(r, c, _)| (r, c) == (rotation, &carried));
-                if let Some((_, _, effects)) = found {
-                    all.add(effects);
-                    continue;
-                }
-                let effects = Rotated::new(&walks, *rotation, carried).effects(gains);
-                all.add(&effects);
-                known.push((*rotation, carried, effects));
+                let same = |(r, c, _): &(_, _, _)| (r, c) == (rotation, &carried);
+                let place = known.iter().position(same).unwrap_or_else(|| {
+                    let effects = Rotated::new(&walks, *rotation, carried).effects(gains);
+                    known.push((*rotation, carried, effects));
+                    known.len() - 1
+                });
+                all.combine(&known[place].2, |sum, effect| sum + effect * effect);
             }
-            largest.raise(&all);
+            largest.combine(&all, f64::max);
         }
         let u = |square: f64| (square / 3.0).sqrt();
-        AngleBound {
+        Some(AngleBound {
             curves_um: PerTerm::from_fn(|term| {
                 largest.curves[term].iter().map(|s| u(*s)).collect()
             }),
             squareness_um_per_m: largest.squareness.map(u),
-        }
+        })
+    }
+
+    /// Uncertainty of φ with the bound that the job states, µm/m; 0 where it states none.
+    pub(super) fn counted(bound: Option<&AngleBound>, stated: &StatedUncertainty) -> PerPlane<f64> {
+        let counted = bound.zip(stated.angle_urad);
+        counted.map_or_else(PerPlane::default, |(bound, urad)| {
+            bound.squareness_um_per_m.map(|u| urad * u)
+        })
     }
 
     /// Largest on a curve, µm for each µrad.
-    pub fn largest_um(&self, term: ErrorTerm) -> f64 {
+    pub(super) fn largest_um(&self, term: ErrorTerm) -> f64 {
         self.curves_um[term].iter().copied().fold(0.0, f64::max)
     }
 }
@@ -103,17 +106,8 @@ impl Squares {
             let pairs = self.curves[term].iter_mut().zip(&other.curves[term]);
             pairs.for_each(|(own, other)| *own = of(*own, *other));
         }
-        let squareness = |plane: Plane| of(self.squareness.of(plane), other.squareness.of(plane));
-        self.squareness = per_plane(Plane::ALL.map(squareness));
-    }
-
-    /// Adds the squares of the effects of a rotation.
-    fn add(&mut self, effects: &Squares) {
-        self.combine(effects, |sum, effect| sum + effect * effect);
-    }
-
-    fn raise(&mut self, other: &Squares) {
-        self.combine(other, f64::max);
+        self.squareness =
+            PerPlane::from_fn(|plane| of(self.squareness.of(plane), other.squareness.of(plane)));
     }
 }
 
@@ -250,14 +244,11 @@ impl<'a> Rotated<'a> {
                 *sum += moved.abs();
             }
         }
-        let squareness = |plane: Plane| {
-            let (a, b) = plane.axes();
-            let truth = self.true_slopes[ErrorTerm { of: a, along: b }]
-                + self.true_slopes[ErrorTerm { of: b, along: a }];
-            let found = gains.of_squareness(plane, &change.ends_um);
-            effects.squareness.of(plane) + (found - middle * truth).abs()
-        };
-        effects.squareness = per_plane(Plane::ALL.map(squareness));
+        effects.squareness = PerPlane::from_fn(|plane| {
+            let [one, other] = plane.terms().map(|term| self.true_slopes[term]);
+            let found = gains.of_figure(Unknown::Squareness(plane), &change.ends_um);
+            effects.squareness.of(plane) + (found - middle * (one + other)).abs()
+        });
     }
 
     /// What 1 µrad at interval end `index` ≥ 1 of the axis changes.
@@ -312,15 +303,4 @@ impl<'a> Rotated<'a> {
             change.totals_um[term] += step;
         }
     }
-}
-
-/// Uncertainty of φ by the unmeasured angles with the bound that the job states, µm/m.
-pub(super) fn counted_angles(
-    bound: Option<&AngleBound>,
-    stated: &StatedUncertainty,
-) -> PerPlane<f64> {
-    let counted = bound.zip(stated.angle_urad);
-    counted.map_or_else(PerPlane::default, |(bound, urad)| {
-        bound.squareness_um_per_m.map(|u| urad * u)
-    })
 }

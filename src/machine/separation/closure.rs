@@ -17,22 +17,29 @@
 //! readings are named with the ramps left free, so that a ramp accuses no reading; then the ramps
 //! are judged with those readings left out, so that no reading makes a ramp.
 
-mod patterns;
-
-pub use self::patterns::RunCounts;
-
-use self::patterns::{Patterns, Row};
-use super::curves::closures;
-use super::increments::{Group, Means};
-use super::noise::{Noise, NoiseSource};
-use super::outlier::{FALSE_DOUBT, Outlier, float};
+use super::campaign::{Campaign, corrected};
+use super::corrections::recorded;
+use super::curves::{mean, noise_gain};
+use super::findings::SeparationFinding as Found;
+use super::noise::{
+    FALSE_DOUBT, Noise, NoiseSource, Outlier, Repeats, UNRESOLVED_UM, chance_of, float, repeats,
+    student, tails,
+};
+use super::patterns::{Patterns, Ramps, by_group};
+use super::readings::{CorrectedRun, Group, Means, RunCounts, run_counts};
+use super::uncertainty::Budget;
+use crate::inputs::job::{Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, Run, Volume};
 use crate::quantity::units::Squared;
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
+use crate::text::finding::Finding;
 
-/// A ramp of w that no instrument resolves is no roll, however small the noise, µm.
-const SMALLEST_RAMP_UM: f64 = 0.02;
+/// More disturbed readings are counted in the doubts; the result lists them.
+const NAMED: usize = 3;
+/// Largest noise of a laser reading that needs no word, where the job states none (k = 1), µm.
+const ASSUMED_NOISE_UM: f64 = 1.0;
+/// A stated noise is a round figure: so many times of it count as far above.
+const FAR_ABOVE: f64 = 2.0;
 
 /// The closure of a measurement.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,29 +60,6 @@ pub struct Closure {
     pub outliers: Vec<Outlier>,
 }
 
-/// Straight ramps of w over each axis.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ramps {
-    /// From the first interval to the last, µm.
-    pub change_um: PerAxis<f64>,
-    /// Their standard deviations for readings of 1 µm.
-    pub u: PerAxis<f64>,
-    /// Probability of ramps at least as large by noise alone.
-    pub probability: f64,
-}
-
-impl Ramps {
-    /// Whether they speak of the roll of an axis that carries others.
-    pub fn is_roll(&self) -> bool {
-        let largest = self
-            .change_um
-            .iter()
-            .map(|(_, um)| um.abs())
-            .fold(0.0, f64::max);
-        self.probability < FALSE_DOUBT && largest > SMALLEST_RAMP_UM
-    }
-}
-
 /// The scatter of the closure against a noise that is known otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterTest {
@@ -86,40 +70,25 @@ pub struct ScatterTest {
 }
 
 impl Closure {
-    /// Standard deviation of a single reading that the scatter of the closure speaks for, µm;
-    /// `None` without degrees of freedom.
-    pub fn sigma_um(&self) -> Option<f64> {
-        let freedom = float(self.freedom);
-        (self.freedom > 0).then(|| (self.weighted_square / freedom).sqrt())
+    /// The noise of a single reading that the scatter of the closure speaks for; `None` without degrees
+    /// of freedom.
+    pub fn noise(&self) -> Option<Noise> {
+        Noise::of_scatter(self.weighted_square, self.freedom, NoiseSource::Closure)
     }
 
-    /// The same as noise of the readings.
-    pub fn noise(&self) -> Option<Noise> {
-        self.sigma_um().map(|sigma_um| Noise {
-            sigma_um,
-            freedom: Some(self.freedom),
-            source: NoiseSource::Closure,
-        })
+    /// Its standard deviation, µm.
+    pub fn sigma_um(&self) -> Option<f64> {
+        self.noise().map(|noise| noise.sigma_um)
     }
 
     /// Two-sided test against a noise that is known otherwise: χ² where it is stated, F where it
     /// comes from repeated runs. `None` where it comes from this closure, so that nothing is tested.
     pub fn test(&self, noise: &Noise) -> Option<ScatterTest> {
-        if noise.source == NoiseSource::Closure || self.freedom == 0 || noise.sigma_um <= 0.0 {
+        if noise.source == NoiseSource::Closure || noise.sigma_um <= 0.0 {
             return None;
         }
-        let freedom = float(self.freedom);
-        let ratio = self.weighted_square / (noise.sigma_um * noise.sigma_um);
-        let (below, above) = match noise.freedom {
-            Some(of_noise) => {
-                let spread = FisherSnedecor::new(freedom, float(of_noise)).ok()?;
-                (spread.cdf(ratio / freedom), spread.sf(ratio / freedom))
-            }
-            None => {
-                let spread = ChiSquared::new(freedom).ok()?;
-                (spread.cdf(ratio), spread.sf(ratio))
-            }
-        };
+        let ratio = self.weighted_square / noise.sigma_um.squared();
+        let (below, above) = tails(ratio, self.freedom, noise.freedom)?;
         Some(ScatterTest {
             probability: (2.0 * below.min(above)).min(1.0),
             larger: above < below,
@@ -130,177 +99,150 @@ impl Closure {
     pub fn u_mean_um(&self, axis: Axis, sigma_um: f64) -> f64 {
         sigma_um * self.scatter[axis] / float(self.by_interval[axis].len()).sqrt()
     }
+
+    /// What it says against the nine errors.
+    pub(super) fn doubts(
+        &self,
+        noise: Option<Noise>,
+        volume: &Volume,
+        setup: SetUp,
+    ) -> Vec<Finding> {
+        // How far a disturbed reading moves the curves: one increment too long, the next too short.
+        let gain = Axis::ALL.map(|of| noise_gain(volume, of) / 2.0);
+        let gain = gain.into_iter().fold(0.0, f64::max);
+        let named = self.outliers.iter().take(NAMED);
+        let mut doubts: Vec<Found> = named
+            .map(|outlier| Found::Disturbed {
+                um: gain * outlier.of_mean_um.abs(),
+                which: outlier.words(),
+            })
+            .collect();
+        if self.outliers.len() > NAMED {
+            let more = self.outliers.len() - NAMED;
+            doubts.push(Found::MoreDisturbed { more });
+        }
+        let roll = self.ramps.as_ref().filter(|ramps| ramps.is_roll());
+        doubts.extend(roll.map(|ramps| Found::Roll {
+            changes: ramps.change_um,
+        }));
+        let test = noise.and_then(|noise| self.test(&noise));
+        let test = test.filter(|test| test.larger && test.probability < FALSE_DOUBT);
+        doubts.extend(test.map(|test| Found::Scatter {
+            probability: test.probability,
+        }));
+        if setup == SetUp::AssumePerfect {
+            doubts.extend(noise.and_then(|noise| self.against_perfect(noise)));
+        }
+        doubts.into_iter().map(Finding::from).collect()
+    }
+
+    /// A closure whose mean is not zero contradicts a perfect set-up.
+    fn against_perfect(&self, noise: Noise) -> Option<Found> {
+        let limit = student(1.0 - FALSE_DOUBT / 2.0 / 3.0, noise.freedom_f64());
+        let is_off = |axis: &Axis| {
+            let mean = self.mean[*axis].abs();
+            mean > UNRESOLVED_UM && mean > limit * self.u_mean_um(*axis, noise.sigma_um)
+        };
+        let off: Vec<Axis> = Axis::ALL.into_iter().filter(is_off).collect();
+        (!off.is_empty()).then_some(Found::SetUpNotPerfect {
+            means: self.mean,
+            off,
+        })
+    }
+}
+
+/// A scatter that was found and is far above what was to be expected: one-sided, χ² = ν σ²/σ₀² at
+/// one in a thousand, with σ₀ = twice the stated `noise_um`, or 1 µm where none is stated. With few
+/// steps no reading stands out of such a scatter, however far it is off: it makes the scatter.
+pub(super) fn large_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Option<Finding> {
+    let found = noise.filter(|noise| noise.source != NoiseSource::Stated)?;
+    let freedom = found.freedom?;
+    let limit_um = stated_um.map_or(ASSUMED_NOISE_UM, |um| FAR_ABOVE * um);
+    let square = float(freedom) * (found.sigma_um / limit_um).squared();
+    let (um, source) = (found.sigma_um, found.source.words());
+    let doubt = match stated_um {
+        Some(stated_um) => Found::NoiseFar {
+            um,
+            source,
+            times: FAR_ABOVE,
+            stated_um,
+        },
+        None => Found::NoiseLarge {
+            um,
+            source,
+            assumed_um: ASSUMED_NOISE_UM,
+        },
+    };
+    (chance_of(square, freedom, None)? < FALSE_DOUBT).then(|| doubt.into())
 }
 
 /// What is known of the readings before the closure is judged.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Known<'a> {
+pub(super) struct Known<'a> {
     /// Standard deviation of a single reading, where repeats or the job give it.
-    pub noise: Option<Noise>,
+    pub(super) noise: Option<Noise>,
     /// Disturbed readings of single runs: their share in the means is left out of the test.
-    pub outliers: &'a [Outlier],
+    pub(super) outliers: &'a [Outlier],
     /// The first and last interval are left out (missing overrun).
-    pub skip_ends: bool,
+    pub(super) skip_ends: bool,
 }
 
-/// The closure of mean readings.
-pub fn closure(volume: &Volume, means: &Means, runs: &RunCounts, known: Known<'_>) -> Closure {
-    let groups = means.groups();
-    let all = by_group(volume, means);
-    let by_interval = mean_of(volume, &all);
-    let mean = PerAxis::from_fn(|axis| by_interval[axis].iter().sum::<f64>() / volume.steps_f64());
-    let judged = patterns(volume, means, &all, runs, known.skip_ends);
-    let judged = judged.map(|patterns| judge(patterns, known));
-    let judged = judged.unwrap_or_default();
-    Closure {
-        by_interval,
-        mean,
-        scatter: PerAxis::from_fn(|axis| scatter(groups, runs, axis)),
-        ramps: judged.ramps,
-        weighted_square: judged.square,
-        freedom: judged.freedom,
-        outliers: [known.outliers, &judged.outliers].concat(),
-    }
-}
-
-/// What is left of readings under some names, with nothing taken out but the constants of the axes
-/// and the disturbed readings of single runs: what one naming is compared with another by.
-pub(super) struct Undisturbed {
-    rows: Vec<Row>,
-    patterns: Patterns,
-}
-
-impl Undisturbed {
-    /// For readings like these; `None` where C is singular.
-    pub(super) fn new(
+impl Known<'_> {
+    /// All w, with nothing taken out but the constants of the axes and the disturbed readings of single
+    /// runs; `None` where C is singular.
+    pub(super) fn patterns(
+        &self,
         volume: &Volume,
         means: &Means,
         runs: &RunCounts,
-        known: Known<'_>,
-    ) -> Option<Undisturbed> {
-        let rows = rows(volume, means.groups(), known.skip_ends);
-        let mut patterns = patterns(
-            volume,
-            means,
-            &by_group(volume, means),
-            runs,
-            known.skip_ends,
-        )?;
-        let named = known.outliers.iter().flat_map(|outlier| &outlier.readings);
-        named.for_each(|place| patterns.leave_out(place));
-        Some(Undisturbed { rows, patterns })
-    }
-
-    /// ν.
-    pub(super) fn freedom(&self) -> usize {
-        self.patterns.scatter().1
-    }
-
-    /// Q for readings of 1 µm standard deviation.
-    pub(super) fn square(&self, volume: &Volume, means: &Means) -> f64 {
-        self.patterns
-            .square_of(&values(&self.rows, &by_group(volume, means)))
+    ) -> Option<Patterns> {
+        let mut patterns = Patterns::new(volume, means, runs, self.skip_ends)?;
+        patterns.leave_out(self.outliers.iter().flat_map(|outlier| &outlier.readings));
+        Some(patterns)
     }
 }
 
-fn values(rows: &[Row], all: &[PerAxis<Vec<f64>>]) -> Vec<f64> {
-    let of = |row: &Row| all[row.group][row.axis][row.interval];
-    rows.iter().map(of).collect()
-}
-
-/// The least-squares problem of all w; `None` where C is singular.
-fn patterns(
+/// The closure of mean readings.
+pub(super) fn closure(
     volume: &Volume,
     means: &Means,
-    all: &[PerAxis<Vec<f64>>],
     runs: &RunCounts,
-    skip_ends: bool,
-) -> Option<Patterns> {
-    let groups = means.groups();
-    let rows = rows(volume, groups, skip_ends);
-    let values = values(&rows, all);
-    Patterns::new(volume, groups, rows, values, runs, means.reverse.is_some())
+    known: Known<'_>,
+) -> Closure {
+    let all = by_group(volume, means);
+    let by_interval: PerAxis<Vec<f64>> = PerAxis::from_fn(|axis| {
+        let at = |interval| mean(all.iter().map(|w| w[axis][interval]));
+        (0..volume.steps).map(at).collect()
+    });
+    let mut closure = Closure {
+        mean: PerAxis::from_fn(|axis| mean(by_interval[axis].iter().copied())),
+        by_interval,
+        scatter: PerAxis::from_fn(|axis| scatter(means.groups(), runs, axis)),
+        ramps: None,
+        weighted_square: 0.0,
+        freedom: 0,
+        outliers: known.outliers.to_vec(),
+    };
+    if let Some(patterns) = known.patterns(volume, means, runs) {
+        closure.judge(patterns, known.noise);
+    }
+    closure
 }
 
-/// w by axis and interval of every group of readings.
-fn by_group(volume: &Volume, means: &Means) -> Vec<PerAxis<Vec<f64>>> {
-    let groups = means.groups().iter();
-    groups
-        .map(|group| closures(volume, &means.increments(volume, *group)))
-        .collect()
-}
-
-fn mean_of(volume: &Volume, all: &[PerAxis<Vec<f64>>]) -> PerAxis<Vec<f64>> {
-    PerAxis::from_fn(|axis| {
-        let at = |i: usize| all.iter().map(|w| w[axis][i]).sum::<f64>() / float(all.len());
-        (0..volume.steps).map(at).collect::<Vec<f64>>()
-    })
-}
-
-#[derive(Default)]
-struct Judged {
-    ramps: Option<Ramps>,
-    square: f64,
-    freedom: usize,
-    outliers: Vec<Outlier>,
-}
-
-/// Disturbed readings with the ramps left free; then the ramps without those readings.
-fn judge(mut patterns: Patterns, known: Known<'_>) -> Judged {
-    let sigma_um = known.noise.map(|noise| noise.sigma_um);
-    let named = known.outliers.iter().flat_map(|outlier| &outlier.readings);
-    named.for_each(|place| patterns.leave_out(place));
-    let before = patterns.mark();
-    patterns.leave_out_ramps();
-    let outliers = patterns.name_outliers(sigma_um);
-    patterns.back_to(&before);
-    let found = outliers
-        .iter()
-        .filter_map(|outlier| outlier.readings.first());
-    found.for_each(|place| patterns.leave_out(place));
-    let ramps = ramps(&patterns, known.noise);
-    if ramps.as_ref().is_some_and(Ramps::is_roll) {
+impl Closure {
+    /// Disturbed readings with the ramps left free; then the ramps without those readings.
+    fn judge(&mut self, mut patterns: Patterns, noise: Option<Noise>) {
+        let before = patterns.out.clone();
         patterns.leave_out_ramps();
-    }
-    let (square, freedom) = patterns.scatter();
-    Judged {
-        ramps,
-        square,
-        freedom,
-        outliers,
-    }
-}
-
-/// The ramps and how likely noise makes them; `None` where too little is left to judge them by.
-fn ramps(patterns: &Patterns, noise: Option<Noise>) -> Option<Ramps> {
-    let fit = patterns.ramps()?;
-    let (square, freedom) = patterns.scatter();
-    let rest = freedom.checked_sub(fit.count).filter(|rest| *rest > 0)?;
-    let (variance, freedom) = match noise {
-        Some(noise) => (noise.sigma_um.squared(), noise.freedom),
-        None => ((square - fit.drop).max(0.0) / float(rest), Some(rest)),
-    };
-    let ratio = fit.drop / variance;
-    let probability = match freedom {
-        Some(freedom) => above(ratio, fit.count, freedom)?,
-        None => ChiSquared::new(float(fit.count)).ok()?.sf(ratio.max(0.0)),
-    };
-    Some(Ramps {
-        change_um: fit.change_um,
-        u: fit.u,
-        probability,
-    })
-}
-
-/// Probability that `count` parameters lower the sum of squares by `ratio` variances or more,
-/// the variance known with `freedom` degrees of freedom.
-fn above(ratio: f64, count: usize, freedom: usize) -> Option<f64> {
-    let spread = FisherSnedecor::new(float(count), float(freedom)).ok()?;
-    let f = ratio / float(count);
-    if f.is_finite() {
-        Some(spread.sf(f.max(0.0)))
-    } else {
-        Some(0.0)
+        let found = patterns.name_outliers(noise.map(|noise| noise.sigma_um));
+        patterns.out = before;
+        patterns.leave_out(found.iter().filter_map(|outlier| outlier.readings.first()));
+        self.outliers.extend(found);
+        self.ramps = patterns.ramps(noise);
+        if self.ramps.as_ref().is_some_and(Ramps::is_roll) {
+            patterns.leave_out_ramps();
+        }
+        (self.weighted_square, self.freedom) = patterns.scatter();
     }
 }
 
@@ -316,24 +258,60 @@ fn scatter(groups: &[Group], runs: &RunCounts, axis: Axis) -> f64 {
     groups.iter().map(variance).sum::<f64>().sqrt() / float(groups.len())
 }
 
-/// All w, those that share readings close to each other: diagonals that travel an axis in −
-/// cross its intervals from the other end.
-fn rows(volume: &Volume, groups: &[Group], skip_ends: bool) -> Vec<Row> {
-    let last = volume.steps - 1;
-    let mut rows = Vec::new();
-    for group in 0..groups.len() {
-        for axis in Axis::ALL {
-            for interval in 0..volume.steps {
-                if !(skip_ends && (interval == 0 || interval == last)) {
-                    rows.push(Row {
-                        group,
-                        axis,
-                        interval,
-                    });
-                }
-            }
+/// The runs of a measurement and what they say by themselves.
+pub(super) struct Start {
+    /// Expansion of the scales at the mean of the recorded temperatures.
+    pub(super) material: Option<Material>,
+    /// The corrected runs.
+    pub(super) runs: Vec<CorrectedRun>,
+    /// The runs whose zero is that of the forward run: all, or the forward passes only.
+    pub(super) zeroed_runs: Vec<CorrectedRun>,
+    pub(super) counts: RunCounts,
+    /// Disturbed readings of single runs.
+    pub(super) outliers: Vec<Outlier>,
+    /// σ of a reading where repeats or the job give it.
+    pub(super) noise: Option<Noise>,
+}
+
+impl Start {
+    pub(super) fn new(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Start {
+        let material = campaign.measurement.material;
+        let runs = corrected(campaign, raw_runs);
+        let Repeats { noise, outliers } = repeats(&runs);
+        let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
+        Start {
+            material: material.map(|material| recorded(&material, raw_runs)),
+            zeroed_runs: runs.iter().filter(zeroed).cloned().collect(),
+            counts: run_counts(&runs),
+            outliers,
+            noise: known_noise(&campaign.stated, noise),
+            runs,
         }
     }
-    rows.sort_by_key(|row| (row.interval.min(last - row.interval), row.interval));
-    rows
+
+    pub(super) fn budget<'a>(
+        &'a self,
+        campaign: &Campaign<'a>,
+        noise: Option<Noise>,
+        turned: bool,
+    ) -> Budget<'a> {
+        Budget {
+            volume: &campaign.measurement.volume,
+            noise,
+            runs: &self.counts,
+            turned,
+            stated: campaign.stated,
+            material: self.material,
+        }
+    }
+}
+
+/// Repeats say most; a stated noise comes next; a single run is left with its closure.
+pub(super) fn known_noise(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<Noise> {
+    let stated = stated.noise_um.map(|sigma_um| Noise {
+        sigma_um,
+        freedom: None,
+        source: NoiseSource::Stated,
+    });
+    repeats.or(stated)
 }

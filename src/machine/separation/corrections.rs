@@ -1,16 +1,18 @@
 //! What is taken off the readings before they are separated: expansion of the scales and the
 //! effects of angular errors. The raw readings stay as they are.
 
-use super::lookup::at;
+use super::curves::{at, mean};
+use super::findings::SeparationFinding;
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{AxisMaterial, Levers, Material, Reflector};
-use crate::machine::separation::angle_evidence::AngleEvidence;
 use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
 use crate::quantity::chain::Chain;
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::quantity::units::Deviation;
 use crate::text::problem::{Problem, Problems};
 
+/// How far a table may fall short of the measured box, mm.
+pub(super) const END_TOLERANCE_MM: f64 = 0.01;
 /// Reference temperature of ISO 1, °C.
 pub const REFERENCE_C: f64 = 20.0;
 
@@ -42,10 +44,8 @@ pub fn recorded(material: &Material, runs: &[Run]) -> Material {
         let recorded = runs
             .iter()
             .filter_map(|run| run.temperatures_c[axis].as_ref());
-        let all: Vec<f64> = recorded.flatten().copied().collect();
-        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
-        let count = all.len() as f64;
-        (!all.is_empty()).then(|| all.iter().sum::<f64>() / count)
+        let mut all = recorded.flatten().copied().peekable();
+        all.peek().is_some().then(|| mean(all))
     };
     Material {
         axes: PerAxis::from_fn(|axis| {
@@ -110,10 +110,11 @@ impl<'a> AngleModel<'a> {
 
     /// Whether no angle is known.
     pub fn is_empty(&self) -> bool {
-        Axis::ALL.into_iter().all(|axis| {
-            let none = |s: &Series| s.angles_urad.iter().all(|(_, angles)| angles.is_none());
-            self.table.series(axis).iter().all(none)
-        })
+        let all = Axis::ALL
+            .into_iter()
+            .flat_map(|axis| self.table.series(axis));
+        all.flat_map(|s| s.angles_urad.iter())
+            .all(|(_, angles)| angles.is_none())
     }
 
     /// Whether a rotation is known, in every direction that the table has.
@@ -126,7 +127,13 @@ impl<'a> AngleModel<'a> {
     /// Rotation of an axis at a machine position, µrad. What was not measured counts as zero;
     /// [`AngleEvidence`] names it.
     fn rotation(&self, axis: Axis, position: f64, direction: Direction) -> PerAxis<f64> {
-        measured_rotation(self.table, axis, position, direction)
+        let all = self.table.series(axis);
+        let directed = all.iter().find(|s| s.direction == Some(direction));
+        let series = directed.or_else(|| all.first());
+        PerAxis::from_fn(|about| {
+            let series = series.and_then(|s| Some((s, s.angles_urad[about].as_ref()?)));
+            series.map_or(0.0, |(s, angles)| at(&s.positions, angles, position))
+        })
     }
 
     /// What is known of the angles and their levers.
@@ -158,29 +165,25 @@ impl<'a> AngleModel<'a> {
         pass: Pass,
     ) -> Vec<f64> {
         let u = volume.laser(diagonal);
-        let states: Vec<(PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)> = (0..=volume.last_node(kind))
-            .map(|node| {
-                let place = volume.place(diagonal, kind, node);
-                let place = PerAxis::from_fn(|axis| place[axis].mm());
-                let (error, rotation) = self.error(diagonal, pass, &place);
-                (place, error, rotation)
-            })
-            .collect();
-        let Some((first_place, first_error, first_rotation)) = states.first().copied() else {
-            return Vec::new();
-        };
-        let effect = |(place, error, rotation): &(PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
-            let moved = place.minus(first_place);
-            let lever = u.dot(error.minus(first_error));
-            let along = u.dot(moved);
-            let lateral = PerAxis::from_fn(|axis| moved[axis] - along * u[axis]);
-            let turned = rotation.minus(first_rotation).cross(u);
+        let states = (0..=volume.last_node(kind)).map(|node| {
+            let place = volume.place(diagonal, kind, node);
+            let place = PerAxis::from_fn(|axis| place[axis].mm());
+            let (error, rotation) = self.error(diagonal, pass, &place);
+            (place, error, rotation)
+        });
+        let mut start = None;
+        let effect = |(place, error, rotation): (PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
+            let start = start.get_or_insert((place, error, rotation));
+            let moved = place.minus(start.0);
+            let lever = u.dot(error.minus(start.1));
+            let lateral = moved.minus(u.times(u.dot(moved)));
+            let turned = rotation.minus(start.2).cross(u);
             match self.reflector {
                 Reflector::FlatMirror => lever + turned.dot(lateral) / 1000.0,
                 Reflector::Retroreflector => lever,
             }
         };
-        states.iter().map(effect).collect()
+        states.map(effect).collect()
     }
 
     /// Error of the tool point (µm) and its rotation (µrad) by the angular errors at a place.
@@ -190,7 +193,7 @@ impl<'a> AngleModel<'a> {
         pass: Pass,
         place: &PerAxis<f64>,
     ) -> (PerAxis<f64>, PerAxis<f64>) {
-        let (mut error, mut sum) = (PerAxis::default(), PerAxis::default());
+        let (mut error, mut sum) = (PerAxis::<f64>::default(), PerAxis::<f64>::default());
         for (index, axis) in self.chain.into_iter().enumerate() {
             let direction = diagonal.travelled(axis, pass);
             let rotation = self.rotation(axis, place[axis], direction);
@@ -205,7 +208,7 @@ impl<'a> AngleModel<'a> {
             });
             let lever = rotation.cross(arm);
             error = PerAxis::from_fn(|axis| error[axis] + lever[axis] / 1000.0);
-            sum = PerAxis::from_fn(|axis| sum[axis] + rotation[axis]);
+            sum = sum.plus(rotation);
         }
         (error, sum)
     }
@@ -213,57 +216,27 @@ impl<'a> AngleModel<'a> {
     /// Problems: angles that do not cover the measured box.
     pub fn check(&self, volume: &Volume) -> Result<(), Problems> {
         let mut problems = Problems::none();
-        let table = self.table;
         for axis in Axis::ALL {
-            let (low, high) = (
-                volume.start[axis].mm(),
-                (volume.start[axis] + volume.size[axis]).mm(),
-            );
-            for series in table.series(axis) {
-                let measured = series
-                    .angles_urad
-                    .iter()
-                    .any(|(_, angles)| angles.is_some());
-                let ends = series.positions.first().zip(series.positions.last());
-                if let Some((first, last)) = ends.filter(|_| measured)
-                    && (first.mm() > low + 0.01 || last.mm() < high - 0.01)
-                {
-                    problems.push(
-                        Problem::new(format!(
-                            "the angles of {axis} are measured from {} to {} mm, but the diagonals go from {low} to {high} mm",
-                            first.mm(),
-                            last.mm()
-                        ))
-                        .at(table.header.clone())
-                        .help("measure the angles over the whole box; nothing is extrapolated"),
-                    );
-                }
-            }
+            let low = volume.start[axis].mm();
+            let high = (volume.start[axis] + volume.size[axis]).mm();
+            let measured = |s: &&Series| s.angles_urad.iter().any(|(_, angles)| angles.is_some());
+            let series = self.table.series(axis).iter().filter(measured);
+            let ends = series.filter_map(|s| s.positions.first().zip(s.positions.last()));
+            let short = ends.filter(|(first, last)| {
+                first.mm() > low + END_TOLERANCE_MM || last.mm() < high - END_TOLERANCE_MM
+            });
+            short.for_each(|(first, last)| {
+                let problem = Problem::new(format!(
+                    "the angles of {axis} are measured from {} to {} mm, but the diagonals go from {low} to {high} mm",
+                    first.mm(),
+                    last.mm()
+                ))
+                .at(self.table.header.clone())
+                .help("measure the angles over the whole box; nothing is extrapolated");
+                problems.push(problem);
+            });
         }
         problems.or_ok(())
-    }
-}
-
-/// Rotation by the angles of a table, µrad.
-fn measured_rotation(
-    table: &ErrorTable,
-    axis: Axis,
-    position: f64,
-    direction: Direction,
-) -> PerAxis<f64> {
-    let all = table.series(axis);
-    let directed = all.iter().find(|s| s.direction == Some(direction));
-    let series = directed.or_else(|| all.first());
-    PerAxis::from_fn(|about| {
-        let series = series.and_then(|s| Some((s, s.angles_urad[about].as_ref()?)));
-        series.map_or(0.0, |(s, angles)| at(&s.positions, angles, position))
-    })
-}
-
-/// The runs' readings less the effects of the angles, µm.
-pub(crate) fn without_angles(readings: &mut [f64], effect: &[f64]) {
-    for (reading, effect) in readings.iter_mut().zip(effect) {
-        *reading -= effect;
     }
 }
 
@@ -300,5 +273,63 @@ pub fn angle_effects(model: &AngleModel<'_>, volume: &Volume, kind: PathKind) ->
     AngleEffects {
         by_pass: Some(PerDiagonal::from_fn(of)),
         evidence: model.evidence(volume),
+    }
+}
+
+/// What is known of the nine angular errors and of their levers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AngleEvidence {
+    /// Rotations without a measurement: they count as zero.
+    pub missing: Vec<Rotation>,
+    /// The axes from workpiece to tool; `None` = `machine.chain` is not stated.
+    pub order: Option<[Axis; 3]>,
+    /// Places that the lever arms count from.
+    pub levers: Levers,
+    /// Where the lever arms count from, mm ([`Levers::origin`]).
+    pub origin: PerAxis<f64>,
+    /// Largest change of a measured rotation over the box, µrad.
+    pub largest_urad: f64,
+}
+
+impl AngleEvidence {
+    /// No angle was measured.
+    pub fn nothing(order: Option<[Axis; 3]>) -> AngleEvidence {
+        AngleEvidence {
+            missing: Rotation::all().collect(),
+            order,
+            levers: Levers::default(),
+            origin: PerAxis::default(),
+            largest_urad: 0.0,
+        }
+    }
+
+    /// What was not measured, what counts of it, and what the levers were taken for.
+    pub(super) fn labels(&self, angle_urad: Option<f64>) -> Vec<SeparationFinding> {
+        let mut labels = Vec::new();
+        if !self.missing.is_empty() {
+            let names: Vec<String> = self.missing.iter().map(ToString::to_string).collect();
+            labels.push(SeparationFinding::AnglesMissing {
+                names: names.join(", "),
+                urad: angle_urad,
+                chain_is_stated: self.order.is_some(),
+            });
+        }
+        if self.missing.len() == 9 {
+            return labels;
+        }
+        let far_um = 0.1 * self.largest_urad;
+        let unstated = Axis::ALL.iter();
+        let unstated = unstated.filter(|axis| self.levers.offsets[**axis].is_none());
+        let places: Vec<String> = unstated
+            .map(|axis| format!("{axis} {} mm", self.origin[*axis]))
+            .collect();
+        if !places.is_empty() {
+            let places = places.join(", ");
+            labels.push(SeparationFinding::OffsetsAssumed { places, far_um });
+        }
+        if self.levers.tool.is_none() {
+            labels.push(SeparationFinding::ToolAssumed { far_um });
+        }
+        labels
     }
 }

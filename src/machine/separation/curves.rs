@@ -1,30 +1,41 @@
-//! Formulas (1), (2) and (3): increments → nine curves and their closure.
+//! Formulas (1), (2) and (3): increments → nine curves and their closure; and the reference lines of
+//! ISO 230-1 that their slopes and straightness refer to.
 
-use super::increments::Increments;
-use crate::quantity::axis::{Axis, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Volume};
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
+use crate::quantity::units::Millimetres;
 
 /// Values of one curve at the n + 1 interval ends of its moving axis, lowest first; µm, the
 /// first is 0.
 pub type Curve = Vec<f64>;
 
 /// R/(2 V_j): noise of a separated increment by the noise of a measured one (docs/method.md §7).
-pub(crate) fn noise_gain(volume: &Volume, of: Axis) -> f64 {
+pub(super) fn noise_gain(volume: &Volume, of: Axis) -> f64 {
     1.0 / (2.0 * volume.cosine(of))
 }
 
 /// Formulas (1) and (3). The slopes hold the tilt of the mirror.
-pub fn curves(volume: &Volume, increments: &Increments) -> PerTerm<Curve> {
+pub fn curves(volume: &Volume, increments: &PerDiagonal<PerAxis<Vec<f64>>>) -> PerTerm<Curve> {
     PerTerm::from_fn(|term| {
         let gain = noise_gain(volume, term.of) / 2.0;
         let signs = Diagonal::ALL.map(|d| gain * d.sign(term.along) * d.sign(term.of));
-        let sets = Diagonal::ALL.map(|d| increments[d][term.along].as_slice());
-        running_sum(volume.steps, signs, sets)
+        let [a, b, c, d] = Diagonal::ALL.map(|d| increments[d][term.along].as_slice());
+        let mut curve = Vec::with_capacity(volume.steps + 1);
+        let mut sum = 0.0;
+        curve.push(sum);
+        for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
+            sum += signs[0] * a + signs[1] * b + signs[2] * c + signs[3] * d;
+            curve.push(sum);
+        }
+        curve
     })
 }
 
 /// w of formula (2): by axis, one value for each machine interval; µm.
-pub(crate) fn closures(volume: &Volume, increments: &Increments) -> PerAxis<Vec<f64>> {
+pub(super) fn closures(
+    volume: &Volume,
+    increments: &PerDiagonal<PerAxis<Vec<f64>>>,
+) -> PerAxis<Vec<f64>> {
     PerAxis::from_fn(|axis| {
         let interval = |i: usize| {
             let part = |d: Diagonal| closure_sign(d, axis) * increments[d][axis][i];
@@ -35,7 +46,7 @@ pub(crate) fn closures(volume: &Volume, increments: &Increments) -> PerAxis<Vec<
 }
 
 /// s_dk (s_x s_y s_z)_d: the sign with which a diagonal enters the closure of an axis.
-pub(crate) fn closure_sign(diagonal: Diagonal, axis: Axis) -> f64 {
+pub(super) fn closure_sign(diagonal: Diagonal, axis: Axis) -> f64 {
     let all: f64 = Axis::ALL
         .into_iter()
         .map(|axis| diagonal.sign(axis))
@@ -43,30 +54,14 @@ pub(crate) fn closure_sign(diagonal: Diagonal, axis: Axis) -> f64 {
     diagonal.sign(axis) * all
 }
 
-fn running_sum(steps: usize, signs: [f64; 4], sets: [&[f64]; 4]) -> Curve {
-    let mut curve = Vec::with_capacity(steps + 1);
-    let mut sum = 0.0;
-    curve.push(sum);
-    for (((a, b), c), d) in sets[0].iter().zip(sets[1]).zip(sets[2]).zip(sets[3]) {
-        sum += signs[0] * a + signs[1] * b + signs[2] * c + signs[3] * d;
-        curve.push(sum);
-    }
-    curve
-}
-
 /// A curve with the line through its ends turned to `slope_um_per_m`; shape and first value stay.
 pub fn with_slope(volume: &Volume, along: Axis, curve: &[f64], slope_um_per_m: f64) -> Curve {
-    let end = curve.last().copied().unwrap_or(0.0);
-    plus_line(
-        volume,
-        along,
-        curve,
-        slope_um_per_m - end / metres(volume, along),
-    )
+    let change = slope_um_per_m - end_slope(volume, along, curve);
+    plus_line(volume, along, curve, change)
 }
 
 /// A curve plus a straight line through zero at its low end.
-pub(crate) fn plus_line(volume: &Volume, along: Axis, curve: &[f64], slope_um_per_m: f64) -> Curve {
+pub(super) fn plus_line(volume: &Volume, along: Axis, curve: &[f64], slope_um_per_m: f64) -> Curve {
     let value = |(index, value): (usize, &f64)| {
         value + slope_um_per_m * volume.along_mm(along, index) / 1000.0
     };
@@ -74,21 +69,98 @@ pub(crate) fn plus_line(volume: &Volume, along: Axis, curve: &[f64], slope_um_pe
 }
 
 /// Slope of the line through the ends of a curve, µm/m.
-pub(crate) fn end_slope(volume: &Volume, along: Axis, curve: &[f64]) -> f64 {
-    curve.last().copied().unwrap_or(0.0) / metres(volume, along)
+pub(super) fn end_slope(volume: &Volume, along: Axis, curve: &[f64]) -> f64 {
+    curve.last().copied().unwrap_or(0.0) / (volume.size[along].mm() / 1000.0)
 }
 
-fn metres(volume: &Volume, along: Axis) -> f64 {
-    volume.size[along].mm() / 1000.0
+/// The mean of one curve of several lists, all of the same length.
+pub(super) fn mean_curve(all: &[PerTerm<Curve>], term: ErrorTerm) -> Curve {
+    let length = all.first().map_or(0, |curves| curves[term].len());
+    let at = |index: usize| mean(all.iter().map(|curves| curves[term][index]));
+    (0..length).map(at).collect()
 }
 
-/// Mean of curves of the same length.
-pub fn mean(curves: &[&Curve]) -> Curve {
-    let Some(first) = curves.first() else {
-        return Vec::new();
-    };
-    #[allow(clippy::cast_precision_loss, reason = "two directions at most")]
-    let count = curves.len() as f64;
-    let at = |index: usize| curves.iter().map(|curve| curve[index]).sum::<f64>() / count;
-    (0..first.len()).map(at).collect()
+/// The value at a position, mm, by the straight line between its neighbours; beyond the ends
+/// (rounding of the file, callers check the range) the end value.
+pub(super) fn at(positions: &[Millimetres], values: &[f64], position: f64) -> f64 {
+    let after = positions.partition_point(|known| known.mm() <= position);
+    let pair = |index: usize| Some((positions.get(index)?.mm(), *values.get(index)?));
+    let before = after.checked_sub(1).and_then(pair);
+    match (before, pair(after)) {
+        (Some((low, a)), Some((high, b))) => a + (b - a) * (position - low) / (high - low),
+        (Some((_, value)), None) | (None, Some((_, value))) => value,
+        (None, None) => 0.0,
+    }
+}
+
+/// Which line a slope, a squareness or a straightness refers to; the two belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReferenceLine {
+    /// Least squares.
+    LeastSquares,
+    /// Through the first and the last point.
+    EndPoints,
+}
+
+impl ReferenceLine {
+    /// Slope, µm/m, of the line of this type; positions in mm, deviations in µm. Zero for fewer
+    /// than two positions.
+    pub fn slope_um_per_m(self, positions_mm: &[f64], deviations_um: &[f64]) -> f64 {
+        let pairs = positions_mm.iter().zip(deviations_um);
+        let (rise, length) = match self {
+            ReferenceLine::EndPoints => {
+                let mut pairs = pairs;
+                let first = pairs.next().unwrap_or((&0.0, &0.0));
+                let last = pairs.last().unwrap_or(first);
+                (last.1 - first.1, (last.0 - first.0) / 1000.0)
+            }
+            ReferenceLine::LeastSquares => {
+                let middle = mean(positions_mm.iter().copied());
+                pairs.fold((0.0, 0.0), |(rise, length), (position, deviation)| {
+                    let arm = (position - middle) / 1000.0;
+                    (rise + arm * deviation, length + arm * arm)
+                })
+            }
+        };
+        if length > 0.0 { rise / length } else { 0.0 }
+    }
+
+    /// Straightness: max − min of what is left beside the line, µm.
+    pub fn straightness_um(self, positions_mm: &[f64], deviations_um: &[f64]) -> f64 {
+        let slope = self.slope_um_per_m(positions_mm, deviations_um);
+        let pairs = positions_mm.iter().zip(deviations_um);
+        range(pairs.map(|(position, deviation)| deviation - slope * position / 1000.0))
+    }
+}
+
+/// The mean; 0 of nothing.
+pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// Max − min; 0 of nothing.
+pub fn range(values: impl Iterator<Item = f64>) -> f64 {
+    let ends = values.fold(None, |ends: Option<(f64, f64)>, value| {
+        let (low, high) = ends.unwrap_or((value, value));
+        Some((low.min(value), high.max(value)))
+    });
+    ends.map_or(0.0, |(low, high)| high - low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_two_lines_differ_where_the_error_is_asymmetric() {
+        let (x, d) = ([0.0, 500.0, 1000.0], [0.0, 9.0, 6.0]);
+        assert!((ReferenceLine::EndPoints.slope_um_per_m(&x, &d) - 6.0).abs() < 1e-12);
+        assert!((ReferenceLine::EndPoints.straightness_um(&x, &d) - 6.0).abs() < 1e-12);
+        let d = [0.0, 0.0, 9.0, 12.0];
+        let x = [0.0, 250.0, 500.0, 1000.0];
+        let by_hand = 13.371_428_571_428_6; // Σ(x−x̄)D / Σ(x−x̄)² = 7.3125 / 0.546875
+        let slope = ReferenceLine::LeastSquares.slope_um_per_m(&x, &d);
+        assert!((slope - by_hand).abs() < 1e-9, "{slope}");
+    }
 }

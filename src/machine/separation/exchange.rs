@@ -25,22 +25,18 @@
 //! (docs/accuracy.md §8, tests/exchanged.rs).
 
 use super::campaign::{Campaign, corrected};
-use super::closure::{Closure, Known, RunCounts, Undisturbed, closure};
-use super::doubt::of_closure;
-use super::increments::Means;
-use super::noise::{CorrectedRun, Noise, NoiseSource, known_noise, means, run_counts};
-use super::outlier::{Outlier, float};
-use super::repeats::{Repeats, repeats};
+use super::closure::{Closure, Known, Start, closure};
+use super::findings::SeparationFinding;
+use super::noise::{DIGIT_UM, Noise, NoiseSource, Outlier, UNRESOLVED_UM, float};
+use super::patterns::Patterns;
+use super::readings::{Means, RunCounts, means, run_counts};
 use super::reversal::separable;
 use crate::inputs::job::SetUp;
 use crate::quantity::axis::Axis;
-use crate::quantity::diagonal::{Diagonal, PerDiagonal, Run, Volume};
+use crate::quantity::diagonal::{Diagonal, PerDiagonal, Run};
+use crate::text::finding::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-/// A closure that no instrument resolves is in no doubt, µm.
-const SMALLEST_SPREAD_UM: f64 = 0.02;
-/// Standard deviation of rounding to 0.01 µm: no reading is better known, µm.
-const DIGIT_UM: f64 = 0.003;
 /// 2 ln of the odds from which another assignment counts, however few the steps.
 const CLEARLY: f64 = 9.0;
 /// Share of sound measurements that may be accused; the tails of a gain are wider than normal.
@@ -56,6 +52,7 @@ const BELIEVED: f64 = 0.999;
 
 /// What the closure of the readings says under the names of the file.
 pub(super) struct AsRead<'a> {
+    pub(super) start: &'a Start,
     pub(super) closure: &'a Closure,
     pub(super) noise: Option<Noise>,
     pub(super) overrun: Option<bool>,
@@ -65,9 +62,9 @@ pub(super) struct AsRead<'a> {
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Names {
     /// Another assignment is clearly likelier.
-    pub(super) doubt: Option<String>,
+    pub(super) doubt: Option<Finding>,
     /// Slips that these readings would hardly show.
-    pub(super) blind: Option<String>,
+    pub(super) blind: Option<Finding>,
 }
 
 /// Compares the recorded names with every other way to share them out.
@@ -76,12 +73,15 @@ pub(super) fn names(campaign: &Campaign<'_>, runs: &[Run], as_read: &AsRead<'_>)
     let Some(trial) = Trial::new(campaign, runs, as_read) else {
         return Names::default();
     };
-    let doubts = of_closure(as_read.closure, as_read.noise, volume, SetUp::Solve);
-    let doubt = trial.likelier().map(|better| better.sentence(volume.order));
+    let doubts = as_read.closure.doubts(as_read.noise, volume, SetUp::Solve);
+    let doubt = trial.likelier();
     let sound = doubt.is_none() && doubts.is_empty();
     Names {
-        doubt,
-        blind: sound.then(|| trial.hardly_shown()).flatten(),
+        doubt: doubt.map(Finding::from),
+        blind: sound
+            .then(|| trial.hardly_shown())
+            .flatten()
+            .map(Finding::from),
     }
 }
 
@@ -90,25 +90,21 @@ pub(super) fn names(campaign: &Campaign<'_>, runs: &[Run], as_read: &AsRead<'_>)
 struct Naming(PerDiagonal<Diagonal>);
 
 impl Naming {
-    const RECORDED: [Diagonal; 4] = Diagonal::ALL;
-
-    fn of(belong: [Diagonal; 4]) -> Naming {
-        let mut rest = belong.into_iter();
-        Naming(PerDiagonal::from_fn(|name| rest.next().unwrap_or(name)))
-    }
-
     /// All 24, the recorded one first.
     fn all() -> Vec<Naming> {
         let mut found = vec![Vec::new()];
-        for _ in Self::RECORDED {
+        for _ in Diagonal::ALL {
             let longer = |part: &Vec<Diagonal>| -> Vec<Vec<Diagonal>> {
                 let free = Diagonal::ALL.into_iter().filter(|d| !part.contains(d));
                 free.map(|d| [part.as_slice(), &[d]].concat()).collect()
             };
             found = found.iter().flat_map(longer).collect();
         }
-        let complete = found.into_iter().filter_map(|all| all.try_into().ok());
-        complete.map(Naming::of).collect()
+        let naming = |belong: Vec<Diagonal>| {
+            let mut belong = belong.into_iter();
+            Naming(PerDiagonal::from_fn(|name| belong.next().unwrap_or(name)))
+        };
+        found.into_iter().map(naming).collect()
     }
 
     fn renamed(&self, runs: &[Run]) -> Vec<Run> {
@@ -123,10 +119,6 @@ impl Naming {
     fn moved(&self) -> Vec<(Diagonal, Diagonal)> {
         let all = self.0.iter().map(|(name, walked)| (name, *walked));
         all.filter(|(name, walked)| name != walked).collect()
-    }
-
-    fn is_exchange(&self) -> bool {
-        self.moved().len() == 2
     }
 
     /// The order of the steps that looks the same, if there is one: PPP keeps its name, and each
@@ -180,8 +172,6 @@ struct Trial<'a, 'c> {
     campaign: &'a Campaign<'c>,
     runs: &'a [Run],
     as_read: &'a AsRead<'a>,
-    /// What repeated runs say, under the recorded names.
-    judged: Repeats,
     recorded: Tried,
     others: Vec<Tried>,
     /// ν of each.
@@ -198,21 +188,21 @@ impl<'a, 'c> Trial<'a, 'c> {
         as_read: &'a AsRead<'a>,
     ) -> Option<Trial<'a, 'c>> {
         let volume = &campaign.measurement.volume;
-        let judged = repeats(&corrected(campaign, runs));
-        let mut shared: Option<(RunCounts, Vec<Outlier>, Undisturbed)> = None;
+        // Ways that share counts and disturbed readings share the least-squares problem.
+        let mut shared: Option<(RunCounts, Vec<Outlier>, Patterns)> = None;
         let mut tried = Naming::all().into_iter().map_while(|naming| {
-            let readings = Readings::new(campaign, runs, &naming, &judged, as_read.overrun);
-            let counts = run_counts(&readings.runs);
-            let same = |(known, outliers, _): &(RunCounts, Vec<Outlier>, Undisturbed)| {
-                *known == counts && *outliers == readings.outliers
+            let renamed = Renamed::new(campaign, runs, &naming, as_read);
+            let same = |(counts, outliers, _): &(RunCounts, Vec<Outlier>, Patterns)| {
+                *counts == renamed.counts && *outliers == renamed.outliers
             };
             if !shared.as_ref().is_some_and(same) {
-                let left = Undisturbed::new(volume, &readings.means, &counts, readings.known())?;
-                shared = Some((counts, readings.outliers.clone(), left));
+                let known = renamed.known(as_read.start.noise);
+                let left = known.patterns(volume, &renamed.means, &renamed.counts)?;
+                shared = Some((renamed.counts, renamed.outliers, left));
             }
             let (_, _, left) = shared.as_ref()?;
-            let square = left.square(volume, &readings.means);
-            Some((Tried { naming, square }, left.freedom()))
+            let square = left.square_of(volume, &renamed.means);
+            Some((Tried { naming, square }, left.scatter().1))
         });
         let (recorded, freedom) = tried.next()?;
         let others: Vec<Tried> = tried.map(|(tried, _)| tried).collect();
@@ -221,7 +211,6 @@ impl<'a, 'c> Trial<'a, 'c> {
             campaign,
             runs,
             as_read,
-            judged,
             recorded,
             others,
             freedom,
@@ -260,21 +249,23 @@ impl<'a, 'c> Trial<'a, 'c> {
 
     /// The names that are clearly likelier than the recorded ones and leave nothing to doubt. What
     /// disturbed readings and roll explain of the recorded names is left out of these before.
-    fn likelier(&self) -> Option<Likelier> {
+    fn likelier(&self) -> Option<SeparationFinding> {
         let by_square = |a: &&Tried, b: &&Tried| a.square.total_cmp(&b.square);
         let best = self.others.iter().min_by(by_square)?;
         let before = self.as_read.closure;
-        let seen = before.sigma_um().unwrap_or(0.0) > SMALLEST_SPREAD_UM;
+        let seen = before.sigma_um().unwrap_or(0.0) > UNRESOLVED_UM;
         let gain = self.gain(before.weighted_square, best.square) + self.accused();
         if !seen || gain <= self.margin(best.square) {
             return None;
         }
         let after = self.judged(&best.naming)?;
-        Some(Likelier {
-            naming: best.naming,
-            before_um: before.sigma_um()?,
+        let order = self.campaign.measurement.volume.order;
+        Some(SeparationFinding::OtherNames {
+            walked: best.naming.words(order),
             after_um: after.sigma_um()?,
-            gain,
+            before_um: before.sigma_um()?,
+            odds: (gain / 2.0).min(999.0),
+            is_order: best.naming.as_order(order).is_some(),
         })
     }
 
@@ -289,14 +280,12 @@ impl<'a, 'c> Trial<'a, 'c> {
     /// The closure under other names; `None` where it leaves a doubt.
     fn judged(&self, naming: &Naming) -> Option<Closure> {
         let volume = &self.campaign.measurement.volume;
-        let (judged, overrun) = (&self.judged, self.as_read.overrun);
-        let readings = Readings::new(self.campaign, self.runs, naming, judged, overrun);
-        let counts = run_counts(&readings.runs);
-        let closure = closure(volume, &readings.means, &counts, readings.known());
-        let noise = readings.noise.or_else(|| closure.noise());
-        of_closure(&closure, noise, volume, SetUp::Solve)
-            .is_empty()
-            .then_some(closure)
+        let renamed = Renamed::new(self.campaign, self.runs, naming, self.as_read);
+        let known = renamed.known(self.as_read.start.noise);
+        let closure = closure(volume, &renamed.means, &renamed.counts, known);
+        let noise = self.as_read.start.noise.or_else(|| closure.noise());
+        let doubts = closure.doubts(noise, volume, SetUp::Solve);
+        doubts.is_empty().then_some(closure)
     }
 
     /// Probability that these names, had they been right, would have been found: the gain is
@@ -325,108 +314,66 @@ impl<'a, 'c> Trial<'a, 'c> {
 
     /// The exchanges of two names and the orders that would be found in less than 95 %; no order is
     /// shown surely by a single run, whose closure is its own yardstick.
-    fn hardly_shown(&self) -> Option<String> {
+    fn hardly_shown(&self) -> Option<SeparationFinding> {
         let recorded = self.campaign.measurement.volume.order;
         let is_weak = |slip: &&Tried| self.power(slip) < SURE;
-        let exchanges = self.others.iter().filter(|one| one.naming.is_exchange());
+        let exchanges = self
+            .others
+            .iter()
+            .filter(|one| one.naming.moved().len() == 2);
         let weak: Vec<&Tried> = exchanges.clone().filter(is_weak).collect();
+        if weak.len() == exchanges.count() {
+            return Some(SeparationFinding::NothingShown);
+        }
         let orders = self.others.iter().filter_map(|one| {
             let order = one.naming.as_order(recorded)?;
             (self.sigma_um.is_none() || is_weak(&one)).then(|| in_words(order))
         });
-        let orders: Vec<String> = orders.collect();
-        if weak.len() == exchanges.count() {
-            return Some("these readings would hardly show diagonals under each other's name, nor steps in another order: check the file names and the order of the steps".to_string());
-        }
-        let pairs = weak.iter().filter_map(|slip| pair_in_words(&slip.naming));
-        let pairs: Vec<String> = pairs.collect();
+        let orders = orders.collect::<Vec<_>>().join(" or ");
+        let pairs = weak.iter().filter_map(|slip| {
+            let (one, other) = *slip.naming.moved().first()?;
+            Some(format!("{one} and {other}"))
+        });
+        let pairs = pairs.collect::<Vec<_>>().join(" or ");
         let said = !pairs.is_empty() || !orders.is_empty();
-        said.then(|| hardly(&pairs, &orders))
-    }
-}
-
-fn pair_in_words(naming: &Naming) -> Option<String> {
-    let (one, other) = *naming.moved().first()?;
-    Some(format!("{one} and {other}"))
-}
-
-fn hardly(pairs: &[String], orders: &[String]) -> String {
-    let (pairs, orders) = (pairs.join(" or "), orders.join(" or "));
-    match (pairs.as_str(), orders.as_str()) {
-        (pairs, "") => {
-            format!("these readings would hardly show {pairs} exchanged: check the file names")
-        }
-        ("", orders) => format!(
-            "these readings would hardly show steps that went {orders}: check the order of the steps"
-        ),
-        (pairs, orders) => format!(
-            "these readings would hardly show {pairs} exchanged, nor steps that went {orders}: check the file names and the order of the steps"
-        ),
-    }
-}
-
-/// Names that are clearly likelier than the recorded ones.
-struct Likelier {
-    naming: Naming,
-    /// σ of a reading by the closure, as recorded and under these names, µm.
-    before_um: f64,
-    after_um: f64,
-    /// 2 ln of the odds.
-    gain: f64,
-}
-
-impl Likelier {
-    fn sentence(&self, order: [Axis; 3]) -> String {
-        let cannot_tell = match self.naming.as_order(order) {
-            Some(_) => "; the closure cannot tell these apart",
-            None => "",
-        };
-        format!(
-            "as if {}: then the closure speaks for {:.3} µm of noise, as recorded for {:.3} µm, and nothing of it is against the nine errors (odds e^{:.0} to 1){cannot_tell}; compare the names in the file and the order in the job with the programs that were run",
-            self.naming.words(order),
-            self.after_um,
-            self.before_um,
-            (self.gain / 2.0).min(999.0)
-        )
+        said.then_some(SeparationFinding::HardlyShown { pairs, orders })
     }
 }
 
 /// The readings under some names.
-struct Readings {
-    runs: Vec<CorrectedRun>,
+struct Renamed {
+    counts: RunCounts,
     means: Means,
     outliers: Vec<Outlier>,
-    noise: Option<Noise>,
     skip_ends: bool,
 }
 
-impl Readings {
+impl Renamed {
     fn new(
         campaign: &Campaign<'_>,
         runs: &[Run],
         naming: &Naming,
-        judged: &Repeats,
-        overrun: Option<bool>,
-    ) -> Readings {
-        let volume: &Volume = &campaign.measurement.volume;
+        as_read: &AsRead<'_>,
+    ) -> Renamed {
+        let volume = &campaign.measurement.volume;
         let runs = corrected(campaign, &naming.renamed(runs));
-        let means = separable(&means(&runs), volume, overrun == Some(false)).into_owned();
-        let mut outliers = judged.outliers.clone();
+        let means = means(&runs);
+        let means = separable(&means, volume, as_read.overrun == Some(false)).into_owned();
+        let mut outliers = as_read.start.outliers.clone();
         for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
             place.diagonal = naming.0[place.diagonal];
         }
-        Readings {
-            skip_ends: means.reverse.is_some() && overrun != Some(true),
-            noise: known_noise(&campaign.stated, judged.noise),
+        Renamed {
+            skip_ends: means.reverse.is_some() && as_read.overrun != Some(true),
+            counts: run_counts(&runs),
             outliers,
-            runs,
             means,
         }
     }
 
-    fn known(&self) -> Known<'_> {
+    fn known(&self, noise: Option<Noise>) -> Known<'_> {
         Known {
-            noise: self.noise,
+            noise,
             outliers: &self.outliers,
             skip_ends: self.skip_ends,
         }

@@ -11,35 +11,36 @@
 //! ```
 //! No rotation occurs in (7): h is the metric of the axis triad. Four diagonals give the three
 //! squareness errors and one combination of the scales; two linear axes or other beams close it.
+//! Generalised least squares with V, the covariance of the equations:
+//!
+//! ```text
+//!   y = M θ + v      cov(v) = V       θ = three scales, three squareness errors
+//!   θ̂ = B (BᵀMᵀV⁻¹MB)⁻¹ BᵀMᵀV⁻¹ y     B: orthonormal, the combinations that nominal directions determine
+//! ```
 //! Source: derived and confirmed by simulation in the project's reference on the step-diagonal
 //! method (docs/method.md §5); same idea as Ibaraki and Hata (2010). Neglected: P², about 10⁻⁹.
 //! Exact for any η where the beam meets the mirror along its normal; at an angle α to it every
 //! diagonal reads α²/2 short.
 
+use super::campaign::Line;
+use super::findings::SeparationFinding;
 pub use super::plane::{PerPlane, Plane};
-
-use super::plane::per_plane;
-use super::system::{KnownSpace, Row, Solution, System, UNKNOWNS};
+use super::plane::{UNKNOWNS, Unknown};
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
+use crate::quantity::diagonal::{PerDiagonal, Volume};
 use crate::quantity::units::Squared;
-use nalgebra::DMatrix;
+use crate::text::finding::Finding;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SMatrix, SVector};
 
+/// Of the largest singular value: below this a direction of the unknowns is not measured.
+const RANK_TOLERANCE: f64 = 1e-9;
+/// A share of an unknown in what is not measured, below which it counts as determined; also a
+/// share of an equation in an unknown, below which the unknown does not depend on it.
+const SHARE_TOLERANCE: f64 = 1e-6;
 const UM_PER_M: f64 = 1e-6;
 /// What (7) neglects, µm/m. No equation is weighed as if it were more certain: readings without
 /// any noise would make the system singular beside a line with a stated uncertainty.
 const NEGLECTED_UM_PER_M: f64 = 1e-3;
-
-/// One straight line whose length was measured beside the diagonals.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StraightLine {
-    /// Direction, of length 1.
-    pub direction: PerAxis<f64>,
-    /// Displacement error by length, µm/m.
-    pub slope_um_per_m: f64,
-    /// Its standard uncertainty (k = 1), µm/m; `None` = not known.
-    pub u_um_per_m: Option<f64>,
-}
 
 /// How uncertain the totals of the diagonals are, by their length.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,87 +62,69 @@ pub struct Metric {
     /// Squareness φ, µm/m: positive = the angle between the positive axis directions is less
     /// than 90°.
     pub squareness: PerPlane<Option<f64>>,
-    /// Covariance (µm/m)² of X, Y, Z scale, φxy, φxz, φyz; rows and columns of what is not
-    /// determined hold only the determined part.
-    pub covariance: [[f64; UNKNOWNS]; UNKNOWNS],
     /// Number of combinations of the six unknowns that the data determine.
     pub rank: usize,
-    /// Of X, Y, Z scale, φxy, φxz, φyz: whether the uncertainty of everything that it depends on
-    /// is known.
-    pub u_known: [bool; UNKNOWNS],
     /// How much φ moves with what is not determined of the scales, because the mirrors are tilted,
     /// µm/m for each µm/m; 0 where all is determined.
     pub leak: PerPlane<f64>,
+    /// Standard uncertainties of the unknowns, µm/m; of one that is not determined that of its
+    /// determined part. `None` = something that it depends on is not known.
+    u_um_per_m: [Option<f64>; UNKNOWNS],
 }
 
 impl Metric {
     /// Whether everything is determined.
-    pub(crate) const fn is_complete(&self) -> bool {
+    pub(super) const fn is_complete(&self) -> bool {
         self.rank == UNKNOWNS
     }
 
     /// Standard uncertainty of a scale, µm/m; `None` = not known.
     pub fn u_scale(&self, axis: Axis) -> Option<f64> {
-        self.u(scale_index(axis))
+        self.u(Unknown::Scale(axis))
     }
 
     /// Standard uncertainty of a squareness, µm/m; `None` = not known.
     pub fn u_squareness(&self, plane: Plane) -> Option<f64> {
-        self.u(plane_index(plane))
+        self.u(Unknown::Squareness(plane))
     }
 
-    fn u(&self, index: usize) -> Option<f64> {
-        self.u_known[index].then(|| self.covariance[index][index].sqrt())
+    pub(super) fn u(&self, unknown: Unknown) -> Option<f64> {
+        self.u_um_per_m[unknown.index()]
     }
 
-    /// What the data do not determine, in words; empty where all is.
-    pub fn undetermined(&self) -> Vec<String> {
-        let scales: Vec<String> = Axis::ALL
+    pub(super) fn value(&self, unknown: Unknown) -> Option<f64> {
+        match unknown {
+            Unknown::Scale(axis) => self.scale[axis],
+            Unknown::Squareness(plane) => self.squareness.of(plane),
+        }
+    }
+
+    /// Equations that contradict each other leave no uncertainty known.
+    pub(super) fn forget_uncertainties(&mut self) {
+        self.u_um_per_m = [None; UNKNOWNS];
+    }
+
+    /// What the data do not determine; empty where all is.
+    pub fn undetermined(&self) -> Vec<Finding> {
+        let open = |axis: &Axis| self.scale[*axis].is_none();
+        let axes: Vec<Axis> = Axis::ALL.into_iter().filter(open).collect();
+        let scales = (!axes.is_empty()).then_some(SeparationFinding::OpenScales { axes });
+        let open = |plane: &Plane| self.squareness.of(*plane).is_none();
+        let planes = Plane::ALL.into_iter().filter(open);
+        let planes = planes.map(|plane| SeparationFinding::OpenSquareness {
+            of: plane.axes().0,
+            along: plane.axes().1,
+        });
+        scales
             .into_iter()
-            .filter(|axis| self.scale[*axis].is_none())
-            .map(|axis| axis.to_string())
-            .collect();
-        let mut words = Vec::new();
-        match scales.as_slice() {
-            [] => {}
-            [x, y, z] => words.push(format!(
-                "scale of {x}, {y} and {z} can be traded against each other; measure two axes along their length"
-            )),
-            [a, b] => words.push(format!(
-                "scale of {a} and {b} can be traded against each other; measure one axis along its length"
-            )),
-            other => words.push(format!("scale of {}", other.join(" and "))),
-        }
-        for plane in Plane::ALL {
-            if self.squareness.of(plane).is_none() {
-                let (a, b) = plane.axes();
-                words.push(format!(
-                    "squareness of {a} and {b}; measure a face diagonal of their plane"
-                ));
-            }
-        }
-        words
-    }
-}
-
-const fn scale_index(axis: Axis) -> usize {
-    match axis {
-        Axis::X => 0,
-        Axis::Y => 1,
-        Axis::Z => 2,
-    }
-}
-
-const fn plane_index(plane: Plane) -> usize {
-    match plane {
-        Plane::Xy => 3,
-        Plane::Xz => 4,
-        Plane::Yz => 5,
+            .chain(planes)
+            .map(Finding::from)
+            .collect()
     }
 }
 
 /// Displacement per commanded unit: q_dk = s_dk (V_k/R + n m̄_dk/V_k). Dimensionless; `means` in µm.
-pub(crate) fn displacement_ratios(
+pub(super) fn displacement_ratios(
     volume: &Volume,
     means: &PerDiagonal<PerAxis<f64>>,
 ) -> PerDiagonal<PerAxis<f64>> {
@@ -153,38 +136,27 @@ pub(crate) fn displacement_ratios(
     })
 }
 
-/// What (7) says of one diagonal: vᵀ h v = value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DiagonalEquation {
+/// One equation of (7): vᵀ h v = value.
+#[derive(Clone, Debug)]
+pub(super) struct Equation {
     /// v, without unit.
-    pub direction: PerAxis<f64>,
+    pub(super) direction: PerAxis<f64>,
+    /// v where nothing is tilted.
+    nominal: PerAxis<f64>,
     /// The value, µm/m.
-    pub value_um_per_m: f64,
+    pub(super) value: f64,
+    /// Its own variance, (µm/m)².
+    own: f64,
+    /// Whether that is known; else it is a weight.
+    pub(super) known: bool,
+    /// What each common cause does to it, µm/m.
+    common: Vec<f64>,
 }
 
-/// (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
-pub(crate) fn stepped(ratios: &PerDiagonal<PerAxis<f64>>) -> PerDiagonal<DiagonalEquation> {
-    PerDiagonal::from_fn(|d| {
-        let q = ratios[d];
-        let square = q.x * q.x + q.y * q.y + q.z * q.z;
-        DiagonalEquation {
-            direction: q,
-            value_um_per_m: (square - 1.0) / 2.0 / UM_PER_M,
-        }
-    })
-}
-
-/// (7) of straight runs, of first order: u_dᵀ h u_d = e_d(end)/R. `ends_um`: totals.
-pub fn straight(volume: &Volume, ends_um: &PerDiagonal<f64>) -> PerDiagonal<DiagonalEquation> {
-    let length_m = volume.diagonal_mm() / 1000.0;
-    PerDiagonal::from_fn(|d| DiagonalEquation {
-        direction: volume.laser(d),
-        value_um_per_m: ends_um[d] / length_m,
-    })
-}
+type Row = SVector<f64, UNKNOWNS>;
 
 /// vᵀ h v as a row of the six unknowns.
-pub(super) fn row(v: &PerAxis<f64>) -> Row {
+fn row(v: &PerAxis<f64>) -> Row {
     Row::from([
         v.x * v.x,
         v.y * v.y,
@@ -195,81 +167,143 @@ pub(super) fn row(v: &PerAxis<f64>) -> Row {
     ])
 }
 
-/// The equations of (7), diagonals first, then lines, and how they are weighed.
+/// (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
+pub(super) fn stepped(ratios: &PerDiagonal<PerAxis<f64>>) -> PerDiagonal<(PerAxis<f64>, f64)> {
+    PerDiagonal::from_fn(|d| (ratios[d], (ratios[d].dot(ratios[d]) - 1.0) / 2.0 / UM_PER_M))
+}
+
+/// (7) of straight runs, of first order: u_dᵀ h u_d = e_d(end)/R. `ends_um`: totals.
+pub(super) fn straight(
+    volume: &Volume,
+    ends_um: &PerDiagonal<f64>,
+) -> PerDiagonal<(PerAxis<f64>, f64)> {
+    let length_m = volume.diagonal_mm() / 1000.0;
+    PerDiagonal::from_fn(|d| (volume.laser(d), ends_um[d] / length_m))
+}
+
+/// The equations of (7), the four diagonals first, then lines.
+#[derive(Clone, Debug)]
 pub(super) struct Equations {
-    pub(super) space: KnownSpace,
-    rows: Vec<Row>,
-    nominal: Vec<Row>,
-    values: Vec<f64>,
-    /// Variances of each equation for itself, (µm/m)².
-    own: Vec<f64>,
-    /// Whether these are known.
-    known: Vec<bool>,
-    /// Effects of each common cause on the equations, µm/m.
-    common: Vec<Vec<f64>>,
+    pub(super) all: Vec<Equation>,
+    /// Orthonormal columns, each a combination of the unknowns that nominal directions determine.
+    /// Small tilts make the true equations look independent where the nominal ones are not; that
+    /// is no information.
+    determined: DMatrix<f64>,
+    /// Orthonormal columns, each a combination that stays open.
+    open: DMatrix<f64>,
+}
+
+/// What the equations give.
+pub(super) struct Solution {
+    unknowns: DVector<f64>,
+    /// Covariance of the unknowns.
+    spread: DMatrix<f64>,
+    /// Residuals y − M θ̂, weighed with V⁻¹.
+    pub(super) chi_squared: f64,
+    design: DMatrix<f64>,
+    covariance: Cholesky<f64, Dyn>,
+}
+
+impl Solution {
+    /// Value along a direction, and its variance.
+    pub(super) fn along(&self, direction: &PerAxis<f64>) -> (f64, f64) {
+        let row = DVector::from_column_slice(row(direction).as_slice());
+        (row.dot(&self.unknowns), row.dot(&(&self.spread * &row)))
+    }
+
+    /// dθ̂/dy = B (BᵀMᵀV⁻¹MB)⁻¹ BᵀMᵀV⁻¹.
+    fn gain(&self) -> DMatrix<f64> {
+        &self.spread * self.covariance.solve(&self.design).transpose()
+    }
 }
 
 impl Equations {
+    /// `diagonals`: directions and values.
     pub(super) fn new(
         volume: &Volume,
-        diagonals: &PerDiagonal<DiagonalEquation>,
+        diagonals: &PerDiagonal<(PerAxis<f64>, f64)>,
         totals: &TotalsUncertainty,
-        lines: &[StraightLine],
+        lines: &[Line],
     ) -> Equations {
         let variance = |u: f64| u.max(NEGLECTED_UM_PER_M).squared();
-        let mut rows: Vec<Row> = Vec::new();
-        let (mut values, mut own, mut known) = (Vec::new(), Vec::new(), Vec::new());
-        for (diagonal, equation) in diagonals.iter() {
-            rows.push(row(&equation.direction));
-            values.push(equation.value_um_per_m);
-            own.push(variance(totals.own_um_per_m[diagonal]));
-            known.push(totals.known);
-        }
+        let causes = &totals.common_um_per_m;
+        let diagonal = |(d, (direction, value)): (_, &(PerAxis<f64>, f64))| {
+            let nominal = volume.laser(d);
+            let squares = PerAxis::from_fn(|axis| nominal[axis].squared());
+            Equation {
+                direction: *direction,
+                nominal,
+                value: *value,
+                own: variance(totals.own_um_per_m[d]),
+                known: totals.known,
+                common: causes.iter().map(|strain| squares.dot(*strain)).collect(),
+            }
+        };
+        let mut all: Vec<Equation> = diagonals.iter().map(diagonal).collect();
         // A line of unknown uncertainty is weighed like a diagonal.
-        let like_a_diagonal = own.iter().sum::<f64>() / 4.0;
-        for line in lines {
-            rows.push(row(&line.direction));
-            values.push(line.slope_um_per_m);
-            own.push(line.u_um_per_m.map_or(like_a_diagonal, variance));
-            known.push(line.u_um_per_m.is_some());
+        let like_a_diagonal = all.iter().map(|one| one.own).sum::<f64>() / 4.0;
+        all.extend(lines.iter().map(|line| Equation {
+            direction: line.direction,
+            nominal: line.direction,
+            value: line.slope_um_per_m,
+            own: line.u_um_per_m.map_or(like_a_diagonal, variance),
+            known: line.u_um_per_m.is_some(),
+            common: vec![0.0; causes.len()],
+        }));
+        Equations::of(all)
+    }
+
+    fn of(all: Vec<Equation>) -> Equations {
+        let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
+        for row in all.iter().map(|one| row(&one.nominal)) {
+            normal += row * row.transpose();
         }
-        let nominal = nominal_rows(volume, lines);
-        let effect = |strain: &PerAxis<f64>| {
-            let scales = Row::from([strain.x, strain.y, strain.z, 0.0, 0.0, 0.0]);
-            let of = |(index, row): (usize, &Row)| if index < 4 { row.dot(&scales) } else { 0.0 };
-            nominal.iter().enumerate().map(of).collect()
+        let eigen = normal.symmetric_eigen();
+        let limit = RANK_TOLERANCE * eigen.eigenvalues.max();
+        let (known, open): (Vec<usize>, Vec<usize>) =
+            (0..UNKNOWNS).partition(|index| eigen.eigenvalues[*index] > limit);
+        let columns = |indices: Vec<usize>| {
+            DMatrix::from_fn(UNKNOWNS, indices.len(), |i, j| {
+                eigen.eigenvectors[(i, indices[j])]
+            })
         };
         Equations {
-            space: KnownSpace::of(&nominal),
-            common: totals.common_um_per_m.iter().map(effect).collect(),
-            rows,
-            nominal,
-            values,
-            own,
-            known,
+            all,
+            determined: columns(known),
+            open: columns(open),
         }
     }
 
-    /// V: each equation for itself, and what the diagonals share.
-    pub(super) fn covariance(&self, own: &[f64]) -> DMatrix<f64> {
-        DMatrix::from_fn(own.len(), own.len(), |i, j| {
-            let shared: f64 = self.common.iter().map(|effect| effect[i] * effect[j]).sum();
-            shared + if i == j { own[i] } else { 0.0 }
-        })
+    /// All but one.
+    pub(super) fn without(&self, index: usize) -> Equations {
+        let mut rest = self.all.clone();
+        rest.remove(index);
+        Equations::of(rest)
     }
 
-    pub(super) fn system<'a>(&'a self, covariance: &'a DMatrix<f64>) -> System<'a> {
-        System {
-            space: &self.space,
-            rows: &self.rows,
-            values: &self.values,
-            covariance,
-        }
+    fn rank(&self) -> usize {
+        self.determined.ncols()
+    }
+
+    /// Whether there is anything beside the diagonals.
+    pub(super) fn has_lines(&self) -> bool {
+        self.all.len() > 4
     }
 
     /// Number of redundant equations.
     pub(super) fn redundancy(&self) -> usize {
-        self.rows.len().saturating_sub(self.space.rank())
+        self.all.len().saturating_sub(self.rank())
+    }
+
+    /// Whether the slope along a direction is determined.
+    pub(super) fn holds(&self, direction: &PerAxis<f64>) -> bool {
+        let row = DVector::from_column_slice(row(direction).as_slice());
+        self.open.tr_mul(&row).norm() < SHARE_TOLERANCE * row.norm()
+    }
+
+    fn determines(&self, unknown: usize) -> bool {
+        let length = self.determined.row(unknown).norm_squared();
+        (1.0 - length).abs() < SHARE_TOLERANCE
     }
 
     /// Variances for a test: an equation of unknown uncertainty counts as exact, but none as more
@@ -277,118 +311,122 @@ impl Equations {
     pub(super) fn test_variances(&self, largest_slope_um_per_m: f64) -> Vec<f64> {
         let products = 3.0 * largest_slope_um_per_m.squared() * UM_PER_M;
         let neglected = products.max(NEGLECTED_UM_PER_M).squared();
-        let of = |(own, known): (&f64, &bool)| {
-            if *known {
-                own.max(neglected)
-            } else {
-                neglected
-            }
-        };
-        self.own.iter().zip(&self.known).map(of).collect()
+        let of = |one: &Equation| one.own.max(neglected);
+        let all = self.all.iter();
+        all.map(|one| if one.known { of(one) } else { neglected })
+            .collect()
+    }
+
+    /// With the variances that the equations have.
+    fn solved(&self) -> Option<Solution> {
+        let own: Vec<f64> = self.all.iter().map(|one| one.own).collect();
+        self.solve(|one| one.direction, &own)
+    }
+
+    /// With other variances.
+    pub(super) fn solved_with(&self, own: &[f64]) -> Option<Solution> {
+        self.solve(|one| one.direction, own)
+    }
+
+    /// `None` where the covariance is not positive definite.
+    fn solve(&self, along: fn(&Equation) -> PerAxis<f64>, own: &[f64]) -> Option<Solution> {
+        let many = self.all.len();
+        let covariance = DMatrix::from_fn(many, many, |i, j| {
+            let pairs = self.all[i].common.iter().zip(&self.all[j].common);
+            let shared: f64 = pairs.map(|(a, b)| a * b).sum();
+            shared + if i == j { own[i] } else { 0.0 }
+        });
+        let rows: Vec<Row> = self.all.iter().map(|one| row(&along(one))).collect();
+        let design = DMatrix::from_fn(many, UNKNOWNS, |i, j| rows[i][j]);
+        let values = DVector::from_fn(many, |i, _| self.all[i].value);
+        let covariance = covariance.cholesky()?;
+        let lower = covariance.l();
+        let white = lower.solve_lower_triangular(&(&design * &self.determined))?;
+        let wanted = lower.solve_lower_triangular(&values)?;
+        let inverse = white.tr_mul(&white).cholesky()?.inverse();
+        let found = &inverse * white.tr_mul(&wanted);
+        Some(Solution {
+            chi_squared: (&wanted - &white * &found).norm_squared(),
+            spread: &self.determined * &inverse * self.determined.transpose(),
+            unknowns: &self.determined * found,
+            design,
+            covariance,
+        })
     }
 
     /// Which unknowns rest on nothing but equations of known uncertainty; judged at the nominal
     /// directions, like the rank.
-    fn u_known(&self, covariance: &DMatrix<f64>) -> [bool; UNKNOWNS] {
-        if self.known.iter().all(|known| *known) {
+    fn u_known(&self) -> [bool; UNKNOWNS] {
+        if self.all.iter().all(|one| one.known) {
             return [true; UNKNOWNS];
         }
-        let nominal = System {
-            rows: &self.nominal,
-            ..self.system(covariance)
-        };
-        let Some(gain) = nominal.solve().and_then(|found| nominal.gain(&found)) else {
+        let own: Vec<f64> = self.all.iter().map(|one| one.own).collect();
+        let Some(gain) = self
+            .solve(|one| one.nominal, &own)
+            .map(|found| found.gain())
+        else {
             return [false; UNKNOWNS];
         };
-        let rests = |unknown: usize| {
-            let mut equations = self.known.iter().enumerate();
-            equations.all(|(equation, known)| *known || !gain.depends(unknown, equation))
-        };
-        std::array::from_fn(rests)
+        let depends = |unknown: usize, equation| gain[(unknown, equation)].abs() > SHARE_TOLERANCE;
+        std::array::from_fn(|unknown| {
+            let mut equations = self.all.iter().enumerate();
+            equations.all(|(equation, one)| one.known || !depends(unknown, equation))
+        })
     }
-}
 
-/// Solves (7) for the unit vectors that were measured along.
-pub(crate) fn solve(
-    volume: &Volume,
-    diagonals: &PerDiagonal<DiagonalEquation>,
-    totals: &TotalsUncertainty,
-    lines: &[StraightLine],
-) -> Metric {
-    Equations::new(volume, diagonals, totals, lines).metric()
-}
-
-impl Equations {
-    fn metric(&self) -> Metric {
-        let covariance = self.covariance(&self.own);
-        let system = self.system(&covariance);
-        let solution = system.solve();
-        let value = |index: usize| {
-            let solution = solution.as_ref()?;
-            let determined = self.space.determines(index);
-            determined.then(|| solution.unknowns[index])
+    /// Solves (7) for the unit vectors that were measured along.
+    pub(super) fn metric(&self) -> Metric {
+        let solution = self.solved();
+        let value = |unknown: Unknown| {
+            let index = unknown.index();
+            let solution = solution.as_ref().filter(|_| self.determines(index))?;
+            Some(solution.unknowns[index])
         };
-        let gain = solution.as_ref().filter(|_| self.space.rank() < UNKNOWNS);
-        let gain = gain.and_then(|solution| system.gain(solution));
-        let leaks = gain.map_or([0.0; UNKNOWNS], |gain| system.leaks(&gain));
-        let planes = Plane::ALL.map(plane_index);
+        // Length of the row of dθ̂/d(open).
+        let leaks = solution.as_ref().filter(|_| self.rank() < UNKNOWNS);
+        let leaks = leaks.map(|found| found.gain() * &found.design * &self.open);
+        let leak = |plane| {
+            let row = Unknown::Squareness(plane).index();
+            leaks.as_ref().map_or(0.0, |moved| moved.row(row).norm())
+        };
+        let known = self.u_known();
+        let u = |i: usize| solution.as_ref().map_or(0.0, |s| s.spread[(i, i)].sqrt());
         Metric {
-            scale: PerAxis::from_fn(|axis| value(scale_index(axis))),
-            squareness: per_plane(planes.map(value)),
-            covariance: spread(solution.as_ref()),
-            rank: self.space.rank(),
-            u_known: self.u_known(&covariance),
-            leak: per_plane(planes.map(|index| leaks[index])),
+            scale: PerAxis::from_fn(|axis| value(Unknown::Scale(axis))),
+            squareness: PerPlane::from_fn(|plane| value(Unknown::Squareness(plane))),
+            rank: self.rank(),
+            leak: PerPlane::from_fn(leak),
+            u_um_per_m: std::array::from_fn(|index| known[index].then(|| u(index))),
         }
     }
-}
 
-/// How scales and squareness change with the totals of the diagonals.
-pub struct EndGains(PerDiagonal<[f64; UNKNOWNS]>);
-
-impl EndGains {
-    /// Of a scale, µm/m for each µm of the total of a diagonal.
-    pub fn scale(&self, axis: Axis) -> PerDiagonal<f64> {
-        PerDiagonal::from_fn(|d| self.0[d][scale_index(axis)])
-    }
-
-    /// Of a squareness, µm/m for each µm of the total of a diagonal.
-    pub fn squareness(&self, plane: Plane) -> PerDiagonal<f64> {
-        PerDiagonal::from_fn(|d| self.0[d][plane_index(plane)])
-    }
-}
-
-/// ∂θ/∂E of the solution of (7), with the weights of [`solve`]; zero where it has none.
-pub(crate) fn end_gains(
-    volume: &Volume,
-    diagonals: &PerDiagonal<DiagonalEquation>,
-    totals: &TotalsUncertainty,
-    lines: &[StraightLine],
-) -> EndGains {
-    let equations = Equations::new(volume, diagonals, totals, lines);
-    let covariance = equations.covariance(&equations.own);
-    let system = equations.system(&covariance);
-    let gain = system.solve().and_then(|found| system.gain(&found));
-    // (|q|² − 1)/2 grows by dE/R.
-    let metres = volume.diagonal_mm() / 1000.0;
-    let mut equation = 0..4;
-    EndGains(PerDiagonal::from_fn(|_| {
-        let (gain, equation) = (gain.as_ref(), equation.next());
-        let by = |unknown| {
-            gain.zip(equation)
-                .map(|(gain, d)| gain.of(unknown, d) / metres)
+    /// How the unknowns change with the totals of the diagonals, µm/m for each µm; 0 without a solution.
+    pub(super) fn by_totals(&self, volume: &Volume) -> ByTotals {
+        let gain = self.solved().map(|found| found.gain());
+        // (|q|² − 1)/2 grows by dE/R.
+        let metres = volume.diagonal_mm() / 1000.0;
+        let of = |unknown: Unknown| {
+            let mut equations = 0..;
+            PerDiagonal::from_fn(|_| {
+                let place = equations.next().map(|equation| (unknown.index(), equation));
+                let gain = gain.as_ref().zip(place);
+                gain.map_or(0.0, |(gain, place)| gain[place] / metres)
+            })
         };
-        std::array::from_fn(|unknown| by(unknown).unwrap_or(0.0))
-    }))
+        ByTotals::from_fn(of)
+    }
 }
 
-fn spread(solution: Option<&Solution>) -> [[f64; UNKNOWNS]; UNKNOWNS] {
-    let entry = |i: usize, j: usize| solution.map_or(0.0, |s| s.spread[(i, j)]);
-    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
-}
+/// Changes of the unknowns with the totals.
+#[derive(Clone, Debug)]
+pub(super) struct ByTotals([PerDiagonal<f64>; UNKNOWNS]);
 
-fn nominal_rows(volume: &Volume, lines: &[StraightLine]) -> Vec<Row> {
-    let diagonals = Diagonal::ALL.map(|diagonal| row(&volume.laser(diagonal)));
-    let others = lines.iter().map(|line| row(&line.direction));
-    diagonals.into_iter().chain(others).collect()
+impl ByTotals {
+    pub(super) fn from_fn(of: impl FnMut(Unknown) -> PerDiagonal<f64>) -> ByTotals {
+        ByTotals(Unknown::ALL.map(of))
+    }
+
+    pub(super) fn of(&self, unknown: Unknown) -> PerDiagonal<f64> {
+        self.0[unknown.index()]
+    }
 }

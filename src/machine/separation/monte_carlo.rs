@@ -11,18 +11,20 @@
 //! nor their order changes a digit.
 
 use super::campaign::Campaign;
-use super::evidence::NineErrors;
-use super::increments::{Means, PassMeans};
-use super::line::{ReferenceLine, range};
-use super::linear_reversal::LinearReversals;
+use super::curves::{Curve, ReferenceLine, mean, range};
 use super::metric::{PerPlane, Plane};
+use super::noise::float;
+use super::readings::{Means, PassMeans, RunCounts};
+use super::reversal::LinearReversals;
 use super::separate::curves_of;
 use super::uncertainty::Budget;
+use crate::quantity::axis::{ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Trials that are added up together: the same blocks whatever the number of threads.
@@ -39,13 +41,42 @@ pub struct Plan {
     pub threads: usize,
 }
 
+/// What is simulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quantity {
+    /// Max − min of a positioning error, µm.
+    Range(ErrorTerm),
+    /// Straightness of a cross term, µm.
+    Straightness(ErrorTerm),
+    /// Squareness, µm/m.
+    Squareness(Plane),
+}
+
+impl Quantity {
+    /// Its unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Quantity::Range(_) | Quantity::Straightness(_) => "µm",
+            Quantity::Squareness(_) => "µm/m",
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Quantity::Range(term) => write!(out, "range {term}"),
+            Quantity::Straightness(term) => write!(out, "straightness {term}"),
+            Quantity::Squareness(plane) => write!(out, "squareness {}", plane.key()),
+        }
+    }
+}
+
 /// A figure with what noise does to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Its name, e.g. `range EXX`.
-    pub name: String,
-    /// Its unit.
-    pub unit: &'static str,
+    /// Of what.
+    pub quantity: Quantity,
     /// From the readings as they are.
     pub estimate: f64,
     /// Mean of the trials less the estimate.
@@ -56,13 +87,29 @@ pub struct Figure {
     pub u: f64,
 }
 
-/// How often the 95 % interval of a figure held the true value on simulated machines, 0 … 1
-/// (docs/accuracy.md §8). The intervals of largest-minus-smallest figures are too short: the noise
-/// of the readings has moved the extremes already, and the trials move them again.
-pub fn measured_coverage(figure: &Figure) -> f64 {
-    match figure.unit {
-        "µm/m" => 0.95,
-        _ => 0.887,
+impl Figure {
+    fn of(quantity: Quantity, estimate: f64, mut values: Vec<f64>) -> Figure {
+        values.sort_by(f64::total_cmp);
+        let mean = mean(values.iter().copied());
+        let square: f64 = values.iter().map(|value| (value - mean).squared()).sum();
+        let mirrored = |share| 2.0 * estimate - quantile(&values, share);
+        Figure {
+            quantity,
+            estimate,
+            bias: mean - estimate,
+            interval: [mirrored(0.975), mirrored(0.025)],
+            u: (square / (float(values.len()) - 1.0)).sqrt(),
+        }
+    }
+
+    /// How often such 95 % intervals held the true value on simulated machines, 0 … 1
+    /// (docs/accuracy.md §8). Those of largest-minus-smallest figures are too short: the noise of the
+    /// readings has moved the extremes already, and the trials move them again.
+    pub fn measured_coverage(&self) -> f64 {
+        match self.quantity {
+            Quantity::Squareness(_) => 0.95,
+            Quantity::Range(_) | Quantity::Straightness(_) => 0.887,
+        }
     }
 }
 
@@ -87,13 +134,16 @@ pub fn simulate(
     progress: &(dyn Fn(usize) + Sync),
 ) -> Option<Simulated> {
     let sigma_um = budget.noise?.sigma_um;
-    let estimate = curves_of(campaign, budget, means);
-    let names = names(budget.volume, &estimate.0, &estimate.1);
-    let trial = |number: usize| {
+    let (curves, squareness) = curves_of(campaign, budget, means);
+    let estimates = figures(budget.volume, &curves, &squareness);
+    let trial = |number: usize| -> Vec<f64> {
         let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
         random.set_stream(number as u64);
         let noisy = with_noise(means, budget.runs, sigma_um, &mut random);
-        curves_of(&with_other_lines(campaign, &mut random), budget, &noisy)
+        let campaign = with_other_lines(campaign, &mut random);
+        let (curves, squareness) = curves_of(&campaign, budget, &noisy);
+        let figures = figures(budget.volume, &curves, &squareness).into_iter();
+        figures.map(|(_, value)| value).collect()
     };
     let blocks = plan.trials.div_ceil(BLOCK);
     let next = AtomicUsize::new(0);
@@ -106,7 +156,7 @@ pub fn simulate(
             }
             let numbers = index * BLOCK..((index + 1) * BLOCK).min(plan.trials);
             let count = numbers.len();
-            done.push((index, block(budget.volume, numbers, trial)));
+            done.push((index, numbers.map(trial).collect()));
             progress(count);
         }
     };
@@ -121,57 +171,42 @@ pub fn simulate(
         done
     });
     done.sort_by_key(|(index, _)| *index);
-    Some(summary(plan, names, &done))
+    let figures = estimates.into_iter().enumerate();
+    let figures = figures.map(|(index, (quantity, estimate))| {
+        let all = done.iter().flat_map(|(_, block)| block);
+        Figure::of(
+            quantity,
+            estimate,
+            all.map(|figures| figures[index]).collect(),
+        )
+    });
+    Some(Simulated {
+        plan,
+        figures: figures.collect(),
+    })
 }
-
-fn block(
+/// The figures of nine curves.
+fn figures(
     volume: &Volume,
-    numbers: std::ops::Range<usize>,
-    trial: impl Fn(usize) -> (NineErrors, PerPlane<Option<f64>>),
-) -> Block {
-    let figures = |number: usize| {
-        let (errors, squareness) = trial(number);
-        let figures = names(volume, &errors, &squareness);
-        figures.into_iter().map(|(_, _, value)| value).collect()
-    };
-    numbers.map(figures).collect()
-}
-
-/// The figures of nine curves: name, unit, value.
-fn names(
-    volume: &Volume,
-    errors: &NineErrors,
+    curves: &PerTerm<Option<Curve>>,
     squareness: &PerPlane<Option<f64>>,
-) -> Vec<(String, &'static str, f64)> {
-    let mut figures = Vec::new();
-    for (term, evidence) in errors.mean.iter() {
-        let Some(evidence) = evidence else { continue };
-        let curve = &evidence.deviation_um;
+) -> Vec<(Quantity, f64)> {
+    let of_curve = |(term, curve): (ErrorTerm, &Option<Curve>)| {
+        let curve = curve.as_ref()?;
         if term.is_positioning() {
-            let value = range(curve.iter().copied());
-            figures.push((format!("range {term}"), "µm", value));
-        } else {
-            let positions: Vec<f64> = (0..=volume.steps)
-                .map(|index| volume.along_mm(term.along, index))
-                .collect();
-            let value = ReferenceLine::LeastSquares.straightness_um(&positions, curve);
-            figures.push((format!("straightness {term}"), "µm", value));
+            return Some((Quantity::Range(term), range(curve.iter().copied())));
         }
-    }
-    for plane in Plane::ALL {
-        if let Some(value) = squareness.of(plane) {
-            figures.push((format!("squareness {}", plane.key()), "µm/m", value));
-        }
-    }
-    figures
+        let positions = (0..=volume.steps).map(|index| volume.along_mm(term.along, index));
+        let positions: Vec<f64> = positions.collect();
+        let value = ReferenceLine::LeastSquares.straightness_um(&positions, curve);
+        Some((Quantity::Straightness(term), value))
+    };
+    let planes = Plane::ALL.into_iter();
+    let planes = planes.filter_map(|p| Some((Quantity::Squareness(p), squareness.of(p)?)));
+    curves.iter().filter_map(of_curve).chain(planes).collect()
 }
 
-fn with_noise(
-    means: &Means,
-    runs: &PerDiagonal<[f64; 2]>,
-    sigma_um: f64,
-    random: &mut ChaCha8Rng,
-) -> Means {
+fn with_noise(means: &Means, runs: &RunCounts, sigma_um: f64, random: &mut ChaCha8Rng) -> Means {
     let mut pass = |pass: Pass, readings: &PassMeans| {
         PerDiagonal::from_fn(|diagonal| {
             let runs = runs[diagonal][usize::from(pass == Pass::Reverse)];
@@ -201,40 +236,8 @@ fn with_other_lines<'a>(campaign: &Campaign<'a>, random: &mut ChaCha8Rng) -> Cam
         lines,
         reversals: LinearReversals::default(),
         angles: None,
-        reverse_zero_known: campaign.reverse_zero_known,
+        ..*campaign
     }
-}
-
-fn summary(
-    plan: Plan,
-    names: Vec<(String, &'static str, f64)>,
-    done: &[(usize, Block)],
-) -> Simulated {
-    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 trials")]
-    let count = plan.trials as f64;
-    let figures = names
-        .into_iter()
-        .enumerate()
-        .map(|(index, (name, unit, estimate))| {
-            let all = done.iter().flat_map(|(_, block)| block);
-            let mut values: Vec<f64> = all.map(|figures| figures[index]).collect();
-            values.sort_by(f64::total_cmp);
-            let mean = values.iter().sum::<f64>() / count;
-            let square: f64 = values.iter().map(|value| (value - mean).squared()).sum();
-            Figure {
-                name,
-                unit,
-                estimate,
-                bias: mean - estimate,
-                interval: [
-                    2.0 * estimate - quantile(&values, 0.975),
-                    2.0 * estimate - quantile(&values, 0.025),
-                ],
-                u: (square / (count - 1.0)).sqrt(),
-            }
-        })
-        .collect();
-    Simulated { plan, figures }
 }
 
 /// Quantile of sorted values by straight lines between them.

@@ -1,28 +1,37 @@
-//! Means over runs, their repeatability, and what a noise of the readings is.
+//! Noise of a single reading, the tests against it (Student, χ², F), and the disturbed readings that stand
+//! out of it.
+//!
+//! What repeated runs say: the standard deviation of a single reading, and the readings of single
+//! runs that spoil it; and when a reading counts as disturbed.
+//!
+//! In each pass along a diagonal a reading is the mean of its node plus an offset of its run (each
+//! run has a zero of its own) plus noise. A disturbed reading of one run stands out from the
+//! others at its node; the closure sees only 1/r of it, and the scatter all of it. So these are
+//! named first, and the noise is that of the others.
+//!
+//! A reading is named where taking it for unknown lowers the sum of squares more than chance
+//! allows: t = size/u(size) against Student's t, with one false alarm in a hundred measurements
+//! shared among all readings. The standard deviation is that of the others.
 
-use super::increments::{Means, PassMeans};
-use crate::inputs::job::StatedUncertainty;
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
-use crate::quantity::units::Squared;
+use super::curves::mean;
+use super::readings::{CorrectedRun, of};
+use crate::quantity::diagonal::{Diagonal, Pass};
+use crate::quantity::units::{Figure, Squared};
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
 /// Share of a normal distribution within two standard deviations: what U stands for.
 const COVERAGE: f64 = 0.954_499_736_103_642;
 /// From here on Student's distribution is the normal one in every digit that is printed.
 const MANY: f64 = 1e6;
-
-/// One corrected run, µm, by node.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CorrectedRun {
-    /// The diagonal.
-    pub diagonal: Diagonal,
-    /// Number of the run, as in the file.
-    pub number: u32,
-    /// Forward or reverse.
-    pub pass: Pass,
-    /// Reading errors, µm.
-    pub readings_um: Vec<f64>,
-}
+/// Standard deviation of rounding to 0.01 µm, the last digit of an instrument, µm: no reading is
+/// better known.
+pub(super) const DIGIT_UM: f64 = 0.003;
+/// What an instrument does not resolve is no disturbance, no roll, no reversal and no doubt, however
+/// small the noise, µm.
+pub(super) const UNRESOLVED_UM: f64 = 0.02;
+/// Chance that a test of the whole closure (scatter, ramps, mean) speaks against a sound
+/// measurement: rarer than the naming of a reading, because no repeated run answers it.
+pub const FALSE_DOUBT: f64 = 0.001;
 
 /// Where the standard deviation of a reading comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,119 +69,282 @@ pub struct Noise {
 impl Noise {
     /// Degrees of freedom as a number; `None` = as good as known.
     pub fn freedom_f64(self) -> Option<f64> {
-        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
-        self.freedom.map(|freedom| freedom as f64)
+        self.freedom.map(float)
     }
+
+    /// σ of a sum of squares of readings of 1 µm; `None` without degrees of freedom.
+    pub(super) fn of_scatter(square: f64, freedom: usize, source: NoiseSource) -> Option<Noise> {
+        (freedom > 0).then(|| Noise {
+            sigma_um: (square / float(freedom)).sqrt(),
+            freedom: Some(freedom),
+            source,
+        })
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
+pub(super) const fn float(count: usize) -> f64 {
+    count as f64
 }
 
 /// k with which U = k·u holds the true value in 95.45 % of all cases: 2 for a known standard
 /// deviation, more by Student where it was estimated from few (GUM, annex G).
 pub fn coverage_factor(freedom: Option<f64>) -> f64 {
     match freedom {
-        Some(freedom) if freedom < MANY => coverage_factor_for(0.5 + COVERAGE / 2.0, Some(freedom)),
+        Some(freedom) if freedom < MANY => student(0.5 + COVERAGE / 2.0, Some(freedom)),
         _ => 2.0,
     }
 }
 
 /// Quantile of Student's distribution; of the normal one where the freedom is not limited.
-pub(super) fn coverage_factor_for(share: f64, freedom: Option<f64>) -> f64 {
+pub(super) fn student(share: f64, freedom: Option<f64>) -> f64 {
     let freedom = freedom.unwrap_or(MANY).clamp(1.0, MANY);
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |spread| spread.inverse_cdf(share))
 }
 
 /// Effective degrees of freedom of u, of which `u_noise` comes from the noise of the readings and
 /// the rest is known (Welch and Satterthwaite, GUM G.4.1); `None` = unlimited.
-pub(crate) fn effective_freedom(u: f64, u_noise: f64, noise: Noise) -> Option<f64> {
+pub(super) fn effective_freedom(u: f64, u_noise: f64, noise: Noise) -> Option<f64> {
     let share = if u > 0.0 { u_noise / u } else { 0.0 };
-    noise
-        .freedom_f64()
-        .map(|freedom| freedom / share.squared().squared())
-        .filter(|freedom| *freedom < MANY)
+    let freedom = noise.freedom_f64()? / share.squared().squared();
+    (freedom < MANY).then_some(freedom)
 }
 
-/// Probability of a sum of `count` squares of normal deviates by their variance at least as large
-/// as `square`; F where the variance is an estimate. `None` where `count` is 0.
-pub(super) fn chance_of(square: f64, count: usize, freedom: Option<usize>) -> Option<f64> {
-    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
-    let (many, freedom) = (count as f64, freedom.map(|freedom| freedom as f64));
-    match freedom {
-        Some(freedom) => Some(FisherSnedecor::new(many, freedom).ok()?.sf(square / many)),
-        None => Some(ChiSquared::new(many).ok()?.sf(square)),
+/// Probabilities of a sum of `count` squares of normal deviates by their variance below `square` and at
+/// least as large: χ², or F where the variance is an estimate. `None` where `count` is 0.
+pub(super) fn tails(square: f64, count: usize, freedom: Option<usize>) -> Option<(f64, f64)> {
+    let many = float(count);
+    if count > 0 && !square.is_finite() {
+        return Some((1.0, 0.0));
     }
-}
-
-/// Mean of the runs of each pass. The reverse pass counts only if every diagonal has it.
-pub fn means(runs: &[CorrectedRun]) -> Means {
-    let walked_back = Diagonal::ALL
-        .into_iter()
-        .all(|diagonal| of(runs, diagonal, Pass::Reverse).next().is_some());
-    Means {
-        forward: pass_means(runs, Pass::Forward),
-        reverse: walked_back.then(|| pass_means(runs, Pass::Reverse)),
-    }
-}
-
-/// How many runs each pass along each diagonal has: forward, reverse.
-pub fn run_counts(runs: &[CorrectedRun]) -> PerDiagonal<[f64; 2]> {
-    PerDiagonal::from_fn(|diagonal| {
-        Pass::BOTH.map(|pass| of(runs, diagonal, pass).map(|_| 1.0).sum())
-    })
-}
-
-fn of(
-    runs: &[CorrectedRun],
-    diagonal: Diagonal,
-    pass: Pass,
-) -> impl Iterator<Item = &CorrectedRun> {
-    runs.iter()
-        .filter(move |run| run.diagonal == diagonal && run.pass == pass)
-}
-
-fn pass_means(runs: &[CorrectedRun], pass: Pass) -> PassMeans {
-    PerDiagonal::from_fn(|diagonal| {
-        let (mut sum, mut count): (Vec<f64>, f64) = (Vec::new(), 0.0);
-        for run in of(runs, diagonal, pass) {
-            sum.resize(run.readings_um.len(), 0.0);
-            for (sum, reading) in sum.iter_mut().zip(&run.readings_um) {
-                *sum += reading;
-            }
-            count += 1.0;
+    let square = square.max(0.0);
+    Some(match freedom {
+        Some(freedom) => {
+            let spread = FisherSnedecor::new(many, float(freedom)).ok()?;
+            (spread.cdf(square / many), spread.sf(square / many))
         }
-        sum.iter().map(|sum| sum / count).collect()
+        None => {
+            let spread = ChiSquared::new(many).ok()?;
+            (spread.cdf(square), spread.sf(square))
+        }
     })
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    if count > 0.0 { sum / count } else { 0.0 }
+/// The probability of such a sum at least as large.
+pub(super) fn chance_of(square: f64, count: usize, freedom: Option<usize>) -> Option<f64> {
+    tails(square, count, freedom).map(|(_, above)| above)
 }
 
-/// Repeatability of a pass along a diagonal as in ISO 230-2: R = 4 s, the largest over its nodes,
-/// µm; `None` with fewer than two runs. Each run counts from its own zero, as it was read.
-pub(crate) fn repeatability_um(
-    runs: &[CorrectedRun],
+/// Chance that a test names a reading of a series without any disturbed one.
+const FALSE_ALARM: f64 = 0.01;
+/// More disturbed readings than these are no outliers but another kind of trouble.
+pub(super) const MOST_OUTLIERS: usize = 12;
+/// A larger ratio says no more.
+const LARGEST_RATIO: f64 = 1000.0;
+
+/// One reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ReadingPlace {
+    /// The diagonal.
+    pub diagonal: Diagonal,
+    /// Forward or reverse.
+    pub pass: Pass,
+    /// Number of the run, as in the file; `None` = the mean of all runs of the pass.
+    pub run: Option<u32>,
+    /// Node of the forward path.
+    pub node: usize,
+}
+
+impl std::fmt::Display for ReadingPlace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ", self.diagonal)?;
+        if let Some(run) = self.run {
+            write!(f, "run {run} ")?;
+        }
+        write!(f, "{} node {}", self.pass.word(), self.node)
+    }
+}
+
+/// A disturbed reading, or several of which one is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outlier {
+    /// These cannot be told apart; one of them is disturbed.
+    pub readings: Vec<ReadingPlace>,
+    /// By how much, µm (sign of the first one).
+    pub size_um: f64,
+    /// The same in standard deviations.
+    pub ratio: f64,
+    /// By how much the mean over the runs is off, µm: that is what was separated.
+    pub of_mean_um: f64,
+}
+
+impl Outlier {
+    /// Which reading, by how much, in words.
+    pub fn words(&self) -> String {
+        let places: Vec<String> = self.readings.iter().map(ReadingPlace::to_string).collect();
+        // Readings without noise leave no scatter to compare with.
+        let ratio = match self.ratio < LARGEST_RATIO {
+            true => format!("{:.1}", self.ratio),
+            false => format!("more than {LARGEST_RATIO}"),
+        };
+        format!(
+            "{}: {:+.3} µm, {ratio} standard deviations",
+            places.join(" or "),
+            Figure(self.size_um),
+        )
+    }
+}
+
+/// A candidate by what the sum of squares `square` of `freedom` loses with it: its ratio, if it
+/// counts as disturbed. `sigma_um`: the standard deviation where it is known otherwise.
+pub(super) fn stands_out(
+    (size_um, drop): (f64, f64),
+    (square, freedom): (f64, usize),
+    sigma_um: Option<f64>,
+    readings: usize,
+) -> Option<f64> {
+    let rest = freedom.saturating_sub(1);
+    let (variance, freedom) = match sigma_um {
+        Some(sigma) => (sigma * sigma, None),
+        None if rest > 0 => ((square - drop).max(0.0) / float(rest), Some(float(rest))),
+        None => return None,
+    };
+    let ratio = (drop / variance).sqrt();
+    let limit = student(1.0 - FALSE_ALARM / 2.0 / float(readings), freedom);
+    (ratio > limit && size_um.abs() > UNRESOLVED_UM).then_some(ratio)
+}
+
+/// What repeated runs say.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Repeats {
+    /// σ of a single reading, without the disturbed ones; `None` where no pass was repeated.
+    pub noise: Option<Noise>,
+    /// Disturbed readings of single runs, the largest first.
+    pub outliers: Vec<Outlier>,
+}
+
+/// σ of a single reading and the disturbed readings of repeated runs, pooled over all passes.
+pub fn repeats(runs: &[CorrectedRun]) -> Repeats {
+    let mut passes = passes(runs);
+    let sum = |of: fn(&RepeatedPass) -> usize| passes.iter().map(of).sum::<usize>();
+    let readings = sum(|pass| pass.left.len() * pass.nodes());
+    let mut freedom = sum(|pass| (pass.left.len() - 1) * pass.nodes().saturating_sub(1));
+    let square = |passes: &[RepeatedPass]| -> f64 { passes.iter().map(RepeatedPass::square).sum() };
+    let mut outliers: Vec<Outlier> = Vec::new();
+    while outliers.len() < MOST_OUTLIERS {
+        let all = square(&passes);
+        let candidates = passes.iter_mut();
+        let candidates = candidates.filter_map(|pass| Some((pass.largest()?, pass)));
+        let by_drop = candidates.max_by(|(a, _), (b, _)| a.drop.total_cmp(&b.drop));
+        let Some((found, pass)) = by_drop else { break };
+        let size = (found.size_um, found.drop);
+        let Some(ratio) = stands_out(size, (all, freedom), None, readings) else {
+            break;
+        };
+        outliers.push(pass.named(&found, ratio));
+        pass.take_off(&found);
+        freedom -= 1;
+    }
+    let noise = Noise::of_scatter(square(&passes), freedom, NoiseSource::Repeats);
+    Repeats { noise, outliers }
+}
+
+/// Readings of one pass along a diagonal that was walked more than once.
+struct RepeatedPass {
     diagonal: Diagonal,
     pass: Pass,
-) -> Option<f64> {
-    let runs: Vec<&CorrectedRun> = of(runs, diagonal, pass).collect();
-    let nodes = runs.first().map_or(0, |run| run.readings_um.len());
-    let deviation = |node: usize| {
-        let at = || runs.iter().map(|run| run.readings_um[node]);
-        let middle = mean(at());
-        let square: f64 = at().map(|reading| (reading - middle).squared()).sum();
-        #[allow(clippy::cast_precision_loss, reason = "a handful of runs")]
-        let freedom = (runs.len() - 1) as f64;
-        (square / freedom).sqrt()
-    };
-    (runs.len() > 1).then(|| 4.0 * (0..nodes).map(deviation).fold(0.0, f64::max))
+    runs: Vec<u32>,
+    /// By run and node: readings less the mean of their node and the mean of their run, µm.
+    left: Vec<Vec<f64>>,
 }
 
-/// Repeats say most; a stated noise comes next; a single run is left with its closure.
-pub(super) fn known_noise(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<Noise> {
-    let stated = stated.noise_um.map(|sigma_um| Noise {
-        sigma_um,
-        freedom: None,
-        source: NoiseSource::Stated,
-    });
-    repeats.or(stated)
+/// The reading that stands out most.
+struct Candidate {
+    run: usize,
+    node: usize,
+    size_um: f64,
+    drop: f64,
+}
+
+fn passes(runs: &[CorrectedRun]) -> Vec<RepeatedPass> {
+    let of_pass = |diagonal, pass| {
+        let walked: Vec<&CorrectedRun> = of(runs, diagonal, pass).collect();
+        let readings = walked.iter().map(|run| run.readings_um.clone());
+        (walked.len() > 1).then(|| RepeatedPass {
+            diagonal,
+            pass,
+            runs: walked.iter().map(|run| run.number).collect(),
+            left: residuals(readings.collect()),
+        })
+    };
+    let each = Diagonal::ALL.map(|diagonal| Pass::BOTH.map(|pass| of_pass(diagonal, pass)));
+    each.into_iter().flatten().flatten().collect()
+}
+
+impl RepeatedPass {
+    fn nodes(&self) -> usize {
+        self.left.first().map_or(0, Vec::len)
+    }
+
+    fn square(&self) -> f64 {
+        self.left.iter().flatten().map(|r| r * r).sum()
+    }
+
+    /// What is left of a reading of size 1 in a complete table of runs and nodes.
+    fn share(&self) -> f64 {
+        (1.0 - 1.0 / float(self.left.len())) * (1.0 - 1.0 / float(self.nodes()))
+    }
+
+    fn largest(&self) -> Option<Candidate> {
+        let cells = self.left.iter().enumerate();
+        let cells = cells.flat_map(|(run, left)| {
+            let nodes = left.iter().enumerate();
+            nodes.map(move |(node, left)| (run, node, *left))
+        });
+        let (run, node, left) = cells.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
+        let share = self.share();
+        (share > 0.0).then(|| Candidate {
+            run,
+            node,
+            size_um: left / share,
+            drop: left * left / share,
+        })
+    }
+
+    /// With two runs their difference does not say which one is disturbed.
+    fn named(&self, found: &Candidate, ratio: f64) -> Outlier {
+        let place = |run: &u32| ReadingPlace {
+            diagonal: self.diagonal,
+            pass: self.pass,
+            run: Some(*run),
+            node: found.node,
+        };
+        let others = self.runs.iter().enumerate();
+        let others = others.filter(|(at, _)| *at != found.run && self.runs.len() == 2);
+        let first = std::iter::once(place(&self.runs[found.run]));
+        Outlier {
+            readings: first.chain(others.map(|(_, run)| place(run))).collect(),
+            size_um: found.size_um,
+            ratio,
+            of_mean_um: found.size_um / float(self.runs.len()),
+        }
+    }
+
+    fn take_off(&mut self, found: &Candidate) {
+        self.left[found.run][found.node] -= found.size_um;
+        self.left = residuals(std::mem::take(&mut self.left));
+    }
+}
+
+/// Readings less the mean of their node and the mean of their run.
+fn residuals(mut runs: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    for node in 0..runs.first().map_or(0, Vec::len) {
+        let middle = mean(runs.iter().map(|run| run[node]));
+        runs.iter_mut().for_each(|run| run[node] -= middle);
+    }
+    for run in &mut runs {
+        let offset = mean(run.iter().copied());
+        run.iter_mut().for_each(|left| *left -= offset);
+    }
+    runs
 }

@@ -1,6 +1,10 @@
-//! Planes of two axes, for squareness.
+//! Planes of two axes, for squareness, and the six unknowns of formula (7).
 
-use crate::quantity::axis::Axis;
+use crate::quantity::axis::{Axis, ErrorTerm};
+use serde::Serialize;
+
+/// Number of unknowns: three scales, three squareness errors.
+pub(super) const UNKNOWNS: usize = 6;
 
 /// A plane of two axes, for squareness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,10 +38,16 @@ impl Plane {
             Plane::Yz => (Axis::Y, Axis::Z),
         }
     }
+
+    /// Its two cross terms; the first one carries the squareness in the X-primary frame.
+    pub(super) const fn terms(self) -> [ErrorTerm; 2] {
+        let (a, b) = self.axes();
+        [ErrorTerm { of: a, along: b }, ErrorTerm { of: b, along: a }]
+    }
 }
 
 /// One value for each plane.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
 pub struct PerPlane<T> {
     /// XY.
     pub xy: T,
@@ -45,6 +55,14 @@ pub struct PerPlane<T> {
     pub xz: T,
     /// YZ.
     pub yz: T,
+}
+
+impl<T> PerPlane<T> {
+    /// The value of each plane from a function of the plane.
+    pub fn from_fn(of: impl FnMut(Plane) -> T) -> PerPlane<T> {
+        let [xy, xz, yz] = Plane::ALL.map(of);
+        PerPlane { xy, xz, yz }
+    }
 }
 
 impl<T: Copy> PerPlane<T> {
@@ -59,11 +77,36 @@ impl<T: Copy> PerPlane<T> {
 
     /// Another value for each plane.
     pub fn map<U>(&self, to: impl Fn(T) -> U) -> PerPlane<U> {
-        per_plane([to(self.xy), to(self.xz), to(self.yz)])
+        PerPlane::from_fn(|plane| to(self.of(plane)))
     }
 }
 
-/// Values for XY, XZ and YZ.
-pub(super) fn per_plane<T>([xy, xz, yz]: [T; 3]) -> PerPlane<T> {
-    PerPlane { xy, xz, yz }
+/// One of the unknowns of (7).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Unknown {
+    Scale(Axis),
+    Squareness(Plane),
+}
+
+impl Unknown {
+    pub(super) const ALL: [Unknown; UNKNOWNS] = [
+        Unknown::Scale(Axis::X),
+        Unknown::Scale(Axis::Y),
+        Unknown::Scale(Axis::Z),
+        Unknown::Squareness(Plane::Xy),
+        Unknown::Squareness(Plane::Xz),
+        Unknown::Squareness(Plane::Yz),
+    ];
+
+    /// The one that the slope of a term is a part of.
+    pub(super) fn of(term: ErrorTerm) -> Unknown {
+        let of_plane = |plane: &Plane| plane.terms().contains(&term);
+        let plane = Plane::ALL.into_iter().find(of_plane);
+        plane.map_or(Unknown::Scale(term.along), Unknown::Squareness)
+    }
+
+    pub(super) fn index(self) -> usize {
+        let place = Self::ALL.iter().position(|known| *known == self);
+        place.unwrap_or(0)
+    }
 }

@@ -17,24 +17,37 @@
 //! With overrun all axes have reversed before the first reading back, and only Σ_k (V_k/R) B_kk
 //! and three combinations of cross terms can be seen: the reversal of a single axis is not
 //! determined.
+//!
+//! There and with forward runs alone a linear measurement of an axis in both directions, which the job
+//! names, tells its reversal at every place:
+//!
+//! ```text
+//!   B(x) = E+(x) − E−(x)      u²(B) = u²(E+) + u²(E−)
+//!   + curve  E(x) + (B(x) − B(x0))/2        − curve  E(x) − (B(x) + B(x0))/2
+//! ```
+//! E is the mean curve of the separation, x0 the low end of the box. The cross terms of that axis
+//! hold the mean of both directions: nothing tells their reversal.
 
-use super::increments::Means;
-use super::noise::{Noise, chance_of, coverage_factor_for};
+use super::curves::{at, mean};
+use super::findings::SeparationFinding;
+use super::noise::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of, float, student};
+use super::readings::{Means, RunCounts};
+use crate::inputs::error_table::ErrorTable;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
-use crate::quantity::units::Squared;
+use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Volume};
+use crate::quantity::units::{Millimetres, Squared};
+use crate::text::finding::Finding;
 use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
 use std::borrow::Cow;
 
 /// Chance that a reversal, an offset or a jump is believed where there is only noise.
 const FALSE_ALARM: f64 = 0.01;
 /// Where both an offset and jumps stand out, one must be so many times as far out of its noise.
 const CLEARLY: f64 = 3.0;
-/// Standard deviation of rounding to 0.01 µm, the last digit of an instrument, µm.
-const DIGIT_UM: f64 = 0.003;
 
 /// A reversal and its standard uncertainty (k = 1; `None` = noise not known), µm.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
 pub struct Estimate {
     /// B: moving + minus moving −.
     pub um: f64,
@@ -72,14 +85,13 @@ impl Turn {
     /// sum of increments is off at the high end is shared out evenly.
     pub fn along(&self, term: ErrorTerm, walk_um: &[f64]) -> Vec<f64> {
         let low = self.low_um[term];
-        let last = walk_um.len().saturating_sub(1).max(1);
+        let last = float(walk_um.len().saturating_sub(1).max(1));
         let off = if term.is_positioning() {
             self.ends[term.along][1].um - low - walk_um.last().copied().unwrap_or(0.0)
         } else {
             0.0
         };
-        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 steps")]
-        let at = |(index, walk): (usize, &f64)| low + walk + off * index as f64 / last as f64;
+        let at = |(index, walk): (usize, &f64)| low + walk + off * float(index) / last;
         walk_um.iter().enumerate().map(at).collect()
     }
 
@@ -102,7 +114,7 @@ struct Jumps {
     variance: PerDiagonal<f64>,
 }
 
-fn jumps(means: &Means, volume: &Volume, runs: &PerDiagonal<[f64; 2]>) -> Option<Jumps> {
+fn jumps(means: &Means, volume: &Volume, runs: &RunCounts) -> Option<Jumps> {
     let reverse = means.reverse.as_ref()?;
     let um = PerDiagonal::from_fn(|d| {
         PerAxis::from_fn(|axis| {
@@ -119,10 +131,10 @@ fn jumps(means: &Means, volume: &Volume, runs: &PerDiagonal<[f64; 2]>) -> Option
 /// Without overrun forward and reverse reading of the last node are one place read twice, and the
 /// reversals follow as jumps; with overrun the offset is there at once and nothing jumps. Both
 /// are tested against the noise of the means.
-pub(crate) fn ran_over(
+pub(super) fn ran_over(
     means: &Means,
     volume: &Volume,
-    runs: &PerDiagonal<[f64; 2]>,
+    runs: &RunCounts,
     noise: Noise,
 ) -> Option<bool> {
     let reverse = means.reverse.as_ref()?;
@@ -133,12 +145,12 @@ pub(crate) fn ran_over(
         let variance = sigma_um * sigma_um * jumps.variance[d] / 2.0;
         (means.forward[d][last] - reverse[d][last]).squared() / variance
     });
-    let own = Axis::ALL.map(|axis| {
-        let fit = Fit::new(volume, axis, &[Column::Own], &jumps);
-        (fit.value(0) / (sigma_um * fit.spread(0))).squared()
+    let by_axis = Axis::ALL.map(|axis| {
+        let fit = Fit::new(axis, &[own(volume, axis)], &jumps);
+        (fit.values[0] / (sigma_um * fit.spread(0))).squared()
     });
     let offset: f64 = offsets.iter().sum::<f64>() / 4.0;
-    let jump: f64 = own.iter().sum::<f64>() / 3.0;
+    let jump: f64 = by_axis.iter().sum::<f64>() / 3.0;
     let offset_shows = chance_of(4.0 * offset, 4, noise.freedom)? < FALSE_ALARM;
     let jump_shows = chance_of(3.0 * jump, 3, noise.freedom)? < FALSE_ALARM;
     match (offset_shows, jump_shows) {
@@ -150,26 +162,22 @@ pub(crate) fn ran_over(
     }
 }
 
-/// An unknown of a fit to the four jumps of an axis.
-#[derive(Clone, Copy, PartialEq)]
-enum Column {
-    /// B of the axis itself, the same at both ends.
-    Own,
-    /// B of the axis itself at one end: diagonals that travel it in + turn at the high one.
-    OwnAt(Direction),
-    /// B of a cross term.
-    Cross(Axis),
+/// What B of a term does to the four jumps of an axis, by diagonal.
+type Column = PerDiagonal<f64>;
+
+/// B of the axis itself, the same at both ends.
+fn own(volume: &Volume, along: Axis) -> Column {
+    PerDiagonal::from_fn(|_| volume.cosine(along))
 }
 
-impl Column {
-    fn factor(self, volume: &Volume, along: Axis, d: Diagonal) -> f64 {
-        match self {
-            Column::Own => volume.cosine(along),
-            Column::OwnAt(direction) if d.forward(along) == direction => volume.cosine(along),
-            Column::OwnAt(_) => 0.0,
-            Column::Cross(of) => d.sign(along) * d.sign(of) * volume.cosine(of),
-        }
-    }
+/// B of the axis itself at one end: diagonals that travel it in + turn at the high one.
+fn own_at(volume: &Volume, along: Axis, end: Direction) -> Column {
+    PerDiagonal::from_fn(|d| f64::from(d.forward(along) == end) * volume.cosine(along))
+}
+
+/// B of a cross term.
+fn cross(volume: &Volume, along: Axis, of: Axis) -> Column {
+    PerDiagonal::from_fn(|d| d.sign(along) * d.sign(of) * volume.cosine(of))
 }
 
 /// Weighted least squares of the jumps of an axis.
@@ -183,33 +191,26 @@ struct Fit {
 }
 
 impl Fit {
-    fn new(volume: &Volume, along: Axis, columns: &[Column], jumps: &Jumps) -> Fit {
+    fn new(along: Axis, columns: &[Column], jumps: &Jumps) -> Fit {
         let variance = Diagonal::ALL.map(|d| jumps.variance[d]);
         let jump = DVector::from_fn(4, |i, _| jumps.um[Diagonal::ALL[i]][along]);
-        let design = DMatrix::from_fn(4, columns.len(), |i, j| {
-            columns[j].factor(volume, along, Diagonal::ALL[i])
-        });
-        let weighed = DMatrix::from_fn(4, columns.len(), |i, j| design[(i, j)] / variance[i]);
-        let normal = weighed.tr_mul(&design);
+        let many = columns.len();
+        let design = DMatrix::from_fn(4, many, |i, j| columns[j][Diagonal::ALL[i]]);
+        let weighed = DMatrix::from_fn(4, many, |i, j| design[(i, j)] / variance[i]);
         // The columns are independent: edges have lengths, and every sign pattern is there once.
-        let inverse = normal.try_inverse();
+        let inverse = weighed.tr_mul(&design).try_inverse();
         let gains = inverse.map_or_else(
-            || DMatrix::zeros(columns.len(), 4),
+            || DMatrix::zeros(many, 4),
             |inverse| inverse * weighed.transpose(),
         );
         let values = &gains * &jump;
         let residual = jump - design * &values;
-        let left = residual.iter().zip(variance).map(|(r, v)| r * r / v).sum();
         Fit {
+            left: residual.iter().zip(variance).map(|(r, v)| r * r / v).sum(),
             gains,
             values,
             variance,
-            left,
         }
-    }
-
-    fn value(&self, unknown: usize) -> f64 {
-        self.values[unknown]
     }
 
     /// Standard deviation for readings of 1 µm.
@@ -220,20 +221,22 @@ impl Fit {
 
     fn estimate(&self, unknown: usize, noise: Option<Noise>) -> Estimate {
         Estimate {
-            um: self.value(unknown),
+            um: self.values[unknown],
             u_um: noise.map(|noise| noise.sigma_um * self.spread(unknown)),
         }
     }
 
     fn shares(&self, unknown: usize) -> PerDiagonal<f64> {
-        let mut column = (0..4).map(|i| self.gains[(unknown, i)]);
-        PerDiagonal::from_fn(|_| column.next().unwrap_or(0.0))
+        let mut column = 0..4;
+        PerDiagonal::from_fn(|_| column.next().map_or(0.0, |i| self.gains[(unknown, i)]))
     }
 }
 
 /// What the jumps of one axis say.
 struct AxisTurn {
+    /// Of the axis itself at both ends, and of both cross terms.
     all: Fit,
+    /// The same without the cross terms that do not stand out; and with one reversal for both ends.
     at_ends: Fit,
     constant: Fit,
     /// The two cross axes, and those of them that stand out.
@@ -248,123 +251,218 @@ impl AxisTurn {
             Axis::Y => [Axis::X, Axis::Z],
             Axis::Z => [Axis::X, Axis::Y],
         };
-        let ends = [
-            Column::OwnAt(Direction::Minus),
-            Column::OwnAt(Direction::Plus),
-        ];
-        let fit = |own: &[Column], cross: &[Axis]| {
-            let cross = cross.iter().map(|of| Column::Cross(*of));
-            let columns: Vec<Column> = own.iter().copied().chain(cross).collect();
-            Fit::new(volume, along, &columns, jumps)
+        let ends = [Direction::Minus, Direction::Plus].map(|end| own_at(volume, along, end));
+        let fit = |own: &[Column], others: &[Axis]| {
+            let crosses = others.iter().map(|of| cross(volume, along, *of));
+            let columns: Vec<Column> = own.iter().copied().chain(crosses).collect();
+            Fit::new(along, &columns, jumps)
         };
         let all = fit(&ends, &others);
-        let stands_out = |place: usize| {
+        let stands_out = |place: &usize| {
             noise.is_some_and(|noise| {
                 let u = noise.sigma_um.max(DIGIT_UM) * all.spread(2 + place);
-                let limit = coverage_factor_for(1.0 - FALSE_ALARM / 2.0, noise.freedom_f64());
-                all.value(2 + place).abs() > limit * u
+                let limit = student(1.0 - FALSE_ALARM / 2.0, noise.freedom_f64());
+                all.values[2 + place].abs() > limit * u
             })
         };
-        let kept: Vec<Axis> = (0..2)
-            .filter(|place| stands_out(*place))
-            .map(|place| others[place])
-            .collect();
+        let kept = (0..2).filter(stands_out).map(|place| others[place]);
+        let kept: Vec<Axis> = kept.collect();
         AxisTurn {
             at_ends: fit(&ends, &kept),
-            constant: fit(&[Column::Own], &kept),
+            constant: fit(&[own(volume, along)], &kept),
             all,
             others,
             kept,
         }
     }
 
-    fn kept_at(&self, of: Axis) -> Option<usize> {
-        self.kept.iter().position(|kept| *kept == of)
-    }
-
-    fn reversal(&self, along: Axis, of: Axis, noise: Option<Noise>) -> Estimate {
+    /// One reversal for the whole axis.
+    fn reversal(&self, of: Axis, noise: Option<Noise>) -> Estimate {
         match self.others.iter().position(|other| *other == of) {
-            Some(place) if of != along => self.all.estimate(2 + place, noise),
-            _ => self.constant.estimate(0, noise),
+            Some(place) => self.all.estimate(2 + place, noise),
+            None => self.constant.estimate(0, noise),
         }
     }
 
     /// The unknown of the curves' fit that is a term's reversal at the low end.
-    fn low(&self, along: Axis, of: Axis) -> Option<usize> {
-        if of == along {
-            Some(0)
-        } else {
-            self.kept_at(of).map(|place| 2 + place)
-        }
+    fn low(&self, of: Axis) -> Option<usize> {
+        let kept = self.kept.iter().position(|kept| *kept == of);
+        let own = (!self.others.contains(&of)).then_some(0);
+        kept.map(|place| 2 + place).or(own)
     }
 
     fn constancy(&self, noise: Option<Noise>) -> Option<f64> {
         let noise = noise.filter(|noise| noise.sigma_um > 0.0)?;
-        let freedom = 3 - self.kept.len();
         let square = self.constant.left / noise.sigma_um.max(DIGIT_UM).squared();
-        chance_of(square, freedom, noise.freedom)
+        chance_of(square, 3 - self.kept.len(), noise.freedom)
     }
 }
 
 /// The reversals of a turn without overrun; `None` without reverse passes.
-pub fn turn(
+pub(super) fn turn(
     means: &Means,
     volume: &Volume,
-    runs: &PerDiagonal<[f64; 2]>,
+    runs: &RunCounts,
     noise: Option<Noise>,
 ) -> Option<Turn> {
     let jumps = jumps(means, volume, runs)?;
     let axes = PerAxis::from_fn(|along| AxisTurn::new(volume, along, &jumps, noise));
-    let low = |term: ErrorTerm| axes[term.along].low(term.along, term.of);
+    let low = |term: ErrorTerm| {
+        let axis = &axes[term.along];
+        Some((&axis.at_ends, axis.low(term.of)?))
+    };
     let alone = |d: Diagonal, axis: Axis| Estimate {
         um: jumps.um[d][axis] / volume.cosine(axis),
         u_um: noise.map(|n| n.sigma_um * jumps.variance[d].sqrt() / volume.cosine(axis)),
     };
     Some(Turn {
-        reversal: PerTerm::from_fn(|term| axes[term.along].reversal(term.along, term.of, noise)),
+        reversal: PerTerm::from_fn(|term| axes[term.along].reversal(term.of, noise)),
         ends: PerAxis::from_fn(|axis| [0, 1].map(|end| axes[axis].at_ends.estimate(end, noise))),
         by_diagonal: PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| alone(d, axis))),
         constancy: PerAxis::from_fn(|axis| axes[axis].constancy(noise)),
         in_curves: PerTerm::from_fn(|term| low(term).is_some()),
-        low_um: PerTerm::from_fn(|term| {
-            low(term).map_or(0.0, |unknown| axes[term.along].at_ends.value(unknown))
-        }),
-        low: PerTerm::from_fn(|term| {
-            low(term).map_or_else(PerDiagonal::default, |unknown| {
-                axes[term.along].at_ends.shares(unknown)
-            })
-        }),
+        low_um: PerTerm::from_fn(|term| low(term).map_or(0.0, |(fit, place)| fit.values[place])),
+        low: PerTerm::from_fn(|term| low(term).map_or_else(Column::default, |(f, i)| f.shares(i))),
         high: PerAxis::from_fn(|axis| axes[axis].at_ends.shares(1)),
     })
 }
 
-/// The means with the turn's jumps taken off the reverse pass, so that its last cell carries the
-/// same increments as the forward pass: those of the lost motion are no error of the interval.
-pub(crate) fn without_jumps(means: &Means, volume: &Volume) -> Means {
-    let Some(reverse) = &means.reverse else {
-        return means.clone();
+/// The readings that are separated: after a turn the jumps are taken off the reverse pass, so that its
+/// last cell carries the same increments as the forward pass: those of the lost motion are no error of
+/// the interval.
+pub(super) fn separable<'a>(measured: &'a Means, volume: &Volume, turned: bool) -> Cow<'a, Means> {
+    let Some(reverse) = measured.reverse.as_ref().filter(|_| turned) else {
+        return Cow::Borrowed(measured);
     };
     let corner = 3 * volume.steps - 3;
-    let reverse = PerDiagonal::from_fn(|diagonal| {
-        let forward = &means.forward[diagonal];
-        let mut readings = reverse[diagonal].clone();
-        let offset = readings[corner] - forward[corner];
-        for node in corner + 1..readings.len() {
-            readings[node] = forward[node] + offset;
-        }
-        readings
-    });
-    Means {
-        forward: means.forward.clone(),
-        reverse: Some(reverse),
+    let mut means = measured.clone();
+    means.reverse = Some(PerDiagonal::from_fn(|diagonal| {
+        let forward = &measured.forward[diagonal];
+        let before = &reverse[diagonal][..=corner];
+        let offset = before[corner] - forward[corner];
+        let moved = forward[corner + 1..].iter().map(|um| um + offset);
+        before.iter().copied().chain(moved).collect()
+    }));
+    Cow::Owned(means)
+}
+
+/// B of a positioning error at the interval ends of the box, from a linear measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearReversal {
+    /// Moving + minus moving −, lowest place first, µm.
+    pub um: Vec<f64>,
+    /// Standard uncertainties (k = 1), µm; `None` = the table gives none.
+    pub u_um: Option<Vec<f64>>,
+}
+
+/// The linear measurements in both directions, by axis; `None` = there is none.
+pub type LinearReversals = PerAxis<Option<LinearReversal>>;
+
+impl LinearReversal {
+    /// B of an axis from a table that covers the box; `None` without both directions.
+    pub(super) fn of_table(volume: &Volume, axis: Axis, table: &ErrorTable) -> Option<Self> {
+        let nodes = volume.positions(axis);
+        let side = |direction: Direction| {
+            let mut series = table.series(axis).iter();
+            let series = series.find(|series| series.direction == Some(direction))?;
+            let values = series.deviations[axis].as_ref()?;
+            let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
+            let over_box = |values: &[f64]| -> Vec<f64> {
+                let node = |node: &Millimetres| at(&series.positions, values, node.mm());
+                nodes.iter().map(node).collect()
+            };
+            let u_um = series.uncertainties_um[axis].as_deref().map(over_box);
+            Some((over_box(&values), u_um))
+        };
+        let ((plus, u_plus), (minus, u_minus)) = (side(Direction::Plus)?, side(Direction::Minus)?);
+        let pairs = |a: Vec<f64>, b: Vec<f64>, of: fn(f64, f64) -> f64| {
+            a.into_iter().zip(b).map(|(a, b)| of(a, b)).collect()
+        };
+        Some(LinearReversal {
+            um: pairs(plus, minus, |plus, minus| plus - minus),
+            u_um: u_plus.zip(u_minus).map(|(a, b)| pairs(a, b, f64::hypot)),
+        })
+    }
+
+    /// The largest of its uncertainties: its readings may share causes.
+    fn u_largest_um(&self) -> Option<f64> {
+        Some(self.u_um.as_ref()?.iter().copied().fold(0.0, f64::max))
     }
 }
 
-/// The readings that are separated: without the jumps of a turn.
-pub(super) fn separable<'a>(measured: &'a Means, volume: &Volume, turned: bool) -> Cow<'a, Means> {
-    if turned {
-        Cow::Owned(without_jumps(measured, volume))
-    } else {
-        Cow::Borrowed(measured)
+/// Reversal along the diagonals that passes with overrun show: the largest B at a cell end, µm;
+/// `None` where the mean of forward minus reverse readings is within their noise. The reversal of
+/// a single axis is hidden in it, so that no curve holds it. What linear measurements tell of
+/// single axes, Σ_k (V_k/R) B_k at each place, is taken off.
+pub(super) fn hidden_reversal_um(
+    means: &Means,
+    noise: Option<Noise>,
+    volume: &Volume,
+    known: &LinearReversals,
+) -> Option<f64> {
+    let reverse = means.reverse.as_ref()?;
+    let known = known
+        .iter()
+        .filter_map(|(axis, b)| Some((axis, b.as_ref()?)));
+    let known: Vec<(Axis, &LinearReversal, Vec<Millimetres>)> = known
+        .map(|(axis, b)| (axis, b, volume.positions(axis)))
+        .collect();
+    let beside = |d: Diagonal| -> Vec<f64> {
+        let of_known = |node: usize| -> f64 {
+            let place = volume.place(d, PathKind::Step, node);
+            let b = known.iter().map(|(axis, b, positions)| {
+                volume.cosine(*axis) * at(positions, &b.um, place[*axis].mm())
+            });
+            b.sum()
+        };
+        let pairs = means.forward[d].iter().zip(&reverse[d]).enumerate();
+        pairs
+            .map(|(node, (forward, back))| forward - back - of_known(node))
+            .collect()
+    };
+    let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
+    let u_known = known
+        .iter()
+        .filter_map(|(axis, b, _)| Some((volume.cosine(*axis) * b.u_largest_um()?).squared()));
+    let u_known = u_known.sum::<f64>().sqrt();
+    let shown = |b: &Vec<f64>| {
+        // Six standard deviations of a mean difference.
+        let of_noise = std::f64::consts::SQRT_2 * sigma / float(b.len()).sqrt();
+        mean(b.iter().copied()).abs() > (6.0 * of_noise.hypot(u_known)).max(UNRESOLVED_UM)
+    };
+    let shown = Diagonal::ALL.map(beside).into_iter().filter(shown);
+    let largest = |b: Vec<f64>| {
+        b.iter()
+            .step_by(3)
+            .fold(0.0, |most: f64, um| most.max(um.abs()))
+    };
+    shown.map(largest).reduce(f64::max)
+}
+
+/// Where the turn and the linear measurement of an axis contradict each other by more than six
+/// standard deviations: the axes turned otherwise than was stated, or the two were not measured in
+/// the same state.
+pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<Finding> {
+    let of_axis = |(axis, linear): (Axis, &Option<LinearReversal>)| {
+        let linear = linear.as_ref()?;
+        let of_turn = turn.reversal[own_term(axis)];
+        let (turn_um, linear_um) = (of_turn.um, mean(linear.um.iter().copied()));
+        let limit = 6.0 * of_turn.u_um?.hypot(linear.u_largest_um()?);
+        let apart = (turn_um - linear_um).abs() > limit.max(UNRESOLVED_UM);
+        apart.then(|| {
+            Finding::from(SeparationFinding::TurnAgainstLinear {
+                axis,
+                turn_um,
+                linear_um,
+            })
+        })
+    };
+    reversals.iter().filter_map(of_axis).collect()
+}
+
+pub(super) const fn own_term(axis: Axis) -> ErrorTerm {
+    ErrorTerm {
+        of: axis,
+        along: axis,
     }
 }

@@ -1,31 +1,25 @@
 //! A whole measurement of step diagonals, from its runs to the nine errors.
 
-use crate::machine::separation::angle_bound::counted_angles;
-
 use super::agreement::Agreement;
-use super::campaign::{Campaign, corrected};
-use super::closure::{Closure, Known, closure};
-use super::corrections::recorded;
-use super::curves::{Curve, with_slope};
-use super::evidence::{Evidence, NineErrors, least_squares_squareness};
+use super::angle_bound::AngleBound;
+use super::campaign::Campaign;
+use super::closure::{Closure, Known, Start, closure, large_noise};
+use super::curves::Curve;
 use super::exchange::{AsRead, names};
-use super::increments::{Group, Means};
-use super::labels::labels;
-use super::linear_reversal::{self, LinearReversals};
+use super::labels;
 use super::metric::{Metric, PerPlane, Plane};
-use super::noise::{CorrectedRun, Noise, coverage_factor, known_noise, means, run_counts};
-use super::not_counted::{Figures, NotCounted};
-use super::repeats::repeats;
-use super::reversal::{Turn, ran_over, separable, turn};
-use super::solved::{naive_squareness, solve_readings};
-use super::straight::{DiagonalFigures, figures};
-use super::tilt::{Tilt, tilts};
-use super::uncertainty::Budget;
-use super::{doubt, unmeasured};
+use super::noise::Noise;
+use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
+use super::reversal::{
+    LinearReversals, Turn, contradictions, hidden_reversal_um, ran_over, separable, turn,
+};
+use super::solved::{Evidence, NineErrors, Solved, Tilt, naive_squareness};
+use super::uncertainty::{Budget, SlopeUncertainty};
+use super::unmeasured::NotCounted;
 use crate::inputs::job::{Material, SetUp};
-use crate::machine::separation::evidence::set_apart;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Run, Volume};
+use crate::text::finding::Finding;
 
 /// What a measurement of step diagonals says, and what it does not.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,12 +36,10 @@ pub struct Separation {
     pub naive_slopes_um_per_m: PerTerm<f64>,
     /// Squareness φ, µm/m, from the totals.
     pub squareness_um_per_m: PerPlane<Option<f64>>,
-    /// Its standard uncertainty, µm/m; `None` = not known.
-    pub u_squareness_um_per_m: PerPlane<Option<f64>>,
+    /// Its uncertainty; `None` = not known.
+    pub u_squareness: PerPlane<Option<SlopeUncertainty>>,
     /// What the job does not state and no uncertainty holds.
     pub not_counted: NotCounted,
-    /// Effective degrees of freedom of that; `None` = unlimited, or not known.
-    pub squareness_freedom: PerPlane<Option<f64>>,
     /// φ of least squares lines through the separated curves, µm/m.
     pub squareness_least_squares_um_per_m: PerPlane<Option<f64>>,
     /// Scales, squareness, rank.
@@ -76,13 +68,13 @@ pub struct Separation {
     pub hidden_reversal_um: Option<f64>,
     /// S, µm·mm.
     pub scale_sum_um_mm: f64,
-    /// What is not determined, in words.
-    pub undetermined: Vec<String>,
-    /// Why the result is doubtful, one sentence each; empty = nothing speaks against it.
-    /// `separate` then answers no, and a verdict on a kit made from it is undecided at most.
-    pub doubts: Vec<String>,
-    /// What was assumed and what the uncertainty holds, in words.
-    pub labels: Vec<String>,
+    /// What is not determined.
+    pub undetermined: Vec<Finding>,
+    /// Why the result is doubtful; empty = nothing speaks against it. Otherwise `separate` answers no,
+    /// and a verdict on a kit made from it is undecided at most.
+    pub doubts: Vec<Finding>,
+    /// What was assumed and what the uncertainty holds.
+    pub labels: Vec<Finding>,
     /// Expansion of the scales at the mean of the recorded temperatures.
     pub material: Option<Material>,
     /// The corrected runs.
@@ -136,8 +128,8 @@ impl Separation {
 
     /// U of φ, µm/m: its uncertainty with the coverage factor of its degrees of freedom.
     pub fn expanded_squareness_um_per_m(&self, plane: Plane) -> Option<f64> {
-        let k = coverage_factor(self.squareness_freedom.of(plane));
-        self.u_squareness_um_per_m.of(plane).map(|u| k * u)
+        let u = self.u_squareness.of(plane);
+        u.map(|u| u.expanded_um_per_m())
     }
 
     /// Rank and number of unknowns: of formula (7), or of the slopes where the set-up is assumed.
@@ -147,153 +139,139 @@ impl Separation {
             SetUp::AssumePerfect => (9, 9),
         }
     }
-
-    /// Groups of readings that were separated.
-    pub fn groups(&self) -> &'static [Group] {
-        self.means.groups()
-    }
 }
 
 /// Separates a complete measurement of step diagonals.
 pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let measurement = campaign.measurement;
     let volume = &measurement.volume;
-    let material = measurement.material;
-    let material = material.map(|material| recorded(&material, raw_runs));
-    let runs = corrected(campaign, raw_runs);
-    let counts = run_counts(&runs);
-    let measured = means(&runs);
-    let repeats = repeats(&runs);
-    let known = known_noise(&campaign.stated, repeats.noise);
-    let guess = || {
+    let start = Start::new(campaign, raw_runs);
+    let measured = means(&start.runs);
+    let overrun = overrun(campaign, &start, &measured);
+    let turned = overrun == Some(false);
+    let means = separable(&measured, volume, turned);
+    let known = Known {
+        noise: start.noise,
+        outliers: &start.outliers,
+        skip_ends: means.reverse.is_some() && overrun != Some(true),
+    };
+    let closure = closure(volume, &means, &start.counts, known);
+    let noise = start.noise.or_else(|| closure.noise());
+    let budget = start.budget(campaign, noise, turned);
+    let zeroed = figures(&start.zeroed_runs, PathKind::Step);
+    let mut found = evaluated(campaign, &budget, (&measured, &means), closure, overrun);
+    for diagonal in Diagonal::ALL {
+        found.diagonals[diagonal].range_um = zeroed.0[diagonal].range_um;
+    }
+    found.range_over_all_um = zeroed.1;
+    found.say(campaign, raw_runs, &start);
+    Separation {
+        material: start.material,
+        runs: start.runs,
+        zeroed_runs: start.zeroed_runs,
+        ..found
+    }
+}
+
+/// What readings say; `means`: as measured, and without the jumps of a turn.
+fn evaluated(
+    campaign: &Campaign<'_>,
+    budget: &Budget<'_>,
+    (measured, means): (&Means, &Means),
+    closure: Closure,
+    overrun: Option<bool>,
+) -> Separation {
+    let (volume, noise) = (budget.volume, budget.noise);
+    let mut solved = Solved::new(campaign, budget, means);
+    let agreement = solved.judged();
+    let turn = turn(measured, volume, budget.runs, noise).filter(|_| budget.turned);
+    let reversals = Some(&campaign.reversals).filter(|_| !budget.turned);
+    let reversals = reversals.cloned().unwrap_or_default();
+    let gains = solved.gains();
+    let bound = AngleBound::of(campaign, &gains);
+    let mut errors = solved.errors(&gains, turn.as_ref(), &reversals);
+    let separated = |term| solved.keeps_separated_slope(term);
+    errors.add_unmeasured(volume, &campaign.stated, bound.as_ref(), separated);
+    let of_angles = AngleBound::counted(bound.as_ref(), &campaign.stated);
+    let u_squareness = solved.u_squareness(&gains, &of_angles);
+    let mut labels = labels::of_steps(campaign, budget, means, overrun, turn.as_ref());
+    labels.extend(labels::of_reversals(&reversals, measured.reverse.is_none()));
+    labels.extend(solved.labels(agreement.is_some()));
+    let hidden = overrun == Some(true) && campaign.reverse_zero_known;
+    Separation {
+        volume: volume.clone(),
+        setup: solved.setup,
+        shapes: solved.shapes(),
+        naive_slopes_um_per_m: solved.naive.clone(),
+        squareness_um_per_m: solved.squareness(),
+        not_counted: NotCounted::of(campaign, bound.as_ref(), &errors, &u_squareness, &gains),
+        u_squareness,
+        squareness_least_squares_um_per_m: errors.least_squares_squareness(volume),
+        tilts: solved.tilts(),
+        undetermined: solved.undetermined(turn.is_some(), &reversals),
+        scale_sum_um_mm: solved.totals.scale_sum_um_mm,
+        doubts: closure.doubts(noise, volume, solved.setup),
+        labels,
+        agreement,
+        errors,
+        closure,
+        noise,
+        diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {
+            end_um: solved.ends_um[d],
+            range_um: 0.0,
+        }),
+        range_over_all_um: 0.0,
+        overrun,
+        turn,
+        hidden_reversal_um: hidden
+            .then(|| hidden_reversal_um(measured, noise, volume, &reversals))
+            .flatten(),
+        linear_reversals: reversals,
+        material: budget.material,
+        means: measured.clone(),
+        metric: solved.metric.clone(),
+        runs: Vec::new(),
+        zeroed_runs: Vec::new(),
+    }
+}
+
+impl Separation {
+    /// What remains to be said: the names of the diagonals, noise, lines and reversals.
+    fn say(&mut self, campaign: &Campaign<'_>, raw_runs: &[Run], start: &Start) {
+        let as_read = AsRead {
+            start,
+            closure: &self.closure,
+            noise: self.noise,
+            overrun: self.overrun,
+        };
+        let names = names(campaign, raw_runs, &as_read);
+        self.labels.extend(names.blind);
+        let contradiction = self.agreement.as_ref().and_then(Agreement::contradiction);
+        let turn = self.turn.iter();
+        let doubts = large_noise(self.noise, campaign.stated.noise_um)
+            .into_iter()
+            .chain(contradiction.map(Finding::from))
+            .chain(turn.flat_map(|turn| contradictions(turn, &campaign.reversals)));
+        self.doubts.extend(doubts);
+        self.doubts.splice(0..0, names.doubt);
+    }
+}
+
+/// Whether the axes ran over the far end: as stated, else as the readings tell.
+fn overrun(campaign: &Campaign<'_>, start: &Start, measured: &Means) -> Option<bool> {
+    measured.reverse.as_ref()?;
+    let volume = &campaign.measurement.volume;
+    let judged = || {
         let rough = Known {
             skip_ends: true,
             ..Known::default()
         };
-        known.or_else(|| closure(volume, &measured, &counts, rough).noise())
+        let guess = || closure(volume, measured, &start.counts, rough).noise();
+        let noise = start.noise.or_else(guess);
+        ran_over(measured, volume, &start.counts, noise?)
     };
-    let overrun = measurement.overrun.filter(|_| measured.reverse.is_some());
-    let overrun = overrun.or_else(|| {
-        let judgeable = measured.reverse.is_some() && campaign.reverse_zero_known;
-        judgeable.then(|| ran_over(&measured, volume, &counts, guess()?))?
-    });
-    let turned = overrun == Some(false);
-    let means = separable(&measured, volume, turned);
-    let judged = Known {
-        noise: known,
-        outliers: &repeats.outliers,
-        skip_ends: means.reverse.is_some() && overrun != Some(true),
-    };
-    let closure = closure(volume, &means, &counts, judged);
-    let noise = known.or_else(|| closure.noise());
-    let budget = Budget {
-        volume,
-        noise,
-        runs: &counts,
-        turned,
-        stated: campaign.stated,
-        material,
-    };
-    let (mut solved, raw) = solve_readings(campaign, &budget, &means);
-    let agreement = solved.agreement(&budget);
-    let refuted = agreement.as_ref().is_some_and(Agreement::is_refuted);
-    if refuted {
-        solved.metric.u_known = Default::default();
-    }
-    let gains = solved.gains(&budget);
-    let turn = turn(&measured, volume, &counts, noise).filter(|_| turned);
-    let mut errors = solved.errors(&budget, &gains, &raw, turn.as_ref());
-    let reversals = campaign.reversals.clone();
-    let reversals = if turned {
-        LinearReversals::default()
-    } else {
-        reversals
-    };
-    set_apart(&mut errors, &reversals);
-    let slope_gains = solved.slope_gains(&gains);
-    let angles = campaign.angle_evidence();
-    let angles = angles.bound(volume, measurement.target, &slope_gains);
-    unmeasured::book(
-        &mut errors,
-        volume,
-        &campaign.stated,
-        angles.as_ref(),
-        &|term| solved.keeps_separated_slope(term),
-    );
-    let counted = counted_angles(angles.as_ref(), &campaign.stated);
-    let u_squareness = solved.u_squareness(&budget, &gains, &counted);
-    let figures_of = Figures {
-        volume,
-        errors: &errors,
-        u_squareness: u_squareness.map(|u| Some(u?.u_um_per_m)),
-        gains: &slope_gains,
-    };
-    let reflector = measurement.target;
-    let not_counted = NotCounted::of(&figures_of, &campaign.stated, reflector, angles.as_ref());
-    let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
-    let zeroed_runs: Vec<CorrectedRun> = runs.iter().filter(zeroed).cloned().collect();
-    let (mut diagonals, range_over_all_um) = figures(&zeroed_runs, PathKind::Step);
-    for diagonal in Diagonal::ALL {
-        diagonals[diagonal].end_um = solved.ends_um[diagonal];
-    }
-    let mut labels = labels(campaign, &budget, &means, overrun, turn.as_ref());
-    labels.extend(linear_reversal::label(
-        &reversals,
-        measured.reverse.is_none(),
-    ));
-    labels.extend(solved.labels(agreement.is_some()));
-    let mut doubts = doubt::of_closure(&closure, noise, volume, measurement.setup);
-    let as_read = AsRead {
-        closure: &closure,
-        noise,
-        overrun,
-    };
-    let names = names(campaign, raw_runs, &as_read);
-    doubts.splice(0..0, names.doubt);
-    doubts.extend(doubt::of_noise(noise, campaign.stated.noise_um));
-    labels.extend(names.blind);
-    doubts.extend(agreement.as_ref().and_then(Agreement::contradiction));
-    let of_turn = turn.iter();
-    doubts.extend(
-        of_turn.flat_map(|turn| linear_reversal::contradictions(turn, &campaign.reversals)),
-    );
-    let hidden = (overrun == Some(true) && campaign.reverse_zero_known)
-        .then(|| doubt::hidden_reversal_um(&measured, noise, volume, &reversals))
-        .flatten();
-    Separation {
-        volume: volume.clone(),
-        setup: measurement.setup,
-        shapes: PerTerm::from_fn(|term| {
-            with_slope(volume, term.along, &solved.mean_raw[term], 0.0)
-        }),
-        naive_slopes_um_per_m: solved.naive_slopes(volume),
-        squareness_um_per_m: solved.squareness(measurement.setup),
-        not_counted,
-        u_squareness_um_per_m: u_squareness.map(|u| Some(u?.u_um_per_m)),
-        squareness_freedom: u_squareness.map(|u| u?.freedom),
-        squareness_least_squares_um_per_m: least_squares_squareness(volume, &errors.mean),
-        tilts: tilts(volume, &solved.ratios, &solved.metric)
-            .filter(|_| measurement.setup == SetUp::Solve && !refuted),
-        undetermined: solved.undetermined(turn.is_some(), &reversals),
-        scale_sum_um_mm: solved.totals.scale_sum_um_mm,
-        metric: solved.metric,
-        agreement,
-        material,
-        errors,
-        closure,
-        noise,
-        diagonals,
-        range_over_all_um,
-        overrun,
-        turn,
-        linear_reversals: reversals,
-        hidden_reversal_um: hidden,
-        doubts,
-        labels,
-        runs,
-        zeroed_runs,
-        means: measured,
-    }
+    let stated = campaign.measurement.overrun;
+    stated.or_else(|| campaign.reverse_zero_known.then(judged)?)
 }
 
 /// Nine curves (without regard to direction, without uncertainties) and squareness of mean
@@ -302,17 +280,9 @@ pub fn curves_of(
     campaign: &Campaign<'_>,
     budget: &Budget<'_>,
     means: &Means,
-) -> (NineErrors, PerPlane<Option<f64>>) {
+) -> (PerTerm<Option<Curve>>, PerPlane<Option<f64>>) {
     let means = separable(means, budget.volume, budget.turned);
-    let (solved, _) = solve_readings(campaign, budget, &means);
-    let mean = PerTerm::from_fn(|term| {
-        let curve = solved.turned(term, &solved.mean_raw[term])?;
-        Some(Evidence::new(curve, None))
-    });
-    let errors = NineErrors {
-        mean,
-        plus: None,
-        minus: None,
-    };
-    (errors, solved.squareness(campaign.measurement.setup))
+    let solved = Solved::new(campaign, budget, &means);
+    let curves = PerTerm::from_fn(|term| solved.turned(term, &solved.mean_raw[term]));
+    (curves, solved.squareness())
 }

@@ -1,384 +1,293 @@
-//! Slopes of the nine curves and what they come from: increments, totals and lines.
+//! Slopes of the nine curves, from increments, totals and lines, and the curves with their uncertainties.
 
-use super::agreement::{Agreement, agreement};
-use super::beams::without_shapes;
-use super::campaign::Campaign;
-use super::curves::{Curve, curves, end_slope, mean, plus_line};
-use super::evidence::{Evidence, NineErrors};
-use super::increments::{Increments, Means, mean_increments};
-use super::linear_reversal::LinearReversals;
-use super::metric::{
-    EndGains, Metric, PerPlane, Plane, StraightLine, displacement_ratios, end_gains, solve, stepped,
+use super::agreement::Agreement;
+use super::campaign::{Campaign, Line};
+use super::curves::{
+    Curve, ReferenceLine, at, curves, end_slope, mean_curve, plus_line, with_slope,
 };
-use super::plane::per_plane;
-use super::reversal::Turn;
-use super::slope_gains::SlopeGains;
+use super::metric::{ByTotals, Equations, Metric, PerPlane, Plane, displacement_ratios, stepped};
+use super::noise::{Noise, coverage_factor, effective_freedom};
+use super::plane::Unknown;
+use super::readings::{Increments, Means, mean_increments};
+use super::reversal::{LinearReversal, LinearReversals, Turn, own_term};
+use super::slopes::{Rule, SlopeGains, Totals, totals, twin};
 use super::uncertainty::{Budget, Side, Slope, SlopeFrom, SlopeUncertainty};
 use crate::inputs::job::{Frame, SetUp};
-use crate::machine::separation::totals::{Totals, totals};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
+use crate::quantity::diagonal::{PerDiagonal, Volume};
+use crate::quantity::units::Squared;
 
-/// Slopes and the curves of every group of readings.
-pub(super) fn solve_readings(
-    campaign: &Campaign<'_>,
-    budget: &Budget<'_>,
-    means: &Means,
-) -> (Solved, Vec<PerTerm<Curve>>) {
-    let volume = budget.volume;
-    let groups = means.groups();
-    let increments: Vec<Increments> = groups
-        .iter()
-        .map(|group| means.increments(volume, *group))
-        .collect();
-    let raw: Vec<PerTerm<Curve>> = increments.iter().map(|m| curves(volume, m)).collect();
-    let solved = Solved::new(campaign, budget, &increments, &raw);
-    (solved, raw)
-}
+/// Seconds of arc in one radian.
+const ARCSEC_PER_RADIAN: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
-/// Slopes and what they come from.
-pub(super) struct Solved {
-    volume: Volume,
-    setup: SetUp,
-    frame: Frame,
+/// Curves of every group of readings, and what their slopes come from.
+pub(super) struct Solved<'a> {
+    pub(super) budget: &'a Budget<'a>,
+    pub(super) setup: SetUp,
+    pub(super) frame: Frame,
+    /// The curves of each group, with the slopes of the increments.
+    raw: Vec<PerTerm<Curve>>,
     pub(super) mean_raw: PerTerm<Curve>,
-    pub(super) ratios: PerDiagonal<PerAxis<f64>>,
+    /// Slopes of the increments, µm/m.
+    pub(super) naive: PerTerm<f64>,
+    ratios: PerDiagonal<PerAxis<f64>>,
+    equations: Equations,
     pub(super) metric: Metric,
+    /// Whether linear axes and beams contradict the diagonals.
+    is_refuted: bool,
     pub(super) ends_um: PerDiagonal<f64>,
     pub(super) totals: Totals,
-    lines: Vec<StraightLine>,
-    pub(super) both_ways: bool,
 }
 
-impl Solved {
-    fn new(
+impl<'a> Solved<'a> {
+    pub(super) fn new(
         campaign: &Campaign<'_>,
-        budget: &Budget<'_>,
-        increments: &[Increments],
-        raw: &[PerTerm<Curve>],
-    ) -> Solved {
+        budget: &'a Budget<'a>,
+        means: &Means,
+    ) -> Solved<'a> {
         let measurement = campaign.measurement;
-        let volume = &measurement.volume;
-        let means = mean_increments(increments);
-        let ratios = displacement_ratios(volume, &means);
-        let both_ways = increments.len() == 2;
-        let mean_raw = PerTerm::from_fn(|term| {
-            mean(&raw.iter().map(|group| &group[term]).collect::<Vec<_>>())
-        });
-        let lines = campaign.lines.iter();
-        let lines: Vec<StraightLine> = lines
-            .map(|line| without_shapes(budget, both_ways, &mean_raw, line))
+        let volume = budget.volume;
+        let groups = means.groups().iter();
+        let increments: Vec<Increments> = groups
+            .map(|group| means.increments(volume, *group))
             .collect();
-        let end = |d: Diagonal| {
+        let raw: Vec<PerTerm<Curve>> = increments.iter().map(|m| curves(volume, m)).collect();
+        let mean_raw = PerTerm::from_fn(|term| mean_curve(&raw, term));
+        let means = mean_increments(&increments);
+        let ratios = displacement_ratios(volume, &means);
+        let lines = campaign.lines.iter();
+        let lines: Vec<Line> = lines
+            .map(|line| without_shapes(budget, &mean_raw, line))
+            .collect();
+        let ends_um = PerDiagonal::from_fn(|d| {
             let of_axis = |axis: Axis| volume.steps_f64() * means[d][axis];
             Axis::ALL.into_iter().map(of_axis).sum::<f64>()
-        };
-        let ends_um = PerDiagonal::from_fn(end);
+        });
+        let equations = Equations::new(volume, &stepped(&ratios), &budget.totals(), &lines);
         Solved {
-            volume: volume.clone(),
+            budget,
             setup: measurement.setup,
             frame: measurement.frame,
+            naive: PerTerm::from_fn(|term| end_slope(volume, term.along, &mean_raw[term])),
+            raw,
             mean_raw,
-            metric: solve(volume, &stepped(&ratios), &budget.totals(both_ways), &lines),
             ratios,
+            metric: equations.metric(),
+            is_refuted: false,
+            equations,
             totals: totals(volume, &ends_um),
             ends_um,
-            lines,
-            both_ways,
         }
     }
 
-    pub(super) fn naive_slopes(&self, volume: &Volume) -> PerTerm<f64> {
-        PerTerm::from_fn(|term| end_slope(volume, term.along, &self.mean_raw[term]))
-    }
-
-    pub(super) fn squareness(&self, setup: SetUp) -> PerPlane<Option<f64>> {
-        match setup {
-            SetUp::Solve => self.metric.squareness,
-            SetUp::AssumePerfect => PerPlane {
-                xy: Some(self.totals.squareness_um_per_m.xy),
-                xz: Some(self.totals.squareness_um_per_m.xz),
-                yz: Some(self.totals.squareness_um_per_m.yz),
-            },
-        }
-    }
-
-    /// Slope of a term, µm/m; `None` = not determined.
-    fn slope(&self, term: ErrorTerm) -> Option<f64> {
-        let naive = |term: ErrorTerm| end_slope(&self.volume, term.along, &self.mean_raw[term]);
-        match (self.setup, self.frame) {
-            (SetUp::Solve, Frame::XPrimary) => self.metric_slope(term),
-            (SetUp::Solve, Frame::AsMeasured) if term.is_positioning() => {
-                self.metric.scale[term.along]
-            }
-            // The rotation is that of the separated slopes, their sum that of the totals.
-            (SetUp::Solve, Frame::AsMeasured) => {
-                let twin = ErrorTerm {
-                    of: term.along,
-                    along: term.of,
-                };
-                let turn = (naive(term) - naive(twin)) / 2.0;
-                Some(self.metric.squareness.of(plane_of(term))? / 2.0 + turn)
-            }
-            (SetUp::AssumePerfect, Frame::AsMeasured) => Some(naive(term)),
-            (SetUp::AssumePerfect, Frame::XPrimary) if term.is_positioning() => Some(naive(term)),
-            (SetUp::AssumePerfect, Frame::XPrimary) if carries_squareness(term) => {
-                Some(self.totals.squareness_um_per_m.of(plane_of(term)))
-            }
-            (SetUp::AssumePerfect, Frame::XPrimary) => Some(0.0),
-        }
-    }
-
-    fn metric_slope(&self, term: ErrorTerm) -> Option<f64> {
-        if term.is_positioning() {
-            self.metric.scale[term.along]
-        } else if carries_squareness(term) {
-            self.metric.squareness.of(plane_of(term))
-        } else {
-            Some(0.0)
-        }
+    fn rule(&self, term: ErrorTerm) -> Rule {
+        Rule::of(self.setup, self.frame, term)
     }
 
     /// Whether the slope of a term is that of the increments, with the tilt of the mirror.
     pub(super) fn keeps_separated_slope(&self, term: ErrorTerm) -> bool {
-        match (self.setup, self.frame) {
-            (SetUp::Solve, _) => false,
-            (SetUp::AssumePerfect, Frame::AsMeasured) => true,
-            (SetUp::AssumePerfect, Frame::XPrimary) => term.is_positioning(),
-        }
+        self.rule(term).keeps_separated_slope()
     }
 
-    /// Where the slope of a term comes from; `None` where its uncertainty is not known.
-    fn slope_from(
-        &self,
-        budget: &Budget<'_>,
-        gains: &EndGains,
-        term: ErrorTerm,
-    ) -> Option<SlopeFrom> {
-        if self.keeps_separated_slope(term) {
-            return Some(SlopeFrom::Increments);
-        }
-        let slope = match (self.setup, self.frame) {
-            (SetUp::Solve, _) if term.is_positioning() => Slope {
-                u_um_per_m: self.metric.u_scale(term.along)?,
-                by_end: gains.scale(term.along),
-                rotation_um_per_m: 0.0,
-            },
-            (SetUp::Solve, Frame::AsMeasured) => {
-                let half = self.squareness_slope(budget, gains, plane_of(term))?;
-                let (noise, all) = budget.u_turn(term, self.both_ways)?;
-                Slope {
-                    u_um_per_m: (half.u_um_per_m / 2.0).hypot(all),
-                    by_end: PerDiagonal::from_fn(|d| half.by_end[d] / 2.0),
-                    rotation_um_per_m: noise,
-                }
+    /// A scale or a squareness, µm/m; `None` = not determined.
+    fn figure(&self, unknown: Unknown) -> Option<f64> {
+        match (self.setup, unknown) {
+            (SetUp::AssumePerfect, Unknown::Squareness(plane)) => {
+                Some(self.totals.squareness_um_per_m.of(plane))
             }
-            (_, Frame::XPrimary) if !carries_squareness(term) => Slope::default(),
-            _ => self.squareness_slope(budget, gains, plane_of(term))?,
-        };
-        Some(SlopeFrom::Elsewhere(slope))
+            _ => self.metric.value(unknown),
+        }
     }
 
-    /// φ as a slope; `None` where its uncertainty is not known.
-    fn squareness_slope(
-        &self,
-        budget: &Budget<'_>,
-        gains: &EndGains,
-        plane: Plane,
-    ) -> Option<Slope> {
-        let of_totals = budget.u_squareness(self.both_ways)?.of(plane);
-        let (u_um_per_m, by_end) = match self.setup {
-            SetUp::Solve => (self.metric.u_squareness(plane)?, gains.squareness(plane)),
-            SetUp::AssumePerfect => (of_totals, self.by_end_of_totals(plane)),
+    pub(super) fn squareness(&self) -> PerPlane<Option<f64>> {
+        PerPlane::from_fn(|plane| self.figure(Unknown::Squareness(plane)))
+    }
+
+    /// Slope of a term, µm/m; `None` = not determined.
+    fn slope(&self, term: ErrorTerm) -> Option<f64> {
+        let rule = self.rule(term);
+        let figure = match rule.figure {
+            None => 0.0,
+            Some((unknown, share)) => share * self.figure(unknown)?,
+        };
+        Some(figure + rule.own * self.naive[term] + rule.of_twin * self.naive[twin(term)])
+    }
+
+    /// Slopes and squareness as functions of totals and separated slopes.
+    pub(super) fn gains(&self) -> SlopeGains {
+        let volume = self.budget.volume;
+        // Change of φ of formula (4) with each total.
+        let of_totals = |unknown: Unknown| {
+            PerDiagonal::from_fn(|d| match unknown {
+                Unknown::Scale(_) => 0.0,
+                Unknown::Squareness(plane) => {
+                    let one = PerDiagonal::from_fn(|other| f64::from(other == d));
+                    totals(volume, &one).squareness_um_per_m.of(plane)
+                }
+            })
+        };
+        SlopeGains {
+            rules: PerTerm::from_fn(|term| self.rule(term)),
+            by_total: match self.setup {
+                SetUp::Solve => self.equations.by_totals(volume),
+                SetUp::AssumePerfect => ByTotals::from_fn(of_totals),
+            },
+            own_slopes: self.frame == Frame::AsMeasured,
+        }
+    }
+
+    /// A scale or a squareness as a slope; `None` where its uncertainty is not known.
+    fn figure_slope(&self, gains: &SlopeGains, unknown: Unknown) -> Option<Slope> {
+        let of_totals = self.budget.u_squareness()?;
+        let u_um_per_m = match (self.setup, unknown) {
+            (SetUp::AssumePerfect, Unknown::Squareness(plane)) => of_totals.of(plane),
+            _ => self.metric.u(unknown)?,
         };
         Some(Slope {
             u_um_per_m,
-            by_end,
+            by_end: gains.by_end(unknown),
             rotation_um_per_m: 0.0,
         })
     }
 
-    /// Change of φ of formula (4) with each total, µm/m for each µm.
-    fn by_end_of_totals(&self, plane: Plane) -> PerDiagonal<f64> {
-        PerDiagonal::from_fn(|d| {
-            let one = PerDiagonal::from_fn(|other| f64::from(other == d));
-            totals(&self.volume, &one).squareness_um_per_m.of(plane)
-        })
+    /// Where the slope of a term comes from; `None` where its uncertainty is not known.
+    fn slope_from(&self, gains: &SlopeGains, term: ErrorTerm) -> Option<SlopeFrom> {
+        let rule = self.rule(term);
+        if rule.keeps_separated_slope() {
+            return Some(SlopeFrom::Increments);
+        }
+        let Some((unknown, share)) = rule.figure else {
+            return Some(SlopeFrom::Elsewhere(Slope::default()));
+        };
+        let whole = self.figure_slope(gains, unknown)?;
+        let (noise, all) = if rule.own > 0.0 {
+            self.budget.u_turn(term)?
+        } else {
+            (0.0, 0.0)
+        };
+        Some(SlopeFrom::Elsewhere(Slope {
+            u_um_per_m: (share * whole.u_um_per_m).hypot(all),
+            by_end: PerDiagonal::from_fn(|d| share * whole.by_end[d]),
+            rotation_um_per_m: noise,
+        }))
     }
 
     /// Uncertainty of φ; `angles` = that of the unmeasured angles, µm/m.
     pub(super) fn u_squareness(
         &self,
-        budget: &Budget<'_>,
-        gains: &EndGains,
+        gains: &SlopeGains,
         angles: &PerPlane<f64>,
     ) -> PerPlane<Option<SlopeUncertainty>> {
-        per_plane(Plane::ALL.map(|plane| {
-            let slope = self.squareness_slope(budget, gains, plane)?;
+        PerPlane::from_fn(|plane| {
+            let slope = self.figure_slope(gains, Unknown::Squareness(plane))?;
             let u_um_per_m = slope.u_um_per_m.hypot(angles.of(plane));
-            budget.of_slope(
-                &Slope {
-                    u_um_per_m,
-                    ..slope
-                },
-                self.both_ways,
-            )
-        }))
+            self.budget.of_slope(&Slope {
+                u_um_per_m,
+                ..slope
+            })
+        })
     }
 
-    /// Slopes and squareness as functions of totals and separated slopes.
-    pub(super) fn slope_gains(&self, gains: &EndGains) -> SlopeGains {
-        let squareness = |plane: Plane| match self.setup {
-            SetUp::Solve => gains.squareness(plane),
-            SetUp::AssumePerfect => self.by_end_of_totals(plane),
-        };
-        let part = |plane: Plane, share: f64| {
-            let all = squareness(plane);
-            PerDiagonal::from_fn(|d| share * all[d])
-        };
-        let none = PerDiagonal::default();
-        let of = |term: ErrorTerm| match (self.setup, self.frame) {
-            _ if self.keeps_separated_slope(term) => (none, [1.0, 0.0]),
-            _ if term.is_positioning() => (gains.scale(term.along), [0.0; 2]),
-            (_, Frame::AsMeasured) => (part(plane_of(term), 0.5), [0.5, -0.5]),
-            (_, Frame::XPrimary) if carries_squareness(term) => {
-                (part(plane_of(term), 1.0), [0.0; 2])
-            }
-            (_, Frame::XPrimary) => (none, [0.0; 2]),
-        };
-        SlopeGains {
-            by_end: PerTerm::from_fn(|term| of(term).0),
-            by_separated: PerTerm::from_fn(|term| of(term).1),
-            squareness: per_plane(Plane::ALL.map(squareness)),
-            own_slopes: self.frame == Frame::AsMeasured,
-        }
+    /// The curves beside the lines through their ends: determined whatever the set-up.
+    pub(super) fn shapes(&self) -> PerTerm<Curve> {
+        PerTerm::from_fn(|term| {
+            with_slope(self.budget.volume, term.along, &self.mean_raw[term], 0.0)
+        })
     }
 
-    /// How the slopes change with the totals.
-    pub(super) fn gains(&self, budget: &Budget<'_>) -> EndGains {
-        end_gains(
-            &self.volume,
-            &stepped(&self.ratios),
-            &budget.totals(self.both_ways),
-            &self.lines,
-        )
-    }
-
-    /// The redundancy of (7); `None` where there is none or where the set-up is assumed.
-    pub(super) fn agreement(&self, budget: &Budget<'_>) -> Option<Agreement> {
-        if self.setup == SetUp::AssumePerfect || self.lines.is_empty() {
-            return None;
+    /// The redundancy of (7); `None` where there is none or where the set-up is assumed. A contradiction
+    /// leaves no uncertainty of scales and squareness, and no tilt.
+    pub(super) fn judged(&mut self) -> Option<Agreement> {
+        let asked = self.setup == SetUp::Solve && self.equations.has_lines();
+        let agreement = asked.then(|| self.equations.agreement(&self.metric))??;
+        self.is_refuted = agreement.is_refuted();
+        if self.is_refuted {
+            self.metric.forget_uncertainties();
         }
-        let totals = budget.totals(self.both_ways);
-        agreement(
-            &self.volume,
-            &stepped(&self.ratios),
-            &totals,
-            &self.lines,
-            &self.metric,
-        )
-    }
-
-    /// What the solution of (7) rests on, in words.
-    pub(super) fn labels(&self, is_checked: bool) -> Vec<String> {
-        let mut said: Vec<String> = self.frame_label().into_iter().collect();
-        if self.setup == SetUp::AssumePerfect {
-            return said;
-        }
-        if self.metric.is_complete() && !is_checked {
-            said.push("nothing checks the linear axes and beams: with no redundancy a slope of the wrong sign or unit goes unnoticed; measure the third axis along its length".to_string());
-        }
-        if !self.metric.is_complete() {
-            let of =
-                |plane: Plane| format!("{} {:.3}", plane.key(), 10.0 * self.metric.leak.of(plane));
-            said.push(format!(
-                "the uncertainty of the squareness leaves out what is not determined of the scales: through the tilts of the mirror each 10 µm/m of it moves the squareness by up to (µm/m) {}",
-                Plane::ALL.map(of).join(", ")
-            ));
-        }
-        if self.frame == Frame::AsMeasured {
-            said.push("uncertainties of the cross terms hold the noise of their rotation, not the tilt of the mirror that is in it".to_string());
-        }
-        said
+        Some(agreement)
     }
 
     /// A separated curve with the slope of the mean curve put right.
     pub(super) fn turned(&self, term: ErrorTerm, curve: &Curve) -> Option<Curve> {
-        let raw_slope = end_slope(&self.volume, term.along, &self.mean_raw[term]);
-        let change = self.slope(term)? - raw_slope;
-        Some(plus_line(&self.volume, term.along, curve, change))
+        let change = self.slope(term)? - self.naive[term];
+        Some(plus_line(self.budget.volume, term.along, curve, change))
     }
 
+    /// The nine errors with their uncertainties.
     pub(super) fn errors(
         &self,
-        budget: &Budget<'_>,
-        gains: &EndGains,
-        raw: &[PerTerm<Curve>],
+        gains: &SlopeGains,
         turn: Option<&Turn>,
+        reversals: &LinearReversals,
     ) -> NineErrors {
-        let along = |term: ErrorTerm, side: Side<'_>| {
-            let slope = self.slope_from(budget, gains, term)?;
-            budget.curve(term, side, slope, self.both_ways)
+        let evidence = |term: ErrorTerm, deviation_um: Curve, side: Side<'_>| {
+            let slope = self.slope_from(gains, term);
+            let along = slope.and_then(|slope| self.budget.curve(term, side, slope));
+            let (u_um, u_noise_um) = along.unzip();
+            Evidence {
+                deviation_um,
+                u_um,
+                u_noise_um,
+            }
         };
         let mean = PerTerm::from_fn(|term| {
             let curve = self.turned(term, &self.mean_raw[term])?;
-            Some(Evidence::new(curve, along(term, Side::Mean)))
+            Some(evidence(term, curve, Side::Mean))
         });
         let directed = |direction: Direction| {
-            let [plus, minus] = raw else { return None };
-            let evidence = |term: ErrorTerm| {
+            let [plus, minus] = self.raw.as_slice() else {
+                return None;
+            };
+            Some(PerTerm::from_fn(|term| {
                 let mean = &mean[term].as_ref()?.deviation_um;
                 let reversal = reversal(term, &plus[term], &minus[term], turn);
                 let curve = directed_curve(mean, &reversal, direction);
-                Some(Evidence::new(
-                    curve,
-                    along(term, Side::Moving(direction, turn)),
-                ))
-            };
-            Some(PerTerm::from_fn(evidence))
+                Some(evidence(term, curve, Side::Moving(direction, turn)))
+            }))
         };
-        NineErrors {
+        let mut errors = NineErrors {
             plus: directed(Direction::Plus),
             minus: directed(Direction::Minus),
             mean,
-        }
-    }
-
-    /// Where the curves keep the slopes of the increments, their squareness is another one than
-    /// that of the totals.
-    fn frame_label(&self) -> Option<String> {
-        let kept = (self.setup, self.frame) == (SetUp::AssumePerfect, Frame::AsMeasured);
-        let slopes = self.naive_slopes(&self.volume);
-        kept.then(|| {
-            format!(
-                "the curves keep their separated slopes, whose squareness (µm/m: {}) holds the tilt of the mirror and the noise of all increments; that of the totals ({}) holds neither: believe the totals",
-                planes_in_words(|plane| naive_squareness(&slopes, plane)),
-                planes_in_words(|plane| self.totals.squareness_um_per_m.of(plane))
-            )
-        })
-    }
-
-    pub(super) fn undetermined(&self, from_turn: bool, known: &LinearReversals) -> Vec<String> {
-        let mut words = match self.setup {
-            SetUp::Solve => self.metric.undetermined(),
-            SetUp::AssumePerfect => Vec::new(),
         };
-        let open: Vec<String> = Axis::ALL
-            .into_iter()
-            .filter(|axis| known[*axis].is_none())
-            .map(|axis| axis.to_string())
-            .collect();
-        if self.both_ways && !from_turn && !open.is_empty() {
-            let of = match open.len() {
-                3 => "each axis".to_string(),
-                _ => open.join(", "),
-            };
-            words.push(format!(
-                "reversal of {of}: with overrun (or a zero of their own) the reverse runs hold at most its sum along the diagonals; reverse once without overrun and state `overrun = false`, or name a linear measurement of the axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]])"
-            ));
-        }
-        words
+        errors.set_apart(reversals);
+        errors
     }
+
+    /// η_d = q_d − Aᵀ u_d with the slopes of the X-primary frame; `None` where scales or squareness
+    /// are not determined, because then the tilts are not either.
+    pub(super) fn tilts(&self) -> Option<PerDiagonal<Tilt>> {
+        let assumed = self.setup == SetUp::AssumePerfect;
+        if assumed || self.is_refuted || !self.metric.is_complete() {
+            return None;
+        }
+        // X primary: EXY, EXZ and EYZ carry the squareness (p_xy = φxy …).
+        let slope = |term| Rule::of(SetUp::Solve, Frame::XPrimary, term).figure;
+        let slope = |term| slope(term).and_then(|(unknown, _)| self.metric.value(unknown));
+        Some(PerDiagonal::from_fn(|diagonal| {
+            let u = self.budget.volume.laser(diagonal);
+            let expected = |along: Axis| {
+                let part = |of: Axis| slope(ErrorTerm { of, along }).unwrap_or(0.0) * u[of];
+                u[along] + 1e-6 * Axis::ALL.into_iter().map(part).sum::<f64>()
+            };
+            let eta = PerAxis::from_fn(|axis| self.ratios[diagonal][axis] - expected(axis));
+            let size = eta.length();
+            Tilt {
+                arcsec: size * ARCSEC_PER_RADIAN,
+                direction: PerAxis::from_fn(|a| if size > 0.0 { eta[a] / size } else { 0.0 }),
+            }
+        }))
+    }
+}
+
+/// Tilt of the mirror's normal against the nominal diagonal, in the machine's X-primary frame, for the
+/// operator to correct.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tilt {
+    /// Its size, seconds of arc.
+    pub arcsec: f64,
+    /// Unit vector into which the normal leans (machine axes); perpendicular to the diagonal.
+    pub direction: PerAxis<f64>,
 }
 
 /// B of a term along its axis, µm: from the turn, else against its unknown value at the low end.
@@ -390,9 +299,90 @@ fn reversal(term: ErrorTerm, plus: &[f64], minus: &[f64], turn: Option<&Turn>) -
     }
 }
 
+/// φ as the sum of two separated slopes, µm/m.
+pub(super) fn naive_squareness(slopes_um_per_m: &PerTerm<f64>, plane: Plane) -> f64 {
+    let [one, other] = plane.terms();
+    slopes_um_per_m[one] + slopes_um_per_m[other]
+}
+
+/// A line as formula (7) takes it, between the ends of the box: what the separated shapes contribute
+/// between its own ends taken off. Between places x₁ and x₂ of each axis k,
+/// Σ_jk v_j (D_j(k)(x₂) − D_j(k)(x₁)) = L·vᵀhv + that of the shapes.
+fn without_shapes(budget: &Budget<'_>, mean_raw: &PerTerm<Curve>, line: &Line) -> Line {
+    let volume = budget.volume;
+    let Some([from, to]) = line.ends else {
+        return *line;
+    };
+    let (mut shape_um, mut variance) = (0.0, 0.0);
+    for term in ErrorTerm::ALL {
+        let [from, to] = [from, to].map(|end| end[term.along].mm());
+        if (from - to).abs() <= 0.0 {
+            continue;
+        }
+        let shape = with_slope(volume, term.along, &mean_raw[term], 0.0);
+        let positions = volume.positions(term.along);
+        let share = line.direction[term.of];
+        shape_um += share * (at(&positions, &shape, to) - at(&positions, &shape, from));
+        let spread = budget.shape_variance(term, from, to);
+        variance += share * share * spread.unwrap_or(0.0);
+    }
+    let square_mm = |axis: Axis| (to[axis] - from[axis]).mm().squared();
+    let square_mm: f64 = Axis::ALL.into_iter().map(square_mm).sum();
+    let per_m = 1000.0 / square_mm.sqrt();
+    Line {
+        slope_um_per_m: line.slope_um_per_m - per_m * shape_um,
+        u_um_per_m: line.u_um_per_m.map(|u| u.hypot(per_m * variance.sqrt())),
+        ..*line
+    }
+}
+
+/// One separated curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evidence {
+    /// Deviations at the interval ends, lowest first, µm; the first is 0 (a − curve: the reversal).
+    pub deviation_um: Curve,
+    /// Standard uncertainties (k = 1) against the first position, µm; `None` = not known.
+    pub u_um: Option<Vec<f64>>,
+    /// The part of them that comes from the noise of the readings, µm.
+    pub u_noise_um: Option<Vec<f64>>,
+}
+
+impl Evidence {
+    /// Effective degrees of freedom of a point's uncertainty; `None` = unlimited.
+    pub fn freedom(&self, index: usize, noise: Option<Noise>) -> Option<f64> {
+        let u = *self.u_um.as_ref()?.get(index)?;
+        effective_freedom(u, *self.u_noise_um.as_ref()?.get(index)?, noise?)
+    }
+
+    /// U of a point, µm: its uncertainty with the coverage factor of its degrees of freedom.
+    pub fn expanded_um(&self, index: usize, noise: Option<Noise>) -> Option<f64> {
+        let u = *self.u_um.as_ref()?.get(index)?;
+        Some(u * coverage_factor(self.freedom(index, noise)))
+    }
+
+    /// The curve of a direction beside this mean of both, by a reversal that was measured apart.
+    fn beside(&self, reversal: &LinearReversal, direction: Direction) -> Evidence {
+        let u_um = self.u_um.as_ref().zip(reversal.u_um.as_ref());
+        let u_um: Option<Vec<f64>> = u_um.map(|(mean, of_reversal)| {
+            let start = of_reversal.first().copied().unwrap_or(0.0);
+            let at = |(index, (mean, u)): (usize, (&f64, &f64))| match (index, direction) {
+                (0, Direction::Plus) => *mean,
+                (0, Direction::Minus) => mean.hypot(start),
+                _ => mean.hypot(u.hypot(start) / 2.0),
+            };
+            mean.iter().zip(of_reversal).enumerate().map(at).collect()
+        });
+        Evidence {
+            deviation_um: directed_curve(&self.deviation_um, &reversal.um, direction),
+            u_noise_um: self.u_noise_um.clone().filter(|_| u_um.is_some()),
+            u_um,
+        }
+    }
+}
+
 /// The curve of a direction: the mean of both is that of curves which start at 0, and the − curve
 /// lies B below the + curve.
-fn directed_curve(mean: &[f64], reversal: &[f64], direction: Direction) -> Curve {
+pub(super) fn directed_curve(mean: &[f64], reversal: &[f64], direction: Direction) -> Curve {
     let start = reversal.first().copied().unwrap_or(0.0);
     let value = |(mean, b): (&f64, &f64)| match direction {
         Direction::Plus => mean + (b - start) / 2.0,
@@ -401,31 +391,50 @@ fn directed_curve(mean: &[f64], reversal: &[f64], direction: Direction) -> Curve
     mean.iter().zip(reversal).map(value).collect()
 }
 
-/// In the X-primary frame EXY, EXZ and EYZ carry the squareness of their plane.
-fn carries_squareness(term: ErrorTerm) -> bool {
-    term.of < term.along
+/// The nine errors; `None` = not determined.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct NineErrors {
+    /// Without regard to direction, or the mean of both.
+    pub mean: PerTerm<Option<Evidence>>,
+    /// Moving in +, with two directions.
+    pub plus: Option<PerTerm<Option<Evidence>>>,
+    /// Moving in −. Where the reversal is not determined it starts at 0, too.
+    pub minus: Option<PerTerm<Option<Evidence>>>,
 }
 
-/// φ as the sum of two separated slopes, µm/m.
-pub(super) fn naive_squareness(slopes_um_per_m: &PerTerm<f64>, plane: Plane) -> f64 {
-    let (a, b) = plane.axes();
-    let (one, other) = (ErrorTerm { of: a, along: b }, ErrorTerm { of: b, along: a });
-    slopes_um_per_m[one] + slopes_um_per_m[other]
-}
+impl NineErrors {
+    /// The curves of a direction.
+    pub fn directed(&self, direction: Direction) -> Option<&PerTerm<Option<Evidence>>> {
+        match direction {
+            Direction::Plus => self.plus.as_ref(),
+            Direction::Minus => self.minus.as_ref(),
+        }
+    }
 
-/// XY, XZ and YZ of a squareness in words, µm/m.
-fn planes_in_words(of: impl Fn(Plane) -> f64) -> String {
-    let words = Plane::ALL.map(|plane| {
-        let value = (of(plane) * 1000.0).round() / 1000.0 + 0.0;
-        format!("{} {value:.3}", plane.key().to_uppercase())
-    });
-    words.join(", ")
-}
+    /// φ of least squares lines through the separated curves, µm/m.
+    pub(super) fn least_squares_squareness(&self, volume: &Volume) -> PerPlane<Option<f64>> {
+        let slope = |term: ErrorTerm| {
+            let positions = volume.positions(term.along);
+            let positions: Vec<f64> = positions.iter().map(|p| p.mm()).collect();
+            let curve = &self.mean[term].as_ref()?.deviation_um;
+            Some(ReferenceLine::LeastSquares.slope_um_per_m(&positions, curve))
+        };
+        PerPlane::from_fn(|plane| plane.terms().map(slope).into_iter().sum())
+    }
 
-fn plane_of(term: ErrorTerm) -> Plane {
-    match (term.of.min(term.along), term.of.max(term.along)) {
-        (Axis::X, Axis::Y) => Plane::Xy,
-        (Axis::X, _) => Plane::Xz,
-        _ => Plane::Yz,
+    /// Sets the two directions of each positioning error apart by its reversal.
+    fn set_apart(&mut self, reversals: &LinearReversals) {
+        for axis in Axis::ALL {
+            let term = own_term(axis);
+            let (Some(reversal), Some(mean)) = (&reversals[axis], &self.mean[term]) else {
+                continue;
+            };
+            for (errors, direction) in [
+                (&mut self.plus, Direction::Plus),
+                (&mut self.minus, Direction::Minus),
+            ] {
+                errors.get_or_insert_default()[term] = Some(mean.beside(reversal, direction));
+            }
+        }
     }
 }

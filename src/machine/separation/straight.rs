@@ -6,80 +6,41 @@
 //! ```
 //! 1 … 4 = PPP, NPP, PNP, PPN. Four numbers, four quantities: three squareness errors and one
 //! combination of the three scales, whatever the set-up. Linear axes and other beams add to them.
+//!
+//! The closure test compares the readings with what nine errors predict for them:
+//!
+//! ```text
+//!   predicted(q) = Σ_j u_j (Dj(x) + Dj(y) + Dj(z)) less its value at the start of the run
+//!   u²(q)        = 2σ²/r + Σ u_j² (u²(D at q) + u²(D at the start))        what is known of it
+//! ```
+//! Every run counts from its own start, so a reversal is not part of the test. Correlation
+//! between the points of a table is not known to a table and not included.
 
-use crate::machine::separation::totals::{Totals, totals};
-
-use super::agreement::{Agreement, agreement};
-use super::beams::whole_line;
-use super::campaign::{Campaign, corrected};
-use super::corrections::recorded;
-use super::doubt::of_noise;
-use super::evidence::NineErrors;
-use super::labels::common_labels;
-use super::line::range;
-use super::metric::{self, Metric, PerPlane, Plane, StraightLine, end_gains, solve};
-use super::noise::{CorrectedRun, Noise, known_noise, run_counts};
-use super::not_counted::{Figures, NotCounted};
-use super::plane::per_plane;
-use super::prediction::{ClosureTests, closure_tests};
-use super::repeats::repeats;
-use super::slope_gains::SlopeGains;
-use super::uncertainty::{Budget, Slope, SlopeUncertainty};
-use crate::inputs::error_table::ErrorTable;
-use crate::machine::separation::angle_bound::counted_angles;
-use crate::quantity::axis::PerAxis;
+use super::agreement::Agreement;
+use super::angle_bound::AngleBound;
+use super::campaign::Campaign;
+use super::closure::{Start, large_noise};
+use super::curves::at;
+use super::findings::SeparationFinding;
+use super::metric::{Equations, Metric, PerPlane};
+use super::noise::{Noise, float};
+use super::plane::Unknown;
+use super::readings::{CorrectedRun, DiagonalFigures, figures, means, run_counts};
+use super::slopes::{SlopeGains, Totals, totals};
+use super::solved::NineErrors;
+use super::uncertainty::{Slope, SlopeUncertainty};
+use super::unmeasured::NotCounted;
+use super::{labels, metric};
+use crate::inputs::error_table::{ErrorTable, Series};
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::quantity::units::Squared;
-use crate::text::problem::Problems;
+use crate::text::finding::Finding;
+use crate::text::problem::{Problem, Problems};
+use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Figures of one diagonal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DiagonalFigures {
-    /// Reading error at the far end less that at the start, mean of all runs, µm.
-    pub end_um: f64,
-    /// Max − min over the nodes that lie on the diagonal, both passes, µm.
-    pub range_um: f64,
-}
-
-/// Figures of every diagonal, and max − min over all of them, µm. Of a step run only the cell
-/// ends count: between them the target is beside the diagonal.
-pub fn figures(runs: &[CorrectedRun], kind: PathKind) -> (PerDiagonal<DiagonalFigures>, f64) {
-    let every = match kind {
-        PathKind::Step => 3,
-        PathKind::Straight => 1,
-    };
-    let mean = |diagonal: Diagonal, pass: Pass| -> Vec<f64> {
-        let runs: Vec<&CorrectedRun> = runs
-            .iter()
-            .filter(|run| run.diagonal == diagonal && run.pass == pass)
-            .collect();
-        let nodes = runs.first().map_or(0, |run| run.readings_um.len());
-        #[allow(clippy::cast_precision_loss, reason = "a handful of runs")]
-        let count = runs.len() as f64;
-        (0..nodes)
-            .step_by(every)
-            .map(|node| runs.iter().map(|run| run.readings_um[node]).sum::<f64>() / count)
-            .collect()
-    };
-    let both = PerDiagonal::from_fn(|d| Pass::BOTH.map(|pass| mean(d, pass)));
-    let figures = PerDiagonal::from_fn(|d| {
-        let ends: Vec<f64> = both[d].iter().filter_map(|pass| total(pass)).collect();
-        #[allow(clippy::cast_precision_loss, reason = "two passes at most")]
-        let count = ends.len().max(1) as f64;
-        DiagonalFigures {
-            end_um: ends.iter().sum::<f64>() / count,
-            range_um: range(both[d].iter().flatten().copied()),
-        }
-    });
-    let all = both.iter().flat_map(|(_, passes)| passes.iter().flatten());
-    let over_all = range(all.copied());
-    (figures, over_all)
-}
-
-/// Far end less start of a pass, so that an offset between the passes does not count.
-fn total(pass: &[f64]) -> Option<f64> {
-    Some(pass.last()? - pass.first()?)
-}
+/// How often machines that agree are to fail the closure test.
+const FALSE_ALARM: f64 = 0.05;
 
 /// Direction cosines squared: the share of each scale in S, for the words of a report.
 pub(crate) fn scale_shares(volume: &Volume) -> PerAxis<f64> {
@@ -116,10 +77,10 @@ pub struct StraightResult {
     pub noise: Option<Noise>,
     /// The closure test against nine errors.
     pub closure: Option<ClosureTests>,
-    /// Why the result is doubtful, one sentence each; empty = nothing speaks against it.
-    pub doubts: Vec<String>,
-    /// What was assumed and what the uncertainty holds, in words.
-    pub labels: Vec<String>,
+    /// Why the result is doubtful; empty = nothing speaks against it.
+    pub doubts: Vec<Finding>,
+    /// What was assumed and what the uncertainty holds.
+    pub labels: Vec<Finding>,
 }
 
 /// Evaluates straight runs; `errors` = nine errors to be tested by them.
@@ -128,74 +89,33 @@ pub fn straight(
     runs: &[Run],
     errors: Option<&ErrorTable>,
 ) -> Result<StraightResult, Problems> {
-    let measurement = campaign.measurement;
-    let volume = &measurement.volume;
-    let material = measurement.material;
-    let material = material.map(|material| recorded(&material, runs));
-    let runs = corrected(campaign, runs);
-    let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
-    let zeroed_runs: Vec<CorrectedRun> = runs.iter().filter(zeroed).cloned().collect();
-    let (all, _) = figures(&runs, PathKind::Straight);
-    let (of_zeroed, range_over_all_um) = figures(&zeroed_runs, PathKind::Straight);
+    let volume = &campaign.measurement.volume;
+    let start = Start::new(campaign, runs);
+    let noise = start.noise;
+    let budget = start.budget(campaign, noise, false);
+    let (all, _) = figures(&start.runs, PathKind::Straight);
+    let (of_zeroed, range_over_all_um) = figures(&start.zeroed_runs, PathKind::Straight);
     let ends = PerDiagonal::from_fn(|d| all[d].end_um);
-    let counts = run_counts(&runs);
-    let repeats = repeats(&runs);
-    let noise = known_noise(&campaign.stated, repeats.noise);
-    let both_ways = runs.iter().any(|run| run.pass == Pass::Reverse);
-    let budget = Budget {
-        volume,
-        noise,
-        runs: &counts,
-        turned: false,
-        stated: campaign.stated,
-        material,
-    };
-    let (equations, uncertainties) = (metric::straight(volume, &ends), budget.totals(both_ways));
-    let lines: Vec<StraightLine> = campaign.lines.iter().map(whole_line).collect();
-    let mut metric = solve(volume, &equations, &uncertainties, &lines);
-    let agreement = agreement(volume, &equations, &uncertainties, &lines, &metric);
+    let diagonals = metric::straight(volume, &ends);
+    let equations = Equations::new(volume, &diagonals, &budget.totals(), &campaign.lines);
+    let mut metric = equations.metric();
+    let agreement = equations.agreement(&metric);
     if agreement.as_ref().is_some_and(Agreement::is_refuted) {
-        metric.u_known = Default::default();
+        metric.forget_uncertainties();
     }
-    let gains = end_gains(volume, &equations, &uncertainties, &lines);
-    let known = |u_um_per_m: Option<f64>, by_end: PerDiagonal<f64>| {
-        let slope = Slope {
-            u_um_per_m: u_um_per_m?,
-            by_end,
+    let gains = SlopeGains::without_curves(equations.by_totals(volume));
+    let bound = AngleBound::of(campaign, &gains);
+    let counted = AngleBound::counted(bound.as_ref(), &campaign.stated);
+    let known = |unknown: Unknown, of_angles: f64| {
+        budget.of_slope(&Slope {
+            u_um_per_m: metric.u(unknown)?.hypot(of_angles),
+            by_end: gains.by_end(unknown),
             rotation_um_per_m: 0.0,
-        };
-        budget.of_slope(&slope, both_ways)
+        })
     };
-    let u_scale = |axis| known(metric.u_scale(axis), gains.scale(axis));
-    let slope_gains = SlopeGains {
-        squareness: per_plane(Plane::ALL.map(|plane| gains.squareness(plane))),
-        ..SlopeGains::default()
-    };
-    let angles = campaign.angle_evidence();
-    let angles = angles.bound(volume, measurement.target, &slope_gains);
-    let counted = counted_angles(angles.as_ref(), &campaign.stated);
-    let u_squareness = |plane| {
-        let u = metric.u_squareness(plane);
-        let u = u.map(|u| u.hypot(counted.of(plane)));
-        known(u, gains.squareness(plane))
-    };
-    let u_squareness = per_plane(Plane::ALL.map(u_squareness));
-    let figures_of = Figures {
-        volume,
-        errors: &NineErrors::default(),
-        u_squareness: u_squareness.map(|u| Some(u?.u_um_per_m)),
-        gains: &slope_gains,
-    };
-    let reflector = measurement.target;
-    let not_counted = NotCounted::of(&figures_of, &campaign.stated, reflector, angles.as_ref());
-    let outliers = repeats.outliers.iter();
-    let disturbed = outliers.map(|outlier| {
-        format!(
-            "disturbed reading, which stays in the result: {}; repeat that run",
-            outlier.words()
-        )
-    });
-    let contradiction = agreement.as_ref().and_then(Agreement::contradiction);
+    let u_squareness =
+        PerPlane::from_fn(|plane| known(Unknown::Squareness(plane), counted.of(plane)));
+    let none = NineErrors::default();
     Ok(StraightResult {
         volume: volume.clone(),
         diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {
@@ -205,39 +125,194 @@ pub fn straight(
         range_over_all_um,
         totals: totals(volume, &ends),
         u_squareness,
-        not_counted,
-        u_scale: PerAxis::from_fn(|axis| metric.scale[axis].and_then(|_| u_scale(axis))),
+        not_counted: NotCounted::of(campaign, bound.as_ref(), &none, &u_squareness, &gains),
+        u_scale: PerAxis::from_fn(|axis| {
+            metric.scale[axis].and_then(|_| known(Unknown::Scale(axis), 0.0))
+        }),
+        doubts: doubts(campaign, &start, agreement.as_ref()),
         agreement,
-        doubts: disturbed
-            .chain(contradiction)
-            .chain(of_noise(noise, campaign.stated.noise_um))
-            .collect(),
-        metric,
         noise,
         closure: match errors {
             None => None,
-            Some(table) => Some(closure_tests(volume, table, &runs, noise)?),
+            Some(table) => Some(closure_tests(volume, table, &start.runs, noise)?),
         },
-        labels: labels(campaign, &budget, both_ways),
-        runs,
-        zeroed_runs,
+        labels: labels::of_straight(campaign, &budget),
+        metric,
+        runs: start.runs,
+        zeroed_runs: start.zeroed_runs,
     })
 }
 
-fn labels(campaign: &Campaign<'_>, budget: &Budget<'_>, both_ways: bool) -> Vec<String> {
-    let runs = match (both_ways, campaign.reverse_zero_known) {
-        (false, _) => {
-            "forward runs only: E, B and a reversal need both directions, and NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the squareness"
-        }
-        (true, true) => "both directions count from the start of the forward run",
-        (true, false) => {
-            "reverse runs count from their own start: E, B and ranges are those of the forward runs alone; the totals are the mean of both directions"
-        }
-    };
-    let mut labels = vec![runs.to_string()];
-    if campaign.lines.iter().any(|line| line.ends.is_some()) {
-        labels.push("beams are taken as if they went from end to end of the box: straight runs hold no shapes to take off".to_string());
+fn doubts(campaign: &Campaign<'_>, start: &Start, agreement: Option<&Agreement>) -> Vec<Finding> {
+    let disturbed = start.outliers.iter().map(|outlier| {
+        let which = outlier.words();
+        SeparationFinding::DisturbedTotal { which }
+    });
+    disturbed
+        .chain(agreement.and_then(Agreement::contradiction))
+        .map(Finding::from)
+        .chain(large_noise(start.noise, campaign.stated.noise_um))
+        .collect()
+}
+
+/// Measured less predicted readings of the runs of one diagonal in one direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosureTest {
+    /// The diagonal.
+    pub diagonal: Diagonal,
+    /// Forward or reverse runs.
+    pub pass: Pass,
+    /// Largest |difference|, µm.
+    pub largest_um: f64,
+    /// Difference at the far end of the run, µm.
+    pub end_um: f64,
+    /// Its standard uncertainty, µm; `None` = not known.
+    pub u_end_um: Option<f64>,
+    /// Largest |difference|/u over the nodes; `None` = u is not known.
+    pub worst_ratio: Option<f64>,
+}
+
+/// All closure tests of a measurement and their verdict.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosureTests {
+    /// By diagonal and direction.
+    pub tests: Vec<ClosureTest>,
+    /// k of the limit k·u, so that one in twenty machines that agree has a difference beyond it
+    /// anywhere.
+    pub k: f64,
+    /// Whether the table states its uncertainty; else that of the readings alone counts.
+    pub table_states_u: bool,
+}
+
+impl ClosureTests {
+    /// Whether no difference is beyond k·u; `None` where u is not known.
+    pub fn agrees(&self) -> Option<bool> {
+        let ratios: Option<Vec<f64>> = self.tests.iter().map(|test| test.worst_ratio).collect();
+        ratios.map(|ratios| ratios.iter().all(|ratio| *ratio <= self.k))
     }
-    labels.extend(common_labels(campaign, budget));
-    labels
+}
+
+/// A predicted reading, µm, and the square of what the table states of its uncertainty.
+#[derive(Clone, Copy)]
+struct Predicted {
+    um: f64,
+    square_um2: Option<f64>,
+}
+
+/// Compares straight runs with what nine errors predict. `noise`: of a single reading.
+fn closure_tests(
+    volume: &Volume,
+    table: &ErrorTable,
+    runs: &[CorrectedRun],
+    noise: Option<Noise>,
+) -> Result<ClosureTests, Problems> {
+    let (means, counts) = (means(runs), run_counts(runs));
+    let mut tests = Vec::new();
+    let mut table_states_u = true;
+    for diagonal in Diagonal::ALL {
+        for pass in Pass::BOTH {
+            let count = counts[diagonal][usize::from(pass == Pass::Reverse)];
+            if count == 0.0 {
+                continue;
+            }
+            let predicted = predicted(volume, table, diagonal, pass)?;
+            table_states_u &= predicted.iter().all(|p| p.square_um2.is_some());
+            let readings = noise.map(|noise| 2.0 * noise.sigma_um.squared() / count);
+            let measured = &means.of(pass)[diagonal];
+            tests.push(compared(diagonal, pass, measured, &predicted, readings));
+        }
+    }
+    Ok(ClosureTests {
+        k: limit(tests.len() * volume.steps),
+        tests,
+        table_states_u,
+    })
+}
+
+/// k of a test of so many differences together.
+fn limit(differences: usize) -> f64 {
+    let count = float(differences.max(1));
+    Normal::standard().inverse_cdf(1.0 - FALSE_ALARM / (2.0 * count))
+}
+
+fn compared(
+    diagonal: Diagonal,
+    pass: Pass,
+    measured: &[f64],
+    predicted: &[Predicted],
+    square_um2: Option<f64>,
+) -> ClosureTest {
+    let start = match pass {
+        Pass::Forward => 0,
+        Pass::Reverse => measured.len() - 1,
+    };
+    let end = measured.len() - 1 - start;
+    let left =
+        |node: usize| measured[node] - measured[start] - (predicted[node].um - predicted[start].um);
+    let u = |node: usize| {
+        let stated = |node: usize| predicted[node].square_um2.unwrap_or(0.0);
+        Some((square_um2? + stated(node) + stated(start)).sqrt())
+    };
+    let others = || (0..measured.len()).filter(|node| *node != start);
+    let ratio = |node: usize| {
+        let u = u(node).filter(|u| *u > 0.0)?;
+        Some(left(node).abs() / u)
+    };
+    let ratios: Option<Vec<f64>> = others().map(ratio).collect();
+    ClosureTest {
+        diagonal,
+        pass,
+        largest_um: others().map(|node| left(node).abs()).fold(0.0, f64::max),
+        end_um: left(end),
+        u_end_um: u(end),
+        worst_ratio: ratios.map(|ratios| ratios.into_iter().fold(0.0, f64::max)),
+    }
+}
+
+/// What nine errors predict for the nodes of a diagonal; an undirected curve serves both ways.
+fn predicted(
+    volume: &Volume,
+    table: &ErrorTable,
+    diagonal: Diagonal,
+    pass: Pass,
+) -> Result<Vec<Predicted>, Problems> {
+    let u = volume.laser(diagonal);
+    let at_node = |node: usize| -> Option<Predicted> {
+        let place = volume.place(diagonal, PathKind::Straight, node);
+        let (mut um, mut square_um2) = (0.0, Some(0.0));
+        for along in Axis::ALL {
+            let direction = diagonal.travelled(along, pass);
+            let all = table.series(along);
+            let directed = all.iter().find(|s| s.direction == Some(direction));
+            let series = directed.or_else(|| all.first())?;
+            for of in Axis::ALL {
+                let (value, stated) = point(series, of, place[along].mm())?;
+                um += u[of] * value;
+                square_um2 = square_um2
+                    .zip(stated)
+                    .map(|(sum, s)| sum + (u[of] * s).squared());
+            }
+        }
+        Some(Predicted { um, square_um2 })
+    };
+    let all: Option<Vec<Predicted>> = (0..=volume.steps).map(at_node).collect();
+    all.ok_or_else(|| {
+        Problem::new(
+            "the closure test needs all nine errors; at least one is missing from the table",
+        )
+        .at(table.header.clone())
+        .help("measure it, or leave `closure_errors` out")
+        .into()
+    })
+}
+
+/// Deviation and stated uncertainty of a curve at a machine position, µm.
+fn point(series: &Series, of: Axis, position_mm: f64) -> Option<(f64, Option<f64>)> {
+    let values = series.deviations[of].as_ref()?;
+    let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
+    let stated = series.uncertainties_um[of].as_ref();
+    Some((
+        at(&series.positions, &values, position_mm),
+        stated.map(|stated| at(&series.positions, stated, position_mm)),
+    ))
 }

@@ -1,12 +1,14 @@
 //! Nine errors → the rows of an error table (contract §2.1).
 
-use super::evidence::Evidence;
+use super::findings::SeparationFinding;
 use super::noise::Noise;
-use super::not_counted::Silent;
 use super::separate::Separation;
+use super::solved::Evidence;
+use super::unmeasured::Silent;
 use crate::inputs::error_table::{Draft, DraftSeries, Remarks};
-use crate::inputs::job::{BacklashPolicy, SetUp};
+use crate::inputs::job::BacklashPolicy;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::text::finding::Finding;
 
 /// The table that `separate` writes and `generate` reads. Terms that are not determined are
 /// absent. Directions stand apart only where the reversal between them is determined; without it
@@ -40,22 +42,22 @@ pub fn draft(
 
 /// What the table has to say of itself, so that it reaches whoever uses the table.
 pub fn remarks(separation: &Separation) -> Remarks {
-    let undetermined = &separation.undetermined;
     let missing = separation.missing();
-    let open = match separation.setup {
-        SetUp::Solve => separation.metric.undetermined(),
-        SetUp::AssumePerfect => Vec::new(),
-    };
-    let why = open.join("; ");
-    let other = undetermined
+    // The reversal is no term of its own.
+    let (other, open): (Vec<&Finding>, Vec<&Finding>) =
+        separation.undetermined.iter().partition(|finding| {
+            let reversal = matches!(finding.kind(), Some(SeparationFinding::OpenReversal { .. }));
+            reversal || missing.is_empty()
+        });
+    let why = open.iter().map(ToString::to_string);
+    let why = why.collect::<Vec<_>>().join("; ");
+    let other = other
         .iter()
-        .filter(|words| missing.is_empty() || !open.contains(words));
-    let mut notes: Vec<String> = other
-        .map(|words| format!("not determined: {words}"))
-        .collect();
-    notes.extend(separation.labels.iter().cloned());
+        .map(|finding| format!("not determined: {finding}"));
+    let labels = separation.labels.iter().map(ToString::to_string);
+    let notes = other.chain(labels).collect();
     Remarks {
-        doubts: separation.doubts.clone(),
+        doubts: separation.doubts.iter().map(ToString::to_string).collect(),
         not_determined: missing
             .into_iter()
             .map(|term| (term, why.clone()))

@@ -1,8 +1,10 @@
-//! Which nodes a volume is judged at.
+//! Which nodes a volume is judged at, whether its largest difference is theirs, and sub-volumes of a size,
+//! wherever they fit between nodes.
 
-use crate::quantity::axis::PerAxis;
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problem;
-use crate::volume::volume_model::{Nodes, VolumeModel};
+use crate::volume::space::diameter::{Diameter, WindowMap};
+use crate::volume::volume_model::{AxisState, Nodes, VolumeModel};
 
 /// Most nodes of a grid.
 pub const MOST_POINTS: usize = 100_000_000;
@@ -68,4 +70,151 @@ impl Grid {
     pub fn measured(&self) -> &Nodes {
         &self.measured
     }
+}
+
+/// Rounding of a curve between two nodes, in parts of its values (and µm near 0).
+const ROUNDING: f64 = 1e-9;
+/// Places nearer than this are one, mm.
+const SAME_MM: f64 = 1e-9;
+
+/// Whether no place of the volume differs by more than the nodes do.
+///
+/// why    where each curve runs straight between neighbouring nodes, the error is a straight line
+///        in each coordinate and |e(p) − e(q)| convex in it, so its largest value lies at nodes
+/// limits a curve is straight here if it meets the line at ¼, ½ and ¾ between two places where
+///        it bends: enough for the cubic pieces of a curve, times a lever
+pub fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
+    let own = model.own_nodes();
+    Axis::ALL.into_iter().all(|axis| {
+        let among = |place: &f64| {
+            let next = nodes[axis].partition_point(|node| *node < place - SAME_MM);
+            nodes[axis].get(next).is_some_and(|n| *n <= place + SAME_MM)
+        };
+        let straight = |ends: &[f64]| is_straight(model, axis, [ends[0], ends[1]]);
+        own[axis].iter().all(among) && own[axis].windows(2).all(straight)
+    })
+}
+
+fn is_straight(model: &VolumeModel, axis: Axis, [from, to]: [f64; 2]) -> bool {
+    let values = |part: f64| {
+        let place = from + (to - from) * part;
+        let AxisState {
+            deviation_um: d,
+            rotation_urad: r,
+            ..
+        } = model.state(axis, place, |_| true);
+        [d.x, d.y, d.z, r.x, r.y, r.z]
+    };
+    let (first, last) = (values(0.0), values(1.0));
+    [0.25, 0.5, 0.75].into_iter().all(|part| {
+        let inside = values(part).into_iter().zip(first).zip(last);
+        inside.into_iter().all(|((value, a), b)| {
+            let room = ROUNDING * (1.0 + a.abs() + b.abs());
+            (value - (a + (b - a) * part)).abs() <= room
+        })
+    })
+}
+
+/// Volumetric accuracy of every sub-volume of a size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Windows {
+    /// Size, mm.
+    pub size_mm: PerAxis<f64>,
+    /// How many there are.
+    pub count: usize,
+    /// Nodes of each axis that they lie between: those of the measurement, where the nodes of the
+    /// tables would make distances unequal.
+    pub grid: PerAxis<usize>,
+    /// The smallest figure, µm, and the corner with the smallest coordinates of its sub-volume, mm.
+    pub best: (f64, PerAxis<f64>),
+    /// The largest one.
+    pub worst: (f64, PerAxis<f64>),
+    /// The sub-volume at the smallest coordinates of the volume, µm.
+    pub corner_um: f64,
+    /// The map: where the corners with the smallest coordinates lie along each axis, mm.
+    pub places_mm: Nodes,
+    /// The figures of the map, µm; X slowest, Z fastest.
+    pub map_um: Vec<f64>,
+}
+
+/// Part of a node distance by which a size may miss a whole number of them.
+const WHOLE: f64 = 1e-6;
+
+pub(super) fn windows(
+    model: &VolumeModel,
+    grid: &Grid,
+    size_mm: PerAxis<f64>,
+) -> Result<Windows, Problem> {
+    let fits = |nodes| Ok((nodes, nodes_of(nodes, size_mm)?));
+    let (nodes, counts) = fits(grid.nodes()).or_else(|_: Problem| fits(grid.measured()))?;
+    let map = model.map(nodes).ok_or_else(no_map)?;
+    let size = map.vectors().along_chain([counts.x, counts.y, counts.z]);
+    let all = WindowMap::of(map.vectors(), size).ok_or_else(no_map)?;
+    let figure = |(number, figure): (usize, Diameter)| (figure.um, map.place(all.low(number)));
+    let places_mm = PerAxis::from_fn(|axis| {
+        let last = nodes[axis].len() + 1 - counts[axis];
+        nodes[axis][..last].to_vec()
+    });
+    let corners = places_mm.counts();
+    let places = (0..corners.x)
+        .flat_map(|x| (0..corners.y).flat_map(move |y| (0..corners.z).map(move |z| [x, y, z])));
+    let at = |xyz| all.at(map.vectors().along_chain(xyz)).um;
+    Ok(Windows {
+        size_mm,
+        count: all.figures.len(),
+        grid: map.counts(),
+        best: figure(all.best()),
+        worst: figure(all.worst()),
+        corner_um: all.corner().um,
+        map_um: places.map(at).collect(),
+        places_mm,
+    })
+}
+
+fn nodes_of(nodes: &Nodes, size_mm: PerAxis<f64>) -> Result<PerAxis<usize>, Problem> {
+    let mut counts = PerAxis::default();
+    for axis in Axis::ALL {
+        counts[axis] = nodes_in(axis, &nodes[axis], size_mm[axis])?;
+    }
+    Ok(counts)
+}
+
+/// Nodes of a sub-volume along one axis, its ends among them.
+fn nodes_in(axis: Axis, nodes: &[f64], size_mm: f64) -> Result<usize, Problem> {
+    let help =
+        "choose `--grid` so that the size is a whole number of node distances, e.g. 21,21,21";
+    let ends = nodes.first().zip(nodes.last());
+    let (Some((first, last)), Some(steps)) = (ends, nodes.len().checked_sub(1)) else {
+        return Err(no_map());
+    };
+    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 nodes")]
+    let step = (last - first) / steps.max(1) as f64;
+    let even = nodes
+        .windows(2)
+        .all(|n| (n[1] - n[0] - step).abs() <= step * WHOLE);
+    if !even {
+        return Err(Problem::new(format!(
+            "sub-volumes need equally spaced nodes, and those of {axis} are not"
+        ))
+        .help(help));
+    }
+    let wanted = size_mm / step;
+    let whole = wanted.round();
+    if (wanted - whole).abs() > WHOLE || whole < 1.0 {
+        return Err(Problem::new(format!(
+            "the sub-volume is {size_mm} mm long in {axis}, which is no whole number of node distances ({step} mm)"
+        ))
+        .help(help));
+    }
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number not above the number of nodes"
+    )]
+    Ok(whole as usize + 1)
+}
+
+pub(super) fn no_map() -> Problem {
+    Problem::new("the nodes of an axis cannot be told apart, expected ascending positions")
+        .help("use fewer nodes")
 }

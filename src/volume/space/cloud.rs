@@ -1,9 +1,7 @@
 //! The longest difference in a cloud of vectors without a grid: tool paths, measured maps.
 
-use super::direction_cell::DirectionCell;
 use super::grid_map::Vector;
-use super::lists::{Ends, Frame, search};
-use super::pair::{Longest, Point, room, square};
+use super::pair::{DirectionCell, Ends, Frame, Longest, Point, room, search, square};
 
 /// Vectors looked at together when the furthest one is sought.
 const BLOCK: usize = 256;

@@ -3,9 +3,11 @@
 use super::VolumeModel;
 use crate::inputs::job::Job;
 use crate::machine::model::{ErrorModel, Measured};
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
+use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
 use crate::quantity::chain::LeverEffect;
 use crate::quantity::units::Millimetres;
+use crate::text::finding::Finding;
+use crate::volume::findings::VolumeFinding as Found;
 
 /// An error that was not measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,108 +102,93 @@ impl VolumeModel {
         .collect()
     }
 
-    /// What the model takes for granted, one sentence each.
-    pub(super) fn statements(&self, job: &Job, model: &ErrorModel) -> Vec<String> {
+    /// What the model takes for granted.
+    pub(super) fn statements(&self, job: &Job, model: &ErrorModel) -> Vec<Finding> {
         let mut labels = Vec::new();
         if !self.chain_is_stated {
-            labels.push("the chain is not stated: without angles no figure depends on it; what missing angles leave out is told for axes that all move the tool".to_string());
+            labels.push(Found::ChainAssumed);
         }
-        labels.extend(self.of_squareness());
+        let stated = self.squareness.iter().map(|s| {
+            let (of, along) = (s.term.of.key(), s.term.along.key());
+            format!("{of}{along} {:+} µm/m", s.um_per_m)
+        });
+        let stated = stated.collect::<Vec<_>>().join(", ");
+        labels.push(match stated.as_str() {
+            "" => Found::SquarenessInCurves,
+            _ => Found::SquarenessStated { stated },
+        });
         labels.extend(self.of_angles(job));
-        labels.extend(of_directions(model));
-        labels.extend(self.of_ranges(job));
         labels.extend(
-            model
-                .remarks
-                .doubts
-                .iter()
-                .map(|doubt| format!("doubt: {doubt}")),
+            Axis::ALL
+                .into_iter()
+                .filter_map(|axis| of_directions(model, axis)),
+        );
+        labels.extend(
+            Axis::ALL
+                .into_iter()
+                .filter_map(|axis| self.judged_part(job, axis)),
+        );
+        let doubts = model.remarks.doubts.iter().cloned();
+        labels.extend(doubts.map(|why| Found::Doubtful { why }));
+        labels.into_iter().map(Finding::from).collect()
+    }
+
+    fn of_angles(&self, job: &Job) -> Vec<Found> {
+        if Rotation::all().all(|rotation| self.rotations[rotation].is_none()) {
+            return Vec::new();
+        }
+        let [_, second, third] = self.chain.order().map(|axis| self.lever_place(axis));
+        let mut labels = vec![Found::LeverOrigin { second, third }];
+        let at_reference = Rotation::all().filter_map(|rotation| {
+            let place = job.machine.axes[rotation.along]?.reference;
+            let urad = self.rotations[rotation].as_ref()?.at(place).um();
+            let zeroed = self.levers.angles_zero[rotation.along].is_some();
+            (!zeroed && urad.abs() >= SHOWN_URAD).then(|| format!("{rotation} {urad:+.3} µrad"))
+        });
+        let angles = at_reference.collect::<Vec<_>>().join(", ");
+        if !angles.is_empty() {
+            labels.push(Found::AnglesAtReference { angles });
+        }
+        let zeroed = self.levers.angles_zero.iter();
+        labels.extend(zeroed.filter_map(|(axis, place)| {
+            let mm = (*place)?.mm();
+            Some(Found::AnglesZero { axis, mm })
+        }));
+        let tables = Axis::ALL.into_iter();
+        let tables = tables.filter(|axis| self.chain.moves_workpiece(*axis));
+        labels.extend(
+            tables.map(|axis| match self.levers.straightness_optic[axis] {
+                Some(place) => Found::OpticOnTable {
+                    axis,
+                    mm: place.mm(),
+                },
+                None => Found::OpticAtTool { axis },
+            }),
         );
         labels
     }
 
-    fn of_squareness(&self) -> Option<String> {
-        let stated: Vec<String> = self
-            .squareness
-            .iter()
-            .map(|s| {
-                format!(
-                    "{}{} {:+} µm/m",
-                    s.term.of.key(),
-                    s.term.along.key(),
-                    s.um_per_m
-                )
-            })
-            .collect();
-        Some(if stated.is_empty() {
-            "squareness is not stated apart: it counts as far as the slopes of the straightness curves hold it".to_string()
-        } else {
-            format!(
-                "squareness as stated: {}; positive = the angle between the two positive axis directions is less than 90°",
-                stated.join(", ")
-            )
+    /// Where the levers of an axis count from, and whether that is assumed.
+    fn lever_place(&self, axis: Axis) -> String {
+        let word = match self.levers.offsets[axis] {
+            Some(_) => "stated",
+            None => "assumed: the reference",
+        };
+        let mm = Millimetres::new(self.origin[axis]).shown();
+        format!("{axis} {mm} mm ({word})")
+    }
+
+    fn judged_part(&self, job: &Job, axis: Axis) -> Option<Found> {
+        let machine = job.machine.axes[axis]?;
+        let (low, high) = self.ranges[axis];
+        let travel = [machine.low.mm(), machine.high.mm()];
+        let shorter = low > travel[0] + EDGE_MM || high < travel[1] - EDGE_MM;
+        let judged = [low, high].map(|mm| Millimetres::new(mm).shown());
+        shorter.then_some(Found::JudgedPart {
+            axis,
+            judged,
+            travel,
         })
-    }
-
-    fn of_angles(&self, job: &Job) -> Vec<String> {
-        if Rotation::all().all(|rotation| self.rotations[rotation].is_none()) {
-            return Vec::new();
-        }
-        let mut labels = vec![self.of_offsets()];
-        let at_reference: Vec<String> = Rotation::all()
-            .filter_map(|rotation| {
-                let place = job.machine.axes[rotation.along]?.reference;
-                let urad = self.rotations[rotation].as_ref()?.at(place).um();
-                let zeroed = self.levers.angles_zero[rotation.along].is_some();
-                (!zeroed && urad.abs() >= SHOWN_URAD).then(|| format!("{rotation} {urad:+.3} µrad"))
-            })
-            .collect();
-        if !at_reference.is_empty() {
-            labels.push(format!(
-                "angles count as given: at the reference {}. Squareness that was measured with an axis standing anywhere but where its angles are zero holds them already; then state `angles_zero_mm`",
-                at_reference.join(", ")
-            ));
-        }
-        let zeroed = self.levers.angles_zero.iter();
-        labels.extend(zeroed.filter_map(|(axis, place)| {
-            Some(format!("angles of {axis} count from {} mm, where they are taken as zero (`angles_zero_mm`)", (*place)?.mm()))
-        }));
-        labels.extend(Axis::ALL.into_iter().filter(|axis| self.chain.moves_workpiece(*axis)).map(|axis| {
-            match self.levers.straightness_optic[axis] {
-                Some(place) => format!("{axis} carries the workpiece and its straightness was measured on the table at {} mm (`straightness_optic_mm`): its own travel is a lever", place.mm()),
-                None => format!("{axis} carries the workpiece: its straightness counts as measured at the tool point, which holds its own lever already; an optic riding on the table needs `straightness_optic_mm`"),
-            }
-        }));
-        labels
-    }
-
-    /// Where levers count from, and what of it is assumed.
-    fn of_offsets(&self) -> String {
-        let [_, second, third] = self.chain.order();
-        let place = |axis: Axis| {
-            let word = match self.levers.offsets[axis] {
-                Some(_) => "stated",
-                None => "assumed: the reference",
-            };
-            let mm = Millimetres::new(self.origin[axis]).shown();
-            format!("{axis} {mm} mm ({word})")
-        };
-        format!(
-            "levers of the angles count from {}, {} (`offsets_mm`: where these axes rested while the others were measured)",
-            place(second),
-            place(third)
-        )
-    }
-
-    fn of_ranges(&self, job: &Job) -> Vec<String> {
-        let shorter = |axis: Axis| {
-            let machine = job.machine.axes[axis]?;
-            let (low, high) = self.ranges[axis];
-            let beyond = low > machine.low.mm() + EDGE_MM || high < machine.high.mm() - EDGE_MM;
-            let [low, high] = [low, high].map(|mm| Millimetres::new(mm).shown());
-            beyond.then(|| format!("{axis} is judged from {low} to {high} mm, where it was measured; its travel is {} … {} mm", machine.low.mm(), machine.high.mm()))
-        };
-        Axis::ALL.into_iter().filter_map(shorter).collect()
     }
 }
 
@@ -210,26 +197,14 @@ const SHOWN_URAD: f64 = 0.0005;
 /// Ranges that miss the travel by less are the same, mm.
 const EDGE_MM: f64 = 0.01;
 
-fn of_directions(model: &ErrorModel) -> Vec<String> {
-    let all = PerAxis::from_fn(|axis| {
-        model
-            .measured()
-            .filter(|(term, _)| term.along == axis)
-            .map(|(_, measured)| &measured.measured)
-            .collect::<Vec<_>>()
-    });
-    let sentence = |axis: Axis| {
-        let measured = &all[axis];
-        if measured.iter().any(|m| m.has_both_ways()) {
-            return Some(format!(
-                "{axis} was measured in both directions: the mean of both counts, the reversal is not in these figures"
-            ));
+fn of_directions(model: &ErrorModel, axis: Axis) -> Option<Found> {
+    let mut found = None;
+    for (_, measured) in model.measured().filter(|(term, _)| term.along == axis) {
+        match measured.measured {
+            Measured::BothWays { .. } => return Some(Found::BothDirections { axis }),
+            Measured::OneWay(..) => found = Some(Found::OneDirection { axis }),
+            Measured::Undirected(_) => {}
         }
-        let one_way = |m: &&Measured| matches!(m, Measured::OneWay(..));
-        measured
-            .iter()
-            .any(one_way)
-            .then(|| format!("{axis} was measured in one direction: the figures hold for it only"))
-    };
-    Axis::ALL.into_iter().filter_map(sentence).collect()
+    }
+    found
 }

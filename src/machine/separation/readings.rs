@@ -1,0 +1,222 @@
+//! Corrected readings: means over runs, their repeatability, and their increments, filed under the
+//! machine interval that a step crosses.
+
+use super::curves::{mean, range};
+use crate::inputs::target_runs::Runs;
+use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use crate::quantity::units::Squared;
+use crate::text::problem::Problem;
+
+/// One corrected run, µm, by node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CorrectedRun {
+    /// The diagonal.
+    pub diagonal: Diagonal,
+    /// Number of the run, as in the file.
+    pub number: u32,
+    /// Forward or reverse.
+    pub pass: Pass,
+    /// Reading errors, µm.
+    pub readings_um: Vec<f64>,
+}
+
+/// Mean reading errors of one pass along each diagonal, µm, by node of the forward path.
+pub type PassMeans = PerDiagonal<Vec<f64>>;
+
+/// m of formula (1): by diagonal and moving axis, one value for each machine interval, lowest
+/// first; µm.
+pub type Increments = PerDiagonal<PerAxis<Vec<f64>>>;
+
+/// How many runs stand behind the means of each pass: forward, reverse.
+pub type RunCounts = PerDiagonal<[f64; 2]>;
+
+/// Which readings stand for a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Group {
+    /// The forward pass of all diagonals: an axis that a diagonal walks in − is mixed in.
+    ForwardOnly,
+    /// Every axis moving in this direction: forward passes of the diagonals that travel so,
+    /// reverse passes of the others.
+    Moving(Direction),
+}
+
+impl Group {
+    /// The pass along a diagonal on which this group finds the steps of an axis.
+    pub fn pass(self, diagonal: Diagonal, axis: Axis) -> Pass {
+        match self {
+            Group::Moving(direction) if direction != diagonal.forward(axis) => Pass::Reverse,
+            _ => Pass::Forward,
+        }
+    }
+}
+
+/// Mean reading errors of all passes that were walked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Means {
+    /// Forward.
+    pub forward: PassMeans,
+    /// Reverse, if every diagonal was walked back.
+    pub reverse: Option<PassMeans>,
+}
+
+impl Means {
+    /// The readings of a pass; those of the forward pass where there is no other.
+    pub fn of(&self, pass: Pass) -> &PassMeans {
+        match (pass, &self.reverse) {
+            (Pass::Reverse, Some(reverse)) => reverse,
+            _ => &self.forward,
+        }
+    }
+
+    /// The groups that the readings hold.
+    pub fn groups(&self) -> &'static [Group] {
+        match self.reverse {
+            None => &[Group::ForwardOnly],
+            Some(_) => &[
+                Group::Moving(Direction::Plus),
+                Group::Moving(Direction::Minus),
+            ],
+        }
+    }
+
+    /// Increments of a group. A step of an axis that travels in − on the forward run is filed
+    /// from the far end; the sign of the increment stays, formula (1) has it.
+    pub fn increments(&self, volume: &Volume, group: Group) -> Increments {
+        PerDiagonal::from_fn(|diagonal| {
+            PerAxis::from_fn(|axis| {
+                let readings = &self.of(group.pass(diagonal, axis))[diagonal];
+                let steps = (volume.node_after(axis, 0)..).step_by(3).take(volume.steps);
+                let mut increments: Vec<f64> = steps
+                    .map(|node| readings[node] - readings[node - 1])
+                    .collect();
+                if diagonal.forward(axis) == Direction::Minus {
+                    increments.reverse();
+                }
+                increments
+            })
+        })
+    }
+}
+
+/// Mean of the increments of a (diagonal, axis) pair over its intervals and over the groups, µm.
+pub(super) fn mean_increments(groups: &[Increments]) -> PerDiagonal<PerAxis<f64>> {
+    PerDiagonal::from_fn(|diagonal| {
+        PerAxis::from_fn(|axis| {
+            let all = groups.iter().flat_map(|group| &group[diagonal][axis]);
+            mean(all.copied())
+        })
+    })
+}
+
+/// Mean of the runs of each pass. The reverse pass counts only if every diagonal has it.
+pub fn means(runs: &[CorrectedRun]) -> Means {
+    let walked_back = |diagonal| of(runs, diagonal, Pass::Reverse).next().is_some();
+    let walked_back = Diagonal::ALL.into_iter().all(walked_back);
+    Means {
+        forward: pass_means(runs, Pass::Forward),
+        reverse: walked_back.then(|| pass_means(runs, Pass::Reverse)),
+    }
+}
+
+/// How many runs each pass along each diagonal has.
+pub fn run_counts(runs: &[CorrectedRun]) -> RunCounts {
+    PerDiagonal::from_fn(|diagonal| {
+        Pass::BOTH.map(|pass| of(runs, diagonal, pass).map(|_| 1.0).sum())
+    })
+}
+
+/// The runs of one pass along a diagonal.
+pub(super) fn of(
+    runs: &[CorrectedRun],
+    diagonal: Diagonal,
+    pass: Pass,
+) -> impl Iterator<Item = &CorrectedRun> + Clone {
+    runs.iter()
+        .filter(move |run| run.diagonal == diagonal && run.pass == pass)
+}
+
+fn pass_means(runs: &[CorrectedRun], pass: Pass) -> PassMeans {
+    PerDiagonal::from_fn(|diagonal| {
+        let runs: Vec<&CorrectedRun> = of(runs, diagonal, pass).collect();
+        let nodes = runs.first().map_or(0, |run| run.readings_um.len());
+        let at = |node: usize| mean(runs.iter().map(|run| run.readings_um[node]));
+        (0..nodes).map(at).collect()
+    })
+}
+
+/// Repeatability of a pass along a diagonal as in ISO 230-2: R = 4 s, the largest over its nodes,
+/// µm; `None` with fewer than two runs. Each run counts from its own zero, as it was read.
+pub(crate) fn repeatability_um(
+    runs: &[CorrectedRun],
+    diagonal: Diagonal,
+    pass: Pass,
+) -> Option<f64> {
+    let runs = of(runs, diagonal, pass);
+    let nodes = runs.clone().next()?.readings_um.len();
+    let freedom = runs.clone().skip(1).map(|_| 1.0).sum::<f64>();
+    let deviation = |node: usize| {
+        let at = runs.clone().map(|run| run.readings_um[node]);
+        let middle = mean(at.clone());
+        let square: f64 = at.map(|reading| (reading - middle).squared()).sum();
+        (square / freedom).sqrt()
+    };
+    (freedom > 0.0).then(|| 4.0 * (0..nodes).map(deviation).fold(0.0, f64::max))
+}
+
+/// Every how many nodes the target is on the diagonal: between the cell ends of a step run it is
+/// beside it.
+const fn spacing(kind: PathKind) -> usize {
+    match kind {
+        PathKind::Step => 3,
+        PathKind::Straight => 1,
+    }
+}
+
+/// Runs of one diagonal over its cell ends (step) or nodes (straight) as runs of a standard's test; up =
+/// forward.
+pub(crate) fn diagonal_runs(
+    volume: &Volume,
+    kind: PathKind,
+    diagonal: Diagonal,
+    runs: &[CorrectedRun],
+) -> Result<Runs, Problem> {
+    let nodes = || (0..=volume.last_node(kind)).step_by(spacing(kind));
+    let targets = nodes().map(|node| volume.nominal_mm(diagonal, kind, node));
+    let [up, down] = Pass::BOTH.map(|pass| {
+        let walks = of(runs, diagonal, pass);
+        let at = |node: usize| walks.clone().map(|run| run.readings_um[node]).collect();
+        let walked = walks.clone().next().is_some();
+        walked.then(|| nodes().map(at).collect())
+    });
+    Runs::new(targets.collect(), up, down)
+}
+
+/// Figures of one diagonal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiagonalFigures {
+    /// Reading error at the far end less that at the start, mean of all runs, µm.
+    pub end_um: f64,
+    /// Max − min over the nodes that lie on the diagonal, both passes, µm.
+    pub range_um: f64,
+}
+
+/// Figures of every diagonal, and max − min over all of them, µm.
+pub fn figures(runs: &[CorrectedRun], kind: PathKind) -> (PerDiagonal<DiagonalFigures>, f64) {
+    let passes = Pass::BOTH.map(|pass| pass_means(runs, pass));
+    let on_diagonal = |d| {
+        passes
+            .iter()
+            .map(move |pass| pass[d].iter().step_by(spacing(kind)))
+    };
+    let figures = PerDiagonal::from_fn(|d| {
+        // Far end less start of a pass, so that an offset between the passes does not count.
+        let total = |pass: &PassMeans| Some(pass[d].last()? - pass[d].first()?);
+        DiagonalFigures {
+            end_um: mean(passes.iter().filter_map(total)),
+            range_um: range(on_diagonal(d).flatten().copied()),
+        }
+    });
+    let all = Diagonal::ALL.into_iter().flat_map(on_diagonal).flatten();
+    (figures, range(all.copied()))
+}

@@ -1,0 +1,22 @@
+//! What the figures of a volume rest on, in words.
+
+use crate::quantity::axis::Axis;
+use crate::text::finding::findings;
+
+findings! {
+    /// What a model of the volume takes for granted.
+    VolumeFinding {
+        Doubtful { why: String } => Doubt, "doubt: {why}";
+        ChainAssumed => Label, "the chain is not stated: without angles no figure depends on it; what missing angles leave out is told for axes that all move the tool";
+        SquarenessInCurves => Label, "squareness is not stated apart: it counts as far as the slopes of the straightness curves hold it";
+        SquarenessStated { stated: String } => Label, "squareness as stated: {stated}; positive = the angle between the two positive axis directions is less than 90°";
+        LeverOrigin { second: String, third: String } => Label, "levers of the angles count from {second}, {third} (`offsets_mm`: where these axes rested while the others were measured)";
+        AnglesAtReference { angles: String } => Label, "angles count as given: at the reference {angles}. Squareness that was measured with an axis standing anywhere but where its angles are zero holds them already; then state `angles_zero_mm`";
+        AnglesZero { axis: Axis, mm: f64 } => Label, "angles of {axis} count from {mm} mm, where they are taken as zero (`angles_zero_mm`)";
+        OpticOnTable { axis: Axis, mm: f64 } => Label, "{axis} carries the workpiece and its straightness was measured on the table at {mm} mm (`straightness_optic_mm`): its own travel is a lever";
+        OpticAtTool { axis: Axis } => Label, "{axis} carries the workpiece: its straightness counts as measured at the tool point, which holds its own lever already; an optic riding on the table needs `straightness_optic_mm`";
+        BothDirections { axis: Axis } => Label, "{axis} was measured in both directions: the mean of both counts, the reversal is not in these figures";
+        OneDirection { axis: Axis } => Label, "{axis} was measured in one direction: the figures hold for it only";
+        JudgedPart { axis: Axis, judged: [f64; 2], travel: [f64; 2] } => Label, "{axis} is judged from {} to {} mm, where it was measured; its travel is {} … {} mm", judged[0], judged[1], travel[0], travel[1];
+    }
+}
