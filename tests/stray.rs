@@ -53,7 +53,7 @@ fn what_operating_systems_leave_is_passed_over_with_or_without_manifest() {
     write(kit.join("Thumbs.db"), b"\xd0\xcf\x11\xe0");
     write(kit.join("desktop.ini"), b"[.ShellClassInfo]\r\n");
     fs::create_dir(kit.join("System Volume Information")).expect("a directory can be made");
-    let words = "`.DS_Store` was passed over: an operating system left it";
+    let words = "`.DS_Store` was ignored: an operating system left it";
     expect(directory.path(), 0, words);
     fs::remove_file(kit.join("manifest.json")).expect("it is there");
     expect(directory.path(), 0, words);
@@ -67,7 +67,7 @@ fn an_unlisted_file_is_passed_over_unless_the_control_would_read_it() {
     expect(
         directory.path(),
         0,
-        "`notes.txt` was passed over: manifest.json does not list it",
+        "`notes.txt` was ignored: manifest.json does not list it",
     );
     write(kit.join("OLD.MPF"), b"$AN_CEC[7,0]=0.01\n$AN_CEC[7,1]=0.02\n$AN_CEC_INPUT_AXIS[7]=(AX1)\n$AN_CEC_OUTPUT_AXIS[7]=(AX2)\n$AN_CEC_STEP[7]=100\n$AN_CEC_MIN[7]=0\n$AN_CEC_MAX[7]=100\nM30\n");
     expect(

@@ -14,6 +14,9 @@ use crate::text::finding::{Finding, findings};
 use crate::write::compensation::Placement;
 use crate::write::plan::{Plan, plan};
 
+/// What the last printed digit does not show is no gain, µm.
+const SHOWN_UM: f64 = 0.001;
+
 findings! {
     /// What a person may change.
     Way {
@@ -120,7 +123,9 @@ fn other_policies(inputs: &Inputs, verdict: Verdict, left_um: f64, doubts: &[Str
     let others = BacklashPolicy::ALL.into_iter().filter(is_other);
     let mut ways: Vec<(Verdict, f64, Way)> = others
         .filter_map(|policy| with_policy(inputs, policy, doubts))
-        .filter(|(other, um, _)| *other < verdict || verdict == Verdict::Fail && *um < left_um)
+        .filter(|(other, um, _)| {
+            *other < verdict || verdict == Verdict::Fail && *um < left_um - SHOWN_UM
+        })
         .collect();
     ways.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
     ways.into_iter().map(|(_, _, way)| way).collect()

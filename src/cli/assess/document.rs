@@ -35,7 +35,10 @@ pub(super) fn document(page: &Page) -> Value {
         .map(|m| json!({"name": m.name, "consequence": m.consequence}))
         .collect();
     document.insert("missing".to_string(), json!(missing));
-    document.insert("labels".to_string(), json!(page.basis.labels));
+    document.insert(
+        "labels".to_string(),
+        json!([page.basis.doubts.clone(), page.basis.labels.clone()].concat()),
+    );
     let after = page.after.as_ref().map(|after| of_after(page, after));
     document.insert("after".to_string(), json!(after));
     Value::Object(document)

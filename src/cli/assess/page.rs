@@ -8,6 +8,7 @@ use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::chain::{Chain, unit};
 use crate::text::document::Source;
+use crate::text::finding::Severity;
 use crate::text::problem::{Problem, Problems};
 use crate::volume::assessment::{Assessment, GridChoice};
 use crate::volume::volume_model::{Component, VolumeModel};
@@ -59,6 +60,8 @@ pub(super) struct Basis {
     pub(super) active: Option<String>,
     /// VA of the machine without them, µm.
     pub(super) without_tables_um: Option<f64>,
+    /// Why the figures may be wrong, one sentence each.
+    pub(super) doubts: Vec<String>,
     /// What whoever reads a figure has to know, one sentence each.
     pub(super) labels: Vec<String>,
 }
@@ -104,13 +107,17 @@ impl Basis {
         volume: &VolumeModel,
         stated: impl Iterator<Item = String>,
     ) -> Basis {
-        let doubts = doubts(job, measured).into_iter();
-        let labels = doubts.chain(volume.labels.iter().map(ToString::to_string));
+        let labels = volume.labels.iter();
+        let (doubtful, labels): (Vec<_>, Vec<_>) =
+            labels.partition(|label| label.severity() == Severity::Doubt);
+        let doubtful = doubtful.into_iter().map(ToString::to_string);
+        let labels = labels.into_iter().map(ToString::to_string);
         Basis {
             frame: frame(&job.measurement.data),
             levers: job.measurement.levers,
             active: None,
             without_tables_um: None,
+            doubts: doubts(job, measured).into_iter().chain(doubtful).collect(),
             labels: labels.chain(stated).chain(said(remarks)).collect(),
         }
     }

@@ -23,12 +23,6 @@ pub(super) fn screen(page: &Page) -> Screen {
         .iter()
         .map(|m| format!("{}: {}", m.name, m.consequence))
         .collect();
-    // Doubts first.
-    let (doubts, notes): (Vec<&String>, Vec<&String>) = page
-        .basis
-        .labels
-        .iter()
-        .partition(|label| label.starts_with("doubt: "));
     let left_out = list("not measured, so left out of every figure:", &missing);
     let verdict = [
         headline(page),
@@ -45,11 +39,7 @@ pub(super) fn screen(page: &Page) -> Screen {
             histogram(before, after),
             grouping(page),
         ],
-        findings: doubts
-            .into_iter()
-            .cloned()
-            .chain(show::notes(notes))
-            .collect(),
+        findings: [page.basis.doubts.clone(), show::notes(&page.basis.labels)].concat(),
         more: vec![More::new(missing.len(), "errors not measured", left_out)],
         ..Screen::default()
     }

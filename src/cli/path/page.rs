@@ -158,9 +158,9 @@ impl Page {
                 map
             }),
         });
-        document
-            .as_object_mut()
-            .map(|all| all.extend(self.before.figures()));
+        if let Some(all) = document.as_object_mut() {
+            all.extend(self.before.figures());
+        }
         document
     }
 }

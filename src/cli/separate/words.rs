@@ -9,7 +9,7 @@ use crate::machine::separation::findings::CHECK;
 use crate::machine::separation::metric::Metric;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, Severity};
 use serde_json::{Value, json};
 
 /// More degrees of freedom than these need no exact number: k is 2.00.
@@ -54,8 +54,12 @@ pub(super) fn screen(
     for advice in advice.iter().filter(|_| !undetermined.is_empty()) {
         open += &format!("\n      {advice}");
     }
+    // What the readings say of themselves never leaves the screen.
+    let (said, labels): (Vec<&Finding>, Vec<&Finding>) = labels
+        .iter()
+        .partition(|label| label.severity() == Severity::Note);
     let heading = "Assumed, and what the uncertainty holds:";
-    more.push(More::new(labels.len(), "labels", list(heading, labels)));
+    more.push(More::new(labels.len(), "labels", list(heading, &labels)));
     Screen {
         verdict: paragraphs(&[
             list("DOUBTFUL, so the answer is no:", doubts),
@@ -63,6 +67,7 @@ pub(super) fn screen(
             open,
         ]),
         figures,
+        always: said.iter().map(|note| format!("note: {note}")).collect(),
         more,
         ..Screen::default()
     }

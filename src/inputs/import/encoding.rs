@@ -19,7 +19,7 @@ pub struct Measurement<'a> {
 }
 
 /// Encodings that may be stated, and who writes them.
-const ENCODINGS: [(&'static Encoding, &str); 6] = [
+const ENCODINGS: [(&Encoding, &str); 6] = [
     (UTF_8, "newer programs"),
     (WINDOWS_1252, "Windows in western Europe"),
     (WINDOWS_1250, "Windows in central Europe"),

@@ -111,7 +111,7 @@ impl ReferenceLine {
             ReferenceLine::EndPoints => {
                 let mut pairs = pairs;
                 let first = pairs.next().unwrap_or((&0.0, &0.0));
-                let last = pairs.last().unwrap_or(first);
+                let last = pairs.next_back().unwrap_or(first);
                 (last.1 - first.1, (last.0 - first.0) / 1000.0)
             }
             ReferenceLine::LeastSquares => {
