@@ -69,7 +69,7 @@ enum Command {
     History(history::Options),
     /// Separate the readings of four body diagonals into the nine errors
     #[command(
-        after_help = "Exit status: 0 separated · 1 separated, but something speaks against the result · 2 nothing written"
+        after_help = "Exit status: 0 separated · 1 separated, but something contradicts the result · 2 nothing written"
     )]
     Separate(separate::Options),
     /// What the errors do in the volume: volumetric accuracy and the other definitions

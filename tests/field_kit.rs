@@ -252,7 +252,7 @@ fn without_a_read_out_the_first_step_is_to_read_out() {
         let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
         let first = page.lines().find(|line| line.starts_with("1. ")).unwrap();
         assert!(
-            first.contains("keep") && first.contains("way back"),
+            first.contains("keep") && first.contains("rollback"),
             "{id}: {first}"
         );
         // A note may show braces, as it shows what to write into a job.
@@ -577,7 +577,7 @@ fn how_to_switch_off_by_hand_stands_there_without_a_sign_proof() {
             "{id}: {page}"
         );
         assert!(page.contains(words), "{id}: {page}");
-        assert!(page.contains("## Way back"), "{id}: {page}");
+        assert!(page.contains("## Rollback"), "{id}: {page}");
     }
 }
 
@@ -637,7 +637,7 @@ fn a_backlash_value_is_entered_with_the_tables_and_put_back() {
             rest.split("\n## ").next().unwrap().to_string()
         };
         assert!(of("## Before anything").contains("found ________"), "{id}");
-        let (load, back) = (of("## The real tables"), of("## Way back"));
+        let (load, back) = (of("## The real tables"), of("## Rollback"));
         let entered = load.lines().filter(|line| line.contains(": enter "));
         let entered: Vec<&str> = entered.collect();
         assert_eq!(entered.len(), 1, "{id}: X alone has a reversal\n{load}");

@@ -290,7 +290,7 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("G500", "G54", "`G54` is not a word"),
         ("G500", "$P_UIFR[1]=CTRANS(X,10)", "is no word"),
         ("MSG()", "M3 S100", "`M3` is not a word"),
-        ("X-45.000", "X-45.000 X-45.000", "stands twice"),
+        ("X-45.000", "X-45.000 X-45.000", "is given twice"),
         ("ZERO THE LASER", "NULL \u{c4} LASER", "not ASCII"),
     ];
     for (from, to, found) in wrong {
@@ -414,7 +414,7 @@ fn the_job_must_not_describe_another_turn_than_the_run() {
     };
     let said = turn("false", "").unwrap_err().render();
     assert!(
-        said.contains("`overrun` is false, but this run goes 2 mm over the far end"),
+        said.contains("`overrun` is false, but this run goes 2 mm past the end point"),
         "{said}"
     );
     let said = turn("true", "overrun_mm = 0").unwrap_err().render();

@@ -194,7 +194,7 @@ fn a_table_that_follows_a_foreign_axis_decides_nothing() {
     let visit = Visit::of(false, "mean");
     let says = "DOUBTFUL: $AN_CEC[9] (AX7 → AX2) follows axis AX7";
     visit.expect(&foreign("AX7", "AX2"), "undecided", says);
-    let says = "$AN_CEC[9] (AX2 → AX7) belongs to axes that the job does not have: passed over";
+    let says = "$AN_CEC[9] (AX2 → AX7) belongs to axes that the job does not have: ignored";
     visit.expect(&foreign("AX2", "AX7"), "pass", says);
     let off = foreign("AX7", "AX2");
     let (verdict, page) = visit.judge_bytes(&[
@@ -346,7 +346,7 @@ fn an_axis_of_a_usual_name_that_the_job_does_not_have_belongs_to_others() {
         "$AA_ENC_COMP[0,AX3] belongs to an axis that the job does not have",
     );
     visit.expect(&cec("AX3", "AX2", ""), "undecided", "follows axis AX3");
-    visit.expect(&cec("AX2", "AX3", ""), "pass", "passed over");
+    visit.expect(&cec("AX2", "AX3", ""), "pass", "ignored");
 }
 
 /// A switch at 1 says that a table acts; which one, only the table does.
@@ -391,12 +391,12 @@ fn what_a_control_writes_around_its_tables_does_not_stop_the_reading() {
             .replace("=0.2", "=0")
             .replace("MAX[9]=10", "MAX[9]=85")
     };
-    visit.expect(&zeros("AX7"), "pass", "passed over");
+    visit.expect(&zeros("AX7"), "pass", "ignored");
     let unused = zeros("AX7").replace("MAX[9]=85", "MAX[9]=-5");
     visit.expect(
         &unused,
         "pass",
-        "AN_CEC[9]: zeros without a usable grid, passed over",
+        "AN_CEC[9]: zeros without a usable grid, ignored",
     );
     let open = cec("AX1", "AX2", "").replace("MAX[9]=10", "MAX[9]=15");
     let (verdict, page) = visit.judge(&format!("{open}$AN_CEC[9,2]=0.4\n"));
@@ -447,10 +447,7 @@ fn a_commissioning_archive_is_read_as_it_is() {
     fs::write(visit.read_out.join("test.arc"), &bytes).unwrap();
     let (verdict, page) = visit.verify("out");
     assert_eq!(verdict, "pass", "{page}");
-    assert!(
-        page.contains("part programs were passed over (8)"),
-        "{page}"
-    );
+    assert!(page.contains("part programs were ignored (8)"), "{page}");
     fs::write(visit.read_out.join("test.arc"), &bytes[..3000]).unwrap();
     let (verdict, page) = visit.verify("out");
     assert_eq!(verdict, "refused", "{page}");
@@ -466,7 +463,7 @@ fn parameters_of_spindles_correct_no_axis() {
     let visit = Visit::of(true, "mean");
     let zero = "N03666Q1S1P0S2P0\nN03671Q1S1P0\nN03676Q1S1P0S2P0\nN05861Q1S1P0";
     visit.expect(zero, "pass", "job and tables agree");
-    let says = "3666 of S2 = 5: a spindle corrects no axis of the job, passed over";
+    let says = "3666 of S2 = 5: a spindle corrects no axis of the job, ignored";
     visit.expect("N03666Q1S1P0S2P5", "pass", says);
 }
 
@@ -508,7 +505,7 @@ fn tables_of_others_that_reach_into_the_own_ones_are_told() {
     let zeros = cec("AX7", "AX2", "")
         .replace("=0.1", "=0")
         .replace("=0.2", "=0");
-    visit.expect(&zeros, "pass", "passed over");
+    visit.expect(&zeros, "pass", "ignored");
     let weight = |table: u32| format!("$SN_CEC_TABLE_WEIGHT[{table}]=0.5");
     visit.expect(
         &weight(0),
@@ -568,7 +565,7 @@ fn part_programs_in_an_archive_are_no_state() {
         let (verdict, page) = judge(&text);
         assert_eq!(verdict, "fail", "{page}");
         assert!(
-            page.contains("part programs were passed over (NEW_EEC_MPF)"),
+            page.contains("part programs were ignored (NEW_EEC_MPF)"),
             "{page}"
         );
     }
@@ -673,7 +670,7 @@ fn the_measuring_system_that_the_job_does_not_name_is_told() {
     visit.expect(
         &off,
         "pass",
-        "for the other measuring system and switched off: passed over",
+        "for the other measuring system and switched off: ignored",
     );
 }
 
@@ -711,7 +708,7 @@ fn a_control_file_among_files_of_a_kit_is_judged() {
     assert_eq!(verdict, "pass", "{page}");
     assert!(
         page.contains(
-            "`checklist.md` is a file of a kit that is not loaded with its tables: passed over"
+            "`checklist.md` is a file of a kit that is not loaded with its tables: ignored"
         ),
         "{page}"
     );

@@ -128,7 +128,7 @@ fn understood(job: fn(&str) -> Inputs, files: Vec<(String, Vec<u8>)>) -> String 
     said
 }
 
-/// Tables and what was passed over, in numbers.
+/// Tables and what was ignored, in numbers.
 fn told(active: &ActiveControl) -> String {
     let mut said = format!(
         "{} notes, CEC tables of others {:?}\n",

@@ -64,7 +64,7 @@ fn json(directory: &Path, command: &str) -> Value {
     serde_json::from_str(&stdout(&nonius(directory, command))).unwrap()
 }
 
-/// Labels where what is left of the angles speaks against the result.
+/// Labels where what is left of the angles contradicts the result.
 fn labels_of_a_doubtful(directory: &Path) -> String {
     let page = answered_no(&nonius(directory, "separate job.toml --format json"));
     serde_json::from_str::<Value>(&page).unwrap()["labels"].to_string()

@@ -870,7 +870,7 @@ fn a_whole_parameter_file_is_judged_by_what_concerns_the_tables() {
     for says in [
         "job and tables agree",
         "`CNC-PARA.TXT` holds far more than a kit: taken as read out of the control",
-        "`CNC-PARA.TXT`: 200 other parameters were passed over",
+        "`CNC-PARA.TXT`: 200 other parameters were ignored",
     ] {
         expect_verdict(directory.path(), "the whole file", 0, says);
     }

@@ -132,7 +132,7 @@ impl CampaignFiles {
                 .problem_at(
                     "measurement.step_diagonal",
                     format!(
-                        "the runs under the name {} count from their own start, so the readings do not tell whether the axes ran over the far end: `overrun` is missing",
+                        "the runs under the name {} count from their own start, so the readings do not tell whether the axes ran past the end point: `overrun` is missing",
                         run.diagonal.reverse_name()
                     ),
                 )

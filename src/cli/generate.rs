@@ -121,9 +121,9 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
     let checklist = kit.files.iter().find(|file| file.role == Role::Checklist);
     let order = match (checklist.map(|file| &file.path), explained) {
         (Some(file), Some(page)) => {
-            format!("; order of loading and way back: {file}, why: {page}")
+            format!("; order of loading and rollback: {file}, why: {page}")
         }
-        (Some(file), None) => format!("; order of loading and way back: {file}"),
+        (Some(file), None) => format!("; order of loading and rollback: {file}"),
         (None, Some(page)) => {
             format!("; order of loading: {page}, as this kit has no checklist")
         }

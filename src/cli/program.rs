@@ -76,9 +76,9 @@ fn motion(kit: &ProgramKit) -> String {
         }
     };
     let back = match (request.bidirectional, request.overrun.mm() > 0.0) {
-        (true, true) => format!("way back measured after {} mm of overrun", request.overrun.mm()),
-        (true, false) => "way back measured, turning without overrun: the first step back shows each axis' reversal".to_string(),
-        (false, _) => format!("way back not measured ({})", request.way_back.word()),
+        (true, true) => format!("return pass measured after {} mm of overrun", request.overrun.mm()),
+        (true, false) => "return pass measured, turning without overrun: the first step back shows each axis' reversal".to_string(),
+        (false, _) => format!("return pass not measured ({})", request.way_back.word()),
     };
     let minutes = kit.run.duration_s(request) / 60.0;
     let mut lines = vec![

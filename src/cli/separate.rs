@@ -64,7 +64,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let document = document::separation(&separation, simulated.as_ref())?;
     let screen = text::screen(&separation, simulated.as_ref())?;
     let outcome = output.deliver(csv, || screen, || document, "")?;
-    // No, where an error is not determined or something speaks against the result.
+    // No, where an error is not determined or something contradicts the result.
     Ok(outcome.answering(separation.stands()))
 }
 

@@ -29,8 +29,8 @@ pub(super) fn placements(placements: &[Placement]) -> String {
     let formed = placements.iter().any(|p| p.fit_residual_um.is_some());
     let (column, legend) = match formed {
         true => (
-            "\t>form leaves/µm",
-            "; form leaves: what three straight pieces cannot follow",
+            "\t>fit residual/µm",
+            "; fit residual: what three straight pieces cannot follow",
         ),
         false => ("", ""),
     };
@@ -49,10 +49,11 @@ pub(super) fn placements(placements: &[Placement]) -> String {
             false => row,
         }
     });
-    let heading =
-        format!("term\tmoving\tplace in the control\t>points\t>count/µm\t>grid leaves/µm{column}");
+    let heading = format!(
+        "term\tmoving\tplace in the control\t>points\t>count/µm\t>grid residual/µm{column}"
+    );
     format!(
-        "{}\n  count: smallest step of a table value; grid leaves: largest difference of curve and table{legend}",
+        "{}\n  count: smallest step of a table value; grid residual: largest difference of curve and table{legend}",
         table(&heading, rows)
     )
 }

@@ -32,7 +32,7 @@ pub(super) struct Corrected {
     pub(super) volume: VolumeModel,
     /// How the files differ from what the job asks for, one sentence each.
     pub(super) disagreements: Vec<String>,
-    /// What no file does, what was passed over, and what is taken for granted.
+    /// What no file does, what was ignored, and what is taken for granted.
     pub(super) notes: Vec<String>,
 }
 

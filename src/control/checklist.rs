@@ -39,7 +39,7 @@ pub enum List {
     WayBack,
     /// Values that are entered by hand with the tables.
     Enter,
-    /// The same values on the way back.
+    /// The same values on rollback.
     PutBack,
 }
 

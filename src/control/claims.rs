@@ -47,7 +47,7 @@ pub struct Precondition {
     pub why: String,
     /// Where that is from.
     pub source: String,
-    /// Whether it is a value that a person enters after the tables, and puts back on the way back.
+    /// Whether it is a value that a person enters after the tables, and puts back on rollback.
     #[serde(skip)]
     pub entered: bool,
 }

@@ -47,7 +47,7 @@ const SUSPICIOUS: f64 = 30.0;
 const SUSPICIOUSLY_SMALL: f64 = 100.0;
 /// What no laser resolves: a measurement does not scatter by less, µm.
 const NO_SCATTER_UM: f64 = 0.01;
-/// A slip of the unit: mm under a heading for µm, or the other way.
+/// A unit error: mm under a heading for µm, or the other way.
 const UNIT: f64 = 1000.0;
 
 /// A fault that the data do not exclude.

@@ -41,18 +41,18 @@ findings! {
     /// axes and is not emulated.
     InControl {
         Read { words: String } => Note, "{words}";
-        PassedOver { file: String, count: usize, what: &'static str } => Note, "`{file}`: {count} {what} were passed over";
+        PassedOver { file: String, count: usize, what: &'static str } => Note, "`{file}`: {count} {what} were ignored";
         NotWritten { parameters: Vec<String> } => Note, "no file holds {}: 0 is assumed", listed(parameters);
-        Idle { tables: Vec<String> } => Note, "{}: zeros without a usable grid, passed over", listed(tables);
-        NotLoaded { file: String } => Note, "`{file}` is a file of a kit that is not loaded with its tables: passed over";
-        OfOthers { what: String, axes: &'static str } => Note, "{what} belongs to {axes} that the job does not have: passed over (under another name? state `id`)";
+        Idle { tables: Vec<String> } => Note, "{}: zeros without a usable grid, ignored", listed(tables);
+        NotLoaded { file: String } => Note, "`{file}` is a file of a kit that is not loaded with its tables: ignored";
+        OfOthers { what: String, axes: &'static str } => Note, "{what} belongs to {axes} that the job does not have: ignored (under another name? state `id`)";
         SwitchedOff { table: String, by: &'static str } => Note, "{table} is switched off ({by} = 0), so it does nothing";
-        OtherSystem { table: String, off: &'static str } => Note, "{table} is for the other measuring system{off}: passed over";
-        ProgramsPassedOver { names: String } => Note, "part programs were passed over ({names}), they do nothing before they are run";
+        OtherSystem { table: String, off: &'static str } => Note, "{table} is for the other measuring system{off}: ignored";
+        ProgramsPassedOver { names: String } => Note, "part programs were ignored ({names}), they do nothing before they are run";
         ProgramsCount { names: String } => Note, "part programs ({names}) count as run and active: nothing else was read out";
         ProgramsOnly { names: String } => Doubt, "nothing but part programs was read out ({names}): what they write acts only once they were run, and as long as nothing else was loaded";
         TablesInPrograms { names: String } => Disagreement, "the read-out holds tables in part programs only ({names}), and whether they were run it does not tell";
-        SeveralOfOthers { name: String } => Note, "{name}, of others, has several values in the files: passed over";
+        SeveralOfOthers { name: String } => Note, "{name}, of others, has several values in the files: ignored";
         LastCounts { name: String } => Note, "{name} has several values in the files: the last of them, by the names of the files and by their lines, counts as active, and the way back leaves it to a person";
         SeveralValues { name: String } => Disagreement, "{name} has several values in the files, so which of them the control holds is not known";
         FileUnit { file: String, unit: &'static str, word: &'static str, own: &'static str } => Disagreement, "`{file}` is written in {unit} (`{word}`), the job counts in {own}";
@@ -72,7 +72,7 @@ findings! {
         Factor { table: String, factor: u32 } => Doubt, "{table}, of axes that the job does not have, multiplies by $AN_CEC[{factor}] of the job: whether that one still acts by itself is not known";
         Follows { what: String, moving: String } => Doubt, "{what} follows axis {moving}, which the job does not have: it is not in the forecast, and changes the error wherever {moving} stands elsewhere";
         ReferencePoint { axis: String, position: f64, unit: &'static str, own_mm: f64 } => Doubt, "MD34100 $MA_REFP_SET_POS[0,{axis}] is {position} {unit}, the job has the reference point at {own_mm} mm: with an incremental measuring system the tables are not zero where the axis is referenced";
-        Spindle { parameter: String } => Note, "{parameter}: a spindle corrects no axis of the job, passed over";
+        Spindle { parameter: String } => Note, "{parameter}: a spindle corrects no axis of the job, ignored";
         Slave { other: u32, axis: u32 } => Note, "axis {other}, which the job does not have, takes the points of axis {axis}, as the slave of a gantry does";
         SharedPoints { other: u32, axis: u32 } => Doubt, "axis {other}, which the job does not have, takes points of axis {axis} in another way than it: it is corrected by errors that are not its own";
         PointsOfNobody { points: usize } => Doubt, "the files hold {points} points and no parameter 3620 to 3624, so which axes they correct is not known";

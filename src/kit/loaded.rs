@@ -28,7 +28,7 @@ pub(super) struct Loaded {
     pub(super) state: ControlState,
     /// The control with the tables, or why nothing can be said of it.
     pub(super) control: Result<Box<dyn Emulator>, CannotEmulate>,
-    /// How the files differ from what the job asks for; what no file does, what was passed over, and
+    /// How the files differ from what the job asks for; what no file does, what was ignored, and
     /// what is taken for granted; what acts on the axes of the job and is not emulated (a doubt).
     pub(super) findings: Vec<Finding>,
     /// Files that the control may load and no reader takes, in a sentence.
@@ -110,7 +110,7 @@ pub struct LoadedControl {
     pub plan: Plan,
     /// What the files make of the control.
     pub control: Box<dyn Emulator>,
-    /// How the files differ from what the job asks for, what no file does, what was passed over, and
+    /// How the files differ from what the job asks for, what no file does, what was ignored, and
     /// what is taken for granted.
     pub findings: Vec<Finding>,
 }

@@ -85,7 +85,7 @@ pub(crate) enum ChangedBy {
     File,
     /// A person, because a precondition asks for a value.
     Precondition,
-    /// Nobody: it acts beside the tables and goes along where it was read out.
+    /// Nobody: it acts in addition to the tables and goes along where it was read out.
     Nobody,
 }
 

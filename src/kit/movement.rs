@@ -86,7 +86,7 @@ pub(super) fn way_back(before: &Before<'_>) -> Vec<String> {
     match moved {
         Ok(sentences) => sentences,
         Err(reason) => vec![format!(
-            "what moves at the reference point when the old tables act again cannot be told: {}",
+            "what moves at the reference point when the old tables act again cannot be determined: {}",
             reason.0
         )],
     }

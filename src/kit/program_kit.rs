@@ -159,7 +159,7 @@ fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
     list
 }
 
-/// Evidence of what no manual at hand was read for.
+/// Evidence of what no available manual was read for.
 const FROM_MEMORY: &str = "assumed: from memory, not in the manuals read";
 
 fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {

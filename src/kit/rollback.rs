@@ -1,4 +1,4 @@
-//! The way back: exactly what was read out of the control, for all that the kit changes.
+//! Rollback: exactly what was read out of the control, for all that the kit changes.
 //!
 //! ```text
 //!   files read out ─→ Held ─┐
@@ -28,7 +28,7 @@ use crate::write::compensation::Compiled;
 use crate::write::emit::{self, Instead, RenderedFile, Switch, Templates};
 use crate::write::plan::Plan;
 
-/// What a kit writes for the way back, and what it leaves to a person.
+/// What a kit writes for the rollback, and what it leaves to a person.
 #[derive(Default)]
 pub(super) struct Rollback {
     pub(super) files: Vec<RenderedFile>,
@@ -50,7 +50,7 @@ impl Rollback {
     pub(super) fn note(&self) -> Option<String> {
         let left = self.not_written.len();
         (!self.files.is_empty() && left > 0).then(|| {
-            format!("the rollback files leave {left} kind(s) of settings to a person, because the files that were read out do not hold them: see \"Not written\" and \"Way back\" of the checklist")
+            format!("the rollback files leave {left} kind(s) of settings to a person, because the files that were read out do not hold them: see \"Not written\" and \"Rollback\" of the checklist")
         })
     }
 }
@@ -65,11 +65,11 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
     let (active, held) = match inputs.active.as_ref().map(|active| (active, &active.origin)) {
         Some((active, Origin::ReadOut(held))) => (active, held),
         Some((active, Origin::Kit { .. })) => return Ok(Rollback::none(format!(
-            "`{}` is a kit, not files that were read out of the control; loading that kit again is the way back to it",
+            "`{}` is a kit, not files that were read out of the control; to roll back, load that kit again to it",
             active.path
         ))),
         Some((_, Origin::NoTables)) | None => return Ok(Rollback::none(
-            "`active_while_measuring` names no files that were read out of the control, and zeros are not a way back".to_string(),
+            "`active_while_measuring` names no files that were read out of the control, and zeros do not restore it".to_string(),
         )),
     };
     let before = Before {

@@ -30,9 +30,9 @@ pub struct Verification {
     /// What the tables will leave; absent where they cannot be emulated.
     pub forecast: Option<Forecast>,
     /// How the tables differ from what the job asks for; what no file does and what to see to on the
-    /// control instead; what acts beside the tables (doubts, whatever is measured).
+    /// control instead; what acts in addition to the tables (doubts, whatever is measured).
     pub findings: Vec<Finding>,
-    /// Why the measured errors are doubtful, and what acts beside the tables, one sentence each.
+    /// Why the measured errors are doubtful, and what acts in addition to the tables, one sentence each.
     pub doubts: Vec<String>,
     /// Forecast against the acceptance; a disagreement fails, a doubt leaves it undecided.
     pub verdict: Verdict,
@@ -60,7 +60,7 @@ pub fn verify(
 }
 
 /// Judges what was read out of a control by what it does to the job's axes: whatever else it holds
-/// was passed over, and its notes say so.
+/// was ignored, and its notes say so.
 pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verification, Problems> {
     let plan = plan(inputs.task())?;
     let compiled = inputs.compile(&plan)?;

@@ -31,7 +31,7 @@ use crate::text::problem::{Problem, Problems};
 
 mod measured;
 
-/// Errors that stay below this in every term are more often a slip of the unit, µm; a laser resolves
+/// Errors that stay below this in every term are more often a unit error, µm; a laser resolves
 /// a tenth of it at best.
 const UNLIKELY_SMALL_UM: f64 = 0.1;
 

@@ -113,7 +113,7 @@ pub fn read(file_name: &str, text: &str, facts: &FanucFacts) -> Result<FanucMemo
     Ok(read_from(Writer::Kit, file_name, text, facts)?.memory)
 }
 
-/// Reads a file that a control wrote of itself; as [`read`], but blocks of no concern are passed over, a
+/// Reads a file that a control wrote of itself; as [`read`], but blocks of no concern are ignored, a
 /// parameter in the number space of the points, such as 10800, is what it says it is, and `M` or `I` before
 /// a length are taken where they are the control's `unit` (B-63950EN/02 §3.3.2).
 pub fn read_out(
@@ -133,7 +133,7 @@ pub struct ReadOut {
     /// Parameters of spindles that are not 0, such as `3666 of S1 = 5`: they correct no axis of the
     /// job, but may take points.
     pub spindles: Vec<String>,
-    /// How many blocks of no concern were passed over.
+    /// How many blocks of no concern were ignored.
     pub passed_over: usize,
 }
 

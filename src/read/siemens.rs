@@ -113,12 +113,12 @@ pub fn read(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
 }
 
 /// Reads a file that a control wrote of itself, an archive or a file of data: what concerns the
-/// compensation, the rest passed over. Part programs are read where no file of the read-out holds active
+/// compensation, the rest ignored. Part programs are read where no file of the read-out holds active
 /// data.
 ///
 /// **limits** reserved points behind MAX have no effect and are left out, and MAX may lie between two points
 /// ([`crate::control::table::siemens::closed`]): then the point behind it is kept where it is there. End words
-/// between the parts of an archive are passed over, but data behind the last one are refused: a file that goes
+/// between the parts of an archive are ignored, but data behind the last one are refused: a file that goes
 /// on without one is not complete
 pub fn read_out(
     file_name: &str,

@@ -108,7 +108,7 @@ pub(crate) fn backlash_parameter(
         None if plan.has_two_tables(axis) => ("0".into(), two_tables_why(task.job, axis), true),
         None => (
             "as during the measurement".into(),
-            "backlash acts beside the table and adds to it",
+            "backlash acts in addition to the table and adds to it",
             false,
         ),
     };

@@ -346,7 +346,7 @@ fn sum(a: Vector, b: Vector) -> Vector {
 
 /// Largest |a + b + c| over three sets of vectors, each with its longest first; the search ends
 /// as soon as it is above `enough`. A partial sum that cannot beat the best even with the longest
-/// partner is passed over.
+/// partner is ignored.
 fn largest_sum([first, second, third]: [&[Vector]; 3], enough: f64) -> f64 {
     let longest = |set: &[Vector]| set.first().map_or(0.0, |v| length(*v));
     let (of_second, of_third) = (longest(second), longest(third));

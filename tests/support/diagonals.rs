@@ -165,7 +165,7 @@ impl Machine {
         (PerAxis::from_fn(travel), error)
     }
 
-    /// Readings of a pass; `back`: whether the axes ran over the far end before the way back.
+    /// Readings of a pass; `back`: whether the axes ran past the end point before the way back.
     pub(crate) fn readings(&self, back: Option<bool>) -> Readings {
         PerDiagonal::from_fn(|d| {
             let u = self.laser(d);

@@ -204,7 +204,7 @@ fn tables_in_part_programs_alone_are_no_old_tables() {
     let found = read_out(&job, EXX_ONLY, &format!("{active}{program}")).unwrap();
     let notes = notes_of(found.active.as_ref().unwrap());
     assert!(
-        notes.contains("part programs were passed over (EEC_MPF)"),
+        notes.contains("part programs were ignored (EEC_MPF)"),
         "{notes}"
     );
     let alone = read_out(&job, EXX_ONLY, &program).unwrap();

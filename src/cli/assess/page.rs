@@ -45,7 +45,7 @@ pub(super) struct After {
     pub(super) disagreements: Vec<String>,
 }
 
-/// A deviation above this is more often a slip of the unit, µm.
+/// A deviation above this is more often a unit error, µm.
 const UNLIKELY_UM: f64 = 5_000.0;
 /// An angle above this, µrad, and a squareness above this, µm/m, likewise.
 const UNLIKELY_URAD: f64 = 5_000.0;
@@ -156,7 +156,7 @@ fn said(remarks: &Remarks) -> Vec<String> {
     missing.chain(reversal).chain(notes).collect()
 }
 
-/// Values that no machine tool has, which are more often a slip of the unit.
+/// Values that no machine tool has, which are more often a unit error.
 fn doubts(job: &Job, model: &ErrorModel) -> Vec<String> {
     let deviations = model
         .measured()

@@ -87,7 +87,7 @@ pub struct OpenEnd {
 /// Grid and values as they are taken to act, and the open end: where MAX lies between two points, the
 /// value of the last one before it is held.
 ///
-/// limits no manual at hand says what a control does there
+/// limits no available manual says what a control does there
 pub fn closed(
     grid: SiemensGrid,
     values: &[Option<f64>],

@@ -332,7 +332,7 @@ impl Columns {
             let same = (here - before).abs() < f64::EPSILON * before.abs().max(1.0);
             let (what, help) = if same {
                 (
-                    "stands twice".to_string(),
+                    "is given twice".to_string(),
                     "average repeated runs, or give them directions `+` and `-`",
                 )
             } else {

@@ -218,7 +218,7 @@ fn refuse_twice(run: &[&Row<'_>], problems: &mut Problems) {
     let tidy = |row: &Row<'_>| tidy(row.position);
     let is_twice = |pair: &&[&Row<'_>]| tidy(pair[0]).total_cmp(&tidy(pair[1])).is_eq();
     for pair in run.windows(2).filter(is_twice) {
-        let message = format!("position {} stands twice", pair[1].position);
+        let message = format!("position {} is given twice", pair[1].position);
         let help = "map the number of the run (`…=run`) or the direction of travel (`…=direction`), or leave one row out";
         problems.push_with(|| pair[1].problem(message, help));
     }

@@ -22,7 +22,7 @@ use crate::text::delimited::{LengthUnit, plain_number};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
 
-/// The version of the format that was at hand.
+/// The version of the format that was available.
 const KNOWN_VERSION: &str = "5";
 /// Fields that are copied into our table.
 const COPIED: [&str; 7] = [

@@ -44,7 +44,7 @@ impl<'a> Sections<'a> {
                 let name = name.trim().to_uppercase();
                 is_over = name == "EOF";
                 if sections.has(&name) {
-                    let message = format!("section `{}::` stands twice", shown(&name));
+                    let message = format!("section `{}::` is given twice", shown(&name));
                     problems.push_with(|| line.problem(message, WHICH));
                 }
                 sections.found.push((name, Vec::new()));
@@ -63,7 +63,7 @@ impl<'a> Sections<'a> {
         }
         for (section, label) in SINGLE_KEYS {
             if let Some(second) = sections.fields(section).values(label).nth(1) {
-                problems.push(second.problem(format!("`{label}` stands twice"), WHICH));
+                problems.push(second.problem(format!("`{label}` is given twice"), WHICH));
             }
         }
         for needed in ["TARGET DATA", "RUNS", "DEVIATIONS", "EOF"] {
@@ -291,7 +291,7 @@ fn read_runs(
         if let (Some(run), Some(target), Some(um)) = (run, target, deviation)
             && found.insert((run, target), um).is_some()
         {
-            let message = format!("target {target} of run {run} stands twice");
+            let message = format!("target {target} of run {run} is given twice");
             problems.push_with(|| line.problem(message, AGAIN));
         }
     }

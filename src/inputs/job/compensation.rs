@@ -240,7 +240,7 @@ fn terms(section: &Section<'_>) -> WantedTerms {
     for name in &names {
         match ErrorTerm::from_name(name) {
             Some(term) if listed.contains(&term) => {
-                let message = format!("`{}` stands twice in `terms`", shown(name));
+                let message = format!("`{}` is given twice in `terms`", shown(name));
                 section.problem("terms", message, "remove one");
             }
             Some(term) => listed.push(term),
@@ -315,7 +315,7 @@ fn axis_ids(section: &Section<'_>) -> Vec<String> {
         let is_twice = all[..index].contains(id);
         if id.is_empty() || !id.chars().all(is_name) || is_twice {
             let what = if is_twice {
-                "stands twice"
+                "is given twice"
             } else {
                 "is no name of an axis"
             };

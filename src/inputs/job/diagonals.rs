@@ -27,7 +27,7 @@ pub struct DiagonalMeasurement {
     pub frame: Frame,
     /// What the beam is reflected by.
     pub target: Reflector,
-    /// Whether the axes ran over the far end before the reverse pass; `None` = judged from the data.
+    /// Whether the axes ran past the end point before the reverse pass; `None` = judged from the data.
     pub overrun: Option<bool>,
     /// Measurements of single axes along their length.
     pub linear: Vec<Linear>,

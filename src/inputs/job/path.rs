@@ -158,7 +158,7 @@ fn insert<T>(
 ) -> Option<()> {
     if list.insert(number, value).is_some() {
         let written = entry.as_written(key).unwrap_or_default();
-        let message = format!("`{key} = {}` stands twice", shown(written));
+        let message = format!("`{key} = {}` is given twice", shown(written));
         entry.problem(key, message, "keep one of the two");
     }
     Some(())

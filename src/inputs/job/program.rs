@@ -90,13 +90,13 @@ pub struct ProgramRequest {
     pub feed_mm_per_min: f64,
     /// Standstill at every node, s.
     pub dwell_s: f64,
-    /// How far every axis runs over the far end before the way back is measured; 0 = it turns there.
+    /// How far every axis runs past the end point before the return pass is measured; 0 = it turns there.
     pub overrun: Millimetres,
     /// How far behind the first node every axis begins, so that it arrives in its own direction.
     pub preload: Millimetres,
     /// Number of runs.
     pub runs: u32,
-    /// Whether the way back is measured too.
+    /// Whether the return pass is measured too.
     pub bidirectional: bool,
     /// The way back where it is not measured.
     pub way_back: WayBack,
@@ -119,7 +119,7 @@ impl ProgramRequest {
         self.number.unwrap_or(DEFAULT_NUMBER) + u32::try_from(index).unwrap_or(0)
     }
 
-    /// Whether the axes run over the far end before a way back that is measured: what `overrun`
+    /// Whether the axes run past the end point before a way back that is measured: what `overrun`
     /// has to state with readings of this run of diagonals. `None` = no such way back.
     pub(crate) fn runs_over(&self) -> Option<bool> {
         let back = self.bidirectional && self.what.path().is_some();
@@ -259,7 +259,7 @@ fn axes(section: &Section<'_>) -> Vec<Axis> {
     axes
 }
 
-/// Whether the way back is measured, and how it goes where it is not: a way back along the
+/// Whether the return pass is measured, and how it goes where it is not: a way back along the
 /// diagonal meets no node, so it is not measured.
 fn directions(section: &Section<'_>) -> (bool, WayBack) {
     let words = [WayBack::Retrace, WayBack::Diagonal].map(|way| (way.word(), way));

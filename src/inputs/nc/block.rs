@@ -116,7 +116,7 @@ impl Block {
             let letter = char::from(letter);
             self.wrong.push(Wrong::new(
                 span,
-                format!("`{letter}` stands twice in the block"),
+                format!("`{letter}` is given twice in the block"),
                 "keep one of the two",
             ));
             return;

@@ -22,7 +22,7 @@ pub(super) enum Flow {
     End,
 }
 
-/// What was passed over or understood in a way that a person should know.
+/// What was ignored or understood in a way that a person should know.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tally {
     /// M words without motion, with how often they stand.

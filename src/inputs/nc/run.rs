@@ -395,7 +395,7 @@ fn index(text: &mut dyn Text) -> Result<BTreeMap<u32, Mark>, Problem> {
         }
         if index.insert(program, mark).is_some() {
             return Err(Problem::new(format!(
-                "program O{program} stands twice in the file, again in line {number}"
+                "program O{program} is given twice in the file, again in line {number}"
             ))
             .help("give one of them another number"));
         }

@@ -1,7 +1,7 @@
 //! A line of a part program as words: a letter and a number, with the place of each.
 //!
 //! Blanks may stand anywhere, even inside a number; letters in either case. Comments `( … )` and
-//! `; …` are passed over. Numbers keep the full precision of what is written.
+//! `; …` are ignored. Numbers keep the full precision of what is written.
 
 /// A letter with its number, or one of the signs `%` and `/`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -203,7 +203,7 @@ impl Words<'_> {
         Wrong::new((start, end), format!("`{letter}` has no number"), help)
     }
 
-    /// A sign that begins no word. The rest of the line is passed over where it would be misread.
+    /// A sign that begins no word. The rest of the line is ignored where it would be misread.
     fn unknown(&mut self, byte: u8) -> Wrong {
         let start = self.at;
         let is_one = byte.is_ascii_graphic() && !matches!(byte, b'#' | b'[' | b']' | b'=' | b',');

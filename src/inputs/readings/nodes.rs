@@ -32,7 +32,7 @@ pub(super) fn at_row(row: &Row<'_>, message: String, help: impl Into<String>) ->
 
 /// Notes diagonals without the walks that the separation needs.
 pub(super) fn check_set(walks: &Walks<'_, '_>, table: &Columns<'_>, problems: &mut Problems) {
-    let back = "the separation of the two directions needs the way back on all four body diagonals; measure it, or leave its rows out";
+    let back = "the separation of the two directions needs the return pass on all four body diagonals; measure it, or leave its rows out";
     require_all(
         walks,
         table,
@@ -59,7 +59,7 @@ pub(super) fn check_set(walks: &Walks<'_, '_>, table: &Columns<'_>, problems: &m
 fn check_back(walk: Walk, row: &Row<'_>, walks: &Walks<'_, '_>, problems: &mut Problems) {
     let (name, diagonal) = (walk.name(), walk.diagonal);
     if walk.is_own() {
-        let message = format!("{walk}: `{name}` already names the way back of {diagonal}");
+        let message = format!("{walk}: `{name}` already names the return pass of {diagonal}");
         let help = format!("write `{diagonal}` and `reverse`");
         problems.push(at_row(row, message, help));
         return;
@@ -108,7 +108,7 @@ fn require_all(
     }
 }
 
-/// Notes nodes that are missing, stand twice or do not exist; `false` if all runs are of another
+/// Notes nodes that are missing, are given twice or do not exist; `false` if all runs are of another
 /// number of nodes, so that nothing else can be said of them.
 pub(super) fn check_nodes(
     walks: &Walks<'_, '_>,
@@ -120,7 +120,7 @@ pub(super) fn check_nodes(
         let mut pairs = rows.windows(2);
         if let Some(twins) = pairs.find(|pair| pair[0].node == pair[1].node) {
             let message = format!("{walk}: node {} stands more than once", twins[1].node);
-            let help = "number repeated runs in the column `run`, and mark the way back in the column `direction`";
+            let help = "number repeated runs in the column `run`, and mark the return pass in the column `direction`";
             problems.push(at_row(twins[1], message, help));
         }
     }
@@ -292,7 +292,7 @@ fn wrong_move<'r, 'a>(
             "{walk} takes the axes in the order {order}, as the forward run does, so its nodes are not those of {diagonal}: walked backwards, the order is {back}"
         );
         let help = format!(
-            "measure the way back over the same nodes; if these are such rows with the numbers of the forward run, write `{diagonal}` and `reverse`"
+            "measure the return pass over the same nodes; if these are such rows with the numbers of the forward run, write `{diagonal}` and `reverse`"
         );
         return Some((row, Problem::new(message).help(help)));
     }

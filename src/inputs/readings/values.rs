@@ -72,7 +72,7 @@ pub(super) fn check(
         } else if let Some(row) = start.filter(|row| deviation(row).abs() > ZERO_UM) {
             let um = rounded(deviation(row));
             let message = format!("{walk} begins with {um} µm at node 0, expected 0");
-            problems.push(at_row(row, message, "the readings are zero where the run begins: subtract this reading from all of the run, the way back included"));
+            problems.push(at_row(row, message, "the readings are zero where the run begins: subtract this reading from all of the run, the return pass included"));
         }
     }
 }

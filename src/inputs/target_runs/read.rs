@@ -83,7 +83,7 @@ impl Runs {
         for (_, of_target) in &targets {
             refuse_gaps(&layout, of_target, &runs, &mut problems);
         }
-        // Without its neighbours a reading cannot be told to be far.
+        // Without its neighbours a reading cannot be determined to be far.
         problems.or_ok(())?;
         let values = values_of(&layout, &targets)?;
         refuse_far_readings(&layout, values, &targets)?;

@@ -74,7 +74,10 @@ pub fn uncompensated(
 }
 
 fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
-    let message = format!("what the active tables did cannot be told: {}", reason.0);
+    let message = format!(
+        "what the active tables did cannot be determined: {}",
+        reason.0
+    );
     problem(job, message, "name the complete files of the control as they were while measuring, or measure with the compensation switched off").into()
 }
 

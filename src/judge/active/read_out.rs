@@ -162,7 +162,8 @@ pub fn collisions(job: &Job, active: &ActiveControl, new: &Tables) -> Result<(),
 
 /// Old tables that the new files leave in the control: each has to be switched off.
 pub fn left_over(active: &ActiveControl, new: &Tables) -> Vec<Precondition> {
-    const WHY: &str = "an old table that the new files do not overwrite would act beside them";
+    const WHY: &str =
+        "an old table that the new files do not overwrite would act in addition to them";
     const SOURCE: &str = "the active tables that the job names";
     let (stale, value) = match (&active.tables, new) {
         (Tables::Siemens(old), Tables::Siemens(new)) => (siemens::left_over(old, new), "0"),

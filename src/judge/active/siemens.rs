@@ -489,7 +489,7 @@ impl Sorted<'_, '_> {
     }
 
     /// Whether an axis of a table is none of the job; where it acts on one of the job all the
-    /// same, that is said. Whether a factor still acts by itself is a fact that no manual at hand states.
+    /// same, that is said. Whether a factor still acts by itself is a fact that no available manual states.
     fn is_of_others(&mut self, table: &CecTable) -> bool {
         let (moving, output) = (&table.input_axis, &table.output_axis);
         let has_output = self.reading.has(output);

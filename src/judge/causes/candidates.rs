@@ -99,7 +99,7 @@ pub(super) fn all_faults(question: &Question<'_>) -> Vec<Fault> {
                 (
                     "old beside new",
                     true,
-                    "act beside the new ones, which hold their values already",
+                    "act in addition to the new ones, which hold their values already",
                 ),
             ]
             .map(|(kind, beside, said)| {
@@ -189,7 +189,7 @@ fn reversals(question: &Question<'_>) -> Vec<Fault> {
         });
         let whose = axis.map_or("every axis".to_string(), |axis| format!("axis {axis}"));
         let subject = || format!("the reversal of {whose}");
-        let said = "is counted once too often: a backlash parameter acts beside the tables";
+        let said = "is counted once too often: a backlash parameter acts in addition to the tables";
         faults.push(Fault::new(
             "backlash twice",
             Act::BacklashTwice(scope),

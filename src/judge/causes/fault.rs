@@ -271,7 +271,7 @@ impl Fault {
         let deviation = |model| before_um(model, part).unwrap_or(0.0);
         match &self.act {
             Act::FirstTurned => -2.0 * deviation(question.found()),
-            // The opposite of what is there: as found, and what acts beside the tables.
+            // The opposite of what is there: as found, and what acts in addition to the tables.
             Act::SecondTurned => -2.0 * (deviation(question.before) + planned.constant),
             Act::Recorded(slip) => {
                 let mut all = question.corrected.iter();

@@ -129,7 +129,7 @@ fn beside(mechanism: Mechanism) -> Option<String> {
 
 fn other_way_round(shown: &Shown) -> String {
     format!(
-        "the other way round, or nothing: take the bump off (switch the compensation off, then \"Way back\") and load no table. Other sign: turn `{}` in a profile of your own (docs/controllers.md section 4) and generate again; nothing: see the preconditions, options and reference",
+        "the other way round, or nothing: take the bump off (switch the compensation off, then \"Rollback\") and load no table. Other sign: turn `{}` in a profile of your own (docs/controllers.md section 4) and generate again; nothing: see the preconditions, options and reference",
         sign_fact(shown.proof.mechanism)
     )
 }

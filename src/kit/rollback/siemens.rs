@@ -14,7 +14,7 @@ const LEC_ON: &str = "MA_ENC_COMP_ENABLE";
 const TABLE_ON: &str = "SN_CEC_TABLE_ENABLE";
 const CEC_ON: &str = "MA_CEC_ENABLE";
 
-/// Number and name of the machine data, in the order in which the way back sets them: what makes
+/// Number and name of the machine data, in the order in which the rollback sets them: what makes
 /// tables act comes last.
 const ORDER: [(&str, &str); 6] = [
     ("MD32450", BACKLASH),
@@ -162,7 +162,7 @@ fn changed(before: &Before<'_>, kit: &SiemensTables) -> Vec<Changed> {
         add(WEIGHT, number, Precondition);
     }
     if let Tables::Siemens(acted) = &before.active.tables {
-        // Old tables that would act beside the new ones have to be switched off.
+        // Old tables that would act in addition to the new ones have to be switched off.
         for table in acted
             .lec
             .iter()

@@ -30,7 +30,7 @@ pub struct Simulation {
     pub read_over_all_um: f64,
 }
 
-/// Readings of a pass by node, zero at the forward start, µm; the way back where it is measured.
+/// Readings of a pass by node, zero at the forward start, µm; the return pass where it is measured.
 type Passes = (Vec<f64>, Option<Vec<f64>>);
 
 /// Lines of the file beside its readings: some for each input and each note.
@@ -152,7 +152,7 @@ fn as_runs(rehearsal: &Rehearsal, diagonal: Diagonal, number: u32, passes: &Pass
         .collect()
 }
 
-/// The runs of a diagonal. Each draws from a stream of its own, so that more runs or the way back
+/// The runs of a diagonal. Each draws from a stream of its own, so that more runs or the return pass
 /// change nothing of the others. The instrument is zeroed once, at the start of the first run.
 fn noisy_runs(
     rehearsal: &Rehearsal,

@@ -24,7 +24,7 @@ pub struct Noise {
 pub struct Wishes {
     /// Straight runs, whatever the job measures.
     pub straight: bool,
-    /// The way back too, whatever the job measures.
+    /// The return pass too, whatever the job measures.
     pub both_directions: bool,
     /// Number of runs; `None` = as `[program]` states, else 1.
     pub runs: Option<u32>,
@@ -41,9 +41,9 @@ pub struct Rehearsal {
     pub kind: PathKind,
     /// Number of runs of each diagonal.
     pub runs: u32,
-    /// Whether the way back is measured too.
+    /// Whether the return pass is measured too.
     pub both_directions: bool,
-    /// Whether every axis runs over the far end before the way back.
+    /// Whether every axis runs past the end point before the return pass.
     pub overrun: bool,
     /// Noise of a reading.
     pub noise: Noise,
@@ -120,7 +120,7 @@ fn measured_again(
     };
     let mut notes = Vec::new();
     if wishes.both_directions && measurement.overrun.is_none() {
-        notes.push("the job does not state `overrun`: every axis is taken to run over the far end before the way back".to_string());
+        notes.push("the job does not state `overrun`: every axis is taken to run past the end point before the return pass".to_string());
     }
     Ok(Rehearsal {
         kind: measurement.kind,

@@ -41,9 +41,9 @@ findings! {
             Frame::AsMeasured => "frame as measured: slopes of cross terms hold an arbitrary rotation; only their sums, the squareness, are free of it",
         };
         ForwardOnly => Label, "forward runs only: NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the curves";
-        Overran { from: &'static str } => Label, "the axes ran over the far end before the reverse runs ({from})";
+        Overran { from: &'static str } => Label, "the axes ran past the end point before the reverse runs ({from})";
         Turned { from: &'static str } => Label, "the axes turned at the far end without overrun ({from}): the lost motion is taken off the last cell of the reverse runs";
-        OverrunOpen => Label, "whether the axes ran over the far end cannot be judged from the readings: no reversal stands out of their noise, or offset and jumps contradict each other. State `overrun`; until then a lost motion that is hidden in the noise may stand in the last interval";
+        OverrunOpen => Label, "whether the axes ran past the end point cannot be judged from the readings: no reversal stands out of their noise, or offset and jumps contradict each other. State `overrun`; until then a lost motion that is hidden in the noise may stand in the last interval";
         OwnZero => Label, "reverse runs count from their own start, so only their increments are used";
         FromTurn { kept: Vec<String> } => Label, "reversal of each axis from the turn, at both ends of the axis (three diagonals turn at its high end, one at its low end); {}", if kept.is_empty() {
             "no reversal of a cross term stands out of its noise, so their - curves start at 0 like the + curves".to_string()

@@ -1,6 +1,6 @@
 //! Reversal of each axis from the turn at the end of the diagonals.
 //!
-//! Where the axes do not run over the far end before the reverse pass, the last node is the same
+//! Where the axes do not run past the end point before the reverse pass, the last node is the same
 //! place without any motion, and each of the three first moves back takes up the lost motion of
 //! its axis. The jump of the reverse less the forward increment over that move is, for axis k,
 //!
@@ -127,7 +127,7 @@ fn jumps(means: &Means, volume: &Volume, runs: &RunCounts) -> Option<Jumps> {
     Some(Jumps { um, variance })
 }
 
-/// Whether the axes ran over the far end, judged from the readings; `None` = they do not tell.
+/// Whether the axes ran past the end point, judged from the readings; `None` = they do not tell.
 /// Without overrun forward and reverse reading of the last node are one place read twice, and the
 /// reversals follow as jumps; with overrun the offset is there at once and nothing jumps. Both
 /// are tested against the noise of the means.

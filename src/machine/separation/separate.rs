@@ -57,7 +57,7 @@ pub struct Separation {
     pub diagonals: PerDiagonal<DiagonalFigures>,
     /// Max − min over all diagonals, µm.
     pub range_over_all_um: f64,
-    /// Whether the axes ran over the far end; `None` without reverse passes, and where neither the
+    /// Whether the axes ran past the end point; `None` without reverse passes, and where neither the
     /// job nor the readings tell.
     pub overrun: Option<bool>,
     /// Reversals from a turn without overrun.
@@ -257,7 +257,7 @@ impl Separation {
     }
 }
 
-/// Whether the axes ran over the far end: as stated, else as the readings tell.
+/// Whether the axes ran past the end point: as stated, else as the readings tell.
 fn overrun(campaign: &Campaign<'_>, start: &Start, measured: &Means) -> Option<bool> {
     measured.reverse.as_ref()?;
     let volume = &campaign.measurement.volume;

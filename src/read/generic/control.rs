@@ -44,7 +44,7 @@ impl GenericControl {
     /// A control that holds this table, as its reader checked it.
     ///
     /// **unit** `state.unit` has no say: the table is in mm and µm · **limits** fails if an axis
-    /// is not one of the control, and if a block for one direction acts beside one for both.
+    /// is not one of the control, and if a block for one direction acts in addition to one for both.
     pub fn new(
         table: &GenericTable,
         state: &ControlState,

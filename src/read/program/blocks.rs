@@ -203,7 +203,7 @@ impl Modal {
                     let value = number.parse().ok().filter(|v: &f64| v.is_finite());
                     let value = value.ok_or("a number cannot be read")?;
                     if said.numbers.iter().any(|(known, _)| *known == letter) {
-                        return Err(format!("`{letter}` stands twice in a block"));
+                        return Err(format!("`{letter}` is given twice in a block"));
                     }
                     said.numbers.push((letter, value));
                 }

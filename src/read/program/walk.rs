@@ -21,7 +21,7 @@ pub struct Bounds {
     pub dwell_s: f64,
     /// The last digit of a position, mm.
     pub digit_mm: f64,
-    /// Whether the axes run over the far end before the way back.
+    /// Whether the axes run past the end point before the return pass.
     pub overrun: bool,
 }
 

@@ -26,7 +26,7 @@ pub struct SiemensContents {
 /// What there is to know of a file that a control wrote, beside its tables and data.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOut {
-    /// How many data were passed over, as they are of no concern.
+    /// How many data were ignored, as they are of no concern.
     pub passed_over: usize,
     /// Tables that are reserved but hold no grid (STEP 0), such as `AN_CEC[3]`.
     pub without_grid: Vec<String>,

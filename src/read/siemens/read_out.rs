@@ -253,7 +253,7 @@ fn mentions_data(code: &str) -> Concern {
 
 /// Code without the checksum that a control may write behind an assignment: blank, apostrophe,
 /// four hexadecimal digits (MD11230 `MD_FILE_STYLE`; 840D/810D Start-Up Guide 03/2006, 11.12.1).
-/// It is passed over, not checked: how it is computed is not published.
+/// It is ignored, not checked: how it is computed is not published.
 fn without_checksum(code: &str) -> &str {
     let Some((statement, sum)) = code.rsplit_once('\'') else {
         return code;

@@ -83,7 +83,7 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
         let written = span.clone().and_then(|span| source.text.get(span));
         let problem = match (message, written) {
             ("duplicate key", Some(key)) => {
-                Problem::new(format!("`{}` stands twice in its section", shown(key)))
+                Problem::new(format!("`{}` is given twice in its section", shown(key)))
                     .help("keep one of the two")
             }
             _ if span.clone().is_some_and(|span| in_escape(&source.text, span.start)) => {

@@ -115,7 +115,7 @@ fn measure<'a>(name: &'a str, value: &'a tera::Value, longest: &mut BTreeMap<&'a
     }
 }
 
-/// The next `{{ … }}` or `{% … %}` from `at` on, comments passed over; one that does not end is wrong.
+/// The next `{{ … }}` or `{% … %}` from `at` on, comments ignored; one that does not end is wrong.
 fn next_tag(template: &str, mut at: usize) -> Result<Option<Range<usize>>, Wrong> {
     loop {
         let begins = |pair: &[u8]| pair[0] == b'{' && b"{%#".contains(&pair[1]);

@@ -111,7 +111,7 @@ pub(super) fn refuse_other_turn(job: &Job, request: &ProgramRequest, problems: &
     let (does, other) = if over {
         let mm = request.overrun.mm();
         (
-            format!("goes {mm} mm over the far end before the way back"),
+            format!("goes {mm} mm past the end point before the return pass"),
             "`overrun_mm = 0` in [program] for a turn without it",
         )
     } else {
@@ -223,7 +223,7 @@ fn outside_travel(
     })
 }
 
-/// Only a run in both directions goes over the far end.
+/// Only a run in both directions goes past the end point.
 fn overrun_mm(request: &ProgramRequest) -> f64 {
     match request.bidirectional {
         true => request.overrun.mm(),

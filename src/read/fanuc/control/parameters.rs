@@ -193,7 +193,7 @@ fn is_in(ranges: &[(u32, u32)], number: u32) -> bool {
     ranges.iter().any(|(a, b)| (*a..=*b).contains(&number))
 }
 
-/// Why the emulation would be wrong if it passed over them, and first and last number (docs/fanuc.md §5.6).
+/// Why the emulation would be wrong if it ignored them, and first and last number (docs/fanuc.md §5.6).
 const OTHERS: [(&str, &[(u32, u32)]); 6] = [
     (
         "the reference position is taken from the job, a kit must not change it",
