@@ -493,12 +493,12 @@ fn mistakes_of_steps() -> Vec<Mistake> {
             "other nodes",
             with(walk("NNN", "forward", MOVED)),
             "NNN run 1 forward takes the axes in the order XYZ, as the forward run does, so its nodes are not those of PPP: walked backwards, the order is ZYX",
-            "measure the way back over the same nodes",
+            "measure the return pass over the same nodes",
         ),
         (
             "doubly reversed",
             with(walk("NNN", "reverse", MOVED)),
-            "NNN run 1 reverse: `NNN` already names the way back of PPP",
+            "NNN run 1 reverse: `NNN` already names the return pass of PPP",
             "write `PPP` and `reverse`",
         ),
         (

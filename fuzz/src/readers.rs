@@ -49,8 +49,11 @@ pub fn profile_of(bundle: &Bundle, name: Option<&str>) -> Result<Profile, Proble
             .file(name)
             .and_then(|bytes| String::from_utf8(bytes.to_vec()).ok())
     };
-    let template =
-        |name: &str, is_own: bool| own(name).filter(|_| is_own).or_else(|| builtin::template(name));
+    let template = |name: &str, is_own: bool| {
+        own(name)
+            .filter(|_| is_own)
+            .or_else(|| builtin::template(name))
+    };
     load::profile(
         Source::from_bytes(name, bytes)?,
         Origin::File(name.to_string()),
@@ -154,7 +157,8 @@ fn state(stated: &mut Stated, option: &str, word: &str) {
 /// A Siemens file: as a kit's, and as one of a control.
 pub fn siemens(input: &[u8]) -> Answer {
     let source = Source::from_bytes("x.mpf", input)?;
-    let read_out = read_siemens::read_out("x.mpf", &source.text, true).map(|contents| contents.notes);
+    let read_out =
+        read_siemens::read_out("x.mpf", &source.text, true).map(|contents| contents.notes);
     let contents = read_siemens::read("x.mpf", &source.text)?;
     let merged = read_siemens::merge(vec![contents])?;
     Ok(format!("{:?} {:?}", merged.notes, read_out.is_ok()))
