@@ -9,7 +9,7 @@
 //!                             ▼                                               │
 //!              model: nine error curves, zero at the reference                │
 //!                             ▼                                               ▼
-//!     target (two directions) ─→ selection ─→ grid, fit ─→ plan ─→ compensation: counts
+//!     target (two directions) ─→ selection ─→ grid, fit ─→ plan ─→ family: counts
 //!                                                                       ▼
 //!                                                     templates/ ─→ emit ─→ BYTES
 //!                                                                             ▼
@@ -56,7 +56,8 @@
 //!   [`control::controller::TableSign`]
 //! * **where a limit of a control comes from**: `controllers/<id>.toml`, each fact with its source
 //! * **where something is rounded**: [`write::siemens`], [`write::fanuc`], once, on totals
-//! * **what a control does with a table**: [`read::emulate`]
+//! * **what a control does with a table**: `control.rs` in the folder of its family, [`read::siemens`] …
+//! * **where a new control goes**: `write/<family>`, `read/<family>`, a profile, templates; or a profile alone
 //!
 //! The library serves the program and its tests; its interface may change in every version.
 //! What other programs may rely on stands in docs/interface.md.

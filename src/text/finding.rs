@@ -19,7 +19,7 @@ pub enum Severity {
     Disagreement,
 }
 
-/// The closed list of what one room can find; [`findings!`](crate::text::findings) makes it.
+/// The closed list of what one room can find; the macro `findings!` makes it.
 pub trait Kind: Any + Send + Sync {
     /// How grave it is.
     fn severity(&self) -> Severity;

@@ -292,8 +292,7 @@ const fn way(direction: Direction) -> &'static str {
 pub fn label(conditions: &[Condition]) -> String {
     let missed = Condition::missed(conditions);
     if missed.is_empty() {
-        "no tested condition of ISO 230-2 is missed; the others are for a person to see to"
-            .to_string()
+        "no tested condition of ISO 230-2 is missed; check the others by hand".to_string()
     } else {
         format!(
             "NOT according to ISO 230-2: {} (see the conditions)",
