@@ -42,7 +42,7 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
         problems.push(no_table(task, &omitted));
         return Err(problems);
     }
-    notes.splice(0..0, targets.iter().filter_map(|t| t.note.clone()));
+    notes.splice(0..0, notes_of(&targets));
     omitted.sort_by_key(|omission| {
         ErrorTerm::ALL
             .iter()
@@ -65,6 +65,22 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
         omitted,
         notes,
     })
+}
+
+/// What is to be known of the targets, said once for all terms that it holds for: `EYX, EZX: …`.
+fn notes_of(targets: &[TermTargets]) -> Vec<String> {
+    let mut said: Vec<(&str, String)> = Vec::new();
+    for target in targets {
+        let Some(note) = target.note.as_deref() else {
+            continue;
+        };
+        match said.iter_mut().find(|(words, _)| *words == note) {
+            Some((_, terms)) => *terms += &format!(", {}", target.term),
+            None => said.push((note, target.term.to_string())),
+        }
+    }
+    let line = |(words, terms): (&str, String)| format!("{terms}: {words}");
+    said.into_iter().map(line).collect()
 }
 
 /// What the selection decided, on targets, omissions and notes.

@@ -183,7 +183,7 @@ fn term_targets(
     match &measured.measured {
         Measured::Undirected(curve) => Ok(one_table(term, curve.clone(), None)),
         Measured::OneWay(direction, curve) => {
-            let note = one_way_note(term, *direction);
+            let note = one_way_note(*direction);
             Ok(one_table(term, curve.clone(), Some(note)))
         }
         Measured::BothWays { plus, minus } => {
@@ -228,7 +228,7 @@ fn both_ways(
                 Direction::Plus => plus,
                 Direction::Minus => minus,
             };
-            let note = term.is_cross().then(|| format!("{term}: a backlash parameter cannot hold the reversal of a straightness; only the curve of the reference direction is compensated"));
+            let note = term.is_cross().then(|| "a backlash parameter cannot hold the reversal of a straightness; only the curve of the reference direction is compensated".to_string());
             Ok(one_table(term, at_reference(curve), note))
         }
         BacklashPolicy::TwoTables if takes_directions(profile, term) && !equal => Ok(TermTargets {
@@ -238,22 +238,22 @@ fn both_ways(
                 directed(term, Direction::Minus, minus),
             ],
             mean,
-            note: noise_note(term, measured.u_value_um(), plus.difference(minus)),
+            note: noise_note(measured.u_value_um(), plus.difference(minus)),
         }),
         BacklashPolicy::TwoTables | BacklashPolicy::Mean => {
             let none =
                 || Problem::new(format!("the two directions of {term} have no common range"));
-            let note = has_two.then(|| one_for_two_note(term, profile, equal));
+            let note = has_two.then(|| one_for_two_note(profile, equal));
             Ok(one_table(term, mean.ok_or_else(none)?, note))
         }
     }
 }
 
-fn one_for_two_note(term: ErrorTerm, profile: &Profile, equal: bool) -> String {
+fn one_for_two_note(profile: &Profile, equal: bool) -> String {
     match equal {
-        true => format!("{term}: both directions are equal, so one table is written"),
+        true => "both directions are equal, so one table is written".to_string(),
         false => format!(
-            "{term}: {} has no direction-dependent table for it; the mean of both directions is used",
+            "{} has no direction-dependent table for it; the mean of both directions is used",
             profile.name
         ),
     }
@@ -282,22 +282,22 @@ fn directed(term: ErrorTerm, direction: Direction, curve: &ErrorCurve) -> Target
 }
 
 /// Two tables of a term whose reversal could be noise: U of a difference of two values is 2·√2·u.
-fn noise_note(term: ErrorTerm, u_um: Option<f64>, reversal: Option<ErrorCurve>) -> Option<String> {
+fn noise_note(u_um: Option<f64>, reversal: Option<ErrorCurve>) -> Option<String> {
     let (u_um, reversal) = (u_um?, reversal?);
     let (from, to) = reversal.measured_range();
     let largest_um = reversal.largest_magnitude(from, to);
     let expanded_um = 2.0 * std::f64::consts::SQRT_2 * u_um;
     (largest_um <= expanded_um).then(|| {
         format!(
-            "{term}: its reversal, {largest_um:.1} µm at most, lies within the U = {expanded_um:.1} µm \
+            "its reversal, {largest_um:.1} µm at most, lies within the U = {expanded_um:.1} µm \
              of a difference: the two tables may write noise; `backlash = \"mean\"` writes one"
         )
     })
 }
 
-fn one_way_note(term: ErrorTerm, direction: Direction) -> String {
+fn one_way_note(direction: Direction) -> String {
     format!(
-        "{term}: measured moving {direction} only; what it is moving {} is not known",
+        "measured moving {direction} only; what it is moving {} is not known",
         direction.opposite()
     )
 }

@@ -54,7 +54,7 @@ pub struct TermTargets {
     pub targets: Vec<Target>,
     /// The mean of both directions, which can stand in for two tables where the control has few.
     pub mean: Option<ErrorCurve>,
-    /// What the user should know about the choice.
+    /// What the user should know about the choice, without the name of the term.
     pub note: Option<String>,
 }
 

@@ -114,8 +114,12 @@ pub(crate) fn two_tables(case: &Case<'_>, term: &Term) -> bool {
     let asked = case.machine.policy == Some("two-tables") && term.both_ways();
     if asked && !directed && term.takes_directions(case.profile) {
         let says = |words: &str| {
-            let said = format!("{}: {words}", term.term);
-            case.kit.plan.notes.iter().any(|n| n.starts_with(&said))
+            let of_this = |note: &String| {
+                let (terms, rest) = note.split_once(": ").unwrap_or_default();
+                let named = terms.split(", ").any(|name| name == term.term.to_string());
+                named && rest.starts_with(words)
+            };
+            case.kit.plan.notes.iter().any(of_this)
         };
         let is_equal = || {
             let grid = case.kit.plan.grids[term.term.along].unwrap();
