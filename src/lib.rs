@@ -52,7 +52,7 @@
 //! by reading. Only `cli` touches files and terminal.
 //!
 //! Where to find what:
-//! * **where a sign changes**: the last lines of [`quantity::units`]; what a control's table means:
+//! * **where a sign changes**: `impl Neg` of deviation and of correction in [`quantity::units`]; what a control's table means:
 //!   [`control::controller::TableSign`]
 //! * **where a limit of a control comes from**: `controllers/<id>.toml`, each fact with its source
 //! * **where something is rounded**: [`write::siemens`], [`write::fanuc`], once, on totals

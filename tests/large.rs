@@ -177,6 +177,14 @@ fn the_work_of_a_refusal_grows_with_the_input_not_with_its_square() {
         "generate job.toml -o kit",
         "unknown key `k0`",
     );
+    let columns = format!("{}\n1;2\n", ";p".repeat(LARGEST_PAGE / 8));
+    refused(
+        "generic",
+        "runs.csv",
+        &columns,
+        "standards runs.csv",
+        "columns, at most 1000 are read",
+    );
     let returns = "k = 1\r".repeat(40_000);
     refused(
         "generic",

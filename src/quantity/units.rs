@@ -3,7 +3,7 @@
 //! Two units live inside the program: positions in millimetres, deviations in micrometres.
 //! A [`Deviation`] is what the machine does wrong (actual − commanded, ISO 230-1); a
 //! [`Correction`] is what a control must add to the command. **The only place in the program
-//! where one turns into the other is the minus sign at the end of this page**; every table
+//! where one turns into the other are the two `impl Neg` below**; every table
 //! value, forecast and report goes through it. Which of the two a *control's table* holds is a
 //! fact of its profile, see [`crate::control::controller::TableSign`].
 
@@ -233,7 +233,7 @@ impl Neg for Deviation {
     }
 }
 
-/// The way back: another maker's table of corrections, read as the deviations it cancels.
+/// The inverse: another maker's table of corrections, read as the deviations it cancels.
 impl Neg for Correction {
     type Output = Deviation;
     fn neg(self) -> Deviation {

@@ -247,12 +247,13 @@ fn number_of(cell: &str, decimal_comma: bool) -> Option<f64> {
     }
 }
 
-/// A number of digits, signs, a decimal point and an exponent; no words such as `inf` and `NaN`.
+/// A finite number of digits, signs, a decimal point and an exponent; no words such as `inf` and `NaN`.
 pub(crate) fn plain_number(text: &str) -> Option<f64> {
     let plain = text
         .bytes()
         .all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
-    let number = text.parse::<f64>().ok().filter(|_| plain)?;
+    let number = text.parse::<f64>().ok();
+    let number = number.filter(|number| plain && number.is_finite())?;
     Some(number + 0.0) // −0 becomes 0
 }
 
@@ -385,8 +386,17 @@ pub(crate) fn columns_of<C: Copy>(
     problems.or_ok((kinds, names))
 }
 
+/// Columns of a table; runs of a linear axis are far fewer.
+const MOST_COLUMNS: usize = 1000;
+
 /// A table without header, or with tabs, would be one unknown column after the other.
 fn refuse_other_first_line(header: &Line<'_>, help: &str) -> Result<(), Problem> {
+    let count = header.cells().len();
+    if count > MOST_COLUMNS {
+        let message =
+            format!("the first line has {count} columns, at most {MOST_COLUMNS} are read");
+        return Err(Problem::new(message).at(header.whole()).help(help));
+    }
     let message = if header.text.contains('\t') {
         "the columns are separated by tabs, expected commas or semicolons"
     } else if header
@@ -448,4 +458,17 @@ fn unknown_column<C>(
     Problem::new(format!("unknown column `{}`", shown(name)))
         .at(header.cell_place(index))
         .help(help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain_number;
+
+    #[test]
+    fn a_number_beyond_all_numbers_is_none() {
+        for text in ["1e900", "-1e900", "inf", "NaN", ""] {
+            assert_eq!(plain_number(text), None, "{text}");
+        }
+        assert_eq!(plain_number("-1.5e1"), Some(-15.0));
+    }
 }

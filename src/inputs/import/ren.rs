@@ -129,7 +129,7 @@ fn resolution_um<'a>(header: &Fields<'a>) -> Result<Option<(f64, Piece<'a>)>, Pr
 fn length(text: &str) -> Option<(f64, LengthUnit)> {
     let number = text.trim_end_matches(char::is_alphabetic);
     let unit = LengthUnit::from_text(&text[number.len()..])?;
-    let number = plain_number(number.trim()).filter(|number| number.is_finite())?;
+    let number = plain_number(number.trim())?;
     Some((number, unit))
 }
 

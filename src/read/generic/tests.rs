@@ -141,7 +141,7 @@ EXX,X,X,,2        | EXX,X,X,,4294967296| 4:10 | expected a whole number
 EXX,X,X,,2        | EXX,X,X,,          | 4:10 | `index` is ``
 2,50,             | 2,NaN,             | 4:12 | `position_mm` is `NaN`, expected a finite number
 2,50,             | 2,-inf,            | 4:12 | expected a finite number
-2,50,             | 2,1e400,           | 4:12 | `position_mm` is `1e400`, which is too large
+2,50,             | 2,1e400,           | 4:12 | `position_mm` is `1e400`, expected a finite number
 2,50,             | 2,50mm,            | 4:12 | expected a finite number
 2,50,             | 2,,                | 4:12 | `position_mm` is empty
 50,-1,1,2.5       | 50,,1,2.5          | 4:15 | `deviation_um` is empty
