@@ -1,7 +1,7 @@
 //! What to change where a kit does not keep its limit: what every other backlash policy would leave;
 //! and on a second visit, whether the control is best left as it is.
 
-use crate::inputs::job::BacklashPolicy;
+use crate::inputs::job::{BacklashPolicy, MeasuredData};
 use crate::judge::after::Bare;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, Machine, forecast, judged_ranges};
@@ -115,6 +115,11 @@ fn as_found(inputs: &Inputs, made: &Plan, doubts: &[String]) -> Option<Way> {
 /// The policies that come to a better verdict, or leave less where the limit is exceeded, the best first.
 /// What the control refuses is no way.
 fn other_policies(inputs: &Inputs, verdict: Verdict, left_um: f64, doubts: &[String]) -> Vec<Way> {
+    // What acted while measuring, and readings, are taken into the errors by the policy of the job itself.
+    let is_table = matches!(inputs.job.measurement.data, MeasuredData::Errors(_));
+    if inputs.active.is_some() || !is_table {
+        return Vec::new();
+    }
     let own = &inputs.job.compensation.backlash;
     if own.iter().all(|(_, policy)| policy.is_none()) {
         return Vec::new();
