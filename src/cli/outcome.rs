@@ -3,7 +3,8 @@
 
 use crate::cli::screen::{Detail, Screen, say};
 use crate::cli::write::{self, NamedBytes, Ready};
-use crate::kit::manifest::{self, MANIFEST, picometres};
+use crate::kit::manifest::{self, MANIFEST};
+use crate::quantity::units::picometres;
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
 use clap::{Args, ValueEnum};
@@ -230,6 +231,24 @@ impl Outcome {
         self.talk.iter().for_each(|text| say(text));
         Ok(self.yes)
     }
+}
+
+/// The parts of a document, one behind the other.
+pub(super) fn joined(parts: impl IntoIterator<Item = Value>) -> Value {
+    let fields = parts.into_iter().filter_map(|part| match part {
+        Value::Object(fields) => Some(fields),
+        _ => None,
+    });
+    Value::Object(fields.flatten().collect())
+}
+
+/// The same without what is not known.
+pub(super) fn known(parts: impl IntoIterator<Item = Value>) -> Value {
+    let mut document = joined(parts);
+    if let Some(fields) = document.as_object_mut() {
+        fields.retain(|_, value| !value.is_null());
+    }
+    document
 }
 
 /// Figures of a document, to be read and the same everywhere: what stands below a key with a unit.

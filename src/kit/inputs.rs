@@ -9,7 +9,7 @@ use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::manifest::HashedFile;
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::Axis;
-use crate::quantity::units::Millimetres;
+use crate::quantity::units::{Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, compile};
@@ -147,7 +147,7 @@ pub fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Forecast>) ->
 
 fn not_measured(forecast: &Forecast) -> Vec<String> {
     let sentence = |axis: Axis, (from, to): &(Millimetres, Millimetres)| {
-        let shown = |at: &Millimetres| (at.mm() * 1e6).round() / 1e6 + 0.0;
+        let shown = |at: &Millimetres| rounded(at.mm(), 6);
         format!(
             "not measured: {axis} from {} to {} mm; the table holds the end value there",
             shown(from),

@@ -11,6 +11,7 @@ use crate::judge::active::{ActiveControl, named_axis};
 use crate::judge::disagreement::{self, surroundings};
 use crate::judge::findings::{InControl, not_emulated};
 use crate::kit::inputs::cannot_emulate;
+use crate::quantity::units::rounded;
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::emulator;
 use crate::read::{KitFile, read, unread};
@@ -210,7 +211,7 @@ fn outside(
 
 /// To a nanometre, without the digits that a conversion from millimetres adds.
 fn micrometres(um: f64) -> String {
-    format!("{} µm", (um * 1e3).round() / 1e3 + 0.0)
+    format!("{} µm", rounded(um, 3))
 }
 
 /// A parameter that the tables do not set counts from the one that acted while measuring.

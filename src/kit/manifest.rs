@@ -6,7 +6,7 @@ use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::judge::active::{ActiveControl, Origin};
 use crate::judge::forecast::{DiagonalForecast, Forecast};
-use crate::quantity::units::Millimetres;
+use crate::quantity::units::{Millimetres, picometres};
 use crate::text::document::{refuse_large_page, sha256};
 use crate::text::plain;
 use crate::text::problem::Problem;
@@ -242,9 +242,4 @@ pub fn diagonals(diagonals: &[DiagonalForecast], after: &str) -> Value {
         (diagonal.name.to_string(), figures)
     };
     Value::Object(diagonals.iter().map(row).collect())
-}
-
-/// Rounded to 1e-6 µm, never −0.
-pub(crate) fn picometres(um: f64) -> f64 {
-    (um * 1e6).round() / 1e6 + 0.0
 }

@@ -12,6 +12,7 @@ use crate::kit::manifest::{self, HashedFile, SCHEMA};
 use crate::kit::sha256;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::quantity::units::rounded;
 use crate::read::program::positions::{
     self as readback_positions, Named, Position, form_differences,
 };
@@ -261,12 +262,11 @@ fn file_json(file: &ProgramFile, program: Option<&SetUpProgram>) -> Value {
 }
 
 fn mirror(size: MirrorSize) -> Value {
-    let rounded = |mm: f64| (mm * 1e3).round() / 1e3 + 0.0;
     json!({
-        "after_first_move": rounded(size.excursion_mm[0]),
-        "after_second_move": rounded(size.excursion_mm[1]),
-        "farthest": rounded(size.farthest_mm),
-        "circle": rounded(size.circle_mm),
+        "after_first_move": rounded(size.excursion_mm[0], 3),
+        "after_second_move": rounded(size.excursion_mm[1], 3),
+        "farthest": rounded(size.farthest_mm, 3),
+        "circle": rounded(size.circle_mm, 3),
     })
 }
 

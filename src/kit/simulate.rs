@@ -27,7 +27,7 @@ use crate::judge::after::Control;
 use crate::kit::Inputs;
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::units::{Correction, Millimetres};
+use crate::quantity::units::{Correction, Millimetres, rounded};
 
 pub use crate::inputs::error_table::SIMULATED;
 
@@ -91,7 +91,7 @@ impl<'a> SimulatedMachine<'a> {
     }
 }
 
-/// Nine decimals, 10⁻⁹ µm, as many as readings carry; never −0.
+/// 10⁻⁹ µm, as many decimals as readings carry.
 fn written(um: f64) -> f64 {
-    (um * 1e9).round() / 1e9 + 0.0
+    rounded(um, 9)
 }

@@ -7,6 +7,7 @@
 //! value, forecast and report goes through it. Which of the two a *control's table* holds is a
 //! fact of its profile, see [`crate::control::controller::TableSign`].
 
+use serde::Serialize;
 use std::fmt;
 use std::ops::{Add, Neg, Sub};
 
@@ -33,6 +34,17 @@ pub fn power_of_ten(exponent: u32) -> f64 {
     let known = usize::try_from(exponent).ok();
     let known = known.and_then(|exponent| POWERS_OF_TEN.get(exponent).copied());
     known.unwrap_or_else(|| format!("1e{exponent}").parse().unwrap_or(f64::INFINITY))
+}
+
+/// To so many decimals, half away from zero; a zero has no sign.
+pub(crate) fn rounded(number: f64, decimals: u32) -> f64 {
+    let scale = power_of_ten(decimals);
+    (number * scale).round() / scale + 0.0
+}
+
+/// A figure of a manifest or a document, to be read and the same everywhere: to 1e-6 of its unit.
+pub(crate) fn picometres(um: f64) -> f64 {
+    rounded(um, 6)
 }
 
 /// A bound in two digits or more, never above the number: what is said to hold has to hold.
@@ -101,7 +113,7 @@ fn is_zeros(text: &str) -> bool {
 }
 
 /// A position on an axis, machine coordinates, or a length; millimetres.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
 pub struct Millimetres(f64);
 
 impl Millimetres {
@@ -117,7 +129,7 @@ impl Millimetres {
 
     /// The number as a sentence shows it: to the micrometre, without the dust of binary fractions.
     pub fn shown(self) -> f64 {
-        (self.0 * 1000.0).round() / 1000.0 + 0.0
+        rounded(self.0, 3)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::inputs::job::Compensation;
 use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::units::{Deviation, power_of_ten};
+use crate::quantity::units::{self, Deviation};
 use crate::text::document::MOST_ROWS;
 use crate::text::problem::Problems;
 use crate::write::compiled::{Bump, Compiled, Placement, backlash_parameter, control_state};
@@ -63,7 +63,7 @@ impl Family for GenericFacts {
             let count_um = unit_um.unwrap_or(0.0);
             placements.push(Placement::of(planned, "rows".to_string(), count_um));
         }
-        let backlash_um = |um: f64| decimals(um, BACKLASH_DECIMALS);
+        let backlash_um = |um: f64| units::rounded(um, BACKLASH_DECIMALS);
         Ok(Compiled {
             tables: Tables::Generic(GenericTable { rows }),
             placements,
@@ -131,7 +131,7 @@ fn table_rows(
             output_axis: output.into(),
             direction: planned.direction,
             index: u32::try_from(index).unwrap_or(u32::MAX),
-            position_mm: decimals(planned.grid.position(at).mm(), POSITION_DECIMALS),
+            position_mm: units::rounded(planned.grid.position(at).mm(), POSITION_DECIMALS),
             deviation_um: deviation.um() + 0.0,
             correction_um,
             increment_um: before.map(|b| increment(correction_um - b, unit_um)),
@@ -150,27 +150,23 @@ const BACKLASH_DECIMALS: u32 = 1;
 
 fn rounded(value: Deviation, unit_um: Option<f64>) -> Deviation {
     match unit_um {
-        Some(unit) => {
-            Deviation::from_um(decimals((value.um() / unit).round() * unit, DUST_DECIMALS))
-        }
+        Some(unit) => Deviation::from_um(units::rounded(
+            (value.um() / unit).round() * unit,
+            DUST_DECIMALS,
+        )),
         None => value,
     }
 }
 
 fn increment(um: f64, unit_um: Option<f64>) -> f64 {
     match unit_um {
-        Some(_) => decimals(um, DUST_DECIMALS),
+        Some(_) => units::rounded(um, DUST_DECIMALS),
         None => um + 0.0,
     }
 }
 
-fn decimals(number: f64, decimals: u32) -> f64 {
-    let scale = power_of_ten(decimals);
-    (number * scale).round() / scale + 0.0
-}
-
 fn backlash(task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
-    let named = |um| format!("{:.1} µm", decimals(um, BACKLASH_DECIMALS));
+    let named = |um| format!("{:.1} µm", units::rounded(um, BACKLASH_DECIMALS));
     let axes = plan.backlash_um.iter().filter(|(_, um)| um.is_some());
     axes.map(|(axis, _)| {
         let what = format!("backlash parameter of {axis}");

@@ -1,49 +1,85 @@
-//! The documents of `separate --format json` (contract §5).
+//! The documents of `separate --format json` (contract §5). Lengths and angles are rounded where a
+//! document is printed; here only what has no unit.
 
 use super::words::advice;
 use crate::cli::diagonals::StandardFigures;
+use crate::cli::outcome::known;
 use crate::inputs::job::SetUp;
-use crate::kit::manifest::picometres;
-use crate::machine::separation::metric::{PerPlane, Plane};
-use crate::machine::separation::monte_carlo::Simulated;
-use crate::machine::separation::noise::Outlier;
-use crate::machine::separation::noise::{Noise, coverage_factor};
+use crate::machine::separation::agreement::{Agreement, LineCheck};
+use crate::machine::separation::monte_carlo::{Figure, Simulated};
+use crate::machine::separation::noise::{Noise, Outlier, ReadingPlace, coverage_factor};
 use crate::machine::separation::readings::repeatability_um;
-use crate::machine::separation::reversal::{Estimate, Turn};
-use crate::machine::separation::unmeasured::NotCounted;
+use crate::machine::separation::reversal::Turn;
+use crate::machine::separation::unmeasured::{NotCounted, Silent};
 use crate::machine::separation::{Evidence, Separation};
 use crate::machine::standards::Diagonals;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::quantity::axis::{Direction, PerAxis, PerTerm};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal};
+use crate::quantity::units::picometres;
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use serde_json::{Map, Value, json};
 
-fn rounded(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|value| picometres(*value)).collect()
+pub(super) fn separation(
+    separation: &Separation,
+    simulated: Option<&Simulated>,
+) -> Result<Value, Problems> {
+    Ok(known([
+        slopes(separation),
+        closure(separation),
+        json!({
+            "rank": {
+                "rank": separation.rank().0,
+                "unknowns": separation.rank().1,
+                "undetermined": separation.undetermined,
+                "advice": open_advice(separation),
+            },
+            "outliers": separation.closure.outliers.iter().map(outlier).collect::<Vec<_>>(),
+            "diagonals": diagonals(separation)?,
+            "noise": separation.noise.map(|found| tested_noise(separation, found)),
+        }),
+        separation.turn.as_ref().map_or(Value::Null, reversal),
+        json!({
+            "separated_slope_um_per_m": separation.naive_slopes_um_per_m,
+            "shape_um": separation.shapes,
+            "monte_carlo": simulated.map(monte_carlo),
+            "doubts": separation.doubts,
+        }),
+        holds_below(&separation.not_counted),
+        json!({ "labels": separation.labels }),
+    ]))
 }
 
-fn evidence(positions_mm: &[f64], evidence: &Evidence) -> Value {
-    let mut entry = Map::new();
-    entry.insert("position_mm".into(), json!(positions_mm));
-    entry.insert(
-        "deviation_um".into(),
-        json!(rounded(&evidence.deviation_um)),
-    );
-    if let Some(u_um) = &evidence.u_um {
-        entry.insert("u_um".into(), json!(rounded(u_um)));
-    }
-    Value::Object(entry)
+/// The nine errors, squareness and tilts of the mirror.
+fn slopes(separation: &Separation) -> Value {
+    let u_squareness = &separation.u_squareness;
+    let tilts = separation.tilts.as_ref();
+    json!({
+        "schema": 1,
+        "errors": errors(separation),
+        "squareness_um_per_m": separation.squareness_um_per_m,
+        "u_squareness_um_per_m": u_squareness.map(|u| Some(u?.u_um_per_m)),
+        "squareness_freedom": u_squareness.map(|u| u?.freedom.map(picometres)),
+        "redundancy": separation.agreement.as_ref().map(agreement),
+        "squareness_least_squares_um_per_m": separation.squareness_least_squares_um_per_m,
+        "setup_arcsec": tilts.map(|tilts| PerDiagonal::from_fn(|d| tilts[d].arcsec)),
+        "setup_direction": tilts.map(|tilts| PerDiagonal::from_fn(|d| vector(tilts[d].direction))),
+    })
 }
 
-fn errors(separation: &Separation) -> Value {
+fn errors(separation: &Separation) -> Map<String, Value> {
     let mut all = Map::new();
     let mut add = |suffix: &str, errors: &PerTerm<Option<Evidence>>| {
-        for (term, found) in errors.iter() {
-            if let Some(found) = found {
-                let positions = positions(separation, term);
-                all.insert(format!("{term}{suffix}"), evidence(&positions, found));
-            }
-        }
+        let found = errors.iter();
+        let found = found.filter_map(|(term, found)| Some((term, found.as_ref()?)));
+        all.extend(found.map(|(term, found)| {
+            let entry = json!({
+                "position_mm": separation.volume.positions(term.along),
+                "deviation_um": found.deviation_um,
+                "u_um": found.u_um,
+            });
+            (format!("{term}{suffix}"), known([entry]))
+        }));
     };
     add("", &separation.errors.mean);
     for direction in Direction::BOTH {
@@ -51,210 +87,90 @@ fn errors(separation: &Separation) -> Value {
             add(direction.symbol(), errors);
         }
     }
-    Value::Object(all)
+    all
 }
 
-fn positions(separation: &Separation, term: ErrorTerm) -> Vec<f64> {
-    let positions = separation.volume.positions(term.along);
-    positions.iter().map(|position| position.mm()).collect()
+fn vector(v: PerAxis<f64>) -> [f64; 3] {
+    [v.x, v.y, v.z]
 }
 
-pub(super) fn planes(values: &PerPlane<Option<f64>>) -> Value {
-    let mut all = Map::new();
-    for plane in Plane::ALL {
-        if let Some(value) = values.of(plane) {
-            all.insert(plane.key().into(), json!(picometres(value)));
-        }
-    }
-    Value::Object(all)
-}
-
-fn axes<T>(of: impl Fn(Axis) -> T) -> Value
-where
-    Value: From<T>,
-{
-    let entries = Axis::ALL.map(|axis| (axis.key().to_string(), Value::from(of(axis))));
-    Value::Object(entries.into_iter().collect())
-}
-
-fn vector(v: &PerAxis<f64>) -> Value {
-    json!([v.x, v.y, v.z])
-}
-
-pub(super) fn separation(
-    separation: &Separation,
-    simulated: Option<&Simulated>,
-) -> Result<Value, Problems> {
-    let mut page = Map::new();
-    page.insert("schema".into(), json!(1));
-    page.insert("errors".into(), errors(separation));
-    page.insert(
-        "squareness_um_per_m".into(),
-        planes(&separation.squareness_um_per_m),
-    );
-    page.insert(
-        "u_squareness_um_per_m".into(),
-        planes(&separation.u_squareness.map(|u| Some(u?.u_um_per_m))),
-    );
-    page.insert(
-        "squareness_freedom".into(),
-        planes(&separation.u_squareness.map(|u| u?.freedom)),
-    );
-    if let Some(found) = &separation.agreement {
-        page.insert("redundancy".into(), super::words::agreement_json(found));
-    }
-    page.insert(
-        "squareness_least_squares_um_per_m".into(),
-        planes(&separation.squareness_least_squares_um_per_m),
-    );
-    if let Some(tilts) = &separation.tilts {
-        let of = |value: &dyn Fn(Diagonal) -> Value| -> Value {
-            let entries = Diagonal::ALL.map(|d| (d.name().to_string(), value(d)));
-            Value::Object(entries.into_iter().collect())
-        };
-        page.insert(
-            "setup_arcsec".into(),
-            of(&|d| json!(picometres(tilts[d].arcsec))),
-        );
-        page.insert(
-            "setup_direction".into(),
-            of(&|d| vector(&tilts[d].direction)),
-        );
-    }
-    let closure = &separation.closure;
-    page.insert(
-        "closure_um".into(),
-        axes(|axis| rounded(&closure.by_interval[axis])),
-    );
-    page.insert(
-        "mean_closure_um".into(),
-        axes(|axis| picometres(closure.mean[axis])),
-    );
-    if let Some(noise) = separation.noise {
-        page.insert(
-            "closure_expected_um".into(),
-            axes(|axis| picometres(closure.scatter[axis] * noise.sigma_um)),
-        );
-        page.insert(
-            "mean_closure_expected_um".into(),
-            axes(|axis| picometres(closure.u_mean_um(axis, noise.sigma_um))),
-        );
-    }
-    if let Some(ramps) = &closure.ramps {
-        page.insert(
-            "closure_ramp".into(),
-            json!({
-                "change_um": axes(|axis| picometres(ramps.change_um[axis])),
-                "probability": ramps.probability,
-                "roll": ramps.is_roll(),
-            }),
-        );
-    }
-    page.insert(
-        "rank".into(),
+/// Linear axes and beams against each other and the diagonals.
+pub(super) fn agreement(agreement: &Agreement) -> Value {
+    let line = |line: &LineCheck| {
         json!({
-            "rank": separation.rank().0,
-            "unknowns": separation.rank().1,
-            "undetermined": separation.undetermined,
-            "advice": open_advice(separation),
-        }),
-    );
-    page.insert(
-        "outliers".into(),
-        closure.outliers.iter().map(outlier).collect(),
-    );
-    page.insert("diagonals".into(), diagonals(separation)?);
-    if let Some(found) = separation.noise {
-        let mut entry = noise(found);
-        let test = closure.test(&found);
-        entry["closure_probability"] = json!(test.map(|test| test.probability));
-        page.insert("noise".into(), entry);
-    }
-    if let Some(turn) = &separation.turn {
-        reversal(&mut page, turn);
-    }
-    let slopes = separation.naive_slopes_um_per_m.iter();
-    let slopes = slopes.map(|(term, slope)| (term.to_string(), json!(picometres(*slope))));
-    page.insert(
-        "separated_slope_um_per_m".into(),
-        Value::Object(slopes.collect()),
-    );
-    let shapes = separation.shapes.iter();
-    let shapes = shapes.map(|(term, shape)| (term.to_string(), json!(rounded(shape))));
-    page.insert("shape_um".into(), Value::Object(shapes.collect()));
-    if let Some(simulated) = simulated {
-        page.insert("monte_carlo".into(), monte_carlo(simulated));
-    }
-    page.insert("doubts".into(), json!(separation.doubts));
-    holds_below(&mut page, &separation.not_counted);
-    page.insert("labels".into(), json!(separation.labels));
-    Ok(Value::Object(page))
+            "line": line.name(),
+            "stated_um_per_m": line.stated_um_per_m,
+            "by_others_um_per_m": line.others.map(|o| o.found_um_per_m),
+            "difference_um_per_m": line.difference().map(|(um_per_m, _)| um_per_m),
+            "u_difference_um_per_m": line.others.map(|o| o.u_difference_um_per_m),
+        })
+    };
+    json!({
+        "chi_squared": picometres(agreement.chi_squared),
+        "degrees_of_freedom": agreement.freedom,
+        "probability": agreement.probability,
+        "contradiction": agreement.contradiction().map(Finding::from),
+        "lines": agreement.lines.iter().map(line).collect::<Vec<_>>(),
+    })
+}
+
+/// What is left over, with what the noise lets expect.
+fn closure(separation: &Separation) -> Value {
+    let closure = &separation.closure;
+    let sigma = separation.noise.map(|noise| noise.sigma_um);
+    let ramps = closure.ramps.as_ref().map(|ramps| {
+        json!({
+            "change_um": ramps.change_um,
+            "probability": ramps.probability,
+            "roll": ramps.is_roll(),
+        })
+    });
+    json!({
+        "closure_um": closure.by_interval,
+        "mean_closure_um": closure.mean,
+        "closure_expected_um": sigma.map(|sigma| closure.scatter.times(sigma)),
+        "mean_closure_expected_um": sigma.map(|sigma| PerAxis::from_fn(|axis| closure.u_mean_um(axis, sigma))),
+        "closure_ramp": ramps,
+    })
 }
 
 /// Bounds of what no U holds, below which it holds nevertheless.
-pub(super) fn holds_below(page: &mut Map<String, Value>, not_counted: &NotCounted) {
-    let causes = [
-        ("holds_below_angle_urad", &not_counted.angles),
-        ("holds_below_beam_mrad", &not_counted.beam),
-    ];
-    for (key, silent) in causes {
-        if let Some(bound) = silent.as_ref().and_then(|silent| silent.holds_below) {
-            page.insert(key.into(), json!(picometres(bound)));
-        }
-    }
+pub(super) fn holds_below(not_counted: &NotCounted) -> Value {
+    let bound = |silent: &Option<Silent>| silent.as_ref()?.holds_below;
+    json!({
+        "holds_below_angle_urad": bound(&not_counted.angles),
+        "holds_below_beam_mrad": bound(&not_counted.beam),
+    })
 }
 
 /// Reversals of a turn: by term, at both ends of each axis, and from each diagonal alone.
-fn reversal(page: &mut Map<String, Value>, turn: &Turn) {
-    let known = |u: Option<f64>| u.map(picometres);
-    let both = |b: Estimate| json!({"um": picometres(b.um), "u_um": known(b.u_um)});
-    let by_term = |value: &dyn Fn(ErrorTerm) -> Value| {
-        let all = ErrorTerm::ALL.map(|term| (term.to_string(), value(term)));
-        Value::Object(all.into_iter().collect())
-    };
-    let um = by_term(&|term| json!(picometres(turn.reversal[term].um)));
-    page.insert("reversal_um".into(), um);
-    let u_um = by_term(&|term| json!(known(turn.reversal[term].u_um)));
-    page.insert("u_reversal_um".into(), u_um);
-    let held = by_term(&|term| json!(turn.in_curves[term]));
-    page.insert("reversal_in_curves".into(), held);
-    let ends = axes(|axis| {
+fn reversal(turn: &Turn) -> Value {
+    let ends = PerAxis::from_fn(|axis| {
         let [low, high] = turn.ends[axis];
-        json!({"low": both(low), "high": both(high), "constancy_probability": turn.constancy[axis].map(picometres)})
+        let constancy = turn.constancy[axis].map(picometres);
+        json!({"low": low, "high": high, "constancy_probability": constancy})
     });
-    page.insert("reversal_at_ends".into(), ends);
-    let alone = turn.by_diagonal.iter();
-    let alone = alone.map(|(d, all)| (d.name().to_string(), axes(|axis| both(all[axis]))));
-    page.insert(
-        "reversal_by_diagonal".into(),
-        Value::Object(alone.collect()),
-    );
-}
-
-fn repeatability(separation: &Separation, diagonal: Diagonal) -> Value {
-    let of = |pass: Pass| {
-        let found = repeatability_um(&separation.runs, diagonal, pass);
-        (pass.word().to_string(), json!(found.map(picometres)))
-    };
-    Value::Object(Pass::BOTH.map(of).into_iter().collect())
+    json!({
+        "reversal_um": PerTerm::from_fn(|term| turn.reversal[term].um),
+        "u_reversal_um": PerTerm::from_fn(|term| turn.reversal[term].u_um),
+        "reversal_in_curves": turn.in_curves,
+        "reversal_at_ends": ends,
+        "reversal_by_diagonal": turn.by_diagonal,
+    })
 }
 
 fn outlier(outlier: &Outlier) -> Value {
-    let readings: Vec<Value> = outlier
-        .readings
-        .iter()
-        .map(|r| {
-            json!({
-                "diagonal": r.diagonal.name(),
-                "run": r.run,
-                "direction": r.pass.word(),
-                "node": r.node,
-            })
+    let reading = |r: &ReadingPlace| {
+        json!({
+            "diagonal": r.diagonal.name(),
+            "run": r.run,
+            "direction": r.pass.word(),
+            "node": r.node,
         })
-        .collect();
+    };
     json!({
-        "readings": readings,
-        "size_um": picometres(outlier.size_um),
+        "readings": outlier.readings.iter().map(reading).collect::<Vec<_>>(),
+        "size_um": outlier.size_um,
         "standard_deviations": picometres(outlier.ratio),
     })
 }
@@ -262,11 +178,18 @@ fn outlier(outlier: &Outlier) -> Value {
 /// σ of a single reading and where it comes from.
 pub(super) fn noise(noise: Noise) -> Value {
     json!({
-        "sigma_um": picometres(noise.sigma_um),
+        "sigma_um": noise.sigma_um,
         "degrees_of_freedom": noise.freedom,
         "coverage_factor": picometres(coverage_factor(noise.freedom_f64())),
         "source": noise.source.words(),
     })
+}
+
+fn tested_noise(separation: &Separation, found: Noise) -> Value {
+    let mut entry = noise(found);
+    let test = separation.closure.test(&found);
+    entry["closure_probability"] = json!(test.map(|test| test.probability));
+    entry
 }
 
 /// What would determine the scales that are open; nothing is asked for under an assumed set-up.
@@ -279,23 +202,21 @@ pub(super) fn open_advice(separation: &Separation) -> Vec<String> {
 
 fn diagonals(separation: &Separation) -> Result<Value, Problems> {
     let figures = StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs)?;
-    let mut all = diagonal_totals(
-        &figures.all,
-        separation.range_over_all_um,
-        separation.scale_sum_um_mm,
-    );
+    let repeatability = |diagonal: Diagonal| {
+        let of = |pass| repeatability_um(&separation.runs, diagonal, pass);
+        json!({"forward": of(Pass::Forward), "reverse": of(Pass::Reverse)})
+    };
+    let range_um = separation.range_over_all_um;
+    let mut all = diagonal_totals(&figures.all, range_um, separation.scale_sum_um_mm);
     for (diagonal, of) in separation.diagonals.iter() {
-        all.insert(
-            diagonal.name().into(),
-            json!({
-                "end_reading_um": picometres(of.end_um),
-                "range_um": picometres(of.range_um),
-                "figures_um": figures.document(diagonal),
-                "repeatability_um": repeatability(separation, diagonal),
-            }),
-        );
+        all[diagonal.name()] = json!({
+            "end_reading_um": of.end_um,
+            "range_um": of.range_um,
+            "figures_um": figures.document(diagonal),
+            "repeatability_um": repeatability(diagonal),
+        });
     }
-    Ok(Value::Object(all))
+    Ok(all)
 }
 
 /// The figures of all four diagonals together.
@@ -303,38 +224,31 @@ pub(super) fn diagonal_totals(
     figures: &Diagonals,
     range_over_all_um: f64,
     scale_sum_um_mm: f64,
-) -> Map<String, Value> {
-    let mut all = Map::new();
-    all.insert(
-        "range_over_all_um".into(),
-        json!(picometres(range_over_all_um)),
-    );
-    all.insert("scale_sum_um_mm".into(), json!(picometres(scale_sum_um_mm)));
-    all.insert("e_d_um".into(), json!(figures.e_d_um.map(picometres)));
-    all.insert("b_d_um".into(), json!(figures.b_d_um.map(picometres)));
-    all.insert("label".into(), json!(figures.label));
-    all
+) -> Value {
+    json!({
+        "range_over_all_um": range_over_all_um,
+        "scale_sum_um_mm": scale_sum_um_mm,
+        "e_d_um": figures.e_d_um,
+        "b_d_um": figures.b_d_um,
+        "label": figures.label,
+    })
 }
 
 fn monte_carlo(simulated: &Simulated) -> Value {
-    let figures: Vec<Value> = simulated
-        .figures
-        .iter()
-        .map(|f| {
-            json!({
-                "name": f.quantity.to_string(),
-                "unit": f.quantity.unit(),
-                "estimate": picometres(f.estimate),
-                "bias": picometres(f.bias),
-                "interval_95": rounded(&f.interval),
-                "interval_coverage_measured": f.measured_coverage(),
-                "u": picometres(f.u),
-            })
+    let figure = |f: &Figure| {
+        json!({
+            "name": f.quantity.to_string(),
+            "unit": f.quantity.unit(),
+            "estimate": picometres(f.estimate),
+            "bias": picometres(f.bias),
+            "interval_95": f.interval.map(picometres),
+            "interval_coverage_measured": f.measured_coverage(),
+            "u": picometres(f.u),
         })
-        .collect();
+    };
     json!({
         "trials": simulated.plan.trials,
         "seed": simulated.plan.seed,
-        "figures": figures,
+        "figures": simulated.figures.iter().map(figure).collect::<Vec<_>>(),
     })
 }

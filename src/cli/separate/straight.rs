@@ -1,20 +1,20 @@
 //! What `separate` says of straight runs: the page for people and the document.
 
-use super::document::{diagonal_totals, holds_below, noise, planes};
+use super::document::{agreement, diagonal_totals, holds_below, noise};
 use super::words::{self, SQUARENESS_SIGN, advice, expanded, freedom};
 use crate::cli::diagonals::StandardFigures;
+use crate::cli::outcome::known;
 use crate::cli::screen::{More, Screen, table};
 use crate::cli::show::um;
-use crate::kit::manifest::picometres;
 use crate::machine::separation::metric::Plane;
 use crate::machine::separation::straight::{ClosureTest, ClosureTests};
 use crate::machine::separation::straight::{StraightResult, scale_shares};
 use crate::machine::separation::uncertainty::SlopeUncertainty;
-use crate::quantity::axis::Axis;
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, PathKind};
-use crate::quantity::units::{Figure, Squared};
+use crate::quantity::units::{Figure, Squared, picometres};
 use crate::text::problem::Problems;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 pub(super) fn screen(result: &StraightResult) -> Result<Screen, Problems> {
     let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
@@ -133,69 +133,49 @@ fn verdict(closure: &ClosureTests) -> String {
 
 pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
     let metric = &result.metric;
-    let mut page = Map::new();
-    page.insert("schema".into(), json!(1));
-    page.insert("squareness_um_per_m".into(), planes(&metric.squareness));
     let u = |known: Option<SlopeUncertainty>| known.map(|known| known.u_um_per_m);
-    page.insert(
-        "u_squareness_um_per_m".into(),
-        planes(&result.u_squareness.map(u)),
-    );
-    if let Some(found) = &result.agreement {
-        page.insert("redundancy".into(), words::agreement_json(found));
-    }
-    let scales = |of: &dyn Fn(Axis) -> Option<f64>| -> Value {
-        let pairs = Axis::ALL.into_iter();
-        let pairs = pairs.filter_map(|axis| Some((axis.key().into(), json!(of(axis)?))));
-        Value::Object(pairs.collect())
-    };
-    page.insert("scale_um_per_m".into(), scales(&|axis| metric.scale[axis]));
-    page.insert(
-        "u_scale_um_per_m".into(),
-        scales(&|axis| u(result.u_scale[axis])),
-    );
-    page.insert(
-        "rank".into(),
+    let scales = |of: &dyn Fn(Axis) -> Option<f64>| known([json!(PerAxis::from_fn(of))]);
+    Ok(known([
         json!({
-            "rank": metric.rank,
-            "unknowns": 6,
-            "undetermined": metric.undetermined(),
-            "advice": advice(metric),
+            "schema": 1,
+            "squareness_um_per_m": metric.squareness,
+            "u_squareness_um_per_m": result.u_squareness.map(u),
+            "redundancy": result.agreement.as_ref().map(agreement),
+            "scale_um_per_m": scales(&|axis| metric.scale[axis]),
+            "u_scale_um_per_m": scales(&|axis| u(result.u_scale[axis])),
+            "rank": {
+                "rank": metric.rank,
+                "unknowns": 6,
+                "undetermined": metric.undetermined(),
+                "advice": advice(metric),
+            },
+            "diagonals": diagonals(result)?,
+            "noise": result.noise.map(noise),
+            "closure_test": result.closure.as_ref().map(closure_document),
+            "doubts": result.doubts,
         }),
-    );
-    page.insert("diagonals".into(), diagonals(result)?);
-    if let Some(found) = result.noise {
-        page.insert("noise".into(), noise(found));
-    }
-    if let Some(closure) = &result.closure {
-        page.insert("closure_test".into(), closure_document(closure));
-    }
-    page.insert("doubts".into(), json!(result.doubts));
-    holds_below(&mut page, &result.not_counted);
-    page.insert("labels".into(), json!(result.labels));
-    Ok(Value::Object(page))
+        holds_below(&result.not_counted),
+        json!({ "labels": result.labels }),
+    ]))
 }
 
 fn diagonals(result: &StraightResult) -> Result<Value, Problems> {
     let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
-    let mut all = diagonal_totals(
-        &figures.all,
-        result.range_over_all_um,
-        result.totals.scale_sum_um_mm,
-    );
+    let range_um = result.range_over_all_um;
+    let mut all = diagonal_totals(&figures.all, range_um, result.totals.scale_sum_um_mm);
     for (diagonal, f) in result.diagonals.iter() {
-        let mut entry = json!({
+        let entry = &mut all[diagonal.name()];
+        *entry = json!({
             "end_reading_um": f.end_um,
             "range_um": f.range_um,
             "figures_um": figures.document(diagonal),
         });
-        if let (Some(test), Some(entry)) = (largest(result, diagonal), entry.as_object_mut()) {
-            entry.insert("closure_largest_um".into(), json!(test.largest_um));
-            entry.insert("closure_end_um".into(), json!(test.end_um));
+        if let Some(test) = largest(result, diagonal) {
+            entry["closure_largest_um"] = json!(test.largest_um);
+            entry["closure_end_um"] = json!(test.end_um);
         }
-        all.insert(diagonal.name().into(), entry);
     }
-    Ok(Value::Object(all))
+    Ok(all)
 }
 
 /// The closure test of a diagonal with the larger difference of its two directions.
@@ -206,24 +186,20 @@ fn largest(result: &StraightResult, diagonal: Diagonal) -> Option<&ClosureTest> 
 }
 
 fn closure_document(closure: &ClosureTests) -> Value {
-    let tests: Vec<Value> = closure
-        .tests
-        .iter()
-        .map(|test| {
-            json!({
-                "diagonal": test.diagonal.name(),
-                "direction": test.pass.word(),
-                "largest_um": test.largest_um,
-                "end_um": test.end_um,
-                "u_end_um": test.u_end_um,
-                "largest_by_u": test.worst_ratio.map(picometres),
-            })
+    let test = |test: &ClosureTest| {
+        json!({
+            "diagonal": test.diagonal.name(),
+            "direction": test.pass.word(),
+            "largest_um": test.largest_um,
+            "end_um": test.end_um,
+            "u_end_um": test.u_end_um,
+            "largest_by_u": test.worst_ratio.map(picometres),
         })
-        .collect();
+    };
     json!({
         "agrees": closure.agrees(),
         "k": picometres(closure.k),
         "table_states_u": closure.table_states_u,
-        "tests": tests,
+        "tests": closure.tests.iter().map(test).collect::<Vec<_>>(),
     })
 }

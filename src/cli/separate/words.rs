@@ -3,14 +3,12 @@
 
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show::um;
-use crate::kit::manifest::picometres;
-use crate::machine::separation::agreement::{Agreement, LineCheck};
+use crate::machine::separation::agreement::Agreement;
 use crate::machine::separation::findings::CHECK;
 use crate::machine::separation::metric::Metric;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
 use crate::text::finding::{Finding, Severity};
-use serde_json::{Value, json};
 
 /// More degrees of freedom than these need no exact number: k is 2.00.
 const MANY: f64 = 1000.0;
@@ -129,24 +127,4 @@ pub(super) fn agreement(agreement: Option<&Agreement>) -> String {
         agreement.chi_squared,
         agreement.freedom
     )
-}
-
-/// Linear axes and beams against each other and the diagonals.
-pub(super) fn agreement_json(agreement: &Agreement) -> Value {
-    let line = |line: &LineCheck| {
-        json!({
-            "line": line.name(),
-            "stated_um_per_m": line.stated_um_per_m,
-            "by_others_um_per_m": line.others.map(|o| o.found_um_per_m),
-            "difference_um_per_m": line.difference().map(|(um_per_m, _)| um_per_m),
-            "u_difference_um_per_m": line.others.map(|o| o.u_difference_um_per_m),
-        })
-    };
-    json!({
-        "chi_squared": picometres(agreement.chi_squared),
-        "degrees_of_freedom": agreement.freedom,
-        "probability": agreement.probability,
-        "contradiction": agreement.contradiction().map(Finding::from),
-        "lines": agreement.lines.iter().map(line).collect::<Vec<_>>(),
-    })
 }

@@ -6,7 +6,7 @@ use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::component::{Component, Kind};
 use crate::inputs::import::stated::{FIRST_TARGET, Stated, TARGETS_RUN};
 use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::{Deviation, Squared};
+use crate::quantity::units::{Deviation, Squared, rounded};
 use crate::text::problem::{Place, Problem, Problems};
 
 /// Two axes whose squareness a file gives.
@@ -33,7 +33,7 @@ pub(super) struct Reading {
 
 /// Nine decimals: far below what can be measured, and free of the dust of binary sums.
 pub(super) fn tidy(number: f64) -> f64 {
-    (number * 1e9).round() / 1e9 + 0.0
+    rounded(number, 9)
 }
 
 /// A value of a file as a deviation.

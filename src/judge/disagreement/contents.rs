@@ -15,6 +15,7 @@ use crate::control::table::siemens::{
     CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
 };
 use crate::judge::findings::{InControl, it, listed};
+use crate::quantity::units::rounded;
 use crate::read::ReadBack;
 use crate::text::finding::Finding;
 use std::collections::BTreeMap;
@@ -93,7 +94,7 @@ impl Value {
     /// Rounded, so that numbers that are equal read alike.
     fn words(&self) -> String {
         let number = |value: &Option<f64>| match value {
-            Some(value) => format!("{}", (value * 1e9).round() / 1e9 + 0.0),
+            Some(value) => rounded(*value, 9).to_string(),
             None => "none".to_string(),
         };
         match self {

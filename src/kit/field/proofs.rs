@@ -171,7 +171,7 @@ fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Result<f6
 pub(super) fn document(shown: &Shown) -> Value {
     let proof = &shown.proof;
     let [from, peak, to] = proof.bump.places().map(|place| place.mm());
-    let round = crate::kit::manifest::picometres;
+    let round = crate::quantity::units::picometres;
     json!({
         "files": shown.paths,
         "sign": sign_fact(proof.mechanism),

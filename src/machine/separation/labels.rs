@@ -11,7 +11,7 @@ use super::solved::{Solved, naive_squareness};
 use super::uncertainty::{Budget, u_squareness};
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
 use crate::quantity::axis::{Axis, ErrorTerm};
-use crate::quantity::units::Figure;
+use crate::quantity::units::{Figure, rounded};
 use crate::text::finding::Finding;
 
 /// Of step runs.
@@ -218,9 +218,8 @@ pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> O
 impl Solved<'_> {
     /// What the slopes rest on.
     pub(super) fn labels(&self, is_checked: bool) -> Vec<Finding> {
-        let rounded = |um: f64| (um * 1000.0).round() / 1000.0 + 0.0;
         let squareness = |of: &dyn Fn(Plane) -> f64| {
-            by_plane(|p| format!("{} {:.3}", p.key().to_uppercase(), rounded(of(p))))
+            by_plane(|p| format!("{} {:.3}", p.key().to_uppercase(), rounded(of(p), 3)))
         };
         let leak = |plane: Plane| 10.0 * self.metric.leak.of(plane);
         let mut labels = Vec::new();

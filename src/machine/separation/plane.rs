@@ -1,7 +1,7 @@
 //! Planes of two axes, for squareness, and the six unknowns of formula (7).
 
 use crate::quantity::axis::{Axis, ErrorTerm};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// Number of unknowns: three scales, three squareness errors.
 pub(super) const UNKNOWNS: usize = 6;
@@ -47,7 +47,7 @@ impl Plane {
 }
 
 /// One value for each plane.
-#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct PerPlane<T> {
     /// XY.
     pub xy: T,
@@ -78,6 +78,14 @@ impl<T: Copy> PerPlane<T> {
     /// Another value for each plane.
     pub fn map<U>(&self, to: impl Fn(T) -> U) -> PerPlane<U> {
         PerPlane::from_fn(|plane| to(self.of(plane)))
+    }
+}
+
+/// By the names of the planes; a plane without a figure is absent.
+impl Serialize for PerPlane<Option<f64>> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let known = Plane::ALL.into_iter();
+        to.collect_map(known.filter_map(|plane| Some((plane.key(), self.of(plane)?))))
     }
 }
 

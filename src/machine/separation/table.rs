@@ -8,6 +8,7 @@ use super::unmeasured::Silent;
 use crate::inputs::error_table::{Draft, DraftSeries, Remarks};
 use crate::inputs::job::BacklashPolicy;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::units::rounded;
 use crate::text::finding::Finding;
 
 /// The table that `separate` writes and `generate` reads. Terms that are not determined are
@@ -92,6 +93,5 @@ fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>)
 
 /// Nine decimals, 10⁻⁹ µm: as many as readings carry, without the dust of binary sums.
 fn written(values_um: &[f64]) -> Vec<f64> {
-    let written = |value: &f64| (value * 1e9).round() / 1e9 + 0.0;
-    values_um.iter().map(written).collect()
+    values_um.iter().map(|um| rounded(*um, 9)).collect()
 }

@@ -5,6 +5,7 @@ use crate::inputs::job::{
     DiagonalMeasurement, Job, MeasuredData, ProgramRequest, RunType, TargetGrid,
 };
 use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::units::rounded;
 use crate::text::problem::Problems;
 use crate::write::program::route::{moving, readings_of};
 use crate::write::program::run::{MOST_READINGS, problem};
@@ -333,5 +334,5 @@ fn near_the_end(job: &Job, request: &ProgramRequest, resolution: Resolution) -> 
 
 /// A coordinate without the digits that binary numbers add.
 fn plain(mm: f64) -> f64 {
-    (mm * 1e6).round() / 1e6 + 0.0
+    rounded(mm, 6)
 }
