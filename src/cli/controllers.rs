@@ -101,7 +101,7 @@ fn summary_json(profile: &Profile) -> Value {
     json!({
         "id": profile.id,
         "name": profile.name,
-        "dialect": profile.dialect.word(),
+        "dialect": profile.family.word,
         "manual": count(profile, Evidence::Manual),
         "assumed": count(profile, Evidence::Assumed),
         "executed": count(profile, Evidence::Executed),
@@ -142,9 +142,7 @@ fn profile_json(profile: &Profile) -> Value {
 fn profile_text(profile: &Profile) -> String {
     let mut parts = vec![format!(
         "{} - {} ({} dialect)",
-        profile.id,
-        profile.name,
-        profile.dialect.word()
+        profile.id, profile.name, profile.family.word
     )];
     if let Origin::File(path) = &profile.origin {
         parts[0] += &format!("\nyour own profile `{path}`");

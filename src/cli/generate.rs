@@ -3,7 +3,7 @@
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{More, Screen, shell_word, wrapped};
 use crate::cli::{inputs, show};
-use crate::control::controller::{Dialect, Role};
+use crate::control::controller::Role;
 use crate::judge::conformity::Verdict;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::{Inputs, Kit, generate, remarks};
@@ -105,21 +105,16 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
 /// Archive, what switches off, and where the order of loading stands.
 fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
     let disable = kit.files.iter().find(|file| file.role == Role::Disable);
-    let off = match (disable, &inputs.profile.dialect) {
-        (Some(file), _) => format!("{} switches off what the files replace", file.path),
-        (None, Dialect::Fanuc(_)) => {
-            "no file of this kit switches off what is there: 3623 = 0 stops the pitch points of an axis (assumed)"
-                .to_string()
-        }
-        (None, _) => "no file of this kit switches off what is there, see to it by hand".to_string(),
-    };
-    let explained = match &inputs.profile.dialect {
-        Dialect::Siemens(_) => Some("docs/siemens.md §4.2"),
-        Dialect::Fanuc(_) => Some("docs/fanuc.md §4.2"),
-        Dialect::Generic(_) => None,
+    let family = inputs.profile.family;
+    let off = match disable {
+        Some(file) => format!("{} switches off what the files replace", file.path),
+        None => format!(
+            "no file of this kit switches off what is there{}",
+            family.off_by_hand
+        ),
     };
     let checklist = kit.files.iter().find(|file| file.role == Role::Checklist);
-    let order = match (checklist.map(|file| &file.path), explained) {
+    let order = match (checklist.map(|file| &file.path), family.page) {
         (Some(file), Some(page)) => {
             format!("; order of loading and rollback: {file}, why: {page}")
         }

@@ -172,7 +172,7 @@ fn read_out_state(
     compiled: &Compiled,
     control: &ActiveControl,
 ) -> Outside {
-    let parameter = inputs.profile.dialect.backlash_parameter();
+    let parameter = inputs.profile.family.backlash_parameter;
     outside(inputs, plan, compiled, |state, wanted| {
         let axis = state.name.clone();
         let mut held = control.held_backlash.iter();

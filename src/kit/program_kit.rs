@@ -5,7 +5,7 @@
 //! node in order, a standstill at each, every axis arriving in the direction of its pass.
 
 use crate::control::claims::{Assumption, Precondition};
-use crate::control::controller::program::{Language, ProgramFacts};
+use crate::control::controller::program::ProgramFacts;
 use crate::control::controller::{Evidence, Profile};
 use crate::inputs::job::{Job, ProgramRequest, TargetGrid};
 use crate::kit::manifest::{self, HashedFile, SCHEMA};
@@ -150,7 +150,7 @@ fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
             )
         })
         .collect();
-    if facts.language == Language::Fanuc {
+    if facts.language.facts().numbered.is_some() {
         list.push(Assumption::of_job(
             "program.number",
             format!("O{:04} and those that follow are free", request.number_of(0)),
@@ -159,9 +159,6 @@ fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
     }
     list
 }
-
-/// Evidence of what no available manual was read for.
-const FROM_MEMORY: &str = "assumed: from memory, not in the manuals read";
 
 fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
     let mut list = vec![
@@ -178,28 +175,11 @@ fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
             "docs/program.md §3",
         ),
     ];
-    if facts.language == Language::Siemens {
-        list.push(Precondition::new(
-            "basic frames and DRF offset",
-            "no rotation, scaling or mirroring; DRF off",
-            "increments follow a rotated, scaled or mirrored frame",
-            "docs/program.md §3",
-        ));
-    }
-    if facts.language == Language::Fanuc {
-        list.push(Precondition::new(
-            "mirror image of the machine",
-            "off for every axis, by setting (0012#0) and by signal",
-            "G50.1 cancels the programmed mirror image only; under another one increments go the wrong way",
-            FROM_MEMORY,
-        ));
-        list.push(Precondition::new(
-            "manual handle interruption",
-            "none, or cancelled (reference return) before cycle start",
-            "G91 counts from the commanded position: what the handle added shifts every node",
-            FROM_MEMORY,
-        ));
-    }
+    let of_language = facts.language.facts().preconditions.iter();
+    list.extend(
+        of_language
+            .map(|[what, value, why, source]| Precondition::new(*what, *value, *why, *source)),
+    );
     let wanted = [
         (Cancelled::Rotation, "rotation"),
         (Cancelled::Scaling, "scaling"),

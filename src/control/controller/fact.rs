@@ -1,5 +1,6 @@
 //! A fact of a control, how sure it is, and how it is read from its page.
 
+use crate::quantity::units::{Correction, Deviation};
 use crate::text::document::Section;
 use serde::Serialize;
 use std::cell::RefCell;
@@ -41,6 +42,54 @@ impl Word for Evidence {
         ("assumed", Evidence::Assumed),
         ("executed", Evidence::Executed),
     ];
+}
+
+/// What the numbers in a control's table mean: the machine's error, or what the control adds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum TableSign {
+    /// The table holds the deviation; a positive value makes the axis move in −.
+    AsError,
+    /// The table holds the correction; a positive value makes the axis move in +.
+    AsCorrection,
+}
+
+impl Word for TableSign {
+    const WORDS: &'static [(&'static str, TableSign)] = &[
+        ("as_error", TableSign::AsError),
+        ("as_correction", TableSign::AsCorrection),
+    ];
+}
+
+impl TableSign {
+    /// The number (µm) that a table of this sense holds for a deviation.
+    pub(crate) fn table_um(self, deviation: Deviation) -> f64 {
+        match self {
+            TableSign::AsError => deviation.um(),
+            TableSign::AsCorrection => (-deviation).um(),
+        }
+    }
+
+    /// What the control adds when its table holds `um` micrometres.
+    pub fn correction(self, um: f64) -> Correction {
+        match self {
+            TableSign::AsError => -Deviation::from_um(um),
+            TableSign::AsCorrection => Correction::from_um(um),
+        }
+    }
+}
+
+/// In which form tables are delivered (docs/siemens.md §3.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableForm {
+    /// Part program without header, ends with `M30`.
+    Program,
+    /// NC active data: `%_N_…_INI`, `CHANDATA(1)`, ends with `M17`.
+    Data,
+}
+
+impl Word for TableForm {
+    const WORDS: &'static [(&'static str, TableForm)] =
+        &[("program", TableForm::Program), ("data", TableForm::Data)];
 }
 
 /// What of a control a fact belongs to: it matters for a kit only where the kit uses that.
@@ -366,6 +415,27 @@ impl<'a> Facts<'a> {
 
     pub(super) fn stated<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
         self.read(name, T::read)
+    }
+
+    /// The value of a fact that was read, as it is written.
+    pub(super) fn written(&self, name: &str) -> Option<String> {
+        let statements = self.statements.borrow();
+        let own = statements.iter().find(|statement| statement.fact == name)?;
+        Some(own.value.clone())
+    }
+
+    /// Tells of a number beyond what the program can write or a control can mean.
+    pub(super) fn expect(&self, name: &str, is_right: bool, expected: &str) {
+        if !is_right {
+            let message = format!("`{name}` is out of range, expected {expected}");
+            let help = "check the number and its source";
+            self.section.problem(name, message, help);
+        }
+    }
+
+    /// The same of decimals of a number in a file.
+    pub(super) fn expect_decimals(&self, name: &str, decimals: &Fact<u32>) {
+        self.expect(name, decimals.value <= 9, "0 … 9");
     }
 
     /// A fact whose value `value` reads.

@@ -6,7 +6,8 @@
 use crate::control::controller::fact::{Facts, origin};
 use crate::control::controller::load_parts::{Templates, checklist, files, program_facts};
 use crate::control::controller::{
-    CommonFacts, Dialect, Fact, FanucFacts, GenericFacts, Origin, Profile, SiemensFacts,
+    CommonFacts, Dialect, Fact, Family, FanucFacts, GenericFacts, Origin, Profile, SiemensFacts,
+    fanuc, generic, siemens,
 };
 use crate::text::document::{Section, Source, read_page_over};
 use crate::text::problem::{Problems, shown};
@@ -109,11 +110,8 @@ fn read_profile(
     if let Some(facts) = &facts {
         facts.section.refuse_unknown_keys();
     }
-    let form = match &dialect {
-        Some(Dialect::Siemens(facts)) => Some(facts.table_form.value),
-        _ => None,
-    };
-    let files = files(root, form, templates);
+    let form = facts.as_ref().and_then(|facts| facts.written("table_form"));
+    let files = files(root, form.as_deref(), templates);
     let program = root.section("program");
     let program = program.map(|own| program_facts(&own, templates));
     let checklist = checklist(root);
@@ -124,6 +122,7 @@ fn read_profile(
         id,
         name,
         origin,
+        family: family?.0,
         dialect: dialect?,
         line_end: common.line_end,
         comments: common.comments,
@@ -174,47 +173,39 @@ fn check_base(root: &Section<'_>, below: &[&str]) -> Option<()> {
 
 /// The facts of the family, and those that its emulator implements in one way only: a page must state
 /// that way, with its source.
-fn dialect(family: Option<Family>, facts: &Facts<'_>) -> Option<Dialect> {
-    let dialect = family.and_then(|(read, _)| read(facts));
-    let between = family.map_or("linear", |(_, between)| between);
+fn dialect(family: Option<Known>, facts: &Facts<'_>) -> Option<Dialect> {
+    let dialect = family.and_then(|(_, read)| read(facts));
+    let between = family.map_or("linear", |(family, _)| family.between);
     facts.read("interpolation", |f| f.choice("value", &[(between, ())]));
     facts.read("outside", |f| f.choice("value", &[("hold", ())]));
     facts.stated::<String>("direction");
     facts.stated::<String>("value_unit");
-    if let Some(dialect) = &dialect {
-        check_numbers(&facts.section, dialect);
-    }
     dialect
 }
 
-/// How the facts of a family are read, and what its control adds between two points.
-type Family = (fn(&Facts<'_>) -> Option<Dialect>, &'static str);
+/// A family, and how the facts of its controls are read.
+type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 
-fn family(root: &Section<'_>) -> Option<Family> {
-    const FAMILIES: [(&str, Family); 3] = [
-        (
-            "siemens",
-            (
-                |facts| SiemensFacts::read(facts).map(Dialect::Siemens),
-                "linear",
-            ),
-        ),
-        (
-            "fanuc",
-            (|facts| FanucFacts::read(facts).map(Dialect::Fanuc), "step"),
-        ),
-        (
-            "generic",
-            (
-                |facts| GenericFacts::read(facts).map(Dialect::Generic),
-                "linear",
-            ),
-        ),
-    ];
+/// The families of controls that there are.
+const FAMILIES: [Known; 3] = [
+    (&siemens::FAMILY, |facts| {
+        SiemensFacts::checked(facts).map(Dialect::Siemens)
+    }),
+    (&fanuc::FAMILY, |facts| {
+        FanucFacts::checked(facts).map(Dialect::Fanuc)
+    }),
+    (&generic::FAMILY, |facts| {
+        GenericFacts::read(facts).map(Dialect::Generic)
+    }),
+];
+
+fn family(root: &Section<'_>) -> Option<Known> {
+    let words = FAMILIES.map(|known| (known.0.word, known));
     if !root.has("dialect") {
-        root.missing("dialect", "`siemens`, `fanuc` or `generic`");
+        let words = words.map(|(word, _)| format!("`{word}`"));
+        root.missing("dialect", &format!("one of {}", words.join(", ")));
     }
-    root.choice("dialect", &FAMILIES)
+    root.choice("dialect", &words)
 }
 
 /// `[display]`: where the control shows the correction that acts.
@@ -247,37 +238,5 @@ fn check_axis_names(facts: &Section<'_>, names: &[String]) {
             ),
             "write it as the control shows it, e.g. `AX1`",
         );
-    }
-}
-
-/// Numbers beyond what the program can write or a control can mean.
-fn check_numbers(facts: &Section<'_>, dialect: &Dialect) {
-    let decimals = |fact: &Fact<u32>| (fact.value <= 9, "0 … 9");
-    let at_least_1 = |fact: &Fact<u32>| (fact.value > 0, "at least 1");
-    let checked = match dialect {
-        Dialect::Siemens(own) => vec![
-            ("value_decimals", decimals(&own.value_decimals)),
-            ("position_decimals", decimals(&own.position_decimals)),
-        ],
-        Dialect::Fanuc(own) => vec![
-            ("interval_decimals_mm", decimals(&own.interval_decimals_mm)),
-            (
-                "interval_decimals_inch",
-                decimals(&own.interval_decimals_inch),
-            ),
-            (
-                "output_fraction",
-                (own.output_fraction.value < 1.0, "between 0 and 1"),
-            ),
-            ("increment_max", at_least_1(&own.increment_max)),
-            ("magnification_max", at_least_1(&own.magnification_max)),
-        ],
-        Dialect::Generic(_) => Vec::new(),
-    };
-    for (name, (is_right, expected)) in checked {
-        if !is_right {
-            let message = format!("`{name}` is out of range, expected {expected}");
-            facts.problem(name, message, "check the number and its source");
-        }
     }
 }

@@ -43,7 +43,7 @@ impl Templates<'_> {
 /// The files of the form that the control takes.
 pub(super) fn files(
     root: &Section<'_>,
-    form: Option<TableForm>,
+    form: Option<&str>,
     templates: Templates<'_>,
 ) -> Option<Vec<EmittedFile>> {
     let sections = root.sections("files");
@@ -58,7 +58,7 @@ pub(super) fn files(
     let mut files: Vec<EmittedFile> = Vec::new();
     let mut are_whole = true;
     for section in &sections {
-        let of_form = section.choice("form", TableForm::WORDS);
+        let of_form = section.choice("form", TableForm::WORDS).map(Word::word_of);
         match file(root, section, templates) {
             Some(file) if of_form.is_none() || of_form == form => {
                 if files
@@ -223,7 +223,9 @@ pub(super) fn program_facts(
     templates: Templates<'_>,
 ) -> Option<ProgramFacts> {
     if !section.has("language") {
-        section.missing("language", "`siemens` or `fanuc`");
+        let words = Language::WORDS.iter();
+        let words: Vec<String> = words.map(|(word, _)| format!("`{word}`")).collect();
+        section.missing("language", &words.join(" or "));
     }
     let language = section.choice("language", Language::WORDS);
     let extension = section.text("extension").unwrap_or("NC".to_string());
@@ -278,10 +280,7 @@ fn decimals(fact: &Section<'_>) -> Option<u32> {
 /// milliseconds (Fanuc `P`) or turns of a spindle (Siemens `S`).
 fn dwell_words(fact: &Section<'_>, language: Option<Language>) -> Option<String> {
     let text = fact.text("value")?;
-    let (addresses, expected) = match language {
-        Some(Language::Siemens) => (&['F'][..], "`G4 F`"),
-        _ => (&['X', 'U'][..], "`G04 X` or `G04 U`"),
-    };
+    let (addresses, expected) = language?.facts().dwell;
     if !text.ends_with(addresses) {
         fact.problem(
             "value",

@@ -1,6 +1,7 @@
 //! How a control is told to move: facts of its part programs (docs/program.md).
 
 use crate::control::controller::fact::{Fact, LengthUnit, Statement, Word};
+use crate::control::controller::family::LanguageFacts;
 
 /// Family of part programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,8 +19,16 @@ impl Word for Language {
 
 impl Language {
     /// The word used in profiles.
-    pub fn word(self) -> &'static str {
+    pub(crate) fn word(self) -> &'static str {
         self.word_of()
+    }
+
+    /// What is known of it.
+    pub(crate) const fn facts(self) -> &'static LanguageFacts {
+        match self {
+            Language::Siemens => &super::siemens::LANGUAGE,
+            Language::Fanuc => &super::fanuc::LANGUAGE,
+        }
     }
 }
 

@@ -79,7 +79,7 @@ fn acted(
     if reading.judges() {
         return PerAxis::default();
     }
-    let parameter = profile.dialect.backlash_parameter();
+    let parameter = profile.family.backlash_parameter;
     let one = PerAxis::from_fn(|axis| one_backlash(reading, &found.backlash[axis], parameter));
     backlash_of(reading.job, &one, problems)
 }

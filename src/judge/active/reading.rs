@@ -2,11 +2,8 @@
 
 use crate::control::claims::Assumption;
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{Dialect, LengthUnit, NumberRange, Profile};
+use crate::control::controller::{LengthUnit, NumberRange, Profile};
 use crate::control::table::Tables;
-use crate::control::table::fanuc::FanucMemory;
-use crate::control::table::generic::GenericTable;
-use crate::control::table::siemens::SiemensTables;
 use crate::inputs::job::{ActiveTables, AxisSettings, Job};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
@@ -153,11 +150,7 @@ pub fn without_tables(job: &Job, profile: &Profile) -> Result<Option<ActiveContr
     if job.measurement.active != ActiveTables::None || !states_one {
         return Ok(None);
     }
-    let tables = match &profile.dialect {
-        Dialect::Siemens(_) => Tables::Siemens(SiemensTables::default()),
-        Dialect::Fanuc(_) => Tables::Fanuc(FanucMemory::default()),
-        Dialect::Generic(_) => Tables::Generic(GenericTable { rows: Vec::new() }),
-    };
+    let tables = profile.family.no_tables.clone();
     let state = stated(job, profile, &backlash_um)?;
     let control = ActiveControl::new("", Origin::NoTables, tables, state, backlash_um);
     Ok(Some(control))

@@ -7,7 +7,7 @@
 use super::lists::{BLANK, trimmed};
 use super::proofs::Shown;
 use crate::control::checklist::Listed;
-use crate::control::controller::{Dialect, Evidence, Mechanism};
+use crate::control::controller::{Evidence, Mechanism};
 use crate::kit::made::Made;
 use crate::quantity::axis::Axis;
 use crate::write::sign_proof::{name, sign_fact};
@@ -73,13 +73,13 @@ fn expected(made: &Made<'_>, shown: &Shown) -> String {
 /// A gauge that is not moved needs one place where nothing is found anew between off and on.
 fn with_a_gauge(made: &Made<'_>, shown: &Shown) -> String {
     let (of, [from, peak, _]) = (shown.proof.term.of, places(shown));
-    match &made.inputs.profile.dialect {
-        Dialect::Siemens(_) => format!(
+    match made.inputs.profile.family.restarts {
+        false => format!(
             "a dial gauge that stays where it is needs {peak} mm only: zero with the compensation off, read with it on, coming from {from} mm both times: {}, or {} if the sign is the other way round. Nothing else may have been moved or have warmed up",
             towards(shown.shown_um, of),
             towards(-shown.shown_um, of),
         ),
-        _ => "a dial gauge stays where it is through power off and on and is not set again; where one cannot reach both places, put one at each. One place alone proves nothing: the reference point is found anew at every power-on".to_string(),
+        true => "a dial gauge stays where it is through power off and on and is not set again; where one cannot reach both places, put one at each. One place alone proves nothing: the reference point is found anew at every power-on".to_string(),
     }
 }
 

@@ -1,7 +1,6 @@
 //! Planned moves → part programs and the positions beside them.
 
 use crate::control::controller::LengthUnit;
-use crate::control::controller::program::Language;
 use crate::inputs::job::{Reflector, RunType, TargetGrid};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::Pass;
@@ -129,19 +128,10 @@ fn context(
         "increment": facts.increment.value,
         "dwell": facts.dwell.value,
         "dwell_s": decimal(request.dwell_s),
-        "unit_word": unit_word(facts.language, unit),
+        "unit_word": facts.language.facts().unit_word(unit),
         "feed": decimal(request.feed_mm_per_min / unit.in_mm()),
         "blocks": blocks(program, letters, resolution),
     })
-}
-
-const fn unit_word(language: Language, unit: LengthUnit) -> &'static str {
-    match (language, unit) {
-        (Language::Siemens, LengthUnit::Millimetre) => "G710",
-        (Language::Siemens, LengthUnit::Inch) => "G700",
-        (Language::Fanuc, LengthUnit::Millimetre) => "G21",
-        (Language::Fanuc, LengthUnit::Inch) => "G20",
-    }
 }
 
 fn header(task: RunTask<'_>, program: &SetUpProgram, unit: LengthUnit) -> Vec<String> {
@@ -242,9 +232,9 @@ fn render(
     program: &SetUpProgram,
 ) -> Result<ProgramFile, Problems> {
     let RunTask { profile, facts, .. } = task;
-    let stem = match facts.language {
-        Language::Siemens => format!("NONIUS_{}", program.subject.name()),
-        Language::Fanuc => format!("O{number:04}"),
+    let stem = match facts.language.facts().numbered {
+        None => format!("NONIUS_{}", program.subject.name()),
+        Some(_) => format!("O{number:04}"),
     };
     let seen = tera::Context::from_serialize(context).map_err(|error| {
         Problem::new(format!(

@@ -1,6 +1,5 @@
 //! What a run must keep: travel, feed, readings; and the largest box that would fit.
 
-use crate::control::controller::program::Language;
 use crate::inputs::job::{
     DiagonalMeasurement, Job, MeasuredData, ProgramRequest, RunType, TargetGrid,
 };
@@ -129,9 +128,9 @@ pub(super) fn refuse_other_turn(job: &Job, request: &ProgramRequest, problems: &
     ));
 }
 
-/// Only Fanuc programs have numbers.
+/// Not every language has numbers of programs.
 pub(super) fn refuse_number(task: RunTask<'_>, problems: &mut Problems) {
-    if task.request.number.is_some() && task.facts.language != Language::Fanuc {
+    if task.request.number.is_some() && task.facts.language.facts().numbered.is_none() {
         problems.push(problem(
             task.job,
             "program.number",
@@ -144,13 +143,11 @@ pub(super) fn refuse_number(task: RunTask<'_>, problems: &mut Problems) {
     }
 }
 
-/// Numbers from here on can be protected against loading and editing.
-const PROTECTED_FROM: u32 = 8000;
-
 fn protected_number(task: RunTask<'_>, programs: usize) -> Option<String> {
     let last = task.request.number_of(programs.saturating_sub(1));
-    (task.facts.language == Language::Fanuc && last >= PROTECTED_FROM).then(|| {
-        format!("program numbers from O{PROTECTED_FROM} on may be protected against loading and editing (parameter 3202, NE8 and NE9; from memory, not in the manuals read): take another `number`, or see to it that they are not")
+    let (first, by) = task.facts.language.facts().numbered?;
+    (last >= first).then(|| {
+        format!("program numbers from O{first} on may be protected against loading and editing ({by}; from memory, not in the manuals read): take another `number`, or see to it that they are not")
     })
 }
 

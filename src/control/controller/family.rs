@@ -1,0 +1,50 @@
+//! What all controls of a family have in common, and all part programs of a language, whichever profile names them.
+
+use crate::control::controller::fact::LengthUnit;
+use crate::control::table::Tables;
+
+/// A family of controls: what is known of it and stands in no profile.
+#[derive(Debug, PartialEq)]
+pub struct Family {
+    /// The word of profiles.
+    pub word: &'static str,
+    /// What its manuals call the backlash parameter.
+    pub(crate) backlash_parameter: &'static str,
+    /// What its emulator does between two points; a profile has to state it.
+    pub(crate) between: &'static str,
+    /// The tables of a control that holds none.
+    pub(crate) no_tables: Tables,
+    /// What an old table is set to that new files leave in the control.
+    pub(crate) off: &'static str,
+    /// Whether the power goes off between compensation off and on, so that the reference point is found anew.
+    pub(crate) restarts: bool,
+    /// What switches old tables off where a kit has no file for it, as a remark on that.
+    pub(crate) off_by_hand: &'static str,
+    /// The page that explains the order of loading.
+    pub(crate) page: Option<&'static str>,
+}
+
+/// A family of part programs: what is known of it and stands in no profile.
+#[derive(Debug)]
+pub(crate) struct LanguageFacts {
+    /// Word of a program in mm.
+    pub(super) metric: &'static str,
+    /// Word of a program in inch.
+    pub(super) inch: &'static str,
+    /// Addresses of a dwell in seconds, and how it is written.
+    pub(super) dwell: (&'static [char], &'static str),
+    /// Of programs with numbers the first that may be protected, and by what; `None` = they have names.
+    pub(crate) numbered: Option<(u32, &'static str)>,
+    /// What else has to be so before cycle start: what, how, why, source.
+    pub(crate) preconditions: &'static [[&'static str; 4]],
+}
+
+impl LanguageFacts {
+    /// The word of a unit.
+    pub(crate) const fn unit_word(&self, unit: LengthUnit) -> &'static str {
+        match unit {
+            LengthUnit::Millimetre => self.metric,
+            LengthUnit::Inch => self.inch,
+        }
+    }
+}
