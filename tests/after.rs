@@ -380,13 +380,11 @@ fn a_limit_missed_without_a_stated_uncertainty_says_so() {
 /// Slopes of cross terms that were separated hold another rotation than those of a given table.
 #[test]
 fn another_frame_leaves_it_undecided() {
-    let directory = visit(&format!(
-        "# note: frame: X primary, XY plane secondary (EYX without slope)\n{LEFT}"
-    ));
+    let directory = visit(&format!("# frame: x-primary\n{LEFT}"));
     let (_, document) = judged(directory.path(), "after.csv");
     assert_eq!(document["verdict"], "undecided");
     assert!(
-        causes(&document).contains("as found: as given; afterwards: frame: X primary"),
+        causes(&document).contains("as found: as given; afterwards: x-primary"),
         "{document:#}"
     );
 }

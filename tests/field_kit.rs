@@ -642,8 +642,16 @@ fn a_backlash_value_is_entered_with_the_tables_and_put_back() {
         let entered: Vec<&str> = entered.collect();
         assert_eq!(entered.len(), 1, "{id}: X alone has a reversal\n{load}");
         let what = entered[0].split(": enter ").next().unwrap();
+        let put_back = format!("{what}: enter what was found");
+        assert!(back.contains(&put_back), "{id}\n{back}");
+        // Where a person switches the compensation off, its backlash goes too.
+        if checklist.contains("\n## Switching off and on, by hand") {
+            let off = of("## Switching off and on, by hand");
+            assert!(off.contains(&put_back), "{id}\n{off}");
+        }
+        let stop = back.split("To stop this compensation").nth(1);
         assert!(
-            back.contains(&format!("{what}: enter what was found")),
+            stop.is_none_or(|stop| stop.contains("backlash")),
             "{id}\n{back}"
         );
     }

@@ -11,6 +11,7 @@
 
 mod support;
 
+use nonius::control::claims::Precondition;
 use nonius::control::controller::builtin;
 use nonius::quantity::axis::ErrorTerm;
 use std::fmt::Write;
@@ -134,7 +135,7 @@ fn without_a_free_cec_table_positioning_gets_the_mean() {
 /// X and Y are the same in both directions, Z is not; only X and Z shall have two tables.
 #[test]
 fn equal_directions_and_policies_of_their_own_get_one_table() {
-    let table = "axis,direction,position_mm,ex_um,ez_um\nx,+,0,0,0\nx,+,100,3,0\nx,-,0,0,0\nx,-,100,3,0\n\
+    let table = "axis,direction,position_mm,ex_um,ez_um\nx,+,0,0,0\nx,+,100,3,0\nx,-,0,0,0\nx,-,100,3.0000005,0\n\
                  z,+,0,0,0\nz,+,100,0,5\nz,-,0,0,-2\nz,-,100,0,4\n";
     let policies = "backlash = { x = \"two-tables\", y = \"mean\", z = \"two-tables\" }";
     for id in builtin::ids() {
@@ -148,10 +149,21 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
         assert_eq!(directed("EXX"), [false], "{id}");
         assert_eq!(directed("EZZ"), [true, true], "{id}");
         let backlash = kit.plan.backlash_um.x;
+        assert_eq!(backlash.map(f64::to_bits), Some(0.0_f64.to_bits()), "{id}");
+        let of_backlash = |p: &&Precondition| p.why.contains("no reversal is left");
+        let stated = kit.compiled.preconditions.iter().find(of_backlash);
+        let stated = stated.unwrap_or_else(|| panic!("{id}: {:#?}", kit.compiled.preconditions));
         assert!(
-            backlash.is_some_and(|um| um.abs() < 1e-9),
-            "{id}: {backlash:?}"
+            stated.entered && stated.value.starts_with('0'),
+            "{stated:?}"
         );
+        if id.starts_with("siemens") {
+            // The pair of an earlier kit would add to ENC_COMP.
+            let of_pair = |p: &&Precondition| p.what.contains("from an axis to itself, ");
+            let pairs = kit.compiled.preconditions.iter().filter(of_pair);
+            let pairs: Vec<&str> = pairs.map(|p| p.what.as_str()).collect();
+            assert!(matches!(pairs[..], [x] if x.ends_with("AX1")), "{pairs:?}");
+        }
         let words = "both directions are equal, so one table is written";
         let said = |note: &String| note.starts_with("EXX") && note.ends_with(words);
         assert!(kit.plan.notes.iter().any(said), "{id}");

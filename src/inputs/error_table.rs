@@ -15,6 +15,7 @@ pub use self::text::{Draft, DraftSeries, write};
 
 use self::read::{Columns, FIRST_LINE, Record, refuse_single_positions};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use crate::quantity::units::AT_PLACE_MM;
 use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
@@ -108,9 +109,6 @@ impl ErrorTable {
     }
 }
 
-/// Ends of a range that are nearer than this are the same, mm.
-const SAME_MM: f64 = 1e-6;
-
 /// Several error tables of one machine → one: a laser measures an axis a file. Every component of an axis
 /// comes from one table: two files have two zeros, and what lies between them is not measured.
 impl ErrorTable {
@@ -194,7 +192,8 @@ impl ErrorTable {
     fn other_range(&self, axis: Axis, new: &[Series]) -> bool {
         let differ = |old: &Series, new: &Series| {
             let ends = ends(old).into_iter().zip(ends(new));
-            old.direction == new.direction && ends.into_iter().any(|(a, b)| (a - b).abs() > SAME_MM)
+            old.direction == new.direction
+                && ends.into_iter().any(|(a, b)| (a - b).abs() > AT_PLACE_MM)
         };
         let known = &self.series[axis];
         new.iter()

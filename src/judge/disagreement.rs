@@ -14,16 +14,13 @@ pub use surroundings::surroundings;
 use crate::control::table::Tables;
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::units::{Correction, Figure, Millimetres};
+use crate::quantity::units::{AT_PLACE_MM, Correction, Figure, Millimetres};
 use crate::read::emulate::{Emulator, NodeTable, Response};
 use crate::text::finding::Finding;
 use crate::write::plan::{Plan, axis_pairs};
 
 /// Two corrections closer than this are equal, µm (a picometre).
 const EQUAL_UM: f64 = 1e-6;
-
-/// Two places closer than this are one, mm.
-const EQUAL_MM: f64 = 1e-6;
 
 /// What emulation tells of two sets of tables.
 #[derive(Clone, Debug, Default)]
@@ -165,7 +162,7 @@ impl<'a> Pair<'a> {
             .collect();
         places.push(Millimetres::new(0.0));
         places.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
-        places.dedup_by(|a, b| (a.mm() - b.mm()).abs() <= EQUAL_MM);
+        places.dedup_by(|a, b| (a.mm() - b.mm()).abs() <= AT_PLACE_MM);
         let at = |at: &Millimetres| (wanted.correction(*at).um(), got.correction(*at).um());
         Pair {
             um: places.iter().map(at).collect(),
@@ -306,12 +303,12 @@ fn moved(w: &NodeTable, g: &NodeTable) -> Option<String> {
     }
     let (asked, found) = (spacing(w)?, spacing(g)?);
     let shift = g.first().mm() - w.first().mm();
-    if (found - asked).abs() > EQUAL_MM {
+    if (found - asked).abs() > AT_PLACE_MM {
         return Some(format!(
             "other spacing: the points are {found:.4} mm apart, the job asks for {asked:.4} mm"
         ));
     }
-    (shift.abs() > EQUAL_MM).then(|| {
+    (shift.abs() > AT_PLACE_MM).then(|| {
         let [shift, found, asked] = [shift, g.first().mm(), w.first().mm()].map(Figure);
         format!("shifted reference: the table stands {shift:.4} mm from where the job puts it ({found:.4} instead of {asked:.4} mm)")
     })
@@ -339,7 +336,7 @@ fn stepped(w: &NodeTable, g: &NodeTable) -> Option<String> {
     let asked: Vec<(Millimetres, Correction)> = w.nodes().collect();
     let there: Vec<(Millimetres, Correction)> = g.nodes().collect();
     let pairs = || asked.iter().zip(&there);
-    if asked.len() != there.len() || !pairs().all(|(a, b)| (a.0 - b.0).mm().abs() <= EQUAL_MM) {
+    if asked.len() != there.len() || !pairs().all(|(a, b)| (a.0 - b.0).mm().abs() <= AT_PLACE_MM) {
         return None;
     }
     let off: Vec<f64> = pairs().map(|((_, w), (_, g))| g.um() - w.um()).collect();

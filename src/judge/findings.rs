@@ -1,5 +1,6 @@
 //! What is found in the files of a control against a job, and in a second measurement: each kind with its facts, how grave it is, its words.
 
+use crate::inputs::job::Frame;
 use crate::quantity::axis::Axis;
 use crate::read::emulate::CannotEmulate;
 use crate::text::finding::{Finding, Severity, findings};
@@ -24,6 +25,10 @@ pub(crate) fn listed(names: &[String]) -> String {
         0 => shown,
         rest => format!("{shown} and {rest} more"),
     }
+}
+
+fn frame_word(frame: Option<Frame>) -> &'static str {
+    frame.map_or("as given", Frame::word)
 }
 
 /// `it` or `them`, for as many as there are.
@@ -141,7 +146,7 @@ findings! {
         Doubtful { words: String } => Doubt, "{words}";
         Sparse { axis: Axis, first_mm: f64, second_mm: f64 } => Doubt, "axis {axis} was measured at positions {first_mm:.3} mm apart as found, afterwards up to {second_mm:.3} mm apart: nothing is known between them";
         ReversalNotSeen { terms: String } => Doubt, "the two directions are corrected apart, but were not both measured afterwards, so nothing is known of the reversal that is left: {terms}";
-        OtherFrame { first: String, second: String } => Doubt, "the two measurements count from different frames (as found: {first}; afterwards: {second}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame";
+        OtherFrame { first: Option<Frame>, second: Option<Frame> } => Doubt, "the two measurements count from different frames (as found: {}; afterwards: {}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame", frame_word(*first), frame_word(*second);
         Said { words: String } => Note, "{words}";
         FewerWays { terms: String } => Note, "found in both directions, measured afterwards without: {terms}; a fault of the reversal does not show";
         DiagonalsOnly => Note, "straight runs show the body diagonals only: the nine errors were not measured afterwards";

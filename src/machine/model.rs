@@ -26,7 +26,7 @@ use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::{Deviation, Millimetres, larger};
+use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres, larger};
 use crate::text::problem::{Problem, Problems};
 
 mod measured;
@@ -343,9 +343,6 @@ fn add_squareness(
     };
 }
 
-/// Positions closer than this are one, mm.
-const SAME_PLACE_MM: f64 = 1e-6;
-
 /// Standard uncertainty (k = 1) at one measured position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointUncertainty {
@@ -390,7 +387,7 @@ pub(super) fn points(
             let own = column.and_then(|c| c.get(row)).copied().unwrap_or(0.0);
             let value_um = own.hypot(noise_um);
             let reach_um = laser * from_zero / 1000.0;
-            let is_zero = from_zero <= SAME_PLACE_MM && zeroed.is_some_and(|z| std::ptr::eq(z, s));
+            let is_zero = from_zero <= AT_PLACE_MM && zeroed.is_some_and(|z| std::ptr::eq(z, s));
             let u_um = if is_zero {
                 0.0
             } else {
@@ -418,10 +415,10 @@ pub(super) fn laser_um_per_m(job: &Job) -> Option<f64> {
 /// neighbours.
 fn nearest_um(series: &Series, term: ErrorTerm, reference: Millimetres) -> Option<f64> {
     let column = series.uncertainties_um[term.of].as_ref()?;
-    let behind = |at: &Millimetres| at.mm() >= reference.mm() - SAME_PLACE_MM;
+    let behind = |at: &Millimetres| at.mm() >= reference.mm() - AT_PLACE_MM;
     let last = series.positions.len().checked_sub(1)?;
     let above = series.positions.iter().position(behind).unwrap_or(last);
-    let is_there = (series.positions[above] - reference).mm() <= SAME_PLACE_MM;
+    let is_there = (series.positions[above] - reference).mm() <= AT_PLACE_MM;
     let below = if is_there {
         above
     } else {

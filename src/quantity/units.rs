@@ -15,6 +15,10 @@ use std::ops::{Add, Neg, Sub};
 pub const MM_PER_INCH: f64 = 25.4;
 /// Micrometres in one millimetre.
 pub const UM_PER_MM: f64 = 1000.0;
+/// Two computed positions nearer than this are one, mm: a picometre, what their rounding adds.
+pub(crate) const SAME_PLACE_MM: f64 = 1e-9;
+/// A position nearer than this to one that a file states is at it, mm: the last digit that files hold.
+pub(crate) const AT_PLACE_MM: f64 = 1e-6;
 
 /// Powers of ten that `f64` holds exactly.
 const POWERS_OF_TEN: [f64; 23] = [

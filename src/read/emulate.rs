@@ -11,7 +11,7 @@
 //! (docs/siemens.md §5, docs/fanuc.md §5) and know nothing of how a table was made.
 
 use crate::quantity::axis::Direction;
-use crate::quantity::units::{Correction, Millimetres};
+use crate::quantity::units::{Correction, Millimetres, SAME_PLACE_MM};
 
 /// Why an emulator cannot tell what a control would do with these tables, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -293,9 +293,6 @@ impl Response {
         }
     }
 }
-
-/// Two breaks closer than this are one (a picometre: rounding of the node positions).
-const SAME_PLACE_MM: f64 = 1e-9;
 
 /// An emulated control, loaded with tables.
 pub trait Emulator {

@@ -5,7 +5,7 @@ use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::Mechanism;
 use crate::control::table::Tables;
-use crate::inputs::job::{ActiveTables, AxisSettings, Job};
+use crate::inputs::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::{Deviation, Millimetres};
 use crate::write::grid::{Grid, as_number, whole};
@@ -104,6 +104,9 @@ pub(crate) fn backlash_parameter(
     source: &str,
 ) -> Precondition {
     let (value, why, entered) = match plan.backlash_um[axis] {
+        Some(um) if task.job.compensation.backlash[axis] == Some(BacklashPolicy::TwoTables) => {
+            (named(um), equal_why(task.job, axis), true)
+        }
         Some(um) => (named(um), backlash_why(task.job, axis), true),
         None if plan.has_two_tables(axis) => ("0".into(), two_tables_why(task.job, axis), true),
         None => (
@@ -124,6 +127,15 @@ fn backlash_why(job: &Job, axis: Axis) -> &'static str {
         "−B of the measurement, which counts the backlash parameter as 0 while measuring (else state `active_backlash_um`); the table holds the curve of the reference direction"
     } else {
         "−B of the machine without compensation: the parameter that was active while measuring is contained in it; the table holds the curve of the reference direction"
+    }
+}
+
+/// Why the backlash parameter of an axis with one table for two equal directions has to be 0.
+fn equal_why(job: &Job, axis: Axis) -> &'static str {
+    if counts_as_zero(job, axis) {
+        "both directions are equal, so one table holds the error and no reversal is left for the parameter. The measurement counts the parameter as 0 while measuring (else state `active_backlash_um`)"
+    } else {
+        "both directions of the machine without compensation are equal (the parameter that was active while measuring is taken off), so one table holds the error and no reversal is left for the parameter"
     }
 }
 

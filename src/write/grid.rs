@@ -22,7 +22,7 @@ const SPACING_STEP_MM: f64 = 0.001;
 /// of a millimetre, less than every control writes.
 const SHORT_MM: f64 = 1e-6;
 /// A stated end of a table may miss its grid point by this much (rounding of the spacing), mm.
-const SAME_PLACE_MM: f64 = 0.001;
+const END_OFF_GRID_MM: f64 = 0.001;
 /// Part of a spacing by which a place may miss a grid point and still be on it (floating point).
 const ON_GRID: f64 = 1e-6;
 
@@ -232,7 +232,7 @@ fn on_grid(
     place_mm: f64,
 ) -> Result<i64, Problems> {
     let index = (place_mm - machine.reference.mm()) / spacing_mm;
-    if (index - index.round()).abs() * spacing_mm <= SAME_PLACE_MM {
+    if (index - index.round()).abs() * spacing_mm <= END_OFF_GRID_MM {
         return Ok(whole(index.round()));
     }
     let near = |index: f64| machine.reference.mm() + index * spacing_mm;

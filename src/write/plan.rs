@@ -246,16 +246,15 @@ fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {
         };
         let own = targets.iter().find(|t| t.term == term)?;
         let measured = task.model.terms[term].as_ref()?;
-        let names_parameter = match task.job.compensation.backlash[axis]? {
-            BacklashPolicy::CurveAndParameter => true,
+        match task.job.compensation.backlash[axis]? {
+            BacklashPolicy::CurveAndParameter => Some((-measured.reversal()?).um() + 0.0),
             // One table for two that are equal supposes, as they do, that the parameter is 0.
             BacklashPolicy::TwoTables => {
-                own.targets.len() == 1 && target::are_equal(&measured.measured)
+                let is_one = own.targets.len() == 1 && target::are_equal(&measured.measured);
+                is_one.then_some(0.0)
             }
-            BacklashPolicy::Mean | BacklashPolicy::ForwardOnly => false,
-        };
-        let reversal = measured.reversal().filter(|_| names_parameter)?;
-        Some((-reversal).um() + 0.0)
+            BacklashPolicy::Mean | BacklashPolicy::ForwardOnly => None,
+        }
     })
 }
 

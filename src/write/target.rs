@@ -71,38 +71,59 @@ fn check_wanted(job: &Job, model: &ErrorModel, problems: &mut Problems) {
     }
 }
 
+/// The wanted errors along an axis.
+fn along<'a>(
+    job: &'a Job,
+    model: &'a ErrorModel,
+    axis: Axis,
+) -> impl Iterator<Item = (ErrorTerm, &'a Measured)> {
+    let own = move |(term, _): &(ErrorTerm, _)| term.along == axis && wants(job, *term);
+    let own = model.measured().filter(own);
+    own.map(|(term, measured)| (term, &measured.measured))
+}
+
 fn check_policy(job: &Job, model: &ErrorModel, problems: &mut Problems) {
-    let wanted = |axis: Axis| {
-        let own = model.measured();
-        own.filter(move |(term, _)| term.along == axis && wants(job, *term))
-    };
-    let both_ways = |axis: Axis| wanted(axis).any(|(_, m)| m.measured.has_both_ways());
-    let directed =
-        |axis: Axis| wanted(axis).any(|(_, m)| !matches!(m.measured, Measured::Undirected(_)));
+    let both_ways = |axis: &Axis| along(job, model, *axis).any(|(_, m)| m.has_both_ways());
     let policies = &job.compensation.backlash;
-    if Axis::ALL
-        .into_iter()
-        .any(|axis| policies[axis].is_none() && both_ways(axis))
-    {
+    let is_open = |axis: &Axis| policies[*axis].is_none() && both_ways(axis);
+    if Axis::ALL.iter().any(is_open) {
         problems.push(
             job.problem_at("compensation", format!("the errors {} in both directions, but `backlash` is not stated; there is no default", known_how(job)))
                 .help("write `backlash = \"mean\"`, \"two-tables\", \"forward-only\" or \"curve-and-parameter\""),
         );
     }
-    let needs_both = |axis: &Axis| match policies[*axis] {
-        Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter) => policies[*axis],
-        _ => None,
-    };
-    let is_directed = Axis::ALL.into_iter().any(directed);
-    let policy = Axis::ALL
-        .iter()
-        .find_map(needs_both)
-        .filter(|_| !is_directed);
-    if let Some(policy) = policy {
-        problems.push(
-            job.problem_at("compensation.backlash", format!("`backlash = \"{}\"` needs errors measured in both directions", policy.word()))
-                .help("give the error table a `direction` column with `+` and `-` rows, or leave `backlash` out"),
-        );
+    check_directions(job, model, problems);
+}
+
+/// A policy for two directions needs errors that have them: along the axis that it is stated for; one for all
+/// axes, along any of them.
+fn check_directions(job: &Job, model: &ErrorModel, problems: &mut Problems) {
+    let policies = &job.compensation.backlash;
+    let is_directed =
+        |axis: &Axis| along(job, model, *axis).any(|(_, m)| !matches!(m, Measured::Undirected(_)));
+    let for_all = policies.iter().all(|(_, policy)| *policy == policies.x);
+    if for_all && Axis::ALL.iter().any(is_directed) {
+        return;
+    }
+    let stated = Axis::ALL.into_iter().take(if for_all { 1 } else { 3 });
+    for axis in stated.filter(|axis| !is_directed(axis)) {
+        let needs_both = [BacklashPolicy::TwoTables, BacklashPolicy::CurveAndParameter];
+        let Some(policy) = policies[axis].filter(|policy| needs_both.contains(policy)) else {
+            continue;
+        };
+        let (key, word) = (axis.key(), policy.word());
+        let problem = if for_all {
+            job.problem_at("compensation.backlash", format!("`backlash = \"{word}\"` needs errors measured in both directions"))
+                .help("give the error table a `direction` column with `+` and `-` rows, or leave `backlash` out")
+        } else {
+            let found = match along(job, model, axis).next() {
+                Some(_) => "those of the job have no direction",
+                None => "the job compensates none",
+            };
+            job.problem_at(&format!("compensation.backlash.{key}"), format!("`{key} = \"{word}\"` of `backlash` needs errors along {axis} measured in both directions; {found}"))
+                .help(format!("give the error table rows of {axis} with `+` and `-` in `direction`, or take `{key}` out of `backlash`"))
+        };
+        problems.push(problem);
     }
 }
 
@@ -259,8 +280,9 @@ fn one_for_two_note(profile: &Profile, equal: bool) -> String {
     }
 }
 
-/// Deviations closer than this are equal, µm: what floating point adds.
-const EQUAL_UM: f64 = 1e-9;
+/// Deviations closer than this are equal, µm: a picometre, the last digit of the figures of a manifest and a
+/// hundredth of that of any table. Sums of readings, and of old tables and a residual, differ by less.
+const EQUAL_UM: f64 = 1e-6;
 
 /// Whether a term is the same in both directions, so that one table says it all.
 pub(crate) fn are_equal(measured: &Measured) -> bool {

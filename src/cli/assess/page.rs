@@ -2,7 +2,7 @@
 //! of the machine was measured (what is missing must not look like an error of 0).
 
 use crate::inputs::error_table::{ErrorTable, Remarks};
-use crate::inputs::job::{ActiveTables, Frame, Job, Levers, MeasuredData, UseOf};
+use crate::inputs::job::{ActiveTables, Job, Levers, MeasuredData, UseOf};
 use crate::kit::Inputs;
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
@@ -140,10 +140,7 @@ impl Basis {
 fn frame(data: &MeasuredData) -> &'static str {
     match data {
         MeasuredData::Errors(_) => "as given",
-        MeasuredData::Diagonals(measurement) => match measurement.frame {
-            Frame::XPrimary => "x-primary",
-            Frame::AsMeasured => "as-measured",
-        },
+        MeasuredData::Diagonals(measurement) => measurement.frame.word(),
     }
 }
 

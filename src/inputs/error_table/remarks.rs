@@ -8,10 +8,12 @@
 //!   # degrees of freedom: 3
 //!   # angles not counted, um per urad: EXX 0.0012, EYX 0.2345
 //!   # beam not counted, um per mrad2: EXX 0.0012, EYX 0.2345
+//!   # frame: x-primary
 //!   # note: what whoever uses the values has to know
 //! ```
 //! Any other comment is free text and means nothing to the program.
 
+use crate::inputs::job::Frame;
 use crate::quantity::axis::{ErrorTerm, PerTerm};
 use crate::quantity::units::smaller;
 
@@ -21,6 +23,7 @@ const REVERSAL: &str = "reversal not held:";
 const FREEDOM: &str = "degrees of freedom:";
 const ANGLES: &str = "angles not counted, um per urad:";
 const BEAM: &str = "beam not counted, um per mrad2:";
+const FRAME: &str = "frame:";
 const NOTE: &str = "note:";
 
 /// The words by which a simulation is told from a measurement: a note of the table begins so.
@@ -44,6 +47,8 @@ pub struct Remarks {
     /// The same of the beam against the mirror's normal, µm for each mrad²: it grows with the
     /// square of the bound.
     pub beam_not_counted: Option<PerTerm<f64>>,
+    /// Frame in which a separation gave the slopes of the cross terms; `None` = they are as given.
+    pub frame: Option<Frame>,
     /// What whoever uses the values has to know.
     pub notes: Vec<String>,
 }
@@ -72,6 +77,7 @@ impl Remarks {
         self.doubts.extend(other.doubts);
         self.not_determined.extend(other.not_determined);
         self.notes.extend(other.notes);
+        self.frame = self.frame.or(other.frame);
         let both = [self.hidden_reversal_um, other.hidden_reversal_um];
         self.hidden_reversal_um = both.into_iter().flatten().reduce(f64::max);
         let both = [self.degrees_of_freedom, other.degrees_of_freedom];
@@ -84,6 +90,8 @@ impl Remarks {
         let after = |key: &str| Some(comment.strip_prefix(key)?.trim().to_string());
         if let Some(words) = after(DOUBT) {
             self.doubts.push(words);
+        } else if let Some(frame) = after(FRAME).as_deref().and_then(Frame::from_word) {
+            self.frame = self.frame.or(Some(frame));
         } else if let Some(words) = after(NOTE) {
             self.notes.push(words);
         } else if let Some(found) = after(ANGLES).as_deref().and_then(by_term) {
@@ -129,7 +137,9 @@ impl Remarks {
         let freedom = self.degrees_of_freedom.iter();
         let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
         let first = doubts.chain(missing).chain(reversal).chain(freedom);
-        first.chain(silent).chain(notes).collect()
+        let frame = self.frame.iter();
+        let frame = frame.map(|frame| format!("{FRAME} {}", frame.word()));
+        first.chain(silent).chain(frame).chain(notes).collect()
     }
 }
 
@@ -173,6 +183,7 @@ mod tests {
                 if term.is_positioning() { 0.0 } else { 0.0625 }
             })),
             beam_not_counted: Some(PerTerm::default()),
+            frame: Some(Frame::XPrimary),
             notes: vec!["frame: X primary".to_string()],
         };
         let mut table = "# made by hand\n#doubtful\n".to_string();

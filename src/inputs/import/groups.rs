@@ -7,12 +7,11 @@ use crate::inputs::import::mapping::{Content, Mapped};
 use crate::inputs::import::reading::{Placing, freedom_remark, means, tidy};
 use crate::inputs::import::stated::Stated;
 use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::units::SAME_PLACE_MM;
 use crate::text::delimited::Line;
 use crate::text::problem::{Problem, Problems};
 use std::collections::BTreeMap;
 
-/// Two positions that are nearer than this are one, mm.
-const SAME_MM: f64 = 1e-9;
 const LEAVE_OUT: &str = "a missing value is never filled in: leave the run out";
 
 /// A row whose mapped cells could be read.
@@ -109,7 +108,7 @@ impl<'a, 'b> Group<'a, 'b> {
         problems: &mut Problems,
     ) -> Option<Placing> {
         let row = self.rows.first()?;
-        if (positions.first()? - first).abs() > SAME_MM {
+        if (positions.first()? - first).abs() > SAME_PLACE_MM {
             let message = "these rows do not begin with the first target of the file";
             problems.push(row.problem(message, LEAVE_OUT));
             return None;
@@ -177,7 +176,8 @@ impl<'a, 'b> Group<'a, 'b> {
             }
             refuse_twice(run, &mut problems);
         }
-        let differ = |(a, b): (&&Row<'_>, &&Row<'_>)| (a.position - b.position).abs() > SAME_MM;
+        let differ =
+            |(a, b): (&&Row<'_>, &&Row<'_>)| (a.position - b.position).abs() > SAME_PLACE_MM;
         for run in runs.iter().skip(1) {
             if run.len() != runs[0].len() || run.iter().zip(&runs[0]).any(differ) {
                 let number = run[0].run;

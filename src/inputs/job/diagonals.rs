@@ -57,6 +57,22 @@ pub enum Frame {
     AsMeasured,
 }
 
+impl Frame {
+    /// The word of the job.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Frame::XPrimary => "x-primary",
+            Frame::AsMeasured => "as-measured",
+        }
+    }
+
+    /// The frame of a word.
+    pub(crate) fn from_word(word: &str) -> Option<Frame> {
+        let known = FRAMES.iter().find(|(known, _)| *known == word);
+        known.map(|(_, frame)| *frame)
+    }
+}
+
 /// What reflects the beam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reflector {
@@ -141,8 +157,8 @@ const SET_UPS: [(&str, SetUp); 2] = [
     ("assume-perfect", SetUp::AssumePerfect),
 ];
 const FRAMES: [(&str, Frame); 2] = [
-    ("x-primary", Frame::XPrimary),
-    ("as-measured", Frame::AsMeasured),
+    (Frame::XPrimary.word(), Frame::XPrimary),
+    (Frame::AsMeasured.word(), Frame::AsMeasured),
 ];
 const REFLECTORS: [(&str, Reflector); 2] = [
     ("flat-mirror", Reflector::FlatMirror),

@@ -16,7 +16,7 @@ use crate::judge::findings::{InControl, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
-use crate::quantity::units::{Deviation, Millimetres};
+use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
 use crate::read::emulator;
 use crate::text::problem::{Problem, Problems};
@@ -27,8 +27,6 @@ use crate::write::target::wants;
 const NOTHING_UM: f64 = 1e-6;
 /// A table may be off zero at the reference by less than what is shown, µm.
 const ZERO_UM: f64 = 1e-3;
-/// A measured position this close to a node is at it, mm.
-const AT_NODE_MM: f64 = 1e-6;
 
 /// The model of the machine without compensation, and what the user should know of it.
 ///
@@ -180,7 +178,7 @@ impl Old {
             .flat_map(|table| table.nodes().map(|(at, _)| at));
         let mut nodes: Vec<Millimetres> = nodes.collect();
         nodes.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
-        nodes.dedup_by(|a, b| (a.mm() - b.mm()).abs() < AT_NODE_MM);
+        nodes.dedup_by(|a, b| (a.mm() - b.mm()).abs() < AT_PLACE_MM);
         nodes
     }
 
@@ -356,7 +354,7 @@ fn steps(
 ) -> Option<ErrorCurve> {
     let straight = response.straightened();
     let at_node = |at: Millimetres| {
-        let near = |node: &Millimetres| (node.mm() - at.mm()).abs() < AT_NODE_MM;
+        let near = |node: &Millimetres| (node.mm() - at.mm()).abs() < AT_PLACE_MM;
         nodes.iter().any(near)
     };
     let extra = |at: &Millimetres| {

@@ -135,19 +135,8 @@ fn other_frame(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> {
     let crossed =
         |(term, _): (ErrorTerm, &MeasuredTerm)| term.is_cross() && before.terms[term].is_some();
     let rotates = after.measured().any(crossed);
-    let [first, second] = [before, after].map(|model| frame(model).unwrap_or("as given"));
-    (rotates && first != second).then(|| AsLeft::OtherFrame {
-        first: first.to_string(),
-        second: second.to_string(),
-    })
-}
-
-/// What a table that was separated says of its frame, without the explanation in brackets.
-fn frame(model: &ErrorModel) -> Option<&str> {
-    let mut notes = model.remarks.notes.iter();
-    let note = notes.find(|note| note.starts_with("frame"))?;
-    let end = note.find([';', '(']).unwrap_or(note.len());
-    Some(note[..end].trim())
+    let [first, second] = [before, after].map(|model| model.remarks.frame);
+    (rotates && first != second).then_some(AsLeft::OtherFrame { first, second })
 }
 
 /// The reversal of a second measurement in both directions, where the first one did not tell them

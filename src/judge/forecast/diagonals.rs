@@ -10,7 +10,7 @@ use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::quantity::units::{Millimetres, Squared, larger};
+use crate::quantity::units::{AT_PLACE_MM, Millimetres, Squared, larger};
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use crate::write::plan::{Plan, axis_pairs};
 
@@ -163,10 +163,10 @@ fn uncertainties(model: &ErrorModel, measured_box: &MeasuredBox, diagonal: Diago
         let points = measured.uncertainty.iter();
         points.map(move |p| measured_box.travelled(diagonal, term.along, p.at.mm()))
     });
-    let on_it = |t: &f64| (-SAME_PLACE..=1.0 + SAME_PLACE).contains(t);
+    let on_it = |t: &f64| (-SAME_PART..=1.0 + SAME_PART).contains(t);
     let mut places: Vec<f64> = places.filter(on_it).collect();
     places.sort_by(f64::total_cmp);
-    places.dedup_by(|a, b| (*a - *b).abs() < SAME_PLACE);
+    places.dedup_by(|a, b| (*a - *b).abs() < SAME_PART);
     let u_um = |t: &f64| {
         let variances = model.measured().map(|(term, measured)| {
             let at = measured_box.position(diagonal, term.along, *t);
@@ -178,19 +178,19 @@ fn uncertainties(model: &ErrorModel, measured_box: &MeasuredBox, diagonal: Diago
 }
 
 /// Places on a diagonal that differ by less are one, in parts of its length.
-const SAME_PLACE: f64 = 1e-9;
+const SAME_PART: f64 = 1e-9;
 
 /// The larger of the uncertainties on either side of a place, µm.
 fn near_um(measured: &MeasuredTerm, at: Millimetres) -> f64 {
     let distance = |point: &&PointUncertainty| (point.at - at).mm();
     let points = || measured.uncertainty.iter();
-    let below = points().filter(|p| distance(p) <= AT_A_POINT_MM);
-    let above = points().filter(|p| distance(p) >= -AT_A_POINT_MM);
+    let below = points().filter(|p| distance(p) <= AT_PLACE_MM);
+    let above = points().filter(|p| distance(p) >= -AT_PLACE_MM);
     let nearest_below = below.map(|p| distance(&p)).reduce(larger);
     let nearest_above = above.map(|p| -distance(&p)).reduce(larger);
     let is_near = |p: &&PointUncertainty| {
         let near =
-            |edge: Option<f64>, own: f64| edge.is_some_and(|e| (own - e).abs() < AT_A_POINT_MM);
+            |edge: Option<f64>, own: f64| edge.is_some_and(|e| (own - e).abs() < AT_PLACE_MM);
         near(nearest_below, distance(p)) || near(nearest_above, -distance(p))
     };
     points()
@@ -198,9 +198,6 @@ fn near_um(measured: &MeasuredTerm, at: Millimetres) -> f64 {
         .map(|p| p.value_um)
         .fold(0.0, larger)
 }
-
-/// Nearer to a measured position than this is at it, mm.
-const AT_A_POINT_MM: f64 = 1e-6;
 
 /// Smallest and largest value met.
 #[derive(Default)]

@@ -4,13 +4,10 @@ use super::{Noise, SimulatedMachine, written};
 use crate::inputs::error_table::{Draft, DraftSeries};
 use crate::machine::model::Measured;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::units::Millimetres;
+use crate::quantity::units::{Millimetres, SAME_PLACE_MM};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-
-/// Two positions closer than this are one, mm (a picometre: sums of binary numbers).
-const SAME_PLACE_MM: f64 = 1e-9;
 
 /// The errors that single-axis measurements would show, mean of `runs`; relative to the
 /// reference. With noise the table states it as uncertainty (k = 1).

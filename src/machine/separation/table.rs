@@ -55,6 +55,13 @@ pub fn remarks(separation: &Separation) -> Remarks {
     let other = other
         .iter()
         .map(|finding| format!("not determined: {finding}"));
+    let frame = separation
+        .labels
+        .iter()
+        .find_map(|label| match label.kind() {
+            Some(SeparationFinding::FrameOf { frame }) => Some(*frame),
+            _ => None,
+        });
     let labels = separation.labels.iter().map(ToString::to_string);
     let notes = other.chain(labels).collect();
     Remarks {
@@ -67,6 +74,7 @@ pub fn remarks(separation: &Separation) -> Remarks {
         degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
         angles_not_counted: by_term(&separation.not_counted.angles),
         beam_not_counted: by_term(&separation.not_counted.beam),
+        frame,
         notes,
     }
 }

@@ -37,7 +37,7 @@ const RELATIVE_SLACK: f64 = 1e-10;
 /// See [`RELATIVE_SLACK`]; far below a control's last digit, above rounding noise.
 const ABSOLUTE_SLACK_UM: f64 = 1e-12;
 /// Places nearer than this part of a section are one place.
-const SAME_PLACE: f64 = 1e-12;
+const SAME_PART: f64 = 1e-12;
 
 /// Minimax values; `sampled` are the curve's values at the nodes, 0 at the reference.
 pub(super) fn values(curve: &ErrorCurve, nodes: &Nodes, mut sampled: Vec<f64>) -> Vec<f64> {
@@ -147,7 +147,7 @@ impl Section {
         for i in &self.floor {
             for j in &self.ceiling {
                 let gap = j.along - i.along;
-                if gap.abs() < SAME_PLACE {
+                if gap.abs() < SAME_PART {
                     continue;
                 }
                 let um = (j.along * (i.um - t) - i.along * (j.um + t)) / gap;
@@ -176,7 +176,7 @@ impl Section {
             um: (point.um + t_sign * t - (1.0 - point.along) * from.um) / point.along,
             per_tolerance: (t_sign - (1.0 - point.along) * from.per_tolerance) / point.along,
         };
-        let beyond = |point: &&Point| point.along > SAME_PLACE;
+        let beyond = |point: &&Point| point.along > SAME_PART;
         let lows = self.floor.iter().filter(beyond);
         let highs = self.ceiling.iter().filter(beyond);
         let low = lows.map(|point| across(point, -1.0, inner.high));
@@ -197,7 +197,7 @@ impl Section {
     fn inner_range(&self, t: f64, outer: f64) -> (f64, f64) {
         let back =
             |point: &Point, t: f64| (point.um + t - point.along * outer) / (1.0 - point.along);
-        let before = |point: &&Point| point.along < 1.0 - SAME_PLACE;
+        let before = |point: &&Point| point.along < 1.0 - SAME_PART;
         let lows = self
             .floor
             .iter()
@@ -234,7 +234,7 @@ fn insert(hull: &mut Vec<Point>, point: Point, side: f64) -> bool {
     };
     let at = hull.partition_point(|other| other.along < point.along);
     let near = |other: Option<&Point>| {
-        other.is_some_and(|other| (other.along - point.along).abs() < SAME_PLACE)
+        other.is_some_and(|other| (other.along - point.along).abs() < SAME_PART)
     };
     if near(hull.get(at)) || at > 0 && near(hull.get(at - 1)) {
         return false;

@@ -173,15 +173,7 @@ pub(super) fn parse(text: &str, span: Range<usize>) -> Result<Block, Complaint> 
     let Some((number, number_span)) = words.marked("N")? else {
         return Err(words.unexpected("a block that begins with `N`"));
     };
-    let is_point = match words.marked("Q")? {
-        None => None,
-        Some((identifier @ (0 | 1), _)) => Some(identifier == 0),
-        Some((other, span)) => {
-            let message = format!("the data identifier `Q{other}` is neither `Q0` nor `Q1`");
-            let help = "`Q0` marks pitch data, `Q1` a parameter";
-            return Err(Complaint::new(span.start + 1..span.end, message, help));
-        }
-    };
+    let is_point = words.identifier()?;
     let mut segments = vec![words.segment()?];
     while words.0.peek_word().is_some() {
         segments.push(words.segment()?);
@@ -218,6 +210,23 @@ impl Words<'_> {
             Err(_) => {
                 let message = format!("the number `{text}` is too large");
                 Err(Complaint::new(span, message, GRAMMAR_HELP))
+            }
+        }
+    }
+
+    /// `Q0` or `Q1`, in one digit: whether a point follows.
+    fn identifier(&mut self) -> Result<Option<bool>, Complaint> {
+        if self.0.eat("Q").is_none() {
+            return Ok(None);
+        }
+        let span = self.digits()?;
+        match self.0.text(span.clone()) {
+            "0" => Ok(Some(true)),
+            "1" => Ok(Some(false)),
+            other => {
+                let message = format!("the data identifier `Q{other}` is neither `Q0` nor `Q1`");
+                let help = "`Q0` marks pitch data, `Q1` a parameter";
+                Err(Complaint::new(span, message, help))
             }
         }
     }

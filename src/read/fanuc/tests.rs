@@ -239,6 +239,8 @@ fn each_bad_block_is_named_with_its_column() {
         ("N10033Q1P2", "parameter 10033, not pitch point 33", 1),
         ("N10033P2", "ambiguous", 1),
         ("N10033Q2P2", "neither `Q0` nor `Q1`", 8),
+        ("N10033Q00P2", "`Q00` is neither `Q0` nor `Q1`", 8),
+        ("N03620Q01A1P2", "`Q01` is neither `Q0` nor `Q1`", 8),
         ("N10033Q0P1(X)", "comment", 11),
         ("(X AXIS)", "comment", 1),
         ("O1234", "program number", 1),

@@ -171,6 +171,16 @@ fn each_flaw_is_refused_at_its_place() {
             "cannot have this value",
         ),
         (
+            cec("IS_MODULO[0]=0", "INPUT_NCU[0]=TRUE"),
+            "10:22",
+            "cannot have this value",
+        ),
+        (
+            cec("IS_MODULO[0]=0", "OUTPUT_NCU[0]=FALSE"),
+            "10:23",
+            "cannot have this value",
+        ),
+        (
             format!("{LEC}M30\nNEWCONF\n"),
             "9:1",
             "follows the end word",

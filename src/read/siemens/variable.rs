@@ -25,17 +25,18 @@ enum Allowed {
     /// A number, TRUE, FALSE or a name.
     Any,
     Number,
-    /// A whole number in a range, in words; FALSE is 0 and TRUE is 1 where the range is 0 to 1.
+    /// A whole number in a range, in words.
     Whole(i32, i32, &'static str),
+    /// 0 or FALSE, 1 or TRUE.
+    Truth,
     AxisName,
 }
-use Allowed::{Any, AxisName, Number, Whole};
+use Allowed::{Any, AxisName, Number, Truth, Whole};
 
-const TRUTH: Allowed = Whole(0, 1, "0 or 1");
 /// Index + 1 of a table, or 0; the limit is far above the 62 tables of an 840D sl.
 const TABLE_NUMBER: Allowed = Whole(0, 1000, "0 or the number of a table (its index + 1)");
-/// 1, as a real control writes beside the axes of a table, or 0 where nobody filled it. Others link axes
-/// of several NCUs.
+/// A number of an NCU, no truth: 1, as a real control writes beside the axes of a table, or 0 where nobody
+/// filled it. Others link axes of several NCUs.
 const OWN_NCU: Allowed = Whole(0, 1, "0 or 1");
 const TYPE: Allowed = Whole(0, 0, "0, or remove the line: its meaning is not documented");
 
@@ -46,7 +47,7 @@ const VARIABLES: [(&str, &[Index], Allowed); 31] = [
     ("AA_ENC_COMP_STEP", &[Encoder, Axis], Number),
     ("AA_ENC_COMP_MIN", &[Encoder, Axis], Number),
     ("AA_ENC_COMP_MAX", &[Encoder, Axis], Number),
-    ("AA_ENC_COMP_IS_MODULO", &[Encoder, Axis], TRUTH),
+    ("AA_ENC_COMP_IS_MODULO", &[Encoder, Axis], Truth),
     ("AN_CEC", &[Table, Point], Number),
     ("AN_CEC_INPUT_AXIS", &[Table], AxisName),
     ("AN_CEC_OUTPUT_AXIS", &[Table], AxisName),
@@ -55,7 +56,7 @@ const VARIABLES: [(&str, &[Index], Allowed); 31] = [
     ("AN_CEC_MAX", &[Table], Number),
     ("AN_CEC_DIRECTION", &[Table], Whole(-1, 1, "-1, 0 or 1")),
     ("AN_CEC_MULT_BY_TABLE", &[Table], TABLE_NUMBER),
-    ("AN_CEC_IS_MODULO", &[Table], TRUTH),
+    ("AN_CEC_IS_MODULO", &[Table], Truth),
     ("AN_CEC_TYPE", &[Table], TYPE),
     ("AN_CEC_INPUT_NCU", &[Table], OWN_NCU),
     ("AN_CEC_OUTPUT_NCU", &[Table], OWN_NCU),
@@ -65,12 +66,12 @@ const VARIABLES: [(&str, &[Index], Allowed); 31] = [
     ("MA_CEC_ENABLE", &[Axis], Any),
     ("MA_CEC_MAX_SUM", &[Axis], Number),
     ("MA_CEC_MAX_VELO", &[Axis], Number),
-    ("MA_CEC_SCALING_SYSTEM_METRIC", &[Axis], TRUTH),
+    ("MA_CEC_SCALING_SYSTEM_METRIC", &[Axis], Truth),
     ("MA_ENC_REFP_MODE", &[Encoder, Axis], Number),
     ("MA_REFP_SET_POS", &[Encoder, Axis], Number),
-    ("MN_CONVERT_SCALING_SYSTEM", &[], TRUTH),
+    ("MN_CONVERT_SCALING_SYSTEM", &[], Truth),
     ("MN_MM_CEC_MAX_POINTS", &[Table], Any),
-    ("MN_SCALING_SYSTEM_IS_METRIC", &[], TRUTH),
+    ("MN_SCALING_SYSTEM_IS_METRIC", &[], Truth),
     ("SN_CEC_TABLE_ENABLE", &[Table], Any),
     ("SN_CEC_TABLE_WEIGHT", &[Table], Number),
 ];
@@ -156,17 +157,20 @@ impl<'a> Variable<'a> {
     /// The value that is assigned, if the variable may have it; truths of a table as numbers.
     pub(super) fn value(&self, set: &Assignment<'_>) -> Result<Value, Complaint> {
         let value = set.value.clone()?;
+        let is_whole = |least: i32, most: i32, number: f64| {
+            (least..=most).any(|whole| (number - f64::from(whole)).abs() <= 0.0)
+        };
         let expected = match (self.allowed, &value) {
             (Any, _) | (Number, Value::Number(_)) | (AxisName, Value::Name(_)) => return Ok(value),
-            (Whole(0, 1, _), Value::Truth(truth)) => {
+            (Truth, Value::Truth(truth)) => {
                 return Ok(Value::Number(f64::from(u8::from(*truth))));
             }
-            (Whole(least, most, _), Value::Number(number))
-                if (least..=most).any(|whole| (number - f64::from(whole)).abs() <= 0.0) =>
-            {
+            (Truth, Value::Number(number)) if is_whole(0, 1, *number) => return Ok(value),
+            (Whole(least, most, _), Value::Number(number)) if is_whole(least, most, *number) => {
                 return Ok(value);
             }
             (Number, _) => "a number",
+            (Truth, _) => "0 or 1",
             (AxisName, _) => "an axis name such as `(AX1)`",
             (Whole(_, _, words), _) => words,
         };

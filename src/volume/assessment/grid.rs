@@ -2,6 +2,7 @@
 //! wherever they fit between nodes.
 
 use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::units::SAME_PLACE_MM;
 use crate::text::problem::Problem;
 use crate::volume::space::diameter::{Diameter, WindowMap};
 use crate::volume::volume_model::{AxisState, Nodes, VolumeModel};
@@ -74,8 +75,6 @@ impl Grid {
 
 /// Rounding of a curve between two nodes, in parts of its values (and µm near 0).
 const ROUNDING: f64 = 1e-9;
-/// Places nearer than this are one, mm.
-const SAME_MM: f64 = 1e-9;
 
 /// Whether no place of the volume differs by more than the nodes do.
 ///
@@ -87,8 +86,10 @@ pub fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
     let own = model.own_nodes();
     Axis::ALL.into_iter().all(|axis| {
         let among = |place: &f64| {
-            let next = nodes[axis].partition_point(|node| *node < place - SAME_MM);
-            nodes[axis].get(next).is_some_and(|n| *n <= place + SAME_MM)
+            let next = nodes[axis].partition_point(|node| *node < place - SAME_PLACE_MM);
+            nodes[axis]
+                .get(next)
+                .is_some_and(|n| *n <= place + SAME_PLACE_MM)
         };
         let straight = |ends: &[f64]| is_straight(model, axis, [ends[0], ends[1]]);
         own[axis].iter().all(among) && own[axis].windows(2).all(straight)

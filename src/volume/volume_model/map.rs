@@ -5,6 +5,7 @@ use super::{AxisState, Component, MM_PER_M, VolumeModel};
 use crate::inputs::job::Job;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::curve::ErrorCurve;
+use crate::quantity::units::SAME_PLACE_MM;
 use crate::text::problem::{Problem, Problems};
 use crate::volume::space::grid_map::{AxisNodes, GridMap, Node};
 
@@ -27,12 +28,9 @@ impl Nodes {
 fn ascending(nodes: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut nodes: Vec<f64> = nodes.collect();
     nodes.sort_by(f64::total_cmp);
-    nodes.dedup_by(|next, kept| *next - *kept < SAME_MM);
+    nodes.dedup_by(|next, kept| *next - *kept < SAME_PLACE_MM);
     nodes
 }
-
-/// Two nodes nearer than this are one (a picometre: rounding of positions), mm.
-const SAME_MM: f64 = 1e-9;
 
 /// The machine at the nodes of a grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +56,7 @@ impl VolumeModel {
     pub(crate) fn equal_nodes(&self, counts: PerAxis<usize>) -> Nodes {
         PerAxis::from_fn(|axis| {
             let (low, high) = self.range(axis);
-            if high - low < SAME_MM || counts[axis] < 2 {
+            if high - low < SAME_PLACE_MM || counts[axis] < 2 {
                 return vec![low];
             }
             let last = counts[axis] - 1;

@@ -32,7 +32,7 @@ pub(super) fn backlash_text(task: Task<'_>, um: f64) -> (String, f64) {
         LengthUnit::Millimetre => 4,
         LengthUnit::Inch => 5,
     };
-    let text = format!("{:.decimals$}", um / (unit.in_mm() * UM_PER_MM) + 0.0);
+    let text = format!("{:.decimals$}", Figure(um / (unit.in_mm() * UM_PER_MM)));
     let rounded_um = text.parse::<f64>().unwrap_or(0.0) * unit.in_mm() * UM_PER_MM;
     (format!("{text} {}", unit.word()), rounded_um)
 }
@@ -243,14 +243,20 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
             &source,
         )
     });
-    let in_cec = names.filter(|_| plan.has_two_tables(axis));
-    let no_second_table = in_cec.map(|name| {
-        Precondition::new(
-            format!("MD32700 $MA_ENC_COMP_ENABLE[0,{name}] and [1,{name}]"),
-            "0",
-            "the positioning error is in CEC tables; an ENC_COMP table with the same error would correct it twice",
-            format!("{K3} section 4.4.4"),
-        )
+    let no_second_table = names.map(|name| {
+        let (what, value, why) = match plan.has_two_tables(axis) {
+            true => (
+                format!("MD32700 $MA_ENC_COMP_ENABLE[0,{name}] and [1,{name}]"),
+                "0",
+                "the positioning error is in CEC tables; an ENC_COMP table with the same error would correct it twice",
+            ),
+            false => (
+                format!("SD41300 $SN_CEC_TABLE_ENABLE of every CEC table from an axis to itself, {name}"),
+                "0, or no such table exists",
+                "the positioning error is in ENC_COMP; CEC tables with the same error (an earlier kit with `two-tables`) would correct it twice",
+            ),
+        };
+        Precondition::new(what, value, why, format!("{K3} section 4.4.4"))
     });
     backlash.chain(no_second_table).collect()
 }
