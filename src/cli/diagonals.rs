@@ -1,5 +1,6 @@
 //! Figures of the body diagonals by standard, for people and for documents.
 
+use crate::cli::outcome::joined;
 use crate::cli::screen::table;
 use crate::cli::show::um;
 use crate::inputs::target_runs::Runs;
@@ -12,7 +13,7 @@ use crate::machine::standards::{
 use crate::quantity::axis::Direction;
 use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
 use crate::text::problem::Problem;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 /// The runs of the four diagonals, and their figures by standard.
 pub(super) struct StandardFigures {
@@ -133,12 +134,11 @@ fn figure(of: &AxisFigures, wanted: &str) -> Option<f64> {
 
 /// Every figure of a diagonal.
 pub(super) fn diagonal_json(runs: &Runs, of: &DiagonalFigures) -> Value {
-    let mut entry = Map::new();
-    entry.insert("targets".into(), json!(runs.targets_mm().len()));
-    entry.insert("runs".into(), counts(runs));
     let range = ("range", of.range_um);
-    entry.extend(named_um(of.figures.named_um().into_iter().chain([range])));
-    Value::Object(entry)
+    joined([
+        json!({ "targets": runs.targets_mm().len(), "runs": counts(runs) }),
+        named_um(of.figures.named_um().into_iter().chain([range])),
+    ])
 }
 
 /// How many runs there are of each direction.
@@ -147,11 +147,8 @@ pub(super) fn counts(runs: &Runs) -> Value {
 }
 
 /// Figures under their letter and unit; `null` where one is absent.
-pub(super) fn named_um<'a>(
-    figures: impl IntoIterator<Item = (&'a str, Option<f64>)>,
-) -> Map<String, Value> {
+pub(super) fn named_um<'a>(figures: impl IntoIterator<Item = (&'a str, Option<f64>)>) -> Value {
     let figures = figures.into_iter();
-    figures
-        .map(|(name, um)| (format!("{name}_um"), json!(um)))
-        .collect()
+    let figures = figures.map(|(name, um)| (format!("{name}_um"), json!(um)));
+    Value::Object(figures.collect())
 }

@@ -118,35 +118,26 @@ pub fn compare(
         ..as_left
     };
     let seen = observations(before, after);
-    let left = |observation: &&Observation| {
-        let control = control?;
-        let added_um = observation.predicted(|part| Some(control.at(part)))?;
-        Some((observation.um - observation.found_um - added_um).abs())
+    let line = |name: &str| {
+        let difference_um = off_forecast_um(name, control, &seen);
+        line(
+            name,
+            [Some(&found), expected, Some(&as_left)],
+            difference_um,
+        )
     };
-    let difference = |name: &str| {
-        let term = ErrorTerm::from_name(name)?;
-        let of_term = seen.iter().filter(|o| o.is_of(term));
-        of_term.filter_map(|o| left(&o)).reduce(f64::max)
-    };
-    let line = |name: &str| line(name, [Some(&found), expected, Some(&as_left)], &difference);
-    let terms = ErrorTerm::ALL
-        .iter()
-        .filter_map(|term| line(&term.to_string()));
-    let terms: Vec<Line> = terms.collect();
-    let diagonals = Diagonal::ALL
-        .iter()
-        .filter_map(|diagonal| line(diagonal.name()));
-    let mut diagonals: Vec<Line> = diagonals.collect();
+    let terms = ErrorTerm::ALL.iter();
+    let terms: Vec<Line> = terms.filter_map(|term| line(&term.to_string())).collect();
+    let diagonals = Diagonal::ALL.iter();
+    let mut diagonals: Vec<Line> = diagonals.filter_map(|d| line(d.name())).collect();
     if let AfterMeasurement::Diagonals(_) = after {
         for line in &mut diagonals {
             along_run(line, machine, control, &seen);
         }
     }
-    let measured: Vec<ErrorTerm> = before.measured().map(|(term, _)| term).collect();
-    let missing: Vec<ErrorTerm> = measured
-        .into_iter()
-        .filter(|term| !as_left.terms.iter().any(|line| line.term == *term))
-        .collect();
+    let is_missing = |term: &ErrorTerm| !as_left.terms.iter().any(|line| line.term == *term);
+    let missing = before.measured().map(|(term, _)| term);
+    let missing = missing.filter(is_missing).collect();
     let mut findings = doubts::findings(machine.as_measured, before, control, after);
     findings.extend(off_forecast(before, &as_left, &terms).map(Finding::from));
     Ok(Comparison {
@@ -156,6 +147,17 @@ pub fn compare(
         findings,
         missing,
     })
+}
+
+/// Largest |as left − forecast| of a term over the positions measured afterwards, µm.
+fn off_forecast_um(name: &str, control: Option<&Control>, seen: &[Observation]) -> Option<f64> {
+    let (term, control) = (ErrorTerm::from_name(name)?, control?);
+    let left = |observation: &Observation| {
+        let added_um = observation.predicted(|part| Some(control.at(part)))?;
+        Some((observation.um - observation.found_um - added_um).abs())
+    };
+    let of_term = seen.iter().filter(|o| o.is_of(term));
+    of_term.filter_map(left).reduce(f64::max)
 }
 
 /// Probability with which no value of a right kit is named as off its forecast.
@@ -212,7 +214,7 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
 fn line(
     name: &str,
     [found, expected, as_left]: [Option<&Forecast>; 3],
-    difference: &dyn Fn(&str) -> Option<f64>,
+    difference_um: Option<f64>,
 ) -> Option<Line> {
     let row = |forecast: Option<&Forecast>| forecast?.row(name);
     let (found, after) = (row(found), row(as_left));
@@ -223,7 +225,7 @@ fn line(
         after_um: after.map(|row| row.after_um),
         u_um: after.and_then(|row| row.u_um),
         expanded_um: after.and_then(|row| row.expanded_um),
-        difference_um: difference(name),
+        difference_um,
     })
 }
 

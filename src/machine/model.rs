@@ -95,10 +95,6 @@ impl MeasuredTerm {
         let difference = plus.difference(minus)?;
         let knots = difference.knots();
         let sum: f64 = knots.iter().map(|at| difference.at(*at).um()).sum();
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "a curve has far fewer than 2^52 targets"
-        )]
         let count = knots.len() as f64;
         Some(Deviation::from_um(sum / count))
     }

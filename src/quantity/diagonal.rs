@@ -311,10 +311,6 @@ impl Volume {
         if index == self.steps {
             return self.size[axis].mm();
         }
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "a run has far fewer than 2^52 nodes"
-        )]
         let index = index as f64;
         self.size[axis].mm() * index / self.steps_f64()
     }
@@ -327,10 +323,6 @@ impl Volume {
 
     /// n as a number of formulas.
     pub fn steps_f64(&self) -> f64 {
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "a run has far fewer than 2^52 nodes"
-        )]
         let steps = self.steps as f64;
         steps
     }

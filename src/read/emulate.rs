@@ -89,10 +89,6 @@ impl NodeTable {
         Millimetres::new(self.node_mm(self.values_um.len() - 1))
     }
 
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "a table has far fewer than 2^52 nodes"
-    )]
     fn node_mm(&self, index: usize) -> f64 {
         self.start_mm + self.step_mm * index as f64
     }
@@ -109,9 +105,7 @@ impl NodeTable {
 
     /// The correction at a position.
     #[allow(
-        clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "the section index is checked to lie inside the table before it is used"
     )]
     pub fn correction(&self, at: Millimetres) -> Correction {
@@ -169,9 +163,7 @@ impl NodeTable {
     }
 
     #[allow(
-        clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "the number of pulses of one section is small and not negative"
     )]
     fn section_breaks(&self, section: usize, shift: f64, out: &mut Vec<f64>) {

@@ -134,10 +134,6 @@ fn histogram(map: &ErrorMap, bin_um: f64) -> Result<Histogram, Problem> {
     if pairs <= histogram::EXACT_PAIRS {
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let counts = histogram::exact(&vectors.vectors(), bin_um, threads);
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "at most 3·10⁹ pairs are counted"
-        )]
         let counts = counts
             .ok_or_else(too_fine)?
             .into_iter()

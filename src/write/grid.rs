@@ -219,7 +219,6 @@ pub(crate) fn whole(rounded: f64) -> i64 {
 }
 
 /// A count as a number, far below 2^52.
-#[allow(clippy::cast_precision_loss, reason = "far below 2^52")]
 pub(crate) fn as_number(count: i64) -> f64 {
     count as f64
 }

@@ -130,11 +130,7 @@ fn counts(histogram: &Histogram) -> Value {
     if histogram.sampled.is_some() {
         return json!(histogram.counts);
     }
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "counted numbers of pairs"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "counted numbers of pairs")]
     let whole: Vec<u64> = histogram
         .counts
         .iter()

@@ -137,7 +137,6 @@ pub(super) fn histogram(before: &Assessment, after: Option<&Assessment>) -> Stri
     let with = after.map_or("", |_| "\t>with tables");
     let bins = found.counts.len().max(after.map_or(0, |a| a.counts.len()));
     let rows = (0..bins).map(|bin| {
-        #[allow(clippy::cast_precision_loss, reason = "few bins")]
         let from = bin as f64 * found.bin_um;
         let other = after.map(|after| format!("\t{}", in_bin(after, bin)));
         let (from, to) = (short(from), short(from + found.bin_um));
@@ -176,7 +175,6 @@ fn how(histogram: &Histogram) -> String {
         return format!("all {} pairs of nodes were counted", histogram.pairs);
     };
     let largest = errors.iter().flatten().copied().fold(0.0, f64::max);
-    #[allow(clippy::cast_precision_loss, reason = "an estimate")]
     let unseen = 3.0 * histogram.pairs as f64 / *drawn as f64;
     format!(
         "estimated from {drawn} of {} pairs; largest standard error of a bin {largest:.0}; – and ≥: no drawn pair fell there, fewer than {unseen:.0} pairs of all (3/n, 95 %) may",

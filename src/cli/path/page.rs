@@ -1,6 +1,7 @@
 //! What `nonius path` prints: the screen, and the document for scripts.
 
 use super::samples::{Hole, Holes};
+use crate::cli::outcome::joined;
 use crate::cli::screen::{More, Screen, list, table};
 use crate::cli::show;
 use crate::cli::tables::Corrected;
@@ -67,7 +68,7 @@ impl Followed {
         format!("between {least:.3} and {most:.3} µm (too many samples to keep all that count)")
     }
 
-    fn figures(&self) -> Map<String, Value> {
+    fn figures(&self) -> Value {
         let s = &self.summary;
         let extremes = Channel::ALL.into_iter().map(|channel| {
             let key = match channel {
@@ -76,21 +77,14 @@ impl Followed {
             };
             (key.to_string(), json!(s.range(channel)))
         });
-        let mut figures = Map::new();
-        let mut put = |key: &str, value: Value| _ = figures.insert(key.to_string(), value);
-        put("length_mm", json!(s.length_mm));
-        put(
-            "moves",
-            json!({"straight": s.lines, "arcs": s.arcs, "rapid_left_out": s.rapids_left_out}),
-        );
-        put("extremes", Value::Object(extremes.collect()));
-        put("profile_accuracy_um", json!(self.accuracy_um));
-        put(
-            "profile_accuracy_at_most_um",
-            json!(self.accuracy_um + s.room_um),
-        );
-        put("samples", json!(s.samples));
-        figures
+        json!({
+            "length_mm": s.length_mm,
+            "moves": {"straight": s.lines, "arcs": s.arcs, "rapid_left_out": s.rapids_left_out},
+            "extremes": extremes.collect::<Map<_, _>>(),
+            "profile_accuracy_um": self.accuracy_um,
+            "profile_accuracy_at_most_um": self.accuracy_um + s.room_um,
+            "samples": s.samples,
+        })
     }
 
     fn extremes(&self, name: &str) -> String {
@@ -139,7 +133,14 @@ impl Page {
 
     pub(super) fn document(&self) -> Value {
         let notes = [remarks(self), doubts(self), vec![how(self)]].concat();
-        let mut document = json!({
+        let after = self.after.as_ref().map(|after| {
+            joined([
+                json!({ "tables": after.tables.from }),
+                after.followed.figures(),
+                json!({ "disagreements": after.tables.disagreements }),
+            ])
+        });
+        let document = json!({
             "schema": 1,
             "machine": self.inputs.job.machine.name,
             "program": self.program,
@@ -150,18 +151,9 @@ impl Page {
             "missing": missing(self),
             "warnings": warnings(self),
             "notes": notes,
-            "after": self.after.as_ref().map(|after| {
-                let mut map = Map::new();
-                map.insert("tables".to_string(), json!(after.tables.from));
-                map.extend(after.followed.figures());
-                map.insert("disagreements".to_string(), json!(after.tables.disagreements));
-                map
-            }),
+            "after": after,
         });
-        if let Some(all) = document.as_object_mut() {
-            all.extend(self.before.figures());
-        }
-        document
+        joined([document, self.before.figures()])
     }
 }
 

@@ -1,6 +1,7 @@
 //! Figures of one axis: what `standards` prints of it.
 
 use crate::cli::diagonals::{counts, named_um};
+use crate::cli::outcome::joined;
 use crate::cli::screen::{More, Screen, table};
 use crate::cli::show::{self, um};
 use crate::inputs::target_runs::Runs;
@@ -10,7 +11,7 @@ use crate::machine::standards::{
 };
 use crate::quantity::axis::Direction;
 use crate::text::problem::Problem;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 /// What the standards say about the runs of an axis.
 pub(super) struct Page<'a> {
@@ -119,41 +120,25 @@ impl Page<'_> {
 
     pub(super) fn document(&self) -> Value {
         let target = |of: &iso_230_2::TargetFigures| at_target(of.target_mm, named_figures(of));
-        let vdi = |figures: &vdi_3441::Figures| {
-            let mut part = Map::new();
-            part.insert("confidence".into(), json!(VDI_3441.word()));
-            part.extend(named_um(
-                vdi_figures(figures).map(|(name, _, um)| (name, um)),
-            ));
-            let targets = figures.targets.iter().map(|of| {
-                let figures = [
-                    ("mean", Some(of.mean_um)),
-                    ("U", Some(of.u_um)),
-                    ("s_mean", of.s_um),
-                ];
-                at_target(of.target_mm, figures)
-            });
-            part.insert("targets".into(), targets.collect());
-            part
+        let foreign: &[&str] = match self.travel.is_long() {
+            true => &["A", "R"],
+            false => &[],
         };
-        let mut iso = Map::new();
-        let mut put = |key: &str, value: Value| _ = iso.insert(key.to_string(), value);
-        put("editions", json!(iso_230_2::EDITIONS));
-        put("confidence", json!(standards::ISO_230_2.word()));
-        let missed = self.conditions.iter().any(|of| of.met == Met::No);
-        put("condition_missed", json!(missed));
-        put("label", json!(iso_230_2::label(&self.conditions)));
-        iso.extend(named_um(self.iso.axis.named_um()));
-        let foreign: &[&str] = if self.travel.is_long() {
-            &["A", "R"]
-        } else {
-            &[]
-        };
-        let mut put = |key: &str, value: Value| _ = iso.insert(key.to_string(), value);
-        put("not_in_the_standard", json!(foreign));
-        put("targets", self.iso.targets.iter().map(target).collect());
-        put("conditions", conditions_json(&self.conditions));
-        put("notes", json!(self.notes));
+        let iso = joined([
+            json!({
+                "editions": iso_230_2::EDITIONS,
+                "confidence": standards::ISO_230_2.word(),
+                "condition_missed": self.conditions.iter().any(|of| of.met == Met::No),
+                "label": iso_230_2::label(&self.conditions),
+            }),
+            named_um(self.iso.axis.named_um()),
+            json!({
+                "not_in_the_standard": foreign,
+                "targets": self.iso.targets.iter().map(target).collect::<Vec<_>>(),
+                "conditions": conditions_json(&self.conditions),
+                "notes": self.notes,
+            }),
+        ]);
         json!({
             "schema": 1,
             "targets": self.runs.targets_mm().len(),
@@ -161,9 +146,25 @@ impl Page<'_> {
             "travel_mm": self.travel.stated_mm(),
             "runs": counts(self.runs),
             "iso_230_2": iso,
-            "vdi_dgq_3441": self.vdi.as_ref().map(vdi),
+            "vdi_dgq_3441": self.vdi.as_ref().map(vdi_document),
         })
     }
+}
+
+fn vdi_document(figures: &vdi_3441::Figures) -> Value {
+    let target = |of: &vdi_3441::TargetFigures| {
+        let figures = [
+            ("mean", Some(of.mean_um)),
+            ("U", Some(of.u_um)),
+            ("s_mean", of.s_um),
+        ];
+        at_target(of.target_mm, figures)
+    };
+    joined([
+        json!({ "confidence": VDI_3441.word() }),
+        named_um(vdi_figures(figures).map(|(name, _, um)| (name, um))),
+        json!({ "targets": figures.targets.iter().map(target).collect::<Vec<_>>() }),
+    ])
 }
 
 /// The figures of a target, each by its name in the document.
@@ -182,10 +183,7 @@ fn named_figures(of: &iso_230_2::TargetFigures) -> [(&'static str, Option<f64>);
 }
 
 fn at_target<const N: usize>(mm: f64, figures: [(&str, Option<f64>); N]) -> Value {
-    let mut target = Map::new();
-    target.insert("target_mm".into(), json!(mm));
-    target.extend(named_um(figures));
-    Value::Object(target)
+    joined([json!({ "target_mm": mm }), named_um(figures)])
 }
 
 /// `1997, 2006, 2014`.

@@ -3,7 +3,7 @@
 use super::axis::{conditions, conditions_json, likely_words, missed};
 use crate::cli::campaign::read_campaign;
 use crate::cli::diagonals::{StandardFigures, diagonal_json, named_um};
-use crate::cli::outcome::{Outcome, Print};
+use crate::cli::outcome::{Outcome, Print, joined};
 use crate::cli::screen::{Screen, table};
 use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;
@@ -112,15 +112,15 @@ impl Page<'_> {
         let diagonals = self.figures.each();
         let diagonals =
             diagonals.map(|(name, runs, of)| (name.to_string(), diagonal_json(runs, of)));
-        let mut part = Map::new();
-        part.insert("confidence".into(), json!(DIAGONALS.word()));
-        part.insert("label".into(), json!(all.label));
-        part.insert("diagonals".into(), Value::Object(diagonals.collect()));
-        part.extend(named_um(
-            machine_figures(all).map(|(name, _, um)| (name, um)),
-        ));
-        part.insert("conditions".into(), conditions_json(&all.conditions));
-        part.insert("notes".into(), json!(self.notes));
+        let part = joined([
+            json!({
+                "confidence": DIAGONALS.word(),
+                "label": all.label,
+                "diagonals": diagonals.collect::<Map<_, _>>(),
+            }),
+            named_um(machine_figures(all).map(|(name, _, um)| (name, um))),
+            json!({ "conditions": conditions_json(&all.conditions), "notes": self.notes }),
+        ]);
         json!({ "schema": 1, "iso_230_6": part })
     }
 }

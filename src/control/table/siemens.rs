@@ -32,7 +32,6 @@ impl SiemensGrid {
     /// Index of the last point that does not lie behind MAX; 0 where there is none.
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "a cast from a float holds the nearest number that fits"
     )]
     pub(crate) fn last_whole_point(&self) -> u32 {
@@ -40,10 +39,6 @@ impl SiemensGrid {
     }
 
     /// Position of a point.
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "a table has few thousand points"
-    )]
     pub fn position(&self, index: usize) -> f64 {
         self.min + index as f64 * self.step
     }

@@ -274,7 +274,6 @@ pub(super) fn freedom_remark(targets: usize, runs: usize) -> Option<String> {
     (freedom > 0).then(|| format!("degrees of freedom: {freedom}"))
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a measurement has few values")]
 fn float(count: usize) -> f64 {
     count as f64
 }

@@ -132,7 +132,6 @@ impl Block {
 
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "the number is checked to lie in the range before it is used"
     )]
     fn take_code(&mut self, word: Word, span: Span) {
@@ -199,7 +198,6 @@ impl Block {
     /// A whole number from 0, which then counts as used.
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "the number is checked to lie in the range before it is used"
     )]
     pub(super) fn whole(&mut self, letter: u8) -> Result<Option<u32>, Wrong> {

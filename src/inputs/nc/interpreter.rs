@@ -278,7 +278,6 @@ impl<'s> Interpreter<'s> {
     /// T names a tool, M6 changes it in.
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "the number is checked to lie in the range before it is used"
     )]
     fn change_tool(&mut self, block: &mut Block) {

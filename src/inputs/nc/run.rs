@@ -241,10 +241,6 @@ impl Control<'_> {
         Ok(())
     }
 
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "at most some thousand holes of a block"
-    )]
     fn count(&mut self, holes: u64, length_mm: f64, line: usize) -> Result<(), Problems> {
         self.repeated += 1.0 + holes as f64 + length_mm;
         if self.repeated <= MOST_REPEATED {
@@ -404,7 +400,6 @@ fn index(text: &mut dyn Text) -> Result<BTreeMap<u32, Mark>, Problem> {
 
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "the number is checked to lie in the range before it is used"
 )]
 fn program_number(line: &[u8]) -> Option<u32> {

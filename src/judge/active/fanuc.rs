@@ -296,7 +296,6 @@ impl Sorted<'_, '_> {
     }
 
     /// A parameter of an axis, with or without a decimal point.
-    #[allow(clippy::cast_precision_loss, reason = "parameters are far below 2^52")]
     fn any_number(&self, parameter: u32, axis: &str) -> Option<f64> {
         match self.memory.parameter(parameter, axis.parse().ok())? {
             ParameterValue::Integer(whole) => Some(whole as f64),

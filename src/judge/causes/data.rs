@@ -155,7 +155,6 @@ impl<'a> Data<'a> {
         let windows = curves.values().flat_map(|curve| curve.windows(3));
         let mut sizes: Vec<f64> = windows.map(second).collect();
         sizes.sort_by(f64::total_cmp);
-        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
         let count = sizes.len() as f64;
         let median = *sizes.get(sizes.len() / 2)?;
         let sigma = median / NORMAL_MEDIAN / SECOND_DIFFERENCE;
@@ -287,7 +286,6 @@ impl<'a> Data<'a> {
             let group = groups.entry(observation.zero).or_default();
             group.push((left, sigma));
         }
-        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
         let pairs = |group: &Vec<(f64, f64)>| (group.len() * group.len()) as f64 / 2.0;
         let limit = quantile(1.0 - RISK / groups.values().map(pairs).sum::<f64>(), 1.0);
         groups.values().all(|group| {
@@ -330,7 +328,6 @@ impl<'a> Data<'a> {
 }
 
 fn not_rejected(curves: &[f64]) -> bool {
-    #[allow(clippy::cast_precision_loss, reason = "a handful of curves")]
     let count = curves.len() as f64;
     let each = quantile(1.0 - RISK / count.max(1.0), 1.0);
     let together: f64 = curves.iter().sum();
@@ -338,7 +335,6 @@ fn not_rejected(curves: &[f64]) -> bool {
 }
 
 fn root_mean_square(values: &[f64]) -> f64 {
-    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 values")]
     let count = values.len().max(1) as f64;
     (values.iter().map(|v| v * v).sum::<f64>() / count).sqrt()
 }

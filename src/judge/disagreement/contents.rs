@@ -206,7 +206,6 @@ fn fanuc(own: &FanucMemory, diagnosis: Option<&Diagnosis>) -> Entries {
     let points_are_explained = diagnosis.is_some_and(|d| !d.findings.is_empty());
     let parameters = own.parameters.iter().map(|(key, value)| {
         let value = match value {
-            #[allow(clippy::cast_precision_loss, reason = "parameters are far below 2^52")]
             ParameterValue::Integer(whole) => Value::Numbers(vec![Some(*whole as f64)]),
             ParameterValue::Real(real) => Value::Numbers(vec![Some(*real)]),
             bits @ ParameterValue::Bits(_) => Value::Text(bits.to_string()),

@@ -122,10 +122,6 @@ pub(super) fn differences(
 }
 
 /// One sentence for all data that stand alike.
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a table has few thousand points"
-)]
 fn wrong(role: Role, not: &str, owned: &[Owned], data: &[&MachineDatum]) -> Vec<String> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for own in owned {

@@ -242,12 +242,7 @@ fn with_other_lines<'a>(campaign: &Campaign<'a>, random: &mut ChaCha8Rng) -> Cam
 
 /// Quantile of sorted values by straight lines between them.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a place in a list"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "a place in a list")]
     let (place, below) = {
         let place = share * sorted.len().saturating_sub(1) as f64;
         (place, place.floor() as usize)

@@ -82,7 +82,6 @@ impl Noise {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 readings")]
 pub(super) const fn float(count: usize) -> f64 {
     count as f64
 }

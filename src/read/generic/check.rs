@@ -103,6 +103,29 @@ fn row(number: usize, raw: RawRow, flaws: &mut Vec<Flaw>) -> Option<GenericRow> 
         let message = format!("`term` is `{}`, expected the name of a term", raw.term);
         flaw("term", message, &format!("known terms: {names}"));
     }
+    refuse_nameless_axes(&raw, &mut flaw);
+    let symbol = raw.direction.as_deref();
+    let direction = symbol.and_then(Direction::from_symbol);
+    if let (Some(symbol), None) = (symbol, direction) {
+        let message = format!("`direction` is `{symbol}`, expected `+`, `-` or nothing");
+        flaw("direction", message, "an empty direction means both");
+    }
+    refuse_other_values(&raw, &mut flaw);
+    let term = term.filter(|_| flaws.len() == before)?;
+    Some(GenericRow {
+        term,
+        base_axis: raw.base_axis,
+        output_axis: raw.output_axis,
+        direction,
+        index: raw.index,
+        position_mm: raw.position_mm + 0.0, // −0 is 0
+        deviation_um: raw.deviation_um + 0.0,
+        correction_um: raw.correction_um + 0.0,
+        increment_um: raw.increment_um.map(|um| um + 0.0),
+    })
+}
+
+fn refuse_nameless_axes(raw: &RawRow, flaw: &mut impl FnMut(&'static str, String, &str)) {
     let is_name = |name: &str| {
         !name.trim().is_empty() && !name.contains(|c: char| c.is_control() || c == '"')
     };
@@ -116,12 +139,10 @@ fn row(number: usize, raw: RawRow, flaws: &mut Vec<Flaw>) -> Option<GenericRow> 
             flaw(column, message, help);
         }
     }
-    let symbol = raw.direction.as_deref();
-    let direction = symbol.and_then(Direction::from_symbol);
-    if let (Some(symbol), None) = (symbol, direction) {
-        let message = format!("`direction` is `{symbol}`, expected `+`, `-` or nothing");
-        flaw("direction", message, "an empty direction means both");
-    }
+}
+
+/// A correction that is not the opposite of its deviation, and an increment at the wrong place.
+fn refuse_other_values(raw: &RawRow, flaw: &mut impl FnMut(&'static str, String, &str)) {
     if (raw.deviation_um + raw.correction_um).abs() > 0.0 {
         let (correction, opposite) = (raw.correction_um, 0.0 - raw.deviation_um);
         let message = format!(
@@ -130,31 +151,18 @@ fn row(number: usize, raw: RawRow, flaws: &mut Vec<Flaw>) -> Option<GenericRow> 
         let help = "a correction cancels the deviation of its row exactly";
         flaw("correction_um", message, help);
     }
-    match (raw.index, raw.increment_um) {
-        (0, Some(um)) => {
-            let message = format!("`increment_um` is `{um}`, expected nothing at index 0");
-            let help = "there is no point before the first one";
-            flaw("increment_um", message, help);
-        }
-        (1.., None) => {
-            let message = "`increment_um` is empty, expected a finite number".to_string();
-            let help = "only the first point of a block has none";
-            flaw("increment_um", message, help);
-        }
-        _ => {}
-    }
-    let term = term.filter(|_| flaws.len() == before)?;
-    Some(GenericRow {
-        term,
-        base_axis: raw.base_axis,
-        output_axis: raw.output_axis,
-        direction,
-        index: raw.index,
-        position_mm: raw.position_mm + 0.0, // −0 is 0
-        deviation_um: raw.deviation_um + 0.0,
-        correction_um: raw.correction_um + 0.0,
-        increment_um: raw.increment_um.map(|um| um + 0.0),
-    })
+    let (message, help) = match (raw.index, raw.increment_um) {
+        (0, Some(um)) => (
+            format!("`increment_um` is `{um}`, expected nothing at index 0"),
+            "there is no point before the first one",
+        ),
+        (1.., None) => (
+            "`increment_um` is empty, expected a finite number".to_string(),
+            "only the first point of a block has none",
+        ),
+        _ => return,
+    };
+    flaw("increment_um", message, help);
 }
 
 /// What the rows are to each other: one axis for each name, and equal steps in each block.
@@ -279,10 +287,6 @@ fn spacing_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
     Some(Flaw::new(block[worst + 1], "position_mm", message, help))
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a table has far fewer than 2^52 rows"
-)]
 fn is_equally_spaced(at: &[f64]) -> bool {
     let (Some(first), Some(last)) = (at.first(), at.last()) else {
         return true;

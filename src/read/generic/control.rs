@@ -106,10 +106,6 @@ fn same_block(a: &GenericRow, b: &GenericRow) -> bool {
         && a.direction == b.direction
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a table has far fewer than 2^52 rows"
-)]
 fn load(rows: &[&GenericRow], state: &ControlState) -> Result<LoadedBlock, CannotEmulate> {
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     known_axis(state, &first.base_axis)?;

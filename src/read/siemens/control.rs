@@ -332,10 +332,6 @@ impl Raw<'_> {
         Ok(numbers)
     }
 
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "a table has far fewer than 2^52 points"
-    )]
     fn check_grid(&self) -> Result<(), CannotEmulate> {
         let points = self.values.len();
         let tolerance = if self.modulo {

@@ -260,7 +260,6 @@ impl Memory {
         };
         let points: f64 = self.tables.values().filter_map(steps).sum();
         let head = self.tables.values().next()?.head.clone();
-        #[allow(clippy::cast_precision_loss, reason = "a small constant")]
         let is_too_many = points > MOST_STATEMENTS as f64;
         is_too_many.then(|| {
             Complaint::new(
@@ -471,7 +470,6 @@ fn protected(set: &Assignment<'_>, switch: &str) -> Complaint {
 
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "the variable takes whole numbers from 0 to 1000"
 )]
 fn table_number(number: f64) -> u32 {

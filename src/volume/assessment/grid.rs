@@ -188,7 +188,6 @@ fn nodes_in(axis: Axis, nodes: &[f64], size_mm: f64) -> Result<usize, Problem> {
     let (Some((first, last)), Some(steps)) = (ends, nodes.len().checked_sub(1)) else {
         return Err(no_map());
     };
-    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^52 nodes")]
     let step = (last - first) / steps.max(1) as f64;
     let even = nodes
         .windows(2)
@@ -209,7 +208,6 @@ fn nodes_in(axis: Axis, nodes: &[f64], size_mm: f64) -> Result<usize, Problem> {
     }
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "a whole number not above the number of nodes"
     )]
     Ok(whole as usize + 1)

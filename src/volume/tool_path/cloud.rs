@@ -167,7 +167,6 @@ struct Hull {
 
 impl Hull {
     /// A small one around the mean of vectors; `None` where there are none.
-    #[allow(clippy::cast_precision_loss, reason = "a mean needs no last digit")]
     fn around(vectors: &[Vector]) -> Option<Hull> {
         let count = vectors.len() as f64;
         let mean = |k: usize| vectors.iter().map(|vector| vector[k]).sum::<f64>() / count;

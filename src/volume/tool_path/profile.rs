@@ -499,7 +499,6 @@ fn normal(plane: Plane, tangent: [f64; 3]) -> Option<[f64; 3]> {
 /// Equal steps of a length that are not longer than `longest`.
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "the number is bounded before it is used"
 )]
 fn steps(length: f64, longest: f64) -> u32 {

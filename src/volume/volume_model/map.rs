@@ -94,10 +94,6 @@ fn add(list: &mut AxisNodes, axis: Axis, state: &AxisState) {
     list.arm_m.push(state.arm_mm[axis] / MM_PER_M);
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a grid has far fewer than 2^52 nodes"
-)]
 fn part(index: usize, last: usize) -> f64 {
     index as f64 / last as f64
 }

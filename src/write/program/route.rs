@@ -342,10 +342,6 @@ fn targets(
     };
     let largest = shift.map_or(volume.step_mm(axis) / 4.0, |shift| shift.mm());
     let of_index = |index: usize| {
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "a run has far fewer than 2^52 targets"
-        )]
         let turns = GOLDEN * (index + 1) as f64;
         let shift = largest * (2.0 * turns.fract() - 1.0);
         let shift = match index {
