@@ -95,7 +95,7 @@ pub(crate) fn is_placeholder(word: &str) -> bool {
 }
 
 /// The pieces of a text: plain, and the words in braces.
-pub fn pieces(text: &str) -> Vec<(&str, Option<&str>)> {
+pub(crate) fn pieces(text: &str) -> Vec<(&str, Option<&str>)> {
     let (first, rest) = text.split_once('{').unwrap_or((text, ""));
     let mut pieces = vec![(first, None)];
     for piece in rest.split('{').filter(|piece| !piece.is_empty()) {

@@ -24,7 +24,8 @@ mod rtl_file;
 pub mod stated;
 mod words;
 
-pub use self::component::{Component, Kind, terms_of};
+pub(crate) use self::component::terms_of;
+pub use self::component::{Component, Kind};
 pub use self::encoding::{Measurement, encoding_word};
 pub use self::reading::Squareness;
 pub use self::rtl::{MeasuredRuns, measured_runs};

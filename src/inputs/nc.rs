@@ -22,7 +22,8 @@ mod setup;
 
 pub use self::moves::{Arc, Move, Place, Plane, Refused, Shape};
 pub(crate) use self::setup::EXTENDED;
-pub use self::setup::{G43WithoutH, Setup, WithoutPoint, system_name, system_number};
+pub(crate) use self::setup::system_name;
+pub use self::setup::{G43WithoutH, Setup, WithoutPoint, system_number};
 #[cfg(test)]
 mod tests;
 

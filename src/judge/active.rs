@@ -25,9 +25,11 @@ mod read_out;
 mod reading;
 mod siemens;
 
-pub use self::fanuc::take_interpolation;
-pub use self::kit::{from_kit, named_axis};
-pub use self::machine::uncompensated;
-pub use self::read_out::{collisions, from_read_out, left_over};
+pub(crate) use self::fanuc::take_interpolation;
+pub use self::kit::from_kit;
+pub(crate) use self::kit::named_axis;
+pub(crate) use self::machine::uncompensated;
+pub use self::read_out::from_read_out;
+pub(crate) use self::read_out::{collisions, left_over};
 pub use self::reading::{ActiveControl, Held, Origin, Others, ReadOutFor, without_tables};
 pub(super) use self::siemens::{cec_limits, outputs as cec_outputs};

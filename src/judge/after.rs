@@ -14,11 +14,13 @@ mod ground;
 mod measurement;
 mod observation;
 
-pub use self::doubts::{UnseenReversal, unseen_reversal};
-pub use self::ground::ensure_same_machine;
+pub use self::doubts::UnseenReversal;
+pub(crate) use self::doubts::unseen_reversal;
+pub(crate) use self::ground::ensure_same_machine;
 pub(crate) use self::ground::{not_known, outside};
 pub use self::measurement::{AfterMeasurement, StraightRuns, Walk};
-pub use self::observation::{Control, Observation, Part, before_um, observations};
+pub(crate) use self::observation::observations;
+pub use self::observation::{Control, Observation, Part, before_um};
 
 use self::ground::ensure_common_ground;
 use crate::inputs::job::Job;
@@ -73,7 +75,7 @@ pub struct Comparison {
 
 impl Comparison {
     /// Whether the values afterwards may be a measurement of this machine with its tables.
-    pub fn is_measured(&self) -> bool {
+    pub(crate) fn is_measured(&self) -> bool {
         let is_none = |found: &Finding| found.kind().is_some_and(AsLeft::is_no_measurement);
         !self.findings.iter().any(is_none)
     }

@@ -125,7 +125,7 @@ impl Directory {
     }
 
     /// The same for a rehearsal: what the manifest says against the files is a note.
-    pub fn rehearse(&self, inputs: &Inputs) -> Result<SimulatedTables, Problems> {
+    pub(crate) fn rehearse(&self, inputs: &Inputs) -> Result<SimulatedTables, Problems> {
         let mut loaded = match self.read_out(inputs)? {
             Some(active) => SimulatedTables::read_out(inputs, &active)?,
             None => SimulatedTables::read(inputs, &self.kit_files(), self.state.as_ref())

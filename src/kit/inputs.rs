@@ -123,7 +123,7 @@ impl Inputs {
 }
 
 /// Tables whose effect the semantics do not tell.
-pub fn cannot_emulate(reason: &CannotEmulate) -> Problems {
+pub(crate) fn cannot_emulate(reason: &CannotEmulate) -> Problems {
     Problem::new(format!("the tables cannot be emulated: {}", reason.0))
         .help("nothing is written, because no forecast could be given")
         .into()

@@ -128,14 +128,17 @@ pub fn load(
 }
 
 /// Loads what was read out of a control into the emulated control of a job.
-pub fn load_read_out(inputs: &Inputs, active: &ActiveControl) -> Result<LoadedControl, Problems> {
+pub(crate) fn load_read_out(
+    inputs: &Inputs,
+    active: &ActiveControl,
+) -> Result<LoadedControl, Problems> {
     let plan = plan(inputs.task())?;
     let compiled = inputs.compile(&plan)?;
     Loaded::read_out(inputs, &plan, &compiled, active)?.with(plan)
 }
 
 /// Makes the files of a job in memory and loads their bytes.
-pub fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
+pub(crate) fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
     let kit = generate(inputs)?;
     load(inputs, &kit.kit_files(), Some(&kit.manifest.state))
 }

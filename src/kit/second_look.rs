@@ -32,7 +32,7 @@ pub struct SecondLook {
 
 /// Compares and judges. `corrected` = the machine as found under each slip of the first records: asked
 /// for only where as left is not as forecast, since each takes a separation of its own.
-pub fn second_look(
+pub(crate) fn second_look(
     inputs: &Inputs,
     verification: &Verification,
     measured: &AfterMeasurement,

@@ -12,9 +12,8 @@ mod diagonals;
 pub mod iso_230_2;
 pub mod vdi_3441;
 
-pub use self::diagonals::{
-    DiagonalFigures, DiagonalMotion, Diagonals, diagonal, diagonal_of_unknown_length,
-};
+pub(crate) use self::diagonals::diagonal_of_unknown_length;
+pub use self::diagonals::{DiagonalFigures, DiagonalMotion, Diagonals, diagonal};
 
 /// How surely a formula or a condition is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

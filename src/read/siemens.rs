@@ -21,7 +21,8 @@ mod read_out;
 mod statement;
 mod variable;
 
-pub use self::contents::{MachineDatum, MachineValue, ReadOut, SiemensContents, is_switch, merge};
+pub(crate) use self::contents::is_switch;
+pub use self::contents::{MachineDatum, MachineValue, ReadOut, SiemensContents, merge};
 
 use self::control::SiemensControl;
 use crate::control::control_state::ControlState;

@@ -7,8 +7,7 @@
 mod page;
 mod section;
 
-pub use self::page::read_page;
-pub(crate) use self::page::read_page_over;
+pub(crate) use self::page::{read_page, read_page_over};
 
 use crate::text::problem::{LineIndex, Place, Problem, Problems, refuse_long_lines};
 pub use section::Section;

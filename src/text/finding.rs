@@ -42,7 +42,7 @@ impl Finding {
     }
 
     /// How grave it is.
-    pub fn severity(&self) -> Severity {
+    pub(crate) fn severity(&self) -> Severity {
         self.severity
     }
 }

@@ -6,9 +6,10 @@
 //!               └─ + what the control adds (emulated from bytes) ─→ Assessment   with the tables
 //! ```
 
+pub(crate) use self::grid::holds_everywhere;
 use self::grid::no_map;
-pub use self::grid::{Grid, GridChoice, MOST_POINTS, Windows, holds_everywhere};
-pub use self::tables::with_tables;
+pub use self::grid::{Grid, GridChoice, MOST_POINTS, Windows};
+pub(crate) use self::tables::with_tables;
 use crate::quantity::axis::PerAxis;
 use crate::text::problem::Problem;
 use crate::volume::definitions::{Definitions, LargestDifference, definitions, largest_difference};

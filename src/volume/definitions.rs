@@ -169,7 +169,7 @@ pub(crate) fn largest_difference(map: &ErrorMap) -> LargestDifference {
 /// between two places where a curve bends, e · u of straight curves is a parabola of the way
 /// travelled (angle × lever), so its extreme is found from three places; of other curves it is
 /// close.
-pub fn diagonal_ranges(model: &VolumeModel) -> PerDiagonal<f64> {
+pub(crate) fn diagonal_ranges(model: &VolumeModel) -> PerDiagonal<f64> {
     let bends = bends(model);
     PerDiagonal::from_fn(|diagonal| {
         let along = |t: f64| along(model, diagonal, t);
@@ -259,7 +259,7 @@ pub struct LengthError {
 /// what    | |p − q + e(p) − e(q)| − |p − q| |, all nodes p, q
 /// limits  exact up to 10 000 nodes; beyond, at most 21 nodes of each axis are compared, the ends
 ///         among them, and the figure is a lower bound
-pub fn length_error(map: &ErrorMap) -> LengthError {
+pub(crate) fn length_error(map: &ErrorMap) -> LengthError {
     let exact = map.count() <= MOST_NODES;
     let counts = map.counts();
     let kept = PerAxis::from_fn(|axis| {

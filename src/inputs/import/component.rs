@@ -62,7 +62,7 @@ impl fmt::Display for Component {
 }
 
 /// The terms of a series, e.g. `EXX EAX`.
-pub fn terms_of(series: &DraftSeries) -> Vec<Component> {
+pub(crate) fn terms_of(series: &DraftSeries) -> Vec<Component> {
     let along = series.axis;
     let deviations = series.deviations_um.iter();
     let deviations = deviations.map(|(of, um)| (Kind::Deviation(of), um.is_some()));

@@ -98,7 +98,7 @@ pub fn system_number(name: &str) -> Option<u32> {
 }
 
 /// The name of a coordinate system by its number.
-pub fn system_name(number: u32) -> String {
+pub(crate) fn system_name(number: u32) -> String {
     match number {
         0..=6 => format!("G{}", 53 + number),
         7..=EXTENDED => format!("G59.{}", number - 6),

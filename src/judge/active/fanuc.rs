@@ -67,7 +67,7 @@ pub(super) fn read(
 
 /// Lets the job say what the files do of 3605#1 (lines or steps between the points), where it does
 /// not state it; gives what is to be told.
-pub fn take_interpolation(
+pub(crate) fn take_interpolation(
     job: &mut Job,
     profile: &Profile,
     active: &ActiveControl,

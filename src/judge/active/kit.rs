@@ -180,7 +180,7 @@ fn backlash(names: &PerAxis<Vec<String>>, state: &Value) -> PerAxis<Option<f64>>
 }
 
 /// What the `state` of a manifest says of an axis of the control.
-pub fn named_axis<'a>(state: &'a Value, name: &str) -> Option<&'a Value> {
+pub(crate) fn named_axis<'a>(state: &'a Value, name: &str) -> Option<&'a Value> {
     items(&state["axes"]).find(|entry| word(&entry["name"]).eq_ignore_ascii_case(name))
 }
 

@@ -34,7 +34,7 @@ const ZERO_UM: f64 = 1e-3;
 /// limits refused where the old tables correct what was not measured or is not asked for, are not
 ///        zero at the reference, repeat, differ between the axes of a gantry, or where a backlash
 ///        parameter that is replaced is not known
-pub fn uncompensated(
+pub(crate) fn uncompensated(
     job: &Job,
     profile: &Profile,
     measured: &ErrorModel,

@@ -144,7 +144,7 @@ fn texts<'a>(
 }
 
 /// New tables at places that others own; all of them at once.
-pub fn collisions(job: &Job, active: &ActiveControl, new: &Tables) -> Result<(), Problems> {
+pub(crate) fn collisions(job: &Job, active: &ActiveControl, new: &Tables) -> Result<(), Problems> {
     let taken = match new {
         Tables::Siemens(new) => siemens::taken(&active.others, new),
         Tables::Fanuc(new) => fanuc::taken(&active.others, new),
@@ -161,7 +161,7 @@ pub fn collisions(job: &Job, active: &ActiveControl, new: &Tables) -> Result<(),
 }
 
 /// Old tables that the new files leave in the control: each has to be switched off.
-pub fn left_over(active: &ActiveControl, new: &Tables) -> Vec<Precondition> {
+pub(crate) fn left_over(active: &ActiveControl, new: &Tables) -> Vec<Precondition> {
     const WHY: &str =
         "an old table that the new files do not overwrite would act in addition to them";
     const SOURCE: &str = "the active tables that the job names";

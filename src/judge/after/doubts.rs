@@ -151,7 +151,7 @@ pub struct UnseenReversal {
 
 /// What the first measurement could not see; `None` where both tell the directions apart, or
 /// neither does.
-pub fn unseen_reversal(before: &ErrorModel, after: &ErrorModel) -> Option<UnseenReversal> {
+pub(crate) fn unseen_reversal(before: &ErrorModel, after: &ErrorModel) -> Option<UnseenReversal> {
     let mut without = after.clone();
     let mut found = Vec::new();
     for term in ErrorTerm::ALL {

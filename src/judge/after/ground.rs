@@ -11,7 +11,7 @@ use crate::write::grid::EDGE_MM;
 
 /// Refuses a second job of another machine: serial number, travel, reference point and direction
 /// of the reference return have to be those of the first, each shown at both places.
-pub fn ensure_same_machine(first: &Job, second: &Job) -> Result<(), Problems> {
+pub(crate) fn ensure_same_machine(first: &Job, second: &Job) -> Result<(), Problems> {
     let mut problems = Problems::none();
     for ((key, what, here), (.., there)) in told(first).into_iter().zip(told(second)) {
         if let (Some(here), Some(there)) = (here, there)

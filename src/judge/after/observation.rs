@@ -140,7 +140,7 @@ const fn index(direction: Direction) -> usize {
 }
 
 /// Every value of the second measurement that the first one has an answer to.
-pub fn observations(before: &ErrorModel, after: &AfterMeasurement) -> Vec<Observation> {
+pub(crate) fn observations(before: &ErrorModel, after: &AfterMeasurement) -> Vec<Observation> {
     match after {
         AfterMeasurement::Diagonals(runs) => along_diagonals(before, runs),
         AfterMeasurement::Errors(model) => {

@@ -36,7 +36,7 @@ pub struct JudgedRange {
 }
 
 /// The judged range of every axis along which a term was measured.
-pub fn judged_ranges(job: &Job, model: &ErrorModel) -> Vec<JudgedRange> {
+pub(crate) fn judged_ranges(job: &Job, model: &ErrorModel) -> Vec<JudgedRange> {
     let along = |axis: &Axis| model.measured().any(|(term, _)| term.along == *axis);
     let axes = Axis::ALL.into_iter().filter(along);
     let ranges = axes.filter_map(|axis| {

@@ -83,7 +83,7 @@ pub fn diagonal(diagonals: &[(&str, &Runs)], motion: DiagonalMotion) -> Diagonal
 
 /// The same where nothing is known of the box: no figure depends on the targets' places along the
 /// diagonal, but whether they are enough cannot be determined.
-pub fn diagonal_of_unknown_length(
+pub(crate) fn diagonal_of_unknown_length(
     diagonals: &[(&str, &Runs)],
     motion: DiagonalMotion,
 ) -> Diagonals {

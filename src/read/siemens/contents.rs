@@ -87,7 +87,7 @@ pub enum MachineValue {
 }
 
 /// Whether a machine or setting datum switches tables on and off, and so is made for being changed.
-pub fn is_switch(name: &str) -> bool {
+pub(crate) fn is_switch(name: &str) -> bool {
     matches!(
         name,
         "MA_ENC_COMP_ENABLE" | "MA_CEC_ENABLE" | "SN_CEC_TABLE_ENABLE"

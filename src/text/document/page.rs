@@ -7,7 +7,7 @@ use toml::de::DeTable;
 
 /// Reads a TOML page: `read` takes what it knows from the root section and gives a value if it
 /// could; every problem is collected. The source comes back with the places of its keys.
-pub fn read_page<T>(
+pub(crate) fn read_page<T>(
     source: Source,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
 ) -> Result<(T, Source), Problems> {

@@ -82,7 +82,7 @@ const ROUNDING: f64 = 1e-9;
 ///        in each coordinate and |e(p) − e(q)| convex in it, so its largest value lies at nodes
 /// limits a curve is straight here if it meets the line at ¼, ½ and ¾ between two places where
 ///        it bends: enough for the cubic pieces of a curve, times a lever
-pub fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
+pub(crate) fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
     let own = model.own_nodes();
     Axis::ALL.into_iter().all(|axis| {
         let among = |place: &f64| {

@@ -19,7 +19,7 @@ const NOTHING_UM: f64 = 1e-9;
 /// `volume`: the machine as it was measured. `uncompensated`: its errors without the tables that
 /// were active meanwhile, which is what the new corrections are added to; the measured errors
 /// themselves where none were.
-pub fn with_tables(
+pub(crate) fn with_tables(
     volume: &VolumeModel,
     uncompensated: &ErrorModel,
     plan: &Plan,

@@ -295,7 +295,7 @@ fn through_four(a: [f64; 6], b: [f64; 6], c: [f64; 6], d: [f64; 6], width: f64) 
 
 /// The errors of a machine along a path, less the mean error at the probed places of the job.
 /// `None` where curves do not ascend, which a model that exists does not do.
-pub fn path_map(job: &Job, volume: &VolumeModel) -> Option<PathMap> {
+pub(crate) fn path_map(job: &Job, volume: &VolumeModel) -> Option<PathMap> {
     let number = |axis: Axis| Axis::ALL.iter().position(|other| *other == axis);
     let [first, second, third] = volume.chain.order().map(number);
     let origin = volume.lever_origin();
