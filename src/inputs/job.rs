@@ -5,7 +5,6 @@
 
 mod compensation;
 mod diagonals;
-mod keys;
 mod machine;
 mod measurement;
 mod path;
@@ -24,7 +23,6 @@ pub use self::measurement::{
 pub use self::path::PathRequest;
 pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
-use self::keys::sub;
 use crate::control::controller::Profile;
 use crate::quantity::axis::Axis;
 use crate::text::document::{Section, Source, read_page};
@@ -84,23 +82,25 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
     for key in ["machine", "measurement"] {
         root.required_section(key);
     }
-    let machine = sub(root, "machine", machine::machine);
+    let machine = root.sub("machine", machine::machine);
     let axes = machine.as_ref().map(|machine| machine.axes);
     let axes = axes.unwrap_or_default();
-    let measurement = sub(root, "measurement", |s| measurement::measurement(s, &axes));
+    let measurement = root.sub("measurement", |s| measurement::measurement(s, &axes));
     let measurement = measurement.flatten();
     if use_of == UseOf::Tables {
         root.required_section("compensation");
     }
-    let program = sub(root, "program", |s| {
-        program::program(s, measurement.as_ref())
-    });
-    let path = sub(root, "path", |s| path::path(s, &axes));
+    let program = root.sub("program", |s| program::program(s, measurement.as_ref()));
+    let path = root.sub("path", |s| path::path(s, &axes));
     Some(Job {
         source,
-        compensation: sub(root, "compensation", compensation::compensation).unwrap_or_default(),
-        limits: sub(root, "limits", machine::limits).unwrap_or_default(),
-        acceptance: sub(root, "acceptance", |s| machine::acceptance(s, &axes)).unwrap_or_default(),
+        compensation: root
+            .sub("compensation", compensation::compensation)
+            .unwrap_or_default(),
+        limits: root.sub("limits", machine::limits).unwrap_or_default(),
+        acceptance: root
+            .sub("acceptance", |s| machine::acceptance(s, &axes))
+            .unwrap_or_default(),
         program: program.flatten(),
         path: path.unwrap_or_else(|| PathRequest::usual(&axes)),
         machine: machine?,

@@ -268,6 +268,14 @@ impl<T> IndexMut<Axis> for PerAxis<T> {
     }
 }
 
+impl<T: Copy> PerAxis<Option<T>> {
+    /// The values of all axes, if there are three.
+    pub(crate) fn all(&self) -> Option<PerAxis<T>> {
+        let (x, y, z) = (self.x?, self.y?, self.z?);
+        Some(PerAxis { x, y, z })
+    }
+}
+
 impl PerAxis<f64> {
     /// The vector product a × b (right-handed).
     ///

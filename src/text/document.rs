@@ -4,6 +4,7 @@
 //! unknown key, missing key) with its line and goes on, so that one run shows all of them. The
 //! places of all keys stay available for later checks through [`Source::place_of`].
 
+pub(crate) mod keys;
 mod page;
 mod section;
 

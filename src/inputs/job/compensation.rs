@@ -1,10 +1,10 @@
 //! `[compensation]`: what the control shall hold.
 
 use crate::control::controller::LengthUnit;
-use crate::inputs::job::keys::{LIMITS, ascending, axes, between, count, not_both};
 use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::curve::Interpolation;
 use crate::quantity::fit::Fit;
+use crate::text::document::keys::LIMITS;
 use crate::text::document::{LONGEST_MM, Section};
 use crate::text::problem::{nearest, shown};
 
@@ -202,9 +202,9 @@ pub(super) fn compensation(section: &Section<'_>) -> Compensation {
         curve: section.choice("curve", &CURVES).unwrap_or(usual.curve),
         fit: section.choice("fit", &FITS).unwrap_or(usual.fit),
         first_table: section.whole("first_table"),
-        first_set: count(section, "first_set", 1..=u32::MAX, "sets count from 1"),
+        first_set: section.count("first_set", 1..=u32::MAX, "sets count from 1"),
         reserved_points,
-        axes: axes(section, |axis| Some(axis_settings(axis))),
+        axes: section.axes(|axis| Some(axis_settings(axis))),
     }
 }
 
@@ -272,8 +272,8 @@ fn axis_settings(section: &Section<'_>) -> AxisSettings {
     let settings = AxisSettings {
         grid: grid_request(section),
         ids: axis_ids(section),
-        measuring_system: count(section, "measuring_system", 1..=2, system),
-        detection_unit_um: between(section, "detection_unit_um", 1e-6..=1000.0, "µm"),
+        measuring_system: section.count("measuring_system", 1..=2, system),
+        detection_unit_um: section.between("detection_unit_um", 1e-6..=1000.0, "µm"),
         first_point: section.whole("first_point"),
         parameter_3605: bits(section, "parameter_3605"),
         interpolated: section.flag("interpolated"),
@@ -284,18 +284,18 @@ fn axis_settings(section: &Section<'_>) -> AxisSettings {
             .unwrap_or(OutsideMeasured::Hold),
     };
     if let (Some(start), Some(end)) = (settings.start_mm, settings.end_mm) {
-        ascending(section, "end_mm", [start, end]);
+        section.ascending("end_mm", [start, end]);
     }
     settings
 }
 
 fn grid_request(section: &Section<'_>) -> Option<GridRequest> {
-    let spacing = between(section, "spacing_mm", 1e-6..=LONGEST_MM, "mm");
-    let points = count(section, "points", 2..=u32::MAX, "write a larger number");
-    let residual = between(section, "max_residual_um", LIMITS, "µm");
-    not_both(section, "points", "spacing_mm", "keep one");
-    not_both(section, "max_residual_um", "spacing_mm", "keep one");
-    not_both(section, "max_residual_um", "points", "keep one");
+    let spacing = section.between("spacing_mm", 1e-6..=LONGEST_MM, "mm");
+    let points = section.count("points", 2..=u32::MAX, "write a larger number");
+    let residual = section.between("max_residual_um", LIMITS, "µm");
+    section.not_both("points", "spacing_mm", "keep one");
+    section.not_both("max_residual_um", "spacing_mm", "keep one");
+    section.not_both("max_residual_um", "points", "keep one");
     let spacing = spacing.map(GridRequest::Spacing);
     let points = points.map(GridRequest::Points);
     let residual = residual.map(GridRequest::MaxResidual);
@@ -307,7 +307,7 @@ fn axis_ids(section: &Section<'_>) -> Vec<String> {
     let id = section.text("id");
     let ids = section.texts("ids");
     let help = "`ids` is for a gantry of several physical axes";
-    not_both(section, "ids", "id", help);
+    section.not_both("ids", "id", help);
     let key = if ids.is_some() { "ids" } else { "id" };
     let all: Vec<String> = ids.unwrap_or_else(|| id.into_iter().collect());
     for (index, id) in all.iter().enumerate() {

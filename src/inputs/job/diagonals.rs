@@ -1,13 +1,10 @@
 //! `[measurement.step_diagonal]`: how the body diagonals were measured (contract §2.3).
 
-use crate::inputs::job::keys::{
-    Places, all_of, between, count, direction, inside, not_both, only_with, place, require, sub,
-    subs,
-};
 use crate::inputs::job::machine::{Axes, inside_travel};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
+use crate::text::document::keys::Places;
 use crate::text::document::{LONGEST_MM, Section};
 
 /// A measurement of the four body diagonals.
@@ -183,10 +180,10 @@ pub(super) fn diagonals(
     let kind = section.choice("kind", &KINDS).unwrap_or(PathKind::Step);
     let is_straight = kind == PathKind::Straight;
     let straight = "`kind = \"straight\"`";
-    only_with(section, "closure_errors", is_straight, straight);
+    section.only_with("closure_errors", is_straight, straight);
     let target = section.choice("target", &REFLECTORS);
     let is_mirror = target != Some(Reflector::Retroreflector);
-    only_with(section, "target", is_straight || is_mirror, straight);
+    section.only_with("target", is_straight || is_mirror, straight);
     let volume = volume(section, kind, None, true);
     if let Some(volume) = &volume {
         inside_travel(section, |_| "start_mm", &volume.start, axes);
@@ -196,17 +193,15 @@ pub(super) fn diagonals(
     Some(DiagonalMeasurement {
         readings,
         kind,
-        laser_sign: direction(section, "laser_sign").unwrap_or(Direction::Plus),
+        laser_sign: section.direction("laser_sign").unwrap_or(Direction::Plus),
         setup: section.choice("setup", &SET_UPS).unwrap_or(SetUp::Solve),
         frame: section.choice("frame", &FRAMES).unwrap_or(Frame::XPrimary),
         target: target.unwrap_or(Reflector::usual(kind)),
         overrun: section.flag("overrun"),
         closure_errors: section.text("closure_errors"),
         linear: linear(section),
-        beams: subs(section, "beam", |beam| {
-            one_beam(beam, axes, volume.as_ref())
-        }),
-        material: sub(section, "material", material),
+        beams: section.subs("beam", |beam| one_beam(beam, axes, volume.as_ref())),
+        material: section.sub("material", material),
         volume: volume?, // what stands above is read for its problems
     })
 }
@@ -232,13 +227,17 @@ pub(super) fn volume(
         ("order", order),
     ];
     let count_needed = if kind == PathKind::Step { 4 } else { 3 };
-    if is_required {
-        require(section, &needed[..count_needed]);
+    for (key, what) in needed.into_iter().take(count_needed) {
+        if is_required {
+            section.require(key, what);
+        }
     }
-    let start = place(section, "start_mm").or(usual.map(|v| v.start));
-    let size = sub(section, "size_mm", size).map_or(usual.map(|v| v.size), |size| size);
+    let start = section.place("start_mm").or(usual.map(|v| v.start));
+    let size = section
+        .sub("size_mm", size)
+        .map_or(usual.map(|v| v.size), |size| size);
     let help = "give the number of steps that each axis makes along a diagonal";
-    let steps = count(section, "steps", 1..=MOST_STEPS, help);
+    let steps = section.count("steps", 1..=MOST_STEPS, help);
     let steps = steps.and_then(|steps| usize::try_from(steps).ok());
     let order = section.choice_in_any_case("order", &ORDERS);
     let straight = (kind == PathKind::Straight).then_some(Axis::ALL);
@@ -251,48 +250,46 @@ pub(super) fn volume(
 }
 
 fn size(section: &Section<'_>) -> Option<Places> {
-    all_of(PerAxis::from_fn(|axis| {
-        require(section, &[(axis.key(), "the edge along this axis, mm")]);
-        let size = between(section, axis.key(), SMALLEST_SIZE_MM..=LONGEST_MM, "mm");
+    let size = PerAxis::from_fn(|axis| {
+        section.require(axis.key(), "the edge along this axis, mm");
+        let size = section.between(axis.key(), SMALLEST_SIZE_MM..=LONGEST_MM, "mm");
         size.map(Millimetres::new)
-    }))
+    });
+    size.all()
 }
 
 fn material(section: &Section<'_>) -> Material {
-    require(
-        section,
-        &[
-            (
-                "material_corrected",
-                "`true` or `false`: correcting the scales twice costs 11 µm/m for each K",
-            ),
-            (
-                "air_corrected",
-                "`true` or `false`: whether the readings are corrected for the air already",
-            ),
-        ],
+    section.require(
+        "material_corrected",
+        "`true` or `false`: correcting the scales twice costs 11 µm/m for each K",
+    );
+    section.require(
+        "air_corrected",
+        "`true` or `false`: whether the readings are corrected for the air already",
     );
     Material {
         material_corrected: section.flag("material_corrected").unwrap_or_default(),
         air_corrected: section.flag("air_corrected").unwrap_or_default(),
-        axes: PerAxis::from_fn(|axis| sub(section, axis.key(), axis_material)),
+        axes: PerAxis::from_fn(|axis| section.sub(axis.key(), axis_material)),
     }
 }
 
 fn axis_material(section: &Section<'_>) -> AxisMaterial {
     let steel = "the expansion of the scale, e.g. 11.5e-6";
-    require(section, &[("alpha_per_k", steel)]);
+    section.require("alpha_per_k", steel);
     let alpha = -LARGEST_ALPHA_PER_K..=LARGEST_ALPHA_PER_K;
     AxisMaterial {
-        alpha_per_k: between(section, "alpha_per_k", alpha, "1/K").unwrap_or_default(),
-        temperature_c: between(section, "temperature_c", COLDEST_C..=WARMEST_C, "°C"),
+        alpha_per_k: section
+            .between("alpha_per_k", alpha, "1/K")
+            .unwrap_or_default(),
+        temperature_c: section.between("temperature_c", COLDEST_C..=WARMEST_C, "°C"),
     }
 }
 
 /// The lines along single axes, each axis once.
 fn linear(section: &Section<'_>) -> Vec<Linear> {
     let mut seen = Vec::new();
-    subs(section, "linear", |section| {
+    section.subs("linear", |section| {
         let linear = one_linear(section)?;
         if seen.contains(&linear.axis) {
             let axis = linear.axis;
@@ -305,11 +302,11 @@ fn linear(section: &Section<'_>) -> Vec<Linear> {
 }
 
 fn one_linear(section: &Section<'_>) -> Option<Linear> {
-    require(section, &[("axis", "`x`, `y` or `z`")]);
-    not_both(section, "errors", "slope_um_per_m", "keep one");
+    section.require("axis", "`x`, `y` or `z`");
+    section.not_both("errors", "slope_um_per_m", "keep one");
     if !section.has("errors") {
         let slope = "the slope of the positioning error, µm/m, or `errors = …` with a table of it";
-        require(section, &[("slope_um_per_m", slope)]);
+        section.require("slope_um_per_m", slope);
     }
     let axis = section.choice_in_any_case("axis", &Axis::ALL.map(|axis| (axis.key(), axis)));
     let stated = slope(section).map(LinearSlope::Stated);
@@ -324,21 +321,16 @@ fn one_linear(section: &Section<'_>) -> Option<Linear> {
 
 fn slope(section: &Section<'_>) -> Option<f64> {
     let slopes = -STEEPEST_UM_PER_M..=STEEPEST_UM_PER_M;
-    between(section, "slope_um_per_m", slopes, "µm/m")
+    section.between("slope_um_per_m", slopes, "µm/m")
 }
 
 fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Option<Beam> {
     let example = "a place, e.g. { x = 0.0, y = 0.0, z = 0.0 }";
     let slope_um_per_m = "the displacement error by length, µm/m";
-    require(
-        section,
-        &[
-            ("from_mm", example),
-            ("to_mm", example),
-            ("slope_um_per_m", slope_um_per_m),
-        ],
-    );
-    let (from, to) = (place(section, "from_mm"), place(section, "to_mm"));
+    section.require("from_mm", example);
+    section.require("to_mm", example);
+    section.require("slope_um_per_m", slope_um_per_m);
+    let (from, to) = (section.place("from_mm"), section.place("to_mm"));
     let slope_um_per_m = slope(section);
     let u_um_per_m = section.not_negative("u_um_per_m");
     let (from, to) = (from?, to?);
@@ -376,8 +368,8 @@ fn refuse_unreachable(
         let travel = axes[axis].map(|machine| (machine.low, machine.high));
         let what = boxed.map_or("the travel", |_| "the box of the diagonals");
         if let Some(ends) = boxed.or(travel) {
-            inside(section, "from_mm", (axis, from[axis].mm()), ends, what);
-            inside(section, "to_mm", (axis, to[axis].mm()), ends, what);
+            section.inside("from_mm", (axis, from[axis]), ends, what);
+            section.inside("to_mm", (axis, to[axis]), ends, what);
         }
     }
 }

@@ -1,12 +1,10 @@
 //! `[machine]`, `[limits]` and `[acceptance]`: the machine, what is refused, and what is judged by.
 
-use crate::inputs::job::keys::{
-    LIMITS, Places, ascending, axes, between, direction, inside, plain_text, require, sub,
-};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::chain::Chain;
 use crate::quantity::units::Millimetres;
 use crate::text::document::Section;
+use crate::text::document::keys::{LIMITS, Places};
 use crate::text::problem::shown;
 
 /// The machine.
@@ -97,12 +95,12 @@ impl Acceptance {
 const REFERENCE_OUTSIDE_MM: f64 = 100.0; // contract §2.3
 
 pub(super) fn machine(section: &Section<'_>) -> Machine {
-    require(section, &[("name", "the machine's name")]);
+    section.require("name", "the machine's name");
     Machine {
-        name: plain_text(section, "name").unwrap_or_default(),
-        serial: plain_text(section, "serial"),
+        name: section.plain_text("name").unwrap_or_default(),
+        serial: section.plain_text("serial"),
         chain: chain(section),
-        axes: axes(section, machine_axis),
+        axes: section.axes(machine_axis),
     }
 }
 
@@ -121,22 +119,17 @@ fn chain(section: &Section<'_>) -> Option<Chain> {
 }
 
 fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {
-    require(
-        section,
-        &[
-            ("travel_mm", "the ends of the travel, e.g. [0.0, 900.0]"),
-            (
-                "reference_mm",
-                "the machine coordinate of the reference point",
-            ),
-        ],
+    section.require("travel_mm", "the ends of the travel, e.g. [0.0, 900.0]");
+    section.require(
+        "reference_mm",
+        "the machine coordinate of the reference point",
     );
     let travel = section.pair_of_millimetres("travel_mm");
-    let travel = travel.and_then(|travel| ascending(section, "travel_mm", travel));
+    let travel = travel.and_then(|travel| section.ascending("travel_mm", travel));
     let reference = section.millimetres("reference_mm").map(Millimetres::new);
     let outside = section.not_negative("reference_outside_mm");
-    let reference_direction = direction(section, "reference_direction");
-    let max_feed = between(section, "max_feed_mm_per_min", 1e-3..=1e6, "mm/min");
+    let reference_direction = section.direction("reference_direction");
+    let max_feed = section.between("max_feed_mm_per_min", 1e-3..=1e6, "mm/min");
     let ((low, high), reference) = (travel?, reference?);
     let axis = MachineAxis {
         low,
@@ -171,20 +164,14 @@ pub(super) fn inside_travel(
 ) {
     for (axis, machine) in axes.iter() {
         if let Some(MachineAxis { low, high, .. }) = machine {
-            inside(
-                section,
-                key(axis),
-                (axis, place[axis].mm()),
-                (*low, *high),
-                "the travel",
-            );
+            section.inside(key(axis), (axis, place[axis]), (*low, *high), "the travel");
         }
     }
 }
 
 pub(super) fn limits(section: &Section<'_>) -> Limits {
     let usual = Limits::default();
-    let read = |key, range, unit, usual| between(section, key, range, unit).unwrap_or(usual);
+    let read = |key, range, unit, usual| section.between(key, range, unit).unwrap_or(usual);
     let bump = LEAST_BUMP_UM..=LARGEST_BUMP_UM;
     Limits {
         max_correction_um: read("max_correction_um", LIMITS, "µm", usual.max_correction_um),
@@ -201,17 +188,17 @@ pub(super) fn limits(section: &Section<'_>) -> Limits {
 pub(super) fn acceptance(section: &Section<'_>, axes: &Axes) -> Acceptance {
     let range = |s: &Section<'_>, axis: Axis| {
         let range = s.pair_of_millimetres(axis.key())?;
-        let (from, to) = ascending(s, axis.key(), range)?;
+        let (from, to) = s.ascending(axis.key(), range)?;
         if let Some(MachineAxis { low, high, .. }) = axes[axis] {
-            inside(s, axis.key(), (axis, from.mm()), (low, high), "the travel");
-            inside(s, axis.key(), (axis, to.mm()), (low, high), "the travel");
+            s.inside(axis.key(), (axis, from), (low, high), "the travel");
+            s.inside(axis.key(), (axis, to), (low, high), "the travel");
         }
         Some((from, to))
     };
     let ranges = |s: &Section<'_>| PerAxis::from_fn(|axis| range(s, axis));
     Acceptance {
-        max_deviation_um: between(section, "max_deviation_um", LIMITS, "µm"),
-        max_diagonal_um: between(section, "max_diagonal_um", LIMITS, "µm"),
-        range: sub(section, "range_mm", ranges).unwrap_or_default(),
+        max_deviation_um: section.between("max_deviation_um", LIMITS, "µm"),
+        max_diagonal_um: section.between("max_diagonal_um", LIMITS, "µm"),
+        range: section.sub("range_mm", ranges).unwrap_or_default(),
     }
 }

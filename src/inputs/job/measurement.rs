@@ -1,7 +1,6 @@
 //! `[measurement]`: what was measured, and with which compensation.
 
 use crate::inputs::job::diagonals::{DiagonalMeasurement, diagonals};
-use crate::inputs::job::keys::{not_both, only_with, place, plain_text, require, some_places, sub};
 use crate::inputs::job::machine::MachineAxis;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::quantity::units::Millimetres;
@@ -177,12 +176,12 @@ pub(super) fn measurement(
     Some(Measurement {
         angles: section.text("angles"),
         levers: Levers {
-            offsets: some_places(section, "offsets_mm"),
-            tool: place(section, "tool_offset_mm"),
-            angles_zero: some_places(section, "angles_zero_mm"),
-            straightness_optic: some_places(section, "straightness_optic_mm"),
+            offsets: section.some_places("offsets_mm"),
+            tool: section.place("tool_offset_mm"),
+            angles_zero: section.some_places("angles_zero_mm"),
+            straightness_optic: section.some_places("straightness_optic_mm"),
         },
-        date: plain_text(section, "date"),
+        date: section.plain_text("date"),
         active_settings: active_settings(section, &active),
         active,
         squareness: squareness(section),
@@ -190,7 +189,7 @@ pub(super) fn measurement(
             .section("protocol")
             .map(|protocol| protocol.entries())
             .unwrap_or_default(),
-        uncertainty: sub(section, "uncertainty", uncertainty).unwrap_or_default(),
+        uncertainty: section.sub("uncertainty", uncertainty).unwrap_or_default(),
         data: data?, // the others are read for their problems
     })
 }
@@ -198,11 +197,11 @@ pub(super) fn measurement(
 fn active_settings(section: &Section<'_>, active: &ActiveTables) -> ActiveSettings {
     let is_named = matches!(active, ActiveTables::Path(_));
     let path = "`active_while_measuring = \"PATH\"`";
-    only_with(section, "active_terms_not_measured", is_named, path);
-    only_with(section, "active_reference", is_named, path);
+    section.only_with("active_terms_not_measured", is_named, path);
+    section.only_with("active_reference", is_named, path);
     let is_stated = *active != ActiveTables::NotStated;
     let none = "`active_while_measuring = …`";
-    only_with(section, "active_backlash_um", is_stated, none);
+    section.only_with("active_backlash_um", is_stated, none);
     let words = [("keep", NotMeasured::Keep), ("drop", NotMeasured::Drop)];
     let backlash = |s: &Section<'_>| PerAxis::from_fn(|axis| s.number(axis.key()));
     ActiveSettings {
@@ -210,7 +209,9 @@ fn active_settings(section: &Section<'_>, active: &ActiveTables) -> ActiveSettin
         rezero: section
             .choice("active_reference", &[("same", false), ("rezero", true)])
             .unwrap_or(false),
-        backlash_um: sub(section, "active_backlash_um", backlash).unwrap_or_default(),
+        backlash_um: section
+            .sub("active_backlash_um", backlash)
+            .unwrap_or_default(),
     }
 }
 
@@ -220,31 +221,25 @@ fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<Me
     let readings = section.text("readings");
     let has_readings = section.has("readings");
     let help = "keep `readings` to separate them now, or `errors` if they are separated already";
-    not_both(section, "readings", "errors", help);
+    section.not_both("readings", "errors", help);
     if section.has("errors") {
-        only_with(section, "step_diagonal", has_readings, "`readings`");
+        section.only_with("step_diagonal", has_readings, "`readings`");
         return errors.map(MeasuredData::Errors);
     }
     if has_readings {
         section.required_section("step_diagonal");
     } else if section.has("step_diagonal") {
-        require(
-            section,
-            &[(
-                "readings",
-                "the path of the readings that [measurement.step_diagonal] describes",
-            )],
+        section.require(
+            "readings",
+            "the path of the readings that [measurement.step_diagonal] describes",
         );
     } else {
-        require(
-            section,
-            &[(
-                "errors",
-                "the path of an error table (or `readings` of the body diagonals)",
-            )],
+        section.require(
+            "errors",
+            "the path of an error table (or `readings` of the body diagonals)",
         );
     }
-    let measured = sub(section, "step_diagonal", |how| {
+    let measured = section.sub("step_diagonal", |how| {
         diagonals(how, axes, readings.unwrap_or_default())
     });
     measured.flatten().map(MeasuredData::Diagonals)
@@ -282,7 +277,7 @@ fn uncertainty(section: &Section<'_>) -> StatedUncertainty {
 fn squareness(measurement: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
     let key = "squareness_um_per_m";
     let is_table = !measurement.has("readings");
-    only_with(measurement, key, is_table, "`errors`"); // readings measure the squareness themselves
+    measurement.only_with(key, is_table, "`errors`"); // readings measure the squareness themselves
     let pairs = [
         ("xy", Axis::X, Axis::Y),
         ("xz", Axis::X, Axis::Z),
@@ -294,7 +289,7 @@ fn squareness(measurement: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
             .filter_map(|(key, of, along)| Some((ErrorTerm { of, along }, section.number(key)?)));
         given.collect()
     };
-    sub(measurement, key, read).unwrap_or_default()
+    measurement.sub(key, read).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! `[path]`: what the control knows before a part program starts, and how its path is followed.
 
-use crate::inputs::job::keys::{Places, between, coordinates, count, place, require, subs};
 use crate::inputs::job::machine::{Axes, inside_travel};
 use crate::inputs::nc::{G43WithoutH, Place, Setup, WithoutPoint, system_number};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::document::Section;
+use crate::text::document::keys::Places;
 use crate::text::problem::shown;
 use std::collections::BTreeMap;
 
@@ -69,7 +69,7 @@ const WITHOUT_H: [(&str, G43WithoutH); 3] = [
 pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
     let usual = PathRequest::usual(axes);
     let inside = |key: &'static str| {
-        let place = place(section, key)?;
+        let place = section.place(key)?;
         inside_travel(section, |_| key, &place, axes);
         Some(plain(place))
     };
@@ -91,21 +91,21 @@ pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
         g43_without_h: section
             .choice("g43_without_h", &WITHOUT_H)
             .unwrap_or(usual.setup.g43_without_h),
-        arc_mm: between(section, "arc_mm", 1e-4..=COARSEST_ARC_MM, "mm"),
+        arc_mm: section.between("arc_mm", 1e-4..=COARSEST_ARC_MM, "mm"),
         skip_deletable: is_second("block_delete", "execute", "skip"),
     };
-    let chord_mm = between(section, "chord_mm", 1e-5..=1.0, "mm");
-    let sample_mm = between(section, "sample_mm", 1e-3..=1e4, "mm");
+    let chord_mm = section.between("chord_mm", 1e-5..=1.0, "mm");
+    let sample_mm = section.between("sample_mm", 1e-3..=1e4, "mm");
     PathRequest {
         setup,
         has_start: start.is_some(),
-        measured_tool_mm: section.within("measured_tool_mm", 0.0, LONGEST_TOOL_MM, "mm"),
+        measured_tool_mm: section.length_up_to("measured_tool_mm", LONGEST_TOOL_MM),
         rapid: is_second("moves", "feed", "all"),
         chord_mm: chord_mm.unwrap_or(usual.chord_mm),
         sample_mm: sample_mm.unwrap_or(usual.sample_mm),
         refuse_outside: is_second("outside", "hold", "refuse"),
-        datum: subs(section, "datum", |entry| {
-            let place = coordinates(entry, COORDINATES)?;
+        datum: section.subs("datum", |entry| {
+            let place = entry.coordinates(COORDINATES)?;
             inside_travel(entry, |axis| COORDINATES[axis], &place, axes);
             Some(plain(place))
         }),
@@ -119,10 +119,10 @@ fn plain(place: Places) -> Place {
 /// `[[path.offset]]`.
 fn systems(section: &Section<'_>) -> BTreeMap<u32, Place> {
     let mut systems = BTreeMap::new();
-    subs(section, "offset", |entry| {
+    section.subs("offset", |entry| {
         let example = "a coordinate system, e.g. \"G54\" or \"G54.1 P7\"";
         let name = entry.required_text("system", example);
-        let place = coordinates(entry, COORDINATES);
+        let place = entry.coordinates(COORDINATES);
         let name = name?;
         let Some(number) = system_number(&name) else {
             let message = format!("`{}` is no coordinate system", shown(&name));
@@ -138,12 +138,13 @@ fn systems(section: &Section<'_>) -> BTreeMap<u32, Place> {
 /// `[[path.tool]]`.
 fn tools(section: &Section<'_>) -> BTreeMap<u32, f64> {
     let mut tools = BTreeMap::new();
-    subs(section, "tool", |entry| {
+    section.subs("tool", |entry| {
         let number = "the number of the tool offset (H)";
         let length = "the length of the tool";
-        require(entry, &[("number", number), ("length_mm", length)]);
-        let number = count(entry, "number", 1..=MOST_TOOL_NUMBER, "H0 is no length");
-        let length = entry.within("length_mm", 0.0, LONGEST_TOOL_MM, "mm");
+        entry.require("number", number);
+        entry.require("length_mm", length);
+        let number = entry.count("number", 1..=MOST_TOOL_NUMBER, "H0 is no length");
+        let length = entry.length_up_to("length_mm", LONGEST_TOOL_MM);
         insert(entry, "number", &mut tools, (number?, length?))
     });
     tools

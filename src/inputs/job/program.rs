@@ -1,7 +1,6 @@
 //! `[program]`: the part programs of a measuring run (contract §2.3, docs/program.md).
 
 use crate::inputs::job::diagonals::{Reflector, volume};
-use crate::inputs::job::keys::{between, count, only_with, place, require};
 use crate::inputs::job::measurement::{MeasuredData, Measurement};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{PathKind, Volume};
@@ -153,12 +152,9 @@ pub(super) fn program(
         RunType::StraightDiagonal,
         RunType::SingleAxis,
     ];
-    require(
-        section,
-        &[(
-            "what",
-            "`step-diagonal`, `straight-diagonal` or `single-axis`",
-        )],
+    section.require(
+        "what",
+        "`step-diagonal`, `straight-diagonal` or `single-axis`",
     );
     let what = section.choice("what", &words.map(|what| (what.word(), what)));
     refuse_other_runs(section, what);
@@ -169,18 +165,13 @@ pub(super) fn program(
         Some(RunType::SingleAxis) => DEFAULT_ISO_RUNS,
         _ => 1,
     };
-    let feed = between(section, "feed_mm_per_min", 1e-3..=1e6, "mm/min");
-    let dwell = between(section, "dwell_s", 0.1..=600.0, "s");
-    let runs = count(
-        section,
-        "runs",
-        1..=MOST_RUNS,
-        "write a number of that range",
-    );
+    let feed = section.between("feed_mm_per_min", 1e-3..=1e6, "mm/min");
+    let dwell = section.between("dwell_s", 0.1..=600.0, "s");
+    let runs = section.count("runs", 1..=MOST_RUNS, "write a number of that range");
     let four = "the programs have numbers of four digits";
     Some(ProgramRequest {
         axes: axes(section),
-        rest: place(section, "rest_mm"),
+        rest: section.place("rest_mm"),
         feed_mm_per_min: feed.unwrap_or(DEFAULT_FEED_MM_PER_MIN),
         dwell_s: dwell.unwrap_or(DEFAULT_DWELL_S),
         overrun: Millimetres::new(overrun),
@@ -190,7 +181,7 @@ pub(super) fn program(
         way_back,
         targets: targets(section),
         alignment_pass: section.flag("alignment_pass").unwrap_or(true),
-        number: count(section, "number", 1..=MOST_NUMBER, four),
+        number: section.count("number", 1..=MOST_NUMBER, four),
         target: target(what, measurement),
         what: what?, // what stands above is read for its problems
         volume: volume?,
@@ -203,13 +194,13 @@ fn refuse_other_runs(section: &Section<'_>, what: Option<RunType>) {
     let Some(what) = what else { return };
     let is_single = what == RunType::SingleAxis;
     let single = "`what = \"single-axis\"`";
-    only_with(section, "axes", is_single, single);
-    only_with(section, "rest_mm", is_single, single);
+    section.only_with("axes", is_single, single);
+    section.only_with("rest_mm", is_single, single);
     if section.text("targets").is_some_and(|word| word == "offset") {
-        only_with(section, "targets", is_single, single);
+        section.only_with("targets", is_single, single);
     }
     let step = "`what = \"step-diagonal\"`";
-    only_with(section, "order", what == RunType::StepDiagonal, step);
+    section.only_with("order", what == RunType::StepDiagonal, step);
 }
 
 /// The box as stated here, else as stated for the measurement, and the key of its size.
@@ -267,19 +258,14 @@ fn directions(section: &Section<'_>) -> (bool, WayBack) {
     let is_retraced = way_back == WayBack::Retrace;
     let stated = section.flag("bidirectional");
     let fits = stated != Some(true) || is_retraced;
-    only_with(section, "return", fits, "`bidirectional = false`");
+    section.only_with("return", fits, "`bidirectional = false`");
     (stated.unwrap_or(is_retraced), way_back)
 }
 
 /// Overrun and preload, mm.
 fn run_out(section: &Section<'_>, what: Option<RunType>, bidirectional: bool) -> (f64, f64) {
-    let overrun = between(section, "overrun_mm", 0.0..=*LENGTHS_MM.end(), "mm");
-    only_with(
-        section,
-        "overrun_mm",
-        bidirectional,
-        "`bidirectional = true`",
-    );
+    let overrun = section.between("overrun_mm", 0.0..=*LENGTHS_MM.end(), "mm");
+    section.only_with("overrun_mm", bidirectional, "`bidirectional = true`");
     let stated = overrun.filter(|mm| *mm > 0.0);
     let turns = overrun.is_some() && stated.is_none() && bidirectional;
     if turns && what != Some(RunType::StepDiagonal) {
@@ -289,7 +275,7 @@ fn run_out(section: &Section<'_>, what: Option<RunType>, bidirectional: bool) ->
             "give an overrun larger than the reversal of every axis, e.g. `overrun_mm = 2.0`",
         );
     }
-    let preload = between(section, "preload_mm", LENGTHS_MM, "mm");
+    let preload = section.between("preload_mm", LENGTHS_MM, "mm");
     let usual_preload = stated.unwrap_or(DEFAULT_OVERRUN_MM);
     (
         overrun.unwrap_or(DEFAULT_OVERRUN_MM),
@@ -300,8 +286,10 @@ fn run_out(section: &Section<'_>, what: Option<RunType>, bidirectional: bool) ->
 fn targets(section: &Section<'_>) -> TargetGrid {
     let is_offset = section.choice("targets", &[("equal", false), ("offset", true)]);
     let is_offset = is_offset.unwrap_or(false);
-    let shift = between(section, "shift_mm", LENGTHS_MM, "mm").map(Millimetres::new);
-    only_with(section, "shift_mm", is_offset, "`targets = \"offset\"`");
+    let shift = section
+        .between("shift_mm", LENGTHS_MM, "mm")
+        .map(Millimetres::new);
+    section.only_with("shift_mm", is_offset, "`targets = \"offset\"`");
     match is_offset {
         true => TargetGrid::Offset { shift },
         false => TargetGrid::Equal,

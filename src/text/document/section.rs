@@ -83,7 +83,7 @@ impl<'a> Section<'a> {
         let found = match self.table.get(key).map(Spanned::get_ref) {
             Some(DeValue::Array(_)) => "a list".to_string(),
             Some(DeValue::Table(_)) => "a section".to_string(),
-            _ => format!("`{}`", shown(self.as_written(key).unwrap_or_default())),
+            _ => format!("`{}`", self.written(key)),
         };
         self.problem(
             key,
@@ -145,21 +145,35 @@ impl<'a> Section<'a> {
         self.value(key).is_some_and(DeValue::is_array)
     }
 
+    /// The same as a message shows it.
+    pub(super) fn written(&self, key: &str) -> String {
+        shown(self.as_written(key).unwrap_or_default())
+    }
+
     /// The value of a key as it is written in the page.
     pub(crate) fn as_written(&self, key: &str) -> Option<&'a str> {
         let span = self.table.get(key)?.span();
         self.source.text.get(span)
     }
 
+    /// The value of a key, if it is present and `read` can make something of it.
+    fn typed<T>(
+        &self,
+        key: &'static str,
+        expected: &str,
+        read: impl FnOnce(&DeValue<'_>) -> Option<T>,
+    ) -> Option<T> {
+        let value = read(self.value(key)?);
+        if value.is_none() {
+            self.wrong_type(key, expected);
+        }
+        value
+    }
+
     /// A text, if the key is present.
     pub fn text(&self, key: &'static str) -> Option<String> {
-        match self.value(key)? {
-            DeValue::String(text) => Some(text.to_string()),
-            _ => {
-                self.wrong_type(key, "a text in quotes");
-                None
-            }
-        }
+        let text = |value: &DeValue<'_>| Some(value.as_str()?.to_string());
+        self.typed(key, "a text in quotes", text)
     }
 
     /// A text that must be there.
@@ -172,120 +186,76 @@ impl<'a> Section<'a> {
 
     /// A finite number, if the key is present.
     pub fn number(&self, key: &'static str) -> Option<f64> {
-        let number = number_of(self.value(key)?);
-        match number {
-            None => self.wrong_type(key, "a finite number"),
-            Some(number) if number.abs() > LARGEST_NUMBER => self.too_large(key),
-            Some(_) => return number,
-        }
-        None
+        let number = self.typed(key, "a finite number", number_of)?;
+        self.sized(key, number, number.abs() <= LARGEST_NUMBER)
     }
 
     /// A position or length in mm, no longer than any machine, if the key is present.
     pub fn millimetres(&self, key: &'static str) -> Option<f64> {
         let number = self.number(key)?;
-        if number.abs() > LONGEST_MM {
-            self.too_large(key);
-            return None;
-        }
-        Some(number)
+        self.sized(key, number, number.abs() <= LONGEST_MM)
     }
 
     /// Two positions in mm in square brackets, if the key is present.
     pub(crate) fn pair_of_millimetres(&self, key: &'static str) -> Option<[f64; 2]> {
         let pair = self.pair(key)?;
-        if pair.iter().any(|number| number.abs() > LONGEST_MM) {
-            self.too_large(key);
-            return None;
-        }
-        Some(pair)
-    }
-
-    /// A number from `low` to `high`, if the key is present.
-    pub fn within(&self, key: &'static str, low: f64, high: f64, unit: &str) -> Option<f64> {
-        let number = self.positive(key)?;
-        if (low..=high).contains(&number) {
-            return Some(number);
-        }
-        let written = shown(self.as_written(key).unwrap_or_default());
-        self.problem(
-            key,
-            format!(
-                "`{}` is `{written}`, expected {low} … {high} {unit}",
-                self.path_of(key)
-            ),
-            "check the number and its unit",
-        );
-        None
+        self.sized(key, pair, pair.iter().all(|mm| mm.abs() <= LONGEST_MM))
     }
 
     /// A number of at least zero, if the key is present.
     pub(crate) fn not_negative(&self, key: &'static str) -> Option<f64> {
-        let number = self.number(key)?;
-        if number >= 0.0 {
-            return Some(number);
-        }
-        self.problem(
-            key,
-            format!(
-                "`{}` is {number}, expected a number of at least 0",
-                self.path_of(key)
-            ),
-            format!("write `{key} = …` with a number of at least 0"),
-        );
-        None
-    }
-
-    fn too_large(&self, key: &str) {
-        let written = shown(self.as_written(key).unwrap_or_default());
-        self.problem(
-            key,
-            format!(
-                "`{}` is `{written}`, which is too large for any machine",
-                self.path_of(key)
-            ),
-            "check the number and its unit",
-        );
+        self.signed(key, "a number of at least 0", |number| number >= 0.0)
     }
 
     /// A number greater than zero, if the key is present.
     pub(crate) fn positive(&self, key: &'static str) -> Option<f64> {
+        self.signed(key, "a number above 0", |number| number > 0.0)
+    }
+
+    fn signed(
+        &self,
+        key: &'static str,
+        expected: &str,
+        is_such: impl Fn(f64) -> bool,
+    ) -> Option<f64> {
         let number = self.number(key)?;
-        if number > 0.0 {
-            return Some(number);
+        if !is_such(number) {
+            let path = self.path_of(key);
+            self.problem(
+                key,
+                format!("`{path}` is {number}, expected {expected}"),
+                format!("write `{key} = …` with {expected}"),
+            );
         }
-        let path = self.path_of(key);
-        self.problem(
-            key,
-            format!("`{path}` is {number}, expected a number above 0"),
-            format!("write `{key} = …` with a number above 0"),
-        );
-        None
+        Some(number).filter(|number| is_such(*number))
+    }
+
+    /// What was read, unless it is too large.
+    fn sized<T>(&self, key: &str, value: T, fits: bool) -> Option<T> {
+        if !fits {
+            let (path, written) = (self.path_of(key), self.written(key));
+            self.problem(
+                key,
+                format!("`{path}` is `{written}`, which is too large for any machine"),
+                "check the number and its unit",
+            );
+        }
+        fits.then_some(value)
     }
 
     /// A whole number from 0, if the key is present.
     pub fn whole(&self, key: &'static str) -> Option<u32> {
-        let whole = match self.value(key)? {
+        self.typed(key, "a whole number from 0", |value| match value {
             DeValue::Integer(integer) => {
                 u32::from_str_radix(integer.as_str(), integer.radix()).ok()
             }
             _ => None,
-        };
-        if whole.is_none() {
-            self.wrong_type(key, "a whole number from 0");
-        }
-        whole
+        })
     }
 
     /// `true` or `false`, if the key is present.
     pub(crate) fn flag(&self, key: &'static str) -> Option<bool> {
-        match self.value(key)? {
-            DeValue::Boolean(flag) => Some(*flag),
-            _ => {
-                self.wrong_type(key, "`true` or `false`");
-                None
-            }
-        }
+        self.typed(key, "`true` or `false`", |value| value.as_bool())
     }
 
     /// One of a list of words, if the key is present.
@@ -333,51 +303,28 @@ impl<'a> Section<'a> {
 
     /// Two finite numbers in square brackets, if the key is present.
     pub fn pair(&self, key: &'static str) -> Option<[f64; 2]> {
-        let numbers: Option<Vec<f64>> = match self.value(key)? {
-            DeValue::Array(items) => items.iter().map(|item| number_of(item.get_ref())).collect(),
-            _ => None,
-        };
-        match numbers.as_deref() {
-            Some([first, second]) if first.abs().max(second.abs()) > LARGEST_NUMBER => {
-                self.too_large(key);
-                None
-            }
-            Some([first, second]) => Some([*first, *second]),
-            _ => {
-                self.wrong_type(key, "two finite numbers, e.g. [0.0, 900.0]");
-                None
-            }
-        }
+        let numbers = |value: &DeValue<'_>| list_of(value, number_of)?.try_into().ok();
+        let pair: [f64; 2] = self.typed(key, "two finite numbers, e.g. [0.0, 900.0]", numbers)?;
+        self.sized(
+            key,
+            pair,
+            pair.iter().all(|number| number.abs() <= LARGEST_NUMBER),
+        )
     }
 
     /// A list of texts, if the key is present.
     pub fn texts(&self, key: &'static str) -> Option<Vec<String>> {
-        let texts: Option<Vec<String>> = match self.value(key)? {
-            DeValue::Array(items) => items
-                .iter()
-                .map(|item| item.get_ref().as_str().map(str::to_string))
-                .collect(),
-            _ => None,
-        };
-        if texts.is_none() {
-            self.wrong_type(key, "a list of texts, e.g. [\"a\", \"b\"]");
-        }
-        texts
+        let text = |value: &DeValue<'_>| Some(value.as_str()?.to_string());
+        let expected = "a list of texts, e.g. [\"a\", \"b\"]";
+        self.typed(key, expected, |value| list_of(value, text))
     }
 
     /// A list of pairs of whole numbers, if the key is present.
     pub(crate) fn whole_pairs(&self, key: &'static str) -> Option<Vec<[u32; 2]>> {
-        let pairs: Option<Vec<[u32; 2]>> = match self.value(key)? {
-            DeValue::Array(items) => items
-                .iter()
-                .map(|item| whole_pair(item.get_ref()))
-                .collect(),
-            _ => None,
-        };
-        if pairs.is_none() {
-            self.wrong_type(key, "pairs of whole numbers, e.g. [[512, 767]]");
-        }
-        pairs
+        let whole = |value: &DeValue<'_>| value.as_integer()?.as_str().parse().ok();
+        let pair = |value: &DeValue<'_>| list_of(value, whole)?.try_into().ok();
+        let expected = "pairs of whole numbers, e.g. [[512, 767]]";
+        self.typed(key, expected, |value| list_of(value, pair))
     }
 
     /// A sub-section, if it is present.
@@ -399,24 +346,21 @@ impl<'a> Section<'a> {
     /// A list of sub-sections (`[[key]]`); empty if absent. The places of their keys are kept
     /// under `key[0]`, `key[1]` …
     pub fn sections(&self, key: &'static str) -> Vec<Section<'a>> {
-        match self.value(key) {
-            None => Vec::new(),
+        let items = match self.value(key) {
+            None => return Vec::new(),
             Some(DeValue::Array(items)) if items.iter().all(|item| item.get_ref().is_table()) => {
                 items
-                    .iter()
-                    .enumerate()
-                    .filter_map(|(index, item)| {
-                        let table = item.get_ref().as_table()?;
-                        let spot = format!("{}[{index}]", joined(&self.spot, key));
-                        Some(self.child(table, item.span(), key, &spot))
-                    })
-                    .collect()
             }
             Some(_) => {
                 self.wrong_type(key, "a list of sections");
-                Vec::new()
+                return Vec::new();
             }
-        }
+        };
+        let child = |(index, item): (usize, &'a Spanned<DeValue<'a>>)| {
+            let spot = format!("{}[{index}]", joined(&self.spot, key));
+            Some(self.child(item.get_ref().as_table()?, item.span(), key, &spot))
+        };
+        items.iter().enumerate().filter_map(child).collect()
     }
 
     fn child(
@@ -439,18 +383,15 @@ impl<'a> Section<'a> {
 
     /// Keys and texts of a free section (protocol); numbers are kept as they are written.
     pub fn entries(&self) -> Vec<(String, String)> {
-        self.table
-            .iter()
-            .filter_map(|(key, value)| match value.get_ref() {
-                DeValue::String(text) => Some((key.get_ref().to_string(), text.to_string())),
-                DeValue::Integer(number) => {
-                    Some((key.get_ref().to_string(), number.as_str().to_string()))
-                }
-                DeValue::Float(number) => {
-                    Some((key.get_ref().to_string(), number.as_str().to_string()))
-                }
-                _ => None,
-            })
+        let text = |value: &DeValue<'_>| match value {
+            DeValue::String(text) => Some(text.to_string()),
+            DeValue::Integer(number) => Some(number.as_str().to_string()),
+            DeValue::Float(number) => Some(number.as_str().to_string()),
+            _ => None,
+        };
+        let entries = self.table.iter();
+        entries
+            .filter_map(|(key, value)| Some((key.get_ref().to_string(), text(value.get_ref())?)))
             .collect()
     }
 
@@ -469,7 +410,7 @@ impl<'a> Section<'a> {
     fn unknown_key(&self, name: &str, span: Range<usize>, known: &[&str]) -> Problem {
         let unit = |name: &str| name.rsplit_once('_').map(|(_, unit)| unit.to_string());
         let help = nearest(name, known.iter().copied()).map_or_else(
-            || format!("keys that are known here: {}", list_of(known)),
+            || format!("keys that are known here: {}", quoted(known)),
             |near| match unit(near).filter(|own| LENGTHS.contains(&own.as_str())) {
                 Some(own) if unit(name).is_some_and(|other| other != own && LENGTHS.contains(&other.as_str())) => {
                     format!("did you mean `{near}`? its unit is another: 1 mm = 1000 µm, 1 inch = 25.4 mm")
@@ -497,7 +438,7 @@ fn joined(path: &str, key: &str) -> String {
 }
 
 /// Words in back-quotes, each once.
-fn list_of(words: &[&str]) -> String {
+fn quoted(words: &[&str]) -> String {
     let mut list: Vec<String> = Vec::new();
     for word in words {
         let quoted = format!("`{word}`");
@@ -521,13 +462,10 @@ fn number_of(value: &DeValue<'_>) -> Option<f64> {
     Some(number + 0.0) // −0 becomes 0
 }
 
-fn whole_pair(value: &DeValue<'_>) -> Option<[u32; 2]> {
-    let items = value.as_array()?;
-    let numbers: Option<Vec<u32>> = items
-        .iter()
-        .map(|item| item.get_ref().as_integer()?.as_str().parse().ok())
-        .collect();
-    numbers?.try_into().ok()
+/// Every entry of a list, if all of them can be read.
+fn list_of<T>(value: &DeValue<'_>, read: impl Fn(&DeValue<'_>) -> Option<T>) -> Option<Vec<T>> {
+    let items = value.as_array()?.iter();
+    items.map(|item| read(item.get_ref())).collect()
 }
 
 #[derive(Default)]
