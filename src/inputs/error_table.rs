@@ -13,10 +13,9 @@ pub use self::read::{Heading, Series};
 pub use self::remarks::{Remarks, SIMULATED};
 pub use self::text::{Draft, DraftSeries, write};
 
-use self::read::{Columns, FIRST_LINE, Record, refuse_single_positions};
+use self::read::{Columns, refuse_single_positions};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::quantity::units::AT_PLACE_MM;
-use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
 
@@ -39,33 +38,23 @@ pub struct ErrorTable {
 impl ErrorTable {
     /// Reads and checks a table; all problems of the file are given at once.
     pub fn read(source: Source) -> Result<ErrorTable, Problems> {
-        let Some((header, rows)) = header_and_rows(&source) else {
-            return Err(Problem::new(format!(
-                "`{}` holds no table, expected a header and measured positions",
-                source.name
-            ))
-            .help(FIRST_LINE)
-            .into());
-        };
-        let columns = Columns::read(&header)?;
+        let columns = Columns::read(&source)?;
         let mut problems = Problems::none();
-        let records = rows.iter();
-        let records = records.filter_map(|row| columns.record(row, &mut problems));
-        let records: Vec<Record<'_>> = records.collect();
+        let records = columns
+            .table
+            .readable_rows(&mut problems, |row| columns.record(row));
         let all_rows_read = problems.is_empty();
         let series = PerAxis::from_fn(|axis| columns.series_of(axis, &records, &mut problems));
         for (axis, series) in series.iter().filter(|_| all_rows_read) {
             refuse_single_positions(axis, &records, series, &mut problems);
         }
-        if rows.is_empty() {
-            problems.push(
-                Problem::new("the table has a header but no rows, expected measured positions")
-                    .at(header.whole())
-                    .help("write one row for each measured position, e.g. x,0,0"),
-            );
+        if columns.table.is_empty() {
+            let message = "the table has a header but no rows, expected measured positions";
+            let help = "write one row for each measured position, e.g. x,0,0";
+            problems.push(columns.table.at_header(message, help));
         }
-        let headings = vec![columns.headings(&header)];
-        let header = header.whole();
+        let headings = vec![columns.headings()];
+        let header = columns.table.header.whole();
         let remarks = Remarks::read(&source.text);
         problems.or_ok(()).map(|()| ErrorTable {
             source,

@@ -1,6 +1,6 @@
 //! A table that a person brings: its header is read, and its rows come cell by cell.
 
-use crate::text::delimited::{Expected, Line, columns_of, header_and_rows};
+use crate::text::delimited::{Cell, Expected, Line, columns_of, header_and_rows};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
@@ -71,22 +71,37 @@ impl<'a, C: Copy> Table<'a, C> {
     /// What `read` makes of each row; all problems of the rows are given at once.
     pub(super) fn rows<T>(
         &self,
-        mut read: impl FnMut(&mut Row<'_, 'a>) -> Option<T>,
+        read: impl FnMut(&mut Row<'_, 'a>) -> Option<T>,
     ) -> Result<Vec<T>, Problems> {
         let mut problems = Problems::none();
+        let rows = self.readable_rows(&mut problems, read);
+        problems.or_ok(rows)
+    }
+
+    /// What `read` makes of each row that can be read; the problems of the others are noted.
+    pub(super) fn readable_rows<T>(
+        &self,
+        problems: &mut Problems,
+        mut read: impl FnMut(&mut Row<'_, 'a>) -> Option<T>,
+    ) -> Vec<T> {
         let mut rows = Vec::with_capacity(self.lines.len());
         for line in &self.lines {
-            let Some(cells) = line.cells_under(self.kinds.len(), &mut problems) else {
+            let Some(cells) = line.cells_under(self.kinds.len(), problems) else {
                 continue;
             };
             rows.extend(read(&mut Row {
                 line: *line,
                 names: &self.names,
                 cells,
-                problems: &mut problems,
+                problems,
             }));
         }
-        problems.or_ok(rows)
+        rows
+    }
+
+    /// Whether there is no row at all.
+    pub(super) fn is_empty(&self) -> bool {
+        self.lines.is_empty()
     }
 }
 
@@ -98,10 +113,21 @@ pub(super) struct Row<'r, 'a> {
     problems: &'r mut Problems,
 }
 
-impl Row<'_, '_> {
+impl<'a> Row<'_, 'a> {
     /// What stands in a cell.
     pub(super) fn cell(&self, index: usize) -> &str {
         &self.cells[index]
+    }
+
+    /// A cell under the name of its column, and where its problems go.
+    pub(super) fn named(&mut self, index: usize) -> (Cell<'a, '_>, &mut Problems) {
+        let cell = Cell {
+            line: &self.line,
+            index,
+            text: &self.cells[index],
+            name: &self.names[index],
+        };
+        (cell, self.problems)
     }
 
     /// What a cell means; `absent` where the table has no such column.
@@ -124,20 +150,19 @@ impl Row<'_, '_> {
 
     /// The number of a cell, which must not be empty.
     pub(super) fn number(&mut self, index: usize, help: &str) -> Option<f64> {
-        let (name, cell) = (&self.names[index], &self.cells[index]);
-        if cell.is_empty() {
-            self.refuse(index, format!("`{name}` is empty, expected a number"), help);
+        let (cell, problems) = self.named(index);
+        if cell.text.is_empty() {
+            let message = format!("`{}` is empty, expected a number", cell.name);
+            problems.push_with(|| cell.problem(message, help));
             return None;
         }
         let expected = "write a plain number; its unit stands in the header";
-        self.line
-            .number_in(index, cell, name, expected, self.problems)
+        cell.number(expected, problems)
     }
 
     /// Notes what is wrong with a cell.
     pub(super) fn refuse(&mut self, index: usize, message: String, help: &str) {
-        let line = self.line;
-        self.problems
-            .push_with(|| Problem::new(message).at(line.cell_place(index)).help(help));
+        let (cell, problems) = self.named(index);
+        problems.push_with(|| cell.problem(message, help));
     }
 }

@@ -1,9 +1,11 @@
 //! Reading an error table: its header says what each column holds, its rows become the series of each axis and
 //! direction.
 
+use crate::inputs::table::{Row, Table};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::{Deviation, MM_PER_INCH, Millimetres};
-use crate::text::delimited::{Cell, Expected, LENGTHS_UM, Line, columns_of};
+use crate::text::delimited::{Cell, Expected, LENGTHS_UM, Line};
+use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems, shown};
 
 /// What a column holds.
@@ -47,7 +49,7 @@ impl Heading {
     }
 }
 
-pub(super) const FIRST_LINE: &str = "first line: axis,position_mm,ex_um,ey_um,ez_um";
+const FIRST_LINE: &str = "first line: axis,position_mm,ex_um,ey_um,ez_um";
 
 /// Units of angles in the names of columns, and how many µrad they have.
 const ANGLES_URAD: [(&str, f64); 3] = [
@@ -97,52 +99,46 @@ pub(crate) fn known_columns() -> Vec<(String, Column)> {
     known
 }
 
-/// The columns of a table, in its order.
-pub(super) struct Columns {
-    columns: Vec<Column>,
-    names: Vec<String>,
+/// A table whose header could be read.
+pub(super) struct Columns<'a> {
+    pub(super) table: Table<'a, Column>,
     position: usize,
 }
 
-impl Columns {
-    pub(super) fn read(header: &Line<'_>) -> Result<Columns, Problems> {
-        let expected = Expected {
-            known: known_columns(),
-            same: |a: &Column, b: &Column| a.holds == b.holds,
-            first_line: FIRST_LINE,
-            columns: "columns: axis, direction, position_mm, ex_um, ey_um, ez_um, u_ex_um …",
-        };
-        let (columns, names) = columns_of(header, &expected)?;
-        let at = |is: fn(Quantity) -> bool| columns.iter().position(|column| is(column.holds));
-        let is_value = |holds| matches!(holds, Quantity::Deviation(_) | Quantity::Angle(_));
-        let position = at(|holds| holds == Quantity::Position);
-        let required = [
-            (at(|holds| holds == Quantity::Axis), "the axis", "`axis`"),
-            (position, "the position", "`position_mm` or `position_in`"),
-            (at(is_value), "any deviation", "`ex_um`, `ey_um` or `ez_um`"),
-        ];
+impl<'a> Columns<'a> {
+    pub(super) fn read(source: &'a Source) -> Result<Columns<'a>, Problems> {
+        let what = "table, expected a header and measured positions";
+        let table = Table::read(source, what, FIRST_LINE, |_| {
+            Ok(Expected {
+                known: known_columns(),
+                same: |a: &Column, b: &Column| a.holds == b.holds,
+                first_line: FIRST_LINE,
+                columns: "columns: axis, direction, position_mm, ex_um, ey_um, ez_um, u_ex_um …",
+            })
+        })?;
         let mut problems = Problems::none();
-        for (_, what, example) in required.iter().filter(|(found, ..)| found.is_none()) {
-            let message = format!("there is no column for {what}, expected {example}");
-            problems.push(Problem::new(message).at(header.whole()).help(FIRST_LINE));
-        }
-        let position = position.unwrap_or(0);
-        problems.or_ok(Columns {
-            columns,
-            names,
-            position,
-        })
+        let mut require = |is_wanted: fn(Quantity) -> bool, what, example| {
+            let found = table.find(|column| is_wanted(column.holds));
+            table.require(found, what, example, &mut problems)
+        };
+        require(|holds| holds == Quantity::Axis, "the axis", "`axis`");
+        let is_position = |holds| holds == Quantity::Position;
+        let examples = "`position_mm` or `position_in`";
+        let position = require(is_position, "the position", examples);
+        let is_value = |holds| matches!(holds, Quantity::Deviation(_) | Quantity::Angle(_));
+        require(is_value, "any deviation", "`ex_um`, `ey_um` or `ez_um`");
+        problems.or_ok(Columns { table, position })
     }
 
     /// The headings of the deviations in X, Y and Z.
-    pub(super) fn headings(&self, header: &Line<'_>) -> PerAxis<Option<Heading>> {
+    pub(super) fn headings(&self) -> PerAxis<Option<Heading>> {
         let mut headings = PerAxis::default();
-        for (index, column) in self.columns.iter().enumerate() {
+        for (index, column) in self.table.kinds.iter().enumerate() {
             if let Quantity::Deviation(of) = column.holds {
                 headings[of] = Some(Heading {
-                    name: self.names[index].clone(),
+                    name: self.table.names[index].clone(),
                     to_um: column.factor,
-                    place: header.cell_place(index),
+                    place: self.table.header.cell_place(index),
                 });
             }
         }
@@ -150,21 +146,11 @@ impl Columns {
     }
 
     /// A row whose cells can all be read.
-    pub(super) fn record<'a>(
-        &self,
-        line: &Line<'a>,
-        problems: &mut Problems,
-    ) -> Option<Record<'a>> {
-        let cells = line.cells_under(self.columns.len(), problems)?;
+    pub(super) fn record(&self, row: &mut Row<'_, 'a>) -> Option<Record<'a>> {
         let (mut axis, mut direction, mut complete) = (None, None, true);
-        let mut numbers = Vec::with_capacity(cells.len());
-        for (index, column) in self.columns.iter().enumerate() {
-            let cell = Cell {
-                line,
-                index,
-                text: &cells[index],
-                name: &self.names[index],
-            };
+        let mut numbers = Vec::with_capacity(self.table.kinds.len());
+        for (index, column) in self.table.kinds.iter().enumerate() {
+            let (cell, problems) = row.named(index);
             let mut number = None;
             match column.holds {
                 Quantity::Axis => axis = read_axis(&cell, problems),
@@ -180,17 +166,17 @@ impl Columns {
             }
             numbers.push(number);
         }
-        if cells[self.position].is_empty() {
-            let problem = || {
-                Problem::new("the position is empty, expected a number")
-                    .at(line.cell_place(self.position))
-                    .help("every row needs its machine coordinate")
-            };
-            problems.push_with(problem);
+        if row.cell(self.position).is_empty() {
+            let message = "the position is empty, expected a number".to_string();
+            row.refuse(
+                self.position,
+                message,
+                "every row needs its machine coordinate",
+            );
         }
         numbers[self.position].filter(|_| complete)?;
         Some(Record {
-            line: *line,
+            line: row.line,
             axis: axis?,
             direction,
             numbers: numbers.into_boxed_slice(),
@@ -261,7 +247,7 @@ pub struct Series {
     pub(super) table: usize,
 }
 
-impl Columns {
+impl Columns<'_> {
     /// The series of an axis. That each has two positions is looked at where all rows of the file could be
     /// read.
     pub(super) fn series_of(
@@ -301,7 +287,7 @@ impl Columns {
             lines: rows.iter().map(|row| row.line.number()).collect(),
             table: 0,
         };
-        for (index, column) in self.columns.iter().enumerate() {
+        for (index, column) in self.table.kinds.iter().enumerate() {
             let mut values = || self.values(axis, index, rows, problems);
             match column.holds {
                 Quantity::Position => {
@@ -323,7 +309,7 @@ impl Columns {
 
     fn refuse_unordered(&self, axis: Axis, rows: &[&Record<'_>], problems: &mut Problems) {
         let position = |row: &Record<'_>| row.numbers[self.position].unwrap_or_default();
-        let unit = self.names[self.position].trim_start_matches("position_");
+        let unit = self.table.names[self.position].trim_start_matches("position_");
         for pair in rows.windows(2) {
             let (before, here) = (position(pair[0]), position(pair[1]));
             if here > before {
@@ -362,7 +348,7 @@ impl Columns {
             return None;
         }
         for row in empty() {
-            let name = &self.names[index];
+            let name = &self.table.names[index];
             let message = format!(
                 "`{name}` is empty in one row of axis {axis}, expected a number as in its other rows"
             );
@@ -370,7 +356,7 @@ impl Columns {
             let place = row.line.cell_place(index);
             problems.push_with(|| Problem::new(message).at(place).help(help));
         }
-        let factor = self.columns[index].factor;
+        let factor = self.table.kinds[index].factor;
         let values = rows.iter().map(|row| Some(row.numbers[index]? * factor));
         values.collect()
     }
