@@ -94,7 +94,7 @@ fn draw(inputs: &Inputs, kit: &Kit, control: &dyn Emulator) -> Result<String, Pr
         .forecast
         .terms
         .iter()
-        .map(|t| t.before_um)
+        .map(|t| t.change.before_um)
         .fold(1.0, f64::max);
     let scale_um = (largest / 5.0).ceil() * 5.0;
     let width = LEFT + 3.0 * PANEL_WIDTH + 2.0 * GAP_X + 16.0;

@@ -237,9 +237,9 @@ fn check_stages(policy: &str) {
             let deviation = stage.relative();
             let before = largest(deviation.iter().flatten());
             assert!(
-                (term.before_um - before).abs() <= FIGURE_UM,
+                (term.change.before_um - before).abs() <= FIGURE_UM,
                 "{name}: before {}, expected {before}",
-                term.before_um
+                term.change.before_um
             );
 
             // One table with the mean leaves half the reversal in each direction, shifted by half
@@ -274,11 +274,11 @@ fn check_stages(policy: &str) {
                 _ => panic!("{name}: tables of another control"),
             };
             assert!(
-                (term.after_um - after).abs() <= near,
+                (term.change.after_um - after).abs() <= near,
                 "{name}: after {}, expected {after}",
-                term.after_um
+                term.change.after_um
             );
-            assert!(term.after_um < before, "{name} helps");
+            assert!(term.change.after_um < before, "{name} helps");
         }
     }
 }
@@ -389,14 +389,14 @@ fn nine_errors_of_the_900_mm_machine_on_every_control() {
         for (diagonal, (name, before)) in kit.forecast.diagonals.iter().zip(DIAGONALS_UM) {
             assert_eq!(diagonal.name, name);
             assert!(
-                (diagonal.before_um - before).abs() <= FIGURE_UM,
+                (diagonal.change.before_um - before).abs() <= FIGURE_UM,
                 "{id} {name}: {}",
-                diagonal.before_um
+                diagonal.change.before_um
             );
             assert!(
-                diagonal.after_um < before,
+                diagonal.change.after_um < before,
                 "{id} {name}: {} after",
-                diagonal.after_um
+                diagonal.change.after_um
             );
             // Table points lie on the measured ones: nothing but rounding is left.
             let exact = match id {
@@ -405,9 +405,9 @@ fn nine_errors_of_the_900_mm_machine_on_every_control() {
                 _ => continue,
             };
             assert!(
-                diagonal.after_um <= 2.0 * exact,
+                diagonal.change.after_um <= 2.0 * exact,
                 "{id} {name}: {} after",
-                diagonal.after_um
+                diagonal.change.after_um
             );
         }
         let omitted = kit.plan.omitted.len();

@@ -317,7 +317,7 @@ fn before_is_what_was_measured_and_after_is_small() {
         for term in &new.forecast.terms {
             let measured = found.as_measured().terms[term.term].as_ref().unwrap();
             assert_eq!(
-                term.before_um,
+                term.change.before_um,
                 measured.largest_um(),
                 "{case:?} {}",
                 term.term

@@ -5,7 +5,7 @@ use crate::cli::screen::{More, table};
 use crate::control::claims::{Assumption, Precondition, shared};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
-use crate::judge::forecast::Forecast;
+use crate::judge::forecast::{Change, Forecast};
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Figure;
@@ -68,8 +68,9 @@ pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String 
     let reversal = forecast.without_reversal_um.map_or_else(String::new, |um| {
         format!(", without reversal (about {um:.3} µm on the diagonals)")
     });
-    let figures = |before: f64, after: f64, expanded_um| {
-        format!("{before:.3}\t{after:.3}\t{}", expanded(expanded_um))
+    let figures = |of: &Change| {
+        let (before, after, u) = (of.before_um, of.after_um, expanded(of.expanded_um));
+        format!("{before:.3}\t{after:.3}\t{u}")
     };
     let terms = forecast.terms.iter().map(|t| {
         let place = places(placements, t.term, t.compensated);
@@ -77,13 +78,13 @@ pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String 
             true => reversal.as_str(),
             false => "",
         };
-        let figures = figures(t.before_um, t.after_um, t.expanded_um);
+        let figures = figures(&t.change);
         format!("{}\t{figures}\t{place}{without}", t.term)
     });
     let missing = forecast.not_determined.iter();
     let missing = missing.map(|term| format!("{term}\tnot determined\t-\t-\tnone"));
     let diagonals = forecast.diagonals.iter().map(|d| {
-        let figures = figures(d.before_um, d.after_um, d.expanded_um);
+        let figures = figures(&d.change);
         format!("diagonal {}\t{figures}\tmax - min{reversal}", d.name)
     });
     let heading = "term\t>before/µm\t>after/µm\t>U(95 %)/µm\ttable";
@@ -153,7 +154,7 @@ pub(super) fn squareness_and_reversals(model: &ErrorModel) -> String {
 
 /// The terms whose uncertainty counts as 0 because nobody stated it.
 fn without_uncertainty(forecast: &Forecast) -> Option<String> {
-    let without = forecast.terms.iter().filter(|t| t.u_um.is_none());
+    let without = forecast.terms.iter().filter(|t| t.change.u_um.is_none());
     let without: Vec<String> = without.map(|t| t.term.to_string()).collect();
     let whose = match without.len() {
         0 => return None,

@@ -218,7 +218,7 @@ fn line(
     [found, expected, as_left]: [Option<&Forecast>; 3],
     difference_um: Option<f64>,
 ) -> Option<Line> {
-    let row = |forecast: Option<&Forecast>| forecast?.row(name);
+    let row = |forecast: Option<&Forecast>| forecast?.change(name);
     let (found, after) = (row(found), row(as_left));
     (found.is_some() || after.is_some()).then(|| Line {
         name: name.to_string(),

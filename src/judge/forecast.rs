@@ -15,7 +15,7 @@ mod figures;
 mod share;
 mod words;
 
-pub use self::figures::{Basis, DiagonalForecast, Forecast, Silent, TermForecast};
+pub use self::figures::{Basis, Change, DiagonalForecast, Forecast, Silent, TermForecast};
 pub(crate) use self::share::judged_ranges;
 pub(crate) use self::share::range_of;
 use self::share::within;
@@ -67,30 +67,30 @@ pub fn forecast(
         let u_um = measured.u_um();
         terms.push(TermForecast {
             term,
-            before_um: measured.largest_within_um(judged[term.along]),
-            after_um: largest_um(&figures),
-            comparable_um: match comparable {
-                Some(lines) => largest_um(&left(lines)?),
-                None => largest_um(&figures),
+            change: Change {
+                before_um: measured.largest_within_um(judged[term.along]),
+                after_um: largest_um(&figures),
+                comparable_um: match comparable {
+                    Some(lines) => largest_um(&left(lines)?),
+                    None => largest_um(&figures),
+                },
+                u_um,
+                expanded_um: u_um.map(|_| expanded_um(&figures, sigma)),
             },
-            u_um,
-            expanded_um: u_um.map(|_| expanded_um(&figures, sigma)),
             figures,
             compensated: plan.tables.iter().any(|t| t.term == term),
-            one_way: match measured.measured {
-                Measured::BothWays { .. } => None,
-                Measured::OneWay(direction, _) => Some(Some(direction)),
-                Measured::Undirected(_) => Some(None),
-            },
+            one_way: one_way(&measured.measured),
         });
     }
     let mut diagonals = diagonals::forecast(machine, plan, control, &judged, sigma)?;
     if let Some(lines) = comparable {
         let compared = diagonals::forecast(machine, plan, lines, &judged, sigma)?;
         for (own, compared) in diagonals.iter_mut().zip(compared) {
-            own.comparable_um = compared.after_um;
+            own.change.comparable_um = compared.change.after_um;
         }
     }
+    let not_determined = model.remarks.not_determined.iter().map(|(term, _)| *term);
+    let not_determined = not_determined.filter(|term| model.terms[*term].is_none());
     Ok(Forecast {
         basis: Basis::Forecast,
         sigma,
@@ -99,14 +99,17 @@ pub fn forecast(
         diagonals,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),
-        not_determined: {
-            let missing = model.remarks.not_determined.iter().map(|(term, _)| *term);
-            missing
-                .filter(|term| model.terms[*term].is_none())
-                .collect()
-        },
+        not_determined: not_determined.collect(),
         without_reversal_um: model.remarks.hidden_reversal_um,
     })
+}
+
+const fn one_way(measured: &Measured) -> Option<Option<Direction>> {
+    match measured {
+        Measured::BothWays { .. } => None,
+        Measured::OneWay(direction, _) => Some(Some(*direction)),
+        Measured::Undirected(_) => Some(None),
+    }
 }
 
 /// What is left of a term around each of its measured positions, |deviation + correction|.

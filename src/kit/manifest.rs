@@ -5,7 +5,7 @@
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::judge::active::{ActiveControl, Origin};
-use crate::judge::forecast::{DiagonalForecast, Forecast};
+use crate::judge::forecast::{Change, DiagonalForecast, Forecast};
 use crate::quantity::units::{Millimetres, picometres};
 use crate::text::document::{refuse_large_page, sha256};
 use crate::text::plain;
@@ -198,15 +198,8 @@ pub fn state(state: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) ->
 
 /// A forecast as JSON, with the keys of the manifest.
 pub fn forecast(forecast: &Forecast) -> Value {
-    let terms = forecast.terms.iter().map(|term| {
-        let row = json!({
-            "before_um": picometres(term.before_um),
-            "after_um": picometres(term.after_um),
-            "u_um": term.u_um.map(picometres),
-            "expanded_um": term.expanded_um.map(picometres),
-        });
-        (term.term.to_string(), row)
-    });
+    let terms = forecast.terms.iter();
+    let terms = terms.map(|term| (term.term.to_string(), change(&term.change, "after_um")));
     let unmeasured = forecast.unmeasured.iter();
     let unmeasured = unmeasured.filter(|(_, stretches)| !stretches.is_empty());
     let unmeasured = unmeasured.map(|(axis, stretches)| {
@@ -230,16 +223,19 @@ pub fn forecast(forecast: &Forecast) -> Value {
     document
 }
 
+/// A change as JSON; `after` names the key of the figure with tables.
+pub(crate) fn change(change: &Change, after: &str) -> Value {
+    json!({
+        "before_um": picometres(change.before_um),
+        after: picometres(change.after_um),
+        "u_um": change.u_um.map(picometres),
+        "expanded_um": change.expanded_um.map(picometres),
+    })
+}
+
 /// Body diagonals as JSON; `after` names the key of the figure with tables.
 pub fn diagonals(diagonals: &[DiagonalForecast], after: &str) -> Value {
-    let row = |diagonal: &DiagonalForecast| {
-        let figures = json!({
-            "before_um": picometres(diagonal.before_um),
-            after: picometres(diagonal.after_um),
-            "u_um": diagonal.u_um.map(picometres),
-            "expanded_um": diagonal.expanded_um.map(picometres),
-        });
-        (diagonal.name.to_string(), figures)
-    };
-    Value::Object(diagonals.iter().map(row).collect())
+    let rows = diagonals.iter();
+    let rows = rows.map(|diagonal| (diagonal.name.to_string(), change(&diagonal.change, after)));
+    Value::Object(rows.collect())
 }

@@ -75,14 +75,14 @@ fn of_terms(inputs: &Inputs, placements: &[Placement], forecast: &Forecast) -> V
     };
     let (mut grid, mut none, mut uncertain) = (Vec::new(), Vec::new(), Vec::new());
     for t in &forecast.terms {
-        if t.after_um + t.expanded_um.unwrap_or(0.0) <= limit_um {
+        if t.change.after_um + t.change.expanded_um.unwrap_or(0.0) <= limit_um {
             continue;
         }
-        if t.after_um <= limit_um {
+        if t.change.after_um <= limit_um {
             uncertain.push(t.term);
         } else if !t.compensated {
             none.push(t.term);
-        } else if 2.0 * grid_um(t.term) >= t.after_um {
+        } else if 2.0 * grid_um(t.term) >= t.change.after_um {
             grid.push(t.term);
         }
     }

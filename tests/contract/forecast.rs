@@ -37,8 +37,8 @@ pub(crate) fn forecast_holds(case: &Case<'_>, term: &Term, forecast: &TermForeca
     let name = || term.term.to_string();
     let linear = machine.kind == Interpolation::Linear;
     for (what, said, seen) in [
-        ("before", forecast.before_um, before),
-        ("after", forecast.after_um, after),
+        ("before", forecast.change.before_um, before),
+        ("after", forecast.change.after_um, after),
     ] {
         let near = if linear {
             NEAR_UM
@@ -135,7 +135,7 @@ pub(crate) fn diagonals_hold(case: &Case<'_>) {
             }
         }
         let seen = extent.map(|[low, high]| high - low);
-        let said = [diagonal.before_um, diagonal.after_um];
+        let said = [diagonal.change.before_um, diagonal.change.after_um];
         for (said, seen) in said.iter().zip(seen) {
             let name = format!("{}: said {said}, seen {seen}", diagonal.name);
             assert!(*said >= seen - DUST_UM, "{name}");

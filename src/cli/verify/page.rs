@@ -9,8 +9,8 @@ use crate::judge::after::{Comparison, Line};
 use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
 use crate::judge::findings::words_of;
-use crate::judge::forecast::Forecast;
-use crate::kit::manifest::{HashedFile, diagonals};
+use crate::judge::forecast::{Forecast, TermForecast};
+use crate::kit::manifest::{HashedFile, change, diagonals};
 use crate::kit::second_look::SecondLook;
 use crate::kit::{Inputs, Verification, remarks};
 use crate::text::finding::Severity;
@@ -248,14 +248,9 @@ fn diagnosis(found: &Diagnosis) -> Value {
 }
 
 fn forecast_terms(forecast: &Forecast) -> Value {
-    let term = |t: &crate::judge::forecast::TermForecast| {
-        let figures = json!({
-            "before_um": t.before_um,
-            "forecast_um": t.after_um,
-            "u_um": t.u_um,
-            "expanded_um": t.expanded_um,
-            "max_residual_um": t.after_um,
-        });
+    let term = |t: &TermForecast| {
+        let mut figures = change(&t.change, "forecast_um");
+        figures["max_residual_um"] = json!(t.change.after_um);
         (t.term.to_string(), figures)
     };
     Value::Object(forecast.terms.iter().map(term).collect::<Map<_, _>>())

@@ -8,22 +8,29 @@ use crate::judge::forecast::share::JudgedRange;
 use crate::quantity::axis::{Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::units::{Millimetres, larger};
 
+/// A figure as measured and as the tables leave it, µm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// As measured.
+    pub before_um: f64,
+    /// With the tables.
+    pub after_um: f64,
+    /// `after_um`, but with straight lines between the points of a table where old tables were
+    /// active, whose steps are not in `before_um` either.
+    pub comparable_um: f64,
+    /// Largest standard uncertainty (k = 1) of a value; `None` = not stated.
+    pub u_um: Option<f64>,
+    /// U of `after_um`, the largest of its values, with 95 %; `None` = not stated.
+    pub expanded_um: Option<f64>,
+}
+
 /// Forecast of one term.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TermForecast {
     /// Which error.
     pub term: ErrorTerm,
-    /// Largest |deviation| as measured, relative to the reference, µm.
-    pub before_um: f64,
-    /// Largest |deviation + emulated correction|, µm.
-    pub after_um: f64,
-    /// `after_um`, but with straight lines between the points of a table where old tables were
-    /// active, whose steps are not in `before_um` either.
-    pub comparable_um: f64,
-    /// Largest standard uncertainty (k = 1) of a value, µm; `None` = not stated.
-    pub u_um: Option<f64>,
-    /// U of `after_um`, the largest of its values, with 95 %, µm; `None` = not stated.
-    pub expanded_um: Option<f64>,
+    /// Largest |deviation| relative to the reference, |deviation + emulated correction|.
+    pub change: Change,
     /// What is left around each measured position; one where no uncertainty is stated.
     pub figures: Vec<Magnitude>,
     /// Whether a table was planned for it.
@@ -37,17 +44,9 @@ pub struct TermForecast {
 pub struct DiagonalForecast {
     /// `PPP`, `NPP`, `PNP` or `PPN` (contract §2.2).
     pub name: &'static str,
-    /// As measured, µm.
-    pub before_um: f64,
-    /// With the tables, µm.
-    pub after_um: f64,
-    /// `after_um` with straight lines, as of a term.
-    pub comparable_um: f64,
-    /// Standard uncertainty (k = 1) of a difference of two values on it, µm; `None` if any of the
-    /// nine is not stated.
-    pub u_um: Option<f64>,
-    /// U of `after_um` with 95 %, µm; `None` = not stated.
-    pub expanded_um: Option<f64>,
+    /// max − min along it; u is that of a difference of two values on it, `None` if any of the nine is
+    /// not stated.
+    pub change: Change,
     /// Half of max − min with the uncertainty of a value, at each place of a measured position, one where none is stated:
     /// max − min keeps a limit where every value lies within half of it about the middle.
     pub halves: Vec<Magnitude>,
@@ -77,11 +76,13 @@ impl DiagonalForecast {
         let largest = u_um.iter().copied().reduce(larger);
         DiagonalForecast {
             name,
-            before_um,
-            after_um,
-            comparable_um: after_um,
-            u_um: largest.map(|u| (std::f64::consts::SQRT_2 * u).hypot(scale_um)),
-            expanded_um: largest.map(|_| 2.0 * expanded_um(&halves, sigma)),
+            change: Change {
+                before_um,
+                after_um,
+                comparable_um: after_um,
+                u_um: largest.map(|u| (std::f64::consts::SQRT_2 * u).hypot(scale_um)),
+                expanded_um: largest.map(|_| 2.0 * expanded_um(&halves, sigma)),
+            },
             halves,
             cosines: PerAxis::default(),
         }
@@ -90,8 +91,8 @@ impl DiagonalForecast {
     /// max − min as one figure: the difference of two values.
     pub(super) fn difference(&self) -> Magnitude {
         Magnitude {
-            um: self.after_um,
-            u_um: self.u_um.unwrap_or(0.0),
+            um: self.change.after_um,
+            u_um: self.change.u_um.unwrap_or(0.0),
         }
     }
 }
@@ -129,50 +130,18 @@ pub struct Forecast {
     pub without_reversal_um: Option<f64>,
 }
 
-/// The figures of a line, as of a term or a diagonal, µm.
-#[derive(Clone, Copy)]
-pub(crate) struct Row {
-    pub(crate) before_um: f64,
-    pub(crate) after_um: f64,
-    comparable_um: f64,
-    pub(crate) u_um: Option<f64>,
-    pub(crate) expanded_um: Option<f64>,
-}
-
-impl Row {
-    fn of_term(term: &TermForecast) -> Row {
-        Row {
-            before_um: term.before_um,
-            after_um: term.after_um,
-            comparable_um: term.comparable_um,
-            u_um: term.u_um,
-            expanded_um: term.expanded_um,
-        }
-    }
-
-    fn of_diagonal(diagonal: &DiagonalForecast) -> Row {
-        Row {
-            before_um: diagonal.before_um,
-            after_um: diagonal.after_um,
-            comparable_um: diagonal.comparable_um,
-            u_um: diagonal.u_um,
-            expanded_um: diagonal.expanded_um,
-        }
-    }
-}
-
 impl Forecast {
     /// Largest residual of all measured terms, µm.
     pub fn max_residual_um(&self) -> f64 {
-        let all = self.terms.iter().map(|term| term.after_um);
+        let all = self.terms.iter().map(|term| term.change.after_um);
         all.fold(0.0, larger)
     }
 
     /// The figures of a term or a diagonal of this name.
-    pub(crate) fn row(&self, name: &str) -> Option<Row> {
+    pub(crate) fn change(&self, name: &str) -> Option<Change> {
         let term = self.terms.iter().find(|t| t.term.to_string() == name);
         let diagonal = self.diagonals.iter().find(|d| d.name == name);
-        term.map(Row::of_term).or(diagonal.map(Row::of_diagonal))
+        term.map(|t| t.change).or(diagonal.map(|d| d.change))
     }
 
     /// Figures that the tables make larger than they were measured, one sentence each.
@@ -180,16 +149,13 @@ impl Forecast {
     /// limits the steps of old tables between the measured positions are not in the figures as
     ///        measured; where only steps make a figure larger, the sentence says so
     pub fn worsened(&self) -> Vec<String> {
-        let terms = self
-            .terms
-            .iter()
-            .map(|t| (t.term.to_string(), Row::of_term(t)));
+        let terms = self.terms.iter().map(|t| (t.term.to_string(), t.change));
         let diagonals = self.diagonals.iter();
-        let diagonals = diagonals.map(|d| (format!("diagonal {}", d.name), Row::of_diagonal(d)));
-        let sentence = |(name, row): (String, Row)| {
-            let (before, after) = (row.before_um, row.after_um);
+        let diagonals = diagonals.map(|d| (format!("diagonal {}", d.name), d.change));
+        let sentence = |(name, change): (String, Change)| {
+            let (before, after) = (change.before_um, change.after_um);
             let larger = |um: f64| um > before + SHOWN_UM;
-            let why = match larger(row.comparable_um) {
+            let why = match larger(change.comparable_um) {
                 true => "",
                 false => {
                     ", by the steps between the points; those of the old tables are not in the figure as measured"
@@ -211,7 +177,7 @@ impl Forecast {
     /// U of [`Forecast::max_residual_um`], the largest of all terms, with 95 %, µm; `None` = no
     /// uncertainty is stated.
     pub(crate) fn max_expanded_um(&self) -> Option<f64> {
-        let stated = self.terms.iter().any(|term| term.u_um.is_some());
+        let stated = self.terms.iter().any(|term| term.change.u_um.is_some());
         stated.then(|| expanded_um(&self.figures(), self.sigma))
     }
 

@@ -2,7 +2,7 @@
 //! uncertainty holds because the job does not state them: how large they may be before a verdict changes. To
 //! say nothing must not look better than to state a bound.
 
-use super::{DiagonalForecast, Forecast, Silent, TermForecast, share};
+use super::{Change, DiagonalForecast, Forecast, Silent, TermForecast, share};
 use crate::inputs::error_table::Remarks;
 use crate::inputs::job::Acceptance;
 use crate::judge::conformity::{Magnitude, Verdict, expanded_um};
@@ -56,8 +56,8 @@ impl Forecast {
     fn terms_missing(&self, limit_um: f64) -> Vec<String> {
         let one = |term: &TermForecast| Judged {
             name: format!("{} leaves ", term.term),
-            um: term.after_um,
-            expanded_um: term.expanded_um,
+            um: term.change.after_um,
+            expanded_um: term.change.expanded_um,
             limit_um,
             verdict: self.judge(&term.figures, limit_um),
         };
@@ -74,8 +74,8 @@ impl Forecast {
     fn diagonals_missing(&self, limit_um: f64) -> Vec<String> {
         let one = |diagonal: &DiagonalForecast| Judged {
             name: format!("diagonal {} leaves ", diagonal.name),
-            um: diagonal.after_um,
-            expanded_um: diagonal.expanded_um,
+            um: diagonal.change.after_um,
+            expanded_um: diagonal.change.expanded_um,
             limit_um,
             verdict: self.judge_diagonals(&[diagonal], limit_um),
         };
@@ -84,8 +84,11 @@ impl Forecast {
             return Vec::new();
         }
         let halves: Vec<_> = diagonals.iter().flat_map(|d| d.halves.clone()).collect();
-        let um = diagonals.iter().map(|d| d.after_um).fold(0.0, larger);
-        let stated = diagonals.iter().any(|d| d.u_um.is_some());
+        let um = diagonals
+            .iter()
+            .map(|d| d.change.after_um)
+            .fold(0.0, larger);
+        let stated = diagonals.iter().any(|d| d.change.u_um.is_some());
         let all = Judged {
             name: "the diagonals together leave ".to_string(),
             um,
@@ -237,13 +240,14 @@ impl DiagonalForecast {
         let along = |term: ErrorTerm| self.cosines[term.of] * of(term);
         let by_um = ErrorTerm::ALL.into_iter().map(along);
         let by_um = by_um.fold(0.0, f64::hypot);
+        let own_um = self.change.u_um.unwrap_or(0.0);
+        let change = Change {
+            u_um: Some(own_um.hypot(std::f64::consts::SQRT_2 * by_um)),
+            ..self.change
+        };
         DiagonalForecast {
             halves: wider(&self.halves, by_um),
-            u_um: Some(
-                self.u_um
-                    .unwrap_or(0.0)
-                    .hypot(std::f64::consts::SQRT_2 * by_um),
-            ),
+            change,
             ..self.clone()
         }
     }
