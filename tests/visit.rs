@@ -654,7 +654,7 @@ fn rehearsed(paper: &Paper) -> Vec<f64> {
             ));
         }
     }
-    figures.push(paper.change.after_um);
+    figures.push(paper.after_um);
     figures
 }
 
