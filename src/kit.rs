@@ -6,6 +6,7 @@
 
 pub mod directory;
 mod field;
+pub mod findings;
 mod inputs;
 mod loaded;
 mod made;
@@ -24,6 +25,7 @@ use crate::judge::conformity::Verdict;
 use crate::judge::disagreement;
 use crate::judge::findings::not_emulated;
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
+use crate::kit::findings::KitFinding;
 pub use crate::kit::manifest::hashed;
 use crate::kit::manifest::{HashedFile, Manifest, Predecessor, SCHEMA};
 use crate::quantity::axis::Axis;
@@ -57,8 +59,8 @@ pub struct Kit {
     pub files: Vec<RenderedFile>,
     /// What they will leave.
     pub forecast: Forecast,
-    /// Why the measured errors are doubtful, one sentence each.
-    pub doubts: Vec<String>,
+    /// Why the measured errors are doubtful.
+    pub doubts: Vec<Finding>,
     /// Forecast against the acceptance of the job; undecided at most where there are doubts.
     pub verdict: Verdict,
     /// What to change for a better answer.
@@ -112,7 +114,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     )
     .map_err(|e| cannot_emulate(&e))?;
     let unread = unread(&inputs.profile, &as_read(&files));
-    let doubts: Vec<String> = doubts(inputs).into_iter().chain(unread).collect();
+    let doubts: Vec<Finding> = doubts(inputs).into_iter().chain(unread).collect();
     let verdict = judged(&forecast, inputs, &doubts);
     let ways = ways::ways(inputs, &plan, &compiled.placements, &forecast, &doubts);
     let field = field::make(&Made {
@@ -145,18 +147,15 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
 }
 
 /// Why the measured errors that the job asks for are doubtful.
-fn doubts(inputs: &Inputs) -> Vec<String> {
+fn doubts(inputs: &Inputs) -> Vec<Finding> {
     let measured = inputs.as_measured();
     let mut doubts = measured.doubts(|term| wants(&inputs.job, term));
     doubts.extend(measured.unlikely_small(inputs.job.measurement.uncertainty.noise_um));
     if inputs.job.measurement.active == ActiveTables::NotStated {
-        doubts.push(ACTIVE_NOT_STATED.to_string());
+        doubts.push(KitFinding::ActiveNotStated.into());
     }
     doubts
 }
-
-/// Old tables, or a backlash parameter, that were active would have to be added to the new ones.
-const ACTIVE_NOT_STATED: &str = "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these tables are wrong; write \"none\", or the path of the kit or of the files read out of the control, which are then added";
 
 fn as_read(files: &[RenderedFile]) -> Vec<KitFile<'_>> {
     files.iter().map(as_kit_file).collect()

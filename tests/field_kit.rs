@@ -13,11 +13,14 @@ use nonius::control::controller::{Dialect, Evidence, Profile, Role, TableSign, b
 use nonius::control::table::Tables;
 use nonius::inputs::job::{ActiveTables, Job};
 use nonius::judge::active::{Origin, from_read_out};
+use nonius::kit::findings::FieldFault;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::{Direction, ErrorTerm};
 use nonius::read::emulate::Emulator;
 use nonius::read::{KitFile, read_apart};
 use nonius::text::document::Source;
+use nonius::text::finding::Finding;
+use nonius::write::findings::TableFinding;
 use nonius::write::plan::axis_pairs;
 use serde_json::Value;
 use std::path::Path;
@@ -181,6 +184,10 @@ fn as_known(profile: &Profile, fact: &str) -> &'static str {
     }
 }
 
+fn has_no_proof(note: &&Finding) -> bool {
+    matches!(note.kind(), Some(TableFinding::NoSignProof { .. }))
+}
+
 fn contract_of(id: &str) {
     let profile = builtin::profile(id).unwrap();
     let mut proved = 0;
@@ -188,13 +195,7 @@ fn contract_of(id: &str) {
         let machine = machine(&profile, seed);
         let (inputs, kit) = support::generate(&machine.job, &machine.csv);
         let proofs = &kit.manifest.sign_proofs;
-        let mechanisms = proofs.len()
-            + kit
-                .compiled
-                .notes
-                .iter()
-                .filter(|n| n.starts_with("no sign proof"))
-                .count();
+        let mechanisms = proofs.len() + kit.compiled.notes.iter().filter(has_no_proof).count();
         assert!(
             mechanisms > 0,
             "{id} {seed}: every mechanism has a proof or a reason"
@@ -218,12 +219,7 @@ fn contract_of(id: &str) {
             assert_eq!(page.contains(&gauge), id.starts_with("siemens"), "{name}");
             proved += 1;
         }
-        if kit
-            .compiled
-            .notes
-            .iter()
-            .all(|n| !n.starts_with("no sign proof"))
-        {
+        if kit.compiled.notes.iter().all(|n| !has_no_proof(&n)) {
             ensure_zero_elsewhere(&format!("{id} {seed}"), &inputs, &kit, proofs);
         }
     }
@@ -361,8 +357,11 @@ fn a_changed_sign_proof_is_found_and_does_not_reach_the_tables() {
     let same = judged(proof);
     assert!(same.agrees(), "{:?}", same.disagreements());
     let higher = judged(text.replace("=0.020000", "=0.200000").as_bytes());
-    let words = "`NONIUS_SIGN_EEC.MPF` is not the sign proof of this job: it holds other values";
-    assert_eq!(higher.disagreements(), [words]);
+    let file = "NONIUS_SIGN_EEC.MPF".to_string();
+    assert_eq!(
+        higher.disagreements(),
+        [FieldFault::OtherProof { file }.into()]
+    );
     assert_eq!(higher.forecast, same.forecast);
 }
 
@@ -393,11 +392,7 @@ fn no_legal_place_is_said_and_nothing_is_written() {
         proofs.is_empty(),
         "4.9 µm in one section, and two sections do not fit"
     );
-    let notes = kit
-        .compiled
-        .notes
-        .iter()
-        .filter(|n| n.starts_with("no sign proof"));
+    let notes = kit.compiled.notes.iter().filter(has_no_proof);
     assert_eq!(
         notes.count(),
         2,
@@ -595,7 +590,7 @@ fn a_reference_point_off_the_travel_is_noted() {
             let line = format!("reference_mm = {reference}");
             let job = job.replacen("reference_mm = 0.0", &line, 1);
             let (_, kit) = support::generate(&job, &errors);
-            let notes = kit.manifest.notes.join("\n");
+            let notes = support::words(&kit.manifest.notes).join("\n");
             let told = beyond.map(|beyond| {
                 format!("the reference point of X, {beyond} {words}, 0 to 400 mm: compare")
             });
@@ -608,7 +603,7 @@ fn a_reference_point_off_the_travel_is_noted() {
             let others: Vec<&str> = errors.lines().filter(is_other).collect();
             let job = job.replace("backlash = \"two-tables\"\n", "");
             let (_, kit) = support::generate(&job, &others.join("\n"));
-            let notes = kit.manifest.notes.join("\n");
+            let notes = support::words(&kit.manifest.notes).join("\n");
             assert!(!notes.contains(words), "{id}, {reference}\n{notes}");
         }
     }

@@ -18,6 +18,7 @@ use nonius::kit::program_kit::{ProgramKit, judge, make};
 use nonius::text::document::Source;
 use nonius::text::problem::Problems;
 use nonius::write::emit::program::{FileRole, ProgramFile};
+use nonius::write::findings::RunFinding;
 use nonius::write::program::RunTask;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -430,12 +431,15 @@ fn the_job_must_not_describe_another_turn_than_the_run() {
     assert!(turn("false", "bidirectional = false").unwrap().manifest["overrun"].is_null());
     // Another box is another measurement: a note, no refusal.
     let other = turn("false", "steps = 5").unwrap();
+    let differs = RunFinding::OtherBox {
+        turns_otherwise: true,
+    };
     assert!(
         other
             .run
             .notes
             .iter()
-            .any(|note| note.contains("order, overrun or kind differ"))
+            .any(|note| note.kind() == Some(&differs))
     );
 }
 
@@ -460,7 +464,9 @@ fn numbers_that_may_be_protected_are_noted() {
     let note = |number: &str| {
         let keys = format!("what = \"step-diagonal\"\nnumber = {number}");
         let notes = Case::small("fanuc-30i", &keys).kit().run.notes;
-        notes.iter().any(|note| note.contains("3202"))
+        notes
+            .iter()
+            .any(|note| matches!(note.kind(), Some(RunFinding::ProtectedNumber { .. })))
     };
     assert!(note("7997") && note("9001") && !note("7996"));
 }

@@ -13,11 +13,10 @@ mod support;
 use nonius::control::table::Tables;
 use nonius::control::table::siemens::SiemensGrid;
 use nonius::judge::active::{ActiveControl, ReadOutFor, from_read_out};
-use nonius::judge::findings::words_of;
 use nonius::kit::{self, Inputs, emulator};
 use nonius::quantity::axis::Direction;
 use nonius::read::emulate::Emulator;
-use nonius::text::finding::Severity;
+use nonius::text::finding::{Severity, of_severity};
 use std::fmt::Write;
 use std::path::Path;
 use support::{inputs, response, um_at};
@@ -122,7 +121,7 @@ fn understood(job: fn(&str) -> Inputs, files: Vec<(String, Vec<u8>)>) -> String 
         said,
         "verify: {} causes, {} doubts",
         judged.disagreements().len(),
-        words_of(&judged.findings, Severity::Doubt).len()
+        of_severity(&judged.findings, Severity::Doubt).len()
     )
     .unwrap();
     said
@@ -132,7 +131,7 @@ fn understood(job: fn(&str) -> Inputs, files: Vec<(String, Vec<u8>)>) -> String 
 fn told(active: &ActiveControl) -> String {
     let mut said = format!(
         "{} notes, CEC tables of others {:?}\n",
-        words_of(&active.findings, Severity::Note).len(),
+        of_severity(&active.findings, Severity::Note).len(),
         active.others.cec_tables
     );
     let range = |grid: SiemensGrid| format!("{} to {} by {}", grid.min, grid.max, grid.step);
@@ -270,7 +269,7 @@ fn the_switches_of_a_real_control_without_its_tables_are_refused() {
         assert!(refused.contains(says), "{refused}");
     }
     let found = read(&siemens("none"), files, ReadOutFor::Judging).unwrap();
-    let beside = words_of(&found.findings, Severity::Doubt);
+    let beside = of_severity(&found.findings, Severity::Doubt);
     assert_eq!(beside.len(), 2, "{beside:?}");
 }
 

@@ -14,6 +14,8 @@ mod support;
 use nonius::control::claims::Precondition;
 use nonius::control::controller::builtin;
 use nonius::quantity::axis::ErrorTerm;
+use nonius::text::finding::Finding;
+use nonius::write::findings::TableFinding;
 use std::fmt::Write;
 
 fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
@@ -105,7 +107,7 @@ fn the_828d_takes_the_mean_before_it_leaves_a_term_out() {
         .plan
         .notes
         .iter()
-        .filter(|n| n.contains("instead of two tables"));
+        .filter(|n| matches!(n.kind(), Some(TableFinding::MeanOnly { .. })));
     assert_eq!(means.count(), 7, "{:?}", kit.plan.notes);
 }
 
@@ -165,7 +167,12 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
             assert!(matches!(pairs[..], [x] if x.ends_with("AX1")), "{pairs:?}");
         }
         let words = "both directions are equal, so one table is written";
-        let said = |note: &String| note.starts_with("EXX") && note.ends_with(words);
+        let said = |note: &Finding| match note.kind() {
+            Some(TableFinding::OfTarget { terms, note }) => {
+                terms[0].to_string() == "EXX" && note == words
+            }
+            _ => false,
+        };
         assert!(kit.plan.notes.iter().any(said), "{id}");
         let mean = policies.replace("z = \"two-tables\"", "z = \"mean\"");
         let (_, kit) = support::generate(&job(id, &mean, 0.0, 50.0), table);

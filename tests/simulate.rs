@@ -15,6 +15,7 @@ mod simulated;
 mod support;
 
 use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::findings::Remark;
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::inputs::readings::Readings;
 use nonius::kit::simulate::{
@@ -260,7 +261,8 @@ fn the_file_reads_back_to_the_same_runs_and_says_what_it_is() {
     let mut runs = found.runs;
     runs.sort_by_key(by);
     assert_eq!(read.runs, runs);
-    assert_eq!(read.notes(), [format!("{SIMULATED}: a test")]);
+    let words = format!("{SIMULATED}: a test");
+    assert_eq!(read.notes(), [Remark::Simulated { words }.into()]);
 }
 
 #[test]

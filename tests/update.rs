@@ -17,12 +17,14 @@
 mod support;
 
 use nonius::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out};
-use nonius::judge::findings::words_of;
+use nonius::judge::findings::InForecast;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::Direction;
 use nonius::read::emulate::Response;
+use nonius::text::finding::{Finding, Severity, of_severity};
+use nonius::write::findings::TableFinding;
 use std::fmt::Write;
-use support::{Random, control, generate, inputs, response, um_at};
+use support::{Random, control, generate, inputs, response, um_at, words};
 
 const REFERENCE: f64 = 0.0;
 const TRAVEL: f64 = 300.0;
@@ -356,7 +358,12 @@ fn nothing_left_gives_the_same_tables_again() {
         let new = kit::generate(&found).unwrap();
         assert_eq!(old.compiled.tables, new.compiled.tables, "{case:?}");
         // Nothing becomes larger but by steps between the points, which were there before, too.
-        let steps = |words: &String| words.contains("by the steps between the points");
+        let steps = |found: &Finding| {
+            matches!(
+                found.kind(),
+                Some(InForecast::Worsened { by_steps: true, .. })
+            )
+        };
         let worsened = new.forecast.worsened();
         assert!(worsened.iter().all(steps), "{case:?}: {worsened:?}");
         let plays_steps = case.is_fanuc() && !case.interpolated;
@@ -366,7 +373,7 @@ fn nothing_left_gives_the_same_tables_again() {
 
 /// What is told of the files that were active.
 fn notes_of(active: &ActiveControl) -> String {
-    words_of(&active.findings, nonius::text::finding::Severity::Note).join("\n")
+    words(&of_severity(&active.findings, Severity::Note)).join("\n")
 }
 
 #[test]
@@ -559,7 +566,10 @@ fn tables_of_zeros_are_a_read_out_like_any_other() {
     let found = read_out(&job, FULL, zeros).unwrap();
     let says = "the active tables of AX1 → AX1 hold zeros: old = 0";
     assert!(
-        found.active_notes.iter().any(|note| note == says),
+        found
+            .active_notes
+            .iter()
+            .any(|note| note.to_string() == says),
         "{:?}",
         found.active_notes
     );
@@ -942,7 +952,7 @@ fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
             .manifest
             .notes
             .iter()
-            .any(|n| n.contains("counted as 0 while measuring"));
+            .any(|n| matches!(n.kind(), Some(TableFinding::ParameterReplaced { .. })));
         let demanded = kit
             .manifest
             .preconditions

@@ -194,10 +194,10 @@ pub fn verify(input: &[u8]) -> Answer {
         Vec::new(),
     )?;
     Ok(format!(
-        "{:?} {} {}",
+        "{:?} {:?} {:?}",
         found.verdict,
-        found.disagreements().join("\n"),
-        found.notes().join("\n")
+        found.disagreements(),
+        found.notes()
     ))
 }
 

@@ -9,7 +9,6 @@ use crate::judge::after::{StraightRuns, Walk};
 use crate::judge::causes::Slip;
 use crate::machine::separation::campaign;
 use crate::machine::separation::campaign::NamedTables;
-use crate::machine::separation::findings::SeparationFinding;
 use crate::machine::separation::noise::Noise;
 use crate::machine::separation::noise::repeats;
 use crate::machine::separation::readings::{means, run_counts};
@@ -18,7 +17,6 @@ use crate::machine::separation::{self, Campaign, Separation, table};
 use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
 use crate::text::document::Source;
-use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::emit::TOOL;
 use std::path::Path;
@@ -95,19 +93,11 @@ impl CampaignFiles {
         )
     }
 
-    /// What the file says of itself.
-    fn notes(&self) -> Vec<Finding> {
-        let notes = self.readings.notes().into_iter();
-        notes
-            .map(|note| SeparationFinding::Recorded { note }.into())
-            .collect()
-    }
-
     /// The nine errors.
     pub(super) fn separate(&self) -> Result<Separation, Problems> {
         self.check_turn()?;
         let mut separation = separation::separate(&self.campaign()?, &self.readings.runs);
-        separation.labels.splice(0..0, self.notes());
+        separation.labels.splice(0..0, self.readings.notes());
         Ok(separation)
     }
 
@@ -148,7 +138,7 @@ impl CampaignFiles {
             &self.readings.runs,
             self.closure_errors.as_ref(),
         )?;
-        result.labels.splice(0..0, self.notes());
+        result.labels.splice(0..0, self.readings.notes());
         Ok(result)
     }
 
@@ -185,7 +175,7 @@ impl CampaignFiles {
             u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
             degrees_of_freedom: repeated.and_then(Noise::freedom_f64),
             scale_um_per_m: self.job.measurement.uncertainty.laser_ppm.unwrap_or(0.0),
-            labels: result.labels.iter().map(ToString::to_string).collect(),
+            labels: result.labels,
             one_zero: self
                 .readings
                 .runs

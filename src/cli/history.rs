@@ -12,10 +12,12 @@ use crate::cli::outcome::{Outcome, Print};
 use crate::cli::screen::Screen;
 use crate::cli::write::previous;
 use crate::control::controller::Role;
-use crate::kit::directory::{Fault, FaultKind, faults};
+use crate::kit::directory::{Fault, faults};
+use crate::kit::findings::FileFault;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::sha256;
 use crate::text::document::json_page;
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
 use clap::Args;
 use serde::Serialize;
@@ -49,8 +51,8 @@ struct Link {
     controller: Value,
     machine: Value,
     measured: Value,
-    /// Files that are missing or changed, one sentence each.
-    faults: Vec<String>,
+    /// Files that are missing or changed.
+    faults: Vec<Finding>,
     #[serde(skip)]
     predecessor: Value,
 }
@@ -127,7 +129,7 @@ fn read_link(directory: &Path) -> Result<Link, Problem> {
     };
     let is_made = |fault: &Fault| {
         let written_into = fault.role.is_some_and(Role::is_written_into);
-        !written_into || fault.kind == FaultKind::Missing
+        !written_into || matches!(fault.kind, FileFault::Missing { .. })
     };
     let faults = faults(&manifest, read).into_iter().filter(is_made);
     Ok(Link {
@@ -137,7 +139,7 @@ fn read_link(directory: &Path) -> Result<Link, Problem> {
         controller: manifest["controller"].clone(),
         machine: manifest["machine"]["name"].clone(),
         measured: manifest["machine"]["measured"].clone(),
-        faults: faults.map(|fault| fault.words).collect(),
+        faults: faults.map(|fault| fault.kind.into()).collect(),
         predecessor: manifest["predecessor"].clone(),
     })
 }
@@ -191,7 +193,10 @@ fn screen(chain: &Chain) -> Screen {
         ));
         lines.push(match link.faults.as_slice() {
             [] => "   all files as they were made".to_string(),
-            faults => format!("   NOT as it was made: {}", faults.join("; ")),
+            faults => {
+                let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
+                format!("   NOT as it was made: {}", faults.join("; "))
+            }
         });
     }
     lines.push(match (&chain.broken, &chain.read_out) {

@@ -9,7 +9,9 @@ use crate::judge::forecast::{Change, Forecast};
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Figure;
+use crate::text::finding::Finding;
 use crate::write::compensation::Placement;
+use std::fmt::Display;
 
 /// A figure in µm, `-` where there is none.
 pub(super) fn um(um: Option<f64>) -> String {
@@ -170,7 +172,7 @@ pub(super) fn verdict(
     job: &Job,
     forecast: Option<&Forecast>,
     differs: bool,
-    doubts: &[String],
+    doubts: &[Finding],
 ) -> String {
     let acceptance = job.acceptance;
     let asked = asked(job, forecast);
@@ -275,7 +277,7 @@ pub(super) fn assumed_signs(assumptions: &[Assumption], proofs: &[&str]) -> Vec<
 }
 
 /// Notes as findings.
-pub(super) fn notes<'a>(notes: impl IntoIterator<Item = &'a String>) -> Vec<String> {
+pub(super) fn notes(notes: impl IntoIterator<Item = impl Display>) -> Vec<String> {
     let notes = notes.into_iter();
     notes.map(|note| format!("note: {note}")).collect()
 }

@@ -8,6 +8,7 @@ use crate::cli::words::number;
 use crate::cli::{inputs, show};
 use crate::inputs::error_table;
 use crate::inputs::job::{MeasuredData, UseOf};
+use crate::kit::findings::InRehearsal;
 use crate::kit::simulate::{
     Loaded, Noise, Origin, Rehearsal, SIMULATED, SimulatedMachine, Simulation, Wishes, readings,
     single_axes,
@@ -16,6 +17,7 @@ use crate::kit::{Inputs, generate, hashed};
 use crate::quantity::diagonal::{Diagonal, PathKind};
 use crate::quantity::units::Figure;
 use crate::read::KitFile;
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -156,15 +158,12 @@ fn tables(options: &Options, inputs: &Inputs) -> Result<(Option<Loaded>, Origin)
 }
 
 /// What the simulated machine inherits from the measurement it rests on.
-fn taken_for_granted(inputs: &Inputs) -> Vec<String> {
-    let doubts = inputs.model.doubts(|_| true);
-    let doubts = doubts
-        .into_iter()
-        .map(|doubt| format!("the errors it rests on are doubtful: {doubt}"));
-    let simulated = inputs.model.remarks.simulated();
-    doubts
-        .chain(simulated.map(|note| format!("the errors it rests on are {note}")))
-        .collect()
+fn taken_for_granted(inputs: &Inputs) -> Vec<Finding> {
+    let doubts = inputs.model.doubts(|_| true).into_iter();
+    let doubts = doubts.map(|doubt| InRehearsal::RestsOnDoubtful { doubt });
+    let simulated = inputs.model.remarks.simulated().cloned();
+    let simulated = simulated.map(|note| InRehearsal::RestsOnSimulated { note });
+    doubts.chain(simulated).map(Finding::from).collect()
 }
 
 fn error_table(

@@ -30,10 +30,10 @@ pub(super) struct Corrected {
     pub(super) from: String,
     /// Its errors.
     pub(super) volume: VolumeModel,
-    /// How the files differ from what the job asks for, one sentence each.
-    pub(super) disagreements: Vec<String>,
+    /// How the files differ from what the job asks for.
+    pub(super) disagreements: Vec<Finding>,
     /// What no file does, what was ignored, and what is taken for granted.
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Finding>,
 }
 
 impl AskedTables {
@@ -61,16 +61,14 @@ impl AskedTables {
             Problem::new(format!("the tables cannot be emulated: {}", e.0))
                 .help("nothing can be said of the machine with them")
         })?;
-        let (differences, notes): (Vec<&Finding>, Vec<&Finding>) = loaded
-            .findings
-            .iter()
-            .partition(|found| found.severity() == Severity::Disagreement);
-        let words = |findings: Vec<&Finding>| findings.iter().map(ToString::to_string).collect();
+        let found = loaded.findings.into_iter();
+        let (disagreements, notes) =
+            found.partition(|found| found.severity() == Severity::Disagreement);
         Ok(Some(Corrected {
             from,
             volume,
-            disagreements: words(differences),
-            notes: words(notes),
+            disagreements,
+            notes,
         }))
     }
 

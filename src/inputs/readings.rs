@@ -16,6 +16,7 @@ use crate::inputs::error_table::Remarks;
 use crate::inputs::job::DiagonalMeasurement;
 use crate::quantity::diagonal::{Diagonal, Pass, Run};
 use crate::text::document::Source;
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 
 /// Checked readings.
@@ -48,7 +49,7 @@ impl Readings {
     }
 
     /// What the file says of itself in comments `# note: …`, one sentence each.
-    pub fn notes(&self) -> Vec<String> {
+    pub fn notes(&self) -> Vec<Finding> {
         Remarks::read(&self.source.text).notes
     }
 

@@ -1,31 +1,11 @@
 //! What is found in the files of a control against a job, and in a second measurement: each kind with its facts, how grave it is, its words.
 
 use crate::inputs::job::Frame;
-use crate::quantity::axis::Axis;
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::units::Figure;
 use crate::read::emulate::CannotEmulate;
-use crate::text::finding::{Finding, Severity, findings};
-
-/// The words of the findings of one gravity.
-pub fn words_of(findings: &[Finding], severity: Severity) -> Vec<String> {
-    let of = findings.iter().filter(|f| f.severity() == severity);
-    of.map(ToString::to_string).collect()
-}
-
-/// `EXX, EYY`
-pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>) -> String {
-    let words = items.into_iter().map(|item| item.to_string());
-    words.collect::<Vec<String>>().join(", ")
-}
-
-/// `a, b, c and 4 more`
-pub(crate) fn listed(names: &[String]) -> String {
-    const MOST_NAMES: usize = 6;
-    let shown = names[..names.len().min(MOST_NAMES)].join(", ");
-    match names.len().saturating_sub(MOST_NAMES) {
-        0 => shown,
-        rest => format!("{shown} and {rest} more"),
-    }
-}
+use crate::text::finding::{Finding, findings};
+pub(crate) use crate::text::finding::{joined, listed};
 
 fn frame_word(frame: Option<Frame>) -> &'static str {
     frame.map_or("as given", Frame::word)
@@ -46,6 +26,7 @@ findings! {
     /// axes and is not emulated.
     InControl {
         Read { words: String } => Note, "{words}";
+        NoFile { does: &'static str, data: Vec<String> } => Note, "no file {does}; see to {} on the control", joined(data);
         PassedOver { file: String, count: usize, what: &'static str } => Note, "`{file}`: {count} {what} were ignored";
         NotWritten { parameters: Vec<String> } => Note, "no file holds {}: 0 is assumed", listed(parameters);
         Idle { tables: Vec<String> } => Note, "{}: zeros without a usable grid, ignored", listed(tables);
@@ -138,16 +119,23 @@ impl InControl {
 }
 
 findings! {
+    /// What is found in a forecast.
+    InForecast {
+        Worsened { what: String, before_um: f64, after_um: f64, by_steps: bool } => Note, "{what} becomes larger with the tables: {before_um:.3} → {after_um:.3} µm{}", if *by_steps { ", by the steps between the points; those of the old tables are not in the figure as measured" } else { "" };
+    }
+}
+
+findings! {
     /// What is found in the measurement afterwards. With a doubt the figures decide nothing in favour.
     AsLeft {
         Simulated => Doubt, "the values afterwards were simulated, those as found were measured: a rehearsal says nothing of this machine";
         Flat { what: String } => Doubt, "the values afterwards are the same at all positions, which no laser reads: {what}; an empty column, no measurement";
         Copy => Doubt, "the values afterwards are those of the first measurement: the same file, or a copy of it";
-        Doubtful { words: String } => Doubt, "{words}";
         Sparse { axis: Axis, first_mm: f64, second_mm: f64 } => Doubt, "axis {axis} was measured at positions {first_mm:.3} mm apart as found, afterwards up to {second_mm:.3} mm apart: nothing is known between them";
         ReversalNotSeen { terms: String } => Doubt, "the two directions are corrected apart, but were not both measured afterwards, so nothing is known of the reversal that is left: {terms}";
         OtherFrame { first: Option<Frame>, second: Option<Frame> } => Doubt, "the two measurements count from different frames (as found: {}; afterwards: {}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame", frame_word(*first), frame_word(*second);
-        Said { words: String } => Note, "{words}";
+        RestsOn { label: Finding } => Note, "{label}";
+        LostMotion { reversals_um: Vec<(ErrorTerm, f64)> } => Note, "the first measurement did not tell the directions apart, so it did not see the lost motion, and its tables leave it; B (mean moving + minus mean moving -), µm: {}", joined(reversals_um.iter().map(|(term, um)| format!("{term} {:+.3}", Figure(*um))));
         FewerWays { terms: String } => Note, "found in both directions, measured afterwards without: {terms}; a fault of the reversal does not show";
         DiagonalsOnly => Note, "straight runs show the body diagonals only: the nine errors were not measured afterwards";
         OffForecast { terms: Vec<String> } => Note, "off the forecast at some position by more than both measurements explain (99.9 %, all positions together): {}", terms.join(", ");

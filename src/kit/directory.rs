@@ -8,10 +8,11 @@ use super::{
 use crate::control::controller::{Profile, Role};
 use crate::judge::active::{ActiveControl, ReadOutFor, from_read_out};
 use crate::judge::findings::InControl;
-use crate::kit::manifest::{HashedFile, MANIFEST};
+use crate::kit::findings::{FileFault, InDirectory};
+use crate::kit::manifest::HashedFile;
 use crate::read::{KitFile, is_whole, may_be_meant_for};
 use crate::text::document::json_page;
-use crate::text::finding::{Finding, Severity};
+use crate::text::finding::{Finding, Kind, Severity, of_severity};
 use crate::text::problem::{Problem, Problems, shown};
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -36,18 +37,15 @@ pub struct Directory {
     path: String,
     /// What the control could read.
     files: Vec<NamedFile>,
-    /// Sentences that make the verdict `fail`.
-    remarks: Vec<String>,
-    /// What was ignored, and what may explain a disagreement.
-    notes: Vec<String>,
-    /// A listed file that is missing is among the remarks.
-    names_missing: bool,
-    /// How many of the remarks are files with another hash than in the manifest that a reader takes.
+    /// What makes the verdict `fail` (disagreements); what was ignored, and what may explain a
+    /// disagreement (notes).
+    findings: Vec<Finding>,
+    /// How many of them are files with another hash than in the manifest that a reader takes.
     changed: usize,
     /// The kit was made for another control.
     other_control: Option<Problem>,
-    /// Inputs of the job that differ from those the kit was made from, in a sentence.
-    other_inputs: Option<String>,
+    /// Inputs of the job that differ from those the kit was made from.
+    other_inputs: Option<Finding>,
     /// `state` of its manifest: the control outside the files.
     state: Option<Value>,
 }
@@ -82,19 +80,19 @@ impl Directory {
         found.compare_origin(&document, inputs);
         found.state = Some(document["state"].clone());
         if let Some(name) = found.whole_file(profile) {
-            let words = format!(
-                "`{}` holds far more than a kit, so it is the control's own: put what was read out into a directory without manifest.json and name that",
-                shown(name)
-            );
-            found.notes.push(words);
+            let file = shown(name);
+            found
+                .findings
+                .push(InDirectory::WholeControl { file }.into());
         }
         Ok(found)
     }
 
     /// A file that was left out, and why.
-    pub fn ignored(&mut self, name: &str, why: &str) {
-        let words = format!("`{}` was ignored: {why}", shown(name));
-        self.notes.push(words);
+    pub fn ignored(&mut self, name: &str, why: &'static str) {
+        let file = shown(name);
+        self.findings
+            .push(InDirectory::Ignored { file, why }.into());
     }
 
     /// The files as the readers take them.
@@ -109,18 +107,7 @@ impl Directory {
             None => load(inputs, &self.kit_files(), self.state.as_ref())
                 .map_err(|problems| self.instead_of(problems))?,
         };
-        let differs = |words: &String| {
-            Finding::from(InControl::Differs {
-                words: words.clone(),
-            })
-        };
-        let note = |words: &String| {
-            Finding::from(InControl::Read {
-                words: words.clone(),
-            })
-        };
-        loaded.findings.extend(self.remarks.iter().map(differs));
-        loaded.findings.splice(0..0, self.notes.iter().map(note));
+        loaded.findings = [self.notes(), loaded.findings, self.faults()].concat();
         Ok(loaded)
     }
 
@@ -131,9 +118,17 @@ impl Directory {
             None => SimulatedTables::read(inputs, &self.kit_files(), self.state.as_ref())
                 .map_err(|problems| self.instead_of(problems))?,
         };
-        let notes = self.remarks.iter().chain(&self.notes).cloned();
-        loaded.notes.splice(0..0, notes);
+        loaded.notes = [self.faults(), self.notes(), loaded.notes].concat();
         Ok(loaded)
+    }
+
+    /// What the manifest says against the files.
+    fn faults(&self) -> Vec<Finding> {
+        of_severity(&self.findings, Severity::Disagreement)
+    }
+
+    fn notes(&self) -> Vec<Finding> {
+        of_severity(&self.findings, Severity::Note)
     }
 
     /// The files judged against the job.
@@ -142,36 +137,30 @@ impl Directory {
             Some(control) => verify_read_out(inputs, &control)?,
             None => self.verify_kit(inputs)?,
         };
-        if self.names_missing {
+        let is_missing = |f: &Finding| matches!(f.kind(), Some(FileFault::Missing { .. }));
+        if self.findings.iter().any(is_missing) {
             // A listed file that is missing was named.
             let is_note = |found: &Finding| found.severity() == Severity::Note;
             verification.findings.retain(|found| !is_note(found));
         }
-        let notes = self.notes.iter().chain(&self.other_inputs);
-        notes.for_each(|words| verification.note(words.clone()));
+        let notes = self.notes().into_iter().chain(self.other_inputs.clone());
+        verification.findings.extend(notes);
         Ok(verification)
     }
 
     fn verify_kit(&self, inputs: &Inputs) -> Result<Verification, Problems> {
         let named = self.state.as_ref();
-        let mut verification = verify(inputs, &self.kit_files(), named, self.remarks.clone())
+        let mut verification = verify(inputs, &self.kit_files(), named, self.faults())
             .map_err(|problems| self.instead_of(problems))?;
         if named.is_none() {
-            let words = format!(
-                "there is no {MANIFEST}, so nothing tells whether all files are there and as they were made"
-            );
-            verification.note(words);
-            if let Some(name) = self.called_as_a_kit(&inputs.profile) {
-                verification.note(format!(
-                    "judged as a kit that is to be loaded, because `{}` is called as in one: give files that were read out of the control other names",
-                    shown(name)
-                ));
-            }
+            let called = self.called_as_a_kit(&inputs.profile).map(shown);
+            let called = called.map(|file| InDirectory::CalledAsAKit { file });
+            let notes = [InDirectory::NoManifest].into_iter().chain(called);
+            verification.findings.extend(notes.map(Finding::from));
         }
         let differences = verification.disagreements().len();
-        if differences > 0 && differences == self.changed && self.remarks.len() == differences {
-            let words = "read back, tables and switches are as the job asks: what differs is something else (line ends, comments, words such as NEWCONF, more memory); copy the files from the kit again";
-            verification.note(words.to_string());
+        if differences > 0 && [self.changed, self.faults().len()] == [differences; 2] {
+            verification.findings.push(InDirectory::ActsTheSame.into());
         }
         Ok(verification)
     }
@@ -234,14 +223,13 @@ impl Directory {
     fn ignore_unlisted(&mut self, document: &Value, profile: &Profile) {
         let listed: BTreeSet<&str> = listed(document).map(|(path, _)| path).collect();
         for file in std::mem::take(&mut self.files) {
-            let name = shown(&file.0);
             if listed.contains(file.0.as_str()) {
                 self.files.push(file);
             } else if is_of_a_kit(profile, &file.0) || may_be_meant_for(profile, &kit_file(&file)) {
-                let words = format!(
-                    "`{name}` is not listed in manifest.json, and the control could read it"
-                );
-                self.remarks.push(words);
+                let found = InDirectory::NotListed {
+                    file: shown(&file.0),
+                };
+                self.findings.push(found.into());
                 self.files.push(file);
             } else {
                 let why = "manifest.json does not list it, and it is no file of this control";
@@ -256,18 +244,16 @@ impl Directory {
             Ok(file.map(|(_, role, bytes)| (Some(*role), Cow::Borrowed(bytes.as_slice()))))
         };
         for fault in faults(document, bytes) {
-            if fault.role.is_some_and(Role::is_written_into) {
-                self.notes.push(fault.words);
+            let Fault { kind, role } = fault;
+            if role.is_some_and(Role::is_written_into) {
+                let fault = kind.into();
+                let found = InDirectory::WrittenInto { fault };
+                self.findings.push(found.into());
                 continue;
             }
-            match fault.kind {
-                FaultKind::Missing => self.names_missing = true,
-                FaultKind::Changed => {
-                    self.changed += usize::from(fault.role.is_some_and(Role::is_read_back));
-                }
-                FaultKind::Other => {}
-            }
-            self.remarks.push(fault.words);
+            let is_changed = matches!(kind, FileFault::Changed { .. });
+            self.changed += usize::from(is_changed && role.is_some_and(Role::is_read_back));
+            self.findings.push(kind.into());
         }
     }
 
@@ -275,13 +261,13 @@ impl Directory {
     fn compare_origin(&mut self, document: &Value, inputs: &Inputs) {
         let id = &inputs.profile.id;
         if let Some(other) = document["controller"].as_str().filter(|other| other != id) {
-            let words = format!(
-                "the kit was made for another control: manifest.json names `{}`, the job `{id}`",
-                shown(other)
-            );
+            let found = InDirectory::OtherControl {
+                made_for: shown(other),
+                own: id.clone(),
+            };
             let help = "name the job that this kit was made from, or the kit of this job";
-            self.other_control = Some(Problem::new(words.clone()).help(help));
-            self.remarks.push(words);
+            self.other_control = Some(Problem::new(found.words()).help(help));
+            self.findings.push(found.into());
         }
         let Some(known) = document["inputs"].as_array() else {
             return;
@@ -290,11 +276,7 @@ impl Directory {
         let names = inputs.hashes.iter().filter(other);
         let names: Vec<String> = names.map(|i| format!("`{}`", shown(&i.path))).collect();
         if !names.is_empty() {
-            self.other_inputs = Some(format!(
-                "the kit was made from other inputs: {} differ{} from what manifest.json has",
-                names.join(", "),
-                if names.len() == 1 { "s" } else { "" }
-            ));
+            self.other_inputs = Some(InDirectory::OtherInputs { names }.into());
         }
     }
 }
@@ -321,22 +303,9 @@ fn listed(document: &Value) -> impl Iterator<Item = (&str, &Value)> {
 /// A difference of the files from what their manifest lists.
 pub struct Fault {
     /// Which.
-    pub kind: FaultKind,
+    pub kind: FileFault,
     /// What the file is for, as far as known.
     pub role: Option<Role>,
-    /// One sentence.
-    pub words: String,
-}
-
-/// What is wrong with a listed file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FaultKind {
-    /// It is not there.
-    Missing,
-    /// Its hash is another one.
-    Changed,
-    /// It is listed twice, has no name of a file, or cannot be read.
-    Other,
 }
 
 /// Purpose (where it is known better than from the manifest) and bytes of a file.
@@ -350,34 +319,26 @@ pub fn faults<'a>(
     let mut seen = std::collections::BTreeMap::<&str, usize>::new();
     let mut faults = Vec::new();
     for (path, entry) in listed(document) {
-        let name = shown(path);
-        let mut found = |kind, role, words| faults.push(Fault { kind, role, words });
+        let file = shown(path);
+        let mut found = |kind, role| faults.push(Fault { kind, role });
         let times = seen.entry(path).or_default();
         *times += 1;
         if *times == 2 {
-            let words = format!("`{name}` is listed twice in manifest.json");
-            found(FaultKind::Other, None, words);
+            found(FileFault::ListedTwice { file: file.clone() }, None);
         }
         if *times > 1 {
             continue;
         }
         if !is_plain_name(path) {
-            let words = format!("`{name}` is no plain file name");
-            found(FaultKind::Other, None, words);
+            found(FileFault::NoPlainName { file }, None);
             continue;
         }
         let role = entry["role"].as_str().and_then(Role::of_word);
         match bytes_of(path) {
-            Err(problem) => found(FaultKind::Other, None, problem.message),
-            Ok(None) => {
-                let words = format!("`{name}` is listed in manifest.json but missing");
-                found(FaultKind::Missing, role, words);
-            }
+            Err(Problem { message, .. }) => found(FileFault::NotReadable { message }, None),
+            Ok(None) => found(FileFault::Missing { file }, role),
             Ok(Some((known, bytes))) if Some(&*sha256(&bytes)) != entry["sha256"].as_str() => {
-                let words = format!(
-                    "`{name}` was changed after it was made: its hash is not that of manifest.json"
-                );
-                found(FaultKind::Changed, known.or(role), words);
+                found(FileFault::Changed { file }, known.or(role));
             }
             Ok(Some(_)) => {}
         }

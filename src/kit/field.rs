@@ -15,8 +15,10 @@ use super::{Inputs, movement, rollback};
 use crate::control::checklist::List;
 use crate::control::checklist::{KitFacts, parts};
 use crate::control::controller::{Mechanism, Role};
+use crate::kit::findings::FieldFault;
 use crate::kit::inputs::cannot_emulate;
 use crate::read::{KitFile, ReadBack, read_apart};
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compensation::{Compiled, uses};
 use crate::write::emit::{self, RenderedFile};
@@ -31,8 +33,8 @@ pub(super) struct FieldKit {
     pub(super) files: Vec<RenderedFile>,
     /// What each sign proof has to show, for the manifest.
     pub(super) sign_proofs: Vec<Value>,
-    /// Mechanisms without a sign proof, and a rollback that is not whole, one sentence each.
-    pub(super) notes: Vec<String>,
+    /// Mechanisms without a sign proof, and a rollback that is not whole.
+    pub(super) notes: Vec<Finding>,
 }
 
 /// Makes the field kit; refused unless every file reads back to what was meant.
@@ -40,9 +42,11 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let proofs = Proofs::write(made)?;
     let shown = proofs.shown(made)?;
     let mut files = proofs.files;
-    let mut not_written = proofs.missing.clone();
+    let missing = proofs.missing.iter().map(ToString::to_string);
+    let mut not_written: Vec<String> = missing.collect();
     let rollback = rollback::make(made)?;
-    let notes = [proofs.missing, rollback.note().into_iter().collect()].concat();
+    let left = rollback.note().map(Finding::from);
+    let notes = proofs.missing.into_iter().chain(left).collect();
     files.extend(rollback.files);
     not_written.extend(rollback.not_written);
     let movement = movement::switching(made).map_err(|reason| cannot_emulate(&reason))?;
@@ -88,35 +92,32 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     })
 }
 
-/// How the files of a directory that stand apart differ from those of the job, one sentence each.
+/// How the files of a directory that stand apart differ from those of the job.
 pub(super) fn differences(
     inputs: &Inputs,
     plan: &Plan,
     compiled: &Compiled,
     files: &[KitFile<'_>],
-) -> Result<Vec<String>, Problems> {
-    let mut words = Vec::new();
+) -> Result<Vec<Finding>, Problems> {
+    let mut found: Vec<Finding> = Vec::new();
     if files.iter().any(|file| file.role == Role::SignProof) {
         let wanted = sign_proofs(inputs.task(), plan, compiled).proofs;
         for file in files.iter().filter(|file| file.role == Role::SignProof) {
             let read = read_apart(&inputs.profile, &[*file], Role::SignProof)?;
             let proof = proof_of(inputs, &wanted, file.path);
             if proof.is_none_or(|p| p.tables != read.tables) || sets_machine_data(&read) {
-                words.push(format!(
-                    "`{}` is not the sign proof of this job: it holds other values",
-                    file.path
-                ));
+                let file = file.path.to_string();
+                found.push(FieldFault::OtherProof { file }.into());
             }
-            words.extend(read.unwritten.iter().map(|parameter| {
-                let path = file.path;
-                format!(
-                    "`{path}` does not write {parameter}: the control keeps what it holds there"
-                )
+            let unwritten = read.unwritten.into_iter();
+            found.extend(unwritten.map(|parameter| {
+                let file = file.path.to_string();
+                FieldFault::NotWritten { file, parameter }.into()
             }));
         }
     }
-    words.extend(rollback::differences(inputs, plan, compiled, files)?);
-    Ok(words)
+    found.extend(rollback::differences(inputs, plan, compiled, files)?.map(Finding::from));
+    Ok(found)
 }
 
 fn sets_machine_data(read: &ReadBack) -> bool {

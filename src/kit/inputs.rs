@@ -5,12 +5,14 @@ use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::Job;
 use crate::judge::active::{self, ActiveControl};
 use crate::judge::conformity::Verdict;
+use crate::judge::findings::InControl;
 use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::manifest::HashedFile;
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::{Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, compile};
 use crate::write::plan::{Plan, Task};
@@ -30,8 +32,8 @@ pub struct Inputs {
     pub hashes: Vec<HashedFile>,
     /// The control as it was while measuring, where the job names its files.
     pub active: Option<ActiveControl>,
-    /// What the sum of old tables and residual has to say, one sentence each.
-    pub active_notes: Vec<String>,
+    /// What the sum of old tables and residual has to say.
+    pub active_notes: Vec<Finding>,
 }
 
 impl Inputs {
@@ -79,10 +81,10 @@ impl Inputs {
     pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
         let (model, notes) = active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
         self.under_tables = Some(std::mem::replace(&mut self.model, model));
-        let found = active.findings.iter().map(ToString::to_string);
-        self.active_notes = found.chain(notes).collect();
         let interpolated = active::take_interpolation(&mut self.job, &self.profile, &active);
-        self.active_notes.extend(interpolated);
+        let notes = notes.into_iter().chain(interpolated);
+        let notes = notes.map(|words| InControl::Read { words }.into());
+        self.active_notes = active.findings.iter().cloned().chain(notes).collect();
         self.active = Some(active);
         Ok(self)
     }
@@ -163,7 +165,7 @@ fn not_measured(forecast: &Forecast) -> Vec<String> {
 }
 
 /// Forecast against the acceptance; doubtful errors decide nothing in favour.
-pub(super) fn judged(forecast: &Forecast, inputs: &Inputs, doubts: &[String]) -> Verdict {
+pub(super) fn judged(forecast: &Forecast, inputs: &Inputs, doubts: &[Finding]) -> Verdict {
     let doubtful = (!doubts.is_empty()).then_some(Verdict::Undecided);
     let verdict = forecast.verdict(inputs.job.acceptance);
     doubtful.map_or(verdict, |doubtful| verdict.max(doubtful))

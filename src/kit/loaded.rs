@@ -32,8 +32,8 @@ pub(super) struct Loaded {
     /// How the files differ from what the job asks for; what no file does, what was ignored, and
     /// what is taken for granted; what acts on the axes of the job and is not emulated (a doubt).
     pub(super) findings: Vec<Finding>,
-    /// Files that the control may load and no reader takes, in a sentence.
-    pub(super) unread: Option<String>,
+    /// Files that the control may load and no reader takes.
+    pub(super) unread: Option<Finding>,
 }
 
 impl Loaded {
@@ -49,9 +49,7 @@ impl Loaded {
         let read = read(&inputs.profile, files)?;
         let (mut findings, found) = differences(inputs, plan, compiled, &read);
         let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
-        let absent = absent.into_iter().map(|words| InControl::Read { words });
-        findings.extend(absent.map(Finding::from));
-        findings.extend(of_state);
+        findings.extend(absent.into_iter().chain(of_state));
         Ok(Loaded {
             unread: unread(&inputs.profile, files),
             control: found.and_then(|_| emulator(&inputs.profile, &read.tables, &state)),
@@ -96,11 +94,10 @@ impl Loaded {
     }
 
     fn with(self, plan: Plan) -> Result<LoadedControl, Problems> {
-        let unread = self.unread.map(|words| InControl::Read { words }.into());
         Ok(LoadedControl {
             plan,
             control: self.control.map_err(|reason| cannot_emulate(&reason))?,
-            findings: self.findings.into_iter().chain(unread).collect(),
+            findings: self.findings.into_iter().chain(self.unread).collect(),
         })
     }
 }

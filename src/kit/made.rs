@@ -8,6 +8,7 @@ use crate::judge::forecast::Forecast;
 use crate::quantity::axis::Axis;
 use crate::read::siemens::MachineDatum;
 use crate::read::{KitFile, ReadBack};
+use crate::text::finding::Finding;
 use crate::write::compensation::Compiled;
 use crate::write::emit::{Context, RenderedFile, Templates};
 use crate::write::plan::{Plan, Task};
@@ -28,7 +29,7 @@ pub(crate) struct Made<'a> {
     /// Forecast against the acceptance of the job.
     pub(crate) verdict: Verdict,
     /// Why the measured errors are doubtful.
-    pub(crate) doubts: &'a [String],
+    pub(crate) doubts: &'a [Finding],
 }
 
 impl Made<'_> {

@@ -8,6 +8,7 @@ use crate::judge::active::{ActiveControl, Origin};
 use crate::judge::forecast::{Change, DiagonalForecast, Forecast};
 use crate::quantity::units::{Millimetres, picometres};
 use crate::text::document::{refuse_large_page, sha256};
+use crate::text::finding::Finding;
 use crate::text::plain;
 use crate::text::problem::Problem;
 use crate::write::compensation::Placement;
@@ -151,9 +152,9 @@ pub struct Manifest {
     pub sign_proofs: Vec<Value>,
     /// Why the verdict is undecided at most; absent where nothing is doubtful.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub doubts: Vec<String>,
+    pub doubts: Vec<Finding>,
     /// What the user should know.
-    pub notes: Vec<String>,
+    pub notes: Vec<Finding>,
 }
 
 /// Terms without a table, as JSON.

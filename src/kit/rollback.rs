@@ -21,6 +21,7 @@ use crate::control::controller::Role;
 use crate::control::table::Tables;
 use crate::judge::active::Origin;
 use crate::judge::findings::listed;
+use crate::kit::findings::{FieldFault, KitFinding};
 use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::read::{KitFile, ReadBack, read_apart};
 use crate::text::problem::Problems;
@@ -47,11 +48,9 @@ impl Rollback {
     }
 
     /// That the files do not restore everything, for text and manifest.
-    pub(super) fn note(&self) -> Option<String> {
+    pub(super) fn note(&self) -> Option<KitFinding> {
         let left = self.not_written.len();
-        (!self.files.is_empty() && left > 0).then(|| {
-            format!("the rollback files leave {left} kind(s) of settings to a person, because the files that were read out do not hold them: see \"Not written\" and \"Rollback\" of the checklist")
-        })
+        (!self.files.is_empty() && left > 0).then_some(KitFinding::LeftToAPerson { left })
     }
 }
 
@@ -153,13 +152,13 @@ fn switch(datum: &MachineDatum) -> Switch {
     }
 }
 
-/// Rollback files of a directory against what the job's read-out holds, one sentence.
+/// Rollback files of a directory against what the job's read-out holds.
 pub(super) fn differences(
     inputs: &Inputs,
     plan: &Plan,
     compiled: &Compiled,
     files: &[KitFile<'_>],
-) -> Result<Option<String>, Problems> {
+) -> Result<Option<FieldFault>, Problems> {
     if !files.iter().any(|file| file.role == Role::Rollback) {
         return Ok(None);
     }
@@ -178,7 +177,5 @@ pub(super) fn differences(
         before.old().ok()
     });
     let same = old.is_some_and(|old| is_same(&old, &read));
-    Ok((!same).then(|| {
-        "the rollback files do not hold what `active_while_measuring` names as read out of the control".to_string()
-    }))
+    Ok((!same).then_some(FieldFault::OtherRollback))
 }

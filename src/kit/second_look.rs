@@ -7,10 +7,10 @@ use crate::judge::after::{
 };
 use crate::judge::causes::{Corrected, Diagnosis, Question, diagnose};
 use crate::judge::conformity::Verdict;
-use crate::judge::findings::words_of;
 use crate::judge::forecast::Forecast;
-use crate::quantity::axis::{Direction, ErrorTerm, PerAxis};
-use crate::text::finding::Severity;
+use crate::kit::findings::KitFinding;
+use crate::quantity::axis::{Direction, PerAxis};
+use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::{Problem, Problems};
 
 /// Steel, where the job states no scale's expansion, 1/K.
@@ -23,9 +23,9 @@ pub struct SecondLook {
     /// Why they differ; `None` where the tables cannot be emulated.
     pub diagnosis: Option<Diagnosis>,
     /// Lost motion that the first measurement could not see, where it alone is off the forecast.
-    pub lost_motion: Option<String>,
-    /// What is missing or doubtful, one sentence each.
-    pub doubts: Vec<String>,
+    pub lost_motion: Option<Finding>,
+    /// What is missing or doubtful.
+    pub doubts: Vec<Finding>,
     /// The as-left figures against the acceptance.
     pub verdict: Verdict,
 }
@@ -85,7 +85,7 @@ fn unseen(
     inputs: &Inputs,
     measured: &AfterMeasurement,
     diagnosed: impl Fn(&AfterMeasurement) -> Result<Diagnosis, Problem>,
-) -> Result<Option<String>, Problem> {
+) -> Result<Option<Finding>, Problem> {
     let AfterMeasurement::Errors(model) = measured else {
         return Ok(None);
     };
@@ -93,7 +93,7 @@ fn unseen(
         return Ok(None);
     };
     let without = diagnosed(&AfterMeasurement::Errors(Box::new(reversal.without)))?;
-    Ok(without.as_forecast.then_some(reversal.words))
+    Ok(without.as_forecast.then_some(reversal.found))
 }
 
 fn question<'a>(
@@ -149,7 +149,7 @@ fn judged(
     let unknown = asked.max_deviation_um.is_some() && !comparison.missing.is_empty();
     let no_limit = asked.max_deviation_um.is_none() && asked.max_diagonal_um.is_none();
     let off = no_limit && diagnosis.is_some_and(|found| !found.as_forecast);
-    let doubts = words_of(&comparison.findings, Severity::Doubt);
+    let doubts = of_severity(&comparison.findings, Severity::Doubt);
     let doubtful = !doubts.is_empty() || !verification.beside().is_empty();
     match unknown || off || doubtful {
         true => verdict.max(Verdict::Undecided),
@@ -158,20 +158,11 @@ fn judged(
 }
 
 /// Doubts, what acts in addition to the tables, and what the limit asks for and was not measured.
-fn doubts(inputs: &Inputs, verification: &Verification, comparison: &Comparison) -> Vec<String> {
-    let missing: Vec<String> = comparison
-        .missing
-        .iter()
-        .map(ErrorTerm::to_string)
-        .collect();
-    let is_asked = inputs.job.acceptance.max_deviation_um.is_some() && !missing.is_empty();
-    let missing = is_asked.then(|| {
-        format!(
-            "not measured afterwards, so nothing is known of what is left: {}",
-            missing.join(", ")
-        )
-    });
-    let stated = words_of(&comparison.findings, Severity::Doubt).into_iter();
-    let stated = stated.chain(verification.beside());
-    stated.chain(missing).collect()
+fn doubts(inputs: &Inputs, verification: &Verification, comparison: &Comparison) -> Vec<Finding> {
+    let terms = comparison.missing.clone();
+    let is_asked = inputs.job.acceptance.max_deviation_um.is_some() && !terms.is_empty();
+    let missing = is_asked.then(|| KitFinding::NotMeasuredAfterwards { terms }.into());
+    let mut doubts = of_severity(&comparison.findings, Severity::Doubt);
+    doubts.extend(verification.beside().into_iter().chain(missing));
+    doubts
 }

@@ -6,12 +6,12 @@ use crate::control::control_state::ControlState;
 use crate::control::table::Tables;
 use crate::judge::active::ActiveControl;
 use crate::judge::conformity::Verdict;
-use crate::judge::findings::{InControl, not_emulated, words_of};
+use crate::judge::findings::not_emulated;
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 use crate::kit::inputs::cannot_emulate;
 use crate::read::KitFile;
 use crate::read::emulator;
-use crate::text::finding::{Finding, Severity};
+use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
 use crate::write::plan::{Plan, plan};
@@ -32,30 +32,27 @@ pub struct Verification {
     /// How the tables differ from what the job asks for; what no file does and what to see to on the
     /// control instead; what acts in addition to the tables (doubts, whatever is measured).
     pub findings: Vec<Finding>,
-    /// Why the measured errors are doubtful, and what acts in addition to the tables, one sentence each.
-    pub doubts: Vec<String>,
+    /// Why the measured errors are doubtful, and what acts in addition to the tables.
+    pub doubts: Vec<Finding>,
     /// Forecast against the acceptance; a disagreement fails, a doubt leaves it undecided.
     pub verdict: Verdict,
 }
 
 /// Judges the bytes of a directory against a job. Only these bytes and the state of the control
 /// outside them go into the forecast: `state` of the kit's manifest, else what the job states.
-/// `remarks` = what was found against the directory before, for instance changed hashes.
+/// `before` = what was found against the directory before, for instance changed hashes.
 pub fn verify(
     inputs: &Inputs,
     files: &[KitFile<'_>],
     named: Option<&serde_json::Value>,
-    remarks: Vec<String>,
+    before: Vec<Finding>,
 ) -> Result<Verification, Problems> {
     let plan = plan(inputs.task())?;
     let compiled = inputs.compile(&plan)?;
     let mut loaded = Loaded::kit(inputs, &plan, &compiled, files, named)?;
     emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
-    let differs = |words| Finding::from(InControl::Differs { words });
     let field = field::differences(inputs, &plan, &compiled, files)?;
-    let remarks = remarks.into_iter().map(differs);
-    let of_files = remarks.chain(std::mem::take(&mut loaded.findings));
-    loaded.findings = of_files.chain(field.into_iter().map(differs)).collect();
+    loaded.findings = [before, loaded.findings, field].concat();
     Ok(Verification::of(inputs, plan, compiled, loaded))
 }
 
@@ -80,7 +77,7 @@ impl Verification {
                 .ok()
         });
         findings.dedup();
-        let beside = words_of(&findings, Severity::Doubt);
+        let beside = of_severity(&findings, Severity::Doubt);
         let unread = loaded.unread.into_iter().collect();
         let mut verification = Verification {
             plan,
@@ -98,9 +95,9 @@ impl Verification {
         verification
     }
 
-    /// How the tables differ from what the job asks for, one sentence each.
-    pub fn disagreements(&self) -> Vec<String> {
-        words_of(&self.findings, Severity::Disagreement)
+    /// How the tables differ from what the job asks for.
+    pub fn disagreements(&self) -> Vec<Finding> {
+        of_severity(&self.findings, Severity::Disagreement)
     }
 
     /// Whether the tables are what the job asks for.
@@ -110,17 +107,12 @@ impl Verification {
     }
 
     /// What no file of the directory does, and what to see to on the control instead.
-    pub fn notes(&self) -> Vec<String> {
-        words_of(&self.findings, Severity::Note)
+    pub fn notes(&self) -> Vec<Finding> {
+        of_severity(&self.findings, Severity::Note)
     }
 
     /// What acts in addition to the tables.
-    pub(crate) fn beside(&self) -> Vec<String> {
-        words_of(&self.findings, Severity::Doubt)
-    }
-
-    /// A remark on the directory.
-    pub(crate) fn note(&mut self, words: String) {
-        self.findings.push(InControl::Read { words }.into());
+    pub(crate) fn beside(&self) -> Vec<Finding> {
+        of_severity(&self.findings, Severity::Doubt)
     }
 }

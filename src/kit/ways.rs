@@ -45,7 +45,7 @@ pub(super) fn ways(
     made: &Plan,
     placements: &[Placement],
     forecast: &Forecast,
-    doubts: &[String],
+    doubts: &[Finding],
 ) -> Vec<Finding> {
     if inputs.job.acceptance.asks_nothing() {
         return Vec::new();
@@ -103,7 +103,7 @@ fn of_terms(inputs: &Inputs, placements: &[Placement], forecast: &Forecast) -> V
 }
 
 /// Where tables were active while measuring and what they left keeps every limit.
-fn as_found(inputs: &Inputs, made: &Plan, doubts: &[String]) -> Option<Way> {
+fn as_found(inputs: &Inputs, made: &Plan, doubts: &[Finding]) -> Option<Way> {
     inputs.under_tables.as_ref()?;
     let model = inputs.as_measured();
     let ranges = judged_ranges(&inputs.job, model);
@@ -114,7 +114,7 @@ fn as_found(inputs: &Inputs, made: &Plan, doubts: &[String]) -> Option<Way> {
 
 /// The policies that come to a better verdict, or leave less where the limit is exceeded, the best first.
 /// What the control refuses is no way.
-fn other_policies(inputs: &Inputs, verdict: Verdict, left_um: f64, doubts: &[String]) -> Vec<Way> {
+fn other_policies(inputs: &Inputs, verdict: Verdict, left_um: f64, doubts: &[Finding]) -> Vec<Way> {
     // What acted while measuring, and readings, are taken into the errors by the policy of the job itself.
     let is_table = matches!(inputs.job.measurement.data, MeasuredData::Errors(_));
     if inputs.active.is_some() || !is_table {
@@ -139,7 +139,7 @@ fn other_policies(inputs: &Inputs, verdict: Verdict, left_um: f64, doubts: &[Str
 fn with_policy(
     inputs: &Inputs,
     policy: BacklashPolicy,
-    doubts: &[String],
+    doubts: &[Finding],
 ) -> Option<(Verdict, f64, Way)> {
     let mut inputs = inputs.clone();
     inputs.job.compensation.backlash = PerAxis::from_fn(|_| Some(policy));

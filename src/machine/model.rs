@@ -24,9 +24,11 @@ pub use self::measured::Measured;
 use self::measured::{check_axis, measured_range};
 use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
+use crate::machine::findings::ModelFinding;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres, larger};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 
 mod measured;
@@ -127,8 +129,8 @@ pub struct ErrorModel {
     pub headings: PerTerm<Option<Heading>>,
     /// Standard uncertainty of the laser's scale that no column holds, µm/m; 0 = not stated.
     pub laser_um_per_m: f64,
-    /// What was measured and this version does not use, one sentence each.
-    pub unused: Vec<String>,
+    /// What was measured and this version does not use.
+    pub unused: Vec<Finding>,
     /// What the table says of itself: doubts, terms that are not determined, notes.
     pub remarks: Remarks,
 }
@@ -182,25 +184,19 @@ impl ErrorModel {
         })
     }
 
-    /// Why figures that rest on these curves are doubtful, one sentence each; `asked` = the terms
+    /// Why figures that rest on these curves are doubtful; `asked` = the terms
     /// that the job wants. A verdict is then at most undecided.
-    pub fn doubts(&self, asked: impl Fn(ErrorTerm) -> bool) -> Vec<String> {
-        let mut doubts = self.remarks.doubts.clone();
+    pub fn doubts(&self, asked: impl Fn(ErrorTerm) -> bool) -> Vec<Finding> {
         let missing = self.remarks.not_determined.iter();
-        let missing: Vec<String> = missing
-            .filter(|(term, _)| asked(*term) && self.terms[*term].is_none())
-            .map(|(term, _)| term.to_string())
+        let missing = missing.map(|(term, _)| *term);
+        let terms: Vec<ErrorTerm> = missing
+            .filter(|term| asked(*term) && self.terms[*term].is_none())
             .collect();
-        if !missing.is_empty() {
-            doubts.push(format!(
-                "not determined by the measurement, so without table and forecast: {}",
-                missing.join(", ")
-            ));
-        }
-        if let Some(um) = self.remarks.hidden_reversal_um {
-            doubts.push(format!("the readings show a reversal of about {um:.3} µm along the diagonals, which these curves do not hold: every figure here is without it"));
-        }
-        doubts
+        let missing = (!terms.is_empty()).then_some(ModelFinding::NotDetermined { terms });
+        let reversal = self.remarks.hidden_reversal_um;
+        let reversal = reversal.map(|um| ModelFinding::HiddenReversal { um });
+        let own = missing.into_iter().chain(reversal).map(Finding::from);
+        self.remarks.doubts.iter().cloned().chain(own).collect()
     }
 
     /// Why the unit of errors is doubtful that are small throughout; `noise_um` = what the job states of
@@ -208,14 +204,15 @@ impl ErrorModel {
     ///
     /// limits  judged for all terms together, since one alone may be small; the usual cause is values
     ///         in mm under a column in µm
-    pub(crate) fn unlikely_small(&self, noise_um: Option<f64>) -> Option<String> {
+    pub(crate) fn unlikely_small(&self, noise_um: Option<f64>) -> Option<Finding> {
         let largest = self.measured().map(|(_, measured)| measured.largest_um());
         let largest = largest.fold(0.0, f64::max);
         let is_believed = noise_um.is_some_and(|noise| noise < largest);
-        (largest > 0.0 && largest < UNLIKELY_SMALL_UM && !is_believed).then(|| {
-            let largest = two_digits(largest);
-            format!("no error exceeds {largest} µm, and a machine tool below {UNLIKELY_SMALL_UM} µm throughout is unlikely: check the unit of the columns (mm under `_um`?), or state a `noise_um` below it")
-        })
+        let found = ModelFinding::UnlikelySmall {
+            largest_um: largest,
+            least_um: UNLIKELY_SMALL_UM,
+        };
+        (largest > 0.0 && largest < UNLIKELY_SMALL_UM && !is_believed).then(|| found.into())
     }
 
     /// The measured terms in the contract's order.
@@ -248,12 +245,6 @@ impl ErrorModel {
         };
         Some(slope(first, second)? + slope(second, first)?)
     }
-}
-
-/// A number with its first two digits that are not zero, as in `0.018`.
-fn two_digits(number: f64) -> String {
-    let rounded = format!("{number:.1e}").parse::<f64>();
-    rounded.unwrap_or(number).to_string()
 }
 
 fn measured_term(

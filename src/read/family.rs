@@ -4,6 +4,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{Dialect, Profile, Role};
 use crate::control::table::Tables;
 use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::findings::ReadFinding;
 use crate::read::siemens::MachineDatum;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
@@ -169,27 +170,19 @@ pub(crate) fn each<T>(
     problems.or_ok(contents)
 }
 
-/// Files that a control may load and that no reader takes, in a sentence: whatever else is read back,
+/// Files that a control may load and that no reader takes: whatever else is read back,
 /// nothing shows what the control will hold.
-pub(crate) fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<String> {
+pub(crate) fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<Finding> {
     let is_unread = |name: &str| {
         let mut known = profile.files.iter().filter(|file| file.is_loaded_unread());
         known.any(|file| file.path.eq_ignore_ascii_case(name))
     };
     let names = files.iter().map(|file| file.path);
-    let names: Vec<String> = names
+    let files: Vec<String> = names
         .filter(|name| is_unread(name))
         .map(|name| format!("`{}`", shown(name)))
         .collect();
-    let (is, it) = match names.len() {
-        0 => return None,
-        1 => ("is", "it"),
-        _ => ("are", "them"),
-    };
-    Some(format!(
-        "{} {is} not read back (role `report`), so nothing shows what a control holds that loads {it}: give {it} the role `table` in the layout of the dialect, or, if no control loads {it}, state `loaded = false` in the profile",
-        names.join(", ")
-    ))
+    (!files.is_empty()).then(|| ReadFinding::Unread { files }.into())
 }
 
 /// A file with more data of no concern than this was read out of a control as a whole, which has

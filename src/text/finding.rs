@@ -81,6 +81,28 @@ impl Serialize for Finding {
     }
 }
 
+/// The findings of one gravity.
+pub fn of_severity(findings: &[Finding], severity: Severity) -> Vec<Finding> {
+    let of = findings.iter().filter(|f| f.severity() == severity);
+    of.cloned().collect()
+}
+
+/// `EXX, EYY`
+pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>) -> String {
+    let words = items.into_iter().map(|item| item.to_string());
+    words.collect::<Vec<String>>().join(", ")
+}
+
+/// `a, b, c and 4 more`
+pub(crate) fn listed(names: &[String]) -> String {
+    const MOST_NAMES: usize = 6;
+    let shown = names[..names.len().min(MOST_NAMES)].join(", ");
+    match names.len().saturating_sub(MOST_NAMES) {
+        0 => shown,
+        rest => format!("{shown} and {rest} more"),
+    }
+}
+
 /// The list of what a room can find, one kind a line: its facts, how grave it is, its words. The words are
 /// a format string that names facts; further arguments of `format!` may follow.
 ///

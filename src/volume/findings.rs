@@ -1,12 +1,17 @@
 //! What the figures of a volume rest on, in words.
 
-use crate::quantity::axis::Axis;
-use crate::text::finding::findings;
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::text::finding::{Finding, findings, joined};
 
 findings! {
     /// What a model of the volume takes for granted.
     VolumeFinding {
-        Doubtful { why: String } => Doubt, "doubt: {why}";
+        Doubtful { why: Finding } => Doubt, "doubt: {why}";
+        Unlikely { name: String, largest: f64, unit: &'static str, limit: f64 } => Doubt, "doubt: {name} reaches {largest:.0} {unit}, and more than {limit:.0} {unit} is unlikely: check the unit of its column or key";
+        NoJob => Label, "no job describes this machine: the curves are zero, and levers count from, the lowest measured position of each axis; whether a compensation was active during the measurement is not known";
+        ActiveNotStated => Label, "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these figures are those of the machine with it; write \"none\", or the path of the kit or of the files read out of the control";
+        OutOfReach { places: Vec<String> } => Label, "`offsets_mm` names a place that the machine does not reach: {}; levers count from there all the same", joined(places);
+        NotDetermined { term: ErrorTerm, why: String } => Label, "{term} is not determined: {why}";
         ChainAssumed => Label, "the chain is not stated: without angles no figure depends on it; what missing angles leave out is told for axes that all move the tool";
         SquarenessInCurves => Label, "squareness is not stated apart: it counts as far as the slopes of the straightness curves hold it";
         SquarenessStated { stated: String } => Label, "squareness as stated: {stated}; positive = the angle between the two positive axis directions is less than 90°";

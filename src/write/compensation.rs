@@ -14,9 +14,11 @@ use crate::control::controller::{Evidence, LengthUnit, Mechanism};
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MachineAxis};
 use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compiled::counts_as_zero;
 use crate::write::family::family;
+use crate::write::findings::TableFinding;
 use crate::write::grid::EDGE_MM;
 use crate::write::task::{Plan, Task};
 
@@ -32,40 +34,38 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(task.job.measurement.notes());
     notes.extend(task.model.remarks.notes.iter().cloned());
     notes.extend(task.model.unused.iter().cloned());
-    notes.extend(unlikely_reversals(task));
-    notes.extend(references_off_the_travel(task.job, plan));
+    notes.extend(unlikely_reversals(task).map(Finding::from));
+    notes.extend(references_off_the_travel(task.job, plan).map(Finding::from));
     notes.append(&mut compiled.notes);
-    notes.extend(active_note(&task.job.measurement.active));
-    notes.extend(parameter_note(task.job, plan));
+    notes.extend(active_note(&task.job.measurement.active).map(Finding::from));
+    notes.extend(parameter_note(task.job, plan).map(Finding::from));
     compiled.notes = notes;
     Ok(compiled)
 }
 
 /// Moving axes of the tables that do not reach their reference point by the travel of the job. Some
 /// machines have it just beyond; a slip of the job has it far off.
-fn references_off_the_travel(job: &Job, plan: &Plan) -> Vec<String> {
+fn references_off_the_travel(job: &Job, plan: &Plan) -> impl Iterator<Item = TableFinding> {
     let is_looked_up = |axis: Axis| plan.tables.iter().any(|table| table.term.along == axis);
-    let off_the_travel = |axis: Axis| {
+    let off_the_travel = move |axis: Axis| {
         let of = job.machine.axes[axis].as_ref()?;
-        let (low, high, at) = (of.low.mm(), of.high.mm(), of.reference.mm());
-        let beyond = (low - at).max(at - high);
-        (beyond > EDGE_MM).then(|| {
-            format!(
-                "the reference point of {axis}, {at} mm, lies {beyond:.2} mm outside the travel of the job, {low} to {high} mm: compare `reference_mm` and `travel_mm` with the machine; if the axis has its reference point elsewhere, switching a table on moves axes"
-            )
+        let (low, high, reference_mm) = (of.low.mm(), of.high.mm(), of.reference.mm());
+        let beyond_mm = (low - reference_mm).max(reference_mm - high);
+        (is_looked_up(axis) && beyond_mm > EDGE_MM).then_some(TableFinding::ReferenceOff {
+            axis,
+            reference_mm,
+            beyond_mm,
+            travel_mm: [low, high],
         })
     };
-    let axes = Axis::ALL.into_iter().filter(|axis| is_looked_up(*axis));
-    axes.filter_map(off_the_travel).collect()
+    Axis::ALL.into_iter().filter_map(off_the_travel)
 }
 
 /// What the tables suppose of the compensation that was active while measuring.
-fn active_note(active: &ActiveTables) -> Option<String> {
+fn active_note(active: &ActiveTables) -> Option<TableFinding> {
     match active {
         ActiveTables::None | ActiveTables::NotStated => None,
-        ActiveTables::Path(path) => Some(format!(
-            "the tables of `{path}` were active during the measurement: these tables are old + residual and replace them"
-        )),
+        ActiveTables::Path(path) => Some(TableFinding::OldAndResidual { path: path.clone() }),
     }
 }
 
@@ -77,30 +77,21 @@ fn counted_as_zero(job: &Job, plan: &Plan) -> Vec<Axis> {
 }
 
 /// What `"none"` says of the backlash parameters that the tables replace.
-fn parameter_note(job: &Job, plan: &Plan) -> Option<String> {
+fn parameter_note(job: &Job, plan: &Plan) -> Option<TableFinding> {
     let axes = counted_as_zero(job, plan);
-    if axes.is_empty() || job.measurement.active != ActiveTables::None {
-        return None;
-    }
-    let axes: Vec<String> = axes.iter().map(Axis::to_string).collect();
-    Some(format!(
-        "the tables replace the backlash parameter of {} (MD32450, 1851), which is counted as 0 while measuring; a machine normally holds one even with its tables off: look, and if it was on, state `active_backlash_um = {{ … }}` beside `active_while_measuring = \"none\"`",
-        axes.join(", ")
-    ))
+    let is_noted = !axes.is_empty() && job.measurement.active == ActiveTables::None;
+    is_noted.then_some(TableFinding::ParameterReplaced { axes })
 }
 
 /// Ordinary lost motion gives B < 0 (contract §1); the other sign is more often a slip.
-fn unlikely_reversals(task: Task<'_>) -> Vec<String> {
+fn unlikely_reversals(task: Task<'_>) -> impl Iterator<Item = TableFinding> {
     const NOISE_UM: f64 = 0.5; // below it the sign of B says nothing
     let unlikely = |term: ErrorTerm, um: f64| term.is_positioning() && um > NOISE_UM;
     task.model
         .measured()
         .filter_map(|(term, measured)| Some((term, measured.reversal()?.um())))
-        .filter(|(term, um)| unlikely(*term, *um))
-        .map(|(term, um)| {
-            format!("{term}: B = {um:+.3} µm is above 0, ordinary lost motion gives B < 0: are the directions + and - exchanged?")
-        })
-        .collect()
+        .filter(move |(term, um)| unlikely(*term, *um))
+        .map(|(term, um)| TableFinding::UnlikelyReversal { term, um })
 }
 
 /// Whether a kit uses what a fact belongs to; what cannot be judged counts as used.

@@ -8,6 +8,7 @@ use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::{Deviation, Millimetres};
+use crate::text::finding::Finding;
 use crate::write::grid::{Grid, as_number, whole};
 use crate::write::task::{Plan, PlannedTable, Task};
 
@@ -60,7 +61,7 @@ pub struct Compiled {
     /// What a person has to see to.
     pub preconditions: Vec<Precondition>,
     /// What the user should know.
-    pub notes: Vec<String>,
+    pub notes: Vec<Finding>,
 }
 
 /// The state of the control that the job states: one entry for each physical axis.

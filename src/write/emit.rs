@@ -17,11 +17,13 @@ use crate::control::table::Tables;
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::axis::Direction;
+use crate::text::finding::Finding;
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, ascii, is_comment_text};
 use crate::write::family::family;
+use crate::write::findings::TableFinding;
 use crate::write::task::Task;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -166,16 +168,15 @@ fn comment_texts(job: &Job) -> impl Iterator<Item = (&'static str, &str)> {
 }
 
 /// Names that stand in the control's files in other letters than in the job.
-pub(crate) fn other_letters(job: &Job, profile_name: &str) -> Vec<String> {
+pub(crate) fn other_letters(job: &Job, profile_name: &str) -> Vec<Finding> {
     let texts = comment_texts(job).chain([("name of the profile", profile_name)]);
     let changed = texts.filter(|(_, text)| !text.is_ascii());
-    let words = changed.map(|(key, text)| {
-        format!(
-            "{key} `{text}` stands as `{}` in the control's files, which are ASCII",
-            ascii(text)
-        )
+    let found = changed.map(|(key, text)| TableFinding::OtherLetters {
+        key,
+        text: text.to_string(),
+        written: ascii(text).into_owned(),
     });
-    words.collect()
+    found.map(Finding::from).collect()
 }
 
 /// The tables, parameters and switches of the kit, with the control's line ends.

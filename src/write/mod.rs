@@ -14,6 +14,7 @@ pub mod siemens;
 
 pub mod compensation;
 pub mod emit;
+pub mod findings;
 pub mod grid;
 pub mod plan;
 pub mod program;

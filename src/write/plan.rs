@@ -13,8 +13,10 @@ pub use crate::write::task::{Plan, PlannedTable, Task, axis_pairs};
 use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::family::family;
+use crate::write::findings::TableFinding;
 use crate::write::grid::Grid;
 use crate::write::selection::{self, Budget, Choice, Cost};
 use crate::write::target::{self, Omission, Target, TermTargets};
@@ -42,7 +44,7 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
         problems.push(no_table(task, &omitted));
         return Err(problems);
     }
-    notes.splice(0..0, notes_of(&targets));
+    notes.splice(0..0, notes_of(&targets).map(Finding::from));
     omitted.sort_by_key(|omission| {
         ErrorTerm::ALL
             .iter()
@@ -68,19 +70,22 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
 }
 
 /// What is to be known of the targets, said once for all terms that it holds for: `EYX, EZX: …`.
-fn notes_of(targets: &[TermTargets]) -> Vec<String> {
-    let mut said: Vec<(&str, String)> = Vec::new();
+fn notes_of(targets: &[TermTargets]) -> impl Iterator<Item = TableFinding> {
+    let mut said: Vec<(&str, Vec<ErrorTerm>)> = Vec::new();
     for target in targets {
         let Some(note) = target.note.as_deref() else {
             continue;
         };
         match said.iter_mut().find(|(words, _)| *words == note) {
-            Some((_, terms)) => *terms += &format!(", {}", target.term),
-            None => said.push((note, target.term.to_string())),
+            Some((_, terms)) => terms.push(target.term),
+            None => said.push((note, vec![target.term])),
         }
     }
-    let line = |(words, terms): (&str, String)| format!("{terms}: {words}");
-    said.into_iter().map(line).collect()
+    let said = said.into_iter();
+    said.map(|(note, terms)| TableFinding::OfTarget {
+        terms,
+        note: note.to_string(),
+    })
 }
 
 /// What the selection decided, on targets, omissions and notes.
@@ -88,14 +93,14 @@ fn apply(
     choice: Choice,
     targets: &mut Vec<TermTargets>,
     omitted: &mut Vec<Omission>,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Finding>,
 ) {
     targets.retain(|t| !choice.omitted.iter().any(|o| o.term == t.term));
-    for reduction in choice.reduced {
-        if let Some(own) = targets.iter_mut().find(|t| t.term == reduction.term) {
+    for (term, why) in choice.reduced {
+        if let Some(own) = targets.iter_mut().find(|t| t.term == term) {
             own.take_mean();
         }
-        notes.push(reduction.reason);
+        notes.push(why.into());
     }
     omitted.extend(choice.omitted);
 }

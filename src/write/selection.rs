@@ -19,6 +19,7 @@ use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::Millimetres;
+use crate::write::findings::TableFinding;
 use crate::write::task::{Omission, TermTargets};
 
 type Vector = [f64; 3];
@@ -72,22 +73,13 @@ impl Budget {
     }
 }
 
-/// A term that gets the mean of both directions instead of two tables.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Reduction {
-    /// Which error.
-    pub term: ErrorTerm,
-    /// Why, in a sentence.
-    pub reason: String,
-}
-
 /// The outcome of a choice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// Terms that get no table.
     pub omitted: Vec<Omission>,
-    /// Terms that get the mean of both directions.
-    pub reduced: Vec<Reduction>,
+    /// Terms that get the mean of both directions instead of two tables, and why.
+    pub reduced: Vec<(ErrorTerm, TableFinding)>,
     /// Largest error vector in the measured volume that the chosen tables leave, µm.
     pub left_um: f64,
 }
@@ -209,10 +201,13 @@ fn explain(parts: &Parts, costs: &[Cost], forms: &[Form], left_um: f64, shortage
             let reason = format!("{left} ({with:.1} µm if there were a table for {term} too)");
             choice.omitted.push(Omission { term, reason });
         } else {
-            let reason = format!(
-                "{term}: the mean of both directions is used instead of two tables; {left} ({with:.1} µm with two tables for {term})"
-            );
-            choice.reduced.push(Reduction { term, reason });
+            let with_um = with;
+            let why = TableFinding::MeanOnly {
+                term,
+                left,
+                with_um,
+            };
+            choice.reduced.push((term, why));
         }
     }
     choice

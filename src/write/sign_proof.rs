@@ -17,8 +17,10 @@ use crate::control::table::Tables;
 use crate::inputs::job::LEAST_BUMP_UM;
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::units::Millimetres;
+use crate::text::finding::Finding;
 use crate::write::compiled::{Compiled, whole_below};
 use crate::write::family::family;
+use crate::write::findings::TableFinding;
 use crate::write::grid::Grid;
 use crate::write::task::{Plan, PlannedTable, Task};
 
@@ -27,8 +29,8 @@ use crate::write::task::{Plan, PlannedTable, Task};
 pub struct SignProofs {
     /// One for each mechanism that has a place for it.
     pub proofs: Vec<SignProof>,
-    /// Why the others have none, one sentence each.
-    pub missing: Vec<String>,
+    /// Mechanisms that have none.
+    pub missing: Vec<Finding>,
 }
 
 /// The sign proofs of a kit; a mechanism without a place for a bump is named.
@@ -55,7 +57,7 @@ pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProo
         });
         match proof {
             Some(proof) => found.proofs.push(proof),
-            None => found.missing.push(no_place(task, mechanism)),
+            None => found.missing.push(no_place(task, mechanism).into()),
         }
     }
     let tables = found.proofs.iter_mut().map(|proof| &mut proof.tables);
@@ -150,13 +152,12 @@ fn nearest_to_the_middle(
     peaks.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-fn no_place(task: Task<'_>, mechanism: Mechanism) -> String {
-    let limits = task.job.limits;
-    format!(
-        "no sign proof of {}: no axis has a stretch, at least one section away from its reference and inside its travel, on which a bump rises to {LEAST_BUMP_UM} µm with at most {} µm/mm; measure after loading instead, one axis first",
-        name(mechanism),
-        limits.max_slope_um_per_mm
-    )
+const fn no_place(task: Task<'_>, mechanism: Mechanism) -> TableFinding {
+    TableFinding::NoSignProof {
+        mechanism,
+        least_um: LEAST_BUMP_UM,
+        slope_um_per_mm: task.job.limits.max_slope_um_per_mm,
+    }
 }
 
 /// The mechanism in words.

@@ -6,6 +6,7 @@ use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::Deviation;
+use crate::text::finding::Finding;
 use crate::write::grid::Grid;
 
 /// What a plan is made from.
@@ -121,7 +122,7 @@ pub struct Plan {
     /// Terms that get no table: not wanted, not determined, or beyond what the control holds.
     pub omitted: Vec<Omission>,
     /// What the user should know.
-    pub notes: Vec<String>,
+    pub notes: Vec<Finding>,
 }
 
 impl Plan {

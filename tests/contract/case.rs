@@ -7,6 +7,7 @@ use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
 use nonius::kit::{Inputs, Kit};
 use nonius::quantity::axis::{Direction, ErrorTerm};
 use nonius::read::emulate::{Emulator, Response};
+use nonius::write::findings::TableFinding;
 
 /// A kit under test, with the control that loaded its bytes.
 pub(crate) struct Case<'a> {
@@ -113,14 +114,18 @@ pub(crate) fn two_tables(case: &Case<'_>, term: &Term) -> bool {
     let directed = own.any(|t| t.direction.is_some());
     let asked = case.machine.policy == Some("two-tables") && term.both_ways();
     if asked && !directed && term.takes_directions(case.profile) {
-        let says = |words: &str| {
-            let of_this = |note: &String| {
-                let (terms, rest) = note.split_once(": ").unwrap_or_default();
-                let named = terms.split(", ").any(|name| name == term.term.to_string());
-                named && rest.starts_with(words)
-            };
-            case.kit.plan.notes.iter().any(of_this)
-        };
+        let notes = &case.kit.plan.notes;
+        let is_mean = notes.iter().any(|note| match note.kind() {
+            Some(TableFinding::MeanOnly { term: own, .. }) => *own == term.term,
+            _ => false,
+        });
+        let says_equal = notes.iter().any(|note| match note.kind() {
+            Some(TableFinding::OfTarget { terms, note }) => {
+                terms.contains(&term.term)
+                    && note == "both directions are equal, so one table is written"
+            }
+            _ => false,
+        });
         let is_equal = || {
             let grid = case.kit.plan.grids[term.term.along].unwrap();
             (grid.first..=grid.last).all(|node| {
@@ -129,10 +134,7 @@ pub(crate) fn two_tables(case: &Case<'_>, term: &Term) -> bool {
                 (plus - minus).abs() < 1e-6
             })
         };
-        assert!(
-            says("the mean of both directions is used")
-                || says("both directions are equal, so one table is written") && is_equal()
-        );
+        assert!(is_mean || says_equal && is_equal());
     }
     directed
 }

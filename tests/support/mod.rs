@@ -19,6 +19,7 @@ use nonius::quantity::units::Millimetres;
 use nonius::read::emulate::{Emulator, Response};
 use nonius::read::{KitFile, read};
 use nonius::text::document::Source;
+use nonius::text::finding::Finding;
 
 /// Rounding of sums and products of numbers up to a few hundred micrometres.
 pub(crate) const DUST_UM: f64 = 1e-9;
@@ -144,4 +145,9 @@ impl Lines {
         let (y0, y1) = (self.um[right - 1], self.um[right]);
         y0 + (x - x0) / (x1 - x0) * (y1 - y0)
     }
+}
+
+/// What was found, in words.
+pub(crate) fn words(findings: &[Finding]) -> Vec<String> {
+    findings.iter().map(ToString::to_string).collect()
 }

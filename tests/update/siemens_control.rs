@@ -236,7 +236,7 @@ fn what_no_file_holds_is_left_to_a_person_and_named() {
         let found = read_out(&job, &left, &control.archive(more)).unwrap_or_else(|p| panic!("{p}"));
         let new = kit::generate(&found).unwrap();
         let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
-        page + &new.manifest.notes.join("\n")
+        page + &words(&new.manifest.notes).join("\n")
     };
     for gone in [
         "MA_ENC_COMP_ENABLE[0,AX1]",

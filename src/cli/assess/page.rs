@@ -4,13 +4,15 @@
 use crate::inputs::error_table::{ErrorTable, Remarks};
 use crate::inputs::job::{ActiveTables, Job, Levers, MeasuredData, UseOf};
 use crate::kit::Inputs;
+use crate::machine::findings::ModelFinding;
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::chain::{Chain, unit};
 use crate::text::document::Source;
-use crate::text::finding::Severity;
+use crate::text::finding::{Finding, Severity};
 use crate::text::problem::{Problem, Problems};
 use crate::volume::assessment::{Assessment, GridChoice};
+use crate::volume::findings::VolumeFinding;
 use crate::volume::volume_model::{Component, VolumeModel};
 use std::fmt::Write;
 
@@ -42,7 +44,7 @@ pub(super) struct After {
     pub(super) from: String,
     pub(super) assessment: Assessment,
     /// How the files differ from what the job asks for.
-    pub(super) disagreements: Vec<String>,
+    pub(super) disagreements: Vec<Finding>,
 }
 
 /// A deviation above this is more often a unit error, µm.
@@ -60,10 +62,10 @@ pub(super) struct Basis {
     pub(super) active: Option<String>,
     /// VA of the machine without them, µm.
     pub(super) without_tables_um: Option<f64>,
-    /// Why the figures may be wrong, one sentence each.
-    pub(super) doubts: Vec<String>,
-    /// What whoever reads a figure has to know, one sentence each.
-    pub(super) labels: Vec<String>,
+    /// Why the figures may be wrong.
+    pub(super) doubts: Vec<Finding>,
+    /// What whoever reads a figure has to know.
+    pub(super) labels: Vec<Finding>,
 }
 
 impl Basis {
@@ -71,13 +73,12 @@ impl Basis {
     pub(super) fn of_job(inputs: &Inputs, volume: &VolumeModel) -> Basis {
         let job = &inputs.job;
         let measurement = &job.measurement;
-        let not_stated = "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these figures are those of the machine with it; write \"none\", or the path of the kit or of the files read out of the control";
         let (active, open) = match &measurement.active {
             ActiveTables::None => (None, None),
-            ActiveTables::NotStated => (None, Some(not_stated.to_string())),
+            ActiveTables::NotStated => (None, Some(VolumeFinding::ActiveNotStated)),
             ActiveTables::Path(path) => (Some(path.clone()), None),
         };
-        let stated = outside(job).into_iter().chain(open);
+        let stated = outside(job).into_iter().chain(open).map(Finding::from);
         let stated = stated
             .chain(inputs.active_notes.iter().cloned())
             .chain(measurement.notes());
@@ -95,8 +96,7 @@ impl Basis {
 
     /// Of an error table alone.
     pub(super) fn of_table(job: &Job, model: &ErrorModel, volume: &VolumeModel) -> Basis {
-        let no_job = "no job describes this machine: the curves are zero, and levers count from, the lowest measured position of each axis; whether a compensation was active during the measurement is not known";
-        let stated = std::iter::once(no_job.to_string());
+        let stated = std::iter::once(VolumeFinding::NoJob.into());
         Basis::of(job, model, &model.remarks, volume, stated)
     }
 
@@ -105,20 +105,20 @@ impl Basis {
         measured: &ErrorModel,
         remarks: &Remarks,
         volume: &VolumeModel,
-        stated: impl Iterator<Item = String>,
+        stated: impl Iterator<Item = Finding>,
     ) -> Basis {
-        let labels = volume.labels.iter();
+        let labels = volume.labels.iter().cloned();
         let (doubtful, labels): (Vec<_>, Vec<_>) =
             labels.partition(|label| label.severity() == Severity::Doubt);
-        let doubtful = doubtful.into_iter().map(ToString::to_string);
-        let labels = labels.into_iter().map(ToString::to_string);
+        let labels = labels.into_iter().chain(stated).chain(said(remarks));
+        let doubts = doubts(job, measured).chain(doubtful);
         Basis {
             frame: frame(&job.measurement.data),
             levers: job.measurement.levers,
             active: None,
             without_tables_um: None,
-            doubts: doubts(job, measured).into_iter().chain(doubtful).collect(),
-            labels: labels.chain(stated).chain(said(remarks)).collect(),
+            doubts: doubts.collect(),
+            labels: labels.collect(),
         }
     }
 
@@ -145,16 +145,20 @@ fn frame(data: &MeasuredData) -> &'static str {
 }
 
 /// What the error table says of itself, beside the doubts that the model tells.
-fn said(remarks: &Remarks) -> Vec<String> {
+fn said(remarks: &Remarks) -> impl Iterator<Item = Finding> {
     let missing = remarks.not_determined.iter();
-    let missing = missing.map(|(term, why)| format!("{term} is not determined: {why}"));
-    let reversal = remarks.hidden_reversal_um.map(|um| format!("the readings show a reversal of about {um:.3} µm along the diagonals, which these curves do not hold: every figure here is without it"));
-    let notes = remarks.notes.iter().cloned();
-    missing.chain(reversal).chain(notes).collect()
+    let missing = missing.map(|(term, why)| VolumeFinding::NotDetermined {
+        term: *term,
+        why: why.clone(),
+    });
+    let reversal = remarks.hidden_reversal_um;
+    let reversal = reversal.map(|um| ModelFinding::HiddenReversal { um }.into());
+    let missing = missing.map(Finding::from);
+    missing.chain(reversal).chain(remarks.notes.iter().cloned())
 }
 
 /// Values that no machine tool has, which are more often a unit error.
-fn doubts(job: &Job, model: &ErrorModel) -> Vec<String> {
+fn doubts(job: &Job, model: &ErrorModel) -> impl Iterator<Item = Finding> {
     let deviations = model
         .measured()
         .map(|(term, measured)| (term.to_string(), measured.largest_um(), "µm", UNLIKELY_UM));
@@ -169,20 +173,23 @@ fn doubts(job: &Job, model: &ErrorModel) -> Vec<String> {
         (name, slope.abs(), "µm/m", UNLIKELY_URAD)
     });
     let small = model.unlikely_small(job.measurement.uncertainty.noise_um);
-    let small = small.map(|words| format!("doubt: {words}"));
+    let small = small.map(|why| VolumeFinding::Doubtful { why });
     deviations
         .chain(angles)
         .chain(squareness)
         .filter(|(_, largest, _, limit)| largest > limit)
-        .map(|(name, largest, unit, limit)| {
-            format!("doubt: {name} reaches {largest:.0} {unit}, and more than {limit:.0} {unit} is unlikely: check the unit of its column or key")
+        .map(|(name, largest, unit, limit)| VolumeFinding::Unlikely {
+            name,
+            largest,
+            unit,
+            limit,
         })
         .chain(small)
-        .collect()
+        .map(Finding::from)
 }
 
 /// Offsets that no axis reaches.
-fn outside(job: &Job) -> Option<String> {
+fn outside(job: &Job) -> Option<VolumeFinding> {
     let beyond = |axis: Axis| {
         let place = job.measurement.levers.offsets[axis]?.mm();
         let machine = job.machine.axes[axis]?;
@@ -190,13 +197,8 @@ fn outside(job: &Job) -> Option<String> {
         let is_reached = (low..=high).contains(&place);
         (!is_reached).then(|| format!("{axis} {place} mm (its travel is {low} … {high} mm)"))
     };
-    let words: Vec<String> = Axis::ALL.into_iter().filter_map(beyond).collect();
-    (!words.is_empty()).then(|| {
-        format!(
-            "`offsets_mm` names a place that the machine does not reach: {}; levers count from there all the same",
-            words.join(", ")
-        )
-    })
+    let places: Vec<String> = Axis::ALL.into_iter().filter_map(beyond).collect();
+    (!places.is_empty()).then_some(VolumeFinding::OutOfReach { places })
 }
 
 /// Errors of a machine with three axes.

@@ -39,7 +39,13 @@ pub(super) fn screen(page: &Page) -> Screen {
             histogram(before, after),
             grouping(page),
         ],
-        findings: [page.basis.doubts.clone(), show::notes(&page.basis.labels)].concat(),
+        findings: page
+            .basis
+            .doubts
+            .iter()
+            .map(ToString::to_string)
+            .chain(show::notes(&page.basis.labels))
+            .collect(),
         more: vec![More::new(missing.len(), "errors not measured", left_out)],
         ..Screen::default()
     }

@@ -291,7 +291,7 @@ fn remarks(page: &Page) -> Vec<String> {
     notes.extend(
         page.after
             .iter()
-            .flat_map(|after| after.tables.notes.clone()),
+            .flat_map(|after| after.tables.notes.iter().map(ToString::to_string)),
     );
     notes
 }

@@ -8,12 +8,11 @@ use crate::control::claims::Assumption;
 use crate::judge::after::{Comparison, Line};
 use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
-use crate::judge::findings::words_of;
 use crate::judge::forecast::{Forecast, TermForecast};
 use crate::kit::manifest::{HashedFile, change, diagonals};
 use crate::kit::second_look::SecondLook;
 use crate::kit::{Inputs, Verification, remarks};
-use crate::text::finding::Severity;
+use crate::text::finding::{Finding, Severity, of_severity};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -41,7 +40,7 @@ pub(super) struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnosis: Option<Value>,
     assumptions: &'a [Assumption],
-    notes: Vec<String>,
+    notes: Vec<Finding>,
 }
 
 impl Page<'_> {
@@ -60,7 +59,7 @@ impl Page<'_> {
         as_left.or(self.verification.forecast.as_ref())
     }
 
-    fn doubts(&self) -> &[String] {
+    fn doubts(&self) -> &[Finding] {
         self.look()
             .map_or(&self.verification.doubts, |look| &look.doubts)
     }
@@ -76,7 +75,7 @@ impl Page<'_> {
                 (forecast.map(table), [show::notes(own), remarks].concat())
             }
             Some((second, look)) => {
-                let notes = words_of(&look.comparison.findings, Severity::Note);
+                let notes = of_severity(&look.comparison.findings, Severity::Note);
                 let notes = notes.iter().chain(&second.notes);
                 (Some(lines(&look.comparison)), show::notes(notes.chain(own)))
             }
@@ -146,8 +145,9 @@ impl Page<'_> {
             .judged()
             .map(|of| of.misses(self.inputs.job.acceptance));
         let stated = self.verification.disagreements();
-        let causes = stated.into_iter().chain(misses.unwrap_or_default());
-        let causes = causes.chain(self.doubts().iter().cloned());
+        let causes = stated.iter().map(ToString::to_string);
+        let causes = causes.chain(misses.unwrap_or_default());
+        let causes = causes.chain(self.doubts().iter().map(ToString::to_string));
         let page = Document {
             schema: 1,
             verdict: self.verdict().word(),
@@ -167,7 +167,7 @@ impl Page<'_> {
             return Document { notes, ..page };
         };
         let comparison = &look.comparison;
-        let own = words_of(&comparison.findings, Severity::Note);
+        let own = of_severity(&comparison.findings, Severity::Note);
         let after = comparison.terms.iter().filter_map(|line| line.after_um);
         Document {
             after: Some(&second.hashes),

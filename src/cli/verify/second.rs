@@ -11,12 +11,14 @@ use crate::judge::active::ActiveControl;
 use crate::judge::after::{AfterMeasurement, ensure_same_machine};
 use crate::judge::causes::{Corrected, Slip};
 use crate::judge::disagreement::{compare, measuring_systems};
+use crate::kit::findings::KitFinding;
 use crate::kit::manifest::HashedFile;
 use crate::kit::{Inputs, Verification, cannot_emulate, emulator, hashed};
 use crate::machine::model::ErrorModel;
 use crate::quantity::diagonal::PathKind;
 use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use std::path::Path;
 
@@ -25,7 +27,7 @@ pub(super) struct Second {
     pub(super) measurement: AfterMeasurement,
     pub(super) hashes: Vec<HashedFile>,
     /// What its job states or leaves open, one sentence each.
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Finding>,
     /// Its job, and the tables that were active as it names them, where they lie elsewhere.
     active: Option<(Job, ActiveControl)>,
 }
@@ -59,13 +61,11 @@ fn active(
 }
 
 /// What a second job states that its figures do not hold, and what it leaves open.
-fn notes(job: &Job, tables: &Path) -> Vec<String> {
+fn notes(job: &Job, tables: &Path) -> Vec<Finding> {
     let mut notes = job.measurement.notes();
     if job.measurement.active == ActiveTables::NotStated {
-        notes.push(format!(
-            "the job of the second measurement does not state `active_while_measuring`: the tables in {} are taken to have been active",
-            tables.display()
-        ));
+        let tables = tables.display().to_string();
+        notes.push(KitFinding::TakenToBeActive { tables }.into());
     }
     notes
 }

@@ -13,9 +13,11 @@
 //! ```
 //! Any other comment is free text and means nothing to the program.
 
+use crate::inputs::findings::Remark;
 use crate::inputs::job::Frame;
 use crate::quantity::axis::{ErrorTerm, PerTerm};
 use crate::quantity::units::smaller;
+use crate::text::finding::Finding;
 
 const DOUBT: &str = "doubt:";
 const NOT_DETERMINED: &str = "not determined:";
@@ -33,7 +35,7 @@ pub const SIMULATED: &str = "SIMULATED, not measured";
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Remarks {
     /// Why the values are doubtful: a verdict that rests on them is at most undecided.
-    pub doubts: Vec<String>,
+    pub doubts: Vec<Finding>,
     /// Terms that the measurement was to give and did not, with the reason.
     pub not_determined: Vec<(ErrorTerm, String)>,
     /// Reversal along the body diagonals that the readings show and the curves do not hold, µm:
@@ -50,7 +52,7 @@ pub struct Remarks {
     /// Frame in which a separation gave the slopes of the cross terms; `None` = they are as given.
     pub frame: Option<Frame>,
     /// What whoever uses the values has to know.
-    pub notes: Vec<String>,
+    pub notes: Vec<Finding>,
 }
 
 impl Remarks {
@@ -66,9 +68,8 @@ impl Remarks {
     }
 
     /// The notes that say that the values were simulated.
-    pub fn simulated(&self) -> impl Iterator<Item = &String> {
-        let notes = self.notes.iter();
-        notes.filter(|note| note.starts_with(SIMULATED))
+    pub fn simulated(&self) -> impl Iterator<Item = &Finding> {
+        self.notes.iter().filter(|note| is_simulated(note))
     }
 
     /// Adds the remarks of another table of the same machine; of two hidden reversals the larger,
@@ -89,11 +90,11 @@ impl Remarks {
     fn hear(&mut self, comment: &str) {
         let after = |key: &str| Some(comment.strip_prefix(key)?.trim().to_string());
         if let Some(words) = after(DOUBT) {
-            self.doubts.push(words);
+            self.doubts.push(Remark::Doubtful { words }.into());
         } else if let Some(frame) = after(FRAME).as_deref().and_then(Frame::from_word) {
             self.frame = self.frame.or(Some(frame));
         } else if let Some(words) = after(NOTE) {
-            self.notes.push(words);
+            self.notes.push(note(words));
         } else if let Some(found) = after(ANGLES).as_deref().and_then(by_term) {
             raise(&mut self.angles_not_counted, Some(found));
         } else if let Some(found) = after(BEAM).as_deref().and_then(by_term) {
@@ -111,7 +112,7 @@ impl Remarks {
             let (term, reason) = words.split_once(':').unwrap_or((&words, ""));
             match ErrorTerm::from_name(term.trim()) {
                 Some(term) => self.not_determined.push((term, reason.trim().to_string())),
-                None => self.notes.push(format!("{NOT_DETERMINED} {words}")),
+                None => self.notes.push(note(format!("{NOT_DETERMINED} {words}"))),
             }
         }
     }
@@ -143,6 +144,19 @@ impl Remarks {
     }
 }
 
+/// A note of a table; whether its values were simulated stands at its beginning.
+fn note(words: String) -> Finding {
+    match words.starts_with(SIMULATED) {
+        true => Remark::Simulated { words }.into(),
+        false => Remark::Said { words }.into(),
+    }
+}
+
+/// Whether a note says that the values were not measured.
+pub fn is_simulated(note: &Finding) -> bool {
+    matches!(note.kind(), Some(Remark::Simulated { .. }))
+}
+
 /// `EXX 0.0123, EYX 0.45`: a value of at least 0 for each term, 0 for the others; `None` where the
 /// words are anything else.
 fn by_term(words: &str) -> Option<PerTerm<f64>> {
@@ -172,7 +186,12 @@ mod tests {
     #[test]
     fn remarks_read_back_and_other_comments_mean_nothing() {
         let remarks = Remarks {
-            doubts: vec!["a reading is disturbed: PPP node 58".to_string()],
+            doubts: vec![
+                Remark::Doubtful {
+                    words: "a reading is disturbed: PPP node 58".to_string(),
+                }
+                .into(),
+            ],
             not_determined: ErrorTerm::from_name("EXX")
                 .map(|term| (term, "two scales can be traded".to_string()))
                 .into_iter()
@@ -184,14 +203,19 @@ mod tests {
             })),
             beam_not_counted: Some(PerTerm::default()),
             frame: Some(Frame::XPrimary),
-            notes: vec!["frame: X primary".to_string()],
+            notes: vec![
+                note("frame: X primary".to_string()),
+                note(format!("{SIMULATED}: predicted")),
+            ],
         };
         let mut table = "# made by hand\n#doubtful\n".to_string();
         for line in remarks.lines() {
             table += &format!("# {line}\n");
         }
         table += "axis,position_mm,ex_um\nx,0,0\nx,1,note: none\n";
-        assert_eq!(Remarks::read(&table), remarks);
+        let read = Remarks::read(&table);
+        assert_eq!(read, remarks);
+        assert_eq!(read.simulated().count(), 1);
         assert_eq!(Remarks::read("# made by hand\n"), Remarks::default());
     }
 
@@ -200,7 +224,7 @@ mod tests {
         let remarks = Remarks::read("# not determined: reversal of each axis\n");
         assert_eq!(
             remarks.notes,
-            ["not determined: reversal of each axis".to_string()]
+            [note("not determined: reversal of each axis".to_string())]
         );
     }
 }

@@ -1,10 +1,12 @@
 //! `[measurement]`: what was measured, and with which compensation.
 
+use crate::inputs::findings::Remark;
 use crate::inputs::job::diagonals::{DiagonalMeasurement, diagonals};
 use crate::inputs::job::machine::MachineAxis;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::quantity::units::Millimetres;
 use crate::text::document::Section;
+use crate::text::finding::Finding;
 
 /// Whether a compensation was active while measuring.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -152,14 +154,9 @@ impl Measurement {
     }
 
     /// What every output has to say of the measurement: what is stated and not used, one sentence each.
-    pub(crate) fn notes(&self) -> Vec<String> {
+    pub(crate) fn notes(&self) -> Vec<Finding> {
         let keys = self.unused_keys().into_iter();
-        let sentence = |key| {
-            format!(
-                "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column, `noise_um` and `laser_ppm` state"
-            )
-        };
-        keys.map(sentence).collect()
+        keys.map(|key| Remark::NotUsed { key }.into()).collect()
     }
 }
 
@@ -320,10 +317,8 @@ controller = "generic"
         let source = Source::from_bytes("job.toml", PAGE.as_bytes()).expect("it is text");
         let measurement = Job::read(source).expect("it is a job").measurement;
         assert_eq!(measurement.uncertainty.noise_um, Some(0.5));
-        let keys = ["`temperature_k`"];
-        assert_eq!(measurement.notes().len(), keys.len());
-        for (sentence, key) in measurement.notes().iter().zip(keys) {
-            assert!(sentence.contains(key), "{sentence}");
-        }
+        let key = "temperature_k";
+        let noted = crate::inputs::findings::Remark::NotUsed { key };
+        assert_eq!(measurement.notes(), [noted.into()]);
     }
 }

@@ -6,7 +6,7 @@ use crate::judge::findings::{AsLeft, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::{Figure, Millimetres};
+use crate::quantity::units::Millimetres;
 use crate::text::finding::Finding;
 
 /// Gaps between the positions measured again, in gaps of the first measurement, beyond which
@@ -22,32 +22,32 @@ pub(super) fn findings(
     control: Option<&Control>,
     after: &AfterMeasurement,
 ) -> Vec<Finding> {
-    let mut found: Vec<AsLeft> = not_measured(measured_first, after).into_iter().collect();
+    let found = not_measured(measured_first, after).into_iter();
+    let mut found: Vec<Finding> = found.map(Finding::from).collect();
     match after {
         AfterMeasurement::Errors(model) => {
-            let doubts = model.doubts(|_| true).into_iter();
-            found.extend(doubts.map(|words| AsLeft::Doubtful { words }));
-            found.extend(
-                Axis::ALL
-                    .into_iter()
-                    .filter_map(|axis| sparse(before, model, axis)),
-            );
-            found.extend(reversal_not_seen(before, control, model));
-            found.extend(other_frame(before, model));
-            let notes = model.remarks.notes.iter().cloned();
-            found.extend(notes.map(|words| AsLeft::Said { words }));
+            found.extend(model.doubts(|_| true));
+            let sparse = Axis::ALL
+                .map(|axis| sparse(before, model, axis))
+                .into_iter();
+            let doubts = sparse.chain([
+                reversal_not_seen(before, control, model),
+                other_frame(before, model),
+            ]);
+            found.extend(doubts.flatten().map(Finding::from));
+            found.extend(model.remarks.notes.iter().cloned());
             let terms = joined(fewer_ways(before, model).map(|(term, _)| term));
-            found.extend((!terms.is_empty()).then_some(AsLeft::FewerWays { terms }));
-            let reversal = unseen_reversal(before, model);
-            found.extend(reversal.map(|UnseenReversal { words, .. }| AsLeft::Said { words }));
+            let fewer = (!terms.is_empty()).then_some(AsLeft::FewerWays { terms });
+            found.extend(fewer.map(Finding::from));
+            found.extend(unseen_reversal(before, model).map(|reversal| reversal.found));
         }
         AfterMeasurement::Diagonals(runs) => {
             let labels = runs.labels.iter().cloned();
-            found.extend(labels.map(|words| AsLeft::Said { words }));
-            found.push(AsLeft::DiagonalsOnly);
+            let labels = labels.map(|label| AsLeft::RestsOn { label });
+            found.extend(labels.chain([AsLeft::DiagonalsOnly]).map(Finding::from));
         }
     }
-    found.into_iter().map(Finding::from).collect()
+    found
 }
 
 /// Values that nobody measured after the tables were loaded.
@@ -143,8 +143,8 @@ fn other_frame(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> {
 /// apart.
 #[derive(Clone, Debug)]
 pub struct UnseenReversal {
-    /// B of each of these errors, in a sentence.
-    pub words: String,
+    /// B of each of these errors.
+    pub found: Finding,
     /// The second measurement with the mean of both directions in their place.
     pub without: ErrorModel,
 }
@@ -153,22 +153,19 @@ pub struct UnseenReversal {
 /// neither does.
 pub(crate) fn unseen_reversal(before: &ErrorModel, after: &ErrorModel) -> Option<UnseenReversal> {
     let mut without = after.clone();
-    let mut found = Vec::new();
+    let mut reversals_um = Vec::new();
     for term in ErrorTerm::ALL {
         let (Some(first), Some(second)) = (&before.terms[term], &mut without.terms[term]) else {
             continue;
         };
         let reversal = second.reversal();
         if let Some(reversal) = reversal.filter(|_| !first.measured.has_both_ways()) {
-            found.push(format!("{term} {:+.3}", Figure(reversal.um())));
+            reversals_um.push((term, reversal.um()));
             second.measured = Measured::Undirected(second.measured.mean());
         }
     }
-    (!found.is_empty()).then(|| UnseenReversal {
-        words: format!(
-            "the first measurement did not tell the directions apart, so it did not see the lost motion, and its tables leave it; B (mean moving + minus mean moving -), µm: {}",
-            found.join(", ")
-        ),
+    (!reversals_um.is_empty()).then(|| UnseenReversal {
+        found: AsLeft::LostMotion { reversals_um }.into(),
         without,
     })
 }

@@ -1,9 +1,10 @@
 //! The measurement afterwards.
 
-use crate::inputs::error_table::SIMULATED;
+use crate::inputs::error_table::is_simulated;
 use crate::judge::findings::joined;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use crate::text::finding::Finding;
 
 /// A measurement of the machine with its tables active.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,8 +32,8 @@ pub struct StraightRuns {
     pub scale_um_per_m: f64,
     /// The reverse passes count from the forward start.
     pub one_zero: bool,
-    /// What the readings say of themselves and what their evaluation rests on, one sentence each.
-    pub labels: Vec<String>,
+    /// What the readings say of themselves and what their evaluation rests on.
+    pub labels: Vec<Finding>,
 }
 
 impl AfterMeasurement {
@@ -40,10 +41,7 @@ impl AfterMeasurement {
     pub(crate) fn is_simulated(&self) -> bool {
         match self {
             AfterMeasurement::Errors(model) => model.remarks.simulated().next().is_some(),
-            AfterMeasurement::Diagonals(runs) => {
-                let mut labels = runs.labels.iter();
-                labels.any(|label| label.starts_with(SIMULATED))
-            }
+            AfterMeasurement::Diagonals(runs) => runs.labels.iter().any(is_simulated),
         }
     }
 

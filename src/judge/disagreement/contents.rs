@@ -53,15 +53,15 @@ pub fn contents(
 }
 
 /// What nobody can judge because the files for it are not there, and what to see to instead.
-pub fn absent(profile: &Profile, wanted: &Tables, read: &ReadBack) -> Vec<String> {
-    let mut words = match (&profile.dialect, wanted) {
+pub fn absent(profile: &Profile, wanted: &Tables, read: &ReadBack) -> Vec<Finding> {
+    let mut found = match (&profile.dialect, wanted) {
         (Dialect::Siemens(facts), Tables::Siemens(wanted)) => {
             machine_data::absent(wanted, &read.machine_data, facts)
         }
         _ => Vec::new(),
     };
-    words.extend(read.notes.iter().map(ToString::to_string));
-    words
+    found.extend(read.notes.iter().cloned());
+    found
 }
 
 /// A number of a table, or a parameter by its name.

@@ -2,9 +2,10 @@
 
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::siemens::{LecTable, SiemensTables};
-use crate::judge::findings::{it, listed};
+use crate::judge::findings::{InControl, it, listed};
 use crate::read::FileData;
 use crate::read::siemens::{MachineDatum, MachineValue};
+use crate::text::finding::Finding;
 
 pub(super) fn lec_name(table: &LecTable) -> String {
     format!("ENC_COMP[{},{}]", table.encoder, table.axis)
@@ -171,8 +172,8 @@ pub(super) fn absent(
     wanted: &SiemensTables,
     files: &[FileData],
     facts: &SiemensFacts,
-) -> Vec<String> {
-    let sentence = |(role, does, value, _): (Role, &str, &str, &str)| {
+) -> Vec<Finding> {
+    let found = |(role, does, value, _): (Role, &'static str, &str, &str)| {
         if files.iter().any(|file| file.role == role) {
             return None;
         }
@@ -182,8 +183,7 @@ pub(super) fn absent(
             .map(|own| format!("{} ${}{value}", own.number, own.name));
         let mut data: Vec<String> = data.collect();
         data.dedup();
-        (!data.is_empty())
-            .then(|| format!("no file {does}; see to {} on the control", data.join(", ")))
+        (!data.is_empty()).then(|| InControl::NoFile { does, data }.into())
     };
-    TASKS.into_iter().filter_map(sentence).collect()
+    TASKS.into_iter().filter_map(found).collect()
 }

@@ -4,9 +4,11 @@ use crate::inputs::job::Acceptance;
 use crate::judge::conformity::{
     Magnitude, Sigma, Verdict, expanded_um, judge_forecast, judge_measured,
 };
+use crate::judge::findings::InForecast;
 use crate::judge::forecast::share::JudgedRange;
 use crate::quantity::axis::{Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::units::{Millimetres, larger};
+use crate::text::finding::Finding;
 
 /// A figure as measured and as the tables leave it, µm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,28 +146,26 @@ impl Forecast {
         term.map(|t| t.change).or(diagonal.map(|d| d.change))
     }
 
-    /// Figures that the tables make larger than they were measured, one sentence each.
+    /// Figures that the tables make larger than they were measured.
     ///
     /// limits the steps of old tables between the measured positions are not in the figures as
-    ///        measured; where only steps make a figure larger, the sentence says so
-    pub fn worsened(&self) -> Vec<String> {
+    ///        measured; where only steps make a figure larger, the finding says so
+    pub fn worsened(&self) -> Vec<Finding> {
         let terms = self.terms.iter().map(|t| (t.term.to_string(), t.change));
         let diagonals = self.diagonals.iter();
         let diagonals = diagonals.map(|d| (format!("diagonal {}", d.name), d.change));
-        let sentence = |(name, change): (String, Change)| {
-            let (before, after) = (change.before_um, change.after_um);
-            let larger = |um: f64| um > before + SHOWN_UM;
-            let why = match larger(change.comparable_um) {
-                true => "",
-                false => {
-                    ", by the steps between the points; those of the old tables are not in the figure as measured"
-                }
+        let worsened = |(what, change): (String, Change)| {
+            let (before_um, after_um) = (change.before_um, change.after_um);
+            let larger = |um: f64| um > before_um + SHOWN_UM;
+            let found = InForecast::Worsened {
+                what,
+                before_um,
+                after_um,
+                by_steps: !larger(change.comparable_um),
             };
-            larger(after).then(|| {
-                format!("{name} becomes larger with the tables: {before:.3} → {after:.3} µm{why}")
-            })
+            larger(after_um).then(|| found.into())
         };
-        terms.chain(diagonals).filter_map(sentence).collect()
+        terms.chain(diagonals).filter_map(worsened).collect()
     }
 
     /// What is left of all terms, at every measured position.

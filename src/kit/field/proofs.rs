@@ -9,6 +9,7 @@ use crate::quantity::units::Millimetres;
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::emulator;
 use crate::read::{KitFile, ReadBack, read_apart};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::emit::{self, Instead, RenderedFile};
 use crate::write::plan::{Plan, axis_pairs};
@@ -20,8 +21,8 @@ pub(super) struct Proofs {
     /// As they were read from their files, each with the names of these.
     written: Vec<(SignProof, Vec<String>)>,
     pub(super) files: Vec<RenderedFile>,
-    /// Mechanisms without a sign proof, one sentence each.
-    pub(super) missing: Vec<String>,
+    /// Mechanisms without a sign proof.
+    pub(super) missing: Vec<Finding>,
 }
 
 /// A sign proof with what its bytes do.

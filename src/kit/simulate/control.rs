@@ -2,14 +2,13 @@
 
 use crate::judge::active::{ActiveControl, named_axis};
 use crate::judge::after::Control;
-use crate::judge::findings::words_of;
+use crate::kit::findings::InRehearsal;
 use crate::kit::inputs::cannot_emulate;
 use crate::kit::loaded::loaded_state;
 use crate::kit::{Inputs, LoadedControl, emulator, load_read_out};
 use crate::quantity::axis::Axis;
-use crate::quantity::units::Figure;
 use crate::read::{KitFile, read};
-use crate::text::finding::Severity;
+use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
 use crate::write::compensation::compile;
 use crate::write::plan::{Task, plan};
@@ -20,8 +19,8 @@ use serde_json::Value;
 pub struct Loaded {
     /// What the control adds to every term.
     pub(super) control: Control,
-    /// What is taken from the job because no file holds it, one sentence each.
-    pub notes: Vec<String>,
+    /// What is taken from the job because no file holds it.
+    pub notes: Vec<Finding>,
 }
 
 impl Loaded {
@@ -46,21 +45,15 @@ impl Loaded {
         let parameter = |axis: Axis| {
             let name = plan.names[axis].first()?;
             let um = state.axis(name)?.backlash_um;
-            (um.abs() > 0.0).then(|| {
-                let source = match named.and_then(|state| named_axis(state, name)) {
-                    Some(_) => {
-                        "as manifest.json of the kit names it; no file for the control holds it"
-                    }
-                    None => "as this job asks for it; no file for the control holds it",
-                };
-                format!(
-                    "backlash parameter of {axis}: {:.3} µm {source}",
-                    Figure(um)
-                )
-            })
+            let found = InRehearsal::Backlash {
+                axis,
+                um,
+                is_named: named.and_then(|state| named_axis(state, name)).is_some(),
+            };
+            (um.abs() > 0.0).then(|| found.into())
         };
-        let mut notes = words_of(&read.notes, Severity::Note);
-        notes.extend(words_of(&findings, Severity::Disagreement));
+        let mut notes = of_severity(&read.notes, Severity::Note);
+        notes.extend(of_severity(&findings, Severity::Disagreement));
         notes.extend(Axis::ALL.into_iter().filter_map(parameter));
         Ok(Loaded { control, notes })
     }
@@ -72,9 +65,9 @@ impl Loaded {
             control,
             findings,
         } = load_read_out(inputs, active)?;
-        let notes = findings.iter().map(ToString::to_string).collect();
         let control = Control::new(&inputs.model, &plan, control.as_ref())
             .map_err(|reason| cannot_emulate(&reason))?;
+        let notes = findings;
         Ok(Loaded { control, notes })
     }
 }

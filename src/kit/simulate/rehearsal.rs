@@ -4,10 +4,12 @@ use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{
     DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector,
 };
+use crate::kit::findings::InRehearsal;
 use crate::machine::separation::campaign::angles;
 use crate::machine::separation::corrections::AngleEffects;
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 
 /// Normal noise of every single reading.
@@ -53,8 +55,8 @@ pub struct Rehearsal {
     pub(super) material: Option<Material>,
     /// Angular effects that the separation of this job takes off the readings.
     pub(super) angles: Option<AngleEffects>,
-    /// What was taken for granted, one sentence each.
-    pub notes: Vec<String>,
+    /// What was taken for granted.
+    pub notes: Vec<Finding>,
 }
 
 impl Rehearsal {
@@ -118,10 +120,8 @@ fn measured_again(
         None => None,
         Some(table) => Some(angles(job, &measurement, table)?),
     };
-    let mut notes = Vec::new();
-    if wishes.both_directions && measurement.overrun.is_none() {
-        notes.push("the job does not state `overrun`: every axis is taken to run past the end point before the return pass".to_string());
-    }
+    let is_assumed = wishes.both_directions && measurement.overrun.is_none();
+    let notes = is_assumed.then(|| InRehearsal::OverrunAssumed.into());
     Ok(Rehearsal {
         kind: measurement.kind,
         runs: wishes.runs.unwrap_or(1),
@@ -131,7 +131,7 @@ fn measured_again(
         laser_sign: measurement.laser_sign,
         material: measurement.material,
         angles,
-        notes,
+        notes: notes.into_iter().collect(),
         volume: measurement.volume,
     })
 }

@@ -5,6 +5,7 @@ use crate::kit::Inputs;
 use crate::kit::manifest::HashedFile;
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::diagonal::{Pass, PathKind, Run};
+use crate::text::finding::Finding;
 use crate::text::plain::line;
 use crate::write::emit::TOOL;
 
@@ -17,8 +18,8 @@ pub struct Origin {
     pub table_files: Vec<HashedFile>,
     /// By how much every scale has grown, µm/m.
     pub scale_um_per_m: f64,
-    /// What was taken for granted, one sentence each.
-    pub notes: Vec<String>,
+    /// What was taken for granted.
+    pub notes: Vec<Finding>,
 }
 
 impl Origin {

@@ -3,9 +3,11 @@
 
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{Job, MachineAxis};
+use crate::machine::findings::ModelFinding;
 use crate::quantity::axis::{Axis, Direction, PerTerm, Rotation};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{Deviation, Millimetres};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 
 /// How a term was measured.
@@ -231,24 +233,22 @@ pub(super) fn added(
 }
 
 /// What a kit has to say of measured angles.
-pub(super) fn not_compensated(table: &ErrorTable) -> Option<String> {
+pub(super) fn not_compensated(table: &ErrorTable) -> Option<Finding> {
     let has_angles = |axis: Axis| {
         let series = table.series(axis).iter();
         series
             .flat_map(|s| Axis::ALL.map(|about| s.angles_urad[about].is_some()))
             .any(|measured| measured)
     };
-    Axis::ALL.into_iter().any(has_angles).then(|| "angular errors (`ea_…`, `eb_…`, `ec_…`) are not compensated by these tables; `nonius assess` counts what they do in the volume".to_string())
+    let has_any = Axis::ALL.into_iter().any(has_angles);
+    has_any.then(|| ModelFinding::AnglesNotCompensated.into())
 }
 
 /// What a table of `angles` holds that nobody reads.
-pub(super) fn deviations_beside(table: &ErrorTable) -> Option<String> {
+pub(super) fn deviations_beside(table: &ErrorTable) -> Option<Finding> {
     let deviation = |series: &Series| series.deviations.iter().any(|(_, d)| d.is_some());
     let has = |axis: Axis| table.series(axis).iter().any(deviation);
-    Axis::ALL.into_iter().any(has).then(|| {
-        format!(
-            "`{}` is named as `angles`; the deviations that stand beside them are not used",
-            table.source.name
-        )
-    })
+    let file = || table.source.name.clone();
+    let has_any = Axis::ALL.into_iter().any(has);
+    has_any.then(|| ModelFinding::DeviationsBeside { file: file() }.into())
 }

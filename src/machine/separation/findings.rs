@@ -3,7 +3,7 @@
 use crate::inputs::job::{Frame, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::Figure;
-use crate::text::finding::findings;
+use crate::text::finding::{Finding, findings};
 
 /// What to do about lines that contradict the diagonals.
 pub const CHECK: &str = "check sign, unit, `laser_sign`, the size of the box, temperature and air";
@@ -28,8 +28,7 @@ findings! {
         OpenScales { axes: Vec<Axis> } => Note, "{}", open_scales(axes);
         OpenSquareness { of: Axis, along: Axis } => Note, "squareness of {of} and {along}; measure a face diagonal of their plane";
         OpenReversal { of: String } => Note, "reversal of {of}: with overrun (or a zero of their own) the reverse runs hold at most its sum along the diagonals; reverse once without overrun and state `overrun = false`, or name a linear measurement of the axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]])";
-
-        Recorded { note: String } => Note, "{note}";
+        StillOpen { what: Finding } => Note, "not determined: {what}";
 
         // What is assumed of set-up, frame and passes.
         SetUpAssumed { tilt_arcsec: Option<f64> } => Label, "set-up assumed perfect: mirror and beam exactly along the four diagonals; a tilt of 10 arcsec falsifies slopes by tens of µm/m; it is {}", match tilt_arcsec {

@@ -52,9 +52,10 @@ pub fn remarks(separation: &Separation) -> Remarks {
         });
     let why = open.iter().map(ToString::to_string);
     let why = why.collect::<Vec<_>>().join("; ");
-    let other = other
-        .iter()
-        .map(|finding| format!("not determined: {finding}"));
+    let open = |finding: &&Finding| SeparationFinding::StillOpen {
+        what: (*finding).clone(),
+    };
+    let other = other.iter().map(open).map(Finding::from);
     let frame = separation
         .labels
         .iter()
@@ -62,10 +63,9 @@ pub fn remarks(separation: &Separation) -> Remarks {
             Some(SeparationFinding::FrameOf { frame }) => Some(*frame),
             _ => None,
         });
-    let labels = separation.labels.iter().map(ToString::to_string);
-    let notes = other.chain(labels).collect();
+    let notes = other.chain(separation.labels.iter().cloned()).collect();
     Remarks {
-        doubts: separation.doubts.iter().map(ToString::to_string).collect(),
+        doubts: separation.doubts.clone(),
         not_determined: missing
             .into_iter()
             .map(|term| (term, why.clone()))

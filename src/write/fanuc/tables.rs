@@ -13,10 +13,12 @@ use crate::control::controller::{FanucFacts, IntervalForm, TableSign};
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::AxisSettings;
 use crate::quantity::axis::{Axis, Direction};
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compiled::Placement;
 use crate::write::fanuc::four_point::best_fit;
 use crate::write::fanuc::numbers::{Run, Space, is_four_point};
+use crate::write::findings::TableFinding;
 use crate::write::grid::{Grid, as_number, whole};
 use crate::write::task::{Plan, PlannedTable, Task};
 
@@ -28,7 +30,7 @@ pub(super) struct Writer<'a> {
     pub(super) space: Space,
     pub(super) memory: FanucMemory,
     pub(super) placements: Vec<Placement>,
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Finding>,
     pub(super) problems: Problems,
 }
 
@@ -176,10 +178,9 @@ impl<'a> Writer<'a> {
 
     fn place_pitch(&mut self, tables: &[&PlannedTable], run: &Run, count_um: f64) {
         if tables.is_empty() {
-            self.notes.push(format!(
-                "{}: the pitch points of axis {} are all zero; they carry the straightness of other axes only",
-                run.axis, run.id
-            ));
+            let (axis, id) = (run.axis, run.id);
+            self.notes
+                .push(TableFinding::ZeroPoints { axis, id }.into());
         }
         for planned in tables {
             let first = match planned.direction {

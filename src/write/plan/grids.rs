@@ -6,15 +6,17 @@ use crate::inputs::job::{GRID_HELP, UNIT_HELP, without_grid, without_unit};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::fit::{residual, table_values};
 use crate::quantity::units::{Deviation, Millimetres};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::family::family;
+use crate::write::findings::TableFinding;
 use crate::write::grid::{self, EDGE_MM, Grid, LengthDigit, as_number};
 use crate::write::task::{Target, Task};
 
 pub(super) fn grids(
     task: Task<'_>,
     targets: &[Target],
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Finding>,
 ) -> Result<PerAxis<Option<Grid>>, Problems> {
     let mut problems = Problems::none();
     let mut grids = PerAxis::default();
@@ -208,16 +210,19 @@ fn refuse_unmeasured(
     }
 }
 
-fn note_spacing(axis: Axis, settings: &AxisSettings, grid: &Grid, notes: &mut Vec<String>) {
+fn note_spacing(axis: Axis, settings: &AxisSettings, grid: &Grid, notes: &mut Vec<Finding>) {
     let spacing = grid.spacing().mm();
     if let Some(GridRequest::Spacing(asked)) = settings.grid
         && (asked - spacing).abs() > 1e-9
     {
-        let written = as_number(grid.spacing_digits) / grid.digit.per_unit();
-        notes.push(format!(
-            "{axis}: the control writes a spacing of {asked} mm as {written} {} = {spacing:.6} mm; points and values are those of the written spacing",
-            grid.digit.unit.word()
-        ));
+        let found = TableFinding::WrittenSpacing {
+            axis,
+            asked_mm: asked,
+            written: as_number(grid.spacing_digits) / grid.digit.per_unit(),
+            unit: grid.digit.unit.word(),
+            spacing_mm: spacing,
+        };
+        notes.push(found.into());
     }
 }
 

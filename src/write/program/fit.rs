@@ -5,7 +5,9 @@ use crate::inputs::job::{
 };
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::rounded;
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
+use crate::write::findings::RunFinding;
 use crate::write::program::route::{moving, readings_of};
 use crate::write::program::run::{MOST_READINGS, problem};
 use crate::write::program::{Resolution, RunTask};
@@ -62,14 +64,16 @@ pub(super) fn refuse_shift(job: &Job, request: &ProgramRequest, problems: &mut P
     }
 }
 
-/// What a person should know of the run, one sentence each.
-pub(super) fn notes(task: RunTask<'_>, programs: usize) -> Vec<String> {
+/// What a person should know of the run.
+pub(super) fn notes(task: RunTask<'_>, programs: usize) -> Vec<Finding> {
     let RunTask { job, request, .. } = task;
-    let mut notes = unchecked(job, request);
-    notes.extend(near_the_end(job, request, task.resolution()));
-    notes.extend(other_box(job, request));
-    notes.extend(protected_number(task, programs));
-    notes
+    let notes = [
+        unchecked(job, request),
+        near_the_end(job, request, task.resolution()),
+        other_box(job, request),
+        protected_number(task, programs),
+    ];
+    notes.into_iter().flatten().map(Finding::from).collect()
 }
 
 /// The measurement that the job describes, where this run is of diagonals too; and whether it has
@@ -87,15 +91,11 @@ fn described<'a>(
 }
 
 /// Readings of this run must be described with this box, not with that of another measurement.
-fn other_box(job: &Job, request: &ProgramRequest) -> Option<String> {
+fn other_box(job: &Job, request: &ProgramRequest) -> Option<RunFinding> {
     let (measured, same) = described(job, request)?;
-    let turn = match (measured.overrun, request.runs_over()) {
-        (Some(stated), Some(over)) if stated != over => ", overrun",
-        _ => "",
-    };
-    (!same).then(|| {
-        format!("box, steps, order{turn} or kind differ from [measurement.step_diagonal]: change that section before the readings of this run are separated")
-    })
+    let turns = measured.overrun.zip(request.runs_over());
+    let turns_otherwise = turns.is_some_and(|(stated, over)| stated != over);
+    (!same).then_some(RunFinding::OtherBox { turns_otherwise })
 }
 
 /// The section that describes the readings of this run must not say that the axes turned in
@@ -143,27 +143,16 @@ pub(super) fn refuse_number(task: RunTask<'_>, problems: &mut Problems) {
     }
 }
 
-fn protected_number(task: RunTask<'_>, programs: usize) -> Option<String> {
+fn protected_number(task: RunTask<'_>, programs: usize) -> Option<RunFinding> {
     let last = task.request.number_of(programs.saturating_sub(1));
-    let (first, by) = task.facts.language.facts().numbered?;
-    (last >= first).then(|| {
-        format!("program numbers from O{first} on may be protected against loading and editing ({by}; from memory, not in the manuals read): take another `number`, or see to it that they are not")
-    })
+    let (from, by) = task.facts.language.facts().numbered?;
+    (last >= from).then_some(RunFinding::ProtectedNumber { from, by })
 }
 
-fn unchecked(job: &Job, request: &ProgramRequest) -> Vec<String> {
-    let unknown: Vec<String> = moving(request)
-        .into_iter()
-        .filter(|axis| job.machine.axes[*axis].is_none_or(|axis| axis.max_feed.is_none()))
-        .map(|axis| axis.to_string())
-        .collect();
-    if unknown.is_empty() {
-        return Vec::new();
-    }
-    vec![format!(
-        "the feed is not checked for {}: no `max_feed_mm_per_min` is stated",
-        unknown.join(", ")
-    )]
+fn unchecked(job: &Job, request: &ProgramRequest) -> Option<RunFinding> {
+    let mut axes = moving(request);
+    axes.retain(|axis| job.machine.axes[*axis].is_none_or(|axis| axis.max_feed.is_none()));
+    (!axes.is_empty()).then_some(RunFinding::FeedNotChecked { axes })
 }
 
 pub(super) fn refuse_outside_travel(
@@ -308,25 +297,15 @@ pub(super) fn refuse_rest_outside(job: &Job, request: &ProgramRequest, problems:
 const NEAR_THE_END_MM: f64 = 1.0;
 
 /// Axes that go to the very end of their travel: software limits may lie before it.
-fn near_the_end(job: &Job, request: &ProgramRequest, resolution: Resolution) -> Vec<String> {
+fn near_the_end(job: &Job, request: &ProgramRequest, resolution: Resolution) -> Option<RunFinding> {
     let near = |axis: &Axis| {
         let (low, high) = reach(request, resolution, *axis);
         job.machine.axes[*axis].is_some_and(|travel| {
             low - travel.low.mm() < NEAR_THE_END_MM || travel.high.mm() - high < NEAR_THE_END_MM
         })
     };
-    let axes: Vec<String> = moving(request)
-        .into_iter()
-        .filter(near)
-        .map(|axis| axis.to_string())
-        .collect();
-    if axes.is_empty() {
-        return Vec::new();
-    }
-    vec![format!(
-        "{} goes to the end of its travel: the software limits have to lie there or behind",
-        axes.join(", ")
-    )]
+    let axes: Vec<Axis> = moving(request).into_iter().filter(near).collect();
+    (!axes.is_empty()).then_some(RunFinding::NearTheEnd { axes })
 }
 
 /// A coordinate without the digits that binary numbers add.

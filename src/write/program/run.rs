@@ -6,6 +6,7 @@ use crate::inputs::job::{Job, ProgramRequest};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::{Squared, power_of_ten};
+use crate::text::finding::Finding;
 use crate::text::problem::Problem;
 use crate::write::grid::{as_number, whole};
 use crate::write::program::mirror::MirrorSize;
@@ -158,8 +159,8 @@ pub struct MeasuringRun {
     pub programs: Vec<SetUpProgram>,
     /// What the mirror has to cover; step diagonals only.
     pub mirror: Option<MirrorSize>,
-    /// What has to be known beside the files, one sentence each.
-    pub notes: Vec<String>,
+    /// What has to be known beside the files.
+    pub notes: Vec<Finding>,
 }
 
 /// Most readings of one program: block numbers have four digits on every control.

@@ -1,0 +1,60 @@
+//! What there is to know of a kit, of a directory that holds one, and of a rehearsal.
+
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::units::Figure;
+use crate::text::finding::{Finding, findings, joined};
+
+findings! {
+    /// What is found beside the errors and the tables of a kit.
+    KitFinding {
+        ActiveNotStated => Doubt, "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these tables are wrong; write \"none\", or the path of the kit or of the files read out of the control, which are then added";
+        NotMeasuredAfterwards { terms: Vec<ErrorTerm> } => Doubt, "not measured afterwards, so nothing is known of what is left: {}", joined(terms);
+        LeftToAPerson { left: usize } => Note, "the rollback files leave {left} kind(s) of settings to a person, because the files that were read out do not hold them: see \"Not written\" and \"Rollback\" of the checklist";
+        TakenToBeActive { tables: String } => Note, "the job of the second measurement does not state `active_while_measuring`: the tables in {tables} are taken to have been active";
+    }
+}
+
+findings! {
+    /// How a file differs from what the manifest beside it lists.
+    FileFault {
+        Missing { file: String } => Disagreement, "`{file}` is listed in manifest.json but missing";
+        Changed { file: String } => Disagreement, "`{file}` was changed after it was made: its hash is not that of manifest.json";
+        ListedTwice { file: String } => Disagreement, "`{file}` is listed twice in manifest.json";
+        NoPlainName { file: String } => Disagreement, "`{file}` is no plain file name";
+        NotReadable { message: String } => Disagreement, "{message}";
+    }
+}
+
+findings! {
+    /// How files that stand apart from the tables differ from those of the job.
+    FieldFault {
+        OtherProof { file: String } => Disagreement, "`{file}` is not the sign proof of this job: it holds other values";
+        NotWritten { file: String, parameter: String } => Disagreement, "`{file}` does not write {parameter}: the control keeps what it holds there";
+        OtherRollback => Disagreement, "the rollback files do not hold what `active_while_measuring` names as read out of the control";
+    }
+}
+
+findings! {
+    /// What is found in a directory with files of a control.
+    InDirectory {
+        NotListed { file: String } => Disagreement, "`{file}` is not listed in manifest.json, and the control could read it";
+        OtherControl { made_for: String, own: String } => Disagreement, "the kit was made for another control: manifest.json names `{made_for}`, the job `{own}`";
+        WrittenInto { fault: Finding } => Note, "{fault}";
+        Ignored { file: String, why: &'static str } => Note, "`{file}` was ignored: {why}";
+        WholeControl { file: String } => Note, "`{file}` holds far more than a kit, so it is the control's own: put what was read out into a directory without manifest.json and name that";
+        OtherInputs { names: Vec<String> } => Note, "the kit was made from other inputs: {} differ{} from what manifest.json has", joined(names), if names.len() == 1 { "s" } else { "" };
+        NoManifest => Note, "there is no manifest.json, so nothing tells whether all files are there and as they were made";
+        CalledAsAKit { file: String } => Note, "judged as a kit that is to be loaded, because `{file}` is called as in one: give files that were read out of the control other names";
+        ActsTheSame => Note, "read back, tables and switches are as the job asks: what differs is something else (line ends, comments, words such as NEWCONF, more memory); copy the files from the kit again";
+    }
+}
+
+findings! {
+    /// What a rehearsal takes for granted.
+    InRehearsal {
+        OverrunAssumed => Note, "the job does not state `overrun`: every axis is taken to run past the end point before the return pass";
+        RestsOnDoubtful { doubt: Finding } => Note, "the errors it rests on are doubtful: {doubt}";
+        RestsOnSimulated { note: Finding } => Note, "the errors it rests on are {note}";
+        Backlash { axis: Axis, um: f64, is_named: bool } => Note, "backlash parameter of {axis}: {:.3} µm as {}; no file for the control holds it", Figure(*um), if *is_named { "manifest.json of the kit names it" } else { "this job asks for it" };
+    }
+}

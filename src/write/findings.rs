@@ -1,0 +1,32 @@
+//! What there is to know of tables and programs before they are loaded.
+
+use crate::control::controller::Mechanism;
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::text::finding::{findings, joined};
+use crate::write::sign_proof::name;
+
+findings! {
+    /// What is found while tables are planned and put into the control's numbers.
+    TableFinding {
+        OfTarget { terms: Vec<ErrorTerm>, note: String } => Note, "{}: {note}", joined(terms);
+        MeanOnly { term: ErrorTerm, left: String, with_um: f64 } => Note, "{term}: the mean of both directions is used instead of two tables; {left} ({with_um:.1} µm with two tables for {term})";
+        WrittenSpacing { axis: Axis, asked_mm: f64, written: f64, unit: &'static str, spacing_mm: f64 } => Note, "{axis}: the control writes a spacing of {asked_mm} mm as {written} {unit} = {spacing_mm:.6} mm; points and values are those of the written spacing";
+        ZeroPoints { axis: Axis, id: u32 } => Note, "{axis}: the pitch points of axis {id} are all zero; they carry the straightness of other axes only";
+        ReferenceOff { axis: Axis, reference_mm: f64, beyond_mm: f64, travel_mm: [f64; 2] } => Note, "the reference point of {axis}, {reference_mm} mm, lies {beyond_mm:.2} mm outside the travel of the job, {} to {} mm: compare `reference_mm` and `travel_mm` with the machine; if the axis has its reference point elsewhere, switching a table on moves axes", travel_mm[0], travel_mm[1];
+        OldAndResidual { path: String } => Note, "the tables of `{path}` were active during the measurement: these tables are old + residual and replace them";
+        ParameterReplaced { axes: Vec<Axis> } => Note, "the tables replace the backlash parameter of {} (MD32450, 1851), which is counted as 0 while measuring; a machine normally holds one even with its tables off: look, and if it was on, state `active_backlash_um = {{ … }}` beside `active_while_measuring = \"none\"`", joined(axes);
+        UnlikelyReversal { term: ErrorTerm, um: f64 } => Note, "{term}: B = {um:+.3} µm is above 0, ordinary lost motion gives B < 0: are the directions + and - exchanged?";
+        NoSignProof { mechanism: Mechanism, least_um: f64, slope_um_per_mm: f64 } => Note, "no sign proof of {}: no axis has a stretch, at least one section away from its reference and inside its travel, on which a bump rises to {least_um} µm with at most {slope_um_per_mm} µm/mm; measure after loading instead, one axis first", name(*mechanism);
+        OtherLetters { key: &'static str, text: String, written: String } => Note, "{key} `{text}` stands as `{written}` in the control's files, which are ASCII";
+    }
+}
+
+findings! {
+    /// What is found while a measuring run is planned.
+    RunFinding {
+        FeedNotChecked { axes: Vec<Axis> } => Note, "the feed is not checked for {}: no `max_feed_mm_per_min` is stated", joined(axes);
+        NearTheEnd { axes: Vec<Axis> } => Note, "{} goes to the end of its travel: the software limits have to lie there or behind", joined(axes);
+        OtherBox { turns_otherwise: bool } => Note, "box, steps, order{} or kind differ from [measurement.step_diagonal]: change that section before the readings of this run are separated", if *turns_otherwise { ", overrun" } else { "" };
+        ProtectedNumber { from: u32, by: &'static str } => Note, "program numbers from O{from} on may be protected against loading and editing ({by}; from memory, not in the manuals read): take another `number`, or see to it that they are not";
+    }
+}
