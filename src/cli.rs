@@ -24,7 +24,6 @@ mod simulate;
 mod standards;
 mod tables;
 mod verify;
-mod words;
 mod write;
 
 use crate::text::plain;
@@ -105,19 +104,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let arguments = match Arguments::try_parse_from(&arguments) {
         Ok(arguments) => arguments,
-        Err(error) => {
-            // Help and version are answers, everything else is wrong usage (2).
-            let failed = error.use_stderr();
-            if failed && arguments.iter().any(is_foreign) {
-                say(&error.render().to_string());
-                return could_not();
-            }
-            return if error.print().is_ok() && !failed {
-                ExitCode::SUCCESS
-            } else {
-                could_not()
-            };
-        }
+        Err(error) => return not_parsed(&error, &arguments),
     };
     match execute(arguments.command).and_then(Outcome::deliver) {
         Ok(true) => ExitCode::SUCCESS,
@@ -126,6 +113,19 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             say(&problems.render());
             could_not()
         }
+    }
+}
+
+/// Help and version are answers, everything else is wrong usage (2).
+fn not_parsed(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
+    let failed = error.use_stderr();
+    if failed && arguments.iter().any(is_foreign) {
+        say(&error.render().to_string());
+        return could_not();
+    }
+    match error.print().is_ok() && !failed {
+        true => ExitCode::SUCCESS,
+        false => could_not(),
     }
 }
 

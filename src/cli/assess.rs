@@ -7,9 +7,8 @@ mod text;
 
 use crate::cli::files::read_argument;
 use crate::cli::inputs;
-use crate::cli::outcome::{Outcome, Print};
+use crate::cli::outcome::{Outcome, Print, positive};
 use crate::cli::tables::{AskedTables, Corrected};
-use crate::cli::words::positive;
 use crate::inputs::kind::FileKind;
 use crate::kit::Inputs;
 use crate::quantity::axis::{Axis, PerAxis};

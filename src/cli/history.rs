@@ -153,11 +153,9 @@ fn find(kit: &Path, path: &str, hash: &str) -> Result<Link, String> {
         let numbered = (1..).map(|number| previous(place, number));
         numbered.take_while(|kept| kept.exists())
     });
-    let places: Vec<PathBuf> = beside.iter().cloned().chain(kept).collect();
-    let found: Vec<Link> = places
-        .iter()
-        .filter_map(|place| read_link(place).ok())
-        .collect();
+    let places = beside.iter().cloned().chain(kept);
+    let found = places.filter_map(|place| read_link(&place).ok());
+    let found: Vec<Link> = found.collect();
     let other = found.first().map(|link| link.directory.clone());
     let same = found.into_iter().find(|link| link.manifest_sha256 == hash);
     match (same, other) {

@@ -80,8 +80,7 @@ pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String 
             true => reversal.as_str(),
             false => "",
         };
-        let figures = figures(&t.change);
-        format!("{}\t{figures}\t{place}{without}", t.term)
+        format!("{}\t{}\t{place}{without}", t.term, figures(&t.change))
     });
     let missing = forecast.not_determined.iter();
     let missing = missing.map(|term| format!("{term}\tnot determined\t-\t-\tnone"));
@@ -176,16 +175,17 @@ pub(super) fn verdict(
 ) -> String {
     let acceptance = job.acceptance;
     let asked = asked(job, forecast);
-    let mut lines = vec![match (asked.is_empty(), verdict) {
+    let words = match (asked.is_empty(), verdict) {
         (true, Verdict::Pass) => {
-            "verdict: no acceptance is stated in the job, so there is nothing to judge".to_string()
+            "no acceptance is stated in the job, so there is nothing to judge".to_string()
         }
         (true, _) => format!(
-            "verdict: {} (asked: no acceptance is stated in the job)",
+            "{} (asked: no acceptance is stated in the job)",
             verdict.word()
         ),
-        (false, _) => format!("verdict: {} (asked: {asked})", verdict.word()),
-    }];
+        (false, _) => format!("{} (asked: {asked})", verdict.word()),
+    };
+    let mut lines = vec![format!("verdict: {words}")];
     if differs {
         lines.push("  because the files differ from the job, or from their manifest".to_string());
     }

@@ -1,10 +1,9 @@
 //! `nonius simulate JOB -o readings.csv`
 
 use crate::cli::files::{file_name, read_argument};
-use crate::cli::outcome::{Content, Outcome, Output};
+use crate::cli::outcome::{Content, Outcome, Output, number};
 use crate::cli::screen::{Screen, table};
 use crate::cli::tables::read_directory;
-use crate::cli::words::number;
 use crate::cli::{inputs, show};
 use crate::inputs::error_table;
 use crate::inputs::job::{MeasuredData, UseOf};

@@ -13,7 +13,6 @@
 
 mod block;
 mod codes;
-mod cycle;
 mod interpreter;
 mod moves;
 mod run;

@@ -253,16 +253,13 @@ fn measured_term(
     term: ErrorTerm,
     machine: MachineAxis,
 ) -> Option<MeasuredTerm> {
-    let curves: Vec<(Option<Direction>, ErrorCurve)> = series
-        .iter()
-        .filter_map(|s| {
-            let deviations = s.deviations[term.of].as_ref()?;
-            Some((
-                s.direction,
-                ErrorCurve::through(&s.positions, deviations, job.compensation.curve),
-            ))
-        })
-        .collect();
+    let between = job.compensation.curve;
+    let curve = |s: &Series| {
+        let deviations = s.deviations[term.of].as_ref()?;
+        let curve = ErrorCurve::through(&s.positions, deviations, between);
+        Some((s.direction, curve))
+    };
+    let curves: Vec<(Option<Direction>, ErrorCurve)> = series.iter().filter_map(curve).collect();
     let zero = value_at_reference(&curves, machine)?;
     let zeroed = curves
         .into_iter()

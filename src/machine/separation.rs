@@ -27,6 +27,7 @@
 
 pub mod agreement;
 mod angle_bound;
+mod banded;
 pub mod campaign;
 pub mod closure;
 pub mod corrections;
@@ -34,6 +35,7 @@ pub mod curves;
 mod exchange;
 pub mod findings;
 mod labels;
+pub mod linear_reversal;
 pub mod metric;
 pub mod monte_carlo;
 pub mod noise;

@@ -199,11 +199,8 @@ impl<'a> Reader<'a> {
 
     fn carry_out(&mut self, code: Range<usize>) -> Result<(), Complaint> {
         let found = statement(self.text, code.clone())?;
-        let is_blank = || {
-            self.text[code.clone()]
-                .trim_matches(statement::BLANKS)
-                .is_empty()
-        };
+        let words = self.text[code.clone()].trim_matches(statement::BLANKS);
+        let is_blank = || words.is_empty();
         if matches!(found, Statement::Nothing) && (!self.ended || is_blank()) {
             return Ok(());
         }

@@ -424,40 +424,26 @@ fn unknown_column<C>(
             .map(|known| format!("`{known}`"))
             .collect()
     };
-    let without = (with_unit(name), "has no unit");
-    let other = name.rsplit_once('_').map(|(quantity, _)| quantity);
-    let other = (
-        other.map(with_unit).unwrap_or_default(),
-        "has an unknown unit",
-    );
-    for (list, what) in [without, other] {
+    let at = |message: String| Problem::new(message).at(header.cell_place(index));
+    let found = shown(name);
+    let quantity = |name| str::rsplit_once(name, '_').map(|(quantity, _)| quantity);
+    let other = quantity(name).map(with_unit).unwrap_or_default();
+    for (list, what) in [(with_unit(name), "no unit"), (other, "an unknown unit")] {
         if !list.is_empty() {
-            return Problem::new(format!(
-                "column `{}` {what}, expected {}",
-                shown(name),
-                list.join(", ")
-            ))
-            .at(header.cell_place(index))
-            .help("the unit is part of the column's name");
+            let list = list.join(", ");
+            return at(format!("column `{found}` has {what}, expected {list}"))
+                .help("the unit is part of the column's name");
         }
     }
-    let help = nearest(name, names()).map_or_else(
-        || expected.columns.to_string(),
-        |near| {
-            // A quantity may stand in several units; which of them was meant nobody knows.
-            let quantity = near.rsplit_once('_').map_or(near, |(quantity, _)| quantity);
-            let in_units = with_unit(quantity);
-            let meant = if in_units.is_empty() {
-                format!("`{near}`")
-            } else {
-                in_units.join(" or ")
-            };
-            format!("did you mean {meant}?")
-        },
-    );
-    Problem::new(format!("unknown column `{}`", shown(name)))
-        .at(header.cell_place(index))
-        .help(help)
+    let problem = at(format!("unknown column `{found}`"));
+    let Some(near) = nearest(name, names()) else {
+        return problem.help(expected.columns);
+    };
+    // A quantity may stand in several units; which of them was meant nobody knows.
+    match with_unit(quantity(near).unwrap_or(near)).as_slice() {
+        [] => problem.help(format!("did you mean `{near}`?")),
+        meant => problem.help(format!("did you mean {}?", meant.join(" or "))),
+    }
 }
 
 #[cfg(test)]

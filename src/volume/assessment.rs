@@ -197,16 +197,14 @@ impl Baseline {
         let vectors = map.vectors();
         let found = grouping(&vectors.vectors(), tolerance);
         let place = |number: usize| map.place(vectors.node(number));
+        let longest = found.longest.filter(|_| found.records.len() > 1);
         Ok(Baseline {
             angular,
             magnitude: MAGNITUDE,
             vectors: count,
             groups: found.groups,
             records: found.records.len(),
-            longest: found
-                .longest
-                .filter(|_| found.records.len() > 1)
-                .map(|l| (l.um(), l.pair.map(place))),
+            longest: longest.map(|l| (l.um(), l.pair.map(place))),
         })
     }
 }

@@ -173,16 +173,11 @@ pub(crate) fn diagonal_ranges(model: &VolumeModel) -> PerDiagonal<f64> {
     let bends = bends(model);
     PerDiagonal::from_fn(|diagonal| {
         let along = |t: f64| along(model, diagonal, t);
-        let mut bends: Vec<f64> = bends
-            .iter()
-            .map(|(axis, t)| {
-                if diagonal.sign(*axis) > 0.0 {
-                    *t
-                } else {
-                    1.0 - t
-                }
-            })
-            .collect();
+        let turned = |(axis, t): &(Axis, f64)| match diagonal.sign(*axis) > 0.0 {
+            true => *t,
+            false => 1.0 - t,
+        };
+        let mut bends: Vec<f64> = bends.iter().map(turned).collect();
         bends.sort_by(f64::total_cmp);
         let mut ends = (along(0.0), along(0.0));
         for pair in bends.windows(2) {

@@ -77,10 +77,8 @@ fn without_effect(page: &Page, idle: &[&Contribution]) -> Vec<String> {
         .partition(|part| has_no_lever(&page.volume, &page.basis.levers, part.component));
     let mut lines = Vec::new();
     if !idle.is_empty() {
-        lines.push(format!(
-            "  measured, without effect on VA: {}",
-            names(&idle)
-        ));
+        let names = names(&idle);
+        lines.push(format!("  measured, without effect on VA: {names}"));
     }
     if !open.is_empty() {
         let axes = unknown_axes(&page.volume);
@@ -140,11 +138,8 @@ pub(super) fn histogram(before: &Assessment, after: Option<&Assessment>) -> Stri
         let from = bin as f64 * found.bin_um;
         let other = after.map(|after| format!("\t{}", in_bin(after, bin)));
         let (from, to) = (short(from), short(from + found.bin_um));
-        format!(
-            "{from} … {to}\t{}{}",
-            in_bin(found, bin),
-            other.unwrap_or_default()
-        )
+        let (own, other) = (in_bin(found, bin), other.unwrap_or_default());
+        format!("{from} … {to}\t{own}{other}")
     });
     let heading = format!("differences/µm\t>pairs{with}");
     let mut lines = vec![table(&heading, rows), format!("  {}", how(found))];

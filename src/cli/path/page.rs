@@ -106,13 +106,12 @@ impl Page {
     pub(super) fn screen(&self) -> Screen {
         let after = self.after.as_ref();
         let disagreements = after.map_or(&[][..], |after| &after.tables.disagreements);
-        let with = |after: &After| {
-            after
-                .followed
-                .extremes(&format!("with {}", after.tables.from))
-        };
+        let with = after.map(|after| {
+            let name = format!("with {}", after.tables.from);
+            after.followed.extremes(&name)
+        });
         let mut figures = vec![self.before.extremes("as it is")];
-        figures.extend(after.map(with));
+        figures.extend(with);
         let missing: Vec<String> = missing(self);
         let left_out = format!("not measured, so left out: {}", missing.join(", "));
         let mut findings = [warnings(self), doubts(self)].concat();
@@ -288,11 +287,8 @@ fn remarks(page: &Page) -> Vec<String> {
         notes.push("the datum is taken as probed with a tool of the measured length".to_string());
     }
     notes.extend(page.volume.labels.iter().map(ToString::to_string));
-    notes.extend(
-        page.after
-            .iter()
-            .flat_map(|after| after.tables.notes.iter().map(ToString::to_string)),
-    );
+    let notes_after = page.after.iter().flat_map(|after| &after.tables.notes);
+    notes.extend(notes_after.map(ToString::to_string));
     notes
 }
 

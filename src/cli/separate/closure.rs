@@ -110,11 +110,9 @@ fn test(closure: &Closure, noise: Option<Noise>) -> String {
         NoiseSource::Repeats => "F test",
         NoiseSource::Stated | NoiseSource::Closure => "chi-squared test",
     };
+    let (sigma, from, p) = (noise.sigma_um, noise.source.words(), test.probability);
     format!(
-        "{kind} of the scatter against {:.3} µm {}, two-sided: probability {:.3}, {verdict}",
-        noise.sigma_um,
-        noise.source.words(),
-        test.probability
+        "{kind} of the scatter against {sigma:.3} µm {from}, two-sided: probability {p:.3}, {verdict}"
     )
 }
 

@@ -317,21 +317,15 @@ impl Columns<'_> {
             }
             let same = (here - before).abs() < f64::EPSILON * before.abs().max(1.0);
             let (what, help) = if same {
-                (
-                    "is given twice".to_string(),
-                    "average repeated runs, or give them directions `+` and `-`",
-                )
+                let help = "average repeated runs, or give them directions `+` and `-`";
+                ("is given twice".to_string(), help)
             } else {
-                (
-                    format!("comes after {before} {unit}, expected ascending positions"),
-                    "sort the rows of each axis and direction by position",
-                )
+                let what = format!("comes after {before} {unit}, expected ascending positions");
+                (what, "sort the rows of each axis and direction by position")
             };
-            problems.push_with(|| {
-                Problem::new(format!("position {here} {unit} of axis {axis} {what}"))
-                    .at(pair[1].line.whole())
-                    .help(help)
-            });
+            let message = format!("position {here} {unit} of axis {axis} {what}");
+            let place = pair[1].line.whole();
+            problems.push_with(|| Problem::new(message).at(place).help(help));
         }
     }
 

@@ -183,20 +183,15 @@ pub(super) fn compensation(section: &Section<'_>) -> Compensation {
     let controller = "an id of `nonius controllers list`, or the path of a profile";
     let reserved_points = section.whole_pairs("reserved_points").unwrap_or_default();
     if let Some([first, last]) = reserved_points.iter().find(|[first, last]| first > last) {
-        section.problem(
-            "reserved_points",
-            format!("the block [{first}, {last}] ends before it begins"),
-            "write [first, last]",
-        );
+        let message = format!("the block [{first}, {last}] ends before it begins");
+        section.problem("reserved_points", message, "write [first, last]");
     }
     let usual = Compensation::default();
+    let controller = section.required_text("controller", controller);
+    let control_unit = section.choice("control_unit", &UNITS);
     Compensation {
-        controller: section
-            .required_text("controller", controller)
-            .unwrap_or_default(),
-        control_unit: section
-            .choice("control_unit", &UNITS)
-            .unwrap_or(usual.control_unit),
+        controller: controller.unwrap_or_default(),
+        control_unit: control_unit.unwrap_or(usual.control_unit),
         terms: terms(section),
         backlash: policies(section),
         curve: section.choice("curve", &CURVES).unwrap_or(usual.curve),

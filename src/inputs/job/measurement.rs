@@ -226,15 +226,11 @@ fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<Me
     if has_readings {
         section.required_section("step_diagonal");
     } else if section.has("step_diagonal") {
-        section.require(
-            "readings",
-            "the path of the readings that [measurement.step_diagonal] describes",
-        );
+        let described = "the path of the readings that [measurement.step_diagonal] describes";
+        section.require("readings", described);
     } else {
-        section.require(
-            "errors",
-            "the path of an error table (or `readings` of the body diagonals)",
-        );
+        let either = "the path of an error table (or `readings` of the body diagonals)";
+        section.require("errors", either);
     }
     let measured = section.sub("step_diagonal", |how| {
         diagonals(how, axes, readings.unwrap_or_default())

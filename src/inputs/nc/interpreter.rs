@@ -1,7 +1,7 @@
 //! The modal state of a control, and what one block makes of it.
 
+mod functions;
 mod motion;
-mod once;
 
 use crate::inputs::nc::block::{Block, CALL, CodeWord, Span, TOOL_CHANGE};
 use crate::inputs::nc::codes::{Code, Cycle, GROUPS, Level, Motion, Once, code, is_call, why_not};

@@ -425,13 +425,12 @@ fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<Finding> {
     let words = words.map(|(m, count)| format!("M{m}{} ({count})", tally.with_words(*m)));
     let words: Vec<String> = words.collect();
     let has_words = !words.is_empty();
+    let blend = |(mm, line)| PathFinding::Blend { mm, line };
     let found = [
         without_point(tally, setup),
         (deletable > 0).then_some(lines),
         (tally.look_ahead > 0).then_some(look_ahead),
-        tally
-            .blend
-            .map(|(mm, line)| PathFinding::Blend { mm, line }),
+        tally.blend.map(blend),
         tally.rough_arcs.as_ref().map(rough_arcs),
         tally.other_mode.map(|line| PathFinding::OtherMode { line }),
         has_words.then_some(PathFinding::WithoutMotion { words }),

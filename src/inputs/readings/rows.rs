@@ -75,17 +75,12 @@ pub(super) fn columns(source: &Source) -> Result<(Columns<'_>, Quantity), Proble
         })
     })?;
     let mut problems = Problems::none();
-    let mut require = |is_wanted: &dyn Fn(Column) -> bool, what, example| {
-        table.require(table.find(is_wanted), what, example, &mut problems)
-    };
-    require(
-        &|column| column == Column::Diagonal,
-        "the diagonal",
-        "`diagonal`",
-    );
-    require(&|column| column == Column::Node, "the node", "`node`");
+    let find = |column| table.find(|kind| kind == column);
+    let mut require = |found, what, example| table.require(found, what, example, &mut problems);
+    require(find(Column::Diagonal), "the diagonal", "`diagonal`");
+    require(find(Column::Node), "the node", "`node`");
     let example = "`deviation_um`, or `displacement_mm` for the displacement itself";
-    let value = require(&is_value, "the reading", example);
+    let value = require(table.find(is_value), "the reading", example);
     let quantity = match table.kinds.get(value) {
         Some(Column::Value { quantity, .. }) => *quantity,
         _ => Quantity::Deviation,

@@ -119,13 +119,10 @@ impl<'a> Layout<'a> {
                 return Ok(());
             };
             let (other, named) = (other.word(), named.word());
-            let message = format!(
-                "{other} were stated, but column `{}` holds {named}",
-                names[reading]
-            );
-            return Err(self
-                .table
-                .at_column(reading, message, "leave out `--values`"));
+            let name = &names[reading];
+            let message = format!("{other} were stated, but column `{name}` holds {named}");
+            let help = "leave out `--values`";
+            return Err(self.table.at_column(reading, message, help));
         }
         self.values = stated;
         let unit = self.table.kinds[self.target].unit;

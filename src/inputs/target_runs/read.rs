@@ -263,10 +263,9 @@ fn values_of(layout: &Layout<'_>, targets: &Targets<'_, '_>) -> Result<Values, P
     if fits(Values::Positions) {
         return Ok(Values::Positions);
     }
-    let found = if fits(Values::Deviations) {
-        "they look like deviations"
-    } else {
-        "they are far from the targets as either"
+    let found = match fits(Values::Deviations) {
+        true => "they look like deviations",
+        false => "they are far from the targets as either",
     };
     let is_run = |column: Column| matches!(column.content, Content::RunOf(..));
     let first = layout.table.find(is_run).unwrap_or(layout.target);

@@ -5,8 +5,8 @@ use super::corrections::{
     AngleEffects, AngleEvidence, AngleModel, END_TOLERANCE_MM, angle_effects, without_expansion,
 };
 use super::curves::{at, mean};
+use super::linear_reversal::{LinearReversal, LinearReversals};
 use super::readings::CorrectedRun;
-use super::reversal::{LinearReversal, LinearReversals};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{Beam, DiagonalMeasurement, Job, Linear, LinearSlope, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis};
@@ -61,11 +61,7 @@ pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<CorrectedRun> {
     let correct = |run: &Run| {
         let mut readings_um = match material {
             Some(of) => without_expansion(&measurement.volume, measurement.kind, of, run),
-            None => run
-                .deviations
-                .iter()
-                .map(|deviation| deviation.um())
-                .collect(),
+            None => run.deviations.iter().map(|of| of.um()).collect(),
         };
         let effects = campaign.angles.as_ref();
         let effect = effects.and_then(|effects| effects.of(run.diagonal, run.pass));
@@ -224,13 +220,13 @@ pub fn angles(
     let origin = levers.origin(&job.machine.axes);
     let model = AngleModel::new(table, chain, (levers, origin), measurement.target);
     if model.is_empty() {
-        return Err(Problem::new(format!(
-            "`{}` holds no angles, expected columns such as `ea_urad`",
-            table.source.name
-        ))
-        .at(table.header.clone())
-        .help("name a table with ea, eb or ec, or remove `angles`")
-        .into());
+        let name = &table.source.name;
+        let message = format!("`{name}` holds no angles, expected columns such as `ea_urad`");
+        let help = "name a table with ea, eb or ec, or remove `angles`";
+        return Err(Problem::new(message)
+            .at(table.header.clone())
+            .help(help)
+            .into());
     }
     model.check(&measurement.volume)?;
     Ok(angle_effects(&model, &measurement.volume, measurement.kind))

@@ -3,10 +3,11 @@
 use super::campaign::Campaign;
 use super::curves::noise_gain;
 use super::findings::SeparationFinding as Found;
+use super::linear_reversal::LinearReversals;
 use super::metric::Plane;
 use super::noise::coverage_factor;
 use super::readings::Means;
-use super::reversal::{LinearReversals, Turn};
+use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
 use super::uncertainty::{Budget, u_squareness};
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
@@ -197,7 +198,7 @@ pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> O
         let um = || {
             reversal
                 .as_ref()
-                .map(|b: &super::reversal::LinearReversal| b.um.iter().copied())
+                .map(|b: &super::linear_reversal::LinearReversal| b.um.iter().copied())
         };
         let (low, high) = (um()?.reduce(f64::min)?, um()?.reduce(f64::max)?);
         Some(format!(

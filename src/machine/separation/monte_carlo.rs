@@ -12,10 +12,10 @@
 
 use super::campaign::Campaign;
 use super::curves::{Curve, ReferenceLine, mean, range};
+use super::linear_reversal::LinearReversals;
 use super::metric::{PerPlane, Plane};
 use super::noise::float;
 use super::readings::{Means, PassMeans, RunCounts};
-use super::reversal::LinearReversals;
 use super::separate::curves_of;
 use super::uncertainty::Budget;
 use crate::quantity::axis::{ErrorTerm, PerTerm};
@@ -122,9 +122,6 @@ pub struct Simulated {
     pub figures: Vec<Figure>,
 }
 
-/// Figures of a block of trials, one list for each.
-type Block = Vec<Vec<f64>>;
-
 /// Runs the trials on mean readings as measured. `budget.noise` must be known, else `None`. `progress` hears of finished trials.
 pub fn simulate(
     campaign: &Campaign<'_>,
@@ -145,25 +142,41 @@ pub fn simulate(
         let figures = figures(budget.volume, &curves, &squareness).into_iter();
         figures.map(|(_, value)| value).collect()
     };
-    let blocks = plan.trials.div_ceil(BLOCK);
+    let trials = in_blocks(plan, &trial, progress);
+    let figures = estimates.into_iter().enumerate();
+    let figures = figures.map(|(index, (quantity, estimate))| {
+        let values = trials.iter().map(|figures| figures[index]);
+        Figure::of(quantity, estimate, values.collect())
+    });
+    Some(Simulated {
+        plan,
+        figures: figures.collect(),
+    })
+}
+
+/// What each trial gives, in their order, however many threads work.
+fn in_blocks(
+    plan: Plan,
+    trial: &(dyn Fn(usize) -> Vec<f64> + Sync),
+    progress: &(dyn Fn(usize) + Sync),
+) -> Vec<Vec<f64>> {
     let next = AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= blocks {
-                return done;
-            }
             let numbers = index * BLOCK..((index + 1) * BLOCK).min(plan.trials);
             let count = numbers.len();
+            if count == 0 {
+                return done;
+            }
             done.push((index, numbers.map(trial).collect()));
             progress(count);
         }
     };
-    let mut done: Vec<(usize, Block)> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (1..plan.threads.max(1))
-            .map(|_| scope.spawn(work))
-            .collect();
+    let mut done: Vec<(usize, Vec<Vec<f64>>)> = std::thread::scope(|scope| {
+        let threads = (1..plan.threads.max(1)).map(|_| scope.spawn(work));
+        let threads: Vec<_> = threads.collect();
         let mut done = work();
         for thread in threads {
             done.extend(thread.join().unwrap_or_default());
@@ -171,20 +184,9 @@ pub fn simulate(
         done
     });
     done.sort_by_key(|(index, _)| *index);
-    let figures = estimates.into_iter().enumerate();
-    let figures = figures.map(|(index, (quantity, estimate))| {
-        let all = done.iter().flat_map(|(_, block)| block);
-        Figure::of(
-            quantity,
-            estimate,
-            all.map(|figures| figures[index]).collect(),
-        )
-    });
-    Some(Simulated {
-        plan,
-        figures: figures.collect(),
-    })
+    done.into_iter().flat_map(|(_, block)| block).collect()
 }
+
 /// The figures of nine curves.
 fn figures(
     volume: &Volume,

@@ -7,12 +7,11 @@ use super::closure::{Closure, Known, Start, closure, large_noise};
 use super::curves::Curve;
 use super::exchange::{AsRead, names};
 use super::labels;
+use super::linear_reversal::{LinearReversals, contradictions, hidden_reversal_um};
 use super::metric::{Metric, PerPlane, Plane};
 use super::noise::Noise;
 use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
-use super::reversal::{
-    LinearReversals, Turn, contradictions, hidden_reversal_um, ran_over, separable, turn,
-};
+use super::reversal::{Turn, ran_over, separable, turn};
 use super::solved::{Evidence, NineErrors, Solved, Tilt, naive_squareness};
 use super::uncertainty::{Budget, SlopeUncertainty};
 use super::unmeasured::NotCounted;

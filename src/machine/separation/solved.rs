@@ -5,11 +5,12 @@ use super::campaign::{Campaign, Line};
 use super::curves::{
     Curve, ReferenceLine, at, curves, end_slope, mean_curve, plus_line, with_slope,
 };
+use super::linear_reversal::{LinearReversal, LinearReversals};
 use super::metric::{ByTotals, Equations, Metric, PerPlane, Plane, displacement_ratios, stepped};
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::plane::Unknown;
 use super::readings::{Increments, Means, mean_increments};
-use super::reversal::{LinearReversal, LinearReversals, Turn, own_term};
+use super::reversal::{Turn, own_term};
 use super::slopes::{Rule, SlopeGains, Totals, totals, twin};
 use super::uncertainty::{Budget, Side, Slope, SlopeFrom, SlopeUncertainty};
 use crate::inputs::job::{Frame, SetUp};

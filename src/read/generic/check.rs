@@ -76,17 +76,15 @@ pub(super) fn table(
         if let Some(raw) = problems.take(raw) {
             rows.extend(row(number, raw, &mut flaws));
         }
-        flaws
-            .drain(..)
-            .for_each(|flaw| problems.push(problem(flaw)));
+        let told = flaws.drain(..);
+        told.for_each(|flaw| problems.push(problem(flaw)));
     }
     if problems.is_empty() {
         flaws = relations(&rows);
         flaws.sort_by_key(|flaw| flaw.row);
         flaws.truncate(MOST_RELATIONS);
-        flaws
-            .into_iter()
-            .for_each(|flaw| problems.push(problem(flaw)));
+        let told = flaws.into_iter();
+        told.for_each(|flaw| problems.push(problem(flaw)));
     }
     problems.or_ok(GenericTable { rows })
 }

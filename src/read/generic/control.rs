@@ -111,10 +111,8 @@ fn load(rows: &[&GenericRow], state: &ControlState) -> Result<LoadedBlock, Canno
     known_axis(state, &first.base_axis)?;
     known_axis(state, &first.output_axis)?;
     let step = (last.position_mm - first.position_mm) / (rows.len().max(2) - 1) as f64;
-    let values = rows
-        .iter()
-        .map(|row| Correction::from_um(row.correction_um));
-    let values: Vec<Correction> = values.collect();
+    let value = |row: &&GenericRow| Correction::from_um(row.correction_um);
+    let values: Vec<Correction> = rows.iter().map(value).collect();
     let [start, step] = [first.position_mm, step].map(Millimetres::new);
     let corrections = NodeTable::new(start, step, &values, Between::Linear);
     Ok(LoadedBlock {
@@ -122,14 +120,9 @@ fn load(rows: &[&GenericRow], state: &ControlState) -> Result<LoadedBlock, Canno
         output: first.output_axis.clone(),
         direction: first.direction,
         corrections: corrections.ok_or_else(|| {
-            let GenericRow {
-                term,
-                base_axis,
-                output_axis,
-                ..
-            } = first;
+            let (term, base, output) = (first.term, &first.base_axis, &first.output_axis);
             CannotEmulate(format!(
-                "{term} from {base_axis} to {output_axis} has fewer than two points"
+                "{term} from {base} to {output} has fewer than two points"
             ))
         })?,
     })

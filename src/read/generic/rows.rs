@@ -132,11 +132,9 @@ fn columns(header: &Line<'_>) -> Result<[usize; 9], Problems> {
     }
     let place = |name: &str| cells.iter().position(|cell| cell == name);
     for name in COLUMNS.iter().filter(|name| place(name).is_none()) {
-        problems.push(
-            Problem::new(format!("the header has no column `{name}`"))
-                .at(header.whole())
-                .help("a generic table has nine columns, separated by commas"),
-        );
+        let message = format!("the header has no column `{name}`");
+        let help = "a generic table has nine columns, separated by commas";
+        problems.push(Problem::new(message).at(header.whole()).help(help));
     }
     problems.or_ok(COLUMNS.map(|name| place(name).unwrap_or_default()))
 }

@@ -288,9 +288,8 @@ fn link_factors(
         };
         let cannot = |what: String| Err(CannotEmulate(format!("$AN_CEC[{}]{what}", table.number)));
         let Some(factor) = tables.iter().position(|other| other.number == number) else {
-            return cannot(format!(
-                " is multiplied by $AN_CEC[{number}], which no file holds"
-            ));
+            let what = format!(" is multiplied by $AN_CEC[{number}], which no file holds");
+            return cannot(what);
         };
         if factor != index && tables[factor].multiply_by != 0 {
             return cannot(format!(" and its factor $AN_CEC[{number}] form a chain"));

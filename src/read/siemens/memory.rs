@@ -308,6 +308,14 @@ impl Draft {
         self.parameters.get(parameter).map_or(0.0, Placed::number)
     }
 
+    fn direction(&self) -> CecDirection {
+        match self.number("_DIRECTION") {
+            plus if plus > 0.0 => CecDirection::Plus,
+            minus if minus < 0.0 => CecDirection::Minus,
+            _ => CecDirection::Both,
+        }
+    }
+
     /// MIN, STEP and MAX, where all three are written.
     fn stated_grid(&self) -> Option<SiemensGrid> {
         let number = |parameter| self.parameters.get(parameter).map(Placed::number);
@@ -366,11 +374,7 @@ impl Draft {
                     output_axis,
                     grid,
                     values,
-                    direction: match self.number("_DIRECTION") {
-                        plus if plus > 0.0 => CecDirection::Plus,
-                        minus if minus < 0.0 => CecDirection::Minus,
-                        _ => CecDirection::Both,
-                    },
+                    direction: self.direction(),
                     multiply_by: table_number(self.number("_MULT_BY_TABLE")),
                     modulo,
                 });

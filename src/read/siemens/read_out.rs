@@ -71,10 +71,10 @@ pub(super) fn parts<'a>(file: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Pr
     }
     match listed(list).find(|name| !active.contains(name.as_str())) {
         None => Ok(parts),
-        Some(name) => Err(damaged(
-            file,
-            &format!("`{name}`, which it lists, is missing"),
-        )),
+        Some(name) => {
+            let what = format!("`{name}`, which it lists, is missing");
+            Err(damaged(file, &what))
+        }
     }
 }
 

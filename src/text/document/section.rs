@@ -287,16 +287,9 @@ impl<'a> Section<'a> {
                 || "choose one of them".to_string(),
                 |near| format!("did you mean `{near}`?"),
             );
-            let path = self.path_of(key);
-            self.problem(
-                key,
-                format!(
-                    "`{path}` is `{}`, expected one of {}",
-                    shown(&word),
-                    list.join(", ")
-                ),
-                help,
-            );
+            let (path, word, list) = (self.path_of(key), shown(&word), list.join(", "));
+            let message = format!("`{path}` is `{word}`, expected one of {list}");
+            self.problem(key, message, help);
         }
         found.map(|(_, value)| *value)
     }

@@ -38,20 +38,16 @@ impl Grid {
         as_it_is: &VolumeModel,
         others: &[&VolumeModel],
     ) -> Result<Grid, Problem> {
-        let measured = match choice {
-            GridChoice::OwnNodes => as_it_is.own_nodes(),
-            GridChoice::Equal(counts) => as_it_is.equal_nodes(counts),
+        let (measured, others) = match choice {
+            GridChoice::OwnNodes => (as_it_is.own_nodes(), others),
+            GridChoice::Equal(counts) => (as_it_is.equal_nodes(counts), &[][..]),
         };
-        let own = |machine: &&VolumeModel| match choice {
-            GridChoice::OwnNodes => Some(machine.own_nodes()),
-            GridChoice::Equal(_) => None,
-        };
-        let all = others.iter().filter_map(own);
-        let nodes = all.fold(measured.clone(), |nodes, more| nodes.and(&more));
+        let nodes = others.iter().fold(measured.clone(), |nodes, other| {
+            nodes.and(&other.own_nodes())
+        });
         let counts = nodes.counts();
-        let points = [counts.x, counts.y, counts.z]
-            .iter()
-            .try_fold(1_usize, |all, n| all.checked_mul(*n));
+        let points = counts.x.checked_mul(counts.y);
+        let points = points.and_then(|points| points.checked_mul(counts.z));
         if points.is_none_or(|points| points > MOST_POINTS) {
             return Err(Problem::new(format!(
                 "the own nodes of this machine are {} x {} x {}, more than {MOST_POINTS} together",

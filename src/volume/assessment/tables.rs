@@ -35,10 +35,8 @@ pub(crate) fn with_tables(
             responses.push((*direction, control.response(base, output, *direction)?));
         }
         let (from, to) = acts_over(&responses, measured.measured.mean().measured_range());
-        let corrections = responses
-            .iter()
-            .map(|(_, r)| correction(&r.stretches(from, to)));
-        let corrections: Vec<ErrorCurve> = corrections.collect();
+        let curve = |(_, r): &(Direction, Response)| correction(&r.stretches(from, to));
+        let corrections: Vec<ErrorCurve> = responses.iter().map(curve).collect();
         if let Some(mean) = mean(&corrections).filter(acts) {
             let homing = left.homing(term.along);
             let there = homing.and_then(|homing| at_reference(&responses, homing));
@@ -88,25 +86,17 @@ fn correction(stretches: &[Stretch]) -> ErrorCurve {
     let raster = |at: Millimetres| (at.mm() * PER_MM).round() / PER_MM;
     let mut points: Vec<(f64, f64)> = Vec::with_capacity(2 * stretches.len() + 1);
     for (index, stretch) in stretches.iter().enumerate() {
-        let before = index
-            .checked_sub(1)
-            .map(|before| stretches[before].at_to.um());
+        let before = index.checked_sub(1).map(|i| stretches[i].at_to.um());
         let (at, um) = (raster(stretch.from), stretch.at_from.um());
         if let Some(before) = before.filter(|before| (before - um).abs() > NOTHING_UM) {
             points.push((at - JUMP_MM, before));
         }
         points.push((at, um));
     }
-    points.extend(
-        stretches
-            .last()
-            .map(|last| (raster(last.to), last.at_to.um())),
-    );
-    let places: Vec<Millimetres> = points.iter().map(|(mm, _)| Millimetres::new(*mm)).collect();
-    let values: Vec<Deviation> = points
-        .iter()
-        .map(|(_, um)| Deviation::from_um(*um))
-        .collect();
+    let last = stretches.last();
+    points.extend(last.map(|last| (raster(last.to), last.at_to.um())));
+    let point = |(mm, um): (f64, f64)| (Millimetres::new(mm), Deviation::from_um(um));
+    let (places, values): (Vec<_>, Vec<_>) = points.into_iter().map(point).unzip();
     ErrorCurve::through(&places, &values, Interpolation::Linear)
 }
 

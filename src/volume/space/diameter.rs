@@ -234,10 +234,8 @@ impl WindowMap {
         for i in 0..positions[0] {
             for j in 0..positions[1] {
                 for k in 0..positions[2] {
-                    let window = Window {
-                        low: [i, j, k],
-                        size,
-                    };
+                    let low = [i, j, k];
+                    let window = Window { low, size };
                     let guess = figures.last().map(|figure| moved(figure.nodes, window));
                     figures.push(search.within(window, guess));
                 }

@@ -153,11 +153,8 @@ impl Support {
         let slope = self.beta[i] + self.nu[j];
         let lines = self.third.between(slope, slope);
         let k = lines.iter().fold(lines[0], |best, line| {
-            if line.at(slope) > best.at(slope) {
-                *line
-            } else {
-                best
-            }
+            let is_higher = line.at(slope) > best.at(slope);
+            if is_higher { *line } else { best }
         });
         (value, [i, j, k.number])
     }

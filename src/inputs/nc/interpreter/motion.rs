@@ -39,10 +39,9 @@ impl Interpreter<'_> {
         }
         match self.motion {
             Some(motion @ (Motion::Rapid | Motion::Straight)) => {
-                let reach = if machine {
-                    Reach::Machine
-                } else {
-                    Reach::Program
+                let reach = match machine {
+                    true => Reach::Machine,
+                    false => Reach::Program,
                 };
                 let to = self.target(block, reach)?;
                 self.go(to, Shape::Line, motion == Motion::Rapid);
