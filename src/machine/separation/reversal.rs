@@ -18,15 +18,11 @@
 //! and three combinations of cross terms can be seen: the reversal of a single axis is not
 //! determined.
 
-use super::curves::{at, mean};
-use super::findings::SeparationFinding;
-use super::noise::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of, float, student};
+use super::noise::{DIGIT_UM, Noise, chance_of, float, student};
 use super::readings::{Means, RunCounts};
-use crate::inputs::error_table::ErrorTable;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Volume};
-use crate::quantity::units::{Millimetres, Squared};
-use crate::text::finding::Finding;
+use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
+use crate::quantity::units::Squared;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use std::borrow::Cow;
