@@ -8,7 +8,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use nonius::inputs::readings::Readings;
-use nonius::machine::separation::monte_carlo::{Plan, simulate};
+use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::noise::{Noise, NoiseSource};
 use nonius::machine::separation::readings::run_counts;
 use nonius::machine::separation::uncertainty::Budget;
@@ -97,7 +97,7 @@ fn separation(criterion: &mut Criterion) {
     group.sample_size(10);
     group.throughput(Throughput::Elements(TRIALS));
     for threads in [1, 2] {
-        let plan = Plan {
+        let plan = Trials {
             trials: 4000,
             seed: 1502,
             threads,

@@ -14,12 +14,12 @@ use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertaint
 use nonius::machine::separation::agreement::Agreement;
 use nonius::machine::separation::curves::{ReferenceLine, range};
 use nonius::machine::separation::metric::Plane;
-use nonius::machine::separation::monte_carlo::{Plan, simulate};
+use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor};
 use nonius::machine::separation::readings::run_counts;
 use nonius::machine::separation::reversal::{Estimate, Turn};
 use nonius::machine::separation::uncertainty::Budget;
-use nonius::machine::separation::{Evidence, Line, Separation, separate};
+use nonius::machine::separation::{Line, SeparatedError, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use rand_chacha::ChaCha8Rng;
@@ -101,7 +101,7 @@ fn count_curve(
     tally: &mut Tally,
     name: &str,
     (truth, offset_um): (&[f64], f64),
-    evidence: &Evidence,
+    evidence: &SeparatedError,
     noise: Option<Noise>,
 ) {
     let last = truth.len() - 1;
@@ -122,7 +122,7 @@ fn count_curve(
 
 fn count(tally: &mut Tally, truth: &Machine, found: &Separation) {
     for term in ErrorTerm::ALL {
-        let mut curve = |name: &str, evidence: &Evidence, offset_um: f64| {
+        let mut curve = |name: &str, evidence: &SeparatedError, offset_um: f64| {
             let truth = (truth.curves[term].as_slice(), offset_um);
             count_curve(
                 tally,
@@ -516,7 +516,7 @@ fn intervals_of_ranges_are_measured() {
             stated: campaign.stated,
             material: None,
         };
-        let plan = Plan {
+        let plan = Trials {
             trials: 400,
             seed: 7,
             threads: 1,

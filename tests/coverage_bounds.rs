@@ -20,7 +20,7 @@ mod simulated;
 use nonius::inputs::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::metric::Plane;
-use nonius::machine::separation::{Campaign, Evidence, Line, Separation, separate};
+use nonius::machine::separation::{Campaign, Line, SeparatedError, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use nonius::quantity::chain::Chain;
 use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
@@ -476,7 +476,7 @@ impl Tally {
         which: usize,
         term: ErrorTerm,
         (truth, offset): (&Machine, f64),
-        evidence: &Evidence,
+        evidence: &SeparatedError,
         found: &Separation,
     ) {
         let wanted = &truth.curves[term];

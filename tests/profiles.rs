@@ -9,8 +9,8 @@
 mod support;
 
 use nonius::control::controller::{
-    Dialect, EmittedFile, Evidence, Mechanism, Origin, Profile, Role, StraightnessForm, builtin,
-    load,
+    Dialect, EmittedFile, Evidence, Mechanism, Profile, ProfileSource, Role, StraightnessForm,
+    builtin, load,
 };
 use nonius::text::document::Source;
 use std::collections::BTreeSet;
@@ -29,7 +29,7 @@ fn every_built_in_profile_loads_under_its_own_id() {
     assert!(
         all()
             .iter()
-            .all(|profile| profile.origin == Origin::BuiltIn)
+            .all(|profile| profile.origin == ProfileSource::BuiltIn)
     );
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("controllers");
     let pages = glob::glob(&format!("{}/*.toml", folder.display())).unwrap();
@@ -142,7 +142,7 @@ fn a_page_is_laid_over_the_one_it_builds_on() {
     let source = Source::from_bytes("own.toml", page.as_bytes()).unwrap();
     let own = load::profile(
         source,
-        Origin::BuiltIn,
+        ProfileSource::BuiltIn,
         &|name, is_own| (!is_own).then(|| builtin::template(name))?,
         &builtin::page,
     );

@@ -19,7 +19,7 @@ use nonius::inputs::findings::Remark;
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::inputs::readings::Readings;
 use nonius::kit::simulate::{
-    Loaded, Noise, Rehearsal, SIMULATED, SimulatedMachine, Simulation, Wishes, readings,
+    Noise, Rehearsal, SIMULATED, SimulatedMachine, SimulatedTables, Simulation, Wishes, readings,
     single_axes, write,
 };
 use nonius::kit::{Inputs, generate};
@@ -107,7 +107,7 @@ fn table(machine: &Machine, directed: bool) -> String {
     text
 }
 
-fn simulate(inputs: &Inputs, loaded: Option<&Loaded>, wishes: Wishes) -> Simulation {
+fn simulate(inputs: &Inputs, loaded: Option<&SimulatedTables>, wishes: Wishes) -> Simulation {
     let machine = SimulatedMachine::new(inputs, loaded, 0.0);
     let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
     readings(&machine, &rehearsal, &inputs.job).unwrap_or_else(|p| panic!("{}", p.render()))
@@ -162,7 +162,7 @@ proptest! {
         let job = job(&machine.volume, directed, true, true);
         let inputs = inputs(&job, &table(&machine, directed));
         let kit = generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
-        let loaded = Loaded::read(&inputs, &kit.kit_files(), None).unwrap_or_else(|p| panic!("{}", p.render()));
+        let loaded = SimulatedTables::read(&inputs, &kit.kit_files(), None).unwrap_or_else(|p| panic!("{}", p.render()));
         let after = simulate(&inputs, Some(&loaded), Wishes::default());
         for run in &after.runs {
             for left in &run.deviations {

@@ -6,7 +6,7 @@ use crate::cli::inputs;
 use crate::cli::job_files::profile;
 use crate::cli::outcome::{Format, Outcome, Print};
 use crate::cli::screen::{Screen, paragraphs, table};
-use crate::control::controller::{Evidence, Origin, Profile, Statement, builtin};
+use crate::control::controller::{Evidence, Profile, ProfileSource, Statement, builtin};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::Job;
 use crate::kit::program_kit;
@@ -144,7 +144,7 @@ fn profile_text(profile: &Profile) -> String {
         "{} - {} ({} dialect)",
         profile.id, profile.name, profile.family.word
     )];
-    if let Origin::File(path) = &profile.origin {
+    if let ProfileSource::File(path) = &profile.origin {
         parts[0] += &format!("\nyour own profile `{path}`");
     }
     parts.push(files_text(profile));

@@ -1,7 +1,7 @@
 //! The files that a job names: read, and hashed.
 
 use crate::cli::files::{beside_job, file_name, read_argument, read_file};
-use crate::control::controller::{Origin, Profile, builtin, load};
+use crate::control::controller::{Profile, ProfileSource, builtin, load};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::import::source_of;
 use crate::inputs::job::Job;
@@ -137,7 +137,7 @@ pub(super) fn profile(
         true => own(name),
         false => builtin::template(name),
     };
-    let origin = Origin::File(reference.to_string());
+    let origin = ProfileSource::File(reference.to_string());
     let profile = load::profile(source, origin, &find, &builtin::page);
     unreadable.into_inner().or_ok(())?;
     Ok((profile?, hashes.into_inner()))

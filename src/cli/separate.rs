@@ -10,7 +10,7 @@ use crate::cli::campaign::{CampaignFiles, read_campaign};
 use crate::cli::outcome::{Content, Outcome, Output};
 use crate::inputs::error_table;
 use crate::machine::separation::Separation;
-use crate::machine::separation::monte_carlo::{Plan, Quantity, Simulated, simulate};
+use crate::machine::separation::monte_carlo::{Quantity, Simulated, Trials, simulate};
 use crate::machine::separation::readings::run_counts;
 use crate::machine::separation::uncertainty::Budget;
 use crate::quantity::diagonal::PathKind;
@@ -100,7 +100,7 @@ fn simulated(
         stated: campaign.stated,
         material: separation.material,
     };
-    let plan = Plan {
+    let plan = Trials {
         trials: options.trials,
         seed: options.seed,
         threads: std::thread::available_parallelism().map_or(1, usize::from),

@@ -9,8 +9,8 @@ use crate::inputs::error_table;
 use crate::inputs::job::{MeasuredData, UseOf};
 use crate::kit::findings::InRehearsal;
 use crate::kit::simulate::{
-    Loaded, Noise, Origin, Rehearsal, SIMULATED, SimulatedMachine, Simulation, Wishes, readings,
-    single_axes,
+    Noise, Rehearsal, SIMULATED, SimulatedMachine, SimulatedTables, Simulation, SimulationSource,
+    Wishes, readings, single_axes,
 };
 use crate::kit::{Inputs, generate, hashed};
 use crate::quantity::diagonal::{Diagonal, PathKind};
@@ -127,8 +127,11 @@ fn simulated(options: &Options) -> Result<Simulated, Problems> {
 }
 
 /// The tables that are active, and where they come from.
-fn tables(options: &Options, inputs: &Inputs) -> Result<(Option<Loaded>, Origin), Problems> {
-    let mut origin = Origin {
+fn tables(
+    options: &Options,
+    inputs: &Inputs,
+) -> Result<(Option<SimulatedTables>, SimulationSource), Problems> {
+    let mut origin = SimulationSource {
         tables: "without tables".to_string(),
         table_files: Vec::new(),
         scale_um_per_m: options.scale_um_per_m,
@@ -143,7 +146,7 @@ fn tables(options: &Options, inputs: &Inputs) -> Result<(Option<Loaded>, Origin)
             let kit = generate(inputs)?;
             origin.table_files = hashes(&kit.kit_files());
             origin.tables = "with the tables that generate makes from it".to_string();
-            Loaded::read(inputs, &kit.kit_files(), None)?
+            SimulatedTables::read(inputs, &kit.kit_files(), None)?
         }
         Some(directory) => {
             let found = read_directory(inputs, directory)?;
@@ -169,7 +172,7 @@ fn error_table(
     inputs: &Inputs,
     machine: &SimulatedMachine<'_>,
     wishes: Wishes,
-    origin: &Origin,
+    origin: &SimulationSource,
 ) -> Simulated {
     let (noise, runs) = (wishes.noise, wishes.runs.unwrap_or(1));
     let draft = single_axes(machine, runs, noise, origin.comments(inputs, noise));
@@ -198,7 +201,7 @@ fn error_table(
     }
 }
 
-fn screen(inputs: &Inputs, origin: &Origin, what: &str, figures: Vec<String>) -> Screen {
+fn screen(inputs: &Inputs, origin: &SimulationSource, what: &str, figures: Vec<String>) -> Screen {
     let not_in_it = "not in it: angular errors and repeatability of the machine, a tilted mirror, drift during the run (docs/rehearsal.md)";
     let (machine, control) = (&inputs.job.machine.name, &inputs.profile.name);
     let doubts = taken_for_granted(inputs);
@@ -230,7 +233,7 @@ const fn kind_word(rehearsal: &Rehearsal) -> &'static str {
 }
 
 /// Which measurement was rehearsed.
-fn walked(rehearsal: &Rehearsal, origin: &Origin) -> String {
+fn walked(rehearsal: &Rehearsal, origin: &SimulationSource) -> String {
     let back = match (rehearsal.both_directions, rehearsal.overrun) {
         (false, _) => "forward only",
         (true, true) => "forward, and back after an overrun",
@@ -267,7 +270,7 @@ fn figures(simulation: &Simulation) -> String {
     format!("{}\n  {legend}", table(heading, rows.chain([all])))
 }
 
-fn document(rehearsal: &Rehearsal, simulation: &Simulation, origin: &Origin) -> Value {
+fn document(rehearsal: &Rehearsal, simulation: &Simulation, origin: &SimulationSource) -> Value {
     let diagonal = |d: Diagonal| {
         let (predicted, read) = (simulation.predicted[d], simulation.read[d]);
         let figures = json!({

@@ -45,7 +45,7 @@ impl AxisState {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlState {
     /// Unit of positions in the control's files.
-    pub unit: crate::control::controller::LengthUnit,
+    pub unit: crate::control::controller::ControlUnit,
     /// Its axes.
     pub axes: Vec<AxisState>,
 }

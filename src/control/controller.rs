@@ -16,7 +16,7 @@ pub mod program;
 mod siemens;
 
 pub use self::fact::{
-    Evidence, Fact, LengthUnit, Mechanism, NumberRange, Role, Statement, TableForm, TableSign,
+    ControlUnit, Evidence, Fact, Mechanism, NumberRange, Role, Statement, TableForm, TableSign,
 };
 pub use self::family::Family;
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
@@ -113,7 +113,7 @@ impl EmittedFile {
 
 /// Where a profile came from.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub enum ProfileSource {
     /// Compiled into the program.
     BuiltIn,
     /// A user's own, with the path as it was given.
@@ -128,7 +128,7 @@ pub struct Profile {
     /// Maker and model.
     pub name: String,
     /// Built in, or a user's own.
-    pub origin: Origin,
+    pub origin: ProfileSource,
     /// What all controls of its family have in common.
     pub family: &'static Family,
     /// The format family with its facts.

@@ -24,14 +24,14 @@ const EQUAL_UM: f64 = 1e-6;
 
 /// What emulation tells of two sets of tables.
 #[derive(Clone, Debug, Default)]
-pub struct Diagnosis {
+pub struct Disagreements {
     /// One for each disagreement.
     pub findings: Vec<Finding>,
     /// The pairs of moving and corrected axis that they are about.
     pub pairs: Vec<(String, String)>,
 }
 
-impl Diagnosis {
+impl Disagreements {
     /// Whether a finding is about these axes.
     pub(crate) fn explains(&self, base: &str, output: &str) -> bool {
         holds(&self.pairs, base, output)
@@ -50,8 +50,8 @@ fn holds(pairs: &[(String, String)], base: &str, output: &str) -> bool {
 }
 
 /// All disagreements; none if the tables do what the job asks for.
-pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Diagnosis {
-    let mut diagnosis = Diagnosis::default();
+pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Disagreements {
+    let mut diagnosis = Disagreements::default();
     let mut known = Vec::new();
     let all = responses(plan, expected);
     for (term, base, output, ways) in &all {

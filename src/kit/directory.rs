@@ -1,7 +1,7 @@
 //! A directory with files of a control: a kit, or what was read out; as it stands, and what its manifest
 //! says against it.
 
-use super::simulate::Loaded as SimulatedTables;
+use super::simulate::SimulatedTables;
 use super::{
     Inputs, LoadedControl, Verification, load, load_read_out, sha256, verify, verify_read_out,
 };

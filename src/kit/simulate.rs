@@ -17,11 +17,11 @@ mod rehearsal;
 mod single_axes;
 mod text;
 
-pub use self::control::Loaded;
+pub use self::control::SimulatedTables;
 pub use self::readings::{Simulation, readings};
 pub use self::rehearsal::{Noise, Rehearsal, Wishes};
 pub use self::single_axes::single_axes;
-pub use self::text::{Origin, write};
+pub use self::text::{SimulationSource, write};
 
 use crate::judge::after::Control;
 use crate::kit::Inputs;
@@ -45,7 +45,7 @@ impl<'a> SimulatedMachine<'a> {
     /// every scale has grown since it was measured (α·ΔT of a machine that warmed up).
     pub fn new(
         inputs: &'a Inputs,
-        loaded: Option<&'a Loaded>,
+        loaded: Option<&'a SimulatedTables>,
         scale_um_per_m: f64,
     ) -> SimulatedMachine<'a> {
         let axes = &inputs.job.machine.axes;

@@ -54,4 +54,4 @@ pub mod unmeasured;
 
 pub use self::campaign::{Campaign, Line, corrected};
 pub use self::separate::{Separation, curves_of, separate};
-pub use self::solved::{Evidence, NineErrors};
+pub use self::solved::{NineErrors, SeparatedError};

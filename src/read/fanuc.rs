@@ -17,7 +17,7 @@ pub(crate) mod tests;
 
 use self::control::FanucControl;
 use crate::control::control_state::ControlState;
-use crate::control::controller::{FanucFacts, LengthUnit, NumberRange};
+use crate::control::controller::{ControlUnit, FanucFacts, NumberRange};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::read::emulate::{CannotEmulate, Emulator};
@@ -120,7 +120,7 @@ pub fn read_out(
     file_name: &str,
     text: &str,
     facts: &FanucFacts,
-    unit: LengthUnit,
+    unit: ControlUnit,
 ) -> Result<ReadOut, Problems> {
     read_from(Writer::Control(unit), file_name, text, facts)
 }
@@ -143,7 +143,7 @@ enum Writer {
     /// A program or a person: `Q1` before the number of a point is a mistake.
     Kit,
     /// The control, which counts in this unit.
-    Control(LengthUnit),
+    Control(ControlUnit),
 }
 
 impl Writer {
@@ -151,8 +151,8 @@ impl Writer {
     fn may_write(self, letter: char) -> bool {
         let of_unit = match self {
             Writer::Kit => None,
-            Writer::Control(LengthUnit::Millimetre) => Some('M'),
-            Writer::Control(LengthUnit::Inch) => Some('I'),
+            Writer::Control(ControlUnit::Millimetre) => Some('M'),
+            Writer::Control(ControlUnit::Inch) => Some('I'),
         };
         letter == 'P' || Some(letter) == of_unit
     }

@@ -32,10 +32,10 @@ pub fn read(
         let message = format!("`{file}` holds a letter that is not ASCII");
         return Err(Problem::new(message).help("part programs are ASCII").into());
     };
-    let language = match language {
-        Language::Siemens => &siemens::program::LANGUAGE,
-        Language::Fanuc => &fanuc::program::LANGUAGE,
+    let vocabulary = match language {
+        Language::Siemens => &siemens::program::VOCABULARY,
+        Language::Fanuc => &fanuc::program::VOCABULARY,
     };
-    let steps = blocks::steps(text, language, words);
+    let steps = blocks::steps(text, vocabulary, words);
     steps.map_err(|complaint| located(file, text, vec![complaint]))
 }

@@ -10,7 +10,7 @@
 pub use crate::write::compiled::{Compiled, Placement};
 
 use crate::control::claims::Assumption;
-use crate::control::controller::{Evidence, LengthUnit, Mechanism};
+use crate::control::controller::{ControlUnit, Evidence, Mechanism};
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MachineAxis};
 use crate::quantity::axis::{Axis, ErrorTerm};
@@ -98,8 +98,8 @@ fn unlikely_reversals(task: Task<'_>) -> impl Iterator<Item = TableFinding> {
 pub(crate) fn uses(task: Task<'_>, plan: &Plan, tables: &Tables, mechanism: Mechanism) -> bool {
     match mechanism {
         Mechanism::Nothing => false,
-        Mechanism::Metric => task.job.compensation.control_unit == LengthUnit::Millimetre,
-        Mechanism::Inch => task.job.compensation.control_unit == LengthUnit::Inch,
+        Mechanism::Metric => task.job.compensation.control_unit == ControlUnit::Millimetre,
+        Mechanism::Inch => task.job.compensation.control_unit == ControlUnit::Inch,
         _ => family(task.profile).uses(mechanism, plan, tables),
     }
 }

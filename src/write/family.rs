@@ -1,7 +1,7 @@
 //! What differs from one family of controls to the next. Each family is a folder of this room that implements
 //! the trait for the facts of its profiles; nothing else of the room asks which family it is.
 
-use crate::control::controller::{Dialect, LengthUnit, Mechanism, Profile};
+use crate::control::controller::{ControlUnit, Dialect, Mechanism, Profile};
 use crate::control::table::Tables;
 use crate::inputs::job::Compensation;
 use crate::quantity::axis::ErrorTerm;
@@ -9,7 +9,7 @@ use crate::text::problem::Problems;
 use crate::write::compiled::{Bump, Compiled};
 use crate::write::control_text::Instead;
 use crate::write::grid::LengthDigit;
-use crate::write::selection::Budget;
+use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use serde_json::Value;
 
@@ -19,13 +19,13 @@ pub(crate) trait Family {
     fn expected_name(&self, name: &str) -> Option<&'static str>;
 
     /// The last digit of positions and spacings in the files.
-    fn length_digit(&self, unit: LengthUnit) -> LengthDigit;
+    fn length_digit(&self, unit: ControlUnit) -> LengthDigit;
 
     /// Whether there can be a table for each direction of a term.
     fn takes_directions(&self, term: ErrorTerm) -> bool;
 
     /// The tables that the control has few of; `None` where it has enough for everything.
-    fn budget(&self, compensation: &Compensation) -> Option<Budget>;
+    fn budget(&self, compensation: &Compensation) -> Option<TableStock>;
 
     /// Most points of a table for these targets, and of what.
     fn point_limit(&self, targets: &[&Target]) -> (u32, &'static str);

@@ -8,7 +8,7 @@ mod tables;
 
 use self::numbers::{Space, is_four_point};
 use self::tables::Writer;
-use crate::control::controller::{FanucFacts, LengthUnit, Mechanism};
+use crate::control::controller::{ControlUnit, FanucFacts, Mechanism};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::Compensation;
@@ -18,7 +18,7 @@ use crate::write::compiled::{Bump, Compiled, control_state};
 use crate::write::control_text::Instead;
 use crate::write::family::Family;
 use crate::write::grid::LengthDigit;
-use crate::write::selection::Budget;
+use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -32,10 +32,10 @@ impl Family for FanucFacts {
             .then_some("the number of a controlled axis, e.g. \"1\"")
     }
 
-    fn length_digit(&self, unit: LengthUnit) -> LengthDigit {
+    fn length_digit(&self, unit: ControlUnit) -> LengthDigit {
         let decimals = match unit {
-            LengthUnit::Millimetre => self.interval_decimals_mm.value,
-            LengthUnit::Inch => self.interval_decimals_inch.value,
+            ControlUnit::Millimetre => self.interval_decimals_mm.value,
+            ControlUnit::Inch => self.interval_decimals_inch.value,
         };
         LengthDigit { unit, decimals }
     }
@@ -44,8 +44,8 @@ impl Family for FanucFacts {
         term.is_positioning() && !self.minus_points.value.is_empty()
     }
 
-    fn budget(&self, compensation: &Compensation) -> Option<Budget> {
-        Some(Budget {
+    fn budget(&self, compensation: &Compensation) -> Option<TableStock> {
+        Some(TableStock {
             tables: self.straightness_sets.value,
             used: compensation.first_set.unwrap_or(1).saturating_sub(1),
             resource: "straightness sets",

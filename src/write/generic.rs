@@ -2,7 +2,7 @@
 //! Unrounded, unless the corrected axis has a detection unit.
 
 use crate::control::claims::Precondition;
-use crate::control::controller::{GenericFacts, LengthUnit, Mechanism};
+use crate::control::controller::{ControlUnit, GenericFacts, Mechanism};
 use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::inputs::job::Compensation;
@@ -14,7 +14,7 @@ use crate::write::compiled::{Bump, Compiled, Placement, backlash_parameter, cont
 use crate::write::control_text::Instead;
 use crate::write::family::Family;
 use crate::write::grid::LengthDigit;
-use crate::write::selection::Budget;
+use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use serde_json::{Value, json};
 
@@ -28,9 +28,9 @@ impl Family for GenericFacts {
     }
 
     /// Positions are in mm whatever the control is in.
-    fn length_digit(&self, _unit: LengthUnit) -> LengthDigit {
+    fn length_digit(&self, _unit: ControlUnit) -> LengthDigit {
         LengthDigit {
-            unit: LengthUnit::Millimetre,
+            unit: ControlUnit::Millimetre,
             decimals: POSITION_DECIMALS,
         }
     }
@@ -39,7 +39,7 @@ impl Family for GenericFacts {
         true
     }
 
-    fn budget(&self, _compensation: &Compensation) -> Option<Budget> {
+    fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
         None
     }
 

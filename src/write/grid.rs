@@ -9,7 +9,7 @@
 //! Spacing is a whole number of the smallest digit the control writes, so a grid position is
 //! never rounded a second time.
 
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::inputs::job::{AxisSettings, Job, MachineAxis};
 use crate::quantity::axis::Axis;
 use crate::quantity::fit::Nodes;
@@ -34,7 +34,7 @@ pub const EDGE_MM: f64 = 0.01;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LengthDigit {
     /// Unit of the control.
-    pub unit: LengthUnit,
+    pub unit: ControlUnit,
     /// Decimals of that unit.
     pub decimals: u32,
 }
@@ -303,7 +303,7 @@ mod tests {
     }
 
     const MICRON: LengthDigit = LengthDigit {
-        unit: LengthUnit::Millimetre,
+        unit: ControlUnit::Millimetre,
         decimals: 3,
     };
 

@@ -18,7 +18,7 @@ use crate::text::problem::{Problem, Problems};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
 use crate::write::grid::Grid;
-use crate::write::selection::{self, Budget, Choice, Cost};
+use crate::write::selection::{self, Choice, Cost, TableStock};
 use crate::write::target::{self, Omission, Target, TermTargets};
 use grids::{grids, point_limit, tabulate};
 
@@ -128,7 +128,7 @@ fn costs(
     task: Task<'_>,
     names: &PerAxis<Vec<String>>,
     targets: &[TermTargets],
-) -> Option<(Vec<Cost>, Budget)> {
+) -> Option<(Vec<Cost>, TableStock)> {
     let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let budget = family(task.profile).budget(&task.job.compensation)?;
     let costs = targets
@@ -149,8 +149,8 @@ fn costs(
 }
 
 /// `first_table` or `first_set` names one that the control does not have.
-fn none_left(task: Task<'_>, budget: Budget) -> Problem {
-    let Budget {
+fn none_left(task: Task<'_>, budget: TableStock) -> Problem {
+    let TableStock {
         tables,
         resource,
         key,

@@ -21,7 +21,7 @@ mod run;
 pub use self::mirror::MirrorSize;
 pub use self::open::{Open, left_open};
 pub use self::run::{
-    Digits, MeasuringRun, Move, Reading, Resolution, RunTask, SetUpProgram, Subject,
+    Digits, MeasuringRun, Move, PlannedReading, Resolution, RunTask, SetUpProgram, Subject,
 };
 
 use crate::text::problem::Problems;

@@ -37,7 +37,7 @@ pub struct Cost {
 
 /// How many tables of a kind a control has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Budget {
+pub struct TableStock {
     /// Tables of the control.
     pub tables: u32,
     /// How many of them are in use already.
@@ -50,13 +50,13 @@ pub struct Budget {
     pub takes_pairs: bool,
 }
 
-impl Budget {
+impl TableStock {
     fn free(&self) -> u32 {
         self.tables.saturating_sub(self.used)
     }
 
     fn words(&self, wanted: u32) -> String {
-        let Budget {
+        let TableStock {
             tables,
             used,
             resource,
@@ -115,7 +115,7 @@ pub(crate) fn choose(
     model: &ErrorModel,
     targets: &[TermTargets],
     costs: &[Cost],
-    budget: Budget,
+    budget: TableStock,
 ) -> Option<Choice> {
     let wanted: u32 = costs.iter().map(|cost| cost.tables).sum();
     if wanted <= budget.free() {

@@ -12,7 +12,7 @@ mod parameters;
 pub(crate) use self::parameters::{at_reference, encoder, is_lec, reference_text};
 
 use self::parameters::{assumptions, backlash_text, largest_sum_um, preconditions};
-use crate::control::controller::{LengthUnit, Mechanism, SiemensFacts, TableSign};
+use crate::control::controller::{ControlUnit, Mechanism, SiemensFacts, TableSign};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{
     CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
@@ -25,7 +25,7 @@ use crate::write::compiled::{Bump, Compiled, Placement, control_state};
 use crate::write::control_text::Instead;
 use crate::write::family::Family;
 use crate::write::grid::{Grid, LengthDigit, as_number};
-use crate::write::selection::Budget;
+use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
 use serde_json::Value;
 
@@ -37,7 +37,7 @@ impl Family for SiemensFacts {
             .then_some("a machine axis name in capitals, e.g. \"AX1\"")
     }
 
-    fn length_digit(&self, unit: LengthUnit) -> LengthDigit {
+    fn length_digit(&self, unit: ControlUnit) -> LengthDigit {
         let decimals = self.position_decimals.value;
         LengthDigit { unit, decimals }
     }
@@ -46,8 +46,8 @@ impl Family for SiemensFacts {
         true
     }
 
-    fn budget(&self, compensation: &Compensation) -> Option<Budget> {
-        Some(Budget {
+    fn budget(&self, compensation: &Compensation) -> Option<TableStock> {
+        Some(TableStock {
             tables: self.cec_tables.value,
             used: compensation.first_table.unwrap_or(0),
             resource: "CEC tables",

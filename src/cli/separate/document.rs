@@ -11,7 +11,7 @@ use crate::machine::separation::noise::{Noise, Outlier, ReadingPlace, coverage_f
 use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::Turn;
 use crate::machine::separation::unmeasured::{NotCounted, Silent};
-use crate::machine::separation::{Evidence, Separation};
+use crate::machine::separation::{SeparatedError, Separation};
 use crate::machine::standards::Diagonals;
 use crate::quantity::axis::{Direction, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal};
@@ -69,7 +69,7 @@ fn slopes(separation: &Separation) -> Value {
 
 fn errors(separation: &Separation) -> Map<String, Value> {
     let mut all = Map::new();
-    let mut add = |suffix: &str, errors: &PerTerm<Option<Evidence>>| {
+    let mut add = |suffix: &str, errors: &PerTerm<Option<SeparatedError>>| {
         let found = errors.iter();
         let found = found.filter_map(|(term, found)| Some((term, found.as_ref()?)));
         all.extend(found.map(|(term, found)| {

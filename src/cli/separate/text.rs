@@ -10,7 +10,7 @@ use crate::inputs::job::SetUp;
 use crate::machine::separation::curves::{ReferenceLine, range};
 use crate::machine::separation::metric::Plane;
 use crate::machine::separation::monte_carlo::{Figure as Simulation, Simulated};
-use crate::machine::separation::{Evidence, Separation};
+use crate::machine::separation::{SeparatedError, Separation};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::diagonal::PathKind;
 use crate::quantity::units::Figure;
@@ -110,7 +110,7 @@ fn last(values: &[f64]) -> f64 {
 }
 
 /// U where it is largest on the curve, often in the middle, and its effective degrees of freedom.
-fn largest_u(found: &Evidence, separation: &Separation) -> Option<(f64, Option<f64>)> {
+fn largest_u(found: &SeparatedError, separation: &Separation) -> Option<(f64, Option<f64>)> {
     let at = |index| {
         let um = found.expanded_um(index, separation.noise)?;
         Some((um, found.freedom(index, separation.noise)))
@@ -130,7 +130,7 @@ fn directions(separation: &Separation) -> String {
         let both = [plus, minus].map(|found| &found.deviation_um);
         let [end, other_end] = both.map(|curve| Figure(last(curve)));
         let [size, other_size] = both.map(|curve| Figure(range(curve.iter().copied())));
-        let u = |found: &Evidence| largest_u(found, separation).map(|(um, _)| um);
+        let u = |found: &SeparatedError| largest_u(found, separation).map(|(um, _)| um);
         let either = expanded(u(plus).zip(u(minus)).map(|(a, b)| a.max(b)));
         Some(format!(
             "{term}\t{end:.3}\t{other_end:.3}\t{size:.3}\t{other_size:.3}\t{either}"

@@ -1,6 +1,6 @@
 //! The profiles and templates that are compiled into the program.
 
-use crate::control::controller::{Origin, Profile, load};
+use crate::control::controller::{Profile, ProfileSource, load};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, nearest, shown};
 
@@ -70,7 +70,12 @@ pub fn profile(id: &str) -> Result<Profile, Problems> {
         return Err(unknown(id).into());
     };
     let source = Source::from_bytes(&format!("controllers/{id}.toml"), text.as_bytes())?;
-    load::profile(source, Origin::BuiltIn, &|name, _| template(name), &page)
+    load::profile(
+        source,
+        ProfileSource::BuiltIn,
+        &|name, _| template(name),
+        &page,
+    )
 }
 
 fn unknown(word: &str) -> Problem {

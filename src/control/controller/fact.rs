@@ -178,44 +178,44 @@ pub struct Fact<T> {
 
 /// Basic system of the control: the unit of positions (and Siemens values) in its files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LengthUnit {
+pub enum ControlUnit {
     /// Millimetres.
     Millimetre,
     /// Inches (25.4 mm).
     Inch,
 }
 
-impl LengthUnit {
+impl ControlUnit {
     /// Millimetres in one unit.
     pub const fn in_mm(self) -> f64 {
         match self {
-            LengthUnit::Millimetre => 1.0,
-            LengthUnit::Inch => crate::quantity::units::MM_PER_INCH,
+            ControlUnit::Millimetre => 1.0,
+            ControlUnit::Inch => crate::quantity::units::MM_PER_INCH,
         }
     }
 
     /// The unit that machine data such as MD10240 and MD32711 stand for: 1 = metric, 0 = inch.
-    pub(crate) fn of_metric(value: f64) -> LengthUnit {
+    pub(crate) fn of_metric(value: f64) -> ControlUnit {
         if value > 0.0 {
-            LengthUnit::Millimetre
+            ControlUnit::Millimetre
         } else {
-            LengthUnit::Inch
+            ControlUnit::Inch
         }
     }
 
     /// The other way: `1 (metric)` or `0 (inch)`.
     pub(crate) const fn as_metric(self) -> &'static str {
         match self {
-            LengthUnit::Millimetre => "1 (metric)",
-            LengthUnit::Inch => "0 (inch)",
+            ControlUnit::Millimetre => "1 (metric)",
+            ControlUnit::Inch => "0 (inch)",
         }
     }
 
     /// `mm` or `inch`.
     pub const fn word(self) -> &'static str {
         match self {
-            LengthUnit::Millimetre => "mm",
-            LengthUnit::Inch => "inch",
+            ControlUnit::Millimetre => "mm",
+            ControlUnit::Inch => "inch",
         }
     }
 }

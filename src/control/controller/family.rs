@@ -1,6 +1,6 @@
 //! What all controls of a family have in common, and all part programs of a language, whichever profile names them.
 
-use crate::control::controller::fact::LengthUnit;
+use crate::control::controller::fact::ControlUnit;
 use crate::control::table::Tables;
 
 /// A family of controls: what is known of it and stands in no profile.
@@ -41,10 +41,10 @@ pub(crate) struct LanguageFacts {
 
 impl LanguageFacts {
     /// The word of a unit.
-    pub(crate) const fn unit_word(&self, unit: LengthUnit) -> &'static str {
+    pub(crate) const fn unit_word(&self, unit: ControlUnit) -> &'static str {
         match unit {
-            LengthUnit::Millimetre => self.metric,
-            LengthUnit::Inch => self.inch,
+            ControlUnit::Millimetre => self.metric,
+            ControlUnit::Inch => self.inch,
         }
     }
 }

@@ -6,8 +6,8 @@
 use crate::control::controller::fact::{Facts, origin};
 use crate::control::controller::load_parts::{Templates, checklist, files, program_facts};
 use crate::control::controller::{
-    CommonFacts, Dialect, Fact, Family, FanucFacts, GenericFacts, Origin, Profile, SiemensFacts,
-    fanuc, generic, siemens,
+    CommonFacts, Dialect, Fact, Family, FanucFacts, GenericFacts, Profile, ProfileSource,
+    SiemensFacts, fanuc, generic, siemens,
 };
 use crate::text::document::{Section, Source, read_page_over};
 use crate::text::problem::{Problems, shown};
@@ -21,7 +21,7 @@ pub type PageFinder<'a> = &'a dyn Fn(&str) -> Option<&'static str>;
 /// Reads and checks a profile. All problems of the page are given at once.
 pub fn profile(
     source: Source,
-    origin: Origin,
+    origin: ProfileSource,
     templates: TemplateFinder<'_>,
     pages: PageFinder<'_>,
 ) -> Result<Profile, Problems> {
@@ -89,7 +89,7 @@ fn lay_facts_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
 
 fn read_profile(
     root: &Section<'_>,
-    origin: Origin,
+    origin: ProfileSource,
     below: &[&str],
     templates: Templates<'_>,
 ) -> Option<Profile> {

@@ -1,6 +1,6 @@
 //! How a control is told to move: facts of its part programs (docs/program.md).
 
-use crate::control::controller::fact::{Fact, LengthUnit, Statement, Word};
+use crate::control::controller::fact::{ControlUnit, Fact, Statement, Word};
 use crate::control::controller::family::LanguageFacts;
 
 /// Family of part programs.
@@ -68,19 +68,19 @@ impl ProgramFacts {
     }
 
     /// The facts that matter for a control with this basic system.
-    pub(crate) fn statements_of(&self, unit: LengthUnit) -> impl Iterator<Item = &Statement> {
+    pub(crate) fn statements_of(&self, unit: ControlUnit) -> impl Iterator<Item = &Statement> {
         let other = match unit {
-            LengthUnit::Millimetre => "decimals_inch",
-            LengthUnit::Inch => "decimals_mm",
+            ControlUnit::Millimetre => "decimals_inch",
+            ControlUnit::Inch => "decimals_mm",
         };
         self.statements.iter().filter(move |s| s.fact != other)
     }
 
     /// Decimals of a position in the control's unit.
-    pub const fn decimals(&self, unit: LengthUnit) -> u32 {
+    pub const fn decimals(&self, unit: ControlUnit) -> u32 {
         match unit {
-            LengthUnit::Millimetre => self.decimals_mm.value,
-            LengthUnit::Inch => self.decimals_inch.value,
+            ControlUnit::Millimetre => self.decimals_mm.value,
+            ControlUnit::Inch => self.decimals_inch.value,
         }
     }
 }

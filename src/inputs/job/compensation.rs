@@ -1,6 +1,6 @@
 //! `[compensation]`: what the control shall hold.
 
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::curve::Interpolation;
 use crate::quantity::fit::Fit;
@@ -129,7 +129,7 @@ pub struct Compensation {
     /// Id of a built-in profile, or the path of a user's own.
     pub controller: String,
     /// Basic system of the control.
-    pub control_unit: LengthUnit,
+    pub control_unit: ControlUnit,
     /// Which terms.
     pub terms: WantedTerms,
     /// What to do with two directions of each moving axis; no default where the data have two.
@@ -154,7 +154,7 @@ impl Default for Compensation {
     fn default() -> Compensation {
         Compensation {
             controller: "generic".to_string(),
-            control_unit: LengthUnit::Millimetre,
+            control_unit: ControlUnit::Millimetre,
             terms: WantedTerms::All,
             backlash: PerAxis::default(),
             curve: Interpolation::Linear,
@@ -167,7 +167,8 @@ impl Default for Compensation {
     }
 }
 
-const UNITS: [(&str, LengthUnit); 2] = [("mm", LengthUnit::Millimetre), ("inch", LengthUnit::Inch)];
+const UNITS: [(&str, ControlUnit); 2] =
+    [("mm", ControlUnit::Millimetre), ("inch", ControlUnit::Inch)];
 const CURVES: [(&str, Interpolation); 3] = [
     ("linear", Interpolation::Linear),
     ("pchip", Interpolation::Pchip),

@@ -2,7 +2,7 @@
 
 use super::reading::{ActiveControl, Found, Held, NamedBacklash, Others, Reading};
 use crate::control::claims::Assumption;
-use crate::control::controller::{FanucFacts, LengthUnit, NumberRange, Profile, StraightnessForm};
+use crate::control::controller::{ControlUnit, FanucFacts, NumberRange, Profile, StraightnessForm};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
 use crate::inputs::job::Job;
@@ -332,8 +332,8 @@ impl Sorted<'_, '_> {
     fn check_reference(&mut self, name: &str, reference_mm: f64) {
         let unit = self.reading.job.compensation.control_unit;
         let decimals = match unit {
-            LengthUnit::Millimetre => self.facts.interval_decimals_mm.value,
-            LengthUnit::Inch => self.facts.interval_decimals_inch.value,
+            ControlUnit::Millimetre => self.facts.interval_decimals_mm.value,
+            ControlUnit::Inch => self.facts.interval_decimals_inch.value,
         };
         let per_unit = power_of_ten(decimals);
         let number = name.parse().ok();

@@ -2,7 +2,7 @@
 
 use crate::control::claims::Assumption;
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{LengthUnit, NumberRange, Profile};
+use crate::control::controller::{ControlUnit, NumberRange, Profile};
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, AxisSettings, Job};
 use crate::judge::findings::InControl;
@@ -178,7 +178,7 @@ pub(super) struct Found {
     pub(super) held: Held,
     pub(super) backlash: PerAxis<NamedBacklash>,
     /// Unit of the control, where a file holds it.
-    pub(super) unit: Option<LengthUnit>,
+    pub(super) unit: Option<ControlUnit>,
 }
 
 /// A read-out against a job, while it is read.

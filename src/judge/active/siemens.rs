@@ -2,7 +2,7 @@
 
 use super::reading::{Found, Held, NamedBacklash, Others, Reading};
 use crate::control::claims::Assumption;
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::control::table::Tables;
 use crate::control::table::siemens::{
     CecTable, LecTable, OpenEnd, SiemensGrid, SiemensTables, closed,
@@ -63,7 +63,7 @@ pub(super) fn read(reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Foun
         tables: Tables::Siemens(SiemensTables { lec, cec }),
         backlash: PerAxis::from_fn(|axis| sorted.backlash(axis)),
         held: sorted.held,
-        unit: metric.map(LengthUnit::of_metric),
+        unit: metric.map(ControlUnit::of_metric),
     })
 }
 
@@ -102,15 +102,15 @@ fn tell_passed_over(reading: &mut Reading<'_>, file: &str, count: usize, what: &
 }
 
 /// `METRIC` and `INCH` tell the unit of what follows, whichever the control counts in.
-fn tell_units(reading: &mut Reading<'_>, name: &str, units: &[LengthUnit]) {
+fn tell_units(reading: &mut Reading<'_>, name: &str, units: &[ControlUnit]) {
     let own = reading.job.compensation.control_unit;
     for unit in units.iter().filter(|unit| **unit != own) {
         reading.tell(InControl::FileUnit {
             file: name.to_string(),
             unit: unit.word(),
             word: match unit {
-                LengthUnit::Millimetre => "METRIC",
-                LengthUnit::Inch => "INCH",
+                ControlUnit::Millimetre => "METRIC",
+                ControlUnit::Inch => "INCH",
             },
             own: own.word(),
         });
@@ -544,7 +544,7 @@ impl Sorted<'_, '_> {
 
 /// What else decides how far CEC tables act on an axis: MD32720 cuts their sum, MD32711 (where
 /// MD10260 = 1) says their unit.
-pub(crate) fn cec_limits(held: &Held, tables: &SiemensTables, unit: LengthUnit) -> Vec<InControl> {
+pub(crate) fn cec_limits(held: &Held, tables: &SiemensTables, unit: ControlUnit) -> Vec<InControl> {
     let mut findings = Vec::new();
     for axis in outputs(tables) {
         let index = std::slice::from_ref(&axis);
@@ -560,7 +560,7 @@ pub(crate) fn cec_limits(held: &Held, tables: &SiemensTables, unit: LengthUnit) 
         }
         let metric = held.number("MA_CEC_SCALING_SYSTEM_METRIC", index);
         let converts = held.number("MN_CONVERT_SCALING_SYSTEM", &[]);
-        let Some(metric) = metric.filter(|metric| LengthUnit::of_metric(*metric) != unit) else {
+        let Some(metric) = metric.filter(|metric| ControlUnit::of_metric(*metric) != unit) else {
             continue;
         };
         let unit = unit.word();

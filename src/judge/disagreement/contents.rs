@@ -5,7 +5,7 @@
 //! parameters, foreign machine data. Every family lists what its tables hold, entry by entry; the lists
 //! are compared alike.
 
-use super::Diagnosis;
+use super::Disagreements;
 use super::machine_data::{self, lec_name};
 use crate::control::controller::{Dialect, Profile};
 use crate::control::table::Tables;
@@ -29,7 +29,7 @@ pub fn contents(
     profile: &Profile,
     wanted: &Tables,
     read: &ReadBack,
-    diagnosis: Option<&Diagnosis>,
+    diagnosis: Option<&Disagreements>,
 ) -> Vec<Finding> {
     let mut words = match wanted == &read.tables {
         true => Vec::new(),
@@ -114,7 +114,7 @@ struct Entry {
 /// What tables hold, by table (empty = the whole memory) and item.
 type Entries = BTreeMap<(String, Item), Entry>;
 
-fn entries(tables: &Tables, others: &Tables, diagnosis: Option<&Diagnosis>) -> Entries {
+fn entries(tables: &Tables, others: &Tables, diagnosis: Option<&Disagreements>) -> Entries {
     match (tables, others) {
         (Tables::Siemens(own), Tables::Siemens(others)) => siemens(own, others, diagnosis),
         (Tables::Fanuc(own), Tables::Fanuc(_)) => fanuc(own, diagnosis),
@@ -156,7 +156,11 @@ fn grid_fields(grid: SiemensGrid, modulo: bool) -> Vec<(&'static str, String)> {
     ]
 }
 
-fn siemens(own: &SiemensTables, others: &SiemensTables, diagnosis: Option<&Diagnosis>) -> Entries {
+fn siemens(
+    own: &SiemensTables,
+    others: &SiemensTables,
+    diagnosis: Option<&Disagreements>,
+) -> Entries {
     let explained = |base: &str, output: &str| diagnosis.is_some_and(|d| d.explains(base, output));
     let mut entries = Entries::new();
     for lec in &own.lec {
@@ -194,7 +198,7 @@ fn siemens(own: &SiemensTables, others: &SiemensTables, diagnosis: Option<&Diagn
 }
 
 /// A parameter of an axis acts on the terms of that axis; one without axis on cross terms.
-fn fanuc(own: &FanucMemory, diagnosis: Option<&Diagnosis>) -> Entries {
+fn fanuc(own: &FanucMemory, diagnosis: Option<&Disagreements>) -> Entries {
     let explained = |key: &ParameterKey| {
         let axis = key.axis.map(|axis| axis.to_string());
         let acts_on = |(base, output): &(String, String)| match &axis {
@@ -228,7 +232,7 @@ fn fanuc(own: &FanucMemory, diagnosis: Option<&Diagnosis>) -> Entries {
     parameters.chain(points).map(entry).collect()
 }
 
-fn generic(own: &GenericTable, diagnosis: Option<&Diagnosis>) -> Entries {
+fn generic(own: &GenericTable, diagnosis: Option<&Disagreements>) -> Entries {
     let entry = |row: &crate::control::table::generic::GenericRow| {
         let (base, output) = (&row.base_axis, &row.output_axis);
         let told = !diagnosis.is_some_and(|d| d.explains(base, output));

@@ -1,7 +1,7 @@
 //! What a read-out holds around the tables, against what the job asks of the control there.
 
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
 use crate::control::table::siemens::SiemensTables;
@@ -44,7 +44,7 @@ fn of_siemens(state: &ControlState, wanted: &SiemensTables, held: &Held) -> Vec<
 /// MD34100, the position at the zero mark of an incremental measuring system. With an absolute or
 /// a distance-coded one (MD34200 other than 1) it says nothing (both from memory). The index of
 /// MD34100 is a reference cam, that of MD34200 the measuring system.
-fn reference(axis: &AxisState, encoder: u32, unit: LengthUnit, held: &Held) -> Option<InControl> {
+fn reference(axis: &AxisState, encoder: u32, unit: ControlUnit, held: &Held) -> Option<InControl> {
     const SAME_MM: f64 = 1e-3;
     const ZERO_MARK: f64 = 1.0;
     let of = |name: &str, index: u32| held.number(name, &[index.to_string(), axis.name.clone()]);

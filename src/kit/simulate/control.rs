@@ -16,20 +16,20 @@ use serde_json::Value;
 
 /// Tables that were read from bytes, in an emulated control.
 #[derive(Clone, Debug)]
-pub struct Loaded {
+pub struct SimulatedTables {
     /// What the control adds to every term.
     pub(super) control: Control,
     /// What is taken from the job because no file holds it.
     pub notes: Vec<Finding>,
 }
 
-impl Loaded {
+impl SimulatedTables {
     /// Reads the files of a kit as the control of the job would; `named` = `state` of its manifest.
     pub fn read(
         inputs: &Inputs,
         files: &[KitFile<'_>],
         named: Option<&Value>,
-    ) -> Result<Loaded, Problems> {
+    ) -> Result<SimulatedTables, Problems> {
         let task = Task {
             job: &inputs.job,
             profile: &inputs.profile,
@@ -55,11 +55,11 @@ impl Loaded {
         let mut notes = of_severity(&read.notes, Severity::Note);
         notes.extend(of_severity(&findings, Severity::Disagreement));
         notes.extend(Axis::ALL.into_iter().filter_map(parameter));
-        Ok(Loaded { control, notes })
+        Ok(SimulatedTables { control, notes })
     }
 
     /// What was read out of a control, in the control of the job.
-    pub fn read_out(inputs: &Inputs, active: &ActiveControl) -> Result<Loaded, Problems> {
+    pub fn read_out(inputs: &Inputs, active: &ActiveControl) -> Result<SimulatedTables, Problems> {
         let LoadedControl {
             plan,
             control,
@@ -68,6 +68,6 @@ impl Loaded {
         let control = Control::new(&inputs.model, &plan, control.as_ref())
             .map_err(|reason| cannot_emulate(&reason))?;
         let notes = findings;
-        Ok(Loaded { control, notes })
+        Ok(SimulatedTables { control, notes })
     }
 }

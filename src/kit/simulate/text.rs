@@ -11,7 +11,7 @@ use crate::write::emit::TOOL;
 
 /// Where a simulation comes from, for the comments of its file.
 #[derive(Clone, Debug)]
-pub struct Origin {
+pub struct SimulationSource {
     /// The tables that were active, in words.
     pub tables: String,
     /// The files that hold them.
@@ -22,7 +22,7 @@ pub struct Origin {
     pub notes: Vec<Finding>,
 }
 
-impl Origin {
+impl SimulationSource {
     /// The comment lines of a file, without their `#`. Notes are read again
     /// ([`crate::inputs::error_table::Remarks`]) and reach whatever is made from the file.
     pub fn comments(&self, inputs: &Inputs, noise: super::Noise) -> Vec<String> {

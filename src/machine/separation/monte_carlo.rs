@@ -32,7 +32,7 @@ const BLOCK: usize = 64;
 
 /// How to simulate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct Trials {
     /// Number of trials, at least 2.
     pub trials: usize,
     /// Seed of the generator.
@@ -117,7 +117,7 @@ impl Figure {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulated {
     /// The plan.
-    pub plan: Plan,
+    pub plan: Trials,
     /// Figures.
     pub figures: Vec<Figure>,
 }
@@ -127,7 +127,7 @@ pub fn simulate(
     campaign: &Campaign<'_>,
     budget: &Budget<'_>,
     means: &Means,
-    plan: Plan,
+    plan: Trials,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Option<Simulated> {
     let sigma_um = budget.noise?.sigma_um;
@@ -156,7 +156,7 @@ pub fn simulate(
 
 /// What each trial gives, in their order, however many threads work.
 fn in_blocks(
-    plan: Plan,
+    plan: Trials,
     trial: &(dyn Fn(usize) -> Vec<f64> + Sync),
     progress: &(dyn Fn(usize) + Sync),
 ) -> Vec<Vec<f64>> {

@@ -12,7 +12,7 @@ use super::metric::{Metric, PerPlane, Plane};
 use super::noise::Noise;
 use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
 use super::reversal::{Turn, ran_over, separable, turn};
-use super::solved::{Evidence, NineErrors, Solved, Tilt, naive_squareness};
+use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness};
 use super::uncertainty::{Budget, SlopeUncertainty};
 use super::unmeasured::NotCounted;
 use crate::inputs::job::{Material, SetUp};
@@ -98,7 +98,7 @@ impl Separation {
         &self,
         term: ErrorTerm,
         direction: Option<Direction>,
-    ) -> Option<&Evidence> {
+    ) -> Option<&SeparatedError> {
         let cross = !term.is_positioning() && self.linear_reversals[term.along].is_some();
         let errors = match direction.filter(|_| !cross) {
             None => &self.errors.mean,

@@ -225,7 +225,7 @@ impl<'a> Solved<'a> {
             let slope = self.slope_from(gains, term);
             let along = slope.and_then(|slope| self.budget.curve(term, side, slope));
             let (u_um, u_noise_um) = along.unzip();
-            Evidence {
+            SeparatedError {
                 deviation_um,
                 u_um,
                 u_noise_um,
@@ -339,7 +339,7 @@ fn without_shapes(budget: &Budget<'_>, mean_raw: &PerTerm<Curve>, line: &Line) -
 
 /// One separated curve.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Evidence {
+pub struct SeparatedError {
     /// Deviations at the interval ends, lowest first, µm; the first is 0 (a − curve: the reversal).
     pub deviation_um: Curve,
     /// Standard uncertainties (k = 1) against the first position, µm; `None` = not known.
@@ -348,7 +348,7 @@ pub struct Evidence {
     pub u_noise_um: Option<Vec<f64>>,
 }
 
-impl Evidence {
+impl SeparatedError {
     /// Effective degrees of freedom of a point's uncertainty; `None` = unlimited.
     pub fn freedom(&self, index: usize, noise: Option<Noise>) -> Option<f64> {
         let u = *self.u_um.as_ref()?.get(index)?;
@@ -362,7 +362,7 @@ impl Evidence {
     }
 
     /// The curve of a direction beside this mean of both, by a reversal that was measured apart.
-    fn beside(&self, reversal: &LinearReversal, direction: Direction) -> Evidence {
+    fn beside(&self, reversal: &LinearReversal, direction: Direction) -> SeparatedError {
         let u_um = self.u_um.as_ref().zip(reversal.u_um.as_ref());
         let u_um: Option<Vec<f64>> = u_um.map(|(mean, of_reversal)| {
             let start = of_reversal.first().copied().unwrap_or(0.0);
@@ -373,7 +373,7 @@ impl Evidence {
             };
             mean.iter().zip(of_reversal).enumerate().map(at).collect()
         });
-        Evidence {
+        SeparatedError {
             deviation_um: directed_curve(&self.deviation_um, &reversal.um, direction),
             u_noise_um: self.u_noise_um.clone().filter(|_| u_um.is_some()),
             u_um,
@@ -396,16 +396,16 @@ pub(super) fn directed_curve(mean: &[f64], reversal: &[f64], direction: Directio
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct NineErrors {
     /// Without regard to direction, or the mean of both.
-    pub mean: PerTerm<Option<Evidence>>,
+    pub mean: PerTerm<Option<SeparatedError>>,
     /// Moving in +, with two directions.
-    pub plus: Option<PerTerm<Option<Evidence>>>,
+    pub plus: Option<PerTerm<Option<SeparatedError>>>,
     /// Moving in −. Where the reversal is not determined it starts at 0, too.
-    pub minus: Option<PerTerm<Option<Evidence>>>,
+    pub minus: Option<PerTerm<Option<SeparatedError>>>,
 }
 
 impl NineErrors {
     /// The curves of a direction.
-    pub fn directed(&self, direction: Direction) -> Option<&PerTerm<Option<Evidence>>> {
+    pub fn directed(&self, direction: Direction) -> Option<&PerTerm<Option<SeparatedError>>> {
         match direction {
             Direction::Plus => self.plus.as_ref(),
             Direction::Minus => self.minus.as_ref(),

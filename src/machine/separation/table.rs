@@ -3,7 +3,7 @@
 use super::findings::SeparationFinding;
 use super::noise::Noise;
 use super::separate::Separation;
-use super::solved::Evidence;
+use super::solved::SeparatedError;
 use super::unmeasured::Silent;
 use crate::inputs::error_table::{Draft, DraftSeries, Remarks};
 use crate::inputs::job::BacklashPolicy;
@@ -92,8 +92,9 @@ fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>)
     let mut series = DraftSeries::new(axis, direction, positions);
     let evidence =
         PerAxis::from_fn(|of| separation.of_table(ErrorTerm { of, along: axis }, direction));
-    series.deviations_um =
-        PerAxis::from_fn(|of| evidence[of].map(|found: &Evidence| written(&found.deviation_um)));
+    series.deviations_um = PerAxis::from_fn(|of| {
+        evidence[of].map(|found: &SeparatedError| written(&found.deviation_um))
+    });
     series.uncertainties_um =
         PerAxis::from_fn(|of| evidence[of].and_then(|found| found.u_um.as_deref().map(written)));
     series

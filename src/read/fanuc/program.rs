@@ -1,12 +1,12 @@
 //! FANUC part programs of measuring runs: `%` frames the program, `O` numbers it, `(…)` is a comment.
 
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::read::lexer::{Complaint, lines};
 use crate::read::program::blocks::Meaning::{self, *};
-use crate::read::program::blocks::{Cancelled::*, Code, Language, Motion as Way, refuse};
+use crate::read::program::blocks::{Cancelled::*, Code, Motion as Way, Vocabulary, refuse};
 
 /// Its language (B-64484EN, G-code system of a machining centre).
-pub(in crate::read) const LANGUAGE: Language = Language {
+pub(in crate::read) const VOCABULARY: Vocabulary = Vocabulary {
     words: &WORDS,
     increments_need_machine: false,
     blocks,
@@ -21,8 +21,8 @@ const WORDS: [(&str, Meaning); 20] = [
     ("G61", Neutral),
     ("G64", Neutral),
     ("G94", FeedPerMinute),
-    ("G20", Unit(LengthUnit::Inch)),
-    ("G21", Unit(LengthUnit::Millimetre)),
+    ("G20", Unit(ControlUnit::Inch)),
+    ("G21", Unit(ControlUnit::Millimetre)),
     ("G40", Cancel(ToolRadius)),
     ("G49", Cancel(ToolLength)),
     ("G50", Cancel(Scaling)),

@@ -143,7 +143,7 @@ fn blanks_and_text_around_the_record_mean_nothing() {
     let text = "% Pitch \u{e9}\n N03620 Q1 A1P40\tA2P140 \n%\nchecksum 12, \u{e9}";
     let memory = read_30i(text).expect("a good file");
     assert_eq!(memory.parameters.len(), 2);
-    let unit = LengthUnit::Millimetre;
+    let unit = ControlUnit::Millimetre;
     let whole = read_out(
         "CNC-PARA.TXT",
         &format!("cnc 2\n{text}"),
@@ -164,7 +164,7 @@ fn blanks_and_text_around_the_record_mean_nothing() {
 fn path_one_and_unit_letters_are_read() {
     let text =
         "%\nN00010Q1P00000001\nN05711Q1P00000001\nN01240Q1L1M0.5\nN03620Q1L1A1P88T1A2P89\n%\n";
-    let memory = read_out("CNC-PARA.TXT", text, &facts_30i(), LengthUnit::Millimetre);
+    let memory = read_out("CNC-PARA.TXT", text, &facts_30i(), ControlUnit::Millimetre);
     let found = memory.expect("a good file");
     assert_eq!(found.passed_over, 1);
     let memory = found.memory;

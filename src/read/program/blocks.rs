@@ -1,6 +1,6 @@
 //! Blocks of a part program: their words, what stays in force from block to block, and what a block does.
 
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::read::lexer::{Complaint, Cursor};
 use std::ops::Range;
@@ -78,7 +78,7 @@ pub(in crate::read) enum Motion {
     Feed,
 }
 
-/// What a word of a language means here.
+/// What a word of a vocabulary means here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::read) enum Meaning {
     /// Named and without effect on these moves (planes, exact stop).
@@ -88,7 +88,7 @@ pub(in crate::read) enum Meaning {
     FeedPerMinute,
     Absolute,
     Incremental,
-    Unit(LengthUnit),
+    Unit(ControlUnit),
     /// Positions of this block are machine coordinates.
     Machine,
     /// This block is a dwell.
@@ -103,8 +103,8 @@ pub(in crate::read) enum Meaning {
 /// A block without its comments, and the byte of the program at which it begins.
 pub(in crate::read) type Code = (usize, String);
 
-/// A language of part programs.
-pub(in crate::read) struct Language {
+/// The words of a language of part programs.
+pub(in crate::read) struct Vocabulary {
     /// Names, and addresses with their number as written.
     pub(in crate::read) words: &'static [(&'static str, Meaning)],
     /// Whether increments need the word for machine coordinates in their block too.
@@ -122,14 +122,14 @@ pub(in crate::read) fn refuse(span: Range<usize>, message: impl Into<String>) ->
 /// What a program does, block by block.
 pub(super) fn steps(
     text: &str,
-    language: &Language,
+    vocabulary: &Vocabulary,
     own: &OwnWords<'_>,
 ) -> Result<Vec<Step>, Complaint> {
     let mut modal = Modal::default();
     let mut steps = Vec::new();
-    for (start, code) in (language.blocks)(text)? {
+    for (start, code) in (vocabulary.blocks)(text)? {
         let span = start..start + code.len();
-        let actions = modal.block(&code, language, own);
+        let actions = modal.block(&code, vocabulary, own);
         let actions = actions.map_err(|message| refuse(span.clone(), message))?;
         steps.extend(actions.into_iter().map(|action| Step {
             action,
@@ -144,7 +144,7 @@ pub(super) fn steps(
 struct Modal {
     motion: Option<Motion>,
     incremental: Option<bool>,
-    unit: Option<LengthUnit>,
+    unit: Option<ControlUnit>,
     feed: Option<f64>,
     per_minute: bool,
 }
@@ -166,14 +166,14 @@ impl Modal {
     fn block(
         &mut self,
         code: &str,
-        language: &Language,
+        vocabulary: &Vocabulary,
         own: &OwnWords<'_>,
     ) -> Result<Vec<Action>, String> {
-        let mut said = self.said(code, language, own)?;
+        let mut said = self.said(code, vocabulary, own)?;
         if said.dwell {
             said.actions.push(dwell(&said, own)?);
         } else if !said.of_axes {
-            let moves = self.motion(&said, language, own)?;
+            let moves = self.motion(&said, vocabulary, own)?;
             said.actions.extend(moves);
         }
         let cancels = |action: &Action| matches!(action, Action::Cancel(_));
@@ -186,14 +186,14 @@ impl Modal {
     fn said(
         &mut self,
         code: &str,
-        language: &Language,
+        vocabulary: &Vocabulary,
         own: &OwnWords<'_>,
     ) -> Result<Said, String> {
         let mut said = Said::default();
         let mut cursor = Cursor::new(code, 0..code.len(), &[' ', '\t']);
         while cursor.peek_word().is_some() {
             let (written, address) = word(&mut cursor)?;
-            let known = language.words.iter().find(|(word, _)| *word == written);
+            let known = vocabulary.words.iter().find(|(word, _)| *word == written);
             match (known, address) {
                 (Some((_, meaning)), _) => self.take(*meaning, &mut said),
                 (None, Some(('N', number))) => said.number = number.parse().ok(),
@@ -236,10 +236,10 @@ impl Modal {
     fn motion(
         &mut self,
         said: &Said,
-        language: &Language,
+        vocabulary: &Vocabulary,
         own: &OwnWords<'_>,
     ) -> Result<Option<Action>, String> {
-        let unit_mm = self.unit.map(LengthUnit::in_mm);
+        let unit_mm = self.unit.map(ControlUnit::in_mm);
         let mut place = PerAxis::<Option<f64>>::default();
         for (letter, value) in &said.numbers {
             match own.axis(*letter) {
@@ -263,7 +263,7 @@ impl Modal {
         match (self.motion, self.incremental, said.machine) {
             (Some(Motion::Rapid), Some(false), true) => Ok(Some(Action::ToMachine(place))),
             (Some(Motion::Feed), Some(true), machine)
-                if machine == language.increments_need_machine =>
+                if machine == vocabulary.increments_need_machine =>
             {
                 let feed = self.feed.filter(|_| self.per_minute);
                 let feed = feed.ok_or("a move without a feed per minute")?;

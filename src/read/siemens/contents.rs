@@ -1,6 +1,6 @@
 //! What the files of a control hold, and the files of a kit put together.
 
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::control::table::siemens::{CecTable, LecTable, SiemensTables};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
@@ -37,7 +37,7 @@ pub struct ReadOut {
     /// Variables of concern that the file holds with two values.
     pub twice: Vec<String>,
     /// The units that its data are in, where it says so (`METRIC`, `INCH`).
-    pub units: Vec<LengthUnit>,
+    pub units: Vec<ControlUnit>,
 }
 
 impl ReadOut {

@@ -16,7 +16,7 @@
 //! the documents leave open (a missing point, a grid that does not fit, a chain of factor tables).
 
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{LengthUnit, MultiplyMode, SiemensFacts};
+use crate::control::controller::{ControlUnit, MultiplyMode, SiemensFacts};
 use crate::control::table::siemens::{CecDirection, CecTable, SiemensGrid, SiemensTables};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres, UM_PER_MM};
@@ -245,7 +245,7 @@ impl Emulator for SiemensControl {
 fn load_cec(
     table: &CecTable,
     facts: &SiemensFacts,
-    unit: LengthUnit,
+    unit: ControlUnit,
 ) -> Result<LoadedCec, CannotEmulate> {
     let raw = Raw {
         name: format!("$AN_CEC[{}]", table.number),
@@ -280,7 +280,7 @@ fn load_cec(
 fn link_factors(
     tables: &[CecTable],
     loaded: &mut [LoadedCec],
-    unit: LengthUnit,
+    unit: ControlUnit,
 ) -> Result<(), CannotEmulate> {
     for (index, table) in tables.iter().enumerate() {
         let Some(number) = table.multiply_by.checked_sub(1) else {
@@ -294,7 +294,7 @@ fn link_factors(
         if factor != index && tables[factor].multiply_by != 0 {
             return cannot(format!(" and its factor $AN_CEC[{number}] form a chain"));
         }
-        if unit == LengthUnit::Inch {
+        if unit == ControlUnit::Inch {
             let what = ": products of tables on an inch control have no settled unit";
             return cannot(what.to_string());
         }
@@ -311,7 +311,7 @@ struct Raw<'a> {
     values: &'a [Option<f64>],
     modulo: bool,
     most_points: u32,
-    unit: LengthUnit,
+    unit: ControlUnit,
 }
 
 impl Raw<'_> {
@@ -356,7 +356,7 @@ impl Raw<'_> {
         if !self.modulo {
             return Ok(());
         }
-        if self.unit == LengthUnit::Inch {
+        if self.unit == ControlUnit::Inch {
             let why = "repeats; the scale of its positions on an inch control is not documented";
             return Err(self.fault(why));
         }

@@ -1,12 +1,12 @@
 //! SINUMERIK part programs of measuring runs: `;` begins a comment, `MSG("…")` is a text for the screen.
 
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::read::lexer::{Complaint, lines};
 use crate::read::program::blocks::Meaning::{self, *};
-use crate::read::program::blocks::{Cancelled::*, Code, Language, Motion as Way};
+use crate::read::program::blocks::{Cancelled::*, Code, Motion as Way, Vocabulary};
 
 /// Its language (Programming Manual).
-pub(in crate::read) const LANGUAGE: Language = Language {
+pub(in crate::read) const VOCABULARY: Vocabulary = Vocabulary {
     words: &WORDS,
     increments_need_machine: true,
     blocks,
@@ -30,8 +30,8 @@ const WORDS: [(&str, Meaning); 21] = [
     ("TRAFOOF", Cancel(Transformation)),
     ("G90", Absolute),
     ("G91", Incremental),
-    ("G700", Unit(LengthUnit::Inch)),
-    ("G710", Unit(LengthUnit::Millimetre)),
+    ("G700", Unit(ControlUnit::Inch)),
+    ("G710", Unit(ControlUnit::Millimetre)),
     ("SUPA", Machine),
     ("M0", Stop),
     ("M30", End),

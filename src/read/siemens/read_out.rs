@@ -20,7 +20,7 @@
 
 use super::statement::{BLANKS, block_number, code_of, is_end, take_word};
 use super::variable::{data, is_of_table};
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::read::family::Part;
 use crate::read::lexer::{Cursor, lines};
 use crate::text::problem::Problem;
@@ -177,7 +177,7 @@ pub(super) enum Concern {
     /// An assignment of no concern.
     PassedOver,
     /// `METRIC` or `INCH`: the unit of the data, whichever the control counts in.
-    Unit(LengthUnit),
+    Unit(ControlUnit),
     /// An end word.
     End,
     /// Of a table.
@@ -232,8 +232,8 @@ fn word(cursor: &mut Cursor<'_>) -> Concern {
         return mentions_data(whole);
     }
     match whole.to_ascii_uppercase().as_str() {
-        "METRIC" => Concern::Unit(LengthUnit::Millimetre),
-        "INCH" => Concern::Unit(LengthUnit::Inch),
+        "METRIC" => Concern::Unit(ControlUnit::Millimetre),
+        "INCH" => Concern::Unit(ControlUnit::Inch),
         word if is_end(word) => Concern::End,
         _ => Concern::Nothing,
     }

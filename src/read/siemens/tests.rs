@@ -1,5 +1,5 @@
 use super::*;
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::control::table::siemens::{CecDirection, LecTable};
 
 /// A complete small LEC table; `{}` stands for more lines.
@@ -483,7 +483,7 @@ fn of_an_archive_what_is_of_concern_is_read_at_its_place() {
     );
     assert_eq!(found.read_out.passed_over, 1);
     assert_eq!(found.read_out.without_grid, ["AN_CEC[3]"]);
-    assert_eq!(found.read_out.units, [LengthUnit::Millimetre]);
+    assert_eq!(found.read_out.units, [ControlUnit::Millimetre]);
     let wrong = text.replace("=0.005", "=0,005");
     let problems = super::read_out("all.arc", &wrong, false).expect_err("a comma");
     let place = problems

@@ -1,6 +1,6 @@
 //! Planned moves → part programs and the positions beside them.
 
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::inputs::job::{Reflector, RunType, TargetGrid};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::Pass;
@@ -8,7 +8,7 @@ use crate::text::problem::{Problem, Problems, shown};
 use crate::write::control_text::{COMMENT_TEXT, ascii, fixed, is_comment_text, trimmed};
 use crate::write::emit::{TOOL, Templates, with_line_ends};
 use crate::write::program::{
-    Digits, MeasuringRun, Move, Reading, Resolution, RunTask, SetUpProgram, Subject,
+    Digits, MeasuringRun, Move, PlannedReading, Resolution, RunTask, SetUpProgram, Subject,
 };
 use serde_json::{Value, json};
 
@@ -134,7 +134,7 @@ fn context(
     })
 }
 
-fn header(task: RunTask<'_>, program: &SetUpProgram, unit: LengthUnit) -> Vec<String> {
+fn header(task: RunTask<'_>, program: &SetUpProgram, unit: ControlUnit) -> Vec<String> {
     let RunTask {
         job,
         request,
@@ -332,8 +332,8 @@ fn is_stepped(program: &SetUpProgram) -> bool {
     program.readings.iter().any(|r| r.moved.is_some())
 }
 
-fn empty_row(program: &SetUpProgram, reading: &Reading, resolution: Resolution) -> String {
-    let Reading {
+fn empty_row(program: &SetUpProgram, reading: &PlannedReading, resolution: Resolution) -> String {
+    let PlannedReading {
         run, node, pass, ..
     } = reading;
     match program.subject {

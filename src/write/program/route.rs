@@ -6,7 +6,7 @@ use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::text::problem::Problems;
 use crate::write::program::run::problem;
-use crate::write::program::{Digits, Move, Reading, Resolution, SetUpProgram, Subject};
+use crate::write::program::{Digits, Move, PlannedReading, Resolution, SetUpProgram, Subject};
 
 /// The nodes of a set-up along the forward path.
 struct Route {
@@ -104,7 +104,7 @@ struct Walk<'a> {
     route: &'a Route,
     here: PerAxis<Digits>,
     moves: Vec<Move>,
-    readings: Vec<Reading>,
+    readings: Vec<PlannedReading>,
 }
 
 impl<'a> Walk<'a> {
@@ -208,7 +208,7 @@ impl<'a> Walk<'a> {
 
     fn read(&mut self, run: u32, pass: Pass, node: usize) {
         self.moves.push(Move::Dwell(self.readings.len()));
-        self.readings.push(Reading {
+        self.readings.push(PlannedReading {
             run,
             pass,
             node,

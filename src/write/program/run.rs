@@ -1,7 +1,7 @@
 //! A measuring run, move by move, in whole last digits of the control.
 
 use crate::control::controller::program::ProgramFacts;
-use crate::control::controller::{LengthUnit, Profile, builtin};
+use crate::control::controller::{ControlUnit, Profile, builtin};
 use crate::inputs::job::{Job, ProgramRequest};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
@@ -18,7 +18,7 @@ pub type Digits = i64;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Resolution {
     /// Basic system of the control.
-    pub unit: LengthUnit,
+    pub unit: ControlUnit,
     /// Decimals of a position in that unit.
     pub decimals: u32,
 }
@@ -42,8 +42,8 @@ impl Resolution {
             self.unit.word()
         );
         match self.unit {
-            LengthUnit::Millimetre => digit,
-            LengthUnit::Inch => format!("{digit} ({} mm)", self.mm(1)),
+            ControlUnit::Millimetre => digit,
+            ControlUnit::Inch => format!("{digit} ({} mm)", self.mm(1)),
         }
     }
 
@@ -109,7 +109,7 @@ impl Subject {
 
 /// One standstill that is read.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reading {
+pub struct PlannedReading {
     /// Number of the run, from 1.
     pub run: u32,
     /// Forward or back.
@@ -147,7 +147,7 @@ pub struct SetUpProgram {
     /// Its moves in order.
     pub moves: Vec<Move>,
     /// Its readings in order.
-    pub readings: Vec<Reading>,
+    pub readings: Vec<PlannedReading>,
 }
 
 /// A measuring run, complete.
@@ -279,7 +279,7 @@ mod tests {
     use super::*;
 
     const MICRON: Resolution = Resolution {
-        unit: LengthUnit::Millimetre,
+        unit: ControlUnit::Millimetre,
         decimals: 3,
     };
 
@@ -289,7 +289,7 @@ mod tests {
         assert_eq!(MICRON.text(0), "0.000");
         assert_eq!(MICRON.text(900_000), "900.000");
         let ten_thousandth = Resolution {
-            unit: LengthUnit::Inch,
+            unit: ControlUnit::Inch,
             decimals: 4,
         };
         assert_eq!(ten_thousandth.digits(25.4), Some(10_000));

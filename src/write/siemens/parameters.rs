@@ -3,7 +3,7 @@
 
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::ControlState;
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::control::table::siemens::{SiemensGrid, SiemensTables};
 use crate::inputs::job::ActiveTables;
 use crate::quantity::axis::Axis;
@@ -29,8 +29,8 @@ pub(crate) fn encoder(task: Task<'_>, axis: Axis) -> u32 {
 pub(super) fn backlash_text(task: Task<'_>, um: f64) -> (String, f64) {
     let unit = task.job.compensation.control_unit;
     let decimals = match unit {
-        LengthUnit::Millimetre => 4,
-        LengthUnit::Inch => 5,
+        ControlUnit::Millimetre => 4,
+        ControlUnit::Inch => 5,
     };
     let text = format!("{:.decimals$}", Figure(um / (unit.in_mm() * UM_PER_MM)));
     let rounded_um = text.parse::<f64>().unwrap_or(0.0) * unit.in_mm() * UM_PER_MM;
@@ -205,8 +205,8 @@ fn max_sum_precondition(task: Task<'_>, tables: &SiemensTables) -> Precondition 
     let unit = task.job.compensation.control_unit;
     // Rounded up, so that the limit lets everything through.
     let decimals = match unit {
-        LengthUnit::Millimetre => 3,
-        LengthUnit::Inch => 4,
+        ControlUnit::Millimetre => 3,
+        ControlUnit::Inch => 4,
     };
     let digits = power_of_ten(decimals);
     let in_unit = |um: f64| {

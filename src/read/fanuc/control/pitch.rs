@@ -10,7 +10,7 @@
 //! is the step of the curve in its section, seen from − to +.
 
 use super::parameters::{Link, Loading, Run, cannot, name};
-use crate::control::controller::{IntervalForm, LengthUnit, NumberRange};
+use crate::control::controller::{ControlUnit, IntervalForm, NumberRange};
 use crate::control::table::fanuc::ParameterValue;
 use crate::quantity::units::{Correction, Millimetres, power_of_ten};
 use crate::read::emulate::{Between, CannotEmulate, NodeTable};
@@ -125,8 +125,8 @@ fn interval(from: Loading, axis: u32) -> Result<Millimetres, CannotEmulate> {
         (IntervalForm::Real, Some(_)) => return cannot(format!("{what} has no decimal point")),
         (IntervalForm::Integer, Some(_)) => {
             let decimals = match from.state.unit {
-                LengthUnit::Millimetre => facts.interval_decimals_mm.value,
-                LengthUnit::Inch => facts.interval_decimals_inch.value,
+                ControlUnit::Millimetre => facts.interval_decimals_mm.value,
+                ControlUnit::Inch => facts.interval_decimals_inch.value,
             };
             let increments = f64::from(from.count(3624, Some(axis), u32::MAX)?);
             increments / power_of_ten(decimals)

@@ -9,7 +9,7 @@ mod refusals;
 
 use super::*;
 use crate::control::control_state::AxisState;
-use crate::control::controller::{IntervalForm, LengthUnit, StraightnessForm, TableSign};
+use crate::control::controller::{ControlUnit, IntervalForm, StraightnessForm, TableSign};
 use crate::quantity::units::{Deviation, Millimetres};
 use crate::read::fanuc::read;
 use crate::read::fanuc::tests::{facts_16i, facts_30i};
@@ -35,7 +35,7 @@ fn axis_state(name: &str) -> AxisState {
 
 fn state() -> ControlState {
     ControlState {
-        unit: LengthUnit::Millimetre,
+        unit: ControlUnit::Millimetre,
         axes: vec![axis_state("1"), axis_state("2")],
     }
 }
@@ -319,7 +319,7 @@ fn interval_in_every_unit_and_form() {
     assert_eq!(facts.interval_form.value, IntervalForm::Integer);
     let control = load(&legacy("50000"), &facts, &state).expect("a control");
     close(pitch(&control, Plus, 100.0 - 250.0), 4.0, "mm");
-    state.unit = LengthUnit::Inch;
+    state.unit = ControlUnit::Inch;
     let control = load(&legacy("20000"), &facts, &state).expect("a control");
     close(
         pitch(&control, Plus, 100.0 - 5.0 * 50.8),

@@ -1,6 +1,6 @@
 use super::*;
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::LengthUnit;
+use crate::control::controller::ControlUnit;
 use crate::read::generic::read;
 
 /// Rows of one block without their number, position in mm and deviation in µm.
@@ -34,7 +34,7 @@ fn state() -> ControlState {
         interpolated: false,
     };
     ControlState {
-        unit: LengthUnit::Inch, // has no say
+        unit: ControlUnit::Inch, // has no say
         axes: ["X", "Y"].map(axis).to_vec(),
     }
 }

@@ -43,7 +43,7 @@ fn axis(name: &str) -> AxisState {
 
 fn state() -> ControlState {
     ControlState {
-        unit: LengthUnit::Millimetre,
+        unit: ControlUnit::Millimetre,
         axes: ["X1", "Y1", "Z1", "X2"].map(axis).to_vec(),
     }
 }
@@ -281,7 +281,7 @@ fn the_sign_of_the_profile_turns_the_correction() {
 #[test]
 fn on_an_inch_control_positions_and_values_are_inches() {
     let mut state = state();
-    state.unit = LengthUnit::Inch;
+    state.unit = ControlUnit::Inch;
     let text = file(&[lec_text("X1", [0.0, 1.0, 2.0], 0, &[0.0, 0.001, 0.0])]);
     let control = control_with(&text, &facts(), &state);
     assert_um(own(&control, "X1", 25.4, Direction::Plus), -25.4);
