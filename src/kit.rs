@@ -4,6 +4,7 @@
 //! comes from these bytes through the readers and the emulator, never from the numbers that
 //! went in.
 
+pub mod alternatives;
 pub mod directory;
 mod field;
 pub mod findings;
@@ -19,32 +20,24 @@ pub mod simulate;
 mod verification;
 mod ways;
 
-use crate::control::controller::Profile;
-use crate::inputs::job::ActiveTables;
 use crate::judge::conformity::Verdict;
-use crate::judge::disagreement;
-use crate::judge::findings::not_emulated;
-use crate::judge::forecast::{Forecast, forecast, judged_ranges};
-use crate::kit::findings::KitFinding;
+use crate::judge::forecast::Forecast;
 pub use crate::kit::manifest::hashed;
 use crate::kit::manifest::{HashedFile, Manifest, Predecessor, SCHEMA};
 use crate::quantity::axis::Axis;
-use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::KitFile;
 pub use crate::read::emulator;
-use crate::read::{KitFile, ReadBack, read, unread};
 pub use crate::text::document::sha256;
 use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
-use crate::write::emit::{self, RenderedFile, TOOL, Templates};
+use crate::write::emit::{self, RenderedFile, TOOL};
 use crate::write::plan::{Plan, plan};
-use crate::write::target::wants;
 pub(crate) use inputs::cannot_emulate;
-use inputs::judged;
 pub use inputs::{Inputs, remarks};
 pub use loaded::{LoadedControl, load};
 pub(crate) use loaded::{load_own, load_read_out};
-use made::{Made, as_kit_file};
+use made::{Made, as_read};
 use serde_json::json;
 pub use verification::{Verification, verify, verify_read_out};
 
@@ -90,144 +83,30 @@ pub(crate) fn template_context(inputs: &Inputs) -> Result<emit::Context, Problem
 
 /// Makes a kit. Refused unless every file reads back to exactly what was meant.
 pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
-    let task = inputs.task();
-    let plan = plan(task)?;
-    let mut compiled = inputs.compile(&plan)?;
-    let context = emit::context(task, &compiled)?;
-    let templates = Templates::default();
-    let mut files = emit::render(task, &templates, &context)?;
-    let read = read_back(&inputs.profile, &files)?;
-    ensure_same(inputs, &plan, &compiled, &read)?;
-    let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
-    compiled.notes.extend(absent);
-    if inputs.profile.comments.value {
-        let names = emit::other_letters(&inputs.job, &inputs.profile.name);
-        compiled.notes.extend(names);
-    }
-    let control =
-        emulator(&inputs.profile, &read.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
-    let forecast = forecast(
-        inputs.machine(),
-        &plan,
-        control.as_ref(),
-        &judged_ranges(&inputs.job, inputs.as_measured()),
-    )
-    .map_err(|e| cannot_emulate(&e))?;
-    let unread = unread(&inputs.profile, &as_read(&files));
-    let doubts: Vec<Finding> = doubts(inputs).into_iter().chain(unread).collect();
-    let verdict = judged(&forecast, inputs, &doubts);
-    let ways = ways::ways(inputs, &plan, &compiled.placements, &forecast, &doubts);
-    let field = field::make(&Made {
+    let mut made = Made::of(inputs)?;
+    let ways = ways::ways(&made);
+    let field = field::make(&made)?;
+    made.files.extend(field.files);
+    made.compiled.notes.extend(field.notes);
+    let mut manifest = build_manifest(
         inputs,
-        plan: &plan,
-        compiled: &compiled,
-        context: &context,
-        templates: &templates,
-        files: &files,
-        read: &read,
-        forecast: &forecast,
-        verdict,
-        doubts: &doubts,
-    })?;
-    files.extend(field.files);
-    compiled.notes.extend(field.notes);
-    let mut manifest = build_manifest(inputs, &plan, &compiled, &files, &forecast);
+        &made.plan,
+        &made.compiled,
+        &made.files,
+        &made.forecast,
+    );
     manifest.sign_proofs = field.sign_proofs;
-    manifest.doubts.clone_from(&doubts);
+    manifest.doubts.clone_from(&made.doubts);
     Ok(Kit {
-        plan,
-        compiled,
-        files,
-        forecast,
-        doubts,
-        verdict,
+        plan: made.plan,
+        compiled: made.compiled,
+        files: made.files,
+        forecast: made.forecast,
+        doubts: made.doubts,
+        verdict: made.verdict,
         ways,
         manifest,
     })
-}
-
-/// Why the measured errors that the job asks for are doubtful.
-fn doubts(inputs: &Inputs) -> Vec<Finding> {
-    let measured = inputs.as_measured();
-    let mut doubts = measured.doubts(|term| wants(&inputs.job, term));
-    doubts.extend(measured.unlikely_small(inputs.job.measurement.uncertainty.noise_um));
-    if inputs.job.measurement.active == ActiveTables::NotStated {
-        doubts.push(KitFinding::ActiveNotStated.into());
-    }
-    doubts
-}
-
-fn as_read(files: &[RenderedFile]) -> Vec<KitFile<'_>> {
-    files.iter().map(as_kit_file).collect()
-}
-
-fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
-    read(profile, &as_read(files)).map_err(|problems| {
-        let mut all = Problems::from(
-            Problem::new("the files that the templates made cannot be read back, so nothing is written")
-                .help("a template of your own has to keep to the format of the dialect (docs/templates.md)"),
-        );
-        all.extend(problems);
-        all
-    })
-}
-
-/// A template that drops, doubles, changes or adds something is found here.
-fn ensure_same(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
-    read: &ReadBack,
-) -> Result<(), Problems> {
-    let (sentences, _) = differences(inputs, plan, compiled, read);
-    let same_tables = compiled.tables == read.tables;
-    if same_tables && sentences.is_empty() {
-        return Ok(());
-    }
-    let headline = if same_tables {
-        Problem::new("the files that the templates made set something else than was meant, so nothing is written")
-            .help("a kit sets what its tables need and nothing else; `nonius context JOB` prints what a template sees")
-    } else {
-        Problem::new("the files that the templates made do not read back to the tables that were meant, so nothing is written")
-            .help("a template leaves something out, doubles it or changes a number; `nonius context JOB` prints what it sees")
-    };
-    let mut problems = Problems::from(headline);
-    for words in sentences {
-        problems.push(Problem::new(words.to_string()));
-    }
-    Err(problems)
-}
-
-/// How files differ from what was compiled: what the tables do to the axes first, then what else
-/// the files hold; and the control that they would make, or why there is none.
-fn differences(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
-    read: &ReadBack,
-) -> (Vec<Finding>, Result<Box<dyn Emulator>, CannotEmulate>) {
-    let profile = &inputs.profile;
-    let found = emulator(profile, &read.tables, &compiled.state);
-    let contents = |diagnosis| disagreement::contents(profile, &compiled.tables, read, diagnosis);
-    if let (true, Ok(_)) = (compiled.tables == read.tables, &found) {
-        // The same tables do the same: only what the files hold beside them is left to judge.
-        return (contents(None), found);
-    }
-    let mut findings = disagreement::measuring_systems(&compiled.tables, &read.tables);
-    let wanted = emulator(profile, &compiled.tables, &compiled.state);
-    let diagnosis = match (&wanted, &found) {
-        (Ok(wanted), Ok(found)) => {
-            let diagnosis = disagreement::compare(plan, wanted.as_ref(), found.as_ref());
-            findings.extend(diagnosis.findings.iter().cloned());
-            Some(diagnosis)
-        }
-        (Err(reason), _) | (_, Err(reason)) => {
-            findings.push(not_emulated(reason.clone()));
-            None
-        }
-    };
-    findings.extend(contents(diagnosis.as_ref()));
-    (findings, found)
 }
 
 fn build_manifest(

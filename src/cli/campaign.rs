@@ -2,8 +2,8 @@
 
 use crate::cli::files::read_argument;
 use crate::cli::job_files::JobFiles;
-use crate::inputs::error_table::{self, Draft, ErrorTable};
-use crate::inputs::job::{BacklashPolicy, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use crate::inputs::error_table::{Draft, ErrorTable};
+use crate::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use crate::inputs::readings::Readings;
 use crate::judge::after::{StraightRuns, Walk};
 use crate::judge::causes::Slip;
@@ -13,13 +13,14 @@ use crate::machine::separation::noise::Noise;
 use crate::machine::separation::noise::repeats;
 use crate::machine::separation::readings::{means, run_counts};
 use crate::machine::separation::straight::{StraightResult, straight};
-use crate::machine::separation::{self, Campaign, Separation, table};
-use crate::quantity::axis::Axis;
+use crate::machine::separation::table::{self, ErrorSource};
+use crate::machine::separation::{self, Campaign, Separation};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
 use crate::text::document::Source;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::Problems;
 use crate::write::emit::TOOL;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A measurement of diagonals with everything that its job names.
 #[derive(Clone)]
@@ -72,13 +73,13 @@ impl CampaignFiles {
         })
     }
 
-    /// The nine errors, as the very table that `separate -o` writes.
-    pub(super) fn error_table(&self) -> Result<ErrorTable, Problems> {
-        let separation = self.separate()?;
-        check_policy(&self.job, &separation)?;
-        let text = error_table::write(&self.draft(&separation));
-        let name = format!("nine errors separated from {}", self.measurement.readings);
-        ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)
+    /// The nine errors, for any backlash policy.
+    pub(super) fn errors(&self) -> Result<ErrorSource, Problems> {
+        Ok(ErrorSource::Separated {
+            separation: Arc::new(self.separate()?),
+            readings: self.measurement.readings.clone(),
+            comments: self.comments(),
+        })
     }
 
     /// What goes into a separation beside the readings.
@@ -186,14 +187,18 @@ impl CampaignFiles {
 
     /// The error table, with where it comes from and what it rests on.
     pub(super) fn draft(&self, separation: &Separation) -> Draft {
-        let comments = vec![
+        table::draft(separation, &self.job.compensation.backlash, self.comments())
+    }
+
+    /// Where an error table comes from.
+    fn comments(&self) -> Vec<String> {
+        vec![
             format!("nine errors separated from step diagonals by {TOOL}"),
             format!(
                 "source: {} sha256 {}",
                 self.measurement.readings, self.readings_sha256
             ),
-        ];
-        table::draft(separation, &self.job.compensation.backlash, comments)
+        ]
     }
 }
 
@@ -211,29 +216,4 @@ pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> 
             .into());
     };
     CampaignFiles::read(&mut JobFiles::new(&job, job_path), measurement)
-}
-
-/// Readings in both directions need a word on the reversal, even where they do not determine it.
-fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
-    if separation.means.reverse.is_none() {
-        return Ok(());
-    }
-    let is_open = |axis: &Axis| !separation.is_directed(*axis);
-    let policy = |axis: Axis| job.compensation.backlash[axis];
-    let open = || Axis::ALL.into_iter().filter(is_open);
-    let both = [BacklashPolicy::TwoTables, BacklashPolicy::CurveAndParameter];
-    let needed = open().filter(|axis| policy(*axis).is_some_and(|own| both.contains(&own)));
-    let needed: Vec<String> = needed.map(|axis| axis.to_string()).collect();
-    match (open().any(|axis| policy(axis).is_none()), needed.is_empty()) {
-        (true, _) => Err(job
-            .problem_at("compensation", "the readings were taken in both directions, but `backlash` is not stated; there is no default")
-            .help("write `backlash = \"mean\"` or \"forward-only\"; the reversal of each axis is not determined by these readings")),
-        (false, false) => Err(job
-            .problem_at(
-                "compensation.backlash",
-                format!("this needs the reversal of each axis, which these readings do not determine for {}", needed.join(", ")),
-            )
-            .help("turn once without overrun at the far end of the diagonals, or name a linear measurement of each axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]]), or use `backlash = \"mean\"`")),
-        (false, true) => Ok(()),
-    }
 }

@@ -1,4 +1,6 @@
-//! `nonius generate JOB -o DIR`
+//! `nonius generate JOB -o DIR`, or `--compare`
+
+mod compare;
 
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{More, Screen, shell_word, wrapped};
@@ -13,16 +15,22 @@ use std::path::{Path, PathBuf};
 
 // Options of `generate`.
 #[derive(Args, Debug)]
-#[command(mut_arg("output", |arg| arg.required(true).value_name("DIR")
+#[command(mut_arg("output", |arg| arg.required_unless_present("compare").value_name("DIR")
     .help("Directory of the kit; must not exist yet, or must be empty")))]
 pub(super) struct Options {
     /// The job (TOML); `-` = standard input
     job: PathBuf,
+    /// Write nothing: what each backlash policy and spacing would leave, a line for each
+    #[arg(long, conflicts_with = "output")]
+    compare: bool,
     #[command(flatten)]
     output: Output,
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
+    if options.compare {
+        return compare::run(&inputs::read(&options.job)?, options.output.print);
+    }
     let directory = options.output.free_directory()?;
     let inputs = inputs::read(&options.job)?;
     let kit = generate(&inputs)?;

@@ -9,11 +9,13 @@ use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MeasuredData, UseOf,
 use crate::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::{Inputs, hashed};
+use crate::machine::separation::table::ErrorSource;
 use crate::quantity::axis::PerAxis;
 use crate::quantity::diagonal::PathKind;
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Reads a job and everything it names, for tables.
 pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
@@ -48,8 +50,8 @@ pub(super) fn read_job(
     files.hashes.push(hashed(&file_name(job_path), bytes));
     let mut problems = Problems::none();
     let profile = problems.take(files.profile());
-    let table = problems.take(error_table(&mut files));
-    let (Some(profile), Some(table)) = (profile, table) else {
+    let errors = problems.take(errors(&mut files));
+    let (Some(profile), Some(errors)) = (profile, errors) else {
         return Err(problems);
     };
     let angles = job.measurement.angles.as_deref();
@@ -57,21 +59,16 @@ pub(super) fn read_job(
     let angles = angles.transpose()?;
     let active = active(&mut files, &profile)?;
     let hashes = files.hashes;
-    let mut inputs = match use_of {
-        UseOf::Tables => Inputs::new(job, profile, &table, hashes)?,
-        UseOf::Figures => Inputs::for_figures(job, profile, &table, hashes)?,
+    let inputs = match use_of {
+        UseOf::Tables => Inputs::new(job, profile, errors, hashes)?,
+        UseOf::Figures => Inputs::for_figures(job, profile, errors, hashes)?,
     };
-    if let Some(angles) = &angles {
-        inputs = inputs.with_angles(angles)?;
-    }
-    if let Some(active) = active {
-        inputs = inputs.with_active(active)?;
-    }
+    let inputs = inputs.with(angles.as_ref(), active)?;
     Ok((inputs, angles))
 }
 
 /// The errors of a job: those that it names, or those that its readings hold.
-pub(super) fn error_table(files: &mut JobFiles<'_>) -> Result<ErrorTable, Problems> {
+pub(super) fn errors(files: &mut JobFiles<'_>) -> Result<ErrorSource, Problems> {
     let job = files.job;
     let paths = match &job.measurement.data {
         MeasuredData::Errors(paths) => paths,
@@ -85,7 +82,7 @@ pub(super) fn error_table(files: &mut JobFiles<'_>) -> Result<ErrorTable, Proble
                 .into());
         }
         MeasuredData::Diagonals(measurement) => {
-            return CampaignFiles::read(files, measurement)?.error_table();
+            return CampaignFiles::read(files, measurement)?.errors();
         }
     };
     let mut problems = Problems::none();
@@ -95,7 +92,8 @@ pub(super) fn error_table(files: &mut JobFiles<'_>) -> Result<ErrorTable, Proble
     }
     let tables = problems.or_ok(tables)?;
     let missing = || job.problem_at("measurement.errors", "no error table is named");
-    Ok(ErrorTable::merged(tables)?.ok_or_else(missing)?)
+    let merged = ErrorTable::merged(tables)?.ok_or_else(missing)?;
+    Ok(ErrorSource::Table(Arc::new(merged)))
 }
 
 /// The key of what was active.

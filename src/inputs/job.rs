@@ -13,6 +13,7 @@ mod program;
 pub use self::compensation::{
     AxisSettings, BacklashPolicy, Compensation, GridRequest, OutsideMeasured, UseOf, WantedTerms,
 };
+pub(crate) use self::compensation::{one_for_all, policies_as_stated};
 pub use self::diagonals::{
     AxisMaterial, Beam, DiagonalMeasurement, Frame, Linear, LinearSlope, Material, Reflector, SetUp,
 };

@@ -52,19 +52,19 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let movement = movement::switching(made).map_err(|reason| cannot_emulate(&reason))?;
     let lists = |list: List| match list {
         List::Places => lists::places(made),
-        List::Preconditions => lists::preconditions(made.compiled),
-        List::Assumptions => lists::assumptions(made.compiled),
+        List::Preconditions => lists::preconditions(&made.compiled),
+        List::Assumptions => lists::assumptions(&made.compiled),
         List::Movement => movement.clone().into(),
         List::SignProofs => reading::listed(made, &shown),
         List::Display => lists::display(made).into(),
         List::NotWritten => not_written.clone().into(),
         List::WayBack => rollback.by_hand.clone().into(),
-        List::Enter => lists::entered(made.compiled, |p| format!("enter {}", p.value)).into(),
+        List::Enter => lists::entered(&made.compiled, |p| format!("enter {}", p.value)).into(),
         List::PutBack => {
-            lists::entered(made.compiled, |_| "enter what was found".to_string()).into()
+            lists::entered(&made.compiled, |_| "enter what was found".to_string()).into()
         }
     };
-    let (task, compiled) = (made.task(), made.compiled);
+    let (task, compiled) = (made.task(), &made.compiled);
     let facts = KitFacts {
         files: made
             .files
@@ -73,15 +73,15 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
             .map(|file| (file.role, file.path.clone()))
             .collect(),
         reference: reference_text(task),
-        uses: &|mechanism| uses(task, made.plan, &compiled.tables, mechanism),
+        uses: &|mechanism| uses(task, &made.plan, &compiled.tables, mechanism),
         list: &lists,
     };
     let parts = parts(&task.profile.checklist, &facts);
     let sign_proofs = shown.iter().map(proofs::document).collect();
     files.extend(emit::render_checklist(
         task,
-        made.templates,
-        made.context,
+        &made.templates,
+        &made.context,
         &lists::head(made),
         &parts,
     )?);

@@ -2,13 +2,14 @@
 
 use crate::control::controller::Profile;
 use crate::inputs::error_table::ErrorTable;
-use crate::inputs::job::Job;
+use crate::inputs::job::{Compensation, Job};
 use crate::judge::active::{self, ActiveControl};
 use crate::judge::conformity::Verdict;
 use crate::judge::findings::InControl;
 use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::manifest::HashedFile;
 use crate::machine::model::ErrorModel;
+use crate::machine::separation::table::ErrorSource;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::{Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
@@ -28,6 +29,10 @@ pub struct Inputs {
     pub model: ErrorModel,
     /// The errors as they were measured, where tables were active meanwhile.
     pub under_tables: Option<ErrorModel>,
+    /// What the errors were read from.
+    pub errors: ErrorSource,
+    /// The table of angular errors, where there is one of their own.
+    pub angles: Option<ErrorTable>,
     /// Every file that went in, with its hash.
     pub hashes: Vec<HashedFile>,
     /// The control as it was while measuring, where the job names its files.
@@ -41,30 +46,38 @@ impl Inputs {
     pub fn new(
         job: Job,
         profile: Profile,
-        table: &ErrorTable,
+        errors: impl Into<ErrorSource>,
         hashes: Vec<HashedFile>,
     ) -> Result<Inputs, Problems> {
-        let model = ErrorModel::build(&job, table)?;
-        Ok(Inputs::of(job, profile, model, hashes))
+        let errors = errors.into();
+        let model = ErrorModel::build(&job, &*errors.table(&job)?)?;
+        Ok(Inputs::of(job, profile, (errors, model), hashes))
     }
 
     /// The same for figures of the volume, where angles alone will do.
     pub(crate) fn for_figures(
         job: Job,
         profile: Profile,
-        table: &ErrorTable,
+        errors: ErrorSource,
         hashes: Vec<HashedFile>,
     ) -> Result<Inputs, Problems> {
-        let model = ErrorModel::for_figures(&job, table)?;
-        Ok(Inputs::of(job, profile, model, hashes))
+        let model = ErrorModel::for_figures(&job, &*errors.table(&job)?)?;
+        Ok(Inputs::of(job, profile, (errors, model), hashes))
     }
 
-    fn of(job: Job, profile: Profile, model: ErrorModel, hashes: Vec<HashedFile>) -> Inputs {
+    fn of(
+        job: Job,
+        profile: Profile,
+        (errors, model): (ErrorSource, ErrorModel),
+        hashes: Vec<HashedFile>,
+    ) -> Inputs {
         Inputs {
             job,
             profile,
             model,
             under_tables: None,
+            errors,
+            angles: None,
             hashes,
             active: None,
             active_notes: Vec::new(),
@@ -74,7 +87,36 @@ impl Inputs {
     /// Adds the angular errors of a table of their own (`measurement.angles`).
     pub fn with_angles(mut self, table: &ErrorTable) -> Result<Inputs, Problems> {
         self.model.add_angles(&self.job, table)?;
+        self.angles = Some(table.clone());
         Ok(self)
+    }
+
+    /// Adds what was measured apart and what was active meanwhile, where there is any.
+    pub(crate) fn with(
+        mut self,
+        angles: Option<&ErrorTable>,
+        active: Option<ActiveControl>,
+    ) -> Result<Inputs, Problems> {
+        if let Some(angles) = angles {
+            self = self.with_angles(angles)?;
+        }
+        match active {
+            Some(active) => self.with_active(active),
+            None => Ok(self),
+        }
+    }
+
+    /// The same measurement for a job that asks for other tables: all that depends on the job is made anew,
+    /// so a kit of it is the kit that this job would get.
+    pub(crate) fn asking_for(
+        &self,
+        change: impl FnOnce(&mut Compensation),
+    ) -> Result<Inputs, Problems> {
+        let mut job = self.job.clone();
+        change(&mut job.compensation);
+        let (profile, hashes) = (self.profile.clone(), self.hashes.clone());
+        let inputs = Inputs::new(job, profile, self.errors.clone(), hashes)?;
+        inputs.with(self.angles.as_ref(), self.active.clone())
     }
 
     /// The same inputs, measured while these tables were active: new = old + residual.

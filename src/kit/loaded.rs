@@ -4,7 +4,8 @@
 //! A backlash parameter stands in no file for the control: a kit names it in its manifest. The job
 //! that the kit is judged by may ask for another one.
 
-use super::{Inputs, differences, generate, named_backlash};
+use super::made::differences;
+use super::{Inputs, generate, named_backlash};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::table::Tables;
 use crate::judge::active::{ActiveControl, named_axis};

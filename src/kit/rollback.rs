@@ -73,8 +73,8 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
     };
     let before = Before {
         task: inputs.task(),
-        plan: made.plan,
-        compiled: made.compiled,
+        plan: &made.plan,
+        compiled: &made.compiled,
         active,
         held,
     };
@@ -82,7 +82,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
         Ok(old) => old,
         Err(missing) => return Ok(Rollback::none(incomplete(&missing))),
     };
-    before.written(&old, made.templates)
+    before.written(&old, &made.templates)
 }
 
 fn incomplete(missing: &[String]) -> String {

@@ -1,7 +1,9 @@
 //! The bytes of a directory, judged against a job.
 
+use super::inputs::judged;
 use super::loaded::Loaded;
-use super::{Inputs, doubts, field, judged};
+use super::made::doubts;
+use super::{Inputs, field};
 use crate::control::control_state::ControlState;
 use crate::control::table::Tables;
 use crate::judge::active::ActiveControl;

@@ -1,18 +1,16 @@
-//! What to change where a kit does not keep its limit: what every other backlash policy would leave;
-//! and on a second visit, whether the control is best left as it is.
+//! What to change where a kit does not keep its limit: what other backlash policies would leave; and on a second
+//! visit, whether the control is best left as it is.
 
-use crate::inputs::job::{BacklashPolicy, MeasuredData};
+use crate::inputs::job::{Acceptance, BacklashPolicy, policies_as_stated};
 use crate::judge::after::Bare;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, Machine, forecast, judged_ranges};
-use crate::kit::inputs::{Inputs, judged};
+use crate::kit::alternatives::{Alternative, other_policies};
+use crate::kit::inputs::judged;
+use crate::kit::made::Made;
 use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::units::larger;
-use crate::read::emulate::Emulator;
-use crate::read::emulator;
 use crate::text::finding::{Finding, findings};
-use crate::write::compensation::Placement;
-use crate::write::plan::{Plan, plan};
 
 /// What the last printed digit does not show is no gain, µm.
 const SHOWN_UM: f64 = 0.001;
@@ -20,16 +18,54 @@ const SHOWN_UM: f64 = 0.001;
 findings! {
     /// What a person may change.
     Way {
-        AsItIs { largest_um: f64 } => Label,
-            "as measured, with what is active now, every limit is kept (at most {largest_um:.3} µm): the control can be left as it is";
-        Backlash { policy: BacklashPolicy, largest_um: f64, tables: usize, verdict: Verdict } => Label,
-            "`backlash = \"{}\"` would leave at most {largest_um:.3} µm with {tables} tables: {}", policy.word(), verdict.word();
+        AsItIs { left: Left } => Label,
+            "as measured, with what is active now, every limit is kept ({}): the control can be left as it is", left.words();
+        Backlash { policies: PerAxis<Option<BacklashPolicy>>, left: Left, tables: usize, verdict: Verdict } => Label,
+            "`backlash = {}` would leave {} with {tables} {}: {}", policies_as_stated(policies), left.words(), if *tables == 1 { "table" } else { "tables" }, verdict.word();
         Grid { terms: Vec<ErrorTerm>, largest_um: f64 } => Label,
             "{}: the points of the tables leave up to {largest_um:.3} µm of it; closer points (`spacing_mm`, `points`, `max_residual_um`) leave less", names(terms);
         NoTable { terms: Vec<ErrorTerm> } => Label,
             "{}: no table holds it, so all of it is left", names(terms);
         Uncertain { terms: Vec<ErrorTerm> } => Label,
             "{}: within the limit, but not with its U; measure with more runs or less noise", names(terms);
+    }
+}
+
+/// The largest of the figures that a job limits, µm; `None` = not limited, or there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Left {
+    terms_um: Option<f64>,
+    diagonals_um: Option<f64>,
+}
+
+impl Left {
+    fn of(forecast: &Forecast, asked: Acceptance) -> Left {
+        let terms = asked.max_deviation_um.map(|_| forecast.max_residual_um());
+        let diagonals = forecast.diagonals.iter().map(|d| d.change.after_um);
+        let diagonals = diagonals.reduce(larger);
+        Left {
+            terms_um: terms,
+            diagonals_um: diagonals.filter(|_| asked.max_diagonal_um.is_some()),
+        }
+    }
+
+    /// By how much the worst of them exceeds its limit, µm; below 0 where all keep theirs.
+    fn excess_um(self, asked: Acceptance) -> f64 {
+        let over = |um: Option<f64>, limit: Option<f64>| Some(um? - limit?);
+        let all = [
+            over(self.terms_um, asked.max_deviation_um),
+            over(self.diagonals_um, asked.max_diagonal_um),
+        ];
+        let worst = all.into_iter().flatten().reduce(f64::max);
+        worst.unwrap_or(f64::INFINITY)
+    }
+
+    fn words(self) -> String {
+        let terms = self.terms_um.map(|um| format!("at most {um:.3} µm"));
+        let diagonals = self.diagonals_um;
+        let diagonals = diagonals.map(|um| format!("at most {um:.3} µm on the diagonals"));
+        let both: Vec<String> = terms.into_iter().chain(diagonals).collect();
+        both.join(" and ")
     }
 }
 
@@ -40,41 +76,29 @@ fn names(terms: &[ErrorTerm]) -> String {
 }
 
 /// The ways to another answer; none where the kit keeps its limit and nothing was active.
-pub(super) fn ways(
-    inputs: &Inputs,
-    made: &Plan,
-    placements: &[Placement],
-    forecast: &Forecast,
-    doubts: &[Finding],
-) -> Vec<Finding> {
-    if inputs.job.acceptance.asks_nothing() {
+pub(super) fn ways(made: &Made<'_>) -> Vec<Finding> {
+    if made.inputs.job.acceptance.asks_nothing() {
         return Vec::new();
     }
-    let mut ways: Vec<Way> = as_found(inputs, made, doubts).into_iter().collect();
-    let judged = judged(forecast, inputs, doubts);
-    if judged != Verdict::Pass {
-        ways.extend(other_policies(
-            inputs,
-            judged,
-            forecast.max_residual_um(),
-            doubts,
-        ));
-        ways.extend(of_terms(inputs, placements, forecast));
+    let mut ways: Vec<Way> = as_found(made).into_iter().collect();
+    if made.verdict != Verdict::Pass {
+        ways.extend(policies(made));
+        ways.extend(of_terms(made));
     }
     ways.into_iter().map(Finding::from).collect()
 }
 
 /// What keeps single terms from their limit: points too far apart, no table, a large U.
-fn of_terms(inputs: &Inputs, placements: &[Placement], forecast: &Forecast) -> Vec<Way> {
-    let Some(limit_um) = inputs.job.acceptance.max_deviation_um else {
+fn of_terms(made: &Made<'_>) -> Vec<Way> {
+    let Some(limit_um) = made.inputs.job.acceptance.max_deviation_um else {
         return Vec::new();
     };
     let grid_um = |term: ErrorTerm| {
-        let own = placements.iter().filter(|p| p.term == term);
+        let own = made.compiled.placements.iter().filter(|p| p.term == term);
         own.map(|p| p.grid_residual_um).fold(0.0, larger)
     };
     let (mut grid, mut none, mut uncertain) = (Vec::new(), Vec::new(), Vec::new());
-    for t in &forecast.terms {
+    for t in &made.forecast.terms {
         if t.change.after_um + t.change.expanded_um.unwrap_or(0.0) <= limit_um {
             continue;
         }
@@ -103,62 +127,38 @@ fn of_terms(inputs: &Inputs, placements: &[Placement], forecast: &Forecast) -> V
 }
 
 /// Where tables were active while measuring and what they left keeps every limit.
-fn as_found(inputs: &Inputs, made: &Plan, doubts: &[Finding]) -> Option<Way> {
+fn as_found(made: &Made<'_>) -> Option<Way> {
+    let inputs = made.inputs;
     inputs.under_tables.as_ref()?;
     let model = inputs.as_measured();
     let ranges = judged_ranges(&inputs.job, model);
-    let found = forecast(Machine::alone(model), made, &Bare, &ranges).ok()?;
-    let largest_um = found.max_residual_um();
-    (judged(&found, inputs, doubts) == Verdict::Pass).then_some(Way::AsItIs { largest_um })
+    let found = forecast(Machine::alone(model), &made.plan, &Bare, &ranges).ok()?;
+    let left = Left::of(&found, inputs.job.acceptance);
+    (judged(&found, inputs, &made.doubts) == Verdict::Pass).then_some(Way::AsItIs { left })
 }
 
 /// The policies that come to a better verdict, or leave less where the limit is exceeded, the best first.
 /// What the control refuses is no way.
-fn other_policies(inputs: &Inputs, verdict: Verdict, left_um: f64, doubts: &[Finding]) -> Vec<Way> {
-    // What acted while measuring, and readings, are taken into the errors by the policy of the job itself.
-    let is_table = matches!(inputs.job.measurement.data, MeasuredData::Errors(_));
-    if inputs.active.is_some() || !is_table {
-        return Vec::new();
-    }
-    let own = &inputs.job.compensation.backlash;
-    if own.iter().all(|(_, policy)| policy.is_none()) {
-        return Vec::new();
-    }
-    let is_other = |policy: &BacklashPolicy| own.iter().any(|(_, own)| *own != Some(*policy));
-    let others = BacklashPolicy::ALL.into_iter().filter(is_other);
-    let mut ways: Vec<(Verdict, f64, Way)> = others
-        .filter_map(|policy| with_policy(inputs, policy, doubts))
-        .filter(|(other, um, _)| {
-            *other < verdict || verdict == Verdict::Fail && *um < left_um - SHOWN_UM
-        })
-        .collect();
-    ways.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    ways.into_iter().map(|(_, _, way)| way).collect()
-}
-
-fn with_policy(
-    inputs: &Inputs,
-    policy: BacklashPolicy,
-    doubts: &[Finding],
-) -> Option<(Verdict, f64, Way)> {
-    let mut inputs = inputs.clone();
-    inputs.job.compensation.backlash = PerAxis::from_fn(|_| Some(policy));
-    let made = plan(inputs.task()).ok()?;
-    let compiled = inputs.compile(&made).ok()?;
-    let control: Box<dyn Emulator> =
-        emulator(&inputs.profile, &compiled.tables, &compiled.state).ok()?;
-    let ranges = judged_ranges(&inputs.job, inputs.as_measured());
-    let left = forecast(inputs.machine(), &made, control.as_ref(), &ranges).ok()?;
-    let (verdict, largest_um) = (judged(&left, &inputs, doubts), left.max_residual_um());
-    let tables = compiled.placements.len();
-    Some((
-        verdict,
-        largest_um,
-        Way::Backlash {
-            policy,
-            largest_um,
-            tables,
-            verdict,
-        },
-    ))
+fn policies(made: &Made<'_>) -> Vec<Way> {
+    let asked = made.inputs.job.acceptance;
+    let excess_um = |forecast: &Forecast| Left::of(forecast, asked).excess_um(asked);
+    let own_um = excess_um(&made.forecast);
+    let is_better = |(other, um): &(Alternative, f64)| {
+        other.verdict < made.verdict || made.verdict == Verdict::Fail && *um < own_um - SHOWN_UM
+    };
+    let others = other_policies(&made.inputs.job.compensation.backlash).into_iter();
+    let others = others.filter_map(|policies| {
+        let other = Alternative::of(made.inputs, |asked| asked.backlash = policies).ok()?;
+        let um = excess_um(&other.forecast);
+        Some((other, um))
+    });
+    let mut better: Vec<(Alternative, f64)> = others.filter(is_better).collect();
+    better.sort_by(|a, b| a.0.verdict.cmp(&b.0.verdict).then(a.1.total_cmp(&b.1)));
+    let way = |(other, _): (Alternative, f64)| Way::Backlash {
+        policies: other.backlash,
+        left: Left::of(&other.forecast, asked),
+        tables: other.tables,
+        verdict: other.verdict,
+    };
+    better.into_iter().map(way).collect()
 }

@@ -3,7 +3,7 @@
 pub use crate::write::task::{Omission, Target, TermTargets};
 
 use crate::control::controller::Profile;
-use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, WantedTerms};
+use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, WantedTerms, one_for_all};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::curve::ErrorCurve;
@@ -101,7 +101,7 @@ fn check_directions(job: &Job, model: &ErrorModel, problems: &mut Problems) {
     let policies = &job.compensation.backlash;
     let is_directed =
         |axis: &Axis| along(job, model, *axis).any(|(_, m)| !matches!(m, Measured::Undirected(_)));
-    let for_all = policies.iter().all(|(_, policy)| *policy == policies.x);
+    let for_all = one_for_all(policies);
     if for_all && Axis::ALL.iter().any(is_directed) {
         return;
     }

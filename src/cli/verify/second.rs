@@ -181,7 +181,7 @@ fn of_job(files: &mut JobFiles<'_>) -> Result<AfterMeasurement, Problems> {
         let campaign = CampaignFiles::read(files, measurement)?;
         return Ok(AfterMeasurement::Diagonals(campaign.straight_runs()?));
     }
-    let model = ErrorModel::build(job, &inputs::error_table(files)?)?;
+    let model = ErrorModel::build(job, &*inputs::errors(files)?.table(job)?)?;
     Ok(AfterMeasurement::Errors(Box::new(model)))
 }
 
@@ -198,12 +198,9 @@ pub(super) fn corrected(first: &Inputs, job_path: &Path) -> Result<Vec<Corrected
     let campaign = CampaignFiles::read(&mut JobFiles::new(job, job_path), measurement)?;
     // The machine without tables, by the way that the job itself is read.
     let model = |slip| -> Result<ErrorModel, Problems> {
-        let table = campaign.without(slip).error_table()?;
-        let inputs = Inputs::new(job.clone(), profile.clone(), &table, Vec::new())?;
-        Ok(match first.active.clone() {
-            Some(active) => inputs.with_active(active)?.model,
-            None => inputs.model,
-        })
+        let errors = campaign.without(slip).errors()?;
+        let inputs = Inputs::new(job.clone(), profile.clone(), errors, Vec::new())?;
+        Ok(inputs.with(None, first.active.clone())?.model)
     };
     let slips = Slip::all(measurement.volume.order).into_iter();
     // Readings that do not go through with a slip taken back do not hold it.

@@ -70,6 +70,22 @@ impl BacklashPolicy {
     }
 }
 
+/// Policies as a job states them: `"mean"`, or `{ x = "two-tables", y = "mean" }`.
+pub(crate) fn policies_as_stated(policies: &PerAxis<Option<BacklashPolicy>>) -> String {
+    if let Some(policy) = policies.x.filter(|_| one_for_all(policies)) {
+        return format!("\"{}\"", policy.word());
+    }
+    let own = policies.iter();
+    let own = own.filter_map(|(axis, policy)| Some((axis, (*policy)?)));
+    let each = own.map(|(axis, policy)| format!("{} = \"{}\"", axis.key(), policy.word()));
+    format!("{{ {} }}", each.collect::<Vec<_>>().join(", "))
+}
+
+/// Whether all axes have the same policy, or none.
+pub(crate) fn one_for_all(policies: &PerAxis<Option<BacklashPolicy>>) -> bool {
+    policies.iter().all(|(_, policy)| *policy == policies.x)
+}
+
 /// How the points of a table are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GridRequest {

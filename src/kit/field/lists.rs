@@ -27,7 +27,7 @@ pub(super) fn head(made: &Made<'_>) -> Vec<String> {
 
 /// What was printed when the kit was made, for the person who has only this page.
 fn known(made: &Made<'_>) -> Option<String> {
-    let known = remarks(made.plan, made.compiled, Some(made.forecast));
+    let known = remarks(&made.plan, &made.compiled, Some(&made.forecast));
     (!known.is_empty()).then(|| with_list("About these tables:", &known))
 }
 

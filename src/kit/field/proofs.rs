@@ -36,7 +36,7 @@ pub(super) struct Shown {
 impl Proofs {
     /// Writes the proofs and reads each back through its own reader.
     pub(super) fn write(made: &Made<'_>) -> Result<Proofs, Problems> {
-        let SignProofs { proofs, missing } = sign_proofs(made.task(), made.plan, made.compiled);
+        let SignProofs { proofs, missing } = sign_proofs(made.task(), &made.plan, &made.compiled);
         let (mut written, mut files) = (Vec::new(), Vec::new());
         for proof in proofs {
             let own = proof_files(made, &proof)?;
@@ -70,7 +70,7 @@ impl Proofs {
         let control = emulator(&made.inputs.profile, &state, &made.compiled.state)
             .map_err(|reason| shows_otherwise(&reason.0))?;
         let shown = |(proof, paths): &(SignProof, Vec<String>)| {
-            let shown_um = shown_um(made.plan, control.as_ref(), proof)
+            let shown_um = shown_um(&made.plan, control.as_ref(), proof)
                 .map_err(|reason| shows_otherwise(&reason.0))?;
             Ok(Shown {
                 proof: proof.clone(),
@@ -91,8 +91,8 @@ fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, 
     let wanted = Some(proof.mechanism);
     emit::render_apart(
         made.task(),
-        made.templates,
-        made.compiled,
+        &made.templates,
+        &made.compiled,
         &proof.tables,
         &instead,
         |file| file.role == Role::SignProof && file.mechanism == wanted,

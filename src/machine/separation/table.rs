@@ -1,15 +1,62 @@
-//! Nine errors → the rows of an error table (contract §2.1).
+//! Nine errors → the rows of an error table (contract §2.1), as the backlash policy of a job asks for them.
 
 use super::findings::SeparationFinding;
 use super::noise::Noise;
 use super::separate::Separation;
 use super::solved::SeparatedError;
 use super::unmeasured::Silent;
-use crate::inputs::error_table::{Draft, DraftSeries, Remarks};
-use crate::inputs::job::BacklashPolicy;
+use crate::inputs::error_table::{self, Draft, DraftSeries, ErrorTable, Remarks};
+use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::units::rounded;
+use crate::text::document::Source;
 use crate::text::finding::Finding;
+use crate::text::problem::{Problem, Problems};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// Where the errors of a job come from. Of readings the table depends on the policy that the job has for the
+/// reversal, so it is made anew for each.
+#[derive(Clone, Debug)]
+pub enum ErrorSource {
+    /// A table, whatever the policy is.
+    Table(Arc<ErrorTable>),
+    /// Readings that were separated.
+    Separated {
+        /// The nine errors.
+        separation: Arc<Separation>,
+        /// File of the readings.
+        readings: String,
+        /// What the table says of where it comes from.
+        comments: Vec<String>,
+    },
+}
+
+impl From<&ErrorTable> for ErrorSource {
+    fn from(table: &ErrorTable) -> ErrorSource {
+        ErrorSource::Table(Arc::new(table.clone()))
+    }
+}
+
+impl ErrorSource {
+    /// The errors of a job, of readings as the very table that `separate -o` writes.
+    pub fn table(&self, job: &Job) -> Result<Cow<'_, ErrorTable>, Problems> {
+        let (separation, readings, comments) = match self {
+            ErrorSource::Table(table) => return Ok(Cow::Borrowed(table)),
+            ErrorSource::Separated {
+                separation,
+                readings,
+                comments,
+            } => (separation, readings, comments),
+        };
+        check_policy(job, separation)?;
+        let draft = draft(separation, &job.compensation.backlash, comments.clone());
+        let text = error_table::write(&draft);
+        let name = format!("nine errors separated from {readings}");
+        let table = ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)?;
+        Ok(Cow::Owned(table))
+    }
+}
 
 /// The table that `separate` writes and `generate` reads. Terms that are not determined are
 /// absent. Directions stand apart only where the reversal between them is determined; without it
@@ -103,4 +150,29 @@ fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>)
 /// Nine decimals, 10⁻⁹ µm: as many as readings carry, without the dust of binary sums.
 fn written(values_um: &[f64]) -> Vec<f64> {
     values_um.iter().map(|um| rounded(*um, 9)).collect()
+}
+
+/// Readings in both directions need a word on the reversal, even where they do not determine it.
+fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
+    if separation.means.reverse.is_none() {
+        return Ok(());
+    }
+    let is_open = |axis: &Axis| !separation.is_directed(*axis);
+    let policy = |axis: Axis| job.compensation.backlash[axis];
+    let open = || Axis::ALL.into_iter().filter(is_open);
+    let both = [BacklashPolicy::TwoTables, BacklashPolicy::CurveAndParameter];
+    let needed = open().filter(|axis| policy(*axis).is_some_and(|own| both.contains(&own)));
+    let needed: Vec<String> = needed.map(|axis| axis.to_string()).collect();
+    match (open().any(|axis| policy(axis).is_none()), needed.is_empty()) {
+        (true, _) => Err(job
+            .problem_at("compensation", "the readings were taken in both directions, but `backlash` is not stated; there is no default")
+            .help("write `backlash = \"mean\"` or \"forward-only\"; the reversal of each axis is not determined by these readings")),
+        (false, false) => Err(job
+            .problem_at(
+                "compensation.backlash",
+                format!("this needs the reversal of each axis, which these readings do not determine for {}", needed.join(", ")),
+            )
+            .help("turn once without overrun at the far end of the diagonals, or name a linear measurement of each axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]]), or use `backlash = \"mean\"`")),
+        (false, true) => Ok(()),
+    }
 }

@@ -1,0 +1,149 @@
+//! `nonius generate JOB --compare`: backlash policies and spacings side by side.
+
+use crate::cli::outcome::{Outcome, Print};
+use crate::cli::screen::{Screen, table};
+use crate::cli::show;
+use crate::inputs::job::policies_as_stated;
+use crate::judge::conformity::Verdict;
+use crate::judge::forecast::{DiagonalForecast, TermForecast};
+use crate::kit::Inputs;
+use crate::kit::alternatives::{Alternative, Compared, compare};
+use crate::quantity::axis::PerAxis;
+use crate::text::problem::Problems;
+use serde_json::{Value, json};
+
+pub(super) fn run(inputs: &Inputs, print: Print) -> Result<Outcome, Problems> {
+    let compared = compare(inputs);
+    let outcome = print.outcome(|| screen(inputs, &compared), || document(inputs, &compared))?;
+    let own = compared.first().and_then(|own| own.result.as_ref().ok());
+    Ok(outcome.answering(own.is_some_and(|own| own.verdict == Verdict::Pass)))
+}
+
+fn screen(inputs: &Inputs, compared: &[Compared]) -> Screen {
+    let job = &inputs.job;
+    let passes = |c: &&Compared| matches!(&c.result, Ok(made) if made.verdict == Verdict::Pass);
+    let verdict = match job.acceptance.asks_nothing() {
+        true => "no acceptance is stated in the job, so there is nothing to judge".to_string(),
+        false => format!(
+            "{} of {} keep the acceptance of the job",
+            compared.iter().filter(passes).count(),
+            compared.len()
+        ),
+    };
+    let heading =
+        "backlash\tspacing\t>tables\t>points\tterm\t>before\t>after\t>U\tdiag.\t>after\tverdict";
+    let refused = |c: &Compared| {
+        let problems = c.result.as_ref().err()?;
+        let first = problems
+            .iter()
+            .next()
+            .map_or("", |problem| &problem.message);
+        Some(format!("{}, {}: {first}", policy(c), c.spacing.word()))
+    };
+    Screen {
+        verdict: format!(
+            "{verdict}\nmachine {} - {}; nothing is written",
+            job.machine.name, inputs.profile.name
+        ),
+        figures: vec![format!(
+            "{}\n  the first line is the job; spacing: as it asks, half and twice of it (or of its residual)\n  term, diag.: of which most is left, µm; U: 95 %, - = not stated",
+            table(heading, compared.iter().map(row))
+        )],
+        findings: compared.iter().filter_map(refused).collect(),
+        ..Screen::default()
+    }
+}
+
+/// The policy as a job states it.
+fn policy(compared: &Compared) -> String {
+    match compared.backlash == PerAxis::default() {
+        true => "not stated".to_string(),
+        false => policies_as_stated(&compared.backlash),
+    }
+}
+
+fn row(compared: &Compared) -> String {
+    let head = format!("{}\t{}", policy(compared), compared.spacing.word());
+    let Ok(made) = &compared.result else {
+        return format!("{head}\t-\t-\t-\t-\t-\t-\t-\t-\trefused");
+    };
+    let term = worst_term(made).map_or("-\t-\t-\t-".to_string(), |t| {
+        let expanded = show::um(t.change.expanded_um);
+        format!(
+            "{}\t{:.3}\t{:.3}\t{expanded}",
+            t.term, t.change.before_um, t.change.after_um
+        )
+    });
+    let diagonal = worst_diagonal(made);
+    let diagonal = diagonal.map_or("-\t-".to_string(), |d| {
+        format!("{}\t{:.3}", d.name, d.change.after_um)
+    });
+    let (tables, points) = (made.tables, made.points);
+    format!(
+        "{head}\t{tables}\t{points}\t{term}\t{diagonal}\t{}",
+        made.verdict.word()
+    )
+}
+
+fn worst_term(made: &Alternative) -> Option<&TermForecast> {
+    let terms = made.forecast.terms.iter();
+    terms.reduce(|a, b| {
+        if b.change.after_um > a.change.after_um {
+            b
+        } else {
+            a
+        }
+    })
+}
+
+fn worst_diagonal(made: &Alternative) -> Option<&DiagonalForecast> {
+    let diagonals = made.forecast.diagonals.iter();
+    diagonals.reduce(|a, b| {
+        if b.change.after_um > a.change.after_um {
+            b
+        } else {
+            a
+        }
+    })
+}
+
+fn document(inputs: &Inputs, compared: &[Compared]) -> Value {
+    json!({
+        "schema": 1,
+        "machine": inputs.job.machine.name,
+        "controller": inputs.profile.id,
+        "compared": compared.iter().map(entry).collect::<Vec<_>>(),
+    })
+}
+
+fn entry(compared: &Compared) -> Value {
+    let words = PerAxis::from_fn(|axis| compared.backlash[axis].map(|p| p.word()));
+    let mut entry = json!({ "backlash": words, "spacing": compared.spacing.word() });
+    let more = match &compared.result {
+        Err(problems) => {
+            let messages = problems.iter().map(|problem| &problem.message);
+            json!({ "refused": messages.collect::<Vec<_>>() })
+        }
+        Ok(made) => json!({
+            "tables": made.tables,
+            "points": made.points,
+            "verdict": made.verdict.word(),
+            "term": worst_term(made).map(|t| json!({
+                "name": t.term.to_string(),
+                "before_um": t.change.before_um,
+                "after_um": t.change.after_um,
+                "expanded_um": t.change.expanded_um,
+            })),
+            "diagonal": worst_diagonal(made).map(|d| json!({
+                "name": d.name,
+                "before_um": d.change.before_um,
+                "after_um": d.change.after_um,
+                "expanded_um": d.change.expanded_um,
+            })),
+        }),
+    };
+    if let (Some(entry), Value::Object(more)) = (entry.as_object_mut(), more) {
+        entry.extend(more);
+    }
+    entry
+}

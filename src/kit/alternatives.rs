@@ -1,0 +1,145 @@
+//! The same measurement with tables that the job does not ask for: what they would leave. A kit is made for each,
+//! from the inputs to the bytes and back, so that a job which asks for it later gets the same figures.
+
+use crate::inputs::job::{BacklashPolicy, Compensation, GridRequest, one_for_all};
+use crate::judge::conformity::Verdict;
+use crate::judge::forecast::Forecast;
+use crate::kit::inputs::Inputs;
+use crate::kit::made::Made;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::text::problem::Problems;
+
+/// The backlash policy of each axis.
+type Policies = PerAxis<Option<BacklashPolicy>>;
+
+/// What tables made otherwise would leave.
+pub struct Alternative {
+    /// The backlash policies.
+    pub backlash: Policies,
+    /// How many tables the control gets.
+    pub tables: usize,
+    /// How many points they have together.
+    pub points: usize,
+    /// What they would leave.
+    pub forecast: Forecast,
+    /// The forecast against the acceptance of the job.
+    pub verdict: Verdict,
+}
+
+impl Alternative {
+    /// What a job that asks for other tables would get.
+    pub(super) fn of(
+        inputs: &Inputs,
+        change: impl FnOnce(&mut Compensation),
+    ) -> Result<Alternative, Problems> {
+        let inputs = inputs.asking_for(change)?;
+        let made = Made::of(&inputs)?;
+        let placements = &made.compiled.placements;
+        Ok(Alternative {
+            backlash: inputs.job.compensation.backlash,
+            tables: placements.len(),
+            points: placements.iter().map(|p| p.points).sum(),
+            forecast: made.forecast,
+            verdict: made.verdict,
+        })
+    }
+}
+
+/// How far apart the points are, against what the job asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spacing {
+    /// As the job asks.
+    AsAsked,
+    /// Half of it.
+    Half,
+    /// Twice as far.
+    Twice,
+}
+
+impl Spacing {
+    /// All of them.
+    pub const ALL: [Spacing; 3] = [Spacing::AsAsked, Spacing::Half, Spacing::Twice];
+
+    /// The word of tables and documents.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Spacing::AsAsked => "asked",
+            Spacing::Half => "half",
+            Spacing::Twice => "twice",
+        }
+    }
+
+    /// What a job asks for in its place; of a residual half or twice as much.
+    fn of(self, asked: GridRequest) -> GridRequest {
+        let times = match self {
+            Spacing::AsAsked => return asked,
+            Spacing::Half => 0.5,
+            Spacing::Twice => 2.0,
+        };
+        match (asked, self) {
+            (GridRequest::Spacing(mm), _) => GridRequest::Spacing(times * mm),
+            (GridRequest::MaxResidual(um), _) => GridRequest::MaxResidual(times * um),
+            (GridRequest::Points(points), Spacing::Half) => {
+                GridRequest::Points(points.saturating_mul(2) - 1)
+            }
+            (GridRequest::Points(points), _) => GridRequest::Points(points / 2 + 1),
+        }
+    }
+}
+
+/// A backlash policy and a spacing, with what they would leave, or why the job would be refused.
+pub struct Compared {
+    /// The backlash policy of each axis; `None` = none is stated.
+    pub backlash: Policies,
+    /// The spacing of the points.
+    pub spacing: Spacing,
+    /// What they would leave.
+    pub result: Result<Alternative, Problems>,
+}
+
+/// Every backlash policy for all axes, that of the job first, each with every spacing; of a job that states no
+/// policy, its spacings.
+pub fn compare(inputs: &Inputs) -> Vec<Compared> {
+    let own = inputs.job.compensation.backlash;
+    let for_all = BacklashPolicy::ALL.map(|policy| PerAxis::from_fn(|_| Some(policy)));
+    let is_stated = own != Policies::default();
+    let others = for_all
+        .into_iter()
+        .filter(|other| is_stated && *other != own);
+    let policies = std::iter::once(own).chain(others);
+    let pairs = policies.flat_map(|policies| Spacing::ALL.map(|spacing| (policies, spacing)));
+    let compared = |(backlash, spacing): (Policies, Spacing)| Compared {
+        backlash,
+        spacing,
+        result: Alternative::of(inputs, |asked| {
+            asked.backlash = backlash;
+            for axis in Axis::ALL {
+                if let Some(settings) = &mut asked.axes[axis] {
+                    settings.grid = settings.grid.map(|grid| spacing.of(grid));
+                }
+            }
+        }),
+    };
+    pairs.map(compared).collect()
+}
+
+/// The policies that a job could state instead: of one for all axes every other one; of one for each axis
+/// every other one for one of them.
+pub(super) fn other_policies(own: &Policies) -> Vec<Policies> {
+    let for_all = |policy| PerAxis::from_fn(|_| Some(policy));
+    let others = match own.x.filter(|_| one_for_all(own)) {
+        Some(_) => BacklashPolicy::ALL.map(for_all).to_vec(),
+        None => {
+            let stated = Axis::ALL.into_iter().filter(|axis| own[*axis].is_some());
+            let with = |axis: Axis, policy| {
+                let mut others = *own;
+                others[axis] = Some(policy);
+                others
+            };
+            stated
+                .flat_map(|axis| BacklashPolicy::ALL.map(|policy| with(axis, policy)))
+                .collect()
+        }
+    };
+    others.into_iter().filter(|other| other != own).collect()
+}
