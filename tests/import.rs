@@ -11,10 +11,11 @@ use encoding_rs::{Encoding, GBK, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 use nonius::control::controller::TableSign;
 use nonius::inputs::error_table::{ErrorTable, write};
 use nonius::inputs::import::stated::{Decimal, MaterialCorrected, Rows, Runs, Stated, Travel};
-use nonius::inputs::import::{Component, Imported, Measurement, import, source_of};
+use nonius::inputs::import::{Component, ImportFinding, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
 use nonius::quantity::axis::{Axis, Direction};
 use nonius::text::document::Source;
+use nonius::text::finding::{Severity, of_severity};
 use nonius::text::problem::Problems;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -171,9 +172,9 @@ fn averages_of_an_api_export_are_taken_only_when_asked_for() {
     );
     assert!(
         measured
-            .warnings
+            .findings
             .iter()
-            .any(|w| w.contains("the file was edited"))
+            .any(|f| matches!(f.kind(), Some(ImportFinding::AveragesDiffer { .. })))
     );
     let averages = taken(Rows::Averages);
     assert!(
@@ -399,10 +400,9 @@ fn squareness_has_the_sign_of_the_contract() {
         .collect();
     assert_eq!(found, [("xy", -1.0), ("xz", 2.0), ("yz", -3.0)]);
     assert!(
-        imported
-            .facts
-            .iter()
-            .any(|fact| fact.starts_with("left out: X0Y"))
+        imported.findings.iter().any(
+            |f| matches!(f.kind(), Some(ImportFinding::LeftOut { name, .. }) if name == "X0Y")
+        )
     );
 }
 
@@ -582,7 +582,11 @@ fn an_axis_that_is_not_clear_is_stated() {
 fn the_expansion_of_the_material_is_said_where_it_counts() {
     let warm = changed("20.30 20.40 20.35", "35.00 35.00 35.00");
     let mut stated = rtl_laser(-200.0, Direction::Plus);
-    let warnings = |stated: &Stated, file: &[u8]| run(RTL, file, stated, None).unwrap().warnings;
+    let warnings = |stated: &Stated, file: &[u8]| {
+        let found = run(RTL, file, stated, None).unwrap().findings;
+        let notes = of_severity(&found, Severity::Note);
+        notes.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
     let reversal = warnings(&stated, &warm);
     assert!(reversal.len() == 1 && reversal[0].contains("B = +1.550 µm is above 0"));
     let warnings = |stated: &Stated, file: &[u8]| {

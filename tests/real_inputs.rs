@@ -14,6 +14,7 @@ use nonius::inputs::import::stated::{MaterialCorrected, Rows, Stated};
 use nonius::inputs::import::{Component, Imported, Measurement, import};
 use nonius::kit::sha256;
 use nonius::quantity::axis::{Axis, Direction};
+use nonius::text::finding::{Severity, of_severity};
 use nonius::text::problem::Problems;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -89,12 +90,14 @@ fn understood(imported: &Imported) -> String {
         .unwrap();
     }
     let told = ["unit", "values:", "rows:", "runs:", "not measured"];
-    let facts = imported
-        .facts
+    let facts = of_severity(&imported.findings, Severity::Label);
+    let facts = facts
         .iter()
+        .map(ToString::to_string)
         .filter(|fact| told.iter().any(|t| fact.starts_with(t)));
     facts.for_each(|fact| writeln!(words, "{fact}").unwrap());
-    for warning in &imported.warnings {
+    for warning in of_severity(&imported.findings, Severity::Note) {
+        let warning = warning.to_string();
         let begin = warning.split([':', '(']).next().unwrap();
         writeln!(words, "warning: {begin}").unwrap();
     }

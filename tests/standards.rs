@@ -14,6 +14,7 @@
 mod skipped;
 
 use nonius::inputs::target_runs::{Runs, Stated, Values};
+use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
 use nonius::machine::standards::{Condition, DiagonalMotion, Diagonals, Met, diagonal, vdi_3441};
 use nonius::quantity::axis::Direction;
@@ -279,7 +280,8 @@ fn one_direction_has_its_own_figures_only() {
     ];
     assert_eq!(absent, [None; 7]);
     assert_eq!(vdi_3441::figures(&runs), None);
-    assert!(iso_230_2::remarks(&runs, span(&runs))[0].contains("not measured moving up"));
+    let remarks = iso_230_2::remarks(&runs, span(&runs));
+    assert_eq!(remarks[0], StandardFinding::OneWay { way: "up" }.into());
 }
 
 #[test]
@@ -294,7 +296,11 @@ fn one_run_has_no_scatter_and_says_so() {
     assert_eq!(axis.a, Default::default());
     let vdi = vdi_3441::figures(&runs).unwrap();
     assert_eq!((vdi.p_um, vdi.p_s_um), (None, None));
-    assert!(iso_230_2::remarks(&runs, span(&runs))[0].contains("R and A are absent"));
+    let remarks = iso_230_2::remarks(&runs, span(&runs));
+    assert!(matches!(
+        remarks[0].kind(),
+        Some(StandardFinding::OneRun { .. })
+    ));
 }
 
 fn flat(targets_mm: Vec<f64>, count: usize) -> Runs {
@@ -400,7 +406,7 @@ fn above_two_metres_one_run_is_asked_for() {
     let label = iso_230_2::label(&conditions(&runs));
     assert!(label.contains("5 runs up, 5 down"), "{label}");
     let remarks = iso_230_2::remarks(&runs, span(&runs));
-    assert!(remarks[0].contains("R and A are not according to it"));
+    assert_eq!(remarks[0], StandardFinding::LongAxis.into());
 }
 
 /// The conditions are about the travel: where it is stated, it is judged.

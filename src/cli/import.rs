@@ -10,6 +10,7 @@ use crate::inputs::import::{
 };
 use crate::kit::sha256;
 use crate::quantity::axis::Direction;
+use crate::text::finding::{Severity, of_severity};
 use crate::text::problem::Problems;
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -61,11 +62,14 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
 
 /// What the file says, what was done with it, what belongs into the job.
 fn screen(imported: &Imported) -> Screen {
-    let mut facts = vec![format!("read as {}", word(imported.format))];
-    facts.extend(imported.facts.iter().cloned());
-    let warnings = imported.warnings.iter();
+    let mut verdict = format!("read as {}", word(imported.format));
+    for fact in of_severity(&imported.findings, Severity::Label) {
+        verdict += &format!("\n{fact}");
+    }
+    let warnings = of_severity(&imported.findings, Severity::Note);
+    let warnings = warnings.iter();
     Screen {
-        verdict: facts.join("\n"),
+        verdict,
         figures: vec![
             series_table(imported),
             squareness_lines(&imported.squareness).join("\n"),
@@ -118,8 +122,8 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
         "format": word(imported.format),
         "output": output.display().to_string(),
         "stated": given.collect::<Map<_, _>>(),
-        "facts": imported.facts,
-        "warnings": imported.warnings,
+        "facts": of_severity(&imported.findings, Severity::Label),
+        "warnings": of_severity(&imported.findings, Severity::Note),
         "series": series.collect::<Vec<Value>>(),
         "squareness_um_per_m": squareness.collect::<Map<_, _>>(),
     })

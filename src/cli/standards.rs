@@ -16,6 +16,7 @@ use crate::kit::sha256;
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::LengthUnit;
 use crate::text::document::Source;
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use axis::Page;
 use clap::Args;
@@ -84,7 +85,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
             };
             let measured = measured_runs(file, options.encoding, &options.stated())?;
             let runs = Runs::new(measured.targets_mm, measured.up_um, measured.down_um)?;
-            options.axis(&name, &runs, measured.facts)
+            options.axis(&name, &runs, measured.findings)
         }
     }
 }
@@ -130,8 +131,8 @@ impl Options {
     }
 
     /// Figures of one axis; `facts` are what its file states.
-    fn axis(&self, name: &str, runs: &Runs, facts: Vec<String>) -> Result<Outcome, Problems> {
-        let page = Page::of(name, runs, self.travel_mm, facts)?;
+    fn axis(&self, name: &str, runs: &Runs, notes: Vec<Finding>) -> Result<Outcome, Problems> {
+        let page = Page::of(name, runs, self.travel_mm, notes)?;
         self.print.outcome(|| page.screen(), || page.document())
     }
 }

@@ -118,7 +118,7 @@ pub struct KitFacts<'a> {
 }
 
 /// What a list tells at its step, and what stands in the annex, one line each.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Listed {
     /// To be done or seen.
     pub items: Vec<String>,
@@ -147,8 +147,8 @@ pub struct Part {
 struct FilledStep {
     number: String,
     text: String,
-    items: Vec<String>,
-    notes: Vec<String>,
+    #[serde(flatten)]
+    listed: Listed,
     evidence: &'static str,
     source: String,
     consequence: String,
@@ -159,18 +159,15 @@ pub fn parts(steps: &[Step], kit: &KitFacts<'_>) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
     let mut number = 0;
     for step in steps.iter().filter(|step| is_for(step.when, kit)) {
-        let items = step.list.map(kit.list);
-        let is_empty = |l: &Listed| l.items.is_empty() && l.notes.is_empty();
-        if items.as_ref().is_some_and(is_empty) {
+        let listed = step.list.map(kit.list);
+        if listed == Some(Listed::default()) {
             continue;
         }
-        let Listed { items, notes } = items.unwrap_or_default();
         number += 1;
         let filled = FilledStep {
             number: number.to_string(),
             text: filled(&step.text.value, kit),
-            items,
-            notes,
+            listed: listed.unwrap_or_default(),
             evidence: match step.text.evidence {
                 Evidence::Assumed => "ASSUMED",
                 Evidence::Manual => "from",

@@ -12,6 +12,7 @@
 mod columns;
 mod component;
 mod encoding;
+mod findings;
 mod groups;
 mod mapping;
 mod parameters;
@@ -32,11 +33,13 @@ pub use self::rtl::{MeasuredRuns, measured_runs};
 pub use self::stated::Format;
 
 use self::encoding::text_of;
+pub use self::findings::ImportFinding;
 use self::parameters::is_isg_header;
-use self::reading::{Reading, reversal_warnings};
+use self::reading::{Reading, unlikely_reversals};
 use self::stated::{Stated, described};
 use crate::inputs::error_table::{self, Draft, ErrorTable};
 use crate::text::document::Source;
+use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::{Problem, Problems};
 
 /// An imported measurement.
@@ -48,10 +51,9 @@ pub struct Imported {
     pub draft: Draft,
     /// Its text, which was read back as an error table.
     pub text: String,
-    /// What the file states and what was done with it, one sentence each.
-    pub facts: Vec<String>,
-    /// What the user should look at before the table is used.
-    pub warnings: Vec<String>,
+    /// What the file states and what was done with it (labels); what to look at before the table is used
+    /// (notes).
+    pub findings: Vec<Finding>,
     /// Squareness cannot stand in an error table; it belongs into the job.
     pub squareness: Vec<Squareness>,
 }
@@ -69,12 +71,11 @@ pub fn import(
         None => recognised(&source, stated)?,
     };
     let mut reading = read(format, &source, stated)?;
-    let reversal = reversal_warnings(&reading.series);
-    reading.warnings.extend(reversal);
-    let mut facts = vec![format!("text: {encoding}")];
-    facts.extend(reading.facts.iter().cloned());
+    reading.find(unlikely_reversals(&reading.series));
+    let encoding = ImportFinding::Encoding { name: encoding };
+    reading.findings.insert(0, encoding.into());
     let draft = Draft {
-        comments: comments(file, format, stated, &facts, &reading),
+        comments: comments(file, format, stated, &reading),
         series: reading.series,
     };
     let text = error_table::write(&draft);
@@ -83,8 +84,7 @@ pub fn import(
         format,
         draft,
         text,
-        facts,
-        warnings: reading.warnings,
+        findings: reading.findings,
         squareness: reading.squareness,
     })
 }
@@ -143,7 +143,6 @@ fn comments(
     file: Measurement<'_>,
     format: Format,
     stated: &Stated,
-    facts: &[String],
     reading: &Reading,
 ) -> Vec<String> {
     let mut comments = vec![
@@ -152,8 +151,10 @@ fn comments(
     ];
     let given = stated.given().into_iter();
     comments.extend(given.map(|(option, value)| format!("stated: {option} {value}")));
-    comments.extend(facts.iter().cloned());
-    comments.extend(reading.warnings.iter().map(|w| format!("warning: {w}")));
+    let facts = of_severity(&reading.findings, Severity::Label);
+    comments.extend(facts.iter().map(ToString::to_string));
+    let warnings = of_severity(&reading.findings, Severity::Note);
+    comments.extend(warnings.iter().map(|found| format!("warning: {found}")));
     comments.extend(squareness_lines(&reading.squareness));
     comments
 }

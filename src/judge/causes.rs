@@ -34,8 +34,10 @@ use self::data::{Data, RISK, quantile};
 use self::decide::{decides, short};
 use self::fault::{Fault, Fit};
 use crate::judge::after::Observation;
+use crate::judge::findings::OfTerm;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Figure;
+use crate::text::finding::Finding;
 use crate::text::problem::Problem;
 use serde::Serialize;
 
@@ -73,7 +75,7 @@ pub struct Diagnosis {
     /// The causes that the data cannot tell apart, the usual ones first; empty if nothing fits.
     pub causes: Vec<Cause>,
     /// Term by term, where no single cause fits.
-    pub by_term: Vec<String>,
+    pub by_term: Vec<Finding>,
     /// The one measurement that decides between the causes.
     pub decides: Option<String>,
     /// What the comparison rests on.
@@ -189,11 +191,11 @@ fn causes(
 
 /// What each term looks like by itself: how far it is off, and every fault that fits, the best
 /// first.
-fn term_by_term(data: &Data<'_>) -> Vec<String> {
+fn term_by_term(data: &Data<'_>) -> Vec<Finding> {
     let forecast = data.fit(&Fault::none());
     let alone = |term: ErrorTerm| {
         if data.stands_alone(&forecast, term) {
-            return format!("{term}: as forecast");
+            return OfTerm::AsForecast { term }.into();
         }
         let off = data.farthest_off(term);
         let off = off.map_or_else(String::new, |(um, seen)| off_forecast(um, seen));
@@ -203,13 +205,8 @@ fn term_by_term(data: &Data<'_>) -> Vec<String> {
             .filter(|(fault, fit)| data.stands_alone(fit, term) && fault.is_plausible(fit))
             .collect();
         fits.sort_by(|a, b| data.rms_of(&a.1, term).total_cmp(&data.rms_of(&b.1, term)));
-        match fits.as_slice() {
-            [] => format!("{term}: {off}no single fault fits"),
-            some => {
-                let kinds: Vec<&str> = some.iter().map(|(fault, _)| fault.kind).collect();
-                format!("{term}: {off}{}", kinds.join(" or "))
-            }
-        }
+        let faults = fits.iter().map(|(fault, _)| fault.kind).collect();
+        OfTerm::OffForecast { term, off, faults }.into()
     };
     data.single_terms().into_iter().map(alone).collect()
 }

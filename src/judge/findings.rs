@@ -126,6 +126,14 @@ findings! {
 }
 
 findings! {
+    /// What a term looks like by itself, where no single cause fits all.
+    OfTerm {
+        AsForecast { term: ErrorTerm } => Note, "{term}: as forecast";
+        OffForecast { term: ErrorTerm, off: String, faults: Vec<&'static str> } => Note, "{term}: {off}{}", if faults.is_empty() { "no single fault fits".to_string() } else { faults.join(" or ") };
+    }
+}
+
+findings! {
     /// What is found in the measurement afterwards. With a doubt the figures decide nothing in favour.
     AsLeft {
         Simulated => Doubt, "the values afterwards were simulated, those as found were measured: a rehearsal says nothing of this machine";

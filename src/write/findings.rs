@@ -1,9 +1,7 @@
 //! What there is to know of tables and programs before they are loaded.
 
-use crate::control::controller::Mechanism;
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::text::finding::{findings, joined};
-use crate::write::sign_proof::name;
 
 findings! {
     /// What is found while tables are planned and put into the control's numbers.
@@ -16,7 +14,7 @@ findings! {
         OldAndResidual { path: String } => Note, "the tables of `{path}` were active during the measurement: these tables are old + residual and replace them";
         ParameterReplaced { axes: Vec<Axis> } => Note, "the tables replace the backlash parameter of {} (MD32450, 1851), which is counted as 0 while measuring; a machine normally holds one even with its tables off: look, and if it was on, state `active_backlash_um = {{ … }}` beside `active_while_measuring = \"none\"`", joined(axes);
         UnlikelyReversal { term: ErrorTerm, um: f64 } => Note, "{term}: B = {um:+.3} µm is above 0, ordinary lost motion gives B < 0: are the directions + and - exchanged?";
-        NoSignProof { mechanism: Mechanism, least_um: f64, slope_um_per_mm: f64 } => Note, "no sign proof of {}: no axis has a stretch, at least one section away from its reference and inside its travel, on which a bump rises to {least_um} µm with at most {slope_um_per_mm} µm/mm; measure after loading instead, one axis first", name(*mechanism);
+        NoSignProof { mechanism: &'static str, least_um: f64, slope_um_per_mm: f64 } => Note, "no sign proof of {mechanism}: no axis has a stretch, at least one section away from its reference and inside its travel, on which a bump rises to {least_um} µm with at most {slope_um_per_mm} µm/mm; measure after loading instead, one axis first";
         OtherLetters { key: &'static str, text: String, written: String } => Note, "{key} `{text}` stands as `{written}` in the control's files, which are ASCII";
     }
 }

@@ -152,9 +152,9 @@ fn nearest_to_the_middle(
     peaks.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-const fn no_place(task: Task<'_>, mechanism: Mechanism) -> TableFinding {
+fn no_place(task: Task<'_>, mechanism: Mechanism) -> TableFinding {
     TableFinding::NoSignProof {
-        mechanism,
+        mechanism: name(mechanism),
         least_um: LEAST_BUMP_UM,
         slope_um_per_mm: task.job.limits.max_slope_um_per_mm,
     }

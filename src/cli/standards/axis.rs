@@ -10,6 +10,7 @@ use crate::machine::standards::{
     self, ByDirection, Condition, Confidence, Met, VDI_3441, in_words, vdi_3441,
 };
 use crate::quantity::axis::Direction;
+use crate::text::finding::Finding;
 use crate::text::problem::Problem;
 use serde_json::{Value, json};
 
@@ -21,19 +22,18 @@ pub(super) struct Page<'a> {
     iso: iso_230_2::Figures,
     conditions: Vec<Condition>,
     vdi: Option<vdi_3441::Figures>,
-    notes: Vec<String>,
+    notes: Vec<Finding>,
 }
 
 impl Page<'_> {
-    /// `facts`: what the file of the runs states.
+    /// `notes`: what the file of the runs states.
     pub(super) fn of<'a>(
         name: &'a str,
         runs: &'a Runs,
         travel_mm: Option<f64>,
-        facts: Vec<String>,
+        mut notes: Vec<Finding>,
     ) -> Result<Page<'a>, Problem> {
         let travel = Travel::of(runs, travel_mm)?;
-        let mut notes = facts;
         notes.extend(iso_230_2::remarks(runs, travel));
         Ok(Page {
             name,

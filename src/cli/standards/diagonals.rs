@@ -7,11 +7,13 @@ use crate::cli::outcome::{Outcome, Print, joined};
 use crate::cli::screen::{Screen, table};
 use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;
+use crate::machine::findings::StandardFinding;
 use crate::machine::separation::readings::CorrectedRun;
 use crate::machine::standards::{DIAGONALS, Diagonals};
 use crate::quantity::axis::Direction;
 use crate::quantity::diagonal::PathKind;
 use crate::text::document::Source;
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -54,7 +56,7 @@ pub(super) fn of_readings(source: Source, print: Print) -> Result<Outcome, Probl
     });
     let known: Vec<CorrectedRun> = known.collect();
     let mut notes = notes(known.len() < readings.runs.len());
-    notes.push("no job: the readings are taken to be positive along the forward run (`laser_sign = \"+\"`), and nothing is corrected; give the job instead of the readings if that is not so".to_string());
+    notes.push(StandardFinding::NoJob.into());
     let (volume, kind) = (&measurement.volume, measurement.kind);
     let figures = StandardFigures::of_unknown_length(volume, kind, &known)?;
     let name = &name;
@@ -66,19 +68,16 @@ pub(super) fn of_readings(source: Source, print: Print) -> Result<Outcome, Probl
     print.outcome(|| page.screen(), || page.document())
 }
 
-fn notes(dropped: bool) -> Vec<String> {
-    let mut notes =
-        vec!["up = the forward run, in the direction of the diagonal's name".to_string()];
-    if dropped {
-        notes.push("runs under the names of reverse runs (NNN …) are left out: their offset to the forward runs is not known".to_string());
-    }
-    notes
+fn notes(dropped: bool) -> Vec<Finding> {
+    let dropped = dropped.then_some(StandardFinding::ReverseNames);
+    let notes = std::iter::once(StandardFinding::UpIsForward).chain(dropped);
+    notes.map(Finding::from).collect()
 }
 
 struct Page<'a> {
     name: &'a str,
     figures: StandardFigures,
-    notes: Vec<String>,
+    notes: Vec<Finding>,
 }
 
 impl Page<'_> {

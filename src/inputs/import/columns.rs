@@ -4,6 +4,7 @@
 //! cannot stand between thousands: `1,000` may be one or a thousand.
 
 use crate::inputs::error_table::Quantity;
+use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::groups::{Group, Row, is_ascending};
 use crate::inputs::import::mapping::{Content, Mapped, Mapping, Named, unit_of_name};
 use crate::inputs::import::reading::Reading;
@@ -32,17 +33,14 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     let (Some(sign), true) = (sign, problems.is_empty()) else {
         return Err(problems);
     };
-    let number = table.header.number();
-    let mut reading = Reading {
-        facts: vec![format!("table: its columns are named in line {number}")],
-        ..Reading::default()
-    };
+    let line = table.header.number();
+    let mut reading = Reading::saying([ImportFinding::ColumnsNamed { line }]);
     let has_targets = mapping.has(Content::Target);
     let ascending = !has_targets || is_ascending(&rows, &mut problems);
     if mapping.has(Content::Table(Quantity::Direction)) {
         let all_agree = !has_targets || (ascending && stated.targets_run == Some(Direction::Plus));
         let fact = table.sense_of_plus(all_agree, stated, &mut problems);
-        reading.facts.push(fact);
+        reading.find([fact]);
     }
     let mut groups: BTreeMap<(Axis, Option<Direction>), Vec<&Row<'_>>> = BTreeMap::new();
     for row in &rows {
@@ -58,7 +56,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
             direction,
             rows: of_group,
         };
-        let series = group.series(sign, stated, &mut reading.facts, &mut problems);
+        let series = group.series(sign, stated, &mut reading, &mut problems);
         reading.series.extend(series);
     }
     problems.or_ok(reading)
@@ -104,13 +102,18 @@ impl<'a, 'm> Table<'a, 'm> {
 
     /// What `+` of a mapped direction means: where targets, outward run and axis do not all go the
     /// same way, the file cannot say which of them its `+` follows.
-    fn sense_of_plus(&self, all_agree: bool, stated: &Stated, problems: &mut Problems) -> String {
+    fn sense_of_plus(
+        &self,
+        all_agree: bool,
+        stated: &Stated,
+        problems: &mut Problems,
+    ) -> ImportFinding {
         if stated.plus_moves.is_none() && !all_agree && stated.targets_run.is_some() {
             problems.push(PLUS_MOVES.missing().at(self.header.whole()));
         }
-        match stated.plus_moves {
-            Some(way) => format!("direction: rows with `+` = the axis moving {way}, as stated"),
-            None => "direction: rows with `+` = the axis moving +".to_string(),
+        ImportFinding::PlusRows {
+            moves: stated.plus_moves.unwrap_or(Direction::Plus),
+            stated: stated.plus_moves.is_some(),
         }
     }
 

@@ -3,12 +3,14 @@
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::{DraftSeries, Quantity};
 use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::mapping::{Content, Mapped};
-use crate::inputs::import::reading::{Placing, freedom_remark, means, tidy};
+use crate::inputs::import::reading::{Placing, Reading, freedom, means, tidy};
 use crate::inputs::import::stated::Stated;
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::SAME_PLACE_MM;
 use crate::text::delimited::Line;
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use std::collections::BTreeMap;
 
@@ -71,7 +73,7 @@ impl<'a, 'b> Group<'a, 'b> {
         &self,
         sign: TableSign,
         stated: &Stated,
-        facts: &mut Vec<String>,
+        said: &mut Reading,
         problems: &mut Problems,
     ) -> Option<DraftSeries> {
         let runs = problems.take(self.runs())?;
@@ -80,9 +82,9 @@ impl<'a, 'b> Group<'a, 'b> {
             Some(first) => self.placing(first, &positions, stated, problems)?,
             None => Placing::on_machine(&positions),
         };
-        for fact in self.facts(runs.len(), &placing) {
-            if !facts.contains(&fact) {
-                facts.push(fact);
+        for fact in self.facts(runs.len(), &placing).map(Finding::from) {
+            if !said.findings.contains(&fact) {
+                said.findings.push(fact);
             }
         }
         let mut series = DraftSeries::new(self.axis, self.direction, placing.positions_mm());
@@ -127,37 +129,32 @@ impl<'a, 'b> Group<'a, 'b> {
         Some(Component { kind, along })
     }
 
-    fn facts(&self, runs: usize, placing: &Placing) -> Vec<String> {
-        let components: Vec<Component> = self
-            .columns
-            .iter()
-            .filter_map(|c| self.component(c))
-            .collect();
-        let mut facts = Vec::new();
+    fn facts(&self, runs: usize, placing: &Placing) -> impl Iterator<Item = ImportFinding> {
+        let of_columns = self.columns.iter();
+        let components: Vec<Component> = of_columns.filter_map(|c| self.component(c)).collect();
+        let mut found = Vec::new();
         if self.first_target.is_some() {
-            facts.push(placing.words());
-            facts.extend(components.iter().filter_map(|c| placing.sense_words(*c)));
+            found.push(placing.found());
+            found.extend(components.iter().filter_map(|c| placing.turned(*c)));
         }
-        if runs > 1 {
-            let is_deviation = |c: &Component| matches!(c.kind, Kind::Deviation(_));
-            let u = match (
-                components.iter().any(is_deviation),
-                components.iter().all(is_deviation),
-            ) {
-                (true, true) => "u = s/√runs (k = 1)",
-                (true, false) => {
-                    "u = s/√runs (k = 1) of the deviations; none is written for angles"
-                }
-                _ => "no u is written for angles",
-            };
-            let travel = self.direction.map_or("both", Direction::symbol);
-            let axis = self.axis;
-            facts.push(format!(
-                "runs: {runs} of {axis}, direction {travel}; their mean, {u}"
-            ));
-        }
-        facts.extend(freedom_remark(placing.positions_mm().len(), runs));
-        facts
+        let is_deviation = |c: &Component| matches!(c.kind, Kind::Deviation(_));
+        let u = match (
+            components.iter().any(is_deviation),
+            components.iter().all(is_deviation),
+        ) {
+            (true, true) => "u = s/√runs (k = 1)",
+            (true, false) => "u = s/√runs (k = 1) of the deviations; none is written for angles",
+            _ => "no u is written for angles",
+        };
+        let several = ImportFinding::RunsOf {
+            runs,
+            axis: self.axis,
+            direction: self.direction.map_or("both", Direction::symbol),
+            u,
+        };
+        found.extend((runs > 1).then_some(several));
+        found.extend(freedom(placing.positions_mm().len(), runs));
+        found.into_iter()
     }
 
     /// The rows of each run, in the order of their positions; all runs at the same positions.

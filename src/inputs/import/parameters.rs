@@ -15,6 +15,7 @@
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::reading::{Placing, Reading, Squareness, deviation, tidy};
 use crate::inputs::import::stated::Stated;
 use crate::inputs::import::words::{AGAIN, Piece, lines};
@@ -92,11 +93,8 @@ fn assemble(
     let (Some(sign), true) = (stated.required_sign(&mut problems), problems.is_empty()) else {
         return Err(problems);
     };
-    let unit = "unit: positions and deviations in mm, angles in rad (the format's); positions are machine coordinates";
-    let mut reading = Reading {
-        facts: vec![unit.to_string()],
-        ..Reading::default()
-    };
+    let unit = "positions and deviations in mm, angles in rad (the format's); positions are machine coordinates";
+    let mut reading = Reading::saying([ImportFinding::UnitOfFormat { unit }]);
     for (index, parameter) in parameters.iter().enumerate() {
         if problems.is_full() {
             break; // each is compared with all before it
@@ -120,7 +118,7 @@ fn assemble(
 fn take(parameter: &Parameter, sign: TableSign, reading: &mut Reading) -> Result<(), Problem> {
     let name = &parameter.name;
     let is_zero = parameter.values.iter().all(|value| *value == 0.0);
-    let left_out = match Name::of(name) {
+    let what = match Name::of(name) {
         Some(Name::Component(component)) => {
             return add(&mut reading.series, component, parameter, sign);
         }
@@ -147,7 +145,8 @@ fn take(parameter: &Parameter, sign: TableSign, reading: &mut Reading) -> Result
             return Err(parameter.problem(message, "expected EXX … ECZ, or C0Y, B0Z, A0Z"));
         }
     };
-    reading.facts.push(format!("left out: {name} ({left_out})"));
+    let name = name.clone();
+    reading.find([ImportFinding::LeftOut { name, what }]);
     Ok(())
 }
 

@@ -13,6 +13,7 @@
 //! docs/import.md §6 names the sources.
 
 use crate::control::controller::TableSign;
+use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::pos_rows::{Averages, Measured};
 use crate::inputs::import::reading::{Passes, Reading, Way};
 use crate::inputs::import::stated::{Format, ROWS, Rows, Stated};
@@ -57,11 +58,8 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     else {
         return Err(problems);
     };
-    said.facts.push(format!(
-        "unit of the positions: {}; of the values: {}",
-        unit.word(),
-        error_unit.word()
-    ));
+    let (positions, values) = (unit.word(), error_unit.word());
+    said.find([ImportFinding::Units { positions, values }]);
     let taken = if is_measured {
         header.measured(
             &measured,
@@ -73,8 +71,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     } else {
         of_averages(&measured, averages.as_ref(), &mut said, &mut problems)
     };
-    said.warnings
-        .extend(measured.material_warning(stated, &mut problems));
+    said.find(measured.material_warning(stated, &mut problems));
     let Some(mut passes) = taken else {
         return Err(problems);
     };
@@ -82,9 +79,9 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
         *target = *target * unit.um() / UM_PER_MM;
     }
     passes.scale(error_unit.um());
-    said.facts.extend(measured.surroundings());
+    said.find(measured.surroundings());
     let of_runs = if is_measured {
-        passes.words(stated)
+        passes.of_runs(stated)
     } else {
         Vec::new()
     };
@@ -135,23 +132,16 @@ impl<'a> Header<'a> {
     fn said(&self, stated: &Stated, problems: &mut Problems) -> Reading {
         let axis = self.fields.value("TestAxis");
         let axis = axis.and_then(|axis| stated.axis_warning(&axis, Format::Pos, problems));
-        Reading {
-            facts: self.fields.said(&COPIED),
-            warnings: axis.into_iter().chain(self.version_warning()).collect(),
-            ..Reading::default()
-        }
+        let copied = self.fields.said(&COPIED);
+        Reading::saying(copied.chain(axis).chain(self.version_warning()))
     }
 
-    fn version_warning(&self) -> Option<String> {
-        let version = self
-            .fields
-            .value("File Version")
-            .map_or("none", |word| word.text);
-        (version != KNOWN_VERSION).then(|| {
-            format!(
-                "`File Version` is {}; the format is known from version {KNOWN_VERSION} only: compare a value with the screen of the maker's program",
-                shown(version)
-            )
+    fn version_warning(&self) -> Option<ImportFinding> {
+        let version = self.fields.value("File Version");
+        let version = version.map_or("none", |word| word.text);
+        (version != KNOWN_VERSION).then(|| ImportFinding::OtherVersion {
+            version: shown(version),
+            known: KNOWN_VERSION,
         })
     }
 
@@ -214,16 +204,16 @@ impl<'a> Header<'a> {
             );
             problems.push(measured.heading.problem(message, "state `--sign as-error`"));
         }
-        said.facts.push(format!("values: in every row LinearError = {relation} − Position, so they are measured − target as the file counts"));
-        said.warnings.extend(measured.warm_up());
-        if let Some((words, line)) = averages.and_then(|averages| averages.difference(&passes)) {
+        let relation = relation.to_string();
+        said.find([ImportFinding::Measured { relation }]);
+        said.find(measured.warm_up());
+        if let Some((how, line)) = averages.and_then(|averages| averages.difference(&passes)) {
             if stated.rows.is_none() {
-                let why =
-                    format!("the maker's averages are not those of the measured rows: {words}");
+                let why = format!("the maker's averages are not those of the measured rows: {how}");
                 problems.push(ROWS.missing_because(&why).at(line.place()));
                 return None;
             }
-            said.warnings.push(format!("the maker's averages are not those of the measured rows ({words}), so the file was edited; the measured rows were taken"));
+            said.find([ImportFinding::AveragesDiffer { how }]);
         }
         Some(passes)
     }
@@ -300,14 +290,10 @@ fn of_averages(
         problems.push(measured.heading.problem(message, "leave `--rows` out"));
         return None;
     };
-    let (alone, all) = (averages.without_row(measured), averages.rows.len());
-    if alone > 0 {
-        said.warnings.push(format!(
-            "the maker's averages were taken: {alone} of their {all} positions stand in none of the {} measured rows, so the file was edited; nothing shows that the values there were measured",
-            measured.rows.len()
-        ));
-    }
-    let words = "rows: the maker's averages (`API Linear Error Compensation Table`)";
-    said.facts.push(words.to_string());
+    let (alone, of) = (averages.without_row(measured), averages.rows.len());
+    let rows = measured.rows.len();
+    let taken = ImportFinding::AveragesTaken { alone, of, rows };
+    said.find((alone > 0).then_some(taken));
+    said.find([ImportFinding::Averages]);
     Some(averages.passes())
 }

@@ -1,5 +1,6 @@
 //! The two tables of a `.pos` file: measured rows, and the maker's averages.
 
+use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::reading::{Passes, Way, means};
 use crate::inputs::import::stated::Stated;
 use crate::inputs::import::words::{AGAIN, Piece};
@@ -167,11 +168,11 @@ impl<'a> Measured<'a> {
         problems.push(row.line.problem(message, help));
     }
 
-    pub(super) fn warm_up(&self) -> Option<String> {
+    pub(super) fn warm_up(&self) -> Option<ImportFinding> {
         let [.., status] = self.at;
         let is_warming = |row: &&Row<'_>| is(row.numbers[status], WARM_UP);
-        let (count, all) = (self.rows.iter().filter(is_warming).count(), self.rows.len());
-        (count > 0).then(|| format!("the laser was still warming up in {count} of {all} rows"))
+        let (rows, of) = (self.rows.iter().filter(is_warming).count(), self.rows.len());
+        (rows > 0).then_some(ImportFinding::WarmingUp { rows, of })
     }
 
     /// The passes of some targets each: forward where the positions are those of the first one, reverse
@@ -234,7 +235,7 @@ impl<'a> Measured<'a> {
         &self,
         stated: &Stated,
         problems: &mut Problems,
-    ) -> Option<String> {
+    ) -> Option<ImportFinding> {
         let mut sensors = self.sensors();
         let material =
             sensors.find(|(name, values)| name.starts_with("MatTemp") && values.is_some());
@@ -248,25 +249,17 @@ impl<'a> Measured<'a> {
     }
 
     /// Air and material as the file has them; it names no unit of theirs.
-    pub(super) fn surroundings(&self) -> Vec<String> {
-        let (mut noted, mut absent) = (Vec::new(), Vec::new());
-        for (name, values) in self.sensors() {
-            match values {
-                None => absent.push(name),
-                Some(values) => noted.push(format!("{name} {values}")),
+    pub(super) fn surroundings(&self) -> impl Iterator<Item = ImportFinding> {
+        let (mut values, mut sensors) = (Vec::new(), Vec::new());
+        for (name, range) in self.sensors() {
+            match range {
+                None => sensors.push(name.to_string()),
+                Some(range) => values.push(format!("{name} {range}")),
             }
         }
-        let lists = [
-            (
-                "air and material, the file names no units",
-                noted.join(", "),
-            ),
-            ("not measured (−1)", absent.join(", ")),
-        ];
-        let lists = lists.into_iter().filter(|(_, list)| !list.is_empty());
-        lists
-            .map(|(what, list)| format!("{what}: {list}"))
-            .collect()
+        let noted = (!values.is_empty()).then_some(ImportFinding::Surroundings { values });
+        let absent = (!sensors.is_empty()).then_some(ImportFinding::NotMeasured { sensors });
+        noted.into_iter().chain(absent)
     }
 }
 

@@ -4,9 +4,11 @@
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::stated::{FIRST_TARGET, Stated, TARGETS_RUN};
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::{Deviation, Squared, rounded};
+use crate::text::finding::Finding;
 use crate::text::problem::{Place, Problem, Problems};
 
 /// Two axes whose squareness a file gives.
@@ -20,15 +22,26 @@ pub struct Squareness {
     pub name: &'static str,
 }
 
-/// What a file gave, in our words.
+/// What a file gave.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reading {
     pub(super) series: Vec<DraftSeries>,
-    /// What the file states and what was done with it.
-    pub(super) facts: Vec<String>,
-    /// What the user should look at before the table is used.
-    pub(super) warnings: Vec<String>,
+    /// What the file states and what was done with it (labels); what to look at (notes).
+    pub(super) findings: Vec<Finding>,
     pub(super) squareness: Vec<Squareness>,
+}
+
+impl Reading {
+    /// Of a file that says this of itself.
+    pub(super) fn saying(said: impl IntoIterator<Item = ImportFinding>) -> Reading {
+        let mut reading = Reading::default();
+        reading.find(said);
+        reading
+    }
+
+    pub(super) fn find(&mut self, found: impl IntoIterator<Item = ImportFinding>) {
+        self.findings.extend(found.into_iter().map(Finding::from));
+    }
 }
 
 /// Nine decimals: far below what can be measured, and free of the dust of binary sums.
@@ -71,7 +84,7 @@ impl Passes {
         &self,
         (term, sign): (Option<Component>, Option<TableSign>),
         mut said: Reading,
-        of_runs: Vec<String>,
+        of_runs: Vec<ImportFinding>,
         stated: &Stated,
         mut problems: Problems,
     ) -> Result<Reading, Problems> {
@@ -79,9 +92,9 @@ impl Passes {
         let (Some(term), Some(sign), Some(placing)) = (term, sign, placing) else {
             return Err(problems);
         };
-        said.facts.push(placing.words());
-        said.facts.extend(placing.sense_words(term));
-        said.facts.extend(of_runs);
+        said.find([placing.found()]);
+        said.find(placing.turned(term));
+        said.find(of_runs);
         let series = self.ways.iter().map(|(way, runs)| {
             let mut series =
                 DraftSeries::new(term.along, placing.direction(*way), placing.positions_mm());
@@ -101,24 +114,20 @@ impl Passes {
     }
 
     /// How many runs went which way, and what they tell of the uncertainty.
-    pub(super) fn words(&self, stated: &Stated) -> Vec<String> {
+    pub(super) fn of_runs(&self, stated: &Stated) -> Vec<ImportFinding> {
         let Some(run) = stated.targets_run else {
             return Vec::new();
         };
         let counts = self.ways.iter().map(|(way, runs)| match way {
-            Way::Reverse => format!("{} moving {}", runs.len(), run.opposite()),
-            _ => format!("{} moving {run}", runs.len()),
+            Way::Reverse => (runs.len(), run.opposite()),
+            _ => (runs.len(), run),
         });
-        let counts: Vec<String> = counts.collect();
         let fewest = self.ways.iter().map(|(_, runs)| runs.len()).min();
         let fewest = fewest.unwrap_or(0);
-        let u = match fewest {
-            0 | 1 => "one run tells nothing about the uncertainty",
-            _ => "mean of each direction, u = s/√runs (k = 1)",
-        };
-        let mut words = vec![format!("runs: {}; {u}", counts.join(", "))];
-        words.extend(freedom_remark(self.targets.len(), fewest));
-        words
+        let counts = counts.collect();
+        let runs = ImportFinding::Runs { counts, fewest };
+        let freedom = freedom(self.targets.len(), fewest);
+        std::iter::once(runs).chain(freedom).collect()
     }
 }
 
@@ -231,23 +240,21 @@ impl Placing {
         }
     }
 
-    /// Where the targets stand, in words.
-    pub(super) fn words(&self) -> String {
+    /// Where the targets stand.
+    pub(super) fn found(&self) -> ImportFinding {
         let positions = self.positions_mm();
         let end = |mm: Option<&f64>| mm.map_or_else(String::new, f64::to_string);
-        format!(
-            "positions: {} targets at machine coordinates {} … {} mm",
-            positions.len(),
-            end(positions.first()),
-            end(positions.last())
-        )
+        ImportFinding::Positions {
+            count: positions.len(),
+            first: end(positions.first()),
+            last: end(positions.last()),
+        }
     }
 
     /// What was done with the sense of the deviations, where something was done.
-    pub(super) fn sense_words(&self, component: Component) -> Option<String> {
-        (self.turned && component.is_positioning()).then(|| {
-            format!("sense: the file counts its targets against the axis, so {component} is turned as well")
-        })
+    pub(super) fn turned(&self, component: Component) -> Option<ImportFinding> {
+        let is_turned = self.turned && component.is_positioning();
+        is_turned.then_some(ImportFinding::Turned { component })
     }
 }
 
@@ -269,9 +276,9 @@ fn sense(targets: &[f64], at: &Place, problems: &mut Problems) -> Option<bool> {
 }
 
 /// The remark of an error table on how well u is known: targets · (runs − 1).
-pub(super) fn freedom_remark(targets: usize, runs: usize) -> Option<String> {
-    let freedom = targets * runs.saturating_sub(1);
-    (freedom > 0).then(|| format!("degrees of freedom: {freedom}"))
+pub(super) fn freedom(targets: usize, runs: usize) -> Option<ImportFinding> {
+    let degrees = targets * runs.saturating_sub(1);
+    (degrees > 0).then_some(ImportFinding::Freedom { degrees })
 }
 
 fn float(count: usize) -> f64 {
@@ -295,12 +302,12 @@ pub(super) fn means(runs: &[Vec<f64>]) -> Vec<(f64, Option<f64>)> {
 /// A reversal above this is no scatter (the limit of `generate`), µm.
 const NOTABLE_UM: f64 = 0.5;
 
-/// A sentence for each axis whose positioning has a reversal B > 0: the one figure that shows a direction or
+/// Each axis whose positioning has a reversal B > 0: the one figure that shows a direction or
 /// a sign taken wrongly.
 ///
 /// formula B = mean deviation moving + minus mean deviation moving −, over all positions (ISO 230-2)
 /// limits  positions of the two directions are not compared: it is a warning, no figure
-pub(super) fn reversal_warnings(series: &[DraftSeries]) -> Vec<String> {
+pub(super) fn unlikely_reversals(series: &[DraftSeries]) -> Vec<ImportFinding> {
     let mean_um = |axis: Axis, direction: Direction| {
         let mut of_axis = series.iter().filter(|s| s.axis == axis);
         let series = of_axis.find(|s| s.direction == Some(direction))?;
@@ -309,11 +316,7 @@ pub(super) fn reversal_warnings(series: &[DraftSeries]) -> Vec<String> {
     };
     let of = |axis: Axis| {
         let um = mean_um(axis, Direction::Plus)? - mean_um(axis, Direction::Minus)?;
-        (um > NOTABLE_UM).then(|| {
-            format!(
-                "E{axis}{axis}: B = {um:+.3} µm is above 0, ordinary lost motion gives B < 0: are the way of the targets, the directions or the sign stated as they were?"
-            )
-        })
+        (um > NOTABLE_UM).then_some(ImportFinding::UnlikelyReversal { axis, um })
     };
     Axis::ALL.into_iter().filter_map(of).collect()
 }

@@ -9,6 +9,7 @@
 //! Type, unit and sign come from these lines; where one is absent it has to be stated.
 
 use crate::control::controller::TableSign;
+use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::reading::{Passes, Reading, Way};
 use crate::inputs::import::stated::{Format, SIGN, Stated, UNIT, VALUES, Values};
 use crate::inputs::import::words::{AGAIN, Fields, Piece, lines};
@@ -62,13 +63,9 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     };
     compare(&header, &passes, &mut problems);
     passes.scale(unit_um);
-    let facts = header.said(&COPIED);
-    let said = Reading {
-        facts,
-        ..Reading::default()
-    };
+    let said = Reading::saying(header.said(&COPIED));
     let directed = stated.targets_run.filter(|_| !is_combined(&passes));
-    let way = directed.map(|way| format!("direction: `Forward` is taken as the way from the first position to the last = the axis moving {way}"));
+    let way = directed.map(|moves| ImportFinding::ForwardIs { moves });
     passes.reading(
         (term, sign),
         said,

@@ -10,6 +10,7 @@
 
 use crate::inputs::import::component::{Component, Kind};
 use crate::inputs::import::encoding::{Measurement, text_of};
+use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::reading::{Passes, Placing, Reading};
 use crate::inputs::import::rtl_file::{File, Sections};
 use crate::inputs::import::stated::{Format, Stated};
@@ -17,6 +18,7 @@ use crate::inputs::import::words::{Fields, Piece};
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::plain_number;
 use crate::text::document::{LARGEST_NUMBER, Source};
+use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::{Problems, shown};
 
 pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
@@ -26,8 +28,8 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     let Some((passes, mut said, of_runs)) = passes_of(source, stated, &mut problems) else {
         return Err(problems);
     };
-    let unit = "unit: deviations in µm, targets in mm (the format's)";
-    said.facts.push(unit.to_string());
+    let unit = "deviations in µm, targets in mm (the format's)";
+    said.find([ImportFinding::UnitOfFormat { unit }]);
     passes.reading((term, sign), said, of_runs, stated, problems)
 }
 
@@ -40,8 +42,8 @@ pub struct MeasuredRuns {
     pub up_um: Option<Vec<Vec<f64>>>,
     /// Likewise moving −.
     pub down_um: Option<Vec<Vec<f64>>>,
-    /// What the file states and what was done with it, one sentence each.
-    pub facts: Vec<String>,
+    /// What the file states and what was done with it.
+    pub findings: Vec<Finding>,
 }
 
 /// Positioning is measured along the axis itself; which one it is changes no figure.
@@ -75,12 +77,15 @@ pub fn measured_runs(
     let (Some(sign), Some(placing)) = (sign, placing) else {
         return Err(problems);
     };
-    let mut facts = vec![format!("text: {encoding}")];
-    facts.extend(said.facts);
-    facts.push("targets: counted from the zero of the file, not of the machine".to_string());
-    facts.extend(placing.sense_words(POSITIONING));
-    // The first sentence is about means.
-    facts.extend(of_runs.into_iter().skip(1).chain(said.warnings));
+    let mut found = Reading::saying([ImportFinding::Encoding { name: encoding }]);
+    let labels = of_severity(&said.findings, Severity::Label);
+    found.findings.extend(labels);
+    found.find([ImportFinding::OwnZero]);
+    found.find(placing.turned(POSITIONING));
+    let is_of_means = |found: &ImportFinding| matches!(found, ImportFinding::Runs { .. });
+    found.find(of_runs.into_iter().filter(|found| !is_of_means(found)));
+    let notes = of_severity(&said.findings, Severity::Note);
+    found.findings.extend(notes);
     let moving = |direction: Direction| {
         let mut ways = passes.ways.iter();
         let (_, runs) = ways.find(|(way, _)| placing.direction(*way) == Some(direction))?;
@@ -95,7 +100,7 @@ pub fn measured_runs(
         targets_mm: placing.positions_mm(),
         up_um: moving(Direction::Plus),
         down_um: moving(Direction::Minus),
-        facts,
+        findings: found.findings,
     })
 }
 
@@ -114,46 +119,42 @@ fn passes_of(
     source: &Source,
     stated: &Stated,
     problems: &mut Problems,
-) -> Option<(Passes, Reading, Vec<String>)> {
+) -> Option<(Passes, Reading, Vec<ImportFinding>)> {
     let sections = problems.take(Sections::of(source))?;
     let kind = linear_kind(&sections, problems);
     let user = user_fields(sections.lines("USER-TEXT"));
-    let mut said = Reading {
-        facts: user.said(&USER_KEYS),
-        ..Reading::default()
-    };
-    said.facts.extend(kind);
+    let mut said = Reading::saying(user.said(&USER_KEYS).chain(kind));
     if let Some(axis) = user.value("Axis").filter(|axis| !axis.text.is_empty()) {
-        said.warnings
-            .extend(stated.axis_warning(&axis, Format::Rtl, problems));
+        said.find(stated.axis_warning(&axis, Format::Rtl, problems));
     }
     let file = problems.take(File::read(&sections))?;
     let environment = sections.lines("ENVIRONMENT");
     let noted = environment.iter().filter(|line| !line.is_blank());
-    let noted = noted.map(|line| format!("the file says: {}", shown(line.text.trim())));
-    said.facts.extend(noted);
+    said.find(noted.map(|line| ImportFinding::Says {
+        entry: shown(line.text.trim()),
+    }));
     let warning = material_warning(&Fields::of(environment), file.length_mm(), stated, problems);
-    said.warnings.extend(warning);
+    said.find(warning);
     let (ways, left_out) = file.ways(stated, problems).unwrap_or_default();
     let passes = Passes {
         targets: file.targets,
         place: file.place,
         ways,
     };
-    let mut of_runs = passes.words(stated);
+    let mut of_runs = passes.of_runs(stated);
     of_runs.extend(left_out);
     Some((passes, said, of_runs))
 }
 
 /// Other types of the family hold angles or straightness; a stated unit must be that of the format.
-fn linear_kind(sections: &Sections<'_>, problems: &mut Problems) -> Option<String> {
+fn linear_kind(sections: &Sections<'_>, problems: &mut Problems) -> Option<ImportFinding> {
     let targets = sections.fields("TARGET DATA");
     let units = targets.0.iter().filter(|(key, _)| key.starts_with("unit"));
     for (_, unit) in units.filter(|(_, unit)| !unit.text.eq_ignore_ascii_case("mm")) {
         problems.push(unit.unexpected("the unit", "mm", "save the file in metric units"));
     }
     let Some(kind) = sections.fields("HEADER").value("File type") else {
-        return Some("the file does not state its type: taken as linear, as `rtl` is".to_string());
+        return Some(ImportFinding::NoType);
     };
     if !kind.text.eq_ignore_ascii_case("rtl") {
         let help = "export a CSV with the unit, and map its columns with `--columns`";
@@ -208,7 +209,7 @@ fn material_warning(
     length_mm: f64,
     stated: &Stated,
     problems: &mut Problems,
-) -> Option<String> {
+) -> Option<ImportFinding> {
     // A sensor that is absent writes zeros.
     let numbers = |begins: &'static str| {
         let lines = environment

@@ -1,5 +1,6 @@
 //! The sections of a Renishaw file, `NAME::`, lines, `EOF::`, and the targets and runs that they hold.
 
+use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::reading::{Way, Ways};
 use crate::inputs::import::stated::{RUNS, Runs, Stated};
 use crate::inputs::import::words::{AGAIN, Fields, Piece, lines};
@@ -158,7 +159,7 @@ impl<'a> File<'a> {
         &self,
         stated: &Stated,
         problems: &mut Problems,
-    ) -> Option<(Ways, Option<String>)> {
+    ) -> Option<(Ways, Option<ImportFinding>)> {
         let every_second = |from: usize| self.runs.iter().skip(from).step_by(2).cloned();
         let (odd, even): (Vec<_>, Vec<_>) = (every_second(0).collect(), every_second(1).collect());
         let is_measured = even.iter().flatten().any(|um| *um != 0.0);
@@ -178,12 +179,9 @@ impl<'a> File<'a> {
                 Some((vec![(Way::Forward, self.runs.clone())], None))
             }
             Runs::Unidirectional => {
-                let left_out = (2..=self.runs.len()).step_by(2).map(|run| run.to_string());
-                let left_out = left_out.collect::<Vec<String>>().join(", ");
-                let said = format!(
-                    "runs {left_out} hold only zeros: they were never made and are left out"
-                );
-                Some((vec![(Way::Forward, odd)], is_zero.then_some(said)))
+                let runs = (2..=self.runs.len()).step_by(2).collect();
+                let found = ImportFinding::NeverMade { runs };
+                Some((vec![(Way::Forward, odd)], is_zero.then_some(found)))
             }
         }
     }

@@ -4,6 +4,7 @@
 
 use crate::control::controller::TableSign;
 use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::words::Piece;
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::LengthUnit;
@@ -421,7 +422,7 @@ impl Stated {
         named: &Piece<'_>,
         format: Format,
         problems: &mut Problems,
-    ) -> Option<String> {
+    ) -> Option<ImportFinding> {
         let letter = only_letter(named.text);
         let moved = self.term.map(|term| term.along).or(self.axis);
         if letter.is_some() && moved.is_none_or(|axis| Some(axis.letter()) == letter) {
@@ -430,9 +431,7 @@ impl Stated {
         let entry = shown(named.text);
         let may_overrule = letter.is_none() || format == Format::Pos;
         if let Some(axis) = self.axis.filter(|_| may_overrule) {
-            return Some(format!(
-                "the file names axis {entry}, but {axis} was stated as the moving axis (`--axis`): make sure that this is the file of {axis}"
-            ));
+            return Some(ImportFinding::OtherAxis { entry, axis });
         }
         let problem = match (letter, moved) {
             (Some(_), Some(moved)) => Problem::new(format!(
@@ -460,7 +459,7 @@ impl Stated {
         at: Place,
         stake: &str,
         problems: &mut Problems,
-    ) -> Option<String> {
+    ) -> Option<ImportFinding> {
         let state = match self.material_corrected {
             Some(MaterialCorrected::Yes) => return None,
             Some(MaterialCorrected::No) => {
@@ -477,9 +476,11 @@ impl Stated {
                 return None;
             }
         };
-        Some(format!(
-            "{state}: the file notes {noted}, {stake}; away from 20 °C this table is not valid"
-        ))
+        Some(ImportFinding::Material {
+            state,
+            noted: noted.to_string(),
+            stake: stake.to_string(),
+        })
     }
 }
 

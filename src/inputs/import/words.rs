@@ -1,5 +1,6 @@
 //! Lines, words, fields and numbers of a foreign text, each with its place.
 
+use crate::inputs::import::findings::ImportFinding;
 use crate::text::delimited::plain_number;
 use crate::text::document::{LARGEST_NUMBER, Source};
 use crate::text::problem::{Place, Problem, Problems, shown};
@@ -173,11 +174,11 @@ impl<'a> Fields<'a> {
     }
 
     /// What the file says of some keys.
-    pub(super) fn said(&self, labels: &[&str]) -> Vec<String> {
-        let said = labels.iter().filter_map(|label| {
+    pub(super) fn said(&self, labels: &[&str]) -> impl Iterator<Item = ImportFinding> {
+        labels.iter().filter_map(|label| {
             let value = self.value(label).filter(|value| !value.text.is_empty())?;
-            Some(format!("the file says: {label}: {}", shown(value.text)))
-        });
-        said.collect()
+            let entry = format!("{label}: {}", shown(value.text));
+            Some(ImportFinding::Says { entry })
+        })
     }
 }

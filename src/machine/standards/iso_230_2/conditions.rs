@@ -1,10 +1,12 @@
 //! The conditions of ISO 230-2 that runs can show, and how the figures are labelled by them.
 
 use crate::inputs::target_runs::Runs;
+use crate::machine::findings::StandardFinding;
 use crate::machine::standards::iso_230_2::EDITIONS;
 use crate::machine::standards::{Condition, Confidence, Met, in_words, range};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::UM_PER_MM;
+use crate::text::finding::Finding;
 use crate::text::problem::Problem;
 
 /// Above this length of travel other conditions hold, mm.
@@ -250,35 +252,19 @@ pub(in crate::machine::standards) fn runs_words(runs: &Runs) -> String {
 
 /// What has to be said beside the figures: why some are absent, and which the standard does not
 /// know for such an axis.
-pub fn remarks(runs: &Runs, travel: Travel) -> Vec<String> {
-    let count = |direction| runs.count(direction);
-    let mut remarks = Vec::new();
-    for direction in Direction::BOTH {
-        let way = way(direction);
-        match count(direction) {
-            0 => remarks.push(format!(
-                "not measured moving {way}: B, M and every figure of both directions are absent"
-            )),
-            1 => remarks.push(format!(
-                "one run moving {way}: s, R and A are absent, they need two runs or more"
-            )),
-            _ => {}
-        }
-    }
-    let several = Direction::BOTH.into_iter().any(|d| count(d) > 1);
-    if travel.is_long() && several {
-        remarks.push(
-            "above 2 m the standard reports E, B and M only; R and A are not according to it"
-                .to_string(),
-        );
-    }
-    if !travel.stated {
-        remarks.push(format!(
-            "the travel is not stated: the conditions are judged on the {} from the first to the last target; state it with `--travel-mm`",
-            travel.words()
-        ));
-    }
-    remarks
+pub fn remarks(runs: &Runs, travel: Travel) -> Vec<Finding> {
+    let missed = |direction: Direction| match (runs.count(direction), way(direction)) {
+        (0, way) => Some(StandardFinding::OneWay { way }),
+        (1, way) => Some(StandardFinding::OneRun { way }),
+        _ => None,
+    };
+    let several = Direction::BOTH.into_iter().any(|d| runs.count(d) > 1);
+    let long = (travel.is_long() && several).then_some(StandardFinding::LongAxis);
+    let open = (!travel.stated).then(|| StandardFinding::TravelNotStated {
+        measured: travel.words(),
+    });
+    let missed = Direction::BOTH.into_iter().filter_map(missed);
+    missed.chain(long).chain(open).map(Finding::from).collect()
 }
 
 const fn way(direction: Direction) -> &'static str {
