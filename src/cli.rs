@@ -14,6 +14,7 @@ mod history;
 mod import;
 mod inputs;
 mod job_files;
+mod new;
 mod outcome;
 mod path;
 mod program;
@@ -53,6 +54,8 @@ Exit status: 0 done and within limits · 1 the answer is no · 2 could not do it
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Begin a visit: write a job for a control, and the table to be filled in
+    New(new::Options),
     /// Make the compensation files of a job, with a forecast of what they leave
     #[command(
         after_help = "Exit status: 0 made, and the forecast keeps the acceptance · 1 made, but it does not or is undecided · 2 nothing written"
@@ -141,6 +144,7 @@ fn could_not() -> ExitCode {
 
 fn execute(command: Command) -> Result<Outcome, Problems> {
     match command {
+        Command::New(options) => new::run(&options),
         Command::Generate(options) => generate::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::History(options) => history::run(&options),

@@ -18,6 +18,7 @@ mod rollback;
 pub mod second_look;
 pub mod simulate;
 mod verification;
+pub mod visit;
 mod ways;
 
 use crate::judge::conformity::Verdict;

@@ -74,12 +74,16 @@ fn the_table_of_evidence_is_that_of_the_profiles() {
     }
 }
 
-/// The jobs to begin with work as they stand, for every control, and the README names them.
+/// The jobs to begin with work as they stand, for every control, and the interface names them.
 #[test]
 fn the_jobs_to_start_from_work_for_every_control() {
-    let readme = readme();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let interface = std::fs::read_to_string(root.join("docs/interface.md")).expect("a page");
     for start in ["fixtures/start/errors", "fixtures/start/readings"] {
-        assert!(readme.contains(start), "README does not name {start}");
+        assert!(
+            interface.contains(start),
+            "interface.md does not name {start}"
+        );
         let from = Path::new(env!("CARGO_MANIFEST_DIR")).join(start);
         let job = std::fs::read_to_string(from.join("job.toml")).expect("the job is there");
         for id in builtin::ids() {

@@ -1,9 +1,9 @@
 //! A measurement of body diagonals with everything that its job names.
 
 use crate::cli::files::read_argument;
-use crate::cli::job_files::JobFiles;
+use crate::cli::job_files::{JobFiles, folder_of, read_page};
 use crate::inputs::error_table::{Draft, ErrorTable};
-use crate::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
+use crate::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData, UseOf};
 use crate::inputs::readings::Readings;
 use crate::judge::after::{StraightRuns, Walk};
 use crate::judge::causes::Slip;
@@ -205,7 +205,8 @@ impl CampaignFiles {
 /// Reads a job with readings and everything it names.
 pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> {
     let (name, bytes) = read_argument(job_path)?;
-    let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
+    let source = Source::from_bytes(&name, &bytes)?;
+    let job = read_page(source, folder_of(job_path), UseOf::Tables)?;
     let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
         return Err(job
             .problem_at(

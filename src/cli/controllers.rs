@@ -6,7 +6,7 @@ use crate::cli::inputs;
 use crate::cli::job_files::profile;
 use crate::cli::outcome::{Format, Outcome, Print};
 use crate::cli::screen::{Screen, paragraphs, table};
-use crate::control::controller::{Evidence, Profile, ProfileSource, Statement, builtin};
+use crate::control::controller::{Evidence, JobKey, Profile, ProfileSource, Statement, builtin};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::Job;
 use crate::kit::program_kit;
@@ -136,6 +136,7 @@ fn profile_json(profile: &Profile) -> Value {
     document["facts"] = json!(profile.statements);
     document["files"] = files.collect();
     document["program"] = json!(program);
+    document["job"] = json!(profile.job_keys);
     document
 }
 
@@ -157,7 +158,22 @@ fn profile_text(profile: &Profile) -> String {
         ));
         parts.extend(program.statements.iter().map(statement_text));
     }
+    if !profile.job_keys.is_empty() {
+        parts.push("keys of a job (nonius new):".to_string());
+        parts.extend(profile.job_keys.iter().map(job_key_text));
+    }
     paragraphs(&parts)
+}
+
+fn job_key_text(key: &JobKey) -> String {
+    let name = format!("[{}] {}", key.section.word(), key.key);
+    about(
+        &name,
+        &key.text,
+        key.evidence,
+        &key.source,
+        key.consequence.as_deref(),
+    )
 }
 
 fn files_text(profile: &Profile) -> String {
@@ -177,12 +193,24 @@ fn statement_text(statement: &Statement) -> String {
     let Statement {
         fact,
         value,
+        evidence,
         source,
+        consequence,
         ..
     } = statement;
-    let evidence = statement.evidence.word();
-    let text = format!("{fact} = {value}\n    {evidence}: {source}");
-    match &statement.consequence {
+    about(fact, value, *evidence, source, consequence.as_deref())
+}
+
+/// What is known, and how well.
+fn about(
+    name: &str,
+    value: &str,
+    evidence: Evidence,
+    source: &str,
+    if_wrong: Option<&str>,
+) -> String {
+    let text = format!("{name} = {value}\n    {}: {source}", evidence.word());
+    match if_wrong {
         Some(consequence) => format!("{text}\n    if wrong: {consequence}"),
         None => text,
     }

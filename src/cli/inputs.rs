@@ -2,10 +2,10 @@
 
 use crate::cli::campaign::CampaignFiles;
 use crate::cli::files::{file_name, file_names, plain_words, read_argument};
-use crate::cli::job_files::{JobFiles, folder_of, profile};
+use crate::cli::job_files::{JobFiles, folder_of, read_page};
 use crate::control::controller::Profile;
 use crate::inputs::error_table::ErrorTable;
-use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MeasuredData, UseOf, ahead};
+use crate::inputs::job::{ActiveTables, BacklashPolicy, MeasuredData, UseOf};
 use crate::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::{Inputs, hashed};
@@ -36,11 +36,7 @@ pub(super) fn read_job(
     use_of: UseOf,
 ) -> Result<(Inputs, Option<ErrorTable>), Problems> {
     let source = Source::from_bytes(name, bytes)?;
-    let mut job = Job::read_for(source.clone(), use_of).map_err(|mut problems| {
-        let find = |word: &str| Ok(profile(word, folder_of(job_path))?.0);
-        problems.extend(ahead(source, find));
-        problems
-    })?;
+    let mut job = read_page(source, folder_of(job_path), use_of)?;
     if use_of == UseOf::Figures {
         let policies = job.compensation.backlash;
         let or_mean = |axis| policies[axis].or(Some(BacklashPolicy::Mean));

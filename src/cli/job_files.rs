@@ -4,7 +4,8 @@ use crate::cli::files::{beside_job, file_name, read_argument, read_file};
 use crate::control::controller::{Profile, ProfileSource, builtin, load};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::import::source_of;
-use crate::inputs::job::Job;
+use crate::inputs::job::{Job, UseOf, ahead};
+use crate::inputs::readings::Readings;
 use crate::kit::hashed;
 use crate::kit::manifest::HashedFile;
 use crate::text::document::Source;
@@ -90,6 +91,26 @@ impl<'a> JobFiles<'a> {
 /// The folder that the paths of a job are relative to.
 pub(super) fn folder_of(job_path: &Path) -> &Path {
     job_path.parent().unwrap_or(Path::new(""))
+}
+
+/// The job of a page that lies in `folder`; a job that is refused is refused for everything at once.
+pub(super) fn read_page(source: Source, folder: &Path, use_of: UseOf) -> Result<Job, Problems> {
+    Job::read_for(source.clone(), use_of).map_err(|mut problems| {
+        let find = |word: &str| Ok(profile(word, folder)?.0);
+        let look_at = |path: &str, are_readings: bool| {
+            let path = folder.join(path);
+            let Ok(bytes) = read_file(&path) else {
+                return Ok(()); // told when the job can be read
+            };
+            let source = Source::from_bytes(&path.display().to_string(), &bytes)?;
+            match are_readings {
+                true => Readings::look_at_cells(&source),
+                false => ErrorTable::look_at_cells(source),
+            }
+        };
+        problems.extend(ahead(source, find, look_at));
+        problems
+    })
 }
 
 /// Reads a job and the profile of its control, and nothing that was measured.

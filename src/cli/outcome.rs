@@ -139,14 +139,23 @@ impl Output {
         screen: &Screen,
         next_steps: String,
     ) -> Result<Outcome, Problems> {
-        let directory = self.free_directory()?;
-        let ready = write::write_kit(directory, files, (MANIFEST, &manifest), self.force)?;
-        let detail = self.print.detail;
         let outcome = match self.print.format {
-            Format::Json => Outcome::bytes(manifest),
-            Format::Text => Outcome::text(&screen.page(detail)),
+            Format::Json => Outcome::bytes(manifest.clone()),
+            Format::Text => Outcome::text(&screen.page(self.print.detail)),
         };
-        Ok(outcome.writing(ready).saying(detail, next_steps))
+        self.deliver_files(outcome, files, (MANIFEST, &manifest), next_steps)
+    }
+
+    /// The files and then the last one, complete beside their place.
+    pub(super) fn deliver_files(
+        &self,
+        outcome: Outcome,
+        files: &[NamedBytes<'_>],
+        last: NamedBytes<'_>,
+        next_steps: String,
+    ) -> Result<Outcome, Problems> {
+        let ready = write::write_kit(self.free_directory()?, files, last, self.force)?;
+        Ok(outcome.writing(ready).saying(self.print.detail, next_steps))
     }
 }
 

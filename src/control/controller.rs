@@ -10,6 +10,7 @@ pub(crate) mod fact;
 mod family;
 mod fanuc;
 mod generic;
+mod job_keys;
 pub mod load;
 mod load_parts;
 pub mod program;
@@ -21,6 +22,7 @@ pub use self::fact::{
 pub use self::family::Family;
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::generic::GenericFacts;
+pub use self::job_keys::{JobKey, JobSection};
 pub use self::siemens::{MultiplyMode, SiemensFacts};
 
 use self::fact::{Word, facts};
@@ -143,6 +145,8 @@ pub struct Profile {
     pub detection_unit_required: Fact<bool>,
     /// The files of a kit, in the order of the manifest.
     pub files: Vec<EmittedFile>,
+    /// Keys of a job that it needs, in order.
+    pub job_keys: Vec<JobKey>,
     /// The steps of a service visit, in order.
     pub checklist: Vec<Step>,
     /// The display that shows the correction that acts on an axis; `None` = none is known.

@@ -101,6 +101,27 @@ impl ErrorTable {
 /// Several error tables of one machine → one: a laser measures an axis a file. Every component of an axis
 /// comes from one table: two files have two zeros, and what lies between them is not measured.
 impl ErrorTable {
+    /// Whether every cell of a table can be read and any value was filled in, whatever was measured.
+    pub fn look_at_cells(source: Source) -> Result<(), Problems> {
+        let table = ErrorTable::read(source)?;
+        let all = table.series.iter().flat_map(|(_, series)| series);
+        let is_measured = |s: &Series| {
+            let angles = s.angles_urad.iter().any(|(_, angle)| angle.is_some());
+            angles || s.deviations.iter().any(|(_, values)| values.is_some())
+        };
+        match all.into_iter().any(is_measured) {
+            true => Ok(()),
+            false => Err(table.holds_nothing().into()),
+        }
+    }
+
+    /// That no deviation was filled in.
+    pub(crate) fn holds_nothing(&self) -> Problem {
+        Problem::new("the table holds no deviation, expected ex, ey or ez of an axis")
+            .at(self.header.clone())
+            .help("fill in what was measured; angles alone make no table for a control")
+    }
+
     /// One table with the series of all; `None` = there is none. What stands in two of them, or
     /// does not fit together, is a problem at its first row.
     pub fn merged(tables: Vec<ErrorTable>) -> Result<Option<ErrorTable>, Problems> {

@@ -135,22 +135,37 @@ fn refuse_table(source: &Source) -> Result<(), Problem> {
 }
 
 /// The problems that a job would have with its control, as far as the page alone shows them: a
-/// control that cannot be found, axes without a grid or without a detection unit. So a person whose
-/// job is refused already is asked for everything at once.
+/// control that cannot be found, axes without a grid or without a detection unit; and those of the tables
+/// that it names, at which `look_at` looks (`true` = readings). So a person whose job is refused already is
+/// asked for everything at once.
 ///
 /// **limits** only for a job that is refused already. An axis with a section counts as one that
 /// is compensated, because its measured errors are not read.
-pub fn ahead(source: Source, find: impl Fn(&str) -> Result<Profile, Problems>) -> Problems {
+pub fn ahead(
+    source: Source,
+    find: impl Fn(&str) -> Result<Profile, Problems>,
+    look_at: impl Fn(&str, bool) -> Result<(), Problems>,
+) -> Problems {
     let mut found = Problems::none();
     if refuse_table(&source).is_ok() {
+        let mut tables = Problems::none();
         let page = read_page(source, |root| {
             ROOT.into_iter().for_each(|key| _ = root.has(key));
+            if let Some(measurement) = root.section("measurement") {
+                let (errors, readings) = measurement::tables(&measurement);
+                let errors = errors.iter().map(|path| look_at(path, false));
+                let readings = readings.iter().map(|path| look_at(path, true));
+                errors
+                    .chain(readings)
+                    .for_each(|looked| _ = tables.take(looked));
+            }
             if let Some(compensation) = root.section("compensation") {
                 ask_for_all(&compensation, find);
             }
             Some(())
         });
         found.take(page);
+        found.extend(tables);
     }
     found
 }

@@ -44,6 +44,12 @@ impl Readings {
         })
     }
 
+    /// Whether every cell of a file can be read, whatever was measured.
+    pub fn look_at_cells(source: &Source) -> Result<(), Problems> {
+        let (table, _) = rows::columns(source)?;
+        rows::rows(&table).map(|_| ())
+    }
+
     /// Reads a file by itself, in a box of unit cells.
     pub(crate) fn without_job(source: Source) -> Result<(Readings, DiagonalMeasurement), Problems> {
         let measurement = shown_measurement(&source)?;

@@ -29,7 +29,7 @@ use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres, larger};
 use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::Problems;
 
 mod measured;
 
@@ -167,11 +167,7 @@ impl ErrorModel {
         let angles_do = !deviations && rotations.iter().any(|(_, angle)| angle.is_some());
         let nothing = terms.iter().all(|(_, term)| term.is_none()) && !angles_do;
         if nothing && problems.is_empty() {
-            problems.push(
-                Problem::new("the table holds no deviation, expected ex, ey or ez of an axis")
-                    .at(table.header.clone())
-                    .help("fill in what was measured; angles alone make no table for a control"),
-            );
+            problems.push(table.holds_nothing());
         }
         problems.or_ok(ErrorModel {
             terms,

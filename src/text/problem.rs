@@ -177,6 +177,8 @@ pub struct Problem {
     pub message: String,
     /// Where, if it came from a file.
     pub place: Option<Place>,
+    /// Other places of the same file that it concerns.
+    pub(crate) also: Vec<Place>,
     /// What to do next.
     pub help: Option<String>,
 }
@@ -187,6 +189,7 @@ impl Problem {
         Problem {
             message: bounded(message.into()),
             place: None,
+            also: Vec::new(),
             help: None,
         }
     }
@@ -229,13 +232,24 @@ impl Problem {
             }
             group = group.element(snippet.annotation(AnnotationKind::Primary.span(start..end)));
         }
-        if let Some(note) = note {
-            group = group.element(Level::NOTE.message(note.to_string()));
-        }
+        let notes = note.map(str::to_string).into_iter().chain(self.also_at());
+        group = group.elements(notes.map(|note| Level::NOTE.message(note)));
         if let Some(help) = &self.help {
             group = group.element(Level::HELP.message(seen(help)));
         }
         Renderer::plain().render(&[group])
+    }
+}
+
+impl Problem {
+    /// The other lines that it concerns, as they are written.
+    fn also_at(&self) -> Option<String> {
+        let line = |place: &Place| format!("line {}: {}", place.line, seen(place.text.trim()));
+        let shown = self.also.iter().take(MOST_SHOWN).map(line);
+        let more = self.also.len().saturating_sub(MOST_SHOWN);
+        let more = (more > 0).then(|| format!("and in {more} more lines"));
+        let lines: Vec<String> = shown.chain(more).collect();
+        (!lines.is_empty()).then(|| format!("also\n{}", lines.join("\n")))
     }
 }
 

@@ -12,7 +12,7 @@ pub use crate::write::control_text::{Instead, Switch};
 pub use templates::Templates;
 
 use crate::control::checklist::Part;
-use crate::control::controller::{EmittedFile, Role};
+use crate::control::controller::{EmittedFile, Role, builtin};
 use crate::control::table::Tables;
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
@@ -234,6 +234,14 @@ pub(crate) fn render_checklist(
         });
     }
     Ok(rendered)
+}
+
+/// A built-in template, filled in for people.
+pub fn filled(name: &str, context: &Value) -> Result<String, Problem> {
+    let refuse = |error| Problem::new(format!("the context of `{name}` cannot be made: {error}"));
+    let seen = tera::Context::from_serialize(context).map_err(refuse)?;
+    let template = builtin::template(name).unwrap_or_default();
+    Templates::default().text(name, &template, &seen)
 }
 
 fn render_those(

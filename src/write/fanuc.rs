@@ -73,7 +73,13 @@ impl Family for FanucFacts {
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         let mut problems = Problems::none();
-        let mut space = Space::reserving(&task.job.compensation.reserved_points);
+        let mut space = Space::reserving(
+            task.job
+                .compensation
+                .reserved_points
+                .as_deref()
+                .unwrap_or_default(),
+        );
         let runs = numbers::runs(task, plan, self, &mut space, &mut problems);
         let mut out = Writer {
             task,

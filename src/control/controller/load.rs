@@ -4,6 +4,7 @@
 //! then read once. Whether a page is ours or a user's makes no difference.
 
 use crate::control::controller::fact::{Facts, origin};
+use crate::control::controller::job_keys::job_keys;
 use crate::control::controller::load_parts::{Templates, checklist, files, program_facts};
 use crate::control::controller::{
     CommonFacts, Dialect, Fact, Family, FanucFacts, GenericFacts, Profile, ProfileSource,
@@ -114,6 +115,7 @@ fn read_profile(
     let files = files(root, form.as_deref(), templates);
     let program = root.section("program");
     let program = program.map(|own| program_facts(&own, templates));
+    let job_keys = job_keys(root);
     let checklist = checklist(root);
     let display = root.section("display").map(|own| display(&own));
     let common = common?;
@@ -129,6 +131,7 @@ fn read_profile(
         axis_names: common.axis_names,
         detection_unit_required: common.detection_unit_required,
         files: files?,
+        job_keys: job_keys?,
         checklist: checklist?,
         display: optional(display)?,
         program: optional(program)?,

@@ -158,8 +158,8 @@ pub struct Compensation {
     pub first_table: Option<u32>,
     /// Fanuc: first straightness set that is free (from 1).
     pub first_set: Option<u32>,
-    /// Fanuc: point numbers in use elsewhere.
-    pub reserved_points: Vec<[u32; 2]>,
+    /// Fanuc: point numbers in use elsewhere, if the job states them.
+    pub reserved_points: Option<Vec<[u32; 2]>>,
     /// Settings of each axis.
     pub axes: PerAxis<Option<AxisSettings>>,
 }
@@ -177,7 +177,7 @@ impl Default for Compensation {
             fit: Fit::Sample,
             first_table: None,
             first_set: None,
-            reserved_points: Vec::new(),
+            reserved_points: None,
             axes: PerAxis::default(),
         }
     }
@@ -198,8 +198,9 @@ const FITS: [(&str, Fit); 3] = [
 
 pub(super) fn compensation(section: &Section<'_>) -> Compensation {
     let controller = "an id of `nonius controllers list`, or the path of a profile";
-    let reserved_points = section.whole_pairs("reserved_points").unwrap_or_default();
-    if let Some([first, last]) = reserved_points.iter().find(|[first, last]| first > last) {
+    let reserved_points = section.whole_pairs("reserved_points");
+    let mut blocks = reserved_points.iter().flatten();
+    if let Some([first, last]) = blocks.find(|[first, last]| first > last) {
         let message = format!("the block [{first}, {last}] ends before it begins");
         section.problem("reserved_points", message, "write [first, last]");
     }

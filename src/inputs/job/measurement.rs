@@ -238,6 +238,12 @@ fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<Me
     measured.flatten().map(MeasuredData::Diagonals)
 }
 
+/// The tables that the section names: of errors, of readings.
+pub(super) fn tables(section: &Section<'_>) -> (Vec<String>, Option<String>) {
+    let errors = error_tables(section).unwrap_or_default();
+    (errors, section.text("readings"))
+}
+
 /// The path of an error table, or a list of them.
 fn error_tables(section: &Section<'_>) -> Option<Vec<String>> {
     if !section.is_list("errors") {

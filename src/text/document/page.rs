@@ -1,8 +1,9 @@
 //! A page of TOML: read, and its problems with their places.
 
-use crate::text::document::section::{Notes, Section};
+use crate::text::document::section::{Notes, Section, empty_keys};
 use crate::text::document::{Source, refuse_large_page};
-use crate::text::problem::{Problem, Problems, shown};
+use crate::text::problem::{Place, Problem, Problems, shown};
+use std::ops::Range;
 use toml::de::DeTable;
 
 /// Reads a TOML page: `read` takes what it knows from the root section and gives a value if it
@@ -43,7 +44,10 @@ pub(crate) fn read_page_over<T>(
     let value = read(&section);
     section.refuse_unknown_keys();
     let spots = notes.spots.into_inner();
-    let problems = notes.problems.into_inner();
+    let mut problems = notes.problems.into_inner();
+    let mut empty = Vec::new();
+    empty_keys(root.get_ref(), &mut empty);
+    problems.extend(to_be_filled_in(&source, empty));
     match value {
         Some(value) if problems.is_empty() => {
             source.spots = spots;
@@ -54,6 +58,26 @@ pub(crate) fn read_page_over<T>(
         }
         _ => Err(problems),
     }
+}
+
+/// All keys that are to be filled in, as one problem that shows their lines.
+fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
+    empty.sort_by_key(|span| span.start);
+    let mut places = empty.iter().map(|span| source.place(span));
+    let Some(first) = places.next() else {
+        return Problems::none();
+    };
+    let mut lines: Vec<Place> = places.collect();
+    lines.dedup_by_key(|place| place.line);
+    let message = match empty.len() {
+        1 => "a key is empty, expected a value".to_string(),
+        many => format!("{many} keys are empty, expected a value of each"),
+    };
+    let help =
+        "write the value in place of `\"\"`; remove the line of an optional key that is not known";
+    let mut problem = Problem::new(message).at(first).help(help);
+    problem.also = lines;
+    problem.into()
 }
 
 fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {

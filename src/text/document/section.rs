@@ -68,9 +68,13 @@ impl<'a> Section<'a> {
         self.notes.problems.borrow_mut().push_with(make);
     }
 
+    /// The value of a key; of one that is to be filled in there is none.
     fn value(&self, key: &'static str) -> Option<&'a DeValue<'a>> {
         self.asked.borrow_mut().push(key);
-        let value = self.table.get(key)?;
+        let value = self
+            .table
+            .get(key)
+            .filter(|value| !is_empty(value.get_ref()))?;
         self.notes.spots.borrow_mut().push(Spot {
             section: Arc::clone(&self.spot),
             key,
@@ -94,7 +98,7 @@ impl<'a> Section<'a> {
 
     /// Whether the key is present (it then counts as known).
     pub fn has(&self, key: &'static str) -> bool {
-        self.value(key).is_some()
+        self.value(key).is_some() || self.table.contains_key(key)
     }
 
     /// Notes that a required key is missing.
@@ -440,6 +444,23 @@ fn quoted(words: &[&str]) -> String {
         }
     }
     list.join(", ")
+}
+
+/// Whether a key is to be filled in: `""` stands for every kind of value.
+fn is_empty(value: &DeValue<'_>) -> bool {
+    value.as_str() == Some("")
+}
+
+/// Where the keys of a table stand that are to be filled in, those of its sections too.
+pub(super) fn empty_keys(table: &DeTable<'_>, found: &mut Vec<Range<usize>>) {
+    for value in table.values() {
+        let sections = value.get_ref().as_array().into_iter().flatten();
+        let sections = sections
+            .chain([value])
+            .filter_map(|v| v.get_ref().as_table());
+        sections.for_each(|section| empty_keys(section, found));
+        found.extend(is_empty(value.get_ref()).then(|| value.span()));
+    }
 }
 
 fn number_of(value: &DeValue<'_>) -> Option<f64> {

@@ -34,7 +34,7 @@ pub(super) fn check_backlash(task: Task<'_>, plan: &Plan, problems: &mut Problem
 
 pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assumption> {
     let mut assumptions = Vec::new();
-    let nothing_reserved = task.job.compensation.reserved_points.is_empty();
+    let nothing_reserved = task.job.compensation.reserved_points.is_none();
     if nothing_reserved
         && runs.iter().any(|run| {
             task.job.compensation.axes[run.axis]

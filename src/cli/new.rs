@@ -1,0 +1,121 @@
+//! `nonius new --controller ID --travel X,Y,Z -o DIR`
+
+use crate::cli::job_files::profile;
+use crate::cli::outcome::{Outcome, Output};
+use crate::cli::screen::{Screen, shell_word};
+use crate::kit::visit::{JOB, Visit};
+use crate::quantity::axis::PerAxis;
+use crate::text::document::LONGEST_MM;
+use crate::text::problem::{Problem, Problems};
+use clap::Args;
+use serde_json::json;
+use std::path::{Component, Path};
+
+// Options of `new`.
+#[derive(Args, Debug)]
+#[command(mut_arg("output", |arg| arg.required(true).value_name("DIR")
+    .help("Directory of the visit; must not exist yet, or must be empty")))]
+pub(super) struct Options {
+    /// An id of `nonius controllers list`, or the path of a profile of your own
+    #[arg(long, value_name = "ID")]
+    controller: String,
+    /// Travel of X, Y and Z, mm: a length from machine coordinate 0, or both ends, e.g. 800,500,-400:0
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true,
+        num_args = 1, required = true, value_parser = ends)]
+    travel: Vec<(f64, f64)>,
+    /// Readings of the four body diagonals, in place of an error table
+    #[arg(long)]
+    readings: bool,
+    /// Values of both directions of travel
+    #[arg(long)]
+    both_directions: bool,
+    /// Number of equal steps of each axis [default: steps of 50 mm at most, from 10 to 30]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    steps: Option<u32>,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// `800` = 0 … 800, `-400:0` = both ends.
+fn ends(text: &str) -> Result<(f64, f64), String> {
+    let (low, high) = text.split_once(':').unwrap_or(("0", text));
+    let number = |text: &str| text.trim().parse().ok();
+    let ends: Option<(f64, f64)> = number(low).zip(number(high));
+    let is_travel =
+        |(low, high): &(f64, f64)| low < high && low.abs().max(high.abs()) <= LONGEST_MM;
+    ends.filter(is_travel).ok_or_else(|| {
+        "expected a length in mm, or the ends of the travel as LOW:HIGH, for each of X,Y,Z"
+            .to_string()
+    })
+}
+
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
+    let directory = options.output.free_directory()?;
+    let [x, y, z] = <[(f64, f64); 3]>::try_from(options.travel.clone()).map_err(|travel| {
+        let (count, help) = (travel.len(), "for instance `--travel 800,500,400`");
+        Problem::new(format!(
+            "`--travel` names {count} axes, expected X, Y and Z"
+        ))
+        .help(help)
+    })?;
+    let (profile, _) = profile(&options.controller, Path::new(""))?;
+    let visit = Visit {
+        profile: &profile,
+        controller: &from_inside(&options.controller, directory),
+        travel: PerAxis { x, y, z },
+        steps: options.steps,
+        readings: options.readings,
+        both_directions: options.both_directions,
+    };
+    let (table, job) = (visit.table(), visit.job()?);
+    let next = next(&visit, directory);
+    let document = json!({ "schema": 1, "controller": profile.id, "files": [JOB, visit.table_name()],
+        "steps": visit.steps(), "next": next });
+    let screen = Screen {
+        verdict: format!(
+            "{}: fill in every \"\" of {JOB}, and the empty cells of {}",
+            profile.name,
+            visit.table_name()
+        ),
+        ..Screen::default()
+    };
+    let talk = format!(
+        "wrote {}: {JOB}, {}\nthen:\n  {}",
+        directory.display(),
+        visit.table_name(),
+        next.join("\n  ")
+    );
+    let outcome = options.output.print.outcome(|| screen, || document)?;
+    let table = (visit.table_name(), table.as_bytes());
+    options
+        .output
+        .deliver_files(outcome, &[table], (JOB, job.as_bytes()), talk)
+}
+
+/// The commands that follow.
+fn next(visit: &Visit<'_>, directory: &Path) -> [String; 2] {
+    let [job, kit] = [JOB, "kit"].map(|name| shell_word(&directory.join(name)));
+    let generate = format!("nonius generate {job} -o {kit}");
+    match visit.readings {
+        true => [format!("nonius separate {job}"), generate],
+        false => [generate, format!("nonius verify {job} --tables {kit}")],
+    }
+}
+
+/// How a job in `directory` names a profile: by its id, or by its path from there.
+fn from_inside(controller: &str, directory: &Path) -> String {
+    let path = Path::new(controller);
+    let is_down = |part: Component<'_>| matches!(part, Component::Normal(_));
+    let is_path =
+        controller.contains(['/', '\\']) || controller.to_ascii_lowercase().ends_with(".toml");
+    if !is_path || path.is_absolute() {
+        return controller.to_string();
+    }
+    match directory.components().all(is_down) {
+        true => "../".repeat(directory.components().count()) + controller,
+        false => std::path::absolute(path).map_or_else(
+            |_| controller.to_string(),
+            |path| path.display().to_string(),
+        ),
+    }
+}

@@ -1,0 +1,215 @@
+//! What a visit begins with: a job with the keys that its control needs, and the table to be filled in.
+//!
+//! ```text
+//!  profile: [[job]] ─→ lines of the job ─→ templates/job.toml.tera ─→ job.toml
+//!  travel, steps    ─→ positions or nodes ─→ errors.csv or readings.csv, values empty
+//! ```
+//! What only a person at the machine knows stays empty, and is refused until it is filled in.
+
+use crate::control::controller::{JobKey, JobSection, Profile};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass};
+use crate::quantity::units::{Figure, Millimetres};
+use crate::text::problem::{Problem, Problems};
+use crate::write::emit::{TOOL, filled};
+use serde_json::{Value, json};
+
+/// The name of the job.
+pub const JOB: &str = "job.toml";
+/// Longest step of the axis that travels farthest, mm, while [`STEPS`] allow it: a period of 100 mm still shows.
+const LONGEST_STEP_MM: f64 = 50.0;
+/// Fewest and most steps that nobody asked for.
+const STEPS: [u32; 2] = [10, 30];
+/// What a box of diagonals leaves of the travel at each end at least, mm: the preload and the overrun of a
+/// measuring run have 2 mm.
+const MARGIN_MM: f64 = 2.5;
+/// Steps of a box are whole multiples of it, mm, so that every control reaches each node.
+const STEP_DIGIT_MM: f64 = 0.1;
+/// Column of a job in which comments begin.
+const COMMENTS: usize = 35;
+
+/// What is asked for.
+pub struct Visit<'a> {
+    /// The control.
+    pub profile: &'a Profile,
+    /// How the job names it.
+    pub controller: &'a str,
+    /// Ends of the travel of each axis, mm.
+    pub travel: PerAxis<(f64, f64)>,
+    /// Number of equal steps of each axis.
+    pub steps: Option<u32>,
+    /// Readings of the body diagonals instead of errors.
+    pub readings: bool,
+    /// Values of both directions of travel.
+    pub both_directions: bool,
+}
+
+impl Visit<'_> {
+    /// The name of the table.
+    pub const fn table_name(&self) -> &'static str {
+        match self.readings {
+            true => "readings.csv",
+            false => "errors.csv",
+        }
+    }
+
+    /// Steps of each axis: as asked for, else no longer than 50 mm where 30 are enough.
+    pub fn steps(&self) -> u32 {
+        let longest = Axis::ALL.map(|axis| self.length(axis));
+        let longest = longest.into_iter().fold(0.0, f64::max);
+        let [fewest, most] = STEPS;
+        let usual = (fewest..most).find(|n| longest <= LONGEST_STEP_MM * f64::from(*n));
+        self.steps.or(usual).unwrap_or(most)
+    }
+
+    fn length(&self, axis: Axis) -> f64 {
+        let (low, high) = self.travel[axis];
+        high - low
+    }
+
+    /// The job.
+    pub fn job(&self) -> Result<String, Problems> {
+        if self.profile.job_keys.is_empty() {
+            let words = format!(
+                "the profile `{}` does not say which keys its job needs",
+                self.profile.id
+            );
+            let help = "add them as `[[job]]` (docs/controllers.md section 3), or build it on a built-in one with `based_on`";
+            return Err(Problem::new(words).help(help).into());
+        }
+        let axes = Axis::ALL.map(|axis| {
+            json!({
+                "name": axis.key(),
+                "machine": self.lines(JobSection::MachineAxes, Some(axis)),
+                "compensation": self.lines(JobSection::CompensationAxes, Some(axis)),
+            })
+        });
+        let mut context = json!({
+            "tool": TOOL,
+            "controller": { "name": self.profile.name, "quoted": quoted(self.controller) },
+            "data": self.table_name(),
+            "readings": self.readings,
+            "both": self.both_directions,
+            "program": self.readings && self.profile.program.is_some(),
+            "measurement": self.lines(JobSection::Measurement, None),
+            "compensation": self.lines(JobSection::Compensation, None),
+            "axes": axes,
+            "steps": self.steps().to_string(),
+            "points": (self.steps() + 1).to_string(),
+        });
+        if self.readings {
+            self.describe_box(&mut context)?;
+        }
+        Ok(filled("job.toml.tera", &context)?)
+    }
+
+    /// The lines of the profile's keys in one section.
+    fn lines(&self, section: JobSection, axis: Option<Axis>) -> Vec<String> {
+        let keys = self.profile.job_keys.iter();
+        let keys = keys.filter(|key| key.section == section);
+        keys.map(|key| self.line(key, axis)).collect()
+    }
+
+    fn line(
+        &self,
+        JobKey {
+            key, example, text, ..
+        }: &JobKey,
+        axis: Option<Axis>,
+    ) -> String {
+        let value = match (example, axis) {
+            (Some(example), _) => format!("# {key} = {example}"),
+            (None, Some(axis)) if key == "travel_mm" => {
+                let (low, high) = self.travel[axis];
+                format!("{key} = [{}, {}]", millimetres(low), millimetres(high))
+            }
+            (None, _) => format!("{key} = \"\""),
+        };
+        format!("{value:<COMMENTS$} # {text}")
+    }
+
+    /// The box of the diagonals: the largest with equal steps that keeps the margin.
+    fn describe_box(&self, context: &mut Value) -> Result<(), Problem> {
+        let steps = f64::from(self.steps());
+        let digits = |axis| ((self.length(axis) - 2.0 * MARGIN_MM) / steps / STEP_DIGIT_MM).floor();
+        if let Some(short) = Axis::ALL.into_iter().find(|axis| digits(*axis) < 1.0) {
+            let length = millimetres(self.length(short));
+            let words =
+                format!("the travel of {short}, {length} mm, is too short for {steps} steps");
+            return Err(Problem::new(words).help("ask for fewer with `--steps`"));
+        }
+        let size = |axis| digits(axis) * STEP_DIGIT_MM * steps;
+        let start = |axis| self.travel[axis].0 + (self.length(axis) - size(axis)) / 2.0;
+        let place = |of: &dyn Fn(Axis) -> f64| {
+            let parts = Axis::ALL.map(|axis| format!("{} = {}", axis.key(), millimetres(of(axis))));
+            parts.join(", ")
+        };
+        context["start"] = json!(place(&start));
+        context["size"] = json!(place(&size));
+        Ok(())
+    }
+
+    /// The table with its values empty.
+    pub fn table(&self) -> String {
+        match self.readings {
+            true => self.nodes(),
+            false => self.positions(),
+        }
+    }
+
+    fn positions(&self) -> String {
+        let mut text = ERRORS.to_string();
+        let (column, directions) = match self.both_directions {
+            true => (",direction", vec![",+", ",-"]),
+            false => ("", vec![""]),
+        };
+        text.push_str(&format!("axis,position_mm,ex_um,ey_um,ez_um{column}\n"));
+        for axis in Axis::ALL {
+            for direction in &directions {
+                for step in 0..=self.steps() {
+                    let part = self.length(axis) * f64::from(step) / f64::from(self.steps());
+                    let at = millimetres(self.travel[axis].0 + part);
+                    text.push_str(&format!("{},{at},,,{direction}\n", axis.key()));
+                }
+            }
+        }
+        text
+    }
+
+    fn nodes(&self) -> String {
+        let last = 3 * self.steps();
+        let forward = (0..=last).map(|node| (Pass::Forward, node));
+        let back = (0..=last).rev().map(|node| (Pass::Reverse, node));
+        let back = back.filter(|_| self.both_directions);
+        let nodes: Vec<(Pass, u32)> = forward.chain(back).collect();
+        let mut text = READINGS.to_string();
+        for diagonal in Diagonal::ALL {
+            for (pass, node) in &nodes {
+                let moved = ["z", "x", "y"][*node as usize % 3];
+                let moved = if *node == 0 { "" } else { moved };
+                text.push_str(&format!("{diagonal},{},{node},{moved},\n", pass.word()));
+            }
+        }
+        text
+    }
+}
+
+const ERRORS: &str = "\
+# deviation = actual - commanded, micrometres, at machine coordinates
+# ex_um of the rows of x is its positioning error, ey_um and ez_um its straightness; what was not measured stays empty in all rows of an axis
+";
+
+const READINGS: &str = "\
+# displacement along the laser as it was read at each node, millimetres, growing on the way out; 0 at node 0
+diagonal,direction,node,moved,displacement_mm
+";
+
+/// A position or length as it is written in a job.
+fn millimetres(mm: f64) -> String {
+    Figure(Millimetres::new(mm).shown()).to_string()
+}
+
+/// A text of a TOML page.
+fn quoted(text: &str) -> String {
+    json!(text).to_string()
+}
