@@ -53,8 +53,6 @@ pub struct Kit {
     pub files: Vec<RenderedFile>,
     /// What they will leave.
     pub forecast: Forecast,
-    /// Why the measured errors are doubtful.
-    pub doubts: Vec<Finding>,
     /// Forecast against the acceptance of the job; undecided at most where there are doubts.
     pub verdict: Verdict,
     /// What to change for a better answer.
@@ -97,13 +95,12 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         &made.forecast,
     );
     manifest.sign_proofs = field.sign_proofs;
-    manifest.doubts.clone_from(&made.doubts);
+    manifest.doubts = made.doubts;
     Ok(Kit {
         plan: made.plan,
         compiled: made.compiled,
         files: made.files,
         forecast: made.forecast,
-        doubts: made.doubts,
         verdict: made.verdict,
         ways,
         manifest,

@@ -58,7 +58,13 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
             .as_deref()
             .unwrap_or("at a date not stated")
     );
-    let verdict = show::verdict(kit.verdict, job, Some(&kit.forecast), false, &kit.doubts);
+    let verdict = show::verdict(
+        kit.verdict,
+        job,
+        Some(&kit.forecast),
+        false,
+        &kit.manifest.doubts,
+    );
     let ways = kit.ways.iter().map(|way| format!("\n  {way}"));
     let verdict: String = std::iter::once(verdict).chain(ways).collect();
     let proofs = kit.files.iter().filter(|f| f.role == Role::SignProof);

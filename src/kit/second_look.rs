@@ -71,9 +71,11 @@ pub(crate) fn second_look(
         }
         diagnosis = Some(found);
     }
+    let doubts = doubts(inputs, verification, &comparison);
+    let is_off = diagnosis.as_ref().is_some_and(|found| !found.as_forecast);
     Ok(SecondLook {
-        verdict: judged(inputs, verification, &comparison, diagnosis.as_ref()),
-        doubts: doubts(inputs, verification, &comparison),
+        verdict: judged(inputs, verification, &comparison, is_off, &doubts),
+        doubts,
         comparison,
         diagnosis,
         lost_motion,
@@ -136,7 +138,8 @@ fn judged(
     inputs: &Inputs,
     verification: &Verification,
     comparison: &Comparison,
-    diagnosis: Option<&Diagnosis>,
+    is_off: bool,
+    doubts: &[Finding],
 ) -> Verdict {
     if !verification.agrees() {
         return Verdict::Fail;
@@ -146,12 +149,7 @@ fn judged(
     }
     let asked = inputs.job.acceptance;
     let verdict = comparison.as_left.verdict(asked);
-    let unknown = asked.max_deviation_um.is_some() && !comparison.missing.is_empty();
-    let no_limit = asked.max_deviation_um.is_none() && asked.max_diagonal_um.is_none();
-    let off = no_limit && diagnosis.is_some_and(|found| !found.as_forecast);
-    let doubts = of_severity(&comparison.findings, Severity::Doubt);
-    let doubtful = !doubts.is_empty() || !verification.beside().is_empty();
-    match unknown || off || doubtful {
+    match asked.asks_nothing() && is_off || !doubts.is_empty() {
         true => verdict.max(Verdict::Undecided),
         false => verdict,
     }
