@@ -17,19 +17,15 @@
 //! What acted is one thing, what a read-out holds another: [`Held`] keeps all of it for the way
 //! back, with the tables that were switched off and the parameters that no table needs.
 
-mod fanuc;
-mod generic;
 mod kit;
 mod machine;
 mod read_out;
 mod reading;
-mod siemens;
 
-pub(crate) use self::fanuc::take_interpolation;
 pub use self::kit::from_kit;
 pub(crate) use self::kit::named_axis;
 pub(crate) use self::machine::uncompensated;
 pub use self::read_out::from_read_out;
-pub(crate) use self::read_out::{collisions, left_over};
+pub(crate) use self::read_out::{collisions, left_over, take_interpolation};
 pub use self::reading::{ActiveControl, Held, Origin, Others, ReadOutFor, without_tables};
-pub(super) use self::siemens::{cec_limits, outputs as cec_outputs};
+pub(crate) use self::reading::{Found, NamedBacklash, Reading};

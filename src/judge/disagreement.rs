@@ -5,49 +5,21 @@
 //! axis.
 
 mod contents;
-mod machine_data;
-mod surroundings;
+mod diagnosis;
+pub(super) mod entries;
 
-pub use contents::{absent, contents};
-pub use surroundings::surroundings;
+pub use self::contents::{absent, contents, measuring_systems, surroundings};
+pub use self::diagnosis::Disagreements;
 
-use crate::control::table::Tables;
-use crate::judge::findings::InControl;
+use self::diagnosis::holds;
+
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{AT_PLACE_MM, Correction, Figure, Millimetres};
 use crate::read::emulate::{Emulator, NodeTable, Response};
-use crate::text::finding::Finding;
 use crate::write::plan::{Plan, axis_pairs};
 
 /// Two corrections closer than this are equal, µm (a picometre).
 const EQUAL_UM: f64 = 1e-6;
-
-/// What emulation tells of two sets of tables.
-#[derive(Clone, Debug, Default)]
-pub struct Disagreements {
-    /// One for each disagreement.
-    pub findings: Vec<Finding>,
-    /// The pairs of moving and corrected axis that they are about.
-    pub pairs: Vec<(String, String)>,
-}
-
-impl Disagreements {
-    /// Whether a finding is about these axes.
-    pub(crate) fn explains(&self, base: &str, output: &str) -> bool {
-        holds(&self.pairs, base, output)
-    }
-
-    fn tell(&mut self, words: String, base: &str, output: &str) {
-        self.findings.push(InControl::Differs { words }.into());
-        self.pairs.push((base.to_string(), output.to_string()));
-    }
-}
-
-fn holds(pairs: &[(String, String)], base: &str, output: &str) -> bool {
-    let is =
-        |(b, o): &(String, String)| b.eq_ignore_ascii_case(base) && o.eq_ignore_ascii_case(output);
-    pairs.iter().any(is)
-}
 
 /// All disagreements; none if the tables do what the job asks for.
 pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Disagreements {
@@ -101,26 +73,6 @@ fn responses<'a>(plan: &'a Plan, expected: &dyn Emulator) -> Vec<Asked<'a>> {
         }
     }
     all
-}
-
-/// ENC_COMP tables of another measuring system than the job states: emulated alike, but without
-/// effect on the control.
-pub(crate) fn measuring_systems(wanted: &Tables, found: &Tables) -> Vec<Finding> {
-    let (Tables::Siemens(wanted), Tables::Siemens(found)) = (wanted, found) else {
-        return Vec::new();
-    };
-    let other = found.lec.iter().filter_map(|table| {
-        let mut own = wanted.lec.iter();
-        let own = own.find(|own| own.axis.eq_ignore_ascii_case(&table.axis))?;
-        let words = format!(
-            "foreign measuring system: the ENC_COMP table of {} is for system {}, the job is for {}",
-            table.axis,
-            table.encoder + 1,
-            own.encoder + 1
-        );
-        (table.encoder != own.encoder).then(|| InControl::Differs { words }.into())
-    });
-    other.collect()
 }
 
 /// What is asked for and what was found for a pair of axes in one direction, at every node of both,

@@ -20,10 +20,9 @@ use crate::kit::inputs::cannot_emulate;
 use crate::read::{KitFile, ReadBack, read_apart};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
-use crate::write::compensation::{Compiled, uses};
+use crate::write::compensation::{Compiled, displayed, uses};
 use crate::write::emit::{self, RenderedFile};
 use crate::write::plan::Plan;
-use crate::write::siemens::reference_text;
 use crate::write::sign_proof::{SignProof, sign_proofs};
 use proofs::Proofs;
 use serde_json::Value;
@@ -50,13 +49,14 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     files.extend(rollback.files);
     not_written.extend(rollback.not_written);
     let movement = movement::switching(made).map_err(|reason| cannot_emulate(&reason))?;
+    let (task, compiled) = (made.task(), &made.compiled);
     let lists = |list: List| match list {
         List::Places => lists::places(made),
         List::Preconditions => lists::preconditions(&made.compiled),
         List::Assumptions => lists::assumptions(&made.compiled),
         List::Movement => movement.clone().into(),
         List::SignProofs => reading::listed(made, &shown),
-        List::Display => lists::display(made).into(),
+        List::Display => displayed(task, compiled, &made.read.tables).into(),
         List::NotWritten => not_written.clone().into(),
         List::WayBack => rollback.by_hand.clone().into(),
         List::Enter => lists::entered(&made.compiled, |p| format!("enter {}", p.value)).into(),
@@ -64,7 +64,6 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
             lists::entered(&made.compiled, |_| "enter what was found".to_string()).into()
         }
     };
-    let (task, compiled) = (made.task(), &made.compiled);
     let facts = KitFacts {
         files: made
             .files
@@ -72,7 +71,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
             .chain(&files)
             .map(|file| (file.role, file.path.clone()))
             .collect(),
-        reference: reference_text(task),
+        reference: task.reference_text(),
         uses: &|mechanism| uses(task, &made.plan, &compiled.tables, mechanism),
         list: &lists,
     };

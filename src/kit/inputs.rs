@@ -148,8 +148,8 @@ impl Inputs {
     pub(super) fn compile(&self, plan: &Plan) -> Result<Compiled, Problems> {
         let mut compiled = compile(self.task(), plan)?;
         if let Some(active) = &self.active {
-            active::collisions(&self.job, active, &compiled.tables)?;
-            let stale = active::left_over(active, &compiled.tables);
+            active::collisions(&self.job, &self.profile, active, &compiled.tables)?;
+            let stale = active::left_over(&self.profile, active, &compiled.tables);
             compiled.preconditions.extend(stale);
             compiled.assumptions.extend(active.assumptions.clone());
             compiled.notes.extend(self.active_notes.clone());

@@ -76,7 +76,7 @@ impl Loaded {
         if !facts.is_empty() {
             findings.push(InControl::TakenAsOn { facts }.into());
         }
-        findings.extend(surroundings(plan, compiled, active));
+        findings.extend(surroundings(&inputs.profile, plan, compiled, active));
         match with(&active.tables, &compiled.state) {
             Ok(found) => {
                 let differs = disagreement::compare(plan, wanted.as_ref(), found.as_ref());

@@ -1,7 +1,8 @@
 //! How the axes move: when the tables of a kit are switched, and at the reference point when the old ones
 //! act again.
 
-use super::made::{Before, Made};
+use super::made::Made;
+use crate::judge::before::Before;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::{CannotEmulate, Emulator, Response};

@@ -12,14 +12,12 @@
 //! point and parameter that the files overwrite, there is no rollback file, and what is missing is
 //! named. Zeros are not a rollback.
 
-mod fanuc;
-mod siemens;
-
-use super::made::{Before, Made, Old, Unknown, as_kit_file};
+use super::made::{Made, as_kit_file};
 use super::{Inputs, movement};
 use crate::control::controller::Role;
-use crate::control::table::Tables;
 use crate::judge::active::Origin;
+use crate::judge::before::{Before, Old, Unknown};
+use crate::judge::family::family;
 use crate::judge::findings::listed;
 use crate::kit::findings::{FieldFault, KitFinding};
 use crate::read::siemens::{MachineDatum, MachineValue};
@@ -78,7 +76,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
         active,
         held,
     };
-    let old = match before.old() {
+    let old = match family(&inputs.profile.dialect).old(&before) {
         Ok(old) => old,
         Err(missing) => return Ok(Rollback::none(incomplete(&missing))),
     };
@@ -93,15 +91,6 @@ fn incomplete(missing: &[String]) -> String {
 }
 
 impl Before<'_> {
-    /// What was read out; `Err` = what of the tables, points and parameters it lacks.
-    fn old(&self) -> Result<Old, Vec<String>> {
-        match (&self.compiled.tables, &self.held.tables) {
-            (Tables::Siemens(kit), Tables::Siemens(held)) => siemens::old(self, kit, held),
-            (Tables::Fanuc(kit), Tables::Fanuc(held)) => fanuc::old(self, kit, held),
-            _ => Err(vec!["tables of this format".to_string()]),
-        }
-    }
-
     /// The files, read back, with what they do not do.
     fn written(&self, old: &Old, templates: &Templates) -> Result<Rollback, Problems> {
         let instead = Instead {
@@ -174,7 +163,7 @@ pub(super) fn differences(
             active,
             held,
         };
-        before.old().ok()
+        family(&inputs.profile.dialect).old(&before).ok()
     });
     let same = old.is_some_and(|old| is_same(&old, &read));
     Ok((!same).then_some(FieldFault::OtherRollback))

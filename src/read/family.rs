@@ -22,6 +22,10 @@ pub(crate) trait Family {
         state: &ControlState,
     ) -> Result<Box<dyn Emulator>, CannotEmulate>;
 
+    /// What the control holds once a file that stands apart is loaded over its tables: tables and points of
+    /// the same number are replaced, everything else stays.
+    fn load(&self, held: &mut Tables, file: Tables);
+
     /// Whether a text may mean something to the control, whole or damaged.
     ///
     /// **limits** it errs on the careful side; a text for people that quotes such a word counts too.
@@ -55,6 +59,11 @@ pub fn emulator(
     state: &ControlState,
 ) -> Result<Box<dyn Emulator>, CannotEmulate> {
     family(&profile.dialect).control(tables, state)
+}
+
+/// Loads a file that stands apart into a control of a profile.
+pub(crate) fn load(profile: &Profile, held: &mut Tables, file: Tables) {
+    family(&profile.dialect).load(held, file);
 }
 
 /// Tables of one family given to a control of another.

@@ -73,6 +73,13 @@ impl Family for FanucFacts {
         Ok(Box::new(FanucControl::new(memory, self, state)?))
     }
 
+    fn load(&self, held: &mut Tables, file: Tables) {
+        if let (Tables::Fanuc(held), Tables::Fanuc(file)) = (held, file) {
+            held.parameters.extend(file.parameters);
+            held.points.extend(file.points);
+        }
+    }
+
     /// Numbered blocks.
     fn may_obey(&self, text: &str) -> bool {
         text.split(['\n', '\r']).any(|line| number(line).is_some())

@@ -41,6 +41,11 @@ impl Family for GenericFacts {
         Ok(Box::new(GenericControl::new(table, state)?))
     }
 
+    /// A table takes the place of the one before.
+    fn load(&self, held: &mut Tables, file: Tables) {
+        *held = file;
+    }
+
     fn may_obey(&self, text: &str) -> bool {
         text.contains("position_mm")
     }

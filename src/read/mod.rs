@@ -20,4 +20,4 @@ pub mod siemens;
 pub use self::family::{
     FileData, KitFile, ReadBack, Text, emulator, is_whole, read, read_apart, texts,
 };
-pub(crate) use self::family::{file_of, may_be_meant_for, unread};
+pub(crate) use self::family::{file_of, load, may_be_meant_for, unread};

@@ -28,6 +28,7 @@ use self::control::SiemensControl;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::Tables;
+use crate::control::table::siemens::LecTable;
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::family::{Family, FileData, KitText, Part, ReadBack, each, other_family};
 use crate::read::findings::ReadFinding;
@@ -76,6 +77,21 @@ impl Family for SiemensFacts {
             return Err(other_family());
         };
         Ok(Box::new(SiemensControl::new(tables, self, state)?))
+    }
+
+    fn load(&self, held: &mut Tables, file: Tables) {
+        let (Tables::Siemens(held), Tables::Siemens(file)) = (held, file) else {
+            return;
+        };
+        for table in file.lec {
+            let is_other = |t: &LecTable| (t.encoder, &t.axis) != (table.encoder, &table.axis);
+            held.lec.retain(is_other);
+            held.lec.push(table);
+        }
+        for table in file.cec {
+            held.cec.retain(|t| t.number != table.number);
+            held.cec.push(table);
+        }
     }
 
     fn may_obey(&self, text: &str) -> bool {

@@ -8,6 +8,7 @@
 //! is off by more than half a count.
 
 pub use crate::write::compiled::{Compiled, Placement};
+pub(crate) use crate::write::control_text::trimmed;
 
 use crate::control::claims::Assumption;
 use crate::control::controller::{ControlUnit, Evidence, Mechanism};
@@ -102,6 +103,11 @@ pub(crate) fn uses(task: Task<'_>, plan: &Plan, tables: &Tables, mechanism: Mech
         Mechanism::Inch => task.job.compensation.control_unit == ControlUnit::Inch,
         _ => family(task.profile).uses(mechanism, plan, tables),
     }
+}
+
+/// What the control's display shows once these tables act, a sentence each.
+pub(crate) fn displayed(task: Task<'_>, compiled: &Compiled, tables: &Tables) -> Vec<String> {
+    family(task.profile).displayed(tables, &compiled.state)
 }
 
 fn profile_assumptions(task: Task<'_>, plan: &Plan, tables: &Tables) -> Vec<Assumption> {

@@ -1,6 +1,7 @@
 //! What differs from one family of controls to the next. Each family is a folder of this room that implements
 //! the trait for the facts of its profiles; nothing else of the room asks which family it is.
 
+use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, Dialect, Mechanism, Profile};
 use crate::control::table::Tables;
 use crate::inputs::job::Compensation;
@@ -59,6 +60,11 @@ pub(crate) trait Family {
         tables: &Tables,
         instead: &Instead<'_>,
     ) -> Option<Value>;
+
+    /// What the control's display shows once these tables act, a sentence each; none where no display is known.
+    fn displayed(&self, _tables: &Tables, _state: &ControlState) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Mechanisms that a sign proof can prove.
     fn mechanisms(&self) -> Vec<Mechanism>;

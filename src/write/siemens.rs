@@ -9,9 +9,12 @@
 mod context;
 mod parameters;
 
-pub(crate) use self::parameters::{at_reference, encoder, is_lec, reference_text};
+pub(crate) use self::parameters::encoder;
 
-use self::parameters::{assumptions, backlash_text, largest_sum_um, preconditions};
+use self::parameters::{
+    assumptions, at_reference, backlash_text, is_lec, largest_sum_um, preconditions,
+};
+use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, Mechanism, SiemensFacts, TableSign};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{
@@ -22,7 +25,7 @@ use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{Deviation, UM_PER_MM, power_of_ten};
 use crate::text::problem::Problems;
 use crate::write::compiled::{Bump, Compiled, Placement, control_state};
-use crate::write::control_text::Instead;
+use crate::write::control_text::{Instead, trimmed};
 use crate::write::family::Family;
 use crate::write::grid::{Grid, LengthDigit, as_number};
 use crate::write::selection::TableStock;
@@ -147,6 +150,28 @@ impl Family for SiemensFacts {
 
     /// Every physical axis of the term has the bump, so that the two sides of a gantry move alike; CEC tables
     /// of the term have it in both directions.
+    /// One place of each table: where it holds most.
+    fn displayed(&self, tables: &Tables, state: &ControlState) -> Vec<String> {
+        let Tables::Siemens(tables) = tables else {
+            return Vec::new();
+        };
+        let lec = tables.lec.iter().map(|table| {
+            let values = shown(state, &table.axis, &table.grid, &table.values, "");
+            format!("ENC_COMP[{},{}]: {values}", table.encoder, table.axis)
+        });
+        let cec = tables.cec.iter().map(|table| {
+            let way = match table.direction {
+                CecDirection::Both => "",
+                CecDirection::Plus => ", having come there in +",
+                CecDirection::Minus => ", having come there in -",
+            };
+            let values = shown(state, &table.input_axis, &table.grid, &table.values, way);
+            let (number, output) = (table.number, &table.output_axis);
+            format!("CEC table {number} on {output}: {values}")
+        });
+        lec.chain(cec).collect()
+    }
+
     fn proof_tables(
         &self,
         task: Task<'_>,
@@ -181,6 +206,27 @@ impl Family for SiemensFacts {
         }
         Some(Tables::Siemens(tables))
     }
+}
+
+/// `0.018 mm with AX1 at 900 mm; 0 mm with AX1 at its reference point`.
+fn shown(
+    state: &ControlState,
+    base: &str,
+    grid: &SiemensGrid,
+    values: &[Option<f64>],
+    way: &str,
+) -> String {
+    let unit = state.unit.word();
+    let written = values.iter().enumerate();
+    let written = written.filter_map(|(i, v)| Some((i, (*v)?)));
+    let larger = |a: (usize, f64), b: (usize, f64)| if b.1.abs() > a.1.abs() { b } else { a };
+    let (index, largest) = written.reduce(larger).unwrap_or_default();
+    let zero = at_reference(state, base, grid, values);
+    let [largest, place, zero] =
+        [largest, grid.position(index), zero].map(|number| trimmed(number, 6));
+    format!(
+        "{largest} {unit} with {base} at {place} {unit}{way}; {zero} {unit} with {base} at its reference point{way}"
+    )
 }
 
 fn lec_table(task: Task<'_>, facts: &SiemensFacts, planned: &PlannedTable, axis: &str) -> LecTable {

@@ -7,6 +7,7 @@ use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::Deviation;
 use crate::text::finding::Finding;
+use crate::write::control_text::trimmed;
 use crate::write::grid::Grid;
 
 /// What a plan is made from.
@@ -32,6 +33,16 @@ impl Task<'_> {
     /// The detection unit of an axis, µm, where it is stated.
     pub(crate) fn detection_unit_um(&self, axis: Axis) -> Option<f64> {
         self.job.compensation.axes[axis].as_ref()?.detection_unit_um
+    }
+
+    /// Machine coordinates of the reference points, as they stand in files and preconditions.
+    pub(crate) fn reference_text(&self) -> String {
+        let text = |(axis, machine): (Axis, &Option<MachineAxis>)| {
+            let reference = machine.as_ref()?.reference.mm();
+            Some(format!("{axis} {} mm", trimmed(reference, 6)))
+        };
+        let texts: Vec<String> = self.job.machine.axes.iter().filter_map(text).collect();
+        texts.join(", ")
     }
 }
 

@@ -125,7 +125,7 @@ impl Second {
         };
         let judged = control(&verification.found, &verification.state)?;
         let active_then = control(&active.tables, &state)?;
-        let mut words = measuring_systems(&verification.found, &active.tables);
+        let mut words = measuring_systems(&first.profile, &verification.found, &active.tables);
         words.extend(compare(&verification.plan, judged.as_ref(), active_then.as_ref()).findings);
         if words.is_empty() {
             return Ok(());

@@ -150,6 +150,15 @@ pub struct SiemensTables {
 }
 
 impl SiemensTables {
+    /// The axes that CEC tables correct, each once.
+    pub(crate) fn cec_outputs(&self) -> Vec<String> {
+        let outputs = self.cec.iter().map(|table| table.output_axis.clone());
+        let mut outputs: Vec<String> = outputs.collect();
+        outputs.sort_unstable();
+        outputs.dedup();
+        outputs
+    }
+
     /// Largest sum of CEC corrections of an output axis: the largest value of each table, the
     /// worse direction of each base axis, added up over the base axes. A bound, not a place.
     ///

@@ -5,11 +5,11 @@ use super::reading::{
     ActiveControl, Found, NamedBacklash, Origin, Others, ReadOutFor, Reading, backlash_of, problem,
     stated,
 };
-use super::{fanuc, generic, siemens};
 use crate::control::claims::Precondition;
-use crate::control::controller::{Dialect, Profile, Role};
+use crate::control::controller::{Profile, Role};
 use crate::control::table::Tables;
 use crate::inputs::job::Job;
+use crate::judge::family::family;
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::read::{Text, texts as texts_of};
@@ -34,11 +34,7 @@ pub fn from_read_out(
         findings: Vec::new(),
     };
     let texts = texts(profile, path, &files, &mut reading)?;
-    let found = match &profile.dialect {
-        Dialect::Siemens(_) => siemens::read(&mut reading, &texts)?,
-        Dialect::Fanuc(facts) => fanuc::read(&mut reading, facts, &texts)?,
-        Dialect::Generic(_) => generic::read(&mut reading, &texts)?,
-    };
+    let found = family(&profile.dialect).read_out(&mut reading, &texts)?;
     drop(texts);
     let own = job.compensation.control_unit;
     if let Some(unit) = found.unit.filter(|unit| *unit != own) {
@@ -144,12 +140,13 @@ fn texts<'a>(
 }
 
 /// New tables at places that others own; all of them at once.
-pub(crate) fn collisions(job: &Job, active: &ActiveControl, new: &Tables) -> Result<(), Problems> {
-    let taken = match new {
-        Tables::Siemens(new) => siemens::taken(&active.others, new),
-        Tables::Fanuc(new) => fanuc::taken(&active.others, new),
-        Tables::Generic(_) => Vec::new(),
-    };
+pub(crate) fn collisions(
+    job: &Job,
+    profile: &Profile,
+    active: &ActiveControl,
+    new: &Tables,
+) -> Result<(), Problems> {
+    let taken = family(&profile.dialect).taken(&active.others, new);
     let mut problems = Problems::none();
     for (what, help) in taken {
         let message = format!(
@@ -161,18 +158,28 @@ pub(crate) fn collisions(job: &Job, active: &ActiveControl, new: &Tables) -> Res
 }
 
 /// Old tables that the new files leave in the control: each has to be switched off.
-pub(crate) fn left_over(active: &ActiveControl, new: &Tables) -> Vec<Precondition> {
+pub(crate) fn left_over(
+    profile: &Profile,
+    active: &ActiveControl,
+    new: &Tables,
+) -> Vec<Precondition> {
     const WHY: &str =
         "an old table that the new files do not overwrite would act in addition to them";
     const SOURCE: &str = "the active tables that the job names";
-    let (stale, value) = match (&active.tables, new) {
-        (Tables::Siemens(old), Tables::Siemens(new)) => (siemens::left_over(old, new), "0"),
-        (Tables::Fanuc(old), Tables::Fanuc(new)) => (fanuc::left_over(old, new), "0"),
-        (Tables::Generic(old), Tables::Generic(new)) => (generic::left_over(old, new), "removed"),
-        _ => (Vec::new(), ""),
-    };
+    let stale = family(&profile.dialect).left_over(&active.tables, new);
     let stale = stale.into_iter();
     stale
-        .map(|what| Precondition::new(what, value, WHY, SOURCE))
+        .map(|what| Precondition::new(what, profile.family.off, WHY, SOURCE))
         .collect()
+}
+
+/// Lets the job say what the files do between the points, where it does not state it; gives what is to be
+/// told.
+pub(crate) fn take_interpolation(
+    job: &mut Job,
+    profile: &Profile,
+    active: &ActiveControl,
+) -> Option<String> {
+    let names = axis_names(job, profile).ok()?;
+    family(&profile.dialect).take_interpolation(job, &names, active)
 }

@@ -88,7 +88,7 @@ pub struct Held {
 
 impl Held {
     /// Tables of a control whose switches are in them, or that has none.
-    pub(super) fn plain(tables: Tables) -> Held {
+    pub(crate) fn plain(tables: Tables) -> Held {
         Held {
             tables,
             data: Vec::new(),
@@ -168,41 +168,41 @@ pub enum ReadOutFor {
 }
 
 /// The backlash parameters that axes of the control hold, µm, by the control's names.
-pub(super) type NamedBacklash = Vec<(String, Option<f64>)>;
+pub(crate) type NamedBacklash = Vec<(String, Option<f64>)>;
 
 /// What the reader of a dialect found.
-pub(super) struct Found {
+pub(crate) struct Found {
     /// What acted on the job's axes.
-    pub(super) tables: Tables,
+    pub(crate) tables: Tables,
     /// What the files hold.
-    pub(super) held: Held,
-    pub(super) backlash: PerAxis<NamedBacklash>,
+    pub(crate) held: Held,
+    pub(crate) backlash: PerAxis<NamedBacklash>,
     /// Unit of the control, where a file holds it.
-    pub(super) unit: Option<ControlUnit>,
+    pub(crate) unit: Option<ControlUnit>,
 }
 
 /// A read-out against a job, while it is read.
-pub(super) struct Reading<'a> {
-    pub(super) job: &'a Job,
-    pub(super) names: PerAxis<Vec<String>>,
-    pub(super) purpose: ReadOutFor,
-    pub(super) others: Others,
-    pub(super) assumptions: Vec<Assumption>,
-    pub(super) findings: Vec<Finding>,
+pub(crate) struct Reading<'a> {
+    pub(crate) job: &'a Job,
+    pub(crate) names: PerAxis<Vec<String>>,
+    pub(crate) purpose: ReadOutFor,
+    pub(crate) others: Others,
+    pub(crate) assumptions: Vec<Assumption>,
+    pub(crate) findings: Vec<Finding>,
 }
 
 impl Reading<'_> {
     /// Whether the files are judged as they are now.
-    pub(super) fn judges(&self) -> bool {
+    pub(crate) fn judges(&self) -> bool {
         self.purpose == ReadOutFor::Judging
     }
 
-    pub(super) fn tell(&mut self, finding: InControl) {
+    pub(crate) fn tell(&mut self, finding: InControl) {
         self.findings.push(finding.into());
     }
 
     /// What is assumed of old tables, and told of files that are judged.
-    pub(super) fn take(&mut self, assumption: Assumption, told: InControl) {
+    pub(crate) fn take(&mut self, assumption: Assumption, told: InControl) {
         match self.purpose {
             ReadOutFor::OldTables => self.assumptions.push(assumption),
             ReadOutFor::Judging => self.tell(told),
@@ -210,11 +210,11 @@ impl Reading<'_> {
     }
 
     /// The axis of the job that the control calls by this name.
-    pub(super) fn axis(&self, name: &str) -> Option<Axis> {
+    pub(crate) fn axis(&self, name: &str) -> Option<Axis> {
         axis_of(&self.names, name)
     }
 
-    pub(super) fn has(&self, name: &str) -> bool {
+    pub(crate) fn has(&self, name: &str) -> bool {
         self.axis(name).is_some()
     }
 }

@@ -3,14 +3,10 @@
 
 use crate::control::checklist::Listed;
 use crate::control::claims::{Precondition, shared};
-use crate::control::table::Tables;
-use crate::control::table::siemens::{CecDirection, SiemensGrid};
 use crate::judge::conformity::Verdict;
 use crate::kit::made::Made;
 use crate::kit::remarks;
-use crate::quantity::units::Figure;
 use crate::write::compensation::Compiled;
-use crate::write::siemens::at_reference;
 
 /// One paragraph each.
 pub(super) fn head(made: &Made<'_>) -> Vec<String> {
@@ -99,57 +95,3 @@ pub(super) fn assumptions(compiled: &Compiled) -> Listed {
 
 /// Where a person writes.
 pub(super) const BLANK: &str = "________";
-
-/// One place of each table with what the file holds there: where that is largest. Siemens only,
-/// no display of another control is known.
-pub(super) fn display(made: &Made<'_>) -> Vec<String> {
-    let Tables::Siemens(tables) = &made.read.tables else {
-        return Vec::new();
-    };
-    let lec = tables.lec.iter().map(|table| {
-        let values = shown(made, &table.axis, &table.grid, &table.values, "");
-        format!("ENC_COMP[{},{}]: {values}", table.encoder, table.axis)
-    });
-    let cec = tables.cec.iter().map(|table| {
-        let way = match table.direction {
-            CecDirection::Both => "",
-            CecDirection::Plus => ", having come there in +",
-            CecDirection::Minus => ", having come there in -",
-        };
-        let values = shown(made, &table.input_axis, &table.grid, &table.values, way);
-        format!(
-            "CEC table {} on {}: {values}",
-            table.number, table.output_axis
-        )
-    });
-    lec.chain(cec).collect()
-}
-
-/// `0.018 mm with AX1 at 900 mm; 0 mm with AX1 at its reference point`.
-fn shown(
-    made: &Made<'_>,
-    base: &str,
-    grid: &SiemensGrid,
-    values: &[Option<f64>],
-    way: &str,
-) -> String {
-    let unit = made.inputs.job.compensation.control_unit.word();
-    let written = values
-        .iter()
-        .enumerate()
-        .filter_map(|(i, v)| Some((i, (*v)?)));
-    let larger = |a: (usize, f64), b: (usize, f64)| if b.1.abs() > a.1.abs() { b } else { a };
-    let (index, largest) = written.reduce(larger).unwrap_or_default();
-    format!(
-        "{} {unit} with {base} at {} {unit}{way}; {} {unit} with {base} at its reference point{way}",
-        trimmed(largest),
-        trimmed(grid.position(index)),
-        trimmed(at_reference(&made.compiled.state, base, grid, values))
-    )
-}
-
-/// A number with at most six decimals, no trailing zeros, no `-0`.
-pub(super) fn trimmed(number: f64) -> String {
-    let text = format!("{:.6}", Figure(number));
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
-}

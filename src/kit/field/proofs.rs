@@ -1,14 +1,11 @@
 //! Sign proofs as files: written, read back, and what their bytes do on the control.
 
 use crate::control::controller::Role;
-use crate::control::table::Tables;
-use crate::control::table::siemens::LecTable;
 use crate::kit::made::{Made, as_kit_file};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::read::emulator;
-use crate::read::{KitFile, ReadBack, read_apart};
+use crate::read::{KitFile, ReadBack, emulator, load, read_apart};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::emit::{self, Instead, RenderedFile};
@@ -65,7 +62,7 @@ impl Proofs {
         }
         let mut state = made.read.tables.clone();
         for (proof, _) in &self.written {
-            load(&mut state, proof.tables.clone());
+            load(&made.inputs.profile, &mut state, proof.tables.clone());
         }
         let control = emulator(&made.inputs.profile, &state, &made.compiled.state)
             .map_err(|reason| shows_otherwise(&reason.0))?;
@@ -117,29 +114,6 @@ fn shows_otherwise(why: &str) -> Problems {
     ))
     .help("a template of your own has to keep to the format of the dialect (docs/templates.md)")
     .into()
-}
-
-/// What the control holds once a file that stands apart is loaded: tables and points of the same
-/// number are replaced, everything else stays.
-fn load(state: &mut Tables, file: Tables) {
-    match (state, file) {
-        (Tables::Siemens(state), Tables::Siemens(file)) => {
-            for table in file.lec {
-                let is_other = |t: &LecTable| (t.encoder, &t.axis) != (table.encoder, &table.axis);
-                state.lec.retain(is_other);
-                state.lec.push(table);
-            }
-            for table in file.cec {
-                state.cec.retain(|t| t.number != table.number);
-                state.cec.push(table);
-            }
-        }
-        (Tables::Fanuc(state), Tables::Fanuc(file)) => {
-            state.parameters.extend(file.parameters);
-            state.points.extend(file.points);
-        }
-        _ => {}
-    }
 }
 
 /// The same in both directions and on every physical axis, and nothing beside the bump.

@@ -4,12 +4,13 @@
 //! off between the two states. So the reading is one of two places in **one** state, which needs no
 //! common zero of both: (peak − start) with compensation, less (peak − start) without.
 
-use super::lists::{BLANK, trimmed};
+use super::lists::BLANK;
 use super::proofs::Shown;
 use crate::control::checklist::Listed;
 use crate::control::controller::{Evidence, Mechanism};
 use crate::kit::made::Made;
 use crate::quantity::axis::Axis;
+use crate::write::compensation::trimmed;
 use crate::write::sign_proof::{name, sign_fact};
 
 /// What one proof is and what has to be seen; how it is read, and what that means.
@@ -33,7 +34,11 @@ pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
 
 /// Where the bump begins, is highest and ends, mm.
 fn places(shown: &Shown) -> [String; 3] {
-    shown.proof.bump.places().map(|place| trimmed(place.mm()))
+    shown
+        .proof
+        .bump
+        .places()
+        .map(|place| trimmed(place.mm(), 6))
 }
 
 fn bump(made: &Made<'_>, shown: &Shown) -> String {

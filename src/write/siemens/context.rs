@@ -8,7 +8,7 @@ use crate::control::table::siemens::{
 use crate::quantity::axis::Direction;
 use crate::write::compiled::{Compiled, Placement};
 use crate::write::control_text::{Instead, fixed};
-use crate::write::siemens::parameters::{at_reference, outputs, reference_text};
+use crate::write::siemens::parameters::at_reference;
 use crate::write::task::Task;
 use serde_json::{Value, json};
 
@@ -36,9 +36,9 @@ pub(super) fn context(
         "cec_sense": sense(facts.cec_sign.value),
         "lec_sense_evidence": evidence(facts.lec_sign.evidence),
         "cec_sense_evidence": evidence(facts.cec_sign.evidence),
-        "cec_outputs": outputs(tables),
+        "cec_outputs": tables.cec_outputs(),
         "cec_memory_fixed": if facts.cec_memory_fixed.value { "yes" } else { "no" },
-        "controller_reference": reference_text(task),
+        "controller_reference": task.reference_text(),
         "lec_at_reference": zero_but_for(task, lecs.filter_map(|t| lec_held(t, facts, state))),
         "cec_at_reference": zero_but_for(task, cecs.filter_map(|t| cec_held(t, facts, state))),
         "switches": instead.switches,
@@ -53,7 +53,7 @@ fn zero_but_for(task: Task<'_>, exceptions: impl Iterator<Item = String>) -> Vec
     } else {
         ", but for"
     };
-    let zero = format!("zero at the reference point {}{but}", reference_text(task));
+    let zero = format!("zero at the reference point {}{but}", task.reference_text());
     std::iter::once(zero).chain(exceptions).collect()
 }
 

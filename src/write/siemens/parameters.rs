@@ -9,7 +9,6 @@ use crate::inputs::job::ActiveTables;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::{Figure, UM_PER_MM, power_of_ten};
 use crate::write::compiled::backlash_parameter;
-use crate::write::control_text::trimmed;
 use crate::write::task::{Plan, PlannedTable, Task};
 
 /// Whether a planned table goes into ENC_COMP.
@@ -40,17 +39,9 @@ pub(super) fn backlash_text(task: Task<'_>, um: f64) -> (String, f64) {
 /// Largest sum of CEC corrections of any output axis, µm ([`SiemensTables::largest_cec_sum`]).
 pub(super) fn largest_sum_um(task: Task<'_>, tables: &SiemensTables) -> f64 {
     let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
-    let sums = outputs(tables).into_iter();
-    let sums = sums.map(|output| tables.largest_cec_sum(output));
+    let sums = tables.cec_outputs().into_iter();
+    let sums = sums.map(|output| tables.largest_cec_sum(&output));
     sums.fold(0.0, f64::max) * um_per_unit
-}
-
-/// Axes that CEC tables correct, each once.
-pub(super) fn outputs(tables: &SiemensTables) -> Vec<&str> {
-    let mut outputs: Vec<&str> = tables.cec.iter().map(|t| t.output_axis.as_str()).collect();
-    outputs.sort_unstable();
-    outputs.dedup();
-    outputs
 }
 
 /// What a table holds at the reference point of its base axis, in the unit of the file.
@@ -64,21 +55,6 @@ pub(crate) fn at_reference(
     let position = reference.map(|mm| mm / state.unit.in_mm());
     let held = position.and_then(|position| grid.nearest(values, position));
     held.unwrap_or(0.0)
-}
-
-/// Machine coordinates of the reference points, as they stand in files and preconditions.
-pub(crate) fn reference_text(task: Task<'_>) -> String {
-    let texts: Vec<String> = task
-        .job
-        .machine
-        .axes
-        .iter()
-        .filter_map(|(axis, machine)| {
-            let reference = machine.as_ref()?.reference.mm();
-            Some(format!("{axis} {} mm", trimmed(reference, 6)))
-        })
-        .collect();
-    texts.join(", ")
 }
 
 const K3: &str = "Function Manual Extended Functions 03/2013, K3";
@@ -131,7 +107,7 @@ pub(super) fn preconditions(
     }
     list.push(Precondition::new(
         "reference points",
-        reference_text(task),
+        task.reference_text(),
         "the tables are zero there, of two tables for the directions that of the reference return; a table that is not zero at the real reference point moves the axis when it is switched on (MD34100 holds the position where the measuring system is incremental, from memory)",
         format!("{K3} p. 238"),
     ));
@@ -150,7 +126,7 @@ fn basic_system(task: Task<'_>) -> Precondition {
 fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition> {
     let metric = task.job.compensation.control_unit.as_metric();
     let numbers: Vec<String> = tables.cec.iter().map(|t| t.number.to_string()).collect();
-    let outputs = outputs(tables).join(", ");
+    let outputs = tables.cec_outputs().join(", ");
     vec![
         Precondition::new(
             "option sag compensation (CEC)",

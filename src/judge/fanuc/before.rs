@@ -2,7 +2,7 @@
 
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use crate::kit::made::{Before, ChangedBy, Lacking, Old, unknown};
+use crate::judge::before::{Before, ChangedBy, Lacking, Old, unknown};
 use crate::quantity::axis::Axis;
 
 /// The magnification of the pitch points of an axis, and the moving axes of straightness sets: what

@@ -1,13 +1,14 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
-use super::reading::{Found, Held, NamedBacklash, Others, Reading};
+use super::surroundings::cec_limits;
 use crate::control::claims::Assumption;
 use crate::control::controller::ControlUnit;
 use crate::control::table::Tables;
 use crate::control::table::siemens::{
     CecTable, LecTable, OpenEnd, SiemensGrid, SiemensTables, closed,
 };
-use crate::judge::findings::{InControl, listed};
+use crate::judge::active::{Found, Held, NamedBacklash, Reading};
+use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::UM_PER_MM;
 use crate::read::siemens::{
@@ -18,13 +19,10 @@ use crate::read::{Text, file_of};
 use crate::text::problem::Problems;
 use std::collections::BTreeMap;
 
-/// The last digit of a value in a table; sums are not exact in binary.
-const LAST_DIGIT: f64 = 1e-6;
-
-const LEC_ON: &str = "MA_ENC_COMP_ENABLE";
-const CEC_ON: &str = "MA_CEC_ENABLE";
-const TABLE_ON: &str = "SN_CEC_TABLE_ENABLE";
-const CEC_POINTS: &str = "MN_MM_CEC_MAX_POINTS";
+pub(super) const LEC_ON: &str = "MA_ENC_COMP_ENABLE";
+pub(super) const CEC_ON: &str = "MA_CEC_ENABLE";
+pub(super) const TABLE_ON: &str = "SN_CEC_TABLE_ENABLE";
+pub(super) const CEC_POINTS: &str = "MN_MM_CEC_MAX_POINTS";
 
 /// Reads the files of a control.
 pub(super) fn read(reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
@@ -133,10 +131,10 @@ fn agreed(parts: &[SiemensContents]) -> (Vec<MachineDatum>, Vec<MachineDatum>) {
     (agreed, contrary)
 }
 
-struct Sorted<'a, 'b> {
-    reading: &'a mut Reading<'b>,
-    all: SiemensContents,
-    held: Held,
+pub(super) struct Sorted<'a, 'b> {
+    pub(super) reading: &'a mut Reading<'b>,
+    pub(super) all: SiemensContents,
+    pub(super) held: Held,
 }
 
 impl Sorted<'_, '_> {
@@ -201,7 +199,7 @@ impl Sorted<'_, '_> {
     }
 
     /// The measuring system that the job states for an axis, from 0.
-    fn stated_encoder(&self, axis: Axis) -> Option<u32> {
+    pub(super) fn stated_encoder(&self, axis: Axis) -> Option<u32> {
         let settings = self.reading.job.compensation.axes[axis].as_ref();
         settings?.measuring_system.map(|system| system - 1)
     }
@@ -210,7 +208,7 @@ impl Sorted<'_, '_> {
         self.stated_encoder(axis).unwrap_or(0)
     }
 
-    fn value(&self, name: &str, indices: &[&str]) -> Option<f64> {
+    pub(super) fn value(&self, name: &str, indices: &[&str]) -> Option<f64> {
         let same = |datum: &&MachineDatum| {
             let own = datum.indices.iter().map(String::as_str);
             datum.name == name && own.eq(indices.iter().copied())
@@ -222,7 +220,7 @@ impl Sorted<'_, '_> {
     }
 
     /// Whether a datum was read out and stands above 0.
-    fn is_above_zero(&self, name: &str, indices: &[&str]) -> Option<bool> {
+    pub(super) fn is_above_zero(&self, name: &str, indices: &[&str]) -> Option<bool> {
         self.value(name, indices).map(|value| value > 0.0)
     }
 
@@ -354,125 +352,6 @@ impl Sorted<'_, '_> {
         self.reading.take(assumption, told);
     }
 
-    /// Tables that are switched on and in no file of the read-out, so that what they do is not known.
-    fn tell_what_was_not_read_out(&mut self) {
-        let absent = [self.lec_not_read_out(), self.cec_not_read_out()];
-        absent
-            .into_iter()
-            .flatten()
-            .for_each(|told| self.reading.tell(told));
-        for what in self.untold() {
-            let assumption = Assumption::of_job(
-                &what,
-                "none while measuring",
-                "no file holds such a table or its switches; an old table would be lost with the new ones",
-            );
-            self.reading.take(assumption, InControl::Untold { what });
-        }
-    }
-
-    /// Names of the job's axes as the control writes them.
-    fn own_names(&self) -> Vec<String> {
-        let names = self.reading.names.iter().flat_map(|(_, names)| names);
-        names.map(|name| name.to_uppercase()).collect()
-    }
-
-    fn is_reserved(&self, table: &str) -> bool {
-        self.held.without_grid.iter().any(|name| name == table)
-    }
-
-    /// Of which tables the files say nothing, neither values nor switches.
-    fn untold(&self) -> Vec<String> {
-        let tells_of_lec = |name: &String| {
-            let of_system = |encoder: &str| {
-                self.value(LEC_ON, &[encoder, name]).is_some()
-                    || self.is_reserved(&format!("AA_ENC_COMP[{encoder},{name}]"))
-            };
-            ["0", "1"].into_iter().any(of_system)
-                || self.all.tables.lec.iter().any(|table| table.axis == *name)
-        };
-        let mut lec = self.own_names();
-        lec.retain(|name| !tells_of_lec(name));
-        let is_of_cec = |d: &MachineDatum| [CEC_ON, TABLE_ON, CEC_POINTS].contains(&&*d.name);
-        let mut reserved = self.held.without_grid.iter();
-        let tells_of_cec = !self.all.tables.cec.is_empty()
-            || reserved.any(|table| table.starts_with("AN_CEC"))
-            || self.all.machine_data.iter().any(is_of_cec);
-        let lec = (!lec.is_empty()).then(|| format!("ENC_COMP of {}", listed(&lec)));
-        let cec = (!tells_of_cec).then(|| "CEC".to_string());
-        lec.into_iter().chain(cec).collect()
-    }
-
-    /// MD32700 = 1 of an axis of the job without its table. Where the job does not state which
-    /// measuring system is active, either may be.
-    fn lec_not_read_out(&self) -> Option<InControl> {
-        let mut switches = Vec::new();
-        for (axis, names) in self.reading.names.iter() {
-            let stated = self.stated_encoder(axis);
-            for (name, encoder) in names.iter().flat_map(|name| [(name, 0_u32), (name, 1)]) {
-                let (name, number) = (name.to_uppercase(), encoder.to_string());
-                let is = |datum| self.is_above_zero(datum, &[&number, &name]);
-                let holds = |table: &LecTable| {
-                    table.axis == name && (table.encoder == encoder || stated.is_none())
-                };
-                if is(LEC_ON) == Some(true)
-                    && is("MA_MM_ENC_COMP_MAX_POINTS") != Some(false)
-                    && stated.is_none_or(|stated| stated == encoder)
-                    && !self.all.tables.lec.iter().any(holds)
-                    && !self.is_reserved(&format!("AA_ENC_COMP[{number},{name}]"))
-                {
-                    switches.push(format!("[{number},{name}]"));
-                }
-            }
-        }
-        (!switches.is_empty()).then_some(InControl::LecNotRead { switches })
-    }
-
-    /// SD41300 = 1 without the CEC table, or MD32710 = 1 of an axis of the job where nothing else
-    /// tells of CEC.
-    fn cec_not_read_out(&self) -> Option<InControl> {
-        let is_on = |name: &String| self.is_above_zero(CEC_ON, &[name]);
-        let mut axes = self.own_names();
-        axes.retain(|name| is_on(name).is_some());
-        let some_are_off = axes.iter().any(|name| is_on(name) == Some(false));
-        axes.retain(|name| is_on(name) == Some(true));
-        if axes.is_empty() && some_are_off {
-            return None;
-        }
-        let held = &self.all.tables.cec;
-        let (switches, memory) = (self.of_tables(TABLE_ON), self.of_tables(CEC_POINTS));
-        let is_absent = |number: &String| {
-            !held.iter().any(|t| t.number.to_string() == *number)
-                && !memory.contains(&(number.clone(), false))
-                && !self.is_reserved(&format!("AN_CEC[{number}]"))
-        };
-        let on = switches.iter().filter(|(_, is_on)| *is_on);
-        let absent = on.map(|(number, _)| number.clone()).filter(is_absent);
-        let absent: Vec<String> = absent.collect();
-        let tells = !held.is_empty() || !switches.is_empty();
-        let has_memory = memory.is_empty() || memory.iter().any(|(_, has)| *has);
-        match absent.as_slice() {
-            [] => {
-                (!tells && has_memory && !axes.is_empty()).then_some(InControl::CecUnknown { axes })
-            }
-            some => {
-                let word = if some.len() == 1 { "table" } else { "tables" };
-                let tables = format!("{word} {}", listed(some));
-                Some(InControl::CecNotRead { tables })
-            }
-        }
-    }
-
-    /// A datum of every CEC table that was read out: number of the table, and whether it is above 0.
-    fn of_tables(&self, name: &str) -> Vec<(String, bool)> {
-        let own = self.all.machine_data.iter().filter(|d| d.name == name);
-        own.filter_map(|datum| match (&datum.indices[..], &datum.value) {
-            ([table], MachineValue::Number(value)) => Some((table.clone(), *value > 0.0)),
-            _ => None,
-        })
-        .collect()
-    }
-
     /// Whether SD41300 of a table and MD32710 of its output axis stand at 1.
     fn acts(&mut self, table: &CecTable) -> bool {
         self.is_on(TABLE_ON, "SD41300", &[&table.number.to_string()])
@@ -540,68 +419,6 @@ impl Sorted<'_, '_> {
         };
         self.reading.names[axis].iter().map(of_name).collect()
     }
-}
-
-/// What else decides how far CEC tables act on an axis: MD32720 cuts their sum, MD32711 (where
-/// MD10260 = 1) says their unit.
-pub(crate) fn cec_limits(held: &Held, tables: &SiemensTables, unit: ControlUnit) -> Vec<InControl> {
-    let mut findings = Vec::new();
-    for axis in outputs(tables) {
-        let index = std::slice::from_ref(&axis);
-        let sum = tables.largest_cec_sum(&axis);
-        let limit = held.number("MA_CEC_MAX_SUM", index);
-        if let Some(limit) = limit.filter(|limit| *limit < sum - LAST_DIGIT / 2.0) {
-            findings.push(InControl::CutOff {
-                axis: axis.clone(),
-                limit,
-                sum: (sum / LAST_DIGIT).round() * LAST_DIGIT,
-                unit: unit.word(),
-            });
-        }
-        let metric = held.number("MA_CEC_SCALING_SYSTEM_METRIC", index);
-        let converts = held.number("MN_CONVERT_SCALING_SYSTEM", &[]);
-        let Some(metric) = metric.filter(|metric| ControlUnit::of_metric(*metric) != unit) else {
-            continue;
-        };
-        let unit = unit.word();
-        findings.extend(match converts {
-            None => Some(InControl::MayBeCecUnit { axis, metric, unit }),
-            Some(on) => (on > 0.0).then_some(InControl::CecUnit { axis, metric, unit }),
-        });
-    }
-    findings
-}
-
-/// The axes that CEC tables correct, each once.
-pub(crate) fn outputs(tables: &SiemensTables) -> Vec<String> {
-    let mut outputs: Vec<String> = tables.cec.iter().map(|t| t.output_axis.clone()).collect();
-    outputs.sort_unstable();
-    outputs.dedup();
-    outputs
-}
-
-/// New tables at places of others, and what to do.
-pub(super) fn taken(others: &Others, new: &SiemensTables) -> Vec<(String, &'static str)> {
-    const HELP: &str = "state a `first_table` behind it in [compensation]";
-    let numbers = new.cec.iter().map(|table| table.number);
-    let taken = numbers.filter(|number| others.cec_tables.contains(number));
-    taken
-        .map(|number| (format!("CEC table {number}"), HELP))
-        .collect()
-}
-
-/// Switches of old tables that the new files do not overwrite.
-pub(super) fn left_over(old: &SiemensTables, new: &SiemensTables) -> Vec<String> {
-    let place = |t: &LecTable| format!("MD32700 $MA_ENC_COMP_ENABLE[{},{}]", t.encoder, t.axis);
-    let number = |t: &CecTable| format!("SD41300 $SN_CEC_TABLE_ENABLE[{}]", t.number);
-    let all = |tables: &SiemensTables| -> Vec<String> {
-        let lec = tables.lec.iter().map(place);
-        lec.chain(tables.cec.iter().map(number)).collect()
-    };
-    let new = all(new);
-    let mut left = all(old);
-    left.retain(|switch| !new.contains(switch));
-    left
 }
 
 #[cfg(test)]

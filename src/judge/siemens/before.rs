@@ -2,7 +2,7 @@
 
 use crate::control::table::Tables;
 use crate::control::table::siemens::{CecTable, LecTable, SiemensTables};
-use crate::kit::made::{Before, ChangedBy, Lacking, Old, unknown};
+use crate::judge::before::{Before, ChangedBy, Lacking, Old, unknown};
 use crate::quantity::axis::Axis;
 use crate::write::siemens::encoder;
 use ChangedBy::{File, Nobody, Precondition};

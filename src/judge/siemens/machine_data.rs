@@ -82,13 +82,11 @@ fn owned(role: Role, wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned>
     });
     let reserves = role == Role::Parameters;
     let cec = cec.filter(|_| !reserves || !facts.cec_memory_fixed.value);
-    let mut outputs: Vec<&String> = wanted.cec.iter().map(|t| &t.output_axis).collect();
-    outputs.sort_unstable();
-    outputs.dedup();
-    let axes = outputs.into_iter().filter(|_| !reserves).map(|axis| Owned {
+    let outputs = wanted.cec_outputs().into_iter().filter(|_| !reserves);
+    let axes = outputs.map(|axis| Owned {
         name: "MA_CEC_ENABLE",
-        indices: vec![axis.clone()],
         of: format!("CEC of axis {axis}"),
+        indices: vec![axis],
         number: "MD32710",
         points: 0,
     });

@@ -1,86 +1,13 @@
-//! What a read-out holds around the tables, against what the job asks of the control there.
+//! What a read-out holds around the points: how the control plays them, its second backlash parameter.
 
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::ControlUnit;
-use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
-use crate::control::table::siemens::SiemensTables;
-use crate::judge::active::{ActiveControl, Held, Origin, cec_limits, cec_outputs};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::Axis;
-use crate::text::finding::Finding;
-use crate::write::compensation::Compiled;
 use crate::write::plan::Plan;
 
-/// Compares them; what is not read out of a control has no surroundings. What no file holds is taken
-/// as the job asks, and said.
-pub fn surroundings(plan: &Plan, wanted: &Compiled, active: &ActiveControl) -> Vec<Finding> {
-    let Origin::ReadOut(held) = &active.origin else {
-        return Vec::new();
-    };
-    let state = &wanted.state;
-    let (mut found, what) = match (&wanted.tables, &held.tables) {
-        (Tables::Siemens(tables), _) => (of_siemens(state, tables, held), absent(tables, held)),
-        (Tables::Fanuc(tables), Tables::Fanuc(memory)) => (
-            of_fanuc(plan, state, tables, memory),
-            absent_parameters(&state.axes, tables, memory),
-        ),
-        _ => (Vec::new(), Vec::new()),
-    };
-    found.extend((!what.is_empty()).then_some(InControl::AsAsked { what }));
-    found.into_iter().map(Finding::from).collect()
-}
-
-/// Unit of the control, limit and unit of CEC, reference points.
-fn of_siemens(state: &ControlState, wanted: &SiemensTables, held: &Held) -> Vec<InControl> {
-    let mut found = cec_limits(held, wanted, state.unit);
-    found.extend(state.axes.iter().filter_map(|axis| {
-        let own = wanted.lec.iter().find(|table| table.axis == axis.name);
-        reference(axis, own.map_or(0, |table| table.encoder), state.unit, held)
-    }));
-    found
-}
-
-/// MD34100, the position at the zero mark of an incremental measuring system. With an absolute or
-/// a distance-coded one (MD34200 other than 1) it says nothing (both from memory). The index of
-/// MD34100 is a reference cam, that of MD34200 the measuring system.
-fn reference(axis: &AxisState, encoder: u32, unit: ControlUnit, held: &Held) -> Option<InControl> {
-    const SAME_MM: f64 = 1e-3;
-    const ZERO_MARK: f64 = 1.0;
-    let of = |name: &str, index: u32| held.number(name, &[index.to_string(), axis.name.clone()]);
-    let position = of("MA_REFP_SET_POS", 0)?;
-    let mode = of("MA_ENC_REFP_MODE", encoder);
-    let counts = mode.is_none_or(|mode| (mode - ZERO_MARK).abs() <= 0.0);
-    let own_mm = axis.reference.mm();
-    let is_other = (position * unit.in_mm() - own_mm).abs() > SAME_MM;
-    (counts && is_other).then(|| InControl::ReferencePoint {
-        axis: axis.name.clone(),
-        position,
-        unit: unit.word(),
-        own_mm,
-    })
-}
-
-/// Preconditions on machine data that no file holds.
-fn absent(tables: &SiemensTables, held: &Held) -> Vec<String> {
-    let mut absent = Vec::new();
-    if held.datum("MN_SCALING_SYSTEM_IS_METRIC", &[]).is_none() {
-        absent.push("MD10240".to_string());
-    }
-    for output in cec_outputs(tables) {
-        let data = [
-            ("MA_CEC_MAX_SUM", "MD32720"),
-            ("MA_CEC_SCALING_SYSTEM_METRIC", "MD32711"),
-        ];
-        let lacks = |name: &str| held.datum(name, std::slice::from_ref(&output)).is_none();
-        let lacking = data.into_iter().filter(|(name, _)| lacks(name));
-        absent.extend(lacking.map(|(_, number)| format!("{number} of {output}")));
-    }
-    absent
-}
-
 /// How a Fanuc control plays its points, and its second backlash parameter.
-fn of_fanuc(
+pub(super) fn found(
     plan: &Plan,
     state: &ControlState,
     wanted: &FanucMemory,
@@ -155,7 +82,7 @@ fn rapid(plan: &Plan, axis: &AxisState, held: &FanucMemory) -> Option<InControl>
 }
 
 /// Preconditions on parameters that no file holds, for the axes with a pitch table.
-fn absent_parameters(axes: &[AxisState], wanted: &FanucMemory, held: &FanucMemory) -> Vec<String> {
+pub(super) fn absent(axes: &[AxisState], wanted: &FanucMemory, held: &FanucMemory) -> Vec<String> {
     let mut absent = Vec::new();
     if held.parameters.keys().all(|key| key.number != 3602) {
         absent.push("3602".to_string());

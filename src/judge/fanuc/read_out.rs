@@ -1,18 +1,16 @@
 //! Pitch, straightness and backlash parameters of a Fanuc read-out.
 
-use super::reading::{ActiveControl, Found, Held, NamedBacklash, Others, Reading};
 use crate::control::claims::Assumption;
-use crate::control::controller::{ControlUnit, FanucFacts, NumberRange, Profile, StraightnessForm};
+use crate::control::controller::{ControlUnit, FanucFacts, NumberRange, StraightnessForm};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
-use crate::inputs::job::Job;
+use crate::judge::active::{Found, Held, NamedBacklash, Reading};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::power_of_ten;
 use crate::read::Text;
 use crate::read::fanuc::{merge, read_out};
 use crate::text::problem::Problems;
-use crate::write::plan::axis_names;
 
 /// Functions whose parameters at 0 do nothing (docs/fanuc.md §1.1, §2).
 const IDLE_AT_ZERO: [(u32, u32); 5] = [
@@ -63,54 +61,6 @@ pub(super) fn read(
         backlash,
         unit: None,
     })
-}
-
-/// Lets the job say what the files do of 3605#1 (lines or steps between the points), where it does
-/// not state it; gives what is to be told.
-pub(crate) fn take_interpolation(
-    job: &mut Job,
-    profile: &Profile,
-    active: &ActiveControl,
-) -> Option<String> {
-    let Tables::Fanuc(memory) = &active.tables else {
-        return None;
-    };
-    let names = axis_names(job, profile).ok()?;
-    let mut on = Vec::new();
-    for (axis, names) in names.iter() {
-        let Some(settings) = &mut job.compensation.axes[axis] else {
-            continue;
-        };
-        if settings.interpolated.is_some() || settings.parameter_3605.is_some() {
-            continue;
-        }
-        let in_state = |name: &String| active.state.axis(name).is_some_and(|a| a.interpolated);
-        let in_state = names.iter().all(in_state).then_some(true);
-        settings.interpolated = interpolated(memory, names).or(in_state);
-        if settings.interpolated == Some(true) {
-            on.extend(names.iter().cloned());
-        }
-    }
-    (!on.is_empty()).then(|| {
-        format!(
-            "3605#1 of axis {} was 1 while measuring: the forecast is for interpolated pitch compensation, lines between the points",
-            on.join(", ")
-        )
-    })
-}
-
-/// 3605#1 of an axis as files of the control hold it; `None` where none does, or the axes of a
-/// gantry differ.
-fn interpolated(memory: &FanucMemory, names: &[String]) -> Option<bool> {
-    let bits = |name: &String| match memory.parameter(3605, name.parse().ok()) {
-        Some(ParameterValue::Bits(bits)) => Some(bits & 0b10 != 0),
-        _ => None,
-    };
-    let first = bits(names.first()?)?;
-    names
-        .iter()
-        .all(|name| bits(name) == Some(first))
-        .then_some(first)
 }
 
 /// Whose points a parameter of a spindle means is not known.
@@ -372,41 +322,5 @@ impl Sorted<'_, '_> {
             };
             !(idle && zero)
         });
-    }
-}
-
-/// New tables at places of others, and what to do.
-pub(super) fn taken(others: &Others, new: &FanucMemory) -> Vec<(String, &'static str)> {
-    let sets = others.sets.iter();
-    let sets = sets.filter(|set| integer(new, 5710 + *set, None) != 0);
-    let sets = sets.map(|set| {
-        let help = "state a `first_set` behind it in [compensation]";
-        (format!("straightness set {set}"), help)
-    });
-    let holds = |range: &&NumberRange| new.points.range(range.first..=range.last).next().is_some();
-    let points = others.points.iter().filter(holds).map(|range| {
-        let what = format!("the block of points {} to {}", range.first, range.last);
-        let help = "name it in `reserved_points` of [compensation], or move `first_point`";
-        (what, help)
-    });
-    sets.chain(points).collect()
-}
-
-/// Parameters of old tables that the new files do not overwrite.
-pub(super) fn left_over(old: &FanucMemory, new: &FanucMemory) -> Vec<String> {
-    let stays = |number: u32, axis: Option<u32>| {
-        integer(old, number, axis) != 0 && new.parameter(number, axis).is_none()
-    };
-    let pitch = old.parameters.keys().filter(|key| key.number == 3623);
-    let pitch = pitch.filter_map(|key| key.axis.filter(|_| stays(3623, key.axis)));
-    let pitch = pitch.map(|axis| format!("3623 of axis {axis}"));
-    let sets = (5711..=5716).filter(|set| stays(*set, None));
-    pitch.chain(sets.map(|set| set.to_string())).collect()
-}
-
-fn integer(memory: &FanucMemory, parameter: u32, axis: Option<u32>) -> i64 {
-    match memory.parameter(parameter, axis) {
-        Some(ParameterValue::Integer(value)) => value,
-        _ => 0,
     }
 }

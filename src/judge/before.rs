@@ -1,0 +1,94 @@
+//! What a control held of all that a kit changes.
+
+use crate::control::table::Tables;
+use crate::judge::active::{ActiveControl, Held};
+use crate::read::siemens::MachineDatum;
+use crate::write::compensation::Compiled;
+use crate::write::plan::{Plan, Task};
+
+/// A kit, and what the control held before it.
+pub(crate) struct Before<'a> {
+    pub(crate) task: Task<'a>,
+    pub(crate) plan: &'a Plan,
+    pub(crate) compiled: &'a Compiled,
+    pub(crate) active: &'a ActiveControl,
+    pub(crate) held: &'a Held,
+}
+
+/// What the control held of all that the kit changes.
+pub(crate) struct Old {
+    pub(crate) tables: Tables,
+    /// Switches, backlash and weights (Siemens).
+    pub(crate) data: Vec<MachineDatum>,
+    /// What no file that was read out holds.
+    pub(crate) unknown: Vec<Unknown>,
+    /// What is left in the control although the kit brought it.
+    pub(crate) stays: Vec<String>,
+}
+
+/// Something that the kit changes and no rollback file restores.
+pub(crate) struct Unknown {
+    /// Names, as the control shows them.
+    pub(crate) what: String,
+    pub(crate) by: ChangedBy,
+}
+
+/// What changes a datum beside the tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ChangedBy {
+    /// A file of the kit.
+    File,
+    /// A person, because a precondition asks for a value.
+    Precondition,
+    /// Nobody: it acts in addition to the tables and goes along where it was read out.
+    Nobody,
+}
+
+impl Unknown {
+    pub(crate) fn not_written(&self) -> String {
+        let changes = match self.by {
+            ChangedBy::File => "The files of this kit switch it",
+            ChangedBy::Precondition | ChangedBy::Nobody => "A precondition may make you change it",
+        };
+        format!(
+            "{}: not in the rollback files. {changes}, and the files that were read out hold it not at all or with several values. Look at it now and note it",
+            self.what
+        )
+    }
+
+    pub(crate) fn by_hand(&self) -> String {
+        match self.by {
+            ChangedBy::File => format!(
+                "{}: not in the rollback files; switch on what was on before this kit, as noted",
+                self.what
+            ),
+            ChangedBy::Precondition | ChangedBy::Nobody => format!(
+                "{}: not in the rollback files; where it was changed, bring back what was noted before this kit",
+                self.what
+            ),
+        }
+    }
+}
+
+/// What no file that was read out holds of a datum that the kit changes: its name, which of those of
+/// this name, and by whom it is changed.
+pub(crate) type Lacking = (String, String, ChangedBy);
+
+/// One name for all data of a kind: `MD32700 $MA_ENC_COMP_ENABLE[0,AX1], [0,AX2]`.
+pub(crate) fn unknown(lacking: impl IntoIterator<Item = Lacking>) -> Vec<Unknown> {
+    let mut groups: Vec<(String, ChangedBy, Vec<String>)> = Vec::new();
+    for (name, index, by) in lacking {
+        match groups
+            .iter_mut()
+            .find(|group| group.0 == name && group.1 == by)
+        {
+            Some(group) => group.2.push(index),
+            None => groups.push((name, by, vec![index])),
+        }
+    }
+    let named = |(name, by, indices): (String, ChangedBy, Vec<String>)| Unknown {
+        what: name + &indices.join(", "),
+        by,
+    };
+    groups.into_iter().map(named).collect()
+}

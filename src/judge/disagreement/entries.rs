@@ -1,0 +1,86 @@
+//! What tables hold, entry by entry: each family lists its own, and the lists are compared alike.
+
+use crate::quantity::units::rounded;
+use std::collections::BTreeMap;
+
+/// A number of a table, or a parameter by its name.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Item {
+    Name(String),
+    Point(u32),
+}
+
+/// What stands there.
+pub(crate) enum Value {
+    Numbers(Vec<Option<f64>>),
+    Text(String),
+}
+
+impl Value {
+    /// Whether both are the same.
+    pub(super) fn is(&self, other: &Value) -> bool {
+        /// Numbers of files closer than this are equal, in their own unit.
+        const EQUAL: f64 = 1e-9;
+        let same = |(a, b): (&Option<f64>, &Option<f64>)| match (a, b) {
+            (Some(a), Some(b)) => (a - b).abs() <= EQUAL,
+            (a, b) => a.is_none() == b.is_none(),
+        };
+        match (self, other) {
+            (Value::Numbers(a), Value::Numbers(b)) => a.iter().zip(b).all(same),
+            (Value::Text(a), Value::Text(b)) => a == b,
+            _ => false,
+        }
+    }
+
+    /// Rounded, so that numbers that are equal read alike.
+    pub(crate) fn words(&self) -> String {
+        let number = |value: &Option<f64>| match value {
+            Some(value) => rounded(*value, 9).to_string(),
+            None => "none".to_string(),
+        };
+        match self {
+            Value::Numbers(values) => values.iter().map(number).collect::<Vec<_>>().join(", "),
+            Value::Text(text) => text.clone(),
+        }
+    }
+}
+
+/// An entry of a list of what tables hold.
+pub(crate) struct Entry {
+    pub(crate) value: Value,
+    /// Whether it is told where the other side does not have it, and where the two differ.
+    pub(crate) alone: bool,
+    pub(crate) differing: bool,
+}
+
+impl Entry {
+    pub(crate) const fn of(value: Value, alone: bool, differing: bool) -> Entry {
+        Entry {
+            value,
+            alone,
+            differing,
+        }
+    }
+}
+
+/// What tables hold, by table (empty = the whole memory) and item.
+pub(crate) type Entries = BTreeMap<(String, Item), Entry>;
+
+/// One table of a control: its parameters and values.
+pub(crate) fn table(
+    entries: &mut Entries,
+    name: &str,
+    fields: &[(&str, String)],
+    values: &[Option<f64>],
+    (alone, differing): (bool, bool),
+) {
+    let fields = fields
+        .iter()
+        .map(|(field, value)| (Item::Name((*field).to_string()), Value::Text(value.clone())));
+    let values = (0_u32..).zip(values);
+    let values = values.map(|(point, value)| (Item::Point(point), Value::Numbers(vec![*value])));
+    entries.extend(fields.chain(values).map(|(item, value)| {
+        let entry = Entry::of(value, alone, differing);
+        ((name.to_string(), item), entry)
+    }));
+}

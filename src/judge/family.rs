@@ -1,0 +1,86 @@
+//! What judge and kit ask of a family of controls of which files were read out. Each family is a folder of
+//! this room that implements the trait for the facts of its profiles; nothing else of judge, kit and command
+//! line asks which family it is.
+
+use crate::control::controller::Dialect;
+use crate::control::table::Tables;
+use crate::inputs::job::Job;
+use crate::judge::active::{ActiveControl, Found, Held, Others, Reading};
+use crate::judge::before::{Before, Old};
+use crate::judge::disagreement::Disagreements;
+use crate::judge::disagreement::entries::Entries;
+use crate::judge::findings::InControl;
+use crate::quantity::axis::PerAxis;
+use crate::read::{ReadBack, Text};
+use crate::text::finding::Finding;
+use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
+use crate::write::plan::Plan;
+
+/// A family of controls, on the side of what was read out.
+pub(crate) trait Family {
+    /// What files of the control hold, and what of it acts on the job's axes.
+    fn read_out(&self, reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems>;
+
+    /// New tables at places of others, and what to do.
+    fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)>;
+
+    /// What makes old tables act that the new files do not overwrite.
+    fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String>;
+
+    /// Lets the job say what the files do between the points, where it does not state it; gives what is to be
+    /// told.
+    fn take_interpolation(
+        &self,
+        _job: &mut Job,
+        _names: &PerAxis<Vec<String>>,
+        _active: &ActiveControl,
+    ) -> Option<String> {
+        None
+    }
+
+    /// What tables hold, entry by entry, beside those that they are compared with.
+    fn entries(
+        &self,
+        tables: &Tables,
+        others: &Tables,
+        diagnosis: Option<&Disagreements>,
+    ) -> Entries;
+
+    /// What the files of a kit set beside the tables that the job does not write, and what they do not set
+    /// though they should, one sentence each.
+    fn other_settings(&self, _wanted: &Tables, _read: &ReadBack) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// What no file of a kit sets and somebody has to see to.
+    fn absent_settings(&self, _wanted: &Tables, _read: &ReadBack) -> Vec<Finding> {
+        Vec::new()
+    }
+
+    /// Tables that are emulated alike, but are for another measuring system than the job states.
+    fn measuring_systems(&self, _wanted: &Tables, _found: &Tables) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// What a read-out holds around the tables that contradicts the job; and what no file of it holds.
+    fn surroundings(
+        &self,
+        plan: &Plan,
+        wanted: &Compiled,
+        held: &Held,
+    ) -> (Vec<InControl>, Vec<String>);
+
+    /// What the control held of all that a kit changes; `Err` = what of the tables, points and parameters
+    /// that the files overwrite was not read out.
+    fn old(&self, before: &Before<'_>) -> Result<Old, Vec<String>>;
+}
+
+/// The family of a profile.
+pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
+    match dialect {
+        Dialect::Siemens(facts) => facts,
+        Dialect::Fanuc(facts) => facts,
+        Dialect::Generic(facts) => facts,
+    }
+}

@@ -1,0 +1,175 @@
+//! FANUC: what was read out of it, against a job and against a kit.
+
+mod before;
+mod read_out;
+mod surroundings;
+
+use crate::control::controller::{FanucFacts, NumberRange};
+use crate::control::table::Tables;
+use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::inputs::job::Job;
+use crate::judge::active::{ActiveControl, Found, Held, Others, Reading};
+use crate::judge::before::{Before, Old};
+use crate::judge::disagreement::Disagreements;
+use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
+use crate::judge::family::Family;
+use crate::judge::findings::InControl;
+use crate::quantity::axis::PerAxis;
+use crate::read::Text;
+use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
+use crate::write::plan::Plan;
+use std::collections::BTreeMap;
+
+impl Family for FanucFacts {
+    fn read_out(&self, reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
+        read_out::read(reading, self, texts)
+    }
+
+    fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)> {
+        let new = own(new);
+        let sets = others.sets.iter();
+        let sets = sets.filter(|set| integer(new, 5710 + *set, None) != 0);
+        let sets = sets.map(|set| {
+            let help = "state a `first_set` behind it in [compensation]";
+            (format!("straightness set {set}"), help)
+        });
+        let holds =
+            |range: &&NumberRange| new.points.range(range.first..=range.last).next().is_some();
+        let points = others.points.iter().filter(holds).map(|range| {
+            let what = format!("the block of points {} to {}", range.first, range.last);
+            let help = "name it in `reserved_points` of [compensation], or move `first_point`";
+            (what, help)
+        });
+        sets.chain(points).collect()
+    }
+
+    /// Parameters.
+    fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
+        let (old, new) = (own(old), own(new));
+        let stays = |number: u32, axis: Option<u32>| {
+            integer(old, number, axis) != 0 && new.parameter(number, axis).is_none()
+        };
+        let pitch = old.parameters.keys().filter(|key| key.number == 3623);
+        let pitch = pitch.filter_map(|key| key.axis.filter(|_| stays(3623, key.axis)));
+        let pitch = pitch.map(|axis| format!("3623 of axis {axis}"));
+        let sets = (5711..=5716).filter(|set| stays(*set, None));
+        pitch.chain(sets.map(|set| set.to_string())).collect()
+    }
+
+    /// 3605#1: lines or steps between the points.
+    fn take_interpolation(
+        &self,
+        job: &mut Job,
+        names: &PerAxis<Vec<String>>,
+        active: &ActiveControl,
+    ) -> Option<String> {
+        let memory = own(&active.tables);
+        let mut on = Vec::new();
+        for (axis, names) in names.iter() {
+            let Some(settings) = &mut job.compensation.axes[axis] else {
+                continue;
+            };
+            if settings.interpolated.is_some() || settings.parameter_3605.is_some() {
+                continue;
+            }
+            let in_state = |name: &String| active.state.axis(name).is_some_and(|a| a.interpolated);
+            let in_state = names.iter().all(in_state).then_some(true);
+            settings.interpolated = interpolated(memory, names).or(in_state);
+            if settings.interpolated == Some(true) {
+                on.extend(names.iter().cloned());
+            }
+        }
+        (!on.is_empty()).then(|| {
+            format!(
+                "3605#1 of axis {} was 1 while measuring: the forecast is for interpolated pitch compensation, lines between the points",
+                on.join(", ")
+            )
+        })
+    }
+
+    fn entries(
+        &self,
+        tables: &Tables,
+        _others: &Tables,
+        diagnosis: Option<&Disagreements>,
+    ) -> Entries {
+        let own = own(tables);
+        let explained = |key: &ParameterKey| {
+            let axis = key.axis.map(|axis| axis.to_string());
+            let acts_on = |(base, output): &(String, String)| match &axis {
+                Some(axis) => base == axis || output == axis,
+                None => base != output,
+            };
+            diagnosis.is_some_and(|d| d.pairs.iter().any(acts_on))
+        };
+        let points_are_explained = diagnosis.is_some_and(|d| !d.findings.is_empty());
+        let parameters = own.parameters.iter().map(|(key, value)| {
+            let value = match value {
+                ParameterValue::Integer(whole) => Value::Numbers(vec![Some(*whole as f64)]),
+                ParameterValue::Real(real) => Value::Numbers(vec![Some(*real)]),
+                bits @ ParameterValue::Bits(_) => Value::Text(bits.to_string()),
+            };
+            (Item::Name(key.to_string()), value, !explained(key))
+        });
+        let points = own.points.iter().map(|(point, value)| {
+            let value = Value::Numbers(vec![Some(f64::from(*value))]);
+            (Item::Point(*point), value, !points_are_explained)
+        });
+        let entry = |(item, value, differing): (Item, Value, bool)| {
+            ((String::new(), item), Entry::of(value, true, differing))
+        };
+        parameters.chain(points).map(entry).collect()
+    }
+
+    fn surroundings(
+        &self,
+        plan: &Plan,
+        wanted: &Compiled,
+        held: &Held,
+    ) -> (Vec<InControl>, Vec<String>) {
+        let (state, tables, held) = (&wanted.state, own(&wanted.tables), own(&held.tables));
+        (
+            surroundings::found(plan, state, tables, held),
+            surroundings::absent(&state.axes, tables, held),
+        )
+    }
+
+    fn old(&self, before: &Before<'_>) -> Result<Old, Vec<String>> {
+        let (kit, held) = (&before.compiled.tables, &before.held.tables);
+        before::old(before, own(kit), own(held))
+    }
+}
+
+/// The parameters and points of a memory; a memory of another family holds none.
+fn own(tables: &Tables) -> &FanucMemory {
+    const NONE: &FanucMemory = &FanucMemory {
+        parameters: BTreeMap::new(),
+        points: BTreeMap::new(),
+    };
+    match tables {
+        Tables::Fanuc(own) => own,
+        _ => NONE,
+    }
+}
+
+/// 3605#1 of an axis as files of the control hold it; `None` where none does, or the axes of a
+/// gantry differ.
+fn interpolated(memory: &FanucMemory, names: &[String]) -> Option<bool> {
+    let bits = |name: &String| match memory.parameter(3605, name.parse().ok()) {
+        Some(ParameterValue::Bits(bits)) => Some(bits & 0b10 != 0),
+        _ => None,
+    };
+    let first = bits(names.first()?)?;
+    names
+        .iter()
+        .all(|name| bits(name) == Some(first))
+        .then_some(first)
+}
+
+fn integer(memory: &FanucMemory, parameter: u32, axis: Option<u32>) -> i64 {
+    match memory.parameter(parameter, axis) {
+        Some(ParameterValue::Integer(value)) => value,
+        _ => 0,
+    }
+}

@@ -1,0 +1,120 @@
+//! The generic table that was read out, against a job and against a kit.
+
+use crate::control::controller::GenericFacts;
+use crate::control::table::Tables;
+use crate::control::table::generic::{GenericRow, GenericTable};
+use crate::judge::active::{Found, Held, Others, Reading};
+use crate::judge::before::{Before, Old};
+use crate::judge::disagreement::Disagreements;
+use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
+use crate::judge::family::Family;
+use crate::judge::findings::InControl;
+use crate::quantity::axis::PerAxis;
+use crate::read::{Text, generic};
+use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
+use crate::write::plan::Plan;
+
+impl Family for GenericFacts {
+    fn read_out(&self, reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
+        let mut problems = Problems::none();
+        let mut tables = Vec::new();
+        for (name, text) in texts {
+            tables.extend(problems.take(generic::read(name, text)));
+        }
+        let mut table = generic::merge(problems.or_ok(tables)?)?;
+        let held = Held::plain(Tables::Generic(table.clone()));
+        if reading.judges() {
+            take_others(reading, &mut table);
+        }
+        Ok(Found {
+            held,
+            tables: Tables::Generic(table),
+            backlash: PerAxis::default(),
+            unit: None,
+        })
+    }
+
+    /// Rows of others are refused when they are read.
+    fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
+        Vec::new()
+    }
+
+    fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
+        let (old, new) = (own(old), own(new));
+        let same = |a: &GenericRow, b: &GenericRow| {
+            a.term == b.term && a.output_axis == b.output_axis && a.direction == b.direction
+        };
+        let gone = |row: &&GenericRow| row.index == 0 && !new.rows.iter().any(|n| same(row, n));
+        let gone = old.rows.iter().filter(gone);
+        gone.map(|row| format!("the old table {} of {}", row.term, row.output_axis))
+            .collect()
+    }
+
+    fn entries(
+        &self,
+        tables: &Tables,
+        _others: &Tables,
+        diagnosis: Option<&Disagreements>,
+    ) -> Entries {
+        let own = own(tables);
+        let entry = |row: &GenericRow| {
+            let (base, output) = (&row.base_axis, &row.output_axis);
+            let told = !diagnosis.is_some_and(|d| d.explains(base, output));
+            let way = row
+                .direction
+                .map_or(String::new(), |way| format!(" in {way}"));
+            let block = format!("{} ({output} while {base} moves{way})", row.term);
+            let numbers = [row.position_mm, row.deviation_um, row.correction_um].map(Some);
+            let value = Value::Numbers([&numbers[..], &[row.increment_um]].concat());
+            (
+                (block, Item::Point(row.index)),
+                Entry::of(value, told, told),
+            )
+        };
+        own.rows.iter().map(entry).collect()
+    }
+
+    /// The table says everything itself.
+    fn surroundings(
+        &self,
+        _plan: &Plan,
+        _wanted: &Compiled,
+        _held: &Held,
+    ) -> (Vec<InControl>, Vec<String>) {
+        (Vec::new(), Vec::new())
+    }
+
+    fn old(&self, _before: &Before<'_>) -> Result<Old, Vec<String>> {
+        Err(vec!["tables of this format".to_string()])
+    }
+}
+
+/// The rows of a memory; a memory of another family holds none.
+fn own(tables: &Tables) -> &GenericTable {
+    const NONE: &GenericTable = &GenericTable { rows: Vec::new() };
+    match tables {
+        Tables::Generic(own) => own,
+        _ => NONE,
+    }
+}
+
+/// Old tables of other axes are refused: the new file would take their place.
+fn take_others(reading: &mut Reading<'_>, table: &mut GenericTable) {
+    let is_other =
+        |row: &GenericRow| !reading.has(&row.base_axis) || !reading.has(&row.output_axis);
+    let others: Vec<GenericRow> = table.rows.extract_if(.., |row| is_other(row)).collect();
+    for row in others.iter().filter(|row| row.index == 0) {
+        let (moving, output, term) = (row.base_axis.clone(), &row.output_axis, row.term);
+        reading.tell(match reading.has(output) {
+            true => InControl::Follows {
+                what: format!("{term} of `{output}`"),
+                moving,
+            },
+            false => InControl::OfOthers {
+                what: format!("{term} ({output} while {moving} moves)"),
+                axes: "axes",
+            },
+        });
+    }
+}

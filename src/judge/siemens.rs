@@ -1,0 +1,159 @@
+//! SINUMERIK: what was read out of it, against a job and against a kit.
+
+mod before;
+mod machine_data;
+mod not_read_out;
+mod read_out;
+mod surroundings;
+
+use crate::control::controller::SiemensFacts;
+use crate::control::table::Tables;
+use crate::control::table::siemens::{
+    CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
+};
+use crate::judge::active::{Found, Held, Others, Reading};
+use crate::judge::before::{Before, Old};
+use crate::judge::disagreement::Disagreements;
+use crate::judge::disagreement::entries::{Entries, Value, table};
+use crate::judge::family::Family;
+use crate::judge::findings::InControl;
+use crate::read::{ReadBack, Text};
+use crate::text::finding::Finding;
+use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
+use crate::write::plan::Plan;
+use machine_data::lec_name;
+
+impl Family for SiemensFacts {
+    fn read_out(&self, reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
+        read_out::read(reading, texts)
+    }
+
+    fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)> {
+        const HELP: &str = "state a `first_table` behind it in [compensation]";
+        let numbers = own(new).cec.iter().map(|table| table.number);
+        let taken = numbers.filter(|number| others.cec_tables.contains(number));
+        let named = taken.map(|number| (format!("CEC table {number}"), HELP));
+        named.collect()
+    }
+
+    /// Their switches.
+    fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
+        let new = switches(own(new));
+        let mut left = switches(own(old));
+        left.retain(|switch| !new.contains(switch));
+        left
+    }
+
+    fn entries(
+        &self,
+        tables: &Tables,
+        others: &Tables,
+        diagnosis: Option<&Disagreements>,
+    ) -> Entries {
+        let others = own(others);
+        let explained =
+            |base: &str, output: &str| diagnosis.is_some_and(|d| d.explains(base, output));
+        let mut entries = Entries::new();
+        for lec in &own(tables).lec {
+            // A table of the other measuring system is told as such (`measuring_systems`).
+            let other_system = |t: &LecTable| t.axis == lec.axis && t.encoder != lec.encoder;
+            let told = !explained(&lec.axis, &lec.axis) && !others.lec.iter().any(other_system);
+            let fields = grid_fields(lec.grid, lec.modulo);
+            table(
+                &mut entries,
+                &lec_name(lec),
+                &fields,
+                &lec.values,
+                (told, told),
+            );
+        }
+        for cec in &own(tables).cec {
+            let (moving, output) = (&cec.input_axis, &cec.output_axis);
+            let same = others.cec.iter().find(|t| t.number == cec.number);
+            let is_known = |t: &CecTable| explained(&t.input_axis, &t.output_axis);
+            let told = !explained(moving, output) && !same.is_some_and(is_known);
+            let direction = match cec.direction {
+                CecDirection::Both => "0",
+                CecDirection::Plus => "1",
+                CecDirection::Minus => "-1",
+            };
+            let mut fields = grid_fields(cec.grid, cec.modulo);
+            fields.extend([
+                ("DIRECTION", direction.to_string()),
+                ("MULT_BY_TABLE", cec.multiply_by.to_string()),
+            ]);
+            let name = format!("CEC table {} ({output} while {moving} moves)", cec.number);
+            table(&mut entries, &name, &fields, &cec.values, (true, told));
+        }
+        entries
+    }
+
+    fn other_settings(&self, wanted: &Tables, read: &ReadBack) -> Vec<String> {
+        machine_data::differences(own(wanted), &read.machine_data, self)
+    }
+
+    fn absent_settings(&self, wanted: &Tables, read: &ReadBack) -> Vec<Finding> {
+        machine_data::absent(own(wanted), &read.machine_data, self)
+    }
+
+    fn measuring_systems(&self, wanted: &Tables, found: &Tables) -> Vec<String> {
+        let other = own(found).lec.iter().filter_map(|table| {
+            let mut wanted = own(wanted).lec.iter();
+            let job = wanted.find(|job| job.axis.eq_ignore_ascii_case(&table.axis))?;
+            let (axis, is, asked) = (&table.axis, table.encoder + 1, job.encoder + 1);
+            (is != asked).then(|| {
+                format!("foreign measuring system: the ENC_COMP table of {axis} is for system {is}, the job is for {asked}")
+            })
+        });
+        other.collect()
+    }
+
+    fn surroundings(
+        &self,
+        _plan: &Plan,
+        wanted: &Compiled,
+        held: &Held,
+    ) -> (Vec<InControl>, Vec<String>) {
+        let tables = own(&wanted.tables);
+        (
+            surroundings::found(&wanted.state, tables, held),
+            surroundings::absent(tables, held),
+        )
+    }
+
+    fn old(&self, before: &Before<'_>) -> Result<Old, Vec<String>> {
+        let (kit, held) = (&before.compiled.tables, &before.held.tables);
+        before::old(before, own(kit), own(held))
+    }
+}
+
+/// The tables of a memory; a memory of another family holds none.
+fn own(tables: &Tables) -> &SiemensTables {
+    const NONE: &SiemensTables = &SiemensTables {
+        lec: Vec::new(),
+        cec: Vec::new(),
+    };
+    match tables {
+        Tables::Siemens(own) => own,
+        _ => NONE,
+    }
+}
+
+/// What switches tables on.
+fn switches(tables: &SiemensTables) -> Vec<String> {
+    let place = |t: &LecTable| format!("MD32700 $MA_ENC_COMP_ENABLE[{},{}]", t.encoder, t.axis);
+    let number = |t: &CecTable| format!("SD41300 $SN_CEC_TABLE_ENABLE[{}]", t.number);
+    let lec = tables.lec.iter().map(place);
+    lec.chain(tables.cec.iter().map(number)).collect()
+}
+
+fn grid_fields(grid: SiemensGrid, modulo: bool) -> Vec<(&'static str, String)> {
+    let number = |value: f64| Value::Numbers(vec![Some(value)]).words();
+    vec![
+        ("MIN", number(grid.min)),
+        ("STEP", number(grid.step)),
+        ("MAX", number(grid.max)),
+        ("IS_MODULO", u8::from(modulo).to_string()),
+    ]
+}
