@@ -7,6 +7,7 @@
 
 pub mod builtin;
 pub(crate) mod fact;
+mod families;
 mod family;
 mod fanuc;
 mod generic;
@@ -19,7 +20,7 @@ mod siemens;
 pub use self::fact::{
     ControlUnit, Evidence, Fact, Mechanism, NumberRange, Role, Statement, TableForm, TableSign,
 };
-pub use self::family::Family;
+pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::generic::GenericFacts;
 pub use self::job_keys::{JobKey, JobSection};

@@ -1,6 +1,7 @@
 //! SINUMERIK: what was read out of it, against a job and against a kit.
 
 mod before;
+mod data;
 mod machine_data;
 mod not_read_out;
 mod read_out;
@@ -22,6 +23,7 @@ use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
 use crate::write::plan::Plan;
+use data::{Datum, LEC_ON, TABLE_ON};
 use machine_data::lec_name;
 
 impl Family for SiemensFacts {
@@ -142,10 +144,12 @@ fn own(tables: &Tables) -> &SiemensTables {
 
 /// What switches tables on.
 fn switches(tables: &SiemensTables) -> Vec<String> {
-    let place = |t: &LecTable| format!("MD32700 $MA_ENC_COMP_ENABLE[{},{}]", t.encoder, t.axis);
-    let number = |t: &CecTable| format!("SD41300 $SN_CEC_TABLE_ENABLE[{}]", t.number);
-    let lec = tables.lec.iter().map(place);
-    lec.chain(tables.cec.iter().map(number)).collect()
+    let switch = |(number, name): Datum, index: String| format!("{number} ${name}[{index}]");
+    let lec = tables.lec.iter();
+    let lec = lec.map(|t| switch(LEC_ON, format!("{},{}", t.encoder, t.axis)));
+    let cec = tables.cec.iter();
+    lec.chain(cec.map(|t| switch(TABLE_ON, t.number.to_string())))
+        .collect()
 }
 
 fn grid_fields(grid: SiemensGrid, modulo: bool) -> Vec<(&'static str, String)> {

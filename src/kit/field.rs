@@ -127,5 +127,5 @@ fn proof_of<'a>(inputs: &Inputs, proofs: &'a [SignProof], path: &str) -> Option<
     let mut files = inputs.profile.files.iter();
     let known = files.find(|file| file.path.eq_ignore_ascii_case(path))?;
     let mechanism: Mechanism = known.mechanism?;
-    proofs.iter().find(|proof| proof.mechanism == mechanism)
+    proofs.iter().find(|proof| proof.of.mechanism == mechanism)
 }

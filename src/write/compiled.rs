@@ -3,7 +3,7 @@
 
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::Mechanism;
+use crate::control::controller::Proof;
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
@@ -161,7 +161,7 @@ pub(crate) fn counts_as_zero(job: &Job, axis: Axis) -> bool {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignProof {
     /// What it proves the sign of.
-    pub mechanism: Mechanism,
+    pub of: &'static Proof,
     /// The term whose table holds the bump.
     pub term: ErrorTerm,
     /// Its place and size.

@@ -66,8 +66,10 @@ pub(crate) trait Family {
         Vec::new()
     }
 
-    /// Mechanisms that a sign proof can prove.
-    fn mechanisms(&self) -> Vec<Mechanism>;
+    /// Whether this control of the family has a mechanism.
+    fn has(&self, _mechanism: Mechanism) -> bool {
+        true
+    }
 
     /// Whether a table belongs to one of these mechanisms.
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool;

@@ -119,8 +119,7 @@ impl Family for FanucFacts {
             Mechanism::Pitch => plan.tables.iter().any(|t| t.term.is_positioning()),
             Mechanism::Bidirectional => plan.tables.iter().any(|t| t.direction.is_some()),
             Mechanism::Straightness => crosses,
-            Mechanism::FourPoint => crosses && is_four_point(self),
-            Mechanism::PerPoint => crosses && !is_four_point(self),
+            Mechanism::FourPoint | Mechanism::PerPoint => crosses && self.has(mechanism),
             _ => true,
         }
     }
@@ -138,12 +137,12 @@ impl Family for FanucFacts {
         Some(context(memory, self))
     }
 
-    fn mechanisms(&self) -> Vec<Mechanism> {
-        let straightness = match is_four_point(self) {
-            true => Mechanism::FourPoint,
-            false => Mechanism::PerPoint,
-        };
-        vec![Mechanism::Pitch, straightness]
+    fn has(&self, mechanism: Mechanism) -> bool {
+        match mechanism {
+            Mechanism::FourPoint => is_four_point(self),
+            Mechanism::PerPoint => !is_four_point(self),
+            _ => true,
+        }
     }
 
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {

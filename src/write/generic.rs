@@ -93,10 +93,6 @@ impl Family for GenericFacts {
         Some(context(table))
     }
 
-    fn mechanisms(&self) -> Vec<Mechanism> {
-        Vec::new()
-    }
-
     fn belongs(&self, _mechanism: Mechanism, _table: &PlannedTable) -> bool {
         false
     }

@@ -133,10 +133,6 @@ impl Family for SiemensFacts {
         Some(context::context(task, compiled, tables, self, instead))
     }
 
-    fn mechanisms(&self) -> Vec<Mechanism> {
-        vec![Mechanism::EncComp, Mechanism::Cec]
-    }
-
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
         is_lec(table) == (mechanism == Mechanism::EncComp)
     }

@@ -12,7 +12,7 @@
 
 pub use crate::write::compiled::{Bump, SignProof};
 
-use crate::control::controller::Mechanism;
+use crate::control::controller::Proof;
 use crate::control::table::Tables;
 use crate::inputs::job::LEAST_BUMP_UM;
 use crate::quantity::axis::{Axis, ErrorTerm};
@@ -37,7 +37,9 @@ pub struct SignProofs {
 pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProofs {
     let mut found = SignProofs::default();
     let family = family(task.profile);
-    for mechanism in family.mechanisms() {
+    let proofs = task.profile.family.proofs.iter();
+    for of in proofs.filter(|of| family.has(of.mechanism)) {
+        let mechanism = of.mechanism;
         let is_own = |t: &&PlannedTable| family.belongs(mechanism, t);
         let planned: Vec<&PlannedTable> = plan.tables.iter().filter(is_own).collect();
         if planned.is_empty() {
@@ -49,7 +51,7 @@ pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProo
             let proof = (mechanism, term, &bump);
             let tables = family.proof_tables(task, plan, &compiled.tables, proof)?;
             Some(SignProof {
-                mechanism,
+                of,
                 term,
                 bump,
                 tables,
@@ -57,7 +59,7 @@ pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProo
         });
         match proof {
             Some(proof) => found.proofs.push(proof),
-            None => found.missing.push(no_place(task, mechanism).into()),
+            None => found.missing.push(no_place(task, of).into()),
         }
     }
     let tables = found.proofs.iter_mut().map(|proof| &mut proof.tables);
@@ -152,30 +154,10 @@ fn nearest_to_the_middle(
     peaks.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-fn no_place(task: Task<'_>, mechanism: Mechanism) -> TableFinding {
+const fn no_place(task: Task<'_>, of: &Proof) -> TableFinding {
     TableFinding::NoSignProof {
-        mechanism: name(mechanism),
+        mechanism: of.name,
         least_um: LEAST_BUMP_UM,
         slope_um_per_mm: task.job.limits.max_slope_um_per_mm,
-    }
-}
-
-/// The mechanism in words.
-pub fn name(mechanism: Mechanism) -> &'static str {
-    match mechanism {
-        Mechanism::EncComp => "ENC_COMP (LEC)",
-        Mechanism::Cec => "CEC",
-        Mechanism::Pitch => "pitch error compensation",
-        _ => "straightness compensation",
-    }
-}
-
-/// The fact of a profile that states the sign of a mechanism.
-pub(crate) fn sign_fact(mechanism: Mechanism) -> &'static str {
-    match mechanism {
-        Mechanism::EncComp => "lec_sign",
-        Mechanism::Cec => "cec_sign",
-        Mechanism::Pitch => "pitch_sign",
-        _ => "straightness_sign",
     }
 }

@@ -136,15 +136,6 @@ impl Word for Mechanism {
 }
 
 impl Mechanism {
-    /// What a sign proof can prove, with the words of profiles.
-    pub const PROVED: [(&'static str, Mechanism); 5] = [
-        ("enc-comp", Mechanism::EncComp),
-        ("cec", Mechanism::Cec),
-        ("pitch", Mechanism::Pitch),
-        ("four-point", Mechanism::FourPoint),
-        ("per-point", Mechanism::PerPoint),
-    ];
-
     /// Why a fact has no effect on a kit that does not use what it belongs to.
     pub(crate) const fn not_used(self) -> &'static str {
         match self {

@@ -1,6 +1,6 @@
 //! What all controls of a family have in common, and all part programs of a language, whichever profile names them.
 
-use crate::control::controller::fact::ControlUnit;
+use crate::control::controller::fact::{ControlUnit, Mechanism};
 use crate::control::table::Tables;
 
 /// A family of controls: what is known of it and stands in no profile.
@@ -22,6 +22,21 @@ pub struct Family {
     pub(crate) off_by_hand: &'static str,
     /// The page that explains the order of loading.
     pub(crate) page: Option<&'static str>,
+    /// The mechanisms of which a sign proof can show the sign.
+    pub(crate) proofs: &'static [Proof],
+}
+
+/// A mechanism of which a sign proof can show the sign.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Proof {
+    /// Which.
+    pub mechanism: Mechanism,
+    /// What people call it.
+    pub(crate) name: &'static str,
+    /// The fact of a profile that states its sign.
+    pub(crate) sign_fact: &'static str,
+    /// What a person has to see to besides.
+    pub(crate) beside: Option<&'static str>,
 }
 
 /// A family of part programs: what is known of it and stands in no profile.

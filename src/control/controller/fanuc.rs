@@ -1,7 +1,7 @@
 //! FANUC: facts of the stored pitch error compensation and of straightness (docs/fanuc.md).
 
-use super::fact::{Facts, NumberRange, TableSign, Word, facts};
-use super::family::{Family, LanguageFacts};
+use super::fact::{Facts, Mechanism, NumberRange, TableSign, Word, facts};
+use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
 use std::collections::BTreeMap;
@@ -18,6 +18,28 @@ pub(super) static FAMILY: Family = Family {
     restarts: true,
     off_by_hand: ": 3623 = 0 stops the pitch points of an axis (assumed)",
     page: Some("docs/fanuc.md §4.2"),
+    proofs: &[
+        Proof {
+            mechanism: Mechanism::Pitch,
+            name: "pitch error compensation",
+            sign_fact: "pitch_sign",
+            beside: None,
+        },
+        Proof {
+            mechanism: Mechanism::FourPoint,
+            name: "straightness compensation",
+            sign_fact: "straightness_sign",
+            beside: Some(
+                "alarm PW5046 instead: the control refuses the set; where axes and points are right, the slope of the bump (from memory, its limit is not known): lower `limits.max_bump_um`",
+            ),
+        },
+        Proof {
+            mechanism: Mechanism::PerPoint,
+            name: "straightness compensation",
+            sign_fact: "straightness_sign",
+            beside: None,
+        },
+    ],
 };
 
 /// Evidence of what no available manual was read for.

@@ -14,6 +14,7 @@ pub(super) static FAMILY: Family = Family {
     restarts: true,
     off_by_hand: ", see to it by hand",
     page: None,
+    proofs: &[],
 };
 
 facts! {

@@ -4,12 +4,10 @@
 //! then read once. Whether a page is ours or a user's makes no difference.
 
 use crate::control::controller::fact::{Facts, origin};
+use crate::control::controller::families::{FAMILIES, Known};
 use crate::control::controller::job_keys::job_keys;
 use crate::control::controller::load_parts::{Templates, checklist, files, program_facts};
-use crate::control::controller::{
-    CommonFacts, Dialect, Fact, Family, FanucFacts, GenericFacts, Profile, ProfileSource,
-    SiemensFacts, fanuc, generic, siemens,
-};
+use crate::control::controller::{CommonFacts, Dialect, Fact, Profile, ProfileSource};
 use crate::text::document::{Section, Source, read_page_over};
 use crate::text::problem::{Problems, shown};
 use toml::de::{DeTable, DeValue};
@@ -185,22 +183,6 @@ fn dialect(family: Option<Known>, facts: &Facts<'_>) -> Option<Dialect> {
     facts.stated::<String>("value_unit");
     dialect
 }
-
-/// A family, and how the facts of its controls are read.
-type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
-
-/// The families of controls that there are.
-const FAMILIES: [Known; 3] = [
-    (&siemens::FAMILY, |facts| {
-        SiemensFacts::checked(facts).map(Dialect::Siemens)
-    }),
-    (&fanuc::FAMILY, |facts| {
-        FanucFacts::checked(facts).map(Dialect::Fanuc)
-    }),
-    (&generic::FAMILY, |facts| {
-        GenericFacts::read(facts).map(Dialect::Generic)
-    }),
-];
 
 fn family(root: &Section<'_>) -> Option<Known> {
     let words = FAMILIES.map(|known| (known.0.word, known));

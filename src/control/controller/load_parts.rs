@@ -2,6 +2,7 @@
 
 use crate::control::checklist::{List, ROLES, Step, Subject, When, is_placeholder, pieces};
 use crate::control::controller::fact::{Facts, Word, complete_origin};
+use crate::control::controller::families::proved;
 use crate::control::controller::program::{Language, ProgramFacts};
 use crate::control::controller::{EmittedFile, Mechanism, Role, TableForm};
 use crate::text::document::Section;
@@ -109,7 +110,7 @@ fn file(root: &Section<'_>, file: &Section<'_>, templates: Templates<'_>) -> Opt
             "leave it out; docs/templates.md says what each role means",
         );
     }
-    let mechanism = file.choice("mechanism", &Mechanism::PROVED);
+    let mechanism = file.choice("mechanism", &proved());
     let path = file.required_text("path", "a file name");
     let template = templates.named(file, (root, "files"));
     let may_be_loaded = file.flag("loaded").unwrap_or(true);

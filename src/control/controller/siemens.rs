@@ -1,7 +1,7 @@
 //! SINUMERIK: facts of ENC_COMP and CEC tables (docs/siemens.md).
 
-use super::fact::{Facts, TableForm, TableSign, Word, facts};
-use super::family::{Family, LanguageFacts};
+use super::fact::{Facts, Mechanism, TableForm, TableSign, Word, facts};
+use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::siemens::SiemensTables;
 
@@ -17,6 +17,22 @@ pub(super) static FAMILY: Family = Family {
     restarts: false,
     off_by_hand: ", see to it by hand",
     page: Some("docs/siemens.md §4.2"),
+    proofs: &[
+        Proof {
+            mechanism: Mechanism::EncComp,
+            name: "ENC_COMP (LEC)",
+            sign_fact: "lec_sign",
+            beside: None,
+        },
+        Proof {
+            mechanism: Mechanism::Cec,
+            name: "CEC",
+            sign_fact: "cec_sign",
+            beside: Some(
+                "MD32710 switches every CEC table of an axis, also those that are not of this kit (K3 p. 245): note their SD41300, set it to 0 while the proof lasts, and put it back",
+            ),
+        },
+    ],
 };
 
 pub(super) static LANGUAGE: LanguageFacts = LanguageFacts {

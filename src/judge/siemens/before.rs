@@ -1,5 +1,7 @@
 //! What a kit changes on a Siemens control: tables, their switches, weights and limit, MD32450.
 
+use super::data::{BACKLASH, CEC_LIMIT, CEC_ON, Datum, LEC_ON, TABLE_ON, WEIGHT};
+use super::machine_data::lec_name;
 use crate::control::table::Tables;
 use crate::control::table::siemens::{CecTable, LecTable, SiemensTables};
 use crate::judge::before::{Before, ChangedBy, Lacking, Old, unknown};
@@ -7,27 +9,12 @@ use crate::quantity::axis::Axis;
 use crate::write::siemens::encoder;
 use ChangedBy::{File, Nobody, Precondition};
 
-const BACKLASH: &str = "MA_BACKLASH";
-const LIMIT: &str = "MA_CEC_MAX_SUM";
-const WEIGHT: &str = "SN_CEC_TABLE_WEIGHT";
-const LEC_ON: &str = "MA_ENC_COMP_ENABLE";
-const TABLE_ON: &str = "SN_CEC_TABLE_ENABLE";
-const CEC_ON: &str = "MA_CEC_ENABLE";
-
-/// Number and name of the machine data, in the order in which the rollback sets them: what makes
-/// tables act comes last.
-const ORDER: [(&str, &str); 6] = [
-    ("MD32450", BACKLASH),
-    ("MD32720", LIMIT),
-    ("SD41310", WEIGHT),
-    ("MD32700", LEC_ON),
-    ("SD41300", TABLE_ON),
-    ("MD32710", CEC_ON),
-];
+/// In which order the rollback sets machine data: what makes tables act comes last.
+const ORDER: [Datum; 6] = [BACKLASH, CEC_LIMIT, WEIGHT, LEC_ON, TABLE_ON, CEC_ON];
 
 /// A machine or setting datum that a kit changes.
 struct Changed {
-    name: &'static str,
+    datum: Datum,
     indices: Vec<String>,
     by: ChangedBy,
 }
@@ -40,7 +27,7 @@ pub(super) fn old(
     let mut gathered = Gathered::default();
     for table in &kit.lec {
         let found = held.lec.iter().find(|t| is_place(t, table));
-        let off = || before.held.is_off(LEC_ON, &lec_indices(table));
+        let off = || before.held.is_off(LEC_ON.1, &lec_indices(table));
         let values = found.map(|found| found.values.as_slice());
         if gathered.takes(before, &lec_name(table), lec_variable(table), values, off) {
             gathered.tables.lec.extend(found.cloned());
@@ -49,10 +36,10 @@ pub(super) fn old(
     for table in &kit.cec {
         let found = held.cec.iter().find(|t| t.number == table.number);
         let off = || {
-            before.held.is_off(TABLE_ON, &[table.number.to_string()])
+            before.held.is_off(TABLE_ON.1, &[table.number.to_string()])
                 || before
                     .held
-                    .is_off(CEC_ON, std::slice::from_ref(&table.output_axis))
+                    .is_off(CEC_ON.1, std::slice::from_ref(&table.output_axis))
         };
         let (name, variable) = (cec_name(table), format!("AN_CEC[{}]", table.number));
         let values = found.map(|found| found.values.as_slice());
@@ -102,14 +89,13 @@ impl Gathered {
     }
 
     fn with_data(self, before: &Before<'_>, changed: Vec<Changed>) -> Old {
-        let found = |c: &Changed| before.held.datum(c.name, &c.indices).cloned();
+        let found = |c: &Changed| before.held.datum(c.datum.1, &c.indices).cloned();
         let lacking = changed
             .iter()
             .filter(|c| c.by != Nobody && found(c).is_none());
         let lacking = lacking.map(|c| -> Lacking {
-            let number = ORDER.iter().find(|o| o.1 == c.name).map_or("", |o| o.0);
-            let index = format!("[{}]", c.indices.join(","));
-            (format!("{number} ${}", c.name), index, c.by)
+            let ((number, name), index) = (c.datum, format!("[{}]", c.indices.join(",")));
+            (format!("{number} ${name}"), index, c.by)
         });
         Old {
             tables: Tables::Siemens(self.tables),
@@ -128,10 +114,6 @@ fn lec_indices(table: &LecTable) -> [String; 2] {
     [table.encoder.to_string(), table.axis.clone()]
 }
 
-fn lec_name(table: &LecTable) -> String {
-    format!("ENC_COMP[{},{}]", table.encoder, table.axis)
-}
-
 fn lec_variable(table: &LecTable) -> String {
     format!("AA_{}", lec_name(table))
 }
@@ -143,12 +125,12 @@ fn cec_name(table: &CecTable) -> String {
 /// All machine data that change when the kit is loaded as its checklist says, each once.
 fn changed(before: &Before<'_>, kit: &SiemensTables) -> Vec<Changed> {
     let mut all: Vec<Changed> = Vec::new();
-    let mut add = |name: &'static str, indices: Vec<String>, by: ChangedBy| {
-        let known = |c: &&mut Changed| c.name == name && c.indices == indices;
+    let mut add = |datum: Datum, indices: Vec<String>, by: ChangedBy| {
+        let known = |c: &&mut Changed| c.datum == datum && c.indices == indices;
         match all.iter_mut().find(known) {
             Some(known) if known.by == Nobody => known.by = by,
             Some(_) => {}
-            None => all.push(Changed { name, indices, by }),
+            None => all.push(Changed { datum, indices, by }),
         }
     };
     for table in &kit.lec {
@@ -158,7 +140,7 @@ fn changed(before: &Before<'_>, kit: &SiemensTables) -> Vec<Changed> {
         let number = vec![table.number.to_string()];
         add(TABLE_ON, number.clone(), File);
         add(CEC_ON, vec![table.output_axis.clone()], File);
-        add(LIMIT, vec![table.output_axis.clone()], Precondition);
+        add(CEC_LIMIT, vec![table.output_axis.clone()], Precondition);
         add(WEIGHT, number, Precondition);
     }
     if let Tables::Siemens(acted) = &before.active.tables {
@@ -175,20 +157,20 @@ fn changed(before: &Before<'_>, kit: &SiemensTables) -> Vec<Changed> {
         }
     }
     for axis in Axis::ALL {
-        for (name, system, by) in of_axis(before, axis) {
+        for (datum, system, by) in of_axis(before, axis) {
             for own in &before.plan.names[axis] {
-                add(name, vec![system.to_string(), own.to_uppercase()], by);
+                add(datum, vec![system.to_string(), own.to_uppercase()], by);
             }
         }
     }
-    let place = |c: &Changed| ORDER.iter().position(|(_, name)| *name == c.name);
+    let place = |c: &Changed| ORDER.iter().position(|datum| *datum == c.datum);
     all.sort_by_key(place);
     all
 }
 
 /// What the positioning tables of an axis change beside their switches: name, measuring system, by
 /// whom.
-fn of_axis(before: &Before<'_>, axis: Axis) -> Vec<(&'static str, u32, ChangedBy)> {
+fn of_axis(before: &Before<'_>, axis: Axis) -> Vec<(Datum, u32, ChangedBy)> {
     let own = |t: &&crate::write::plan::PlannedTable| t.term.is_positioning() && t.term.of == axis;
     let mut tables = before.plan.tables.iter().filter(own).peekable();
     if tables.peek().is_none() {

@@ -1,5 +1,6 @@
 //! The machine data that files set: switches and memory of the job's tables, and nothing else.
 
+use super::data::{CEC_ON, CEC_POINTS, Datum, LEC_ON, LEC_POINTS, TABLE_ON};
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::siemens::{LecTable, SiemensTables};
 use crate::judge::findings::{InControl, it, listed};
@@ -13,18 +14,17 @@ pub(super) fn lec_name(table: &LecTable) -> String {
 
 /// A machine or setting datum of the job.
 struct Owned {
-    name: &'static str,
+    datum: Datum,
     indices: Vec<String>,
-    /// What it belongs to, and its number.
+    /// What it belongs to.
     of: String,
-    number: &'static str,
     /// Points to reserve; a switch needs none.
     points: usize,
 }
 
 impl Owned {
     fn is(&self, datum: &MachineDatum) -> bool {
-        self.name == datum.name && self.indices == datum.indices
+        self.datum.1 == datum.name && self.indices == datum.indices
     }
 }
 
@@ -54,40 +54,31 @@ const TASKS: [(Role, &str, &str, &str); 3] = [
 /// it is not fixed, MD18342 in the one that reserves their memory.
 fn owned(role: Role, wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned> {
     let (of_lec, of_cec) = match role {
-        Role::Enable | Role::Disable => (
-            ("MA_ENC_COMP_ENABLE", "MD32700"),
-            ("SN_CEC_TABLE_ENABLE", "SD41300"),
-        ),
-        Role::Parameters => (
-            ("MA_MM_ENC_COMP_MAX_POINTS", "MD38000"),
-            ("MN_MM_CEC_MAX_POINTS", "MD18342"),
-        ),
+        Role::Enable | Role::Disable => (LEC_ON, TABLE_ON),
+        Role::Parameters => (LEC_POINTS, CEC_POINTS),
         Role::Table | Role::Rollback | Role::SignProof | Role::Checklist | Role::Report => {
             return Vec::new();
         }
     };
     let lec = wanted.lec.iter().map(|table| Owned {
-        name: of_lec.0,
+        datum: of_lec,
         indices: vec![table.encoder.to_string(), table.axis.clone()],
         of: lec_name(table),
-        number: of_lec.1,
         points: table.values.len(),
     });
     let cec = wanted.cec.iter().map(|table| Owned {
-        name: of_cec.0,
+        datum: of_cec,
         indices: vec![table.number.to_string()],
         of: format!("CEC table {}", table.number),
-        number: of_cec.1,
         points: table.values.len(),
     });
     let reserves = role == Role::Parameters;
     let cec = cec.filter(|_| !reserves || !facts.cec_memory_fixed.value);
     let outputs = wanted.cec_outputs().into_iter().filter(|_| !reserves);
     let axes = outputs.map(|axis| Owned {
-        name: "MA_CEC_ENABLE",
+        datum: CEC_ON,
         of: format!("CEC of axis {axis}"),
         indices: vec![axis],
-        number: "MD32710",
         points: 0,
     });
     lec.chain(cec).chain(axes).collect()
@@ -146,7 +137,7 @@ fn wrong(role: Role, not: &str, owned: &[Owned], data: &[&MachineDatum]) -> Vec<
             "{}, expected {expected}",
             set.unwrap_or("not written".to_string())
         );
-        let of = format!("{} ({})", own.of, own.number);
+        let of = format!("{} ({})", own.of, own.datum.0);
         match groups.iter_mut().find(|(known, _)| *known == stands) {
             Some((_, names)) => names.push(of),
             None => groups.push((stands, vec![of])),
@@ -178,7 +169,7 @@ pub(super) fn absent(
         let data = owned(role, wanted, facts);
         let data = data
             .iter()
-            .map(|own| format!("{} ${}{value}", own.number, own.name));
+            .map(|Owned { datum, .. }| format!("{} ${}{value}", datum.0, datum.1));
         let mut data: Vec<String> = data.collect();
         data.dedup();
         (!data.is_empty()).then(|| InControl::NoFile { does, data }.into())

@@ -1,6 +1,7 @@
 //! Tables that are switched on, or of which nothing is said, and that no file of a read-out holds.
 
-use super::read_out::{CEC_ON, CEC_POINTS, LEC_ON, Sorted, TABLE_ON};
+use super::data::{CEC_ON, CEC_POINTS, Datum, LEC_ON, LEC_POINTS, TABLE_ON};
+use super::read_out::Sorted;
 use crate::control::claims::Assumption;
 use crate::control::table::siemens::LecTable;
 use crate::judge::findings::{InControl, listed};
@@ -46,7 +47,11 @@ impl Sorted<'_, '_> {
         };
         let mut lec = self.own_names();
         lec.retain(|name| !tells_of_lec(name));
-        let is_of_cec = |d: &MachineDatum| [CEC_ON, TABLE_ON, CEC_POINTS].contains(&&*d.name);
+        let is_of_cec = |d: &MachineDatum| {
+            [CEC_ON, TABLE_ON, CEC_POINTS]
+                .iter()
+                .any(|own| own.1 == d.name)
+        };
         let mut reserved = self.held.without_grid.iter();
         let tells_of_cec = !self.all.tables.cec.is_empty()
             || reserved.any(|table| table.starts_with("AN_CEC"))
@@ -69,7 +74,7 @@ impl Sorted<'_, '_> {
                     table.axis == name && (table.encoder == encoder || stated.is_none())
                 };
                 if is(LEC_ON) == Some(true)
-                    && is("MA_MM_ENC_COMP_MAX_POINTS") != Some(false)
+                    && is(LEC_POINTS) != Some(false)
                     && stated.is_none_or(|stated| stated == encoder)
                     && !self.all.tables.lec.iter().any(holds)
                     && !self.is_reserved(&format!("AA_ENC_COMP[{number},{name}]"))
@@ -117,7 +122,7 @@ impl Sorted<'_, '_> {
     }
 
     /// A datum of every CEC table that was read out: number of the table, and whether it is above 0.
-    fn of_tables(&self, name: &str) -> Vec<(String, bool)> {
+    fn of_tables(&self, (_, name): Datum) -> Vec<(String, bool)> {
         let own = self.all.machine_data.iter().filter(|d| d.name == name);
         own.filter_map(|datum| match (&datum.indices[..], &datum.value) {
             ([table], MachineValue::Number(value)) => Some((table.clone(), *value > 0.0)),

@@ -1,5 +1,6 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
+use super::data::{BACKLASH, CEC_ON, Datum, LEC_ON, TABLE_ON, UNIT, WEIGHT};
 use super::surroundings::cec_limits;
 use crate::control::claims::Assumption;
 use crate::control::controller::ControlUnit;
@@ -18,11 +19,6 @@ use crate::read::siemens::{
 use crate::read::{Text, file_of};
 use crate::text::problem::Problems;
 use std::collections::BTreeMap;
-
-pub(super) const LEC_ON: &str = "MA_ENC_COMP_ENABLE";
-pub(super) const CEC_ON: &str = "MA_CEC_ENABLE";
-pub(super) const TABLE_ON: &str = "SN_CEC_TABLE_ENABLE";
-pub(super) const CEC_POINTS: &str = "MN_MM_CEC_MAX_POINTS";
 
 /// Reads the files of a control.
 pub(super) fn read(reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
@@ -56,7 +52,7 @@ pub(super) fn read(reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Foun
     sorted.tell_programs(&told, reads_programs);
     let (lec, cec) = (sorted.lec(), sorted.cec());
     sorted.tell_what_was_not_read_out();
-    let metric = sorted.value("MN_SCALING_SYSTEM_IS_METRIC", &[]);
+    let metric = sorted.value(UNIT, &[]);
     Ok(Found {
         tables: Tables::Siemens(SiemensTables { lec, cec }),
         backlash: PerAxis::from_fn(|axis| sorted.backlash(axis)),
@@ -208,7 +204,7 @@ impl Sorted<'_, '_> {
         self.stated_encoder(axis).unwrap_or(0)
     }
 
-    pub(super) fn value(&self, name: &str, indices: &[&str]) -> Option<f64> {
+    pub(super) fn value(&self, (_, name): Datum, indices: &[&str]) -> Option<f64> {
         let same = |datum: &&MachineDatum| {
             let own = datum.indices.iter().map(String::as_str);
             datum.name == name && own.eq(indices.iter().copied())
@@ -220,13 +216,14 @@ impl Sorted<'_, '_> {
     }
 
     /// Whether a datum was read out and stands above 0.
-    pub(super) fn is_above_zero(&self, name: &str, indices: &[&str]) -> Option<bool> {
-        self.value(name, indices).map(|value| value > 0.0)
+    pub(super) fn is_above_zero(&self, datum: Datum, indices: &[&str]) -> Option<bool> {
+        self.value(datum, indices).map(|value| value > 0.0)
     }
 
     /// Whether a switch stands at 1; what no file holds is taken as on, and said.
-    fn is_on(&mut self, name: &str, number: &str, indices: &[&str]) -> bool {
-        let Some(is_on) = self.is_above_zero(name, indices) else {
+    fn is_on(&mut self, datum: Datum, indices: &[&str]) -> bool {
+        let Some(is_on) = self.is_above_zero(datum, indices) else {
+            let (number, name) = datum;
             let what = format!("{number} ${name}[{}]", indices.join(","));
             if !self.reading.assumptions.iter().any(|a| a.fact == what) {
                 self.reading.assumptions.push(Assumption::of_job(
@@ -253,13 +250,13 @@ impl Sorted<'_, '_> {
                 Some(axis) if table.encoder != self.encoder(axis) => {
                     self.other_system(name, axis, &table);
                 }
-                Some(_) if self.is_on(LEC_ON, "MD32700", &[&encoder, &table.axis]) => {
+                Some(_) if self.is_on(LEC_ON, &[&encoder, &table.axis]) => {
                     self.close(&name, &mut table.grid, &mut table.values);
                     own.push(table);
                 }
                 Some(_) => self.reading.tell(InControl::SwitchedOff {
                     table: name,
-                    by: "MD32700",
+                    by: LEC_ON.0,
                 }),
             }
         }
@@ -354,14 +351,14 @@ impl Sorted<'_, '_> {
 
     /// Whether SD41300 of a table and MD32710 of its output axis stand at 1.
     fn acts(&mut self, table: &CecTable) -> bool {
-        self.is_on(TABLE_ON, "SD41300", &[&table.number.to_string()])
-            && self.is_on(CEC_ON, "MD32710", &[&table.output_axis])
+        self.is_on(TABLE_ON, &[&table.number.to_string()])
+            && self.is_on(CEC_ON, &[&table.output_axis])
     }
 
     /// A weight other than 1, which is not emulated.
     fn weigh(&mut self, table: &CecTable) {
         let number = table.number;
-        let weight = self.value("SN_CEC_TABLE_WEIGHT", &[&number.to_string()]);
+        let weight = self.value(WEIGHT, &[&number.to_string()]);
         if let Some(weight) = weight.filter(|weight| (weight - 1.0).abs() > 0.0) {
             self.reading.tell(InControl::Weight { number, weight });
         }
@@ -414,7 +411,7 @@ impl Sorted<'_, '_> {
         let encoder = self.encoder(axis).to_string();
         let in_um = self.reading.job.compensation.control_unit.in_mm() * UM_PER_MM;
         let of_name = |name: &String| {
-            let held = self.value("MA_BACKLASH", &[&encoder, &name.to_uppercase()]);
+            let held = self.value(BACKLASH, &[&encoder, &name.to_uppercase()]);
             (name.clone(), held.map(|value| value * in_um))
         };
         self.reading.names[axis].iter().map(of_name).collect()

@@ -1,5 +1,6 @@
 //! What a read-out holds around the tables: limit and unit of CEC, reference points.
 
+use super::data::{CEC_LIMIT, CEC_UNIT, Datum, REFERENCE, REFERENCE_MODE, UNIT, UNIT_CHANGES};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::ControlUnit;
 use crate::control::table::siemens::SiemensTables;
@@ -25,9 +26,10 @@ pub(super) fn found(state: &ControlState, wanted: &SiemensTables, held: &Held) -
 fn reference(axis: &AxisState, encoder: u32, unit: ControlUnit, held: &Held) -> Option<InControl> {
     const SAME_MM: f64 = 1e-3;
     const ZERO_MARK: f64 = 1.0;
-    let of = |name: &str, index: u32| held.number(name, &[index.to_string(), axis.name.clone()]);
-    let position = of("MA_REFP_SET_POS", 0)?;
-    let mode = of("MA_ENC_REFP_MODE", encoder);
+    let of =
+        |datum: Datum, index: u32| held.number(datum.1, &[index.to_string(), axis.name.clone()]);
+    let position = of(REFERENCE, 0)?;
+    let mode = of(REFERENCE_MODE, encoder);
     let counts = mode.is_none_or(|mode| (mode - ZERO_MARK).abs() <= 0.0);
     let own_mm = axis.reference.mm();
     let is_other = (position * unit.in_mm() - own_mm).abs() > SAME_MM;
@@ -42,16 +44,14 @@ fn reference(axis: &AxisState, encoder: u32, unit: ControlUnit, held: &Held) -> 
 /// Preconditions on machine data that no file holds.
 pub(super) fn absent(tables: &SiemensTables, held: &Held) -> Vec<String> {
     let mut absent = Vec::new();
-    if held.datum("MN_SCALING_SYSTEM_IS_METRIC", &[]).is_none() {
-        absent.push("MD10240".to_string());
+    if held.datum(UNIT.1, &[]).is_none() {
+        absent.push(UNIT.0.to_string());
     }
     for output in tables.cec_outputs() {
-        let data = [
-            ("MA_CEC_MAX_SUM", "MD32720"),
-            ("MA_CEC_SCALING_SYSTEM_METRIC", "MD32711"),
-        ];
         let lacks = |name: &str| held.datum(name, std::slice::from_ref(&output)).is_none();
-        let lacking = data.into_iter().filter(|(name, _)| lacks(name));
+        let lacking = [CEC_LIMIT, CEC_UNIT]
+            .into_iter()
+            .filter(|(name, _)| lacks(name));
         absent.extend(lacking.map(|(_, number)| format!("{number} of {output}")));
     }
     absent
@@ -64,7 +64,7 @@ pub(super) fn cec_limits(held: &Held, tables: &SiemensTables, unit: ControlUnit)
     for axis in tables.cec_outputs() {
         let index = std::slice::from_ref(&axis);
         let sum = tables.largest_cec_sum(&axis);
-        let limit = held.number("MA_CEC_MAX_SUM", index);
+        let limit = held.number(CEC_LIMIT.1, index);
         if let Some(limit) = limit.filter(|limit| *limit < sum - LAST_DIGIT / 2.0) {
             findings.push(InControl::CutOff {
                 axis: axis.clone(),
@@ -73,8 +73,8 @@ pub(super) fn cec_limits(held: &Held, tables: &SiemensTables, unit: ControlUnit)
                 unit: unit.word(),
             });
         }
-        let metric = held.number("MA_CEC_SCALING_SYSTEM_METRIC", index);
-        let converts = held.number("MN_CONVERT_SCALING_SYSTEM", &[]);
+        let metric = held.number(CEC_UNIT.1, index);
+        let converts = held.number(UNIT_CHANGES.1, &[]);
         let Some(metric) = metric.filter(|metric| ControlUnit::of_metric(*metric) != unit) else {
             continue;
         };

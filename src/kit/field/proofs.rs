@@ -10,7 +10,7 @@ use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::emit::{self, Instead, RenderedFile};
 use crate::write::plan::{Plan, axis_pairs};
-use crate::write::sign_proof::{SignProof, SignProofs, sign_fact, sign_proofs};
+use crate::write::sign_proof::{SignProof, SignProofs, sign_proofs};
 use serde_json::{Value, json};
 
 /// The sign proofs of a kit, read back to what was meant.
@@ -85,7 +85,7 @@ fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, 
         names_terms: true,
         ..Instead::default()
     };
-    let wanted = Some(proof.mechanism);
+    let wanted = Some(proof.of.mechanism);
     emit::render_apart(
         made.task(),
         &made.templates,
@@ -149,7 +149,7 @@ pub(super) fn document(shown: &Shown) -> Value {
     let round = crate::quantity::units::picometres;
     json!({
         "files": shown.paths,
-        "sign": sign_fact(proof.mechanism),
+        "sign": proof.of.sign_fact,
         "term": proof.term.to_string(),
         "from_mm": from,
         "peak_mm": peak,

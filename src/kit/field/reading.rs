@@ -7,17 +7,16 @@
 use super::lists::BLANK;
 use super::proofs::Shown;
 use crate::control::checklist::Listed;
-use crate::control::controller::{Evidence, Mechanism};
+use crate::control::controller::Evidence;
 use crate::kit::made::Made;
 use crate::quantity::axis::Axis;
 use crate::write::compensation::trimmed;
-use crate::write::sign_proof::{name, sign_fact};
 
 /// What one proof is and what has to be seen; how it is read, and what that means.
 pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
     let mut all = Listed::default();
     for shown in shown {
-        let beside = beside(shown.proof.mechanism);
+        let beside = shown.proof.of.beside.map(str::to_string);
         all.items
             .extend([two_places(made, shown), expected(made, shown)]);
         all.items.extend(beside);
@@ -46,7 +45,7 @@ fn bump(made: &Made<'_>, shown: &Shown) -> String {
     let files: Vec<String> = shown.paths.iter().map(|path| format!("`{path}`")).collect();
     format!(
         "{}, {}: the table of {} holds one bump, zero up to {} = {from} mm, full at {peak} mm, zero from {to} mm on; zero everywhere else. The place is the legal bump that is highest and narrowest, nearest to the middle of the travel",
-        name(proof.mechanism),
+        proof.of.name,
         files.join(", "),
         proof.term,
         made.axes(proof.term.along),
@@ -59,7 +58,7 @@ fn two_places(made: &Made<'_>, shown: &Shown) -> String {
     let files: Vec<String> = shown.paths.iter().map(|path| format!("`{path}`")).collect();
     format!(
         "{}, {}: read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
-        name(shown.proof.mechanism),
+        shown.proof.of.name,
         files.join(", "),
         term.of
     )
@@ -70,7 +69,7 @@ fn expected(made: &Made<'_>, shown: &Shown) -> String {
     format!(
         "**(reading at {peak} mm − reading at {from} mm) with the compensation on, less the same with it off: {} if the sign is {}; {} if it is the other way round.** With {to} mm in place of {peak} mm: 0",
         signed(shown.shown_um),
-        as_known(evidence(made, shown.proof.mechanism)),
+        as_known(evidence(made, shown)),
         signed(-shown.shown_um),
     )
 }
@@ -89,7 +88,7 @@ fn with_a_gauge(made: &Made<'_>, shown: &Shown) -> String {
 }
 
 fn sign(made: &Made<'_>, shown: &Shown) -> String {
-    let fact = sign_fact(shown.proof.mechanism);
+    let fact = shown.proof.of.sign_fact;
     let statements = made.inputs.profile.statements.iter();
     let known = statements.filter(|s| s.fact == fact);
     let known = known.map(|s| {
@@ -103,8 +102,8 @@ fn sign(made: &Made<'_>, shown: &Shown) -> String {
     format!("the sign: {}", known.collect::<Vec<_>>().join("; "))
 }
 
-fn evidence(made: &Made<'_>, mechanism: Mechanism) -> Evidence {
-    let fact = sign_fact(mechanism);
+fn evidence(made: &Made<'_>, shown: &Shown) -> Evidence {
+    let fact = shown.proof.of.sign_fact;
     let mut statements = made.inputs.profile.statements.iter();
     let known = statements.find(|s| s.fact == fact);
     known.map_or(Evidence::Assumed, |s| s.evidence)
@@ -118,24 +117,10 @@ fn as_known(evidence: Evidence) -> &'static str {
     }
 }
 
-/// What a mechanism needs besides.
-fn beside(mechanism: Mechanism) -> Option<String> {
-    let words = match mechanism {
-        Mechanism::Cec => {
-            "MD32710 switches every CEC table of an axis, also those that are not of this kit (K3 p. 245): note their SD41300, set it to 0 while the proof lasts, and put it back"
-        }
-        Mechanism::FourPoint => {
-            "alarm PW5046 instead: the control refuses the set; where axes and points are right, the slope of the bump (from memory, its limit is not known): lower `limits.max_bump_um`"
-        }
-        _ => return None,
-    };
-    Some(words.to_string())
-}
-
 fn other_way_round(shown: &Shown) -> String {
     format!(
         "the other way round, or nothing: take the bump off (switch the compensation off, then \"Rollback\") and load no table. Other sign: turn `{}` in a profile of your own (docs/controllers.md section 4) and generate again; nothing: see the preconditions, options and reference",
-        sign_fact(shown.proof.mechanism)
+        shown.proof.of.sign_fact
     )
 }
 

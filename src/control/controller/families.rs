@@ -1,0 +1,28 @@
+//! The families of controls that there are.
+
+use crate::control::controller::fact::{Facts, Mechanism, Word};
+use crate::control::controller::{Dialect, Family, FanucFacts, GenericFacts, SiemensFacts};
+use crate::control::controller::{fanuc, generic, siemens};
+
+/// A family, and how the facts of its controls are read.
+pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
+
+/// All of them, in the order in which they are named.
+pub(super) const FAMILIES: [Known; 3] = [
+    (&siemens::FAMILY, |facts| {
+        SiemensFacts::checked(facts).map(Dialect::Siemens)
+    }),
+    (&fanuc::FAMILY, |facts| {
+        FanucFacts::checked(facts).map(Dialect::Fanuc)
+    }),
+    (&generic::FAMILY, |facts| {
+        GenericFacts::read(facts).map(Dialect::Generic)
+    }),
+];
+
+/// What sign proofs can prove, with the words of profiles.
+pub(super) fn proved() -> Vec<(&'static str, Mechanism)> {
+    let proofs = FAMILIES.iter().flat_map(|(family, _)| family.proofs);
+    let mechanisms = proofs.map(|proof| proof.mechanism);
+    mechanisms.map(|own| (own.word_of(), own)).collect()
+}
