@@ -17,7 +17,9 @@ mod job_files;
 mod new;
 mod outcome;
 mod path;
+mod plot;
 mod program;
+mod report;
 mod screen;
 mod separate;
 mod show;
@@ -64,6 +66,11 @@ enum Command {
     /// Read the files of a directory back and judge them against a job
     #[command(after_help = "Exit status: 0 pass · 1 fail or undecided · 2 could not judge")]
     Verify(verify::Options),
+    /// Write the page that is handed over: as found, forecast, as left (HTML)
+    #[command(
+        after_help = "Exit status: 0 the verdict on the page is pass · 1 it is not · 2 nothing written"
+    )]
+    Report(report::Options),
     /// Print the chain of tables that a kit stands in, back to the first one
     #[command(
         after_help = "Exit status: 0 all is as it was made · 1 the chain breaks or a file was changed · 2 could not read"
@@ -147,6 +154,7 @@ fn execute(command: Command) -> Result<Outcome, Problems> {
         Command::New(options) => new::run(&options),
         Command::Generate(options) => generate::run(&options),
         Command::Verify(options) => verify::run(&options),
+        Command::Report(options) => report::run(&options),
         Command::History(options) => history::run(&options),
         Command::Separate(options) => separate::run(&options),
         Command::Assess(options) => assess::run(&options),

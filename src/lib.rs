@@ -31,7 +31,7 @@
 //!
 //! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
-//! Ten rooms and the command line, in the order in which the data flow; a room imports only from those
+//! Eleven rooms and the command line, in the order in which the data flow; a room imports only from those
 //! before it (`tests/order.rs` checks it):
 //!
 //! | room | what it is |
@@ -46,6 +46,7 @@
 //! | [`volume`] | errors in space and along a path |
 //! | [`judge`] | does it help, and if not, why |
 //! | [`kit`] | the directory, its history, its rehearsal |
+//! | [`page`] | what a person looks at: pictures, and the page that is handed over |
 //! | [`cli`] | arguments, files, pages: no domain logic |
 //!
 //! `write` and `read` have nothing in common but the tables of `control`, so a mistake of a template is found
@@ -81,5 +82,7 @@ pub mod volume;
 pub mod judge;
 
 pub mod kit;
+
+pub mod page;
 
 pub mod cli;

@@ -26,10 +26,13 @@ fn block_behind(text: &str, marker: &str) -> String {
 #[test]
 fn the_readme_shows_what_the_main_job_prints() {
     let folder = tempfile::tempdir().expect("a place to write to");
+    let drawn = folder.path().join("before-after.svg");
     let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .args(["generate", "fixtures/nine_errors_900/fanuc-30i.toml", "-o"])
         .arg(folder.path().join("kit"))
+        .arg("--plot")
+        .arg(&drawn)
         .output()
         .expect("the program runs");
     assert!(
@@ -42,6 +45,16 @@ fn the_readme_shows_what_the_main_job_prints() {
     assert!(
         !shown.is_empty() && printed.contains(&shown),
         "README shows\n{shown}\n\nthe program prints\n{printed}"
+    );
+    let drawn = std::fs::read_to_string(drawn).expect("a picture");
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/before-after.svg");
+    if std::env::var_os("NONIUS_UPDATE").is_some() {
+        std::fs::write(&kept, &drawn).expect("the picture can be kept");
+    }
+    let kept = std::fs::read_to_string(kept).expect("the picture of the README");
+    assert_eq!(
+        drawn, kept,
+        "the picture of the README is what the program draws: NONIUS_UPDATE=1"
     );
 }
 

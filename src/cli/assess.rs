@@ -8,17 +8,21 @@ mod text;
 use crate::cli::files::read_argument;
 use crate::cli::inputs;
 use crate::cli::outcome::{Outcome, Print, positive};
+use crate::cli::plot::PlotOnly;
 use crate::cli::tables::{AskedTables, Corrected};
 use crate::inputs::kind::FileKind;
 use crate::kit::Inputs;
+use crate::page::bin_um;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::chain::Chain;
 use crate::text::problem::{Problem, Problems};
 use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
-use page::{After, Basis, Page};
-use std::path::PathBuf;
+pub(super) use document::document;
+pub(super) use page::Page;
+use page::{After, Basis};
+use std::path::{Path, PathBuf};
 
 /// Most nodes of one axis.
 const MOST_NODES: usize = 1001;
@@ -45,6 +49,8 @@ pub(super) struct Options {
     /// Chain of the machine, for an error table with angles that no job describes, e.g. wXYZt
     #[arg(long, value_parser = chain_word)]
     chain: Option<Chain>,
+    #[command(flatten)]
+    plot: PlotOnly,
     #[command(flatten)]
     print: Print,
 }
@@ -86,8 +92,9 @@ fn chain_word(text: &str) -> Result<Chain, String> {
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let page = page(options)?;
-    let (screen, document) = (|| text::screen(&page), || document::document(&page));
-    options.print.outcome(screen, document)
+    let (screen, document) = (|| text::screen(&page), || document(&page));
+    let outcome = options.print.outcome(screen, document)?;
+    options.plot.beside(outcome, || Ok(page.picture()))
 }
 
 fn page(options: &Options) -> Result<Page, Problems> {
@@ -103,25 +110,51 @@ fn page(options: &Options) -> Result<Page, Problems> {
     let use_of = options.tables.use_of();
     let (mut inputs, _) = inputs::read_job(&options.file, &name, &bytes, use_of)?;
     take_chain(&mut inputs, options.chain)?;
-    page_of_job(options, &request, &inputs)
-}
-
-fn page_of_job(options: &Options, request: &Request, inputs: &Inputs) -> Result<Page, Problems> {
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     check(&volume, options)?;
+    page_of_job(options.grid, &options.tables, &request, &inputs, volume)
+}
+
+/// Nodes of each axis in a report: enough for its pictures.
+const NODES_OF_REPORT: usize = 11;
+
+/// The page of a report: with the files of a directory, or with the tables that the job asks for.
+pub(super) fn for_report(inputs: &Inputs, tables: Option<&Path>) -> Result<Page, Problems> {
+    let grid = GridChoice::Equal(PerAxis::from_fn(|_| NODES_OF_REPORT));
+    let asked = AskedTables::of(tables);
+    let page = |histogram_um| {
+        let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
+        let request = Request {
+            histogram_um,
+            ..Request::default()
+        };
+        page_of_job(grid, &asked, &request, inputs, volume)
+    };
+    let plain = page(None)?;
+    page(Some(bin_um(plain.before.definitions.va.um)))
+}
+
+fn page_of_job(
+    grid: GridChoice,
+    tables: &AskedTables,
+    request: &Request,
+    inputs: &Inputs,
+    volume: VolumeModel,
+) -> Result<Page, Problems> {
     let bare = inputs.under_tables.as_ref();
     let bare = bare.map(|_| volume.with_errors_of(&inputs.model));
-    let corrected = options.tables.corrected(inputs, &volume)?;
+    let corrected = tables.corrected(inputs, &volume)?;
     let others: Vec<&VolumeModel> = corrected
         .iter()
         .map(|corrected| &corrected.volume)
         .chain(&bare)
         .collect();
-    let grid = Grid::of(options.grid, &volume, &others)?;
+    let nodes = Grid::of(grid, &volume, &others)?;
     let after = |corrected: Corrected| {
         Ok::<After, Problem>(After {
             from: corrected.from,
-            assessment: assess(&corrected.volume, &grid, request)?,
+            assessment: assess(&corrected.volume, &nodes, request)?,
+            volume: corrected.volume,
             disagreements: corrected.disagreements,
         })
     };
@@ -131,12 +164,12 @@ fn page_of_job(options: &Options, request: &Request, inputs: &Inputs) -> Result<
             .iter()
             .flat_map(|corrected| corrected.notes.clone()),
     );
-    basis.without_tables_um = bare.map(|bare| va_um(&bare, &grid)).transpose()?;
+    basis.without_tables_um = bare.map(|bare| va_um(&bare, &nodes)).transpose()?;
     Ok(Page {
         name: inputs.job.machine.name.clone(),
-        grid: options.grid,
+        grid,
         basis,
-        before: assess(&volume, &grid, request)?,
+        before: assess(&volume, &nodes, request)?,
         after: corrected.map(after).transpose()?,
         volume,
     })

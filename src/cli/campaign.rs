@@ -25,7 +25,8 @@ use std::sync::Arc;
 /// A measurement of diagonals with everything that its job names.
 #[derive(Clone)]
 pub(super) struct CampaignFiles {
-    job: Job,
+    /// The job itself.
+    pub(super) job: Job,
     /// How it was measured.
     pub(super) measurement: DiagonalMeasurement,
     readings: Readings,

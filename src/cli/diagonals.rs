@@ -6,10 +6,11 @@ use crate::cli::show::um;
 use crate::inputs::target_runs::Runs;
 use crate::machine::separation::readings::CorrectedRun;
 use crate::machine::separation::readings::diagonal_runs;
-use crate::machine::standards::iso_230_2::AxisFigures;
+use crate::machine::standards::iso_230_2::{AxisFigures, figures};
 use crate::machine::standards::{
     DiagonalFigures, DiagonalMotion, Diagonals, diagonal, diagonal_of_unknown_length,
 };
+use crate::page::{Picture, targets};
 use crate::quantity::axis::Direction;
 use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
 use crate::text::problem::Problem;
@@ -44,7 +45,7 @@ impl StandardFigures {
     }
 
     fn by(
-        figures: impl Fn(&[(&str, &Runs)], DiagonalMotion) -> Diagonals,
+        judge: impl Fn(&[(&str, &Runs)], DiagonalMotion) -> Diagonals,
         volume: &Volume,
         kind: PathKind,
         runs: &[CorrectedRun],
@@ -57,7 +58,7 @@ impl StandardFigures {
         let each = each.map(|d| Ok((d.name(), diagonal_runs(volume, kind, d, runs)?)));
         let runs = each.collect::<Result<Vec<_>, Problem>>()?;
         let named: Vec<(&str, &Runs)> = runs.iter().map(|(name, runs)| (*name, runs)).collect();
-        let all = figures(&named, motion);
+        let all = judge(&named, motion);
         Ok(StandardFigures { runs, all })
     }
 
@@ -65,6 +66,17 @@ impl StandardFigures {
     pub(super) fn each(&self) -> impl Iterator<Item = (&'static str, &Runs, &DiagonalFigures)> {
         let each = self.runs.iter().zip(&self.all.diagonals);
         each.map(|((name, runs), figures)| (*name, runs, figures))
+    }
+
+    /// Means and bands along each diagonal.
+    pub(super) fn picture(&self, heading: &str) -> Picture {
+        let each = self
+            .runs
+            .iter()
+            .map(|(name, runs)| (name.to_string(), figures(runs)));
+        let each: Vec<_> = each.collect();
+        let named: Vec<_> = each.iter().map(|(name, of)| (name.clone(), of)).collect();
+        targets(heading, "along the diagonal / mm", &named)
     }
 
     /// Every figure of a diagonal by its name in the standards.

@@ -3,12 +3,14 @@
 mod compare;
 
 use crate::cli::outcome::{Outcome, Output};
+use crate::cli::plot::Plot;
 use crate::cli::screen::{More, Screen, shell_word, wrapped};
 use crate::cli::{inputs, show};
 use crate::control::controller::Role;
 use crate::judge::conformity::Verdict;
 use crate::kit::manifest::MANIFEST;
-use crate::kit::{Inputs, Kit, generate, remarks};
+use crate::kit::{Inputs, Kit, cannot_emulate, emulator, generate, remarks};
+use crate::page::{Curves, Picture, terms};
 use crate::text::problem::Problems;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -25,6 +27,8 @@ pub(super) struct Options {
     compare: bool,
     #[command(flatten)]
     output: Output,
+    #[command(flatten)]
+    plot: Plot,
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
@@ -43,7 +47,26 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         &screen(&inputs, &kit),
         next_steps,
     )?;
-    Ok(outcome.answering(kit.verdict == Verdict::Pass))
+    let outcome = outcome.answering(kit.verdict == Verdict::Pass);
+    let picture = || picture(&inputs, &kit);
+    options.plot.beside(outcome, options.output.force, picture)
+}
+
+/// The nine errors as found and as forecast.
+fn picture(inputs: &Inputs, kit: &Kit) -> Result<Picture, Problems> {
+    let (tables, state) = (&kit.compiled.tables, &kit.compiled.state);
+    let control = emulator(&inputs.profile, tables, state).map_err(|e| cannot_emulate(&e))?;
+    let curves = Curves {
+        machine: inputs.machine(),
+        loaded: Some((&kit.plan, control.as_ref())),
+        as_left: None,
+        limit_um: inputs.job.acceptance.max_deviation_um,
+    };
+    let heading = format!(
+        "{}: nine errors, {}",
+        inputs.job.machine.name, inputs.profile.name
+    );
+    terms(&heading, &curves).map_err(|e| cannot_emulate(&e))
 }
 
 fn screen(inputs: &Inputs, kit: &Kit) -> Screen {

@@ -55,7 +55,7 @@ pub(super) struct Output {
     output: Option<PathBuf>,
     /// Replace what is there; a directory is kept as DIR.previous
     #[arg(long, requires = "output")]
-    force: bool,
+    pub(super) force: bool,
     #[command(flatten)]
     pub(super) print: Print,
 }
@@ -189,7 +189,7 @@ pub(super) enum Content {
 pub(super) struct Outcome {
     yes: bool,
     data: Data,
-    ready: Option<Ready>,
+    ready: Vec<Ready>,
     talk: Vec<String>,
 }
 
@@ -205,7 +205,7 @@ impl Outcome {
         Outcome {
             yes: true,
             data,
-            ready: None,
+            ready: Vec::new(),
             talk: Vec::new(),
         }
     }
@@ -218,10 +218,7 @@ impl Outcome {
 
     /// A document for scripts: its figures rounded as in a manifest.
     pub(super) fn json(document: &impl Serialize) -> Result<Outcome, Problems> {
-        let refuse = |error| Problem::new(format!("the document cannot be written: {error}"));
-        let mut document = serde_json::to_value(document).map_err(refuse)?;
-        round_figures(&mut document, false);
-        Ok(Outcome::bytes(manifest::bytes(&document)?))
+        Ok(Outcome::bytes(manifest::bytes(&json_of(document)?)?))
     }
 
     /// A file, as it stands.
@@ -236,8 +233,8 @@ impl Outcome {
     }
 
     /// The same, and this is put into its place.
-    fn writing(mut self, ready: Ready) -> Outcome {
-        self.ready = Some(ready);
+    pub(super) fn writing(mut self, ready: Ready) -> Outcome {
+        self.ready.push(ready);
         self
     }
 
@@ -252,9 +249,7 @@ impl Outcome {
         self.data
             .print()
             .map_err(|error| Problem::new(format!("standard output cannot be written: {error}")))?;
-        if let Some(ready) = self.ready {
-            ready.put()?;
-        }
+        self.ready.into_iter().try_for_each(Ready::put)?;
         self.talk.iter().for_each(|text| say(text));
         Ok(self.yes)
     }
@@ -276,6 +271,14 @@ pub(super) fn known(parts: impl IntoIterator<Item = Value>) -> Value {
         fields.retain(|_, value| !value.is_null());
     }
     document
+}
+
+/// A document as it is printed: its figures rounded as in a manifest.
+pub(super) fn json_of(document: &impl Serialize) -> Result<Value, Problems> {
+    let refuse = |error| Problem::new(format!("the document cannot be written: {error}"));
+    let mut document = serde_json::to_value(document).map_err(refuse)?;
+    round_figures(&mut document, false);
+    Ok(document)
 }
 
 /// Figures of a document, to be read and the same everywhere: what stands below a key with a unit.

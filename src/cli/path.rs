@@ -6,9 +6,11 @@ mod samples;
 
 use crate::cli::inputs;
 use crate::cli::outcome::{Outcome, Output};
+use crate::cli::plot::Plot;
 use crate::cli::tables::AskedTables;
 use crate::inputs::nc::run as run_program;
 use crate::kit::Inputs;
+use crate::page::{Ink, Trace};
 use crate::text::problem::{Problem, Problems};
 use crate::volume::tool_path::{PathMap, Profile, limits, path_map};
 use crate::volume::volume_model::VolumeModel;
@@ -32,6 +34,8 @@ pub(super) struct Options {
     tables: AskedTables,
     #[command(flatten)]
     output: Output,
+    #[command(flatten)]
+    plot: Plot,
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
@@ -46,9 +50,11 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let (page, points) = page(options)?;
     let content = points.map(Points::content).transpose()?;
     let next = format!(" ({} samples)", page.before.summary.samples);
+    let output = &options.output;
+    let outcome = output.deliver(content, || page.screen(), || page.document(), &next)?;
     options
-        .output
-        .deliver(content, || page.screen(), || page.document(), &next)
+        .plot
+        .beside(outcome, output.force, || Ok(page.picture()))
 }
 
 /// The page, and the samples where a file of them is asked for.
@@ -69,9 +75,18 @@ fn page(options: &Options) -> Result<(Page, Option<Points>), Problems> {
     let points = points.then(|| Points::create(&options.output, after_map.is_some()));
     let mut points = points.transpose()?;
     let mut holes = Holes::default();
+    let mut traces = vec![Trace::new(Ink::AsFound)];
+    traces.extend(after_map.map(|_| Trace::new(Ink::Forecast)));
     let ran = run_program(&mut text, &program, &inputs.job.path.setup, |step| {
         before.follow(step, &mut |sample| {
             holes.take(sample, after_map);
+            for trace in &mut traces {
+                let error_um = match (trace.ink(), after_map) {
+                    (Ink::Forecast, Some(map)) => map.error_at(sample.place, sample.longer_mm),
+                    _ => sample.error_um,
+                };
+                trace.take(sample.s_mm, error_um);
+            }
             if let Some(points) = &mut points {
                 points.write(sample, after_map);
             }
@@ -93,6 +108,7 @@ fn page(options: &Options) -> Result<(Page, Option<Points>), Problems> {
         before,
         after,
         holes,
+        traces,
     };
     Ok((page, points))
 }

@@ -7,12 +7,15 @@ mod text;
 mod words;
 
 use crate::cli::campaign::{CampaignFiles, read_campaign};
+use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::{Content, Outcome, Output};
+use crate::cli::plot::Plot;
 use crate::inputs::error_table;
 use crate::machine::separation::Separation;
 use crate::machine::separation::monte_carlo::{Quantity, Simulated, Trials, simulate};
 use crate::machine::separation::readings::run_counts;
 use crate::machine::separation::uncertainty::Budget;
+use crate::page::{Picture, separated};
 use crate::quantity::diagonal::PathKind;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
@@ -34,6 +37,8 @@ pub(super) struct Options {
     seed: u64,
     #[command(flatten)]
     output: Output,
+    #[command(flatten)]
+    plot: Plot,
 }
 
 const MOST_TRIALS: usize = 10_000_000;
@@ -65,7 +70,17 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let screen = text::screen(&separation, simulated.as_ref())?;
     let outcome = output.deliver(csv, || screen, || document, "")?;
     // No, where an error is not determined or something contradicts the result.
-    Ok(outcome.answering(separation.stands()))
+    let outcome = outcome.answering(separation.stands());
+    let heading = format!("{}: nine errors, separated", campaign.job.machine.name);
+    let picture = || Ok(separated(&heading, &separation));
+    options.plot.beside(outcome, output.force, picture)
+}
+
+/// The corrected readings along the four diagonals.
+pub(super) fn diagonals(separation: &Separation) -> Result<Picture, Problems> {
+    let runs = &separation.zeroed_runs;
+    let figures = StandardFigures::of(&separation.volume, PathKind::Step, runs)?;
+    Ok(figures.picture("Readings along the body diagonals, corrected"))
 }
 
 fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome, Problems> {

@@ -5,6 +5,7 @@ mod diagonals;
 
 use crate::cli::files::{file_name, read_argument};
 use crate::cli::outcome::{Outcome, Print};
+use crate::cli::plot::PlotOnly;
 use crate::control::controller::TableSign;
 use crate::inputs::import::stated::{
     self, MaterialCorrected, Runs as Ways, axis_word, direction_word, millimetres,
@@ -56,6 +57,8 @@ pub(super) struct Options {
     #[arg(long, value_parser = encoding_word)]
     encoding: Option<&'static encoding_rs::Encoding>,
     #[command(flatten)]
+    plot: PlotOnly,
+    #[command(flatten)]
     print: Print,
 }
 
@@ -64,9 +67,10 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let input = FileKind::of(&name, &bytes);
     options.refuse_foreign(input)?;
     match input {
-        FileKind::Job => diagonals::of_job(&options.file, options.print),
+        FileKind::Job => diagonals::of_job(&options.file, options.print, &options.plot),
         FileKind::Readings => {
-            diagonals::of_readings(Source::from_bytes(&name, &bytes)?, options.print)
+            let source = Source::from_bytes(&name, &bytes)?;
+            diagonals::of_readings(source, options.print, &options.plot)
         }
         FileKind::Table => {
             let stated = Stated {
@@ -133,6 +137,7 @@ impl Options {
     /// Figures of one axis; `facts` are what its file states.
     fn axis(&self, name: &str, runs: &Runs, notes: Vec<Finding>) -> Result<Outcome, Problems> {
         let page = Page::of(name, runs, self.travel_mm, notes)?;
-        self.print.outcome(|| page.screen(), || page.document())
+        let outcome = self.print.outcome(|| page.screen(), || page.document())?;
+        self.plot.beside(outcome, || Ok(page.picture()))
     }
 }

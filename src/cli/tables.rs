@@ -37,6 +37,16 @@ pub(super) struct Corrected {
 }
 
 impl AskedTables {
+    /// The files of a directory, or what the job asks for.
+    pub(super) fn of(tables: Option<&Path>) -> AskedTables {
+        let with_tables = tables.is_none();
+        let tables = tables.map(Path::to_path_buf);
+        AskedTables {
+            tables,
+            with_tables,
+        }
+    }
+
     /// Whether any are asked for.
     pub(super) fn is_any(&self) -> bool {
         self.tables.is_some() || self.with_tables

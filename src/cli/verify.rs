@@ -5,14 +5,16 @@ mod second;
 
 use crate::cli::inputs;
 use crate::cli::outcome::{Outcome, Print};
+use crate::cli::plot::PlotOnly;
 use crate::cli::tables::read_directory;
 use crate::judge::conformity::Verdict;
 use crate::kit::second_look::second_look;
+use crate::kit::{Inputs, Verification};
 use crate::text::problem::Problems;
 use clap::Args;
-use page::Page;
+pub(super) use page::Page;
 use second::Second;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 // Options of `verify`.
 #[derive(Args, Debug)]
@@ -26,30 +28,78 @@ pub(super) struct Options {
     #[arg(long, value_name = "FILE|JOB")]
     after: Option<PathBuf>,
     #[command(flatten)]
+    plot: PlotOnly,
+    #[command(flatten)]
     print: Print,
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let directory = options.tables.as_path();
     let inputs = inputs::read(&options.job)?;
-    let after = options.after.as_deref();
-    let second = after.map(|path| Second::read(&inputs, path, directory));
-    let second = second.transpose()?;
-    let verification = read_directory(&inputs, directory)?.verify(&inputs)?;
-    let second = second.as_ref().map(|second| {
-        second.ensure_active(&inputs, &verification)?;
-        let corrected = || second::corrected(&inputs, &options.job);
-        let look = second_look(&inputs, &verification, &second.measurement, corrected)?;
-        Ok::<_, Problems>((second, look))
-    });
-    let page = Page {
-        inputs: &inputs,
-        directory,
-        verification: &verification,
-        second: second.transpose()?,
-    };
+    let judged = Judged::read(
+        &inputs,
+        &options.job,
+        &options.tables,
+        options.after.as_deref(),
+    )?;
+    let page = judged.page(&inputs)?;
     let outcome = options
         .print
         .outcome(|| page.screen(), || page.document())?;
-    Ok(outcome.answering(page.verdict() == Verdict::Pass))
+    let outcome = outcome.answering(page.verdict() == Verdict::Pass);
+    options.plot.beside(outcome, || page.picture())
+}
+
+/// Tables, and a measurement with them active.
+pub(super) struct Judged<'a> {
+    job: &'a Path,
+    directory: &'a Path,
+    verification: Verification,
+    second: Option<Second>,
+}
+
+impl<'a> Judged<'a> {
+    /// The files of a directory, and of a second measurement.
+    pub(super) fn read(
+        inputs: &Inputs,
+        job: &'a Path,
+        directory: &'a Path,
+        after: Option<&Path>,
+    ) -> Result<Judged<'a>, Problems> {
+        let second = after.map(|path| Second::read(inputs, path, directory));
+        let second = second.transpose()?;
+        let verification = read_directory(inputs, directory)?.verify(inputs)?;
+        Ok(Judged {
+            job,
+            directory,
+            verification,
+            second,
+        })
+    }
+
+    /// Tables that were made and lie nowhere yet.
+    pub(super) fn made(job: &'a Path, verification: Verification) -> Judged<'a> {
+        let directory = Path::new("");
+        Judged {
+            job,
+            directory,
+            verification,
+            second: None,
+        }
+    }
+
+    /// What is told of them.
+    pub(super) fn page<'b>(&'b self, inputs: &'b Inputs) -> Result<Page<'b>, Problems> {
+        let second = self.second.as_ref().map(|second| {
+            second.ensure_active(inputs, &self.verification)?;
+            let corrected = || second::corrected(inputs, self.job);
+            let look = second_look(inputs, &self.verification, &second.measurement, corrected)?;
+            Ok::<_, Problems>((second, look))
+        });
+        Ok(Page {
+            inputs,
+            directory: self.directory,
+            verification: &self.verification,
+            second: second.transpose()?,
+        })
+    }
 }

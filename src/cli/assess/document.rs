@@ -6,7 +6,7 @@ use crate::quantity::axis::{Axis, PerAxis};
 use crate::volume::assessment::{Assessment, Baseline, Contribution, Histogram, Windows};
 use serde_json::{Value, json};
 
-pub(super) fn document(page: &Page) -> Value {
+pub(in crate::cli) fn document(page: &Page) -> Value {
     let chain = page.volume.chain_is_stated.then_some(page.volume.chain);
     let levers = &page.basis.levers;
     let tool = levers.tool.map(|tool| Axis::ALL.map(|axis| tool[axis]));

@@ -6,6 +6,7 @@ use crate::inputs::job::{ActiveTables, Job, Levers, MeasuredData, UseOf};
 use crate::kit::Inputs;
 use crate::machine::findings::ModelFinding;
 use crate::machine::model::ErrorModel;
+use crate::page::{Ink, Picture, Side, volume};
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::chain::{Chain, unit};
 use crate::text::document::Source;
@@ -17,7 +18,7 @@ use crate::volume::volume_model::{Component, VolumeModel};
 use std::fmt::Write;
 
 /// What is printed.
-pub(super) struct Page {
+pub(in crate::cli) struct Page {
     /// Name of the machine, or of the table.
     pub(super) name: String,
     pub(super) volume: VolumeModel,
@@ -25,11 +26,29 @@ pub(super) struct Page {
     /// What the figures rest on.
     pub(super) basis: Basis,
     /// As it is.
-    pub(super) before: Assessment,
+    pub(in crate::cli) before: Assessment,
     pub(super) after: Option<After>,
 }
 
 impl Page {
+    /// Vectors, contributions, and the distribution where it is asked for.
+    pub(in crate::cli) fn picture(&self) -> Picture {
+        let before = Side {
+            ink: Ink::AsFound,
+            name: "as found",
+            model: &self.volume,
+            assessment: &self.before,
+        };
+        let after = self.after.as_ref().map(|after| Side {
+            ink: Ink::Forecast,
+            name: "with the tables",
+            model: &after.volume,
+            assessment: &after.assessment,
+        });
+        let sides: Vec<Side<'_>> = std::iter::once(before).chain(after).collect();
+        volume(&format!("{}: errors in the volume", self.name), &sides)
+    }
+
     /// The machine as it is, and as tables leave it.
     pub(super) fn sides(&self) -> impl Iterator<Item = (&'static str, &Assessment)> {
         let after = self.after.as_ref();
@@ -43,6 +62,7 @@ pub(super) struct After {
     /// Where the tables come from.
     pub(super) from: String,
     pub(super) assessment: Assessment,
+    pub(super) volume: VolumeModel,
     /// How the files differ from what the job asks for.
     pub(super) disagreements: Vec<Finding>,
 }

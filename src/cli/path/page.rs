@@ -7,6 +7,7 @@ use crate::cli::show;
 use crate::cli::tables::Corrected;
 use crate::inputs::nc::Ran;
 use crate::kit::Inputs;
+use crate::page::{Ink, Picture, Trace, path};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
 use crate::text::problem::Problem;
@@ -24,6 +25,29 @@ pub(super) struct Page {
     pub(super) before: Followed,
     pub(super) after: Option<After>,
     pub(super) holes: Holes,
+    pub(super) traces: Vec<Trace>,
+}
+
+impl Page {
+    /// The error along the path, and at the worst holes.
+    pub(super) fn picture(&self) -> Picture {
+        let hole = |hole: &Hole| {
+            let of = |[x, y, _]: [f64; 3]| (x, y);
+            let before = (Ink::AsFound, of(hole.error_um));
+            let after = hole.after_um.map(|um| (Ink::Forecast, of(um)));
+            (
+                of(hole.at_mm),
+                std::iter::once(before).chain(after).collect(),
+            )
+        };
+        let holes: Vec<_> = self.holes.worst().iter().map(hole).collect();
+        let machine = &self.inputs.job.machine.name;
+        path(
+            &format!("{machine}: error along {}", self.program),
+            &self.traces,
+            &holes,
+        )
+    }
 }
 
 /// The path with tables.

@@ -9,6 +9,7 @@ use crate::machine::standards::iso_230_2::{self, Travel};
 use crate::machine::standards::{
     self, ByDirection, Condition, Confidence, Met, VDI_3441, in_words, vdi_3441,
 };
+use crate::page::{Picture, targets};
 use crate::quantity::axis::Direction;
 use crate::text::finding::Finding;
 use crate::text::problem::Problem;
@@ -44,6 +45,12 @@ impl Page<'_> {
             vdi: vdi_3441::figures(runs),
             notes,
         })
+    }
+
+    /// Means and bands at the targets.
+    pub(super) fn picture(&self) -> Picture {
+        let name = String::new();
+        targets(self.name, "target / mm", &[(name, &self.iso)])
     }
 
     pub(super) fn screen(&self) -> Screen {

@@ -4,6 +4,7 @@ use super::axis::{conditions, conditions_json, likely_words, missed};
 use crate::cli::campaign::read_campaign;
 use crate::cli::diagonals::{StandardFigures, diagonal_json, named_um};
 use crate::cli::outcome::{Outcome, Print, joined};
+use crate::cli::plot::PlotOnly;
 use crate::cli::screen::{Screen, table};
 use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;
@@ -19,7 +20,7 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// Figures of the readings that a job names.
-pub(super) fn of_job(path: &Path, print: Print) -> Result<Outcome, Problems> {
+pub(super) fn of_job(path: &Path, print: Print, plot: &PlotOnly) -> Result<Outcome, Problems> {
     let files = read_campaign(path)?;
     let measurement = &files.measurement;
     let (runs, all) = match measurement.kind {
@@ -39,11 +40,15 @@ pub(super) fn of_job(path: &Path, print: Print) -> Result<Outcome, Problems> {
         notes: notes(all > runs.len()),
         figures,
     };
-    print.outcome(|| page.screen(), || page.document())
+    page.outcome(print, plot)
 }
 
 /// Figures of readings alone: those that the box has no part in.
-pub(super) fn of_readings(source: Source, print: Print) -> Result<Outcome, Problems> {
+pub(super) fn of_readings(
+    source: Source,
+    print: Print,
+    plot: &PlotOnly,
+) -> Result<Outcome, Problems> {
     let name = source.name.clone();
     let (readings, measurement) = Readings::without_job(source)?;
     let known = readings.runs.iter();
@@ -65,7 +70,7 @@ pub(super) fn of_readings(source: Source, print: Print) -> Result<Outcome, Probl
         notes,
         figures,
     };
-    print.outcome(|| page.screen(), || page.document())
+    page.outcome(print, plot)
 }
 
 fn notes(dropped: bool) -> Vec<Finding> {
@@ -81,6 +86,11 @@ struct Page<'a> {
 }
 
 impl Page<'_> {
+    fn outcome(&self, print: Print, plot: &PlotOnly) -> Result<Outcome, Problems> {
+        let outcome = print.outcome(|| self.screen(), || self.document())?;
+        plot.beside(outcome, || Ok(self.figures.picture(self.name)))
+    }
+
     fn screen(&self) -> Screen {
         let runs = self.figures.runs.iter().map(|(name, runs)| {
             let [up, down] = Direction::BOTH.map(|way| runs.count(way));

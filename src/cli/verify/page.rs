@@ -5,20 +5,25 @@ use crate::cli::screen::{Screen, list, table};
 use crate::cli::show::{self, um};
 use crate::cli::verify::second::Second;
 use crate::control::claims::Assumption;
-use crate::judge::after::{Comparison, Line};
+use crate::judge::after::{AfterMeasurement, Comparison, Line};
 use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, TermForecast};
 use crate::kit::manifest::{HashedFile, change, diagonals};
 use crate::kit::second_look::SecondLook;
-use crate::kit::{Inputs, Verification, remarks};
+use crate::kit::{Inputs, Verification, cannot_emulate, emulator, remarks};
+use crate::machine::model::ErrorModel;
+use crate::page::{Curves, Picture, terms};
+use crate::quantity::axis::Axis;
+use crate::quantity::units::picometres;
 use crate::text::finding::{Finding, Severity, of_severity};
+use crate::text::problem::Problems;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// Everything that goes on the page.
-pub(super) struct Page<'a> {
+pub(in crate::cli) struct Page<'a> {
     pub(super) inputs: &'a Inputs,
     pub(super) directory: &'a Path,
     pub(super) verification: &'a Verification,
@@ -27,7 +32,7 @@ pub(super) struct Page<'a> {
 
 /// What scripts read.
 #[derive(Serialize)]
-pub(super) struct Document<'a> {
+pub(in crate::cli) struct Document<'a> {
     schema: u32,
     verdict: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,6 +41,7 @@ pub(super) struct Document<'a> {
     max_residual_um: Option<f64>,
     max_residual_expanded_um: Option<f64>,
     diagonals: Option<Value>,
+    squareness: Value,
     causes: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnosis: Option<Value>,
@@ -44,7 +50,7 @@ pub(super) struct Document<'a> {
 }
 
 impl Page<'_> {
-    pub(super) fn verdict(&self) -> Verdict {
+    pub(in crate::cli) fn verdict(&self) -> Verdict {
         self.look()
             .map_or(self.verification.verdict, |look| look.verdict)
     }
@@ -87,6 +93,47 @@ impl Page<'_> {
             findings,
             always: show::assumed_signs(assumptions, &[]),
             more: vec![show::assumptions(assumptions)],
+        }
+    }
+
+    /// The nine errors as found, as forecast, as left.
+    pub(in crate::cli) fn picture(&self) -> Result<Picture, Problems> {
+        let (inputs, found) = (self.inputs, self.verification);
+        let control = emulator(&inputs.profile, &found.found, &found.state).ok();
+        let curves = Curves {
+            machine: inputs.machine(),
+            loaded: control.as_deref().map(|control| (&found.plan, control)),
+            as_left: self.as_left(),
+            limit_um: inputs.job.acceptance.max_deviation_um,
+        };
+        let heading = format!(
+            "{}: nine errors, {}",
+            inputs.job.machine.name, inputs.profile.name
+        );
+        terms(&heading, &curves).map_err(|e| cannot_emulate(&e))
+    }
+
+    /// Of each plane whose two terms were measured, as found and as left.
+    fn squareness(&self) -> Value {
+        let as_left = self.as_left();
+        let planes = [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)];
+        let planes = planes.into_iter().filter_map(|(a, b)| {
+            let before = self.inputs.as_measured().squareness_um_per_m(a, b)?;
+            let after = as_left.and_then(|model| model.squareness_um_per_m(a, b));
+            let figures = json!({
+                "before_um_per_m": picometres(before),
+                "after_um_per_m": after.map(picometres),
+            });
+            Some((format!("{}{}", a.key(), b.key()), figures))
+        });
+        Value::Object(planes.collect::<Map<_, _>>())
+    }
+
+    /// The errors as left, where they were measured.
+    fn as_left(&self) -> Option<&ErrorModel> {
+        match self.second.as_ref().map(|(second, _)| &second.measurement) {
+            Some(AfterMeasurement::Errors(model)) => Some(model),
+            _ => None,
         }
     }
 
@@ -138,7 +185,7 @@ impl Page<'_> {
         }
     }
 
-    pub(super) fn document(&self) -> Document<'_> {
+    pub(in crate::cli) fn document(&self) -> Document<'_> {
         let compiled = &self.verification.compiled;
         let forecast = self.verification.forecast.as_ref();
         let misses = self
@@ -156,6 +203,7 @@ impl Page<'_> {
             max_residual_um: forecast.map(Forecast::max_residual_um),
             max_residual_expanded_um: self.judged().and_then(Forecast::max_expanded_um),
             diagonals: forecast.map(|f| diagonals(&f.diagonals, "forecast_um")),
+            squareness: self.squareness(),
             causes: causes.collect(),
             diagnosis: None,
             assumptions: &compiled.assumptions,

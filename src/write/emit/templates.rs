@@ -33,6 +33,18 @@ impl Default for Templates {
 }
 
 impl Templates {
+    /// A page of what a document holds.
+    pub(crate) fn page(
+        &self,
+        name: &str,
+        template: &str,
+        document: &serde_json::Value,
+    ) -> Result<String, Problem> {
+        let context = tera::Context::from_serialize(document)
+            .map_err(|error| Problem::new(format!("the page cannot be made: {error}")))?;
+        self.text(name, template, &context)
+    }
+
     /// One file as text with `\n` line ends.
     pub(super) fn text(
         &self,

@@ -1,0 +1,54 @@
+//! `--plot FILE`: what a command found, as a picture.
+
+use crate::cli::outcome::Outcome;
+use crate::cli::write;
+use crate::page::Picture;
+use crate::text::problem::Problems;
+use clap::Args;
+use std::path::PathBuf;
+
+/// The option of every command that can draw.
+#[derive(Args, Debug)]
+pub(super) struct Plot {
+    /// Also draw it: a picture (SVG)
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+}
+
+/// The option of a command that writes nothing but the picture.
+#[derive(Args, Debug)]
+pub(super) struct PlotOnly {
+    #[command(flatten)]
+    plot: Plot,
+    /// Replace the picture that is there
+    #[arg(long, requires = "plot")]
+    force: bool,
+}
+
+impl Plot {
+    /// The same outcome with the picture, if one is asked for; drawn only then.
+    pub(super) fn beside(
+        &self,
+        outcome: Outcome,
+        force: bool,
+        picture: impl FnOnce() -> Result<Picture, Problems>,
+    ) -> Result<Outcome, Problems> {
+        let Some(place) = &self.plot else {
+            return Ok(outcome);
+        };
+        write::ensure_new(place, force)?;
+        let bytes = picture()?.svg().into_bytes();
+        Ok(outcome.writing(write::write_file(place, &bytes, force)?))
+    }
+}
+
+impl PlotOnly {
+    /// The same outcome with the picture, if one is asked for.
+    pub(super) fn beside(
+        &self,
+        outcome: Outcome,
+        picture: impl FnOnce() -> Result<Picture, Problems>,
+    ) -> Result<Outcome, Problems> {
+        self.plot.beside(outcome, self.force, picture)
+    }
+}

@@ -1,0 +1,284 @@
+//! The nine errors as curves: as found, as forecast, as left, at one scale.
+
+use super::picture::{Ink, Mark, Panel, Picture, Scale};
+use super::scale::around;
+use crate::judge::forecast::Machine;
+use crate::machine::model::{ErrorModel, MeasuredTerm};
+use crate::machine::separation::Separation;
+use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::quantity::curve::ErrorCurve;
+use crate::quantity::units::Millimetres;
+use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::write::plan::{Plan, axis_pairs};
+
+/// What the nine curves are drawn from; what is not there is not drawn.
+#[derive(Clone, Copy)]
+pub struct Curves<'a> {
+    /// As found.
+    pub machine: Machine<'a>,
+    /// The tables as the control would add them, emulated from their bytes.
+    pub loaded: Option<(&'a Plan, &'a dyn Emulator)>,
+    /// As left.
+    pub as_left: Option<&'a ErrorModel>,
+    /// The largest deviation that is asked for, µm.
+    pub limit_um: Option<f64>,
+}
+
+/// Places of a curve over the measured range; between two of them a curve is straight on paper.
+const SAMPLES: u32 = 120;
+/// A step of a correction is drawn as a step: a place on either side of it, mm.
+const BESIDE_MM: f64 = 1e-6;
+/// Coverage factor of the band: U = k·u with k = 2 (GUM).
+const K: f64 = 2.0;
+
+/// Nine panels, a row for each direction of the error and a column for each moving axis; µm against
+/// mm, zero at the reference. Both directions of travel are drawn where both are known. The band is
+/// ±2 u of the measured values about the last curve.
+pub fn terms(heading: &str, curves: &Curves<'_>) -> Result<Picture, CannotEmulate> {
+    let mut panels = Vec::new();
+    for (of, along) in ErrorTerm::ALL.map(|term| (term.of, term.along)) {
+        let term = ErrorTerm { of, along };
+        panels.push(curves.marks(term)?.map(|marks| (term, marks)));
+    }
+    let numbers = panels.iter().flatten().flat_map(|(_, marks)| marks);
+    let um = around(numbers.flat_map(Mark::heights));
+    let panels = panels.into_iter().map(|known| {
+        let (term, mut marks) = known?;
+        let limits = curves
+            .limit_um
+            .into_iter()
+            .flat_map(|limit| [limit, -limit]);
+        let within = limits.filter(|at| (um.0..=um.1).contains(at));
+        marks.extend(within.map(|at| Mark::Level(Ink::Limit, at)));
+        Some(panel(term, marks, um, curves.range(term)))
+    });
+    Ok(Picture {
+        title: heading.to_string(),
+        description: format!(
+            "The measured errors of each axis against its position, all at one scale from {} to {} µm.",
+            um.0, um.1
+        ),
+        columns: 3,
+        panels: panels.collect(),
+        note:
+            "µm against mm, zero at the reference; band: ±2 u, where u is stated; short strokes: points of the table"
+                .to_string(),
+    })
+}
+
+/// The nine errors as the readings of the diagonals give them, zero at the low end of each axis, with
+/// bands of U (95 %) where it is known; both directions where they stand apart.
+pub fn separated(heading: &str, separation: &Separation) -> Picture {
+    let marks = ErrorTerm::ALL.map(|term| {
+        let positions = separation.volume.positions(term.along);
+        let mm: Vec<f64> = positions.iter().map(|at| at.mm()).collect();
+        let ways = match separation.errors.minus.is_some() && separation.is_directed(term.along) {
+            false => vec![(Ink::AsFound, None)],
+            true => vec![
+                (Ink::Up, Some(Direction::Plus)),
+                (Ink::Down, Some(Direction::Minus)),
+            ],
+        };
+        let found = ways.into_iter().filter_map(|(ink, way)| {
+            let evidence = separation.of_table(term, way)?;
+            let um = |n: &usize| evidence.deviation_um[*n];
+            let u = |n: &usize| evidence.expanded_um(*n, separation.noise);
+            let all: Vec<usize> = (0..evidence.deviation_um.len().min(mm.len())).collect();
+            let points: Vec<(f64, f64)> = all.iter().map(|n| (mm[*n], um(n))).collect();
+            let band = all
+                .iter()
+                .map(|n| Some((mm[*n], um(n) - u(n)?, um(n) + u(n)?)));
+            let band: Option<Vec<_>> = band.collect();
+            let band = band.map(|places| Mark::Band(ink, places));
+            let line = [Mark::Line(ink, points.clone()), Mark::Dots(ink, points)];
+            Some(band.into_iter().chain(line))
+        });
+        let marks: Vec<Mark> = found.flatten().collect();
+        (term, mm, marks)
+    });
+    let um = around(
+        marks
+            .iter()
+            .flat_map(|(.., marks)| marks.iter().flat_map(Mark::heights)),
+    );
+    let panels = marks.into_iter().map(|(term, mm, marks)| {
+        let ends = (mm.first().copied()?, mm.last().copied()?);
+        (!marks.is_empty()).then(|| panel(term, marks, um, ends))
+    });
+    Picture {
+        title: heading.to_string(),
+        description: format!(
+            "The nine errors of the machine, all at one scale from {} to {} µm.",
+            um.0, um.1
+        ),
+        columns: 3,
+        panels: panels.collect(),
+        note: "µm against mm, zero at the low end of each axis; band: U (95 %), where it is known"
+            .to_string(),
+    }
+}
+
+fn panel(term: ErrorTerm, marks: Vec<Mark>, um: (f64, f64), (from, to): (f64, f64)) -> Panel {
+    let kind = match term.is_positioning() {
+        true => "positioning",
+        false => "straightness",
+    };
+    Panel {
+        title: format!("{term} {kind}"),
+        across: Scale::new(&format!("{} / mm", term.along.letter()), from, to),
+        up: Scale::new("µm", um.0, um.1),
+        marks,
+        is_view: false,
+    }
+}
+
+impl Curves<'_> {
+    fn found(&self, term: ErrorTerm) -> Option<&MeasuredTerm> {
+        self.machine.as_measured.terms[term].as_ref()
+    }
+
+    fn left(&self, term: ErrorTerm) -> Option<&MeasuredTerm> {
+        self.as_left?.terms[term].as_ref()
+    }
+
+    /// The places that any of the curves covers, mm.
+    fn range(&self, term: ErrorTerm) -> (f64, f64) {
+        let measured = self.found(term).into_iter().chain(self.left(term));
+        let ranges = measured
+            .flat_map(MeasuredTerm::curves)
+            .map(ErrorCurve::measured_range);
+        let all = ranges.reduce(|(low, high), (from, to)| {
+            let low = if from < low { from } else { low };
+            (low, if to > high { to } else { high })
+        });
+        all.map_or((0.0, 1.0), |(from, to)| (from.mm(), to.mm()))
+    }
+
+    /// What is drawn of a term, with its band first; `None` where it was never measured.
+    fn marks(&self, term: ErrorTerm) -> Result<Option<Vec<Mark>>, CannotEmulate> {
+        let mut marks = Vec::new();
+        if let Some(found) = self.found(term) {
+            marks.extend(
+                found
+                    .curves()
+                    .map(|c| Mark::Line(Ink::AsFound, sampled(c, None))),
+            );
+        }
+        let (forecast, places) = self.forecast(term)?;
+        let left = self.left(term);
+        let last = match (left, forecast.first(), self.found(term)) {
+            (Some(left), ..) => Some((Ink::AsLeft, left, sampled(&left.measured.mean(), None))),
+            (None, Some(line), Some(found)) => Some((Ink::Forecast, found, line.clone())),
+            (None, None, Some(found)) => {
+                Some((Ink::AsFound, found, sampled(&found.measured.mean(), None)))
+            }
+            (None, _, None) => None,
+        };
+        let band = last.and_then(|(ink, known, line)| band(ink, known, &line));
+        marks.extend(
+            forecast
+                .into_iter()
+                .map(|line| Mark::Line(Ink::Forecast, line)),
+        );
+        if let Some(left) = left {
+            marks.extend(
+                left.curves()
+                    .map(|c| Mark::Line(Ink::AsLeft, sampled(c, None))),
+            );
+            marks.extend(left.curves().map(|c| Mark::Dots(Ink::AsLeft, knots(c))));
+        }
+        if !places.is_empty() {
+            marks.push(Mark::Places(places));
+        }
+        marks.splice(0..0, band);
+        Ok((!marks.is_empty()).then_some(marks))
+    }
+
+    /// Deviation without compensation + emulated correction in each direction, and the points of the
+    /// tables.
+    #[allow(
+        clippy::type_complexity,
+        reason = "lines and places, named by the caller"
+    )]
+    fn forecast(&self, term: ErrorTerm) -> Result<(Vec<Vec<(f64, f64)>>, Vec<f64>), CannotEmulate> {
+        let (mut lines, mut places) = (Vec::new(), Vec::new());
+        let (Some((plan, control)), Some(known)) =
+            (self.loaded, self.machine.uncompensated.terms[term].as_ref())
+        else {
+            return Ok((lines, places));
+        };
+        for direction in Direction::BOTH {
+            let Some(curve) = known.measured.curve(direction) else {
+                continue;
+            };
+            for (base, output) in axis_pairs(&plan.names, term) {
+                let response = control.response(base, output, direction)?;
+                let line = sampled(curve, Some(&response));
+                if !lines.contains(&line) {
+                    lines.push(line);
+                }
+                let nodes = response.tables().iter().flat_map(|table| table.nodes());
+                places.extend(nodes.map(|(at, _)| at.mm()));
+            }
+        }
+        let (from, to) = self.range(term);
+        places.retain(|at| (from..=to).contains(at));
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        Ok((lines, places))
+    }
+}
+
+/// A curve over its measured range, with what a control adds.
+fn sampled(curve: &ErrorCurve, added: Option<&Response>) -> Vec<(f64, f64)> {
+    let (from, to) = curve.measured_range();
+    let whole = (to - from).mm();
+    let even = |part| from.mm() + whole * f64::from(part) / f64::from(SAMPLES);
+    let mut places: Vec<f64> = (0..=SAMPLES).map(even).collect();
+    let breaks = added.map(|response| response.breaks(from, to));
+    let breaks = breaks.into_iter().flatten();
+    let beside = breaks.flat_map(|mm| [mm - BESIDE_MM, mm + BESIDE_MM]);
+    places.extend(beside.filter(|mm| (from.mm()..=to.mm()).contains(mm)));
+    places.sort_by(f64::total_cmp);
+    let at = |mm: f64| {
+        let at = Millimetres::new(mm);
+        let um = match added {
+            None => curve.at(at).um(),
+            Some(response) => (curve.at(at) + response.correction(at)).um(),
+        };
+        (mm, um)
+    };
+    places.into_iter().map(at).collect()
+}
+
+fn knots(curve: &ErrorCurve) -> Vec<(f64, f64)> {
+    let knots = curve.knots().iter();
+    knots.map(|at| (at.mm(), curve.at(*at).um())).collect()
+}
+
+/// ±2 u about a line, straight between the measured positions; none where no u is stated.
+fn band(ink: Ink, known: &MeasuredTerm, line: &[(f64, f64)]) -> Option<Mark> {
+    let mut u: Vec<(f64, f64)> = Vec::new();
+    for point in &known.uncertainty {
+        u.push((point.at.mm(), K * point.u_um));
+    }
+    u.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let width = |mm: f64| {
+        let after = u.iter().position(|(at, _)| *at >= mm);
+        let ((a, low), (b, high)) = match after {
+            Some(0) => return Some(u[0].1),
+            Some(index) => (u[index - 1], u[index]),
+            None => return u.last().map(|(_, um)| *um),
+        };
+        Some(low + (high - low) * (mm - a) / (b - a))
+    };
+    let places = line.iter().map(|(mm, um)| {
+        let u = width(*mm)?;
+        Some((*mm, um - u, um + u))
+    });
+    let places: Vec<(f64, f64, f64)> = places.collect::<Option<_>>()?;
+    places
+        .iter()
+        .any(|(_, low, high)| low < high)
+        .then_some(Mark::Band(ink, places))
+}

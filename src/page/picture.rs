@@ -1,0 +1,166 @@
+//! A picture as numbers: panels with marks, in the units of their axes.
+
+/// Who a mark speaks for; each is told by colour, by dash and by its sign in the legend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ink {
+    /// As found: measured before.
+    AsFound,
+    /// What is forecast from the bytes of the tables.
+    Forecast,
+    /// As left: measured afterwards.
+    AsLeft,
+    /// A limit that is asked for.
+    Limit,
+    /// Measured while the axis moved +.
+    Up,
+    /// Measured while the axis moved -.
+    Down,
+}
+
+impl Ink {
+    /// All, in the order of a legend.
+    pub const ALL: [Ink; 6] = [
+        Ink::AsFound,
+        Ink::Forecast,
+        Ink::AsLeft,
+        Ink::Up,
+        Ink::Down,
+        Ink::Limit,
+    ];
+
+    /// What it is called in a legend.
+    pub fn name(self) -> &'static str {
+        match self {
+            Ink::AsFound => "as found",
+            Ink::Forecast => "forecast (emulated from the bytes of the tables)",
+            Ink::AsLeft => "as left",
+            Ink::Limit => "asked for",
+            Ink::Up => "moving +",
+            Ink::Down => "moving \u{2212}",
+        }
+    }
+
+    /// The class of a mark in the drawing.
+    pub(crate) fn class(self) -> &'static str {
+        match self {
+            Ink::AsFound => "found",
+            Ink::Forecast => "forecast",
+            Ink::AsLeft => "left",
+            Ink::Limit => "limit",
+            Ink::Up => "up",
+            Ink::Down => "down",
+        }
+    }
+}
+
+/// Something drawn in a panel; numbers in the units of its axes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mark {
+    /// A line through points.
+    Line(Ink, Vec<(f64, f64)>),
+    /// Measured values.
+    Dots(Ink, Vec<(f64, f64)>),
+    /// From the lower to the upper bound at each place.
+    Band(Ink, Vec<(f64, f64, f64)>),
+    /// A column from one place to another, as high as a number.
+    Bars(Ink, Vec<(f64, f64, f64)>),
+    /// A height over the whole width.
+    Level(Ink, f64),
+    /// Places at the lower edge, as the points of a table.
+    Places(Vec<f64>),
+    /// From a place by so much.
+    Arrows(Ink, Vec<[(f64, f64); 2]>),
+    /// A thin line that is no measurement, as the edge of a box.
+    Edge(Vec<(f64, f64)>),
+    /// Words at a place.
+    Words((f64, f64), String),
+}
+
+impl Mark {
+    pub(super) fn ink(&self) -> Option<Ink> {
+        match self {
+            Mark::Line(ink, _) | Mark::Dots(ink, _) | Mark::Arrows(ink, _) => Some(*ink),
+            Mark::Band(ink, _) | Mark::Bars(ink, _) => Some(*ink),
+            Mark::Level(ink, _) => Some(*ink),
+            Mark::Places(_) | Mark::Edge(_) | Mark::Words(..) => None,
+        }
+    }
+
+    /// The heights that have to find room.
+    pub(super) fn heights(&self) -> Vec<f64> {
+        match self {
+            Mark::Line(_, points) | Mark::Dots(_, points) => {
+                points.iter().map(|(_, y)| *y).collect()
+            }
+            Mark::Band(_, places) => places.iter().flat_map(|(_, a, b)| [*a, *b]).collect(),
+            Mark::Bars(_, bars) => bars.iter().map(|(_, _, y)| *y).collect(),
+            Mark::Level(_, y) => vec![*y],
+            Mark::Places(_) | Mark::Arrows(..) | Mark::Edge(_) | Mark::Words(..) => Vec::new(),
+        }
+    }
+}
+
+/// An axis of a panel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scale {
+    /// With its unit, as in `x / mm`.
+    pub label: String,
+    /// The smallest number.
+    pub from: f64,
+    /// The largest number.
+    pub to: f64,
+    /// Names in place of numbers: the first stands at ½, the next at 1½.
+    pub names: Vec<String>,
+}
+
+impl Scale {
+    /// An axis with numbers.
+    pub fn new(label: &str, from: f64, to: f64) -> Scale {
+        let (label, names) = (label.to_string(), Vec::new());
+        Scale {
+            label,
+            from,
+            to,
+            names,
+        }
+    }
+}
+
+/// One diagram.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// What stands above it.
+    pub title: String,
+    /// To the right.
+    pub across: Scale,
+    /// Upwards.
+    pub up: Scale,
+    /// What is drawn, in this order.
+    pub marks: Vec<Mark>,
+    /// A view of something: no axes, and one scale both ways.
+    pub is_view: bool,
+}
+
+/// Panels side by side under one heading and one legend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// The heading.
+    pub title: String,
+    /// What it shows, for whoever cannot see it.
+    pub description: String,
+    /// Panels in a row.
+    pub columns: usize,
+    /// Row by row; `None` leaves a place free.
+    pub panels: Vec<Option<Panel>>,
+    /// One sentence below.
+    pub note: String,
+}
+
+impl Picture {
+    /// The inks that are used, in the order of a legend.
+    pub(super) fn inks(&self) -> Vec<Ink> {
+        let marks = || self.panels.iter().flatten().flat_map(|panel| &panel.marks);
+        let is_used = |ink: &Ink| marks().any(|mark| mark.ink() == Some(*ink));
+        Ink::ALL.into_iter().filter(is_used).collect()
+    }
+}

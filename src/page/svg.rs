@@ -1,0 +1,429 @@
+//! Pictures as SVG: the only place that knows lengths on paper.
+
+use super::picture::{Ink, Mark, Panel, Picture, Scale};
+use super::scale::Ticks;
+use crate::quantity::units::Figure;
+use crate::text::plain;
+use std::fmt::Write;
+
+/// Width of the plot of a panel when three stand in a row, in points of 1/96 inch.
+const ROW: f64 = 840.0;
+const LEFT: f64 = 46.0;
+const RIGHT: f64 = 10.0;
+const TITLE: f64 = 20.0;
+const FOOT: f64 = 34.0;
+const HEAD: f64 = 50.0;
+const NOTE: f64 = 20.0;
+/// Mean width of a letter, as part of its size (Helvetica, Arial).
+const LETTER: f64 = 0.56;
+const SMALL: f64 = 10.0;
+
+/// Colours that the colour-blind tell apart (Okabe and Ito), and dashes for print in grey.
+pub(crate) const STYLE: &str = "\
+svg text{font-family:Helvetica,Arial,'Noto Sans',sans-serif;font-size:10px;fill:#222}\
+.h{font-size:15px;font-weight:bold}.t{font-size:11px;font-weight:bold}.m{text-anchor:middle}.e{text-anchor:end}\
+.paper{fill:#fff}.frame{fill:none;stroke:#777;stroke-width:.8}.grid{stroke:#d5d5d5;stroke-width:.6}.zero{stroke:#777;stroke-width:.8}\
+.line{fill:none;stroke-width:1.5;stroke-linejoin:round}.band{stroke:none;fill-opacity:.22}.dot{stroke-width:1.1;fill:#fff}.bar{stroke-width:.8;fill-opacity:.55}\
+.found{stroke:#c2410c}.found.line{stroke-dasharray:5 2.5}.found.band,.found.bar{fill:#c2410c}\
+.forecast{stroke:#0b5cad}.forecast.band,.forecast.bar{fill:#0b5cad}\
+.left{stroke:#111}.left.line{stroke-dasharray:1.5 2.5}.left.dot{fill:#111}.left.band,.left.bar{fill:#111}\
+.up{stroke:#0b5cad}.up.band{fill:#0b5cad}.down{stroke:#c2410c}.down.line{stroke-dasharray:5 2.5}.down.band{fill:#c2410c}.down.dot{fill:#c2410c}\
+.edge{fill:none;stroke:#999;stroke-width:.8}.arrow{fill:none;stroke-width:1.1;stroke-linejoin:round}\
+.limit{stroke:#666}.limit.line{stroke-dasharray:9 3 2 3;stroke-width:1}\
+.place{stroke:#0b5cad;stroke-width:1}.band{stroke:none}";
+
+impl Picture {
+    /// The picture as a file of its own: SVG 1.1, text as text.
+    pub fn svg(&self) -> String {
+        let names = " xmlns=\"http://www.w3.org/2000/svg\"";
+        drawn(self, names, &format!("<style>{STYLE}</style>\n"))
+    }
+}
+
+/// Part of a page that has the style once.
+pub(super) fn inline(picture: &Picture) -> String {
+    drawn(picture, "", "")
+}
+
+fn drawn(picture: &Picture, names: &str, style: &str) -> String {
+    let size = Size::of(picture);
+    let mut out = Drawing::default();
+    out.put(format_args!(
+        "<svg{names} viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" role=\"img\" aria-label=\"{}\">",
+        escaped(&picture.title),
+        w = size.width,
+        h = size.height,
+    ));
+    out.put(format_args!("<title>{}</title>", escaped(&picture.title)));
+    out.put(format_args!(
+        "<desc>{}</desc>",
+        escaped(&picture.description)
+    ));
+    out.0.push_str(style);
+    out.put(format_args!(
+        "<rect class=\"paper\" width=\"{}\" height=\"{}\"/>",
+        size.width, size.height
+    ));
+    out.text("h", LEFT - 36.0, 20.0, &picture.title);
+    legend(&mut out, &picture.inks());
+    for (number, panel) in picture.panels.iter().enumerate() {
+        if let Some(panel) = panel {
+            let place = size.place(number, picture.columns);
+            draw(&mut out, panel, place);
+        }
+    }
+    out.text("", LEFT - 36.0, size.height - 7.0, &picture.note);
+    out.put(format_args!("</svg>"));
+    out.0
+}
+
+/// A picture on its paper.
+struct Size {
+    width: f64,
+    height: f64,
+    panel: (f64, f64),
+}
+
+impl Size {
+    fn of(picture: &Picture) -> Size {
+        let columns = picture.columns.max(1);
+        let panel = match columns {
+            1 => (ROW, 300.0),
+            2 => (ROW / 2.0, 230.0),
+            many => (ROW / count(many), 176.0),
+        };
+        let rows = picture.panels.len().div_ceil(columns);
+        Size {
+            width: ROW,
+            height: HEAD + count(rows) * panel.1 + NOTE,
+            panel,
+        }
+    }
+
+    /// The plot of a panel.
+    fn place(&self, number: usize, columns: usize) -> Plot {
+        let (column, row) = (number % columns.max(1), number / columns.max(1));
+        let (width, height) = self.panel;
+        Plot {
+            left: count(column) * width + LEFT,
+            top: HEAD + count(row) * height + TITLE,
+            width: width - LEFT - RIGHT,
+            height: height - TITLE - FOOT,
+        }
+    }
+}
+
+fn count(number: usize) -> f64 {
+    u32::try_from(number).map_or(f64::MAX, f64::from)
+}
+
+/// Where a panel's marks go.
+#[derive(Clone, Copy)]
+struct Plot {
+    left: f64,
+    top: f64,
+    width: f64,
+    height: f64,
+}
+
+/// Numbers of a panel to places on the paper.
+struct Map<'a> {
+    plot: Plot,
+    across: &'a Scale,
+    up: &'a Scale,
+}
+
+impl Map<'_> {
+    fn x(&self, number: f64) -> f64 {
+        self.plot.left + self.plot.width * part(self.across, number)
+    }
+
+    fn y(&self, number: f64) -> f64 {
+        self.plot.top + self.plot.height * (1.0 - part(self.up, number))
+    }
+
+    fn bottom(&self) -> f64 {
+        self.plot.top + self.plot.height
+    }
+}
+
+fn part(scale: &Scale, number: f64) -> f64 {
+    let span = scale.to - scale.from;
+    if span > 0.0 {
+        (number - scale.from) / span
+    } else {
+        0.5
+    }
+}
+
+fn draw(out: &mut Drawing, panel: &Panel, plot: Plot) {
+    let plot = if panel.is_view {
+        even(panel, plot)
+    } else {
+        plot
+    };
+    let map = Map {
+        plot,
+        across: &panel.across,
+        up: &panel.up,
+    };
+    out.text("t", plot.left, plot.top - 6.0, &panel.title);
+    if !panel.is_view {
+        axes(out, &map);
+    }
+    for mark in &panel.marks {
+        draw_mark(out, &map, mark);
+    }
+    if panel.is_view {
+        return;
+    }
+    out.put(format_args!(
+        "<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
+        short(plot.left),
+        short(plot.top),
+        short(plot.width),
+        short(plot.height)
+    ));
+}
+
+/// The same number of points for a unit both ways, in the middle of the place.
+fn even(panel: &Panel, plot: Plot) -> Plot {
+    let (wide, high) = (
+        panel.across.to - panel.across.from,
+        panel.up.to - panel.up.from,
+    );
+    let (whole, foot) = (plot.width + LEFT - 10.0, plot.height + FOOT - 10.0);
+    let unit = (whole / wide).min(foot / high);
+    Plot {
+        left: plot.left - LEFT + 10.0 + (whole - unit * wide) / 2.0,
+        top: plot.top,
+        width: unit * wide,
+        height: unit * high,
+    }
+}
+
+fn axes(out: &mut Drawing, map: &Map<'_>) {
+    let (plot, bottom) = (map.plot, map.bottom());
+    let up = Ticks::between(map.up.from, map.up.to, 5);
+    for at in &up.at {
+        let y = map.y(*at);
+        let class = if at.abs() > 0.0 { "grid" } else { "zero" };
+        out.stroke(class, (plot.left, y), (plot.left + plot.width, y));
+        out.text("e", plot.left - 4.0, y + 3.5, &up.label(*at));
+    }
+    for (at, label) in labels(map) {
+        let x = map.x(at);
+        out.stroke("zero", (x, bottom), (x, bottom + 3.0));
+        out.text("m", x, bottom + 13.0, &label);
+    }
+    let middle = plot.left + plot.width / 2.0;
+    out.text("m", middle, bottom + 26.0, &map.across.label);
+    let (x, y) = (plot.left - 34.0, plot.top + plot.height / 2.0);
+    let place = format!("{},{}", short(x), short(y));
+    out.put(format_args!(
+        "<text class=\"m\" transform=\"translate({place}) rotate(-90)\">{}</text>",
+        escaped(&map.up.label)
+    ));
+}
+
+/// Where a label stands at the lower edge, and what it says.
+fn labels(map: &Map<'_>) -> Vec<(f64, String)> {
+    if !map.across.names.is_empty() {
+        let names = map.across.names.iter().enumerate();
+        return names
+            .map(|(n, name)| (count(n) + 0.5, name.clone()))
+            .collect();
+    }
+    let ticks = Ticks::between(map.across.from, map.across.to, most_labels(map));
+    let label = |at: &f64| (*at, ticks.label(*at));
+    ticks.at.iter().map(label).collect()
+}
+
+/// As many labels as stand beside each other without touching.
+fn most_labels(map: &Map<'_>) -> usize {
+    let longest = [map.across.from, map.across.to]
+        .map(|end| format!("{:.0}", Figure(end)).len() + 2)
+        .into_iter()
+        .max();
+    let room = map.plot.width / (count(longest.unwrap_or(1) + 1) * SMALL * LETTER);
+    (2..=9).rev().find(|most| count(*most) <= room).unwrap_or(2)
+}
+
+fn draw_mark(out: &mut Drawing, map: &Map<'_>, mark: &Mark) {
+    match mark {
+        Mark::Line(ink, points) => {
+            out.line(*ink, points.iter().map(|(x, y)| (map.x(*x), map.y(*y))))
+        }
+        Mark::Level(ink, height) => {
+            let y = map.y(*height);
+            let ends = [(map.plot.left, y), (map.plot.left + map.plot.width, y)];
+            out.line(*ink, ends.into_iter());
+        }
+        Mark::Dots(ink, points) => {
+            for (x, y) in points {
+                out.dot(*ink, map.x(*x), map.y(*y));
+            }
+        }
+        Mark::Band(ink, places) => {
+            let upper = places.iter().map(|(x, _, high)| (*x, *high));
+            let lower = places.iter().rev().map(|(x, low, _)| (*x, *low));
+            let outline = upper.chain(lower).map(|(x, y)| (map.x(x), map.y(y)));
+            let outline = path(outline);
+            out.put(format_args!(
+                "<path class=\"{} band\" d=\"{outline}Z\"/>",
+                ink.class()
+            ));
+        }
+        Mark::Bars(ink, bars) => {
+            for (from, to, height) in bars {
+                let (left, right) = (map.x(*from), map.x(*to));
+                let (top, bottom) = (map.y(height.max(0.0)), map.y(height.min(0.0)));
+                out.put(format_args!(
+                    "<rect class=\"{} bar\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
+                    ink.class(),
+                    short(left),
+                    short(top),
+                    short(right - left),
+                    short(bottom - top)
+                ));
+            }
+        }
+        Mark::Arrows(ink, arrows) => {
+            for [(x, y), (dx, dy)] in arrows {
+                let (from, to) = ((map.x(*x), map.y(*y)), (map.x(x + dx), map.y(y + dy)));
+                out.arrow(*ink, from, to);
+            }
+        }
+        Mark::Edge(points) => {
+            let d = path(points.iter().map(|(x, y)| (map.x(*x), map.y(*y))));
+            out.put(format_args!("<path class=\"edge\" d=\"{d}\"/>"));
+        }
+        Mark::Words((x, y), words) => out.text("m", map.x(*x), map.y(*y), words),
+        Mark::Places(places) => {
+            for at in places {
+                let (x, bottom) = (map.x(*at), map.bottom());
+                out.stroke("place", (x, bottom), (x, bottom - 5.0));
+            }
+        }
+    }
+}
+
+fn legend(out: &mut Drawing, inks: &[Ink]) {
+    let mut left = LEFT - 36.0;
+    for ink in inks {
+        out.line(*ink, [(left, 36.0), (left + 26.0, 36.0)].into_iter());
+        if *ink == Ink::AsLeft {
+            out.dot(*ink, left + 13.0, 36.0);
+        }
+        let words = ink.name();
+        out.text("", left + 31.0, 39.5, words);
+        left += 31.0 + 24.0 + count(words.chars().count()) * SMALL * LETTER;
+    }
+}
+
+/// The text of a drawing.
+#[derive(Default)]
+struct Drawing(String);
+
+impl Drawing {
+    fn put(&mut self, what: std::fmt::Arguments<'_>) {
+        // Writing to a text never fails.
+        let _ = writeln!(self.0, "{what}");
+    }
+
+    fn text(&mut self, class: &str, x: f64, y: f64, words: &str) {
+        if !words.is_empty() {
+            let class = match class {
+                "" => String::new(),
+                class => format!(" class=\"{class}\""),
+            };
+            let (x, y) = (short(x), short(y));
+            self.put(format_args!(
+                "<text{class} x=\"{x}\" y=\"{y}\">{}</text>",
+                escaped(words)
+            ));
+        }
+    }
+
+    fn stroke(&mut self, class: &str, from: (f64, f64), to: (f64, f64)) {
+        let d = path([from, to].into_iter());
+        self.put(format_args!("<path class=\"{class}\" d=\"{d}\"/>"));
+    }
+
+    fn line(&mut self, ink: Ink, points: impl Iterator<Item = (f64, f64)>) {
+        let d = path(points);
+        self.put(format_args!(
+            "<path class=\"{} line\" d=\"{d}\"/>",
+            ink.class()
+        ));
+    }
+
+    /// A stroke with a head of two barbs; a short one has a short head.
+    fn arrow(&mut self, ink: Ink, from: (f64, f64), to: (f64, f64)) {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let length = dx.hypot(dy);
+        let barb = (0.35 * length).min(4.0) / length.max(1e-9);
+        let (bx, by) = (dx * barb, dy * barb);
+        let end = |side: f64| (to.0 - bx - side * 0.5 * by, to.1 - by + side * 0.5 * bx);
+        let d = path([from, to].into_iter()) + &path([end(1.0), to, end(-1.0)].into_iter());
+        self.put(format_args!(
+            "<path class=\"{} arrow\" d=\"{d}\"/>",
+            ink.class()
+        ));
+    }
+
+    fn dot(&mut self, ink: Ink, x: f64, y: f64) {
+        let (x, y) = (short(x), short(y));
+        self.put(format_args!(
+            "<circle class=\"{} dot\" cx=\"{x}\" cy=\"{y}\" r=\"1.9\"/>",
+            ink.class()
+        ));
+    }
+}
+
+/// `M x,y L x,y …`.
+fn path(points: impl Iterator<Item = (f64, f64)>) -> String {
+    let mut d = String::new();
+    for (x, y) in points {
+        let pen = if d.is_empty() { 'M' } else { 'L' };
+        // Writing to a text never fails.
+        let _ = write!(d, "{pen}{},{}", short(x), short(y));
+    }
+    d
+}
+
+/// A place on the paper: a hundredth of a point is finer than any printer.
+fn short(number: f64) -> String {
+    let text = format!("{:.2}", Figure(number));
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+/// Text of people as text of a drawing: nothing in it is obeyed.
+pub(super) fn escaped(text: &str) -> String {
+    let text = plain::line(text);
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_of_others_is_shown_and_not_obeyed() {
+        assert_eq!(
+            escaped("<b a=\"1\">&\u{1b}['"),
+            "&lt;b a=&quot;1&quot;&gt;&amp;\u{fffd}[&#39;"
+        );
+    }
+}

@@ -1,0 +1,243 @@
+//! The errors in the volume: vectors in a fixed isometric view, how pairs of places differ, and what
+//! each error contributes.
+
+use super::picture::{Ink, Mark, Panel, Picture, Scale};
+use super::scale::{around, below};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::units::larger;
+use crate::volume::assessment::Assessment;
+use crate::volume::volume_model::VolumeModel;
+
+/// One state of the machine: as found, or with the tables.
+#[derive(Clone, Copy)]
+pub struct Side<'a> {
+    /// Its ink.
+    pub ink: Ink,
+    /// What stands above it.
+    pub name: &'a str,
+    /// The errors at any place.
+    pub model: &'a VolumeModel,
+    /// The figures, with the distribution if it is to be drawn.
+    pub assessment: &'a Assessment,
+}
+
+/// Places of an axis at which an arrow begins.
+const PLACES: u32 = 4;
+/// The longest arrow, as part of the largest travel.
+const LONGEST: f64 = 0.22;
+
+/// Error vectors (the same scale for all sides), distribution of the differences of all pairs of nodes,
+/// contributions to the volumetric accuracy.
+pub fn volume(heading: &str, sides: &[Side<'_>]) -> Picture {
+    let longest = sides
+        .iter()
+        .map(|side| longest_of(side.model))
+        .fold(0.0, larger);
+    let views = sides.iter().map(|side| Some(view(side, longest)));
+    let below = [distribution(sides), Some(contributions(sides))];
+    let mut panels: Vec<Option<Panel>> = views.collect();
+    if panels.len() % 2 == 1 {
+        panels.push(None);
+    }
+    panels.extend(below);
+    Picture {
+        title: heading.to_string(),
+        description: "Error vectors in the measured volume, the distribution of their differences and what each error contributes.".to_string(),
+        columns: 2,
+        panels,
+        note: "isometric view; differences: of the errors at two places of the volume; contributions: parts of the largest difference, they add up to it".to_string(),
+    }
+}
+
+/// X to the right and down, Y to the right and up, Z up.
+fn projected(v: PerAxis<f64>) -> (f64, f64) {
+    const COS_30: f64 = 0.866_025_403_784_438_6;
+    ((v.x + v.y) * COS_30, v.z + (v.y - v.x) / 2.0)
+}
+
+fn ends(model: &VolumeModel) -> PerAxis<(f64, f64)> {
+    PerAxis::from_fn(|axis| model.range(axis))
+}
+
+/// The places of the arrows, machine coordinates in mm.
+fn places(model: &VolumeModel) -> Vec<PerAxis<f64>> {
+    let ends = ends(model);
+    let at = |axis: Axis, n: u32| {
+        let (low, high) = ends[axis];
+        low + (high - low) * f64::from(n) / f64::from(PLACES - 1)
+    };
+    let mut places = Vec::new();
+    for (x, y, z) in
+        (0..PLACES.pow(3)).map(|n| (n % PLACES, n / PLACES % PLACES, n / PLACES.pow(2)))
+    {
+        places.push(PerAxis {
+            x: at(Axis::X, x),
+            y: at(Axis::Y, y),
+            z: at(Axis::Z, z),
+        });
+    }
+    places
+}
+
+fn longest_of(model: &VolumeModel) -> f64 {
+    let lengths = places(model).into_iter().map(|place| {
+        let error = model.error_at(place);
+        error.dot(error).sqrt()
+    });
+    lengths.fold(0.0, larger)
+}
+
+fn view(side: &Side<'_>, longest_um: f64) -> Panel {
+    let ends = ends(side.model);
+    let travel = ends
+        .iter()
+        .map(|(_, (low, high))| high - low)
+        .fold(0.0, larger);
+    let mm_per_um = if longest_um > 0.0 {
+        LONGEST * travel / longest_um
+    } else {
+        0.0
+    };
+    let arrows = places(side.model).into_iter().map(|place| {
+        let error = side.model.error_at(place);
+        [projected(place), projected(error.times(mm_per_um))]
+    });
+    let corner = |x: usize, y: usize, z: usize| {
+        let end = |(low, high): (f64, f64), n: usize| if n == 0 { low } else { high };
+        projected(PerAxis {
+            x: end(ends.x, x),
+            y: end(ends.y, y),
+            z: end(ends.z, z),
+        })
+    };
+    let mut marks: Vec<Mark> = EDGES
+        .iter()
+        .map(|[(a, b, c), (d, e, f)]| Mark::Edge(vec![corner(*a, *b, *c), corner(*d, *e, *f)]))
+        .collect();
+    let outer = 0.09 * travel;
+    let names = [
+        ("X", corner(1, 0, 0), (0.0, -outer)),
+        ("Y", corner(1, 1, 0), (outer, -outer / 2.0)),
+        ("Z", corner(0, 0, 1), (-outer, 0.0)),
+    ];
+    for (name, at, (dx, dy)) in names {
+        marks.push(Mark::Words((at.0 + dx, at.1 + dy), name.to_string()));
+    }
+    marks.push(Mark::Arrows(side.ink, arrows.collect()));
+    let corners = [
+        corner(0, 0, 0),
+        corner(1, 1, 1),
+        corner(1, 0, 0),
+        corner(0, 1, 1),
+    ];
+    let [(left, _), (right, _), (_, low), (_, high)] = corners;
+    let room = LONGEST * travel / 2.0;
+    let (left, right, low, high) = (left - room, right + room, low - room, high + room);
+    let unit = below(longest_um);
+    let bar = [(left, low), (left + unit * mm_per_um, low)];
+    marks.push(Mark::Edge(bar.to_vec()));
+    marks.push(Mark::Words(
+        (left + unit * mm_per_um / 2.0, low + 0.03 * travel),
+        format!("{unit} µm"),
+    ));
+    Panel {
+        title: format!("{}, longest {:.3} µm", side.name, longest_of(side.model)),
+        across: Scale::new("", left, right),
+        up: Scale::new("", low, high),
+        marks,
+        is_view: true,
+    }
+}
+
+/// The edges of a box.
+const EDGES: [[(usize, usize, usize); 2]; 12] = [
+    [(0, 0, 0), (1, 0, 0)],
+    [(0, 1, 0), (1, 1, 0)],
+    [(0, 0, 1), (1, 0, 1)],
+    [(0, 1, 1), (1, 1, 1)],
+    [(0, 0, 0), (0, 1, 0)],
+    [(1, 0, 0), (1, 1, 0)],
+    [(0, 0, 1), (0, 1, 1)],
+    [(1, 0, 1), (1, 1, 1)],
+    [(0, 0, 0), (0, 0, 1)],
+    [(1, 0, 0), (1, 0, 1)],
+    [(0, 1, 0), (0, 1, 1)],
+    [(1, 1, 0), (1, 1, 1)],
+];
+
+/// Share of all pairs of nodes in each bin, %.
+fn distribution(sides: &[Side<'_>]) -> Option<Panel> {
+    let mut marks = Vec::new();
+    let (mut widest, mut highest) = (0.0, 0.0);
+    for side in sides {
+        let Some(histogram) = &side.assessment.histogram else {
+            continue;
+        };
+        #[allow(clippy::cast_precision_loss, reason = "a share, to be drawn")]
+        let pairs = histogram.pairs as f64;
+        let mut from = 0.0;
+        let mut bars = Vec::new();
+        for count in &histogram.counts {
+            let percent = 100.0 * count.unwrap_or(0.0) / pairs;
+            bars.push((from, from + histogram.bin_um, percent));
+            from += histogram.bin_um;
+            highest = larger(highest, percent);
+        }
+        widest = larger(widest, from);
+        marks.push(Mark::Bars(side.ink, bars));
+    }
+    (!marks.is_empty()).then(|| Panel {
+        title: "differences of all pairs of places".to_string(),
+        across: Scale::new("difference / µm", 0.0, widest),
+        up: Scale::new("pairs / %", 0.0, 1.05 * highest),
+        marks,
+        is_view: false,
+    })
+}
+
+fn contributions(sides: &[Side<'_>]) -> Panel {
+    let first = sides
+        .first()
+        .map(|side| side.assessment.contributions.as_slice());
+    let named = first.unwrap_or_default().iter().take(MOST_NAMED);
+    let components: Vec<_> = named.map(|part| part.component).collect();
+    let mut marks = Vec::new();
+    let width = 0.8 / f64::from(u32::try_from(sides.len()).unwrap_or(1).max(1));
+    let mut offset = 0.1;
+    for side in sides {
+        let mut at = offset;
+        let mut bars = Vec::new();
+        for component in &components {
+            let own = side.assessment.contributions.iter();
+            let part = own
+                .filter(|part| part.component == *component)
+                .map(|part| part.um);
+            bars.extend(part.map(|um| (at, at + width, um)));
+            at += 1.0;
+        }
+        marks.push(Mark::Bars(side.ink, bars));
+        offset += width;
+    }
+    let um = around(marks.iter().flat_map(Mark::heights));
+    let names: Vec<String> = components
+        .iter()
+        .map(|component| component.iso_name())
+        .collect();
+    Panel {
+        title: "contributions to the largest difference".to_string(),
+        across: Scale {
+            names,
+            ..Scale::new(
+                "",
+                0.0,
+                f64::from(u32::try_from(components.len()).unwrap_or(1)),
+            )
+        },
+        up: Scale::new("µm", um.0, um.1),
+        marks,
+        is_view: false,
+    }
+}
+
+/// Contributions that are drawn; the command lists all.
+const MOST_NAMED: usize = 10;
