@@ -126,10 +126,10 @@ pub struct Listed {
     pub notes: Vec<String>,
 }
 
-impl From<Vec<String>> for Listed {
-    fn from(items: Vec<String>) -> Self {
+impl<T: ToString> From<Vec<T>> for Listed {
+    fn from(items: Vec<T>) -> Self {
         Listed {
-            items,
+            items: items.iter().map(T::to_string).collect(),
             notes: Vec::new(),
         }
     }

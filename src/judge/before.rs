@@ -22,7 +22,7 @@ pub(crate) struct Old {
     pub(crate) data: Vec<MachineDatum>,
     /// What no file that was read out holds.
     pub(crate) unknown: Vec<Unknown>,
-    /// What is left in the control although the kit brought it.
+    /// Tables that keep the values of the kit, switched off: they were reserved without a grid.
     pub(crate) stays: Vec<String>,
 }
 
@@ -42,32 +42,6 @@ pub(crate) enum ChangedBy {
     Precondition,
     /// Nobody: it acts in addition to the tables and goes along where it was read out.
     Nobody,
-}
-
-impl Unknown {
-    pub(crate) fn not_written(&self) -> String {
-        let changes = match self.by {
-            ChangedBy::File => "The files of this kit switch it",
-            ChangedBy::Precondition | ChangedBy::Nobody => "A precondition may make you change it",
-        };
-        format!(
-            "{}: not in the rollback files. {changes}, and the files that were read out hold it not at all or with several values. Look at it now and note it",
-            self.what
-        )
-    }
-
-    pub(crate) fn by_hand(&self) -> String {
-        match self.by {
-            ChangedBy::File => format!(
-                "{}: not in the rollback files; switch on what was on before this kit, as noted",
-                self.what
-            ),
-            ChangedBy::Precondition | ChangedBy::Nobody => format!(
-                "{}: not in the rollback files; where it was changed, bring back what was noted before this kit",
-                self.what
-            ),
-        }
-    }
 }
 
 /// What no file that was read out holds of a datum that the kit changes: its name, which of those of

@@ -13,6 +13,7 @@ pub use self::diagnosis::Disagreements;
 
 use self::diagnosis::holds;
 
+use crate::judge::findings::Difference;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{AT_PLACE_MM, Correction, Figure, Millimetres};
 use crate::read::emulate::{Emulator, NodeTable, Response};
@@ -36,23 +37,24 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Di
             };
             said.extend(words.map(|words| (*direction, words)));
         }
-        let pair = format!("{term} ({output} while {base} moves");
-        match said.as_slice() {
-            [(_, plus), (_, minus)] if plus == minus => {
-                diagnosis.tell(format!("{pair}): {plus}"), base, output);
-            }
-            each => each.iter().for_each(|(way, words)| {
-                diagnosis.tell(format!("{pair} in {way}): {words}"), base, output);
-            }),
+        let alike = matches!(said.as_slice(), [(_, plus), (_, minus)] if plus == minus);
+        let count = if alike { 1 } else { said.len() };
+        for (way, how) in said.into_iter().take(count) {
+            let effect = Difference::Effect {
+                term: *term,
+                base: (*base).to_string(),
+                output: (*output).to_string(),
+                direction: (!alike).then_some(way),
+                how,
+            };
+            diagnosis.tell(effect, base, output);
         }
     }
-    for (base, output) in found.connected_axes() {
-        if !holds(&known, &base, &output) {
-            let words = format!(
-                "foreign axis: the tables correct {output} while {base} moves, which the job does not ask for"
-            );
-            diagnosis.tell(words, &base, &output);
-        }
+    let connected = found.connected_axes().into_iter();
+    for (base, output) in connected.filter(|(base, output)| !holds(&known, base, output)) {
+        let (moving, corrected) = (base.clone(), output.clone());
+        let foreign = Difference::ForeignAxis { base, output };
+        diagnosis.tell(foreign, &moving, &corrected);
     }
     diagnosis
 }

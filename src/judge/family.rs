@@ -9,7 +9,7 @@ use crate::judge::active::{ActiveControl, Found, Held, Others, Reading};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::Entries;
-use crate::judge::findings::InControl;
+use crate::judge::findings::{Difference, InControl, InSum};
 use crate::quantity::axis::PerAxis;
 use crate::read::{ReadBack, Text};
 use crate::text::finding::Finding;
@@ -35,7 +35,7 @@ pub(crate) trait Family {
         _job: &mut Job,
         _names: &PerAxis<Vec<String>>,
         _active: &ActiveControl,
-    ) -> Option<String> {
+    ) -> Option<InSum> {
         None
     }
 
@@ -48,8 +48,8 @@ pub(crate) trait Family {
     ) -> Entries;
 
     /// What the files of a kit set beside the tables that the job does not write, and what they do not set
-    /// though they should, one sentence each.
-    fn other_settings(&self, _wanted: &Tables, _read: &ReadBack) -> Vec<String> {
+    /// though they should.
+    fn other_settings(&self, _wanted: &Tables, _read: &ReadBack) -> Vec<Difference> {
         Vec::new()
     }
 
@@ -59,7 +59,7 @@ pub(crate) trait Family {
     }
 
     /// Tables that are emulated alike, but are for another measuring system than the job states.
-    fn measuring_systems(&self, _wanted: &Tables, _found: &Tables) -> Vec<String> {
+    fn measuring_systems(&self, _wanted: &Tables, _found: &Tables) -> Vec<Difference> {
         Vec::new()
     }
 

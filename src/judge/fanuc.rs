@@ -13,7 +13,7 @@ use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
 use crate::judge::family::Family;
-use crate::judge::findings::InControl;
+use crate::judge::findings::{InControl, InSum};
 use crate::quantity::axis::PerAxis;
 use crate::read::Text;
 use crate::text::problem::Problems;
@@ -63,9 +63,9 @@ impl Family for FanucFacts {
         job: &mut Job,
         names: &PerAxis<Vec<String>>,
         active: &ActiveControl,
-    ) -> Option<String> {
+    ) -> Option<InSum> {
         let memory = own(&active.tables);
-        let mut on = Vec::new();
+        let mut axes = Vec::new();
         for (axis, names) in names.iter() {
             let Some(settings) = &mut job.compensation.axes[axis] else {
                 continue;
@@ -77,15 +77,10 @@ impl Family for FanucFacts {
             let in_state = names.iter().all(in_state).then_some(true);
             settings.interpolated = interpolated(memory, names).or(in_state);
             if settings.interpolated == Some(true) {
-                on.extend(names.iter().cloned());
+                axes.extend(names.iter().cloned());
             }
         }
-        (!on.is_empty()).then(|| {
-            format!(
-                "3605#1 of axis {} was 1 while measuring: the forecast is for interpolated pitch compensation, lines between the points",
-                on.join(", ")
-            )
-        })
+        (!axes.is_empty()).then_some(InSum::Interpolated { axes })
     }
 
     fn entries(

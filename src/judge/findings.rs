@@ -1,7 +1,7 @@
 //! What is found in the files of a control against a job, and in a second measurement: each kind with its facts, how grave it is, its words.
 
 use crate::inputs::job::Frame;
-use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Figure;
 use crate::read::emulate::CannotEmulate;
 use crate::text::finding::{Finding, findings};
@@ -25,7 +25,6 @@ findings! {
     /// What a control holds, or held while measuring. A disagreement contradicts the job; a doubt acts on its
     /// axes and is not emulated.
     InControl {
-        Read { words: String } => Note, "{words}";
         NoFile { does: &'static str, data: Vec<String> } => Note, "no file {does}; see to {} on the control", joined(data);
         PassedOver { file: String, count: usize, what: &'static str } => Note, "`{file}`: {count} {what} were ignored";
         NotWritten { parameters: Vec<String> } => Note, "no file holds {}: 0 is assumed", listed(parameters);
@@ -77,7 +76,6 @@ findings! {
         NoParameter { parameter: &'static str, axis: String, um: String } => Note, "no file holds the {parameter} of axis {axis}: taken as the job asks, {um}";
         Unchanged { parameter: &'static str, axis: String, um: String } => Note, "the {parameter} of axis {axis} is {um}; the job does not set it, so it counts as unchanged since the measurement";
         OtherBacklash { axis: String, who: &'static str, named: String, wanted: String } => Disagreement, "backlash parameter of axis {axis}: {who} {named}, the job asks for {wanted}";
-        Differs { words: String } => Disagreement, "{words}";
         NotEmulated { reason: String } => Disagreement, "{reason}";
     }
 }
@@ -115,6 +113,32 @@ impl InControl {
             Self::GantryDiffers { .. } => "bring the axes of the gantry to one value first",
             _ => "measure with these tables switched off",
         }
+    }
+}
+
+findings! {
+    /// How files differ from what a job asks for.
+    Difference {
+        Effect { term: ErrorTerm, base: String, output: String, direction: Option<Direction>, how: String } => Disagreement, "{term} ({output} while {base} moves{}): {how}", direction.map_or_else(String::new, |way| format!(" in {way}"));
+        ForeignAxis { base: String, output: String } => Disagreement, "foreign axis: the tables correct {output} while {base} moves, which the job does not ask for";
+        ForeignSystem { axis: String, is: u32, asked: u32 } => Disagreement, "foreign measuring system: the ENC_COMP table of {axis} is for system {is}, the job is for {asked}";
+        NotWritten { parameters: Vec<String> } => Disagreement, "no file writes {}: the control keeps what it holds there, the job writes {}", listed(parameters), it(parameters.len());
+        Surplus { what: String, items: usize } => Disagreement, "{what}: the job does not write {}", it(*items);
+        Missing { what: String, items: usize } => Disagreement, "{what}: missing, the job writes {}", it(*items);
+        OtherValues { table: String, values: Vec<String> } => Disagreement, "{}{}", if table.is_empty() { String::new() } else { format!("{table}: ") }, values.join("; ");
+        SetsMore { file: String, data: Vec<String> } => Disagreement, "`{file}` sets {}: the job does not write {} there", listed(data), it(data.len());
+        NotSet { task: &'static str, data: Vec<String>, stands: String } => Disagreement, "{task} {}: {stands}", listed(data);
+    }
+}
+
+findings! {
+    /// What is found while the errors of the machine without tables are made from those with them.
+    InSum {
+        Dropped { term: ErrorTerm } => Note, "{term}: the active tables correct it, it was not measured, and the new tables do without it (`active_terms_not_measured = \"drop\"`)";
+        Kept { term: ErrorTerm } => Note, "{term}: it was not measured; the correction of the active tables is carried over (`active_terms_not_measured = \"keep\"`), and nothing is forecast for it";
+        DirectionsKept { term: ErrorTerm } => Note, "{term}: the active tables differ with the direction and the measurement does not; the difference is carried over from them";
+        Zeros { tables: String } => Note, "the active tables of {tables} hold zeros: old = 0";
+        Interpolated { axes: Vec<String> } => Note, "3605#1 of axis {} was 1 while measuring: the forecast is for interpolated pitch compensation, lines between the points", axes.join(", ");
     }
 }
 

@@ -17,7 +17,7 @@ use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Value, table};
 use crate::judge::family::Family;
-use crate::judge::findings::InControl;
+use crate::judge::findings::{Difference, InControl};
 use crate::read::{ReadBack, Text};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
@@ -91,7 +91,7 @@ impl Family for SiemensFacts {
         entries
     }
 
-    fn other_settings(&self, wanted: &Tables, read: &ReadBack) -> Vec<String> {
+    fn other_settings(&self, wanted: &Tables, read: &ReadBack) -> Vec<Difference> {
         machine_data::differences(own(wanted), &read.machine_data, self)
     }
 
@@ -99,14 +99,13 @@ impl Family for SiemensFacts {
         machine_data::absent(own(wanted), &read.machine_data, self)
     }
 
-    fn measuring_systems(&self, wanted: &Tables, found: &Tables) -> Vec<String> {
+    fn measuring_systems(&self, wanted: &Tables, found: &Tables) -> Vec<Difference> {
         let other = own(found).lec.iter().filter_map(|table| {
             let mut wanted = own(wanted).lec.iter();
             let job = wanted.find(|job| job.axis.eq_ignore_ascii_case(&table.axis))?;
-            let (axis, is, asked) = (&table.axis, table.encoder + 1, job.encoder + 1);
-            (is != asked).then(|| {
-                format!("foreign measuring system: the ENC_COMP table of {axis} is for system {is}, the job is for {asked}")
-            })
+            let (is, asked) = (table.encoder + 1, job.encoder + 1);
+            let axis = table.axis.clone();
+            (is != asked).then_some(Difference::ForeignSystem { axis, is, asked })
         });
         other.collect()
     }

@@ -41,8 +41,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let proofs = Proofs::write(made)?;
     let shown = proofs.shown(made)?;
     let mut files = proofs.files;
-    let missing = proofs.missing.iter().map(ToString::to_string);
-    let mut not_written: Vec<String> = missing.collect();
+    let mut not_written = proofs.missing.clone();
     let rollback = rollback::make(made)?;
     let left = rollback.note().map(Finding::from);
     let notes = proofs.missing.into_iter().chain(left).collect();

@@ -2,7 +2,7 @@
 
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::units::Figure;
-use crate::text::finding::{Finding, findings, joined};
+use crate::text::finding::{Finding, findings, joined, listed};
 
 findings! {
     /// What is found beside the errors and the tables of a kit.
@@ -11,6 +11,21 @@ findings! {
         NotMeasuredAfterwards { terms: Vec<ErrorTerm> } => Doubt, "not measured afterwards, so nothing is known of what is left: {}", joined(terms);
         LeftToAPerson { left: usize } => Note, "the rollback files leave {left} kind(s) of settings to a person, because the files that were read out do not hold them: see \"Not written\" and \"Rollback\" of the checklist";
         TakenToBeActive { tables: String } => Note, "the job of the second measurement does not state `active_while_measuring`: the tables in {tables} are taken to have been active";
+    }
+}
+
+findings! {
+    /// What a rollback leaves to a person, and what happens meanwhile.
+    InRollback {
+        OfAKit { path: String } => Note, "no rollback file: `{path}` is a kit, not files that were read out of the control; to roll back, load that kit again to it";
+        NothingReadOut => Note, "no rollback file: `active_while_measuring` names no files that were read out of the control, and zeros do not restore it";
+        Incomplete { missing: Vec<String> } => Note, "no rollback file: the files read out of the control do not hold all that this kit overwrites; missing: {}", listed(missing);
+        OtherForm => Note, "no rollback file: what was read out does not read back from files in the form of this profile; keep the files that were read out";
+        Look { what: String, by_file: bool } => Note, "{what}: not in the rollback files. {}, and the files that were read out hold it not at all or with several values. Look at it now and note it", if *by_file { "The files of this kit switch it" } else { "A precondition may make you change it" };
+        BringBack { what: String, by_file: bool } => Note, "{what}: not in the rollback files; {}", if *by_file { "switch on what was on before this kit, as noted" } else { "where it was changed, bring back what was noted before this kit" };
+        Stays { table: String } => Note, "{table} was reserved without a grid: the values of this kit stay in it, switched off as it was";
+        MovesAtReference { axis: Axis, name: String, um: f64 } => Note, "at the reference point {axis} ({name}) moves by {:.3} µm towards {}{axis} when the old tables act again: they are not zero there", um.abs(), if *um > 0.0 { "+" } else { "−" };
+        MovementUnknown { reason: String } => Note, "what moves at the reference point when the old tables act again cannot be determined: {reason}";
     }
 }
 

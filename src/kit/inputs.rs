@@ -5,7 +5,6 @@ use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{Compensation, Job};
 use crate::judge::active::{self, ActiveControl};
 use crate::judge::conformity::Verdict;
-use crate::judge::findings::InControl;
 use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::manifest::HashedFile;
 use crate::machine::model::ErrorModel;
@@ -125,7 +124,7 @@ impl Inputs {
         self.under_tables = Some(std::mem::replace(&mut self.model, model));
         let interpolated = active::take_interpolation(&mut self.job, &self.profile, &active);
         let notes = notes.into_iter().chain(interpolated);
-        let notes = notes.map(|words| InControl::Read { words }.into());
+        let notes = notes.map(Finding::from);
         self.active_notes = active.findings.iter().cloned().chain(notes).collect();
         self.active = Some(active);
         Ok(self)

@@ -3,6 +3,7 @@
 
 use super::made::Made;
 use crate::judge::before::Before;
+use crate::kit::findings::InRollback;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
@@ -76,26 +77,20 @@ fn extremes(response: &Response, reference: Option<Millimetres>) -> (f64, f64) {
 /// Movements below it are none, µm.
 const NOTHING_UM: f64 = 1e-3;
 
-/// One sentence for each physical axis that the old tables hold off zero at the reference point.
+/// Each physical axis that the old tables hold off zero at the reference point.
 ///
 /// unit   µm, with the side it moves to · limits all axes at the reference point; the tables that
 ///        acted, not those that were switched off
-pub(super) fn way_back(before: &Before<'_>) -> Vec<String> {
+pub(super) fn way_back(before: &Before<'_>) -> Vec<InRollback> {
     let (profile, active) = (before.task.profile, before.active);
     let moved = emulator(profile, &active.tables, &active.state)
         .and_then(|control| moved(before, control.as_ref()));
-    match moved {
-        Ok(sentences) => sentences,
-        Err(reason) => vec![format!(
-            "what moves at the reference point when the old tables act again cannot be determined: {}",
-            reason.0
-        )],
-    }
+    moved.unwrap_or_else(|reason| vec![InRollback::MovementUnknown { reason: reason.0 }])
 }
 
-fn moved(before: &Before<'_>, control: &dyn Emulator) -> Result<Vec<String>, CannotEmulate> {
+fn moved(before: &Before<'_>, control: &dyn Emulator) -> Result<Vec<InRollback>, CannotEmulate> {
     let names = &before.plan.names;
-    let mut sentences = Vec::new();
+    let mut moved = Vec::new();
     for of in Axis::ALL {
         for name in &names[of] {
             let mut um = 0.0;
@@ -106,15 +101,12 @@ fn moved(before: &Before<'_>, control: &dyn Emulator) -> Result<Vec<String>, Can
                 }
             }
             if um.abs() > NOTHING_UM {
-                let side = if um > 0.0 { "+" } else { "−" };
-                sentences.push(format!(
-                    "at the reference point {of} ({name}) moves by {:.3} µm towards {side}{of} when the old tables act again: they are not zero there",
-                    um.abs()
-                ));
+                let (axis, name) = (of, name.clone());
+                moved.push(InRollback::MovesAtReference { axis, name, um });
             }
         }
     }
-    Ok(sentences)
+    Ok(moved)
 }
 
 /// What an axis adds to another at its reference, having come from the reference return.

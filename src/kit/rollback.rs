@@ -16,12 +16,12 @@ use super::made::{Made, as_kit_file};
 use super::{Inputs, movement};
 use crate::control::controller::Role;
 use crate::judge::active::Origin;
-use crate::judge::before::{Before, Old, Unknown};
+use crate::judge::before::{Before, ChangedBy, Old};
 use crate::judge::family::family;
-use crate::judge::findings::listed;
-use crate::kit::findings::{FieldFault, KitFinding};
+use crate::kit::findings::{FieldFault, InRollback, KitFinding};
 use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::read::{KitFile, ReadBack, read_apart};
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
 use crate::write::emit::{self, Instead, RenderedFile, Switch, Templates};
@@ -31,16 +31,16 @@ use crate::write::plan::Plan;
 #[derive(Default)]
 pub(super) struct Rollback {
     pub(super) files: Vec<RenderedFile>,
-    /// Why there is no file, or what the files do not restore; one sentence each.
-    pub(super) not_written: Vec<String>,
-    /// What a person does and sees after the files were loaded; one sentence each.
-    pub(super) by_hand: Vec<String>,
+    /// Why there is no file, or what the files do not restore.
+    pub(super) not_written: Vec<Finding>,
+    /// What a person does and sees after the files were loaded.
+    pub(super) by_hand: Vec<Finding>,
 }
 
 impl Rollback {
-    fn none(why: String) -> Rollback {
+    fn none(why: InRollback) -> Rollback {
         Rollback {
-            not_written: vec![format!("no rollback file: {why}")],
+            not_written: vec![why.into()],
             ..Rollback::default()
         }
     }
@@ -59,15 +59,19 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
     if !wanted(Role::Rollback) {
         return Ok(Rollback::default());
     }
-    let (active, held) = match inputs.active.as_ref().map(|active| (active, &active.origin)) {
+    let (active, held) = match inputs
+        .active
+        .as_ref()
+        .map(|active| (active, &active.origin))
+    {
         Some((active, Origin::ReadOut(held))) => (active, held),
-        Some((active, Origin::Kit { .. })) => return Ok(Rollback::none(format!(
-            "`{}` is a kit, not files that were read out of the control; to roll back, load that kit again to it",
-            active.path
-        ))),
-        Some((_, Origin::NoTables)) | None => return Ok(Rollback::none(
-            "`active_while_measuring` names no files that were read out of the control, and zeros do not restore it".to_string(),
-        )),
+        Some((active, Origin::Kit { .. })) => {
+            let path = active.path.clone();
+            return Ok(Rollback::none(InRollback::OfAKit { path }));
+        }
+        Some((_, Origin::NoTables)) | None => {
+            return Ok(Rollback::none(InRollback::NothingReadOut));
+        }
     };
     let before = Before {
         task: inputs.task(),
@@ -78,16 +82,9 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
     };
     let old = match family(&inputs.profile.dialect).old(&before) {
         Ok(old) => old,
-        Err(missing) => return Ok(Rollback::none(incomplete(&missing))),
+        Err(missing) => return Ok(Rollback::none(InRollback::Incomplete { missing })),
     };
     before.written(&old, &made.templates)
-}
-
-fn incomplete(missing: &[String]) -> String {
-    format!(
-        "the files read out of the control do not hold all that this kit overwrites; missing: {}",
-        listed(missing)
-    )
 }
 
 impl Before<'_> {
@@ -111,16 +108,20 @@ impl Before<'_> {
         let read_files: Vec<KitFile<'_>> = files.iter().map(as_kit_file).collect();
         let read = read_apart(self.task.profile, &read_files, Role::Rollback);
         if !read.is_ok_and(|read| is_same(old, &read)) {
-            return Ok(Rollback::none("what was read out does not read back from files in the form of this profile; keep the files that were read out".to_string()));
+            return Ok(Rollback::none(InRollback::OtherForm));
         }
         let unknown = old.unknown.iter();
-        let mut by_hand: Vec<String> = unknown.clone().map(Unknown::by_hand).collect();
-        by_hand.extend(old.stays.iter().cloned());
-        by_hand.extend(movement::way_back(self));
+        let unknown = unknown.map(|of| (of.what.clone(), of.by == ChangedBy::File));
+        let look = unknown.clone();
+        let look = look.map(|(what, by_file)| InRollback::Look { what, by_file });
+        let by_hand = unknown.map(|(what, by_file)| InRollback::BringBack { what, by_file });
+        let stays = old.stays.iter().cloned();
+        let stays = stays.map(|table| InRollback::Stays { table });
+        let by_hand = by_hand.chain(stays).chain(movement::way_back(self));
         Ok(Rollback {
             files,
-            not_written: unknown.map(Unknown::not_written).collect(),
-            by_hand,
+            not_written: look.map(Finding::from).collect(),
+            by_hand: by_hand.map(Finding::from).collect(),
         })
     }
 }

@@ -12,7 +12,7 @@ use super::reading::{ActiveControl, KEY, Origin, axis_of, problem};
 use crate::control::control_state::ControlState;
 use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job, NotMeasured};
-use crate::judge::findings::{InControl, joined};
+use crate::judge::findings::{InControl, InSum, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
@@ -39,7 +39,7 @@ pub(crate) fn uncompensated(
     profile: &Profile,
     measured: &ErrorModel,
     active: &ActiveControl,
-) -> Result<(ErrorModel, Vec<String>), Problems> {
+) -> Result<(ErrorModel, Vec<InSum>), Problems> {
     let names = axis_names(job, profile)?;
     check_backlash(job, measured, active)?;
     let state = acting_state(job, &names, measured, active);
@@ -63,8 +63,7 @@ pub(crate) fn uncompensated(
     let tables = control.connected_axes().into_iter();
     let tables = joined(tables.map(|(base, output)| format!("{base} → {output}")));
     if !acts && !tables.is_empty() {
-        let words = format!("the active tables of {tables} hold zeros: old = 0");
-        sum.notes.push(words);
+        sum.notes.push(InSum::Zeros { tables });
     } else if !acts && !knows_backlash && problems.is_empty() {
         problems.push(nothing(job, active));
     }
@@ -247,7 +246,7 @@ fn old_correction(
 struct Sum<'a> {
     job: &'a Job,
     model: ErrorModel,
-    notes: Vec<String>,
+    notes: Vec<InSum>,
 }
 
 impl Sum<'_> {
@@ -268,7 +267,7 @@ impl Sum<'_> {
         let refused = match (&self.model.terms[term], settings.not_measured) {
             (None, None) => Some(not_measured(self.job, term)),
             (None, Some(NotMeasured::Drop)) => {
-                self.notes.push(format!("{term}: the active tables correct it, it was not measured, and the new tables do without it (`active_terms_not_measured = \"drop\"`)"));
+                self.notes.push(InSum::Dropped { term });
                 return;
             }
             (_, Some(NotMeasured::Drop)) => None,
@@ -285,7 +284,7 @@ impl Sum<'_> {
         let nodes = old.nodes();
         let held = |direction| held(old.way(direction), &nodes, zero);
         let Some(own) = &self.model.terms[term] else {
-            self.notes.push(format!("{term}: it was not measured; the correction of the active tables is carried over (`active_terms_not_measured = \"keep\"`), and nothing is forecast for it"));
+            self.notes.push(InSum::Kept { term });
             let (plus, minus) = (held(Direction::Plus), held(Direction::Minus));
             self.model.terms[term] = Some(MeasuredTerm {
                 measured: one_if_same(plus, minus),
@@ -312,7 +311,7 @@ impl Sum<'_> {
             }
         };
         if measured.has_both_ways() && !own.measured.has_both_ways() {
-            self.notes.push(format!("{term}: the active tables differ with the direction and the measurement does not; the difference is carried over from them"));
+            self.notes.push(InSum::DirectionsKept { term });
         }
         let uncertainty = own.uncertainty.clone();
         self.model.terms[term] = Some(MeasuredTerm {

@@ -10,7 +10,7 @@ use crate::control::controller::{Profile, Role};
 use crate::control::table::Tables;
 use crate::inputs::job::Job;
 use crate::judge::family::family;
-use crate::judge::findings::InControl;
+use crate::judge::findings::{InControl, InSum};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::read::{Text, texts as texts_of};
 use crate::text::finding::Severity;
@@ -179,7 +179,7 @@ pub(crate) fn take_interpolation(
     job: &mut Job,
     profile: &Profile,
     active: &ActiveControl,
-) -> Option<String> {
+) -> Option<InSum> {
     let names = axis_names(job, profile).ok()?;
     family(&profile.dialect).take_interpolation(job, &names, active)
 }

@@ -11,13 +11,13 @@ use crate::control::controller::Profile;
 use crate::control::table::Tables;
 use crate::judge::active::{ActiveControl, Origin};
 use crate::judge::family::family;
-use crate::judge::findings::{InControl, it, listed};
+use crate::judge::findings::{Difference, InControl, listed};
 use crate::read::ReadBack;
 use crate::text::finding::Finding;
 use crate::write::compensation::Compiled;
 use crate::write::plan::Plan;
 
-/// Everything surplus, missing or contradictory, one sentence each.
+/// Everything surplus, missing or contradictory.
 ///
 /// **limits** what `diagnosis` already explains is not told again; without a diagnosis (tables
 /// that cannot be emulated, whose reason is told elsewhere) only what is surplus is told of the
@@ -29,23 +29,20 @@ pub fn contents(
     diagnosis: Option<&Disagreements>,
 ) -> Vec<Finding> {
     let family = family(&profile.dialect);
-    let mut words = match wanted == &read.tables {
+    let mut found = match wanted == &read.tables {
         true => Vec::new(),
         false => {
             let own = family.entries(wanted, &read.tables, diagnosis);
-            let found = family.entries(&read.tables, wanted, diagnosis);
-            differences(&own, &found, diagnosis.is_some())
+            let got = family.entries(&read.tables, wanted, diagnosis);
+            differences(&own, &got, diagnosis.is_some())
         }
     };
     if !read.unwritten.is_empty() {
-        let (names, them) = (listed(&read.unwritten), it(read.unwritten.len()));
-        words.push(format!(
-            "no file writes {names}: the control keeps what it holds there, the job writes {them}"
-        ));
+        let parameters = read.unwritten.clone();
+        found.push(Difference::NotWritten { parameters });
     }
-    words.extend(family.other_settings(wanted, read));
-    let differs = |words| InControl::Differs { words }.into();
-    words.into_iter().map(differs).collect()
+    found.extend(family.other_settings(wanted, read));
+    found.into_iter().map(Finding::from).collect()
 }
 
 /// What nobody can judge because the files for it are not there, and what to see to instead.
@@ -57,9 +54,8 @@ pub fn absent(profile: &Profile, wanted: &Tables, read: &ReadBack) -> Vec<Findin
 
 /// Tables that are emulated alike, but are for another measuring system than the job states.
 pub fn measuring_systems(profile: &Profile, wanted: &Tables, found: &Tables) -> Vec<Finding> {
-    let words = family(&profile.dialect).measuring_systems(wanted, found);
-    let differs = |words| InControl::Differs { words }.into();
-    words.into_iter().map(differs).collect()
+    let other = family(&profile.dialect).measuring_systems(wanted, found);
+    other.into_iter().map(Finding::from).collect()
 }
 
 /// What a read-out holds around the tables, against what the job asks of the control there; what is not read
@@ -78,25 +74,22 @@ pub fn surroundings(
     found.into_iter().map(Finding::from).collect()
 }
 
-/// One sentence for what is surplus of a table, missing, and other; with `all` also the latter two.
-fn differences(wanted: &Entries, found: &Entries, all: bool) -> Vec<String> {
+/// What is surplus of a table, missing, and other; with `all` also the latter two.
+fn differences(wanted: &Entries, found: &Entries, all: bool) -> Vec<Difference> {
     let surplus = found
         .iter()
         .filter(|(key, e)| e.alone && !wanted.contains_key(key));
-    let mut words = by_table(surplus.map(|(key, e)| (key, &e.value)), wanted, |them| {
-        format!("the job does not write {them}")
-    });
+    let surplus = by_table(surplus.map(|(key, e)| (key, &e.value)), wanted).into_iter();
+    let surplus = surplus.map(|(what, items)| Difference::Surplus { what, items });
+    let mut differences: Vec<Difference> = surplus.collect();
     if !all {
-        return words;
+        return differences;
     }
     let missing = wanted
         .iter()
         .filter(|(key, e)| e.differing && !found.contains_key(key));
-    words.extend(by_table(
-        missing.map(|(key, e)| (key, &e.value)),
-        found,
-        |them| format!("missing, the job writes {them}"),
-    ));
+    let missing = by_table(missing.map(|(key, e)| (key, &e.value)), found).into_iter();
+    differences.extend(missing.map(|(what, items)| Difference::Missing { what, items }));
     let differing = wanted.iter().filter_map(|(key, own)| {
         let got = found.get(key).filter(|got| !got.value.is(&own.value))?;
         (own.differing && got.differing).then_some((key, &got.value, &own.value))
@@ -111,40 +104,34 @@ fn differences(wanted: &Entries, found: &Entries, all: bool) -> Vec<String> {
             )),
             Item::Point(_) => None,
         });
-        let mut said: Vec<String> = named.collect();
+        let mut values: Vec<String> = named.collect();
         let points = same.iter().filter_map(|((_, item), got, own)| match item {
             Item::Point(point) => Some((*point, (got, own))),
             Item::Name(_) => None,
         });
-        let (points, values): (Vec<u32>, Vec<_>) = points.unzip();
-        if let (Some(first), Some((got, own))) = (points.first(), values.first()) {
+        let (points, both): (Vec<u32>, Vec<_>) = points.unzip();
+        if let (Some(first), Some((got, own))) = (points.first(), both.first()) {
             let (points, got, own) = (runs(&points), got.words(), own.words());
-            said.push(format!(
+            values.push(format!(
                 "{points}: other values (point {first} is {got}, the job writes {own})"
             ));
         }
-        let block = &same[0].0.0;
-        let block = if block.is_empty() {
-            String::new()
-        } else {
-            format!("{block}: ")
-        };
-        words.push(format!("{block}{}", said.join("; ")));
+        let table = same[0].0.0.clone();
+        differences.push(Difference::OtherValues { table, values });
     }
-    words
+    differences
 }
 
-/// What only one side has: a whole table, or some of its items.
+/// What only one side has, and how many: a whole table, or some of its items.
 fn by_table<'a>(
     alone: impl Iterator<Item = (&'a (String, Item), &'a Value)>,
     others: &Entries,
-    says: impl Fn(&str) -> String,
-) -> Vec<String> {
+) -> Vec<(String, usize)> {
     let alone: Vec<_> = alone.collect();
-    let sentence = |same: &[(&(String, Item), &Value)]| {
+    let of_table = |same: &[(&(String, Item), &Value)]| {
         let block = &same[0].0.0;
         if !block.is_empty() && !others.keys().any(|(other, _)| other == block) {
-            return format!("{block}: {}", says("it"));
+            return (block.clone(), 1);
         }
         let (mut names, mut points) = (Vec::new(), Vec::new());
         for ((_, item), value) in same {
@@ -157,10 +144,10 @@ fn by_table<'a>(
         let points = (!points.is_empty()).then(|| runs(&points));
         let block = (!block.is_empty()).then(|| block.clone());
         let what: Vec<String> = block.into_iter().chain(points).chain(names).collect();
-        format!("{}: {}", what.join(", "), says(it(same.len())))
+        (what.join(", "), same.len())
     };
     let tables = alone.chunk_by(|((a, _), _), ((b, _), _)| a == b);
-    tables.map(sentence).collect()
+    tables.map(of_table).collect()
 }
 
 /// Ascending numbers as `point 7` or `points 3, 1200 to 1205`.

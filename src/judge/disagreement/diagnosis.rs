@@ -1,6 +1,6 @@
 //! What the emulation of two sets of tables tells of them.
 
-use crate::judge::findings::InControl;
+use crate::judge::findings::Difference;
 use crate::text::finding::Finding;
 
 /// What emulation tells of two sets of tables.
@@ -18,8 +18,8 @@ impl Disagreements {
         holds(&self.pairs, base, output)
     }
 
-    pub(super) fn tell(&mut self, words: String, base: &str, output: &str) {
-        self.findings.push(InControl::Differs { words }.into());
+    pub(super) fn tell(&mut self, found: Difference, base: &str, output: &str) {
+        self.findings.push(found.into());
         self.pairs.push((base.to_string(), output.to_string()));
     }
 }

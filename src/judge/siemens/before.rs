@@ -76,7 +76,7 @@ impl Gathered {
             Some(values) if values.iter().all(Option::is_some) => return true,
             None if before.held.without_grid.contains(&variable) => {
                 if is_off() {
-                    self.stays.push(format!("{name} was reserved without a grid: the values of this kit stay in it, switched off as it was"));
+                    self.stays.push(name.to_string());
                 } else {
                     self.missing.push(format!(
                         "{name} (read out without a grid, and not as switched off)"

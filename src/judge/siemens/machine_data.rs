@@ -3,7 +3,7 @@
 use super::data::{CEC_ON, CEC_POINTS, Datum, LEC_ON, LEC_POINTS, TABLE_ON};
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::siemens::{LecTable, SiemensTables};
-use crate::judge::findings::{InControl, it, listed};
+use crate::judge::findings::{Difference, InControl};
 use crate::read::FileData;
 use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::text::finding::Finding;
@@ -89,30 +89,34 @@ pub(super) fn differences(
     wanted: &SiemensTables,
     files: &[FileData],
     facts: &SiemensFacts,
-) -> Vec<String> {
+) -> Vec<Difference> {
     let foreign = files.iter().filter_map(|file| {
         let owned = owned(file.role, wanted, facts);
         let is_foreign = |datum: &&MachineDatum| !owned.iter().any(|own| own.is(datum));
         let foreign = file.data.iter().filter(is_foreign);
         let foreign = foreign.map(|datum| format!("{} = {}", datum.variable(), text(&datum.value)));
-        let foreign: Vec<String> = foreign.collect();
-        let (path, names, them) = (&file.path, listed(&foreign), it(foreign.len()));
-        (!foreign.is_empty())
-            .then(|| format!("`{path}` sets {names}: the job does not write {them} there"))
+        let data: Vec<String> = foreign.collect();
+        let file = file.path.clone();
+        (!data.is_empty()).then_some(Difference::SetsMore { file, data })
     });
-    let mut words: Vec<String> = foreign.collect();
+    let mut found: Vec<Difference> = foreign.collect();
     for (role, _, _, not) in TASKS {
         let of_role: Vec<&FileData> = files.iter().filter(|file| file.role == role).collect();
         if !of_role.is_empty() {
             let data: Vec<&MachineDatum> = of_role.iter().flat_map(|file| &file.data).collect();
-            words.extend(wrong(role, not, &owned(role, wanted, facts), &data));
+            found.extend(wrong(role, not, &owned(role, wanted, facts), &data));
         }
     }
-    words
+    found
 }
 
-/// One sentence for all data that stand alike.
-fn wrong(role: Role, not: &str, owned: &[Owned], data: &[&MachineDatum]) -> Vec<String> {
+/// Once for all data that stand alike.
+fn wrong(
+    role: Role,
+    task: &'static str,
+    owned: &[Owned],
+    data: &[&MachineDatum],
+) -> Vec<Difference> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for own in owned {
         let value = data
@@ -143,9 +147,9 @@ fn wrong(role: Role, not: &str, owned: &[Owned], data: &[&MachineDatum]) -> Vec<
             None => groups.push((stands, vec![of])),
         }
     }
-    let sentence =
-        |(stands, names): &(String, Vec<String>)| format!("{not} {}: {stands}", listed(names));
-    groups.iter().map(sentence).collect()
+    let groups = groups.into_iter();
+    let not_set = |(stands, data)| Difference::NotSet { task, data, stands };
+    groups.map(not_set).collect()
 }
 
 fn text(value: &MachineValue) -> String {
