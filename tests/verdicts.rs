@@ -646,3 +646,19 @@ fn a_second_visit_within_the_limit_leaves_the_control_as_it_is() {
     put(at, "errors.csv", &wave(900, 2.5));
     assert!(!verdict(at, "generate second.toml -o third").contains(advice));
 }
+
+/// Where the diagonals alone are limited, it is they that are said to keep it.
+#[test]
+fn a_second_visit_within_the_limit_of_the_diagonals_says_so() {
+    let directory = folder(&cube_job("", "max_diagonal_um = 9"), &cube(&TENTHS, 5.0));
+    let at = directory.path();
+    ended(at, "generate job.toml -o kit");
+    let second = cube_job("", "max_diagonal_um = 9").replace("\"none\"", "\"kit\"");
+    put(at, "second.toml", &second);
+    put(at, "errors.csv", &cube(&TENTHS, 1.0));
+    let said = verdict(at, "generate second.toml -o again").replace("\n    ", " ");
+    assert!(
+        said.contains("µm on the diagonals): the control can be left as it is"),
+        "{said}"
+    );
+}

@@ -3,11 +3,12 @@
 
 use crate::inputs::job::{BacklashPolicy, Compensation, GridRequest, one_for_all};
 use crate::judge::conformity::Verdict;
-use crate::judge::forecast::Forecast;
+use crate::judge::forecast::{Change, Forecast};
 use crate::kit::inputs::Inputs;
 use crate::kit::made::Made;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
+use serde::Serialize;
 
 /// The backlash policy of each axis.
 type Policies = PerAxis<Option<BacklashPolicy>>;
@@ -26,7 +27,44 @@ pub struct Alternative {
     pub verdict: Verdict,
 }
 
+/// The term, or the diagonal, of which most is left.
+#[derive(Serialize)]
+pub struct Worst {
+    /// Its name.
+    pub name: String,
+    /// As measured, µm.
+    pub before_um: f64,
+    /// With the tables, µm.
+    pub after_um: f64,
+    /// U of `after_um` with 95 %, µm; `None` = not stated.
+    pub expanded_um: Option<f64>,
+}
+
+impl Worst {
+    fn of(all: impl Iterator<Item = (String, Change)>) -> Option<Worst> {
+        let (name, change) = all.reduce(|a, b| if b.1.after_um > a.1.after_um { b } else { a })?;
+        Some(Worst {
+            name,
+            before_um: change.before_um,
+            after_um: change.after_um,
+            expanded_um: change.expanded_um,
+        })
+    }
+}
+
 impl Alternative {
+    /// The term of which most is left.
+    pub fn worst_term(&self) -> Option<Worst> {
+        let terms = self.forecast.terms.iter();
+        Worst::of(terms.map(|t| (t.term.to_string(), t.change)))
+    }
+
+    /// The diagonal of which most is left.
+    pub fn worst_diagonal(&self) -> Option<Worst> {
+        let diagonals = self.forecast.diagonals.iter();
+        Worst::of(diagonals.map(|d| (d.name.to_string(), d.change)))
+    }
+
     /// What a job that asks for other tables would get.
     pub(super) fn of(
         inputs: &Inputs,
@@ -101,11 +139,10 @@ pub struct Compared {
 /// policy, its spacings.
 pub fn compare(inputs: &Inputs) -> Vec<Compared> {
     let own = inputs.job.compensation.backlash;
-    let for_all = BacklashPolicy::ALL.map(|policy| PerAxis::from_fn(|_| Some(policy)));
-    let is_stated = own != Policies::default();
-    let others = for_all
-        .into_iter()
-        .filter(|other| is_stated && *other != own);
+    let others = match own == Policies::default() {
+        true => Vec::new(),
+        false => for_all(&own),
+    };
     let policies = std::iter::once(own).chain(others);
     let pairs = policies.flat_map(|policies| Spacing::ALL.map(|spacing| (policies, spacing)));
     let compared = |(backlash, spacing): (Policies, Spacing)| Compared {
@@ -123,23 +160,26 @@ pub fn compare(inputs: &Inputs) -> Vec<Compared> {
     pairs.map(compared).collect()
 }
 
+/// The other policies that a job could state for all axes.
+fn for_all(own: &Policies) -> Vec<Policies> {
+    let all = BacklashPolicy::ALL.map(|policy| PerAxis::from_fn(|_| Some(policy)));
+    all.into_iter().filter(|other| other != own).collect()
+}
+
 /// The policies that a job could state instead: of one for all axes every other one; of one for each axis
 /// every other one for one of them.
 pub(super) fn other_policies(own: &Policies) -> Vec<Policies> {
-    let for_all = |policy| PerAxis::from_fn(|_| Some(policy));
-    let others = match own.x.filter(|_| one_for_all(own)) {
-        Some(_) => BacklashPolicy::ALL.map(for_all).to_vec(),
-        None => {
-            let stated = Axis::ALL.into_iter().filter(|axis| own[*axis].is_some());
-            let with = |axis: Axis, policy| {
-                let mut others = *own;
-                others[axis] = Some(policy);
-                others
-            };
-            stated
-                .flat_map(|axis| BacklashPolicy::ALL.map(|policy| with(axis, policy)))
-                .collect()
-        }
+    if own.x.is_some() && one_for_all(own) {
+        return for_all(own);
+    }
+    let stated = Axis::ALL.into_iter().filter(|axis| own[*axis].is_some());
+    let with = |axis: Axis| {
+        BacklashPolicy::ALL.map(|policy| {
+            let mut others = *own;
+            others[axis] = Some(policy);
+            others
+        })
     };
-    others.into_iter().filter(|other| other != own).collect()
+    let others = stated.flat_map(with);
+    others.filter(|other| other != own).collect()
 }

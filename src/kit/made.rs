@@ -55,15 +55,7 @@ impl Made<'_> {
             let names = emit::other_letters(&inputs.job, &inputs.profile.name);
             compiled.notes.extend(names);
         }
-        let control = emulator(&inputs.profile, &read.tables, &compiled.state)
-            .map_err(|e| cannot_emulate(&e))?;
-        let forecast = forecast(
-            inputs.machine(),
-            &plan,
-            control.as_ref(),
-            &judged_ranges(&inputs.job, inputs.as_measured()),
-        )
-        .map_err(|e| cannot_emulate(&e))?;
+        let forecast = left(inputs, &plan, &compiled, &read)?;
         let unread = unread(&inputs.profile, &as_read(&files));
         let doubts: Vec<Finding> = doubts(inputs).into_iter().chain(unread).collect();
         let verdict = judged(&forecast, inputs, &doubts);
@@ -89,6 +81,19 @@ impl Made<'_> {
     pub(crate) fn axes(&self, axis: Axis) -> String {
         format!("{axis} ({})", self.plan.names[axis].join(" and "))
     }
+}
+
+/// What files that were read back leave.
+fn left(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    read: &ReadBack,
+) -> Result<Forecast, Problems> {
+    let ranges = judged_ranges(&inputs.job, inputs.as_measured());
+    emulator(&inputs.profile, &read.tables, &compiled.state)
+        .and_then(|control| forecast(inputs.machine(), plan, control.as_ref(), &ranges))
+        .map_err(|reason| cannot_emulate(&reason))
 }
 
 /// Why the measured errors that the job asks for are doubtful.

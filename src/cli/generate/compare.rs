@@ -5,9 +5,8 @@ use crate::cli::screen::{Screen, table};
 use crate::cli::show;
 use crate::inputs::job::policies_as_stated;
 use crate::judge::conformity::Verdict;
-use crate::judge::forecast::{DiagonalForecast, TermForecast};
 use crate::kit::Inputs;
-use crate::kit::alternatives::{Alternative, Compared, compare};
+use crate::kit::alternatives::{Compared, compare};
 use crate::quantity::axis::PerAxis;
 use crate::text::problem::Problems;
 use serde_json::{Value, json};
@@ -33,12 +32,13 @@ fn screen(inputs: &Inputs, compared: &[Compared]) -> Screen {
     let heading =
         "backlash\tspacing\t>tables\t>points\tterm\t>before\t>after\t>U\tdiag.\t>after\tverdict";
     let refused = |c: &Compared| {
-        let problems = c.result.as_ref().err()?;
-        let first = problems
-            .iter()
-            .next()
-            .map_or("", |problem| &problem.message);
-        Some(format!("{}, {}: {first}", policy(c), c.spacing.word()))
+        let first = c.result.as_ref().err()?.iter().next()?;
+        Some(format!(
+            "{}, {}: {}",
+            policy(c),
+            c.spacing.word(),
+            first.message
+        ))
     };
     Screen {
         verdict: format!(
@@ -67,44 +67,22 @@ fn row(compared: &Compared) -> String {
     let Ok(made) = &compared.result else {
         return format!("{head}\t-\t-\t-\t-\t-\t-\t-\t-\trefused");
     };
-    let term = worst_term(made).map_or("-\t-\t-\t-".to_string(), |t| {
-        let expanded = show::um(t.change.expanded_um);
+    let term = made.worst_term().map_or("-\t-\t-\t-".to_string(), |t| {
+        let expanded = show::um(t.expanded_um);
         format!(
             "{}\t{:.3}\t{:.3}\t{expanded}",
-            t.term, t.change.before_um, t.change.after_um
+            t.name, t.before_um, t.after_um
         )
     });
-    let diagonal = worst_diagonal(made);
+    let diagonal = made.worst_diagonal();
     let diagonal = diagonal.map_or("-\t-".to_string(), |d| {
-        format!("{}\t{:.3}", d.name, d.change.after_um)
+        format!("{}\t{:.3}", d.name, d.after_um)
     });
     let (tables, points) = (made.tables, made.points);
     format!(
         "{head}\t{tables}\t{points}\t{term}\t{diagonal}\t{}",
         made.verdict.word()
     )
-}
-
-fn worst_term(made: &Alternative) -> Option<&TermForecast> {
-    let terms = made.forecast.terms.iter();
-    terms.reduce(|a, b| {
-        if b.change.after_um > a.change.after_um {
-            b
-        } else {
-            a
-        }
-    })
-}
-
-fn worst_diagonal(made: &Alternative) -> Option<&DiagonalForecast> {
-    let diagonals = made.forecast.diagonals.iter();
-    diagonals.reduce(|a, b| {
-        if b.change.after_um > a.change.after_um {
-            b
-        } else {
-            a
-        }
-    })
 }
 
 fn document(inputs: &Inputs, compared: &[Compared]) -> Value {
@@ -117,33 +95,21 @@ fn document(inputs: &Inputs, compared: &[Compared]) -> Value {
 }
 
 fn entry(compared: &Compared) -> Value {
-    let words = PerAxis::from_fn(|axis| compared.backlash[axis].map(|p| p.word()));
-    let mut entry = json!({ "backlash": words, "spacing": compared.spacing.word() });
-    let more = match &compared.result {
+    let backlash = PerAxis::from_fn(|axis| compared.backlash[axis].map(|p| p.word()));
+    let spacing = compared.spacing.word();
+    match &compared.result {
         Err(problems) => {
-            let messages = problems.iter().map(|problem| &problem.message);
-            json!({ "refused": messages.collect::<Vec<_>>() })
+            let refused: Vec<&String> = problems.iter().map(|problem| &problem.message).collect();
+            json!({ "backlash": backlash, "spacing": spacing, "refused": refused })
         }
         Ok(made) => json!({
+            "backlash": backlash,
+            "spacing": spacing,
             "tables": made.tables,
             "points": made.points,
             "verdict": made.verdict.word(),
-            "term": worst_term(made).map(|t| json!({
-                "name": t.term.to_string(),
-                "before_um": t.change.before_um,
-                "after_um": t.change.after_um,
-                "expanded_um": t.change.expanded_um,
-            })),
-            "diagonal": worst_diagonal(made).map(|d| json!({
-                "name": d.name,
-                "before_um": d.change.before_um,
-                "after_um": d.change.after_um,
-                "expanded_um": d.change.expanded_um,
-            })),
+            "term": made.worst_term(),
+            "diagonal": made.worst_diagonal(),
         }),
-    };
-    if let (Some(entry), Value::Object(more)) = (entry.as_object_mut(), more) {
-        entry.extend(more);
     }
-    entry
 }
