@@ -3,7 +3,7 @@
 
 use crate::bundle::Bundle;
 use clap::ValueEnum;
-use nonius::control::controller::{Dialect, FanucFacts, ProfileSource, Profile, builtin, load};
+use nonius::control::controller::{Dialect, FanucFacts, Profile, ProfileSource, builtin, load};
 use nonius::inputs::error_table::{ErrorTable, Remarks};
 use nonius::inputs::import::stated::{Stated, axis_word, direction_word};
 use nonius::inputs::import::{
@@ -16,7 +16,7 @@ use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
     fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
-use nonius::text::delimited::ControlUnit;
+use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;
 use nonius::text::problem::{Problem, Problems};
 use std::sync::OnceLock;
@@ -74,7 +74,7 @@ pub fn errors(input: &[u8]) -> Answer {
 /// Runs of one axis, in every way that they can be stated, and the figures of the standards.
 pub fn target_runs(input: &[u8]) -> Answer {
     let mut answer = String::new();
-    for unit in [None, Some(ControlUnit::ALL[0]), Some(ControlUnit::ALL[1])] {
+    for unit in [None, Some(LengthUnit::ALL[0]), Some(LengthUnit::ALL[1])] {
         for values in [None, Some(Values::Positions), Some(Values::Deviations)] {
             let source = Source::from_bytes("runs.csv", input)?;
             match Runs::read(&source, StatedRuns { unit, values }) {
