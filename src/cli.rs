@@ -170,13 +170,14 @@ fn execute(command: Command) -> Result<Outcome, Problems> {
             clap_complete::generate(shell, &mut Arguments::command(), "nonius", &mut page);
             Ok(Outcome::bytes(page))
         }
-        Command::Man => {
-            let mut page = Vec::new();
-            let man = clap_mangen::Man::new(Arguments::command());
-            man.render(&mut page).map_err(|error| {
-                Problem::new(format!("the manual page cannot be made: {error}"))
-            })?;
-            Ok(Outcome::bytes(page))
-        }
+        Command::Man => manual(),
     }
+}
+
+fn manual() -> Result<Outcome, Problems> {
+    let mut page = Vec::new();
+    let man = clap_mangen::Man::new(Arguments::command());
+    let refuse = |error| Problem::new(format!("the manual page cannot be made: {error}"));
+    man.render(&mut page).map_err(refuse)?;
+    Ok(Outcome::bytes(page))
 }

@@ -82,10 +82,8 @@ pub(super) fn errors(files: &mut JobFiles<'_>) -> Result<ErrorSource, Problems> 
         }
     };
     let mut problems = Problems::none();
-    let mut tables = Vec::new();
-    for path in paths {
-        tables.extend(problems.take(files.table(path, "measurement.errors")));
-    }
+    let mut table = |path| problems.take(files.table(path, "measurement.errors"));
+    let tables: Vec<ErrorTable> = paths.iter().filter_map(|path| table(path)).collect();
     let tables = problems.or_ok(tables)?;
     let missing = || job.problem_at("measurement.errors", "no error table is named");
     let merged = ErrorTable::merged(tables)?.ok_or_else(missing)?;

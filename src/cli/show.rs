@@ -26,22 +26,19 @@ fn named(what: &str, all: &[String]) -> String {
     }
 }
 
+const FORMED: &str = "; fit residual: what three straight pieces cannot follow";
+
 /// Where each term went: points, count, what the grid leaves, and the form where it leaves something.
 pub(super) fn placements(placements: &[Placement]) -> String {
     let formed = placements.iter().any(|p| p.fit_residual_um.is_some());
     let (column, legend) = match formed {
-        true => (
-            "\t>fit residual/µm",
-            "; fit residual: what three straight pieces cannot follow",
-        ),
+        true => ("\t>fit residual/µm", FORMED),
         false => ("", ""),
     };
     let rows = placements.iter().map(|p| {
         let direction = p.direction.map_or("+ and -", Direction::symbol);
-        let count = match p.count_um > 0.0 {
-            true => short(p.count_um),
-            false => "unrounded".to_string(),
-        };
+        let count = Some(p.count_um).filter(|um| *um > 0.0);
+        let count = count.map_or_else(|| "unrounded".to_string(), short);
         let row = format!(
             "{}\t{direction}\t{}\t{}\t{count}\t{:.3}",
             p.term, p.place, p.points, p.grid_residual_um
@@ -51,12 +48,10 @@ pub(super) fn placements(placements: &[Placement]) -> String {
             false => row,
         }
     });
-    let heading = format!(
-        "term\tmoving\tplace in the control\t>points\t>count/µm\t>grid residual/µm{column}"
-    );
+    let heading = "term\tmoving\tplace in the control\t>points\t>count/µm\t>grid residual/µm";
     format!(
         "{}\n  count: smallest step of a table value; grid residual: largest difference of curve and table{legend}",
-        table(&heading, rows)
+        table(&format!("{heading}{column}"), rows)
     )
 }
 
@@ -175,15 +170,13 @@ pub(super) fn verdict(
 ) -> String {
     let acceptance = job.acceptance;
     let asked = asked(job, forecast);
+    let word = verdict.word();
     let words = match (asked.is_empty(), verdict) {
         (true, Verdict::Pass) => {
             "no acceptance is stated in the job, so there is nothing to judge".to_string()
         }
-        (true, _) => format!(
-            "{} (asked: no acceptance is stated in the job)",
-            verdict.word()
-        ),
-        (false, _) => format!("{} (asked: {asked})", verdict.word()),
+        (true, _) => format!("{word} (asked: no acceptance is stated in the job)"),
+        (false, _) => format!("{word} (asked: {asked})"),
     };
     let mut lines = vec![format!("verdict: {words}")];
     if differs {
@@ -213,15 +206,13 @@ fn asked(job: &Job, forecast: Option<&Forecast>) -> String {
     let short = acceptance.max_diagonal_um.is_some() && forecast.diagonals.is_empty();
     let short =
         short.then_some("body diagonals need all nine errors, none measured in one direction only");
-    let parts = [limits.join(", "), forecast.range_words()];
-    let parts = parts
-        .into_iter()
-        .chain(forecast.directions_words())
-        .chain(without_uncertainty(forecast))
-        .chain(forecast.not_counted(acceptance))
-        .chain(unused)
-        .chain(short.map(str::to_string));
-    parts.collect::<Vec<String>>().join("; ")
+    let mut parts = vec![limits.join(", "), forecast.range_words()];
+    parts.extend(forecast.directions_words());
+    parts.extend(without_uncertainty(forecast));
+    parts.extend(forecast.not_counted(acceptance));
+    parts.extend(unused);
+    parts.extend(short.map(str::to_string));
+    parts.join("; ")
 }
 
 /// Assumed facts with their consequence; behind them those that cannot matter for this kit.

@@ -1,7 +1,7 @@
 //! `nonius simulate JOB -o readings.csv`
 
 use crate::cli::files::{file_name, read_argument};
-use crate::cli::outcome::{Content, Outcome, Output, number};
+use crate::cli::outcome::{Content, Outcome, Output, joined, number};
 use crate::cli::screen::{Screen, table};
 use crate::cli::tables::read_directory;
 use crate::cli::{inputs, show};
@@ -13,13 +13,13 @@ use crate::kit::simulate::{
     Wishes, readings, single_axes,
 };
 use crate::kit::{Inputs, generate, hashed};
-use crate::quantity::diagonal::{Diagonal, PathKind};
+use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal};
 use crate::quantity::units::Figure;
 use crate::read::KitFile;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use clap::Args;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 // Options of `simulate`.
@@ -185,19 +185,11 @@ fn error_table(
     Simulated {
         bytes: error_table::write(&draft).into_bytes(),
         screen: screen(inputs, origin, &what, Vec::new()),
-        document: json!({
-            "schema": 1,
-            "simulated": true,
-            "kind": "single-axis",
-            "runs": runs,
-            "noise_um": noise.um,
-            "seed": noise.seed,
-            "scale_um_per_m": origin.scale_um_per_m,
-            "tables": origin.tables,
-            "table_files": origin.table_files,
-            "positions": rows,
-            "notes": origin.notes,
-        }),
+        document: joined([
+            json!({ "schema": 1, "simulated": true, "kind": "single-axis", "runs": runs }),
+            circumstances(noise, origin),
+            json!({ "positions": rows, "notes": origin.notes }),
+        ]),
     }
 }
 
@@ -270,18 +262,28 @@ fn figures(simulation: &Simulation) -> String {
     format!("{}\n  {legend}", table(heading, rows.chain([all])))
 }
 
+/// Noise, scale and tables of a simulation.
+fn circumstances(noise: Noise, origin: &SimulationSource) -> Value {
+    json!({
+        "noise_um": noise.um,
+        "seed": noise.seed,
+        "scale_um_per_m": origin.scale_um_per_m,
+        "tables": origin.tables,
+        "table_files": origin.table_files,
+    })
+}
+
 fn document(rehearsal: &Rehearsal, simulation: &Simulation, origin: &SimulationSource) -> Value {
     let diagonal = |d: Diagonal| {
         let (predicted, read) = (simulation.predicted[d], simulation.read[d]);
-        let figures = json!({
+        json!({
             "end_um": predicted.end_um,
             "range_um": predicted.range_um,
             "read_end_um": read.end_um,
             "read_range_um": read.range_um,
-        });
-        (d.to_string(), figures)
+        })
     };
-    json!({
+    let head = json!({
         "schema": 1,
         "simulated": true,
         "kind": kind_word(rehearsal),
@@ -289,14 +291,12 @@ fn document(rehearsal: &Rehearsal, simulation: &Simulation, origin: &SimulationS
         "runs": rehearsal.runs,
         "both_directions": rehearsal.both_directions,
         "overrun": rehearsal.both_directions.then_some(rehearsal.overrun),
-        "noise_um": rehearsal.noise.um,
-        "seed": rehearsal.noise.seed,
-        "scale_um_per_m": origin.scale_um_per_m,
-        "tables": origin.tables,
-        "table_files": origin.table_files,
-        "diagonals": Diagonal::ALL.into_iter().map(diagonal).collect::<Map<_, _>>(),
+    });
+    let figures = json!({
+        "diagonals": PerDiagonal::from_fn(diagonal),
         "range_over_all_um": simulation.predicted_over_all_um,
         "read_range_over_all_um": simulation.read_over_all_um,
         "notes": origin.notes,
-    })
+    });
+    joined([head, circumstances(rehearsal.noise, origin), figures])
 }

@@ -158,41 +158,44 @@ impl ErrorTable {
         let Some(new) = other.series[axis].first() else {
             return;
         };
-        let known = &self.series[axis];
-        let twin = known.iter().find(|old| !shared(old, new, axis).is_empty());
-        let refused = if let Some(old) = twin {
-            let names = shared(old, new, axis).join(", ");
-            Some((
-                format!(
-                    "{names} stands in two tables, `{}` and `{}`",
-                    self.name(old),
-                    other.source.name
-                ),
-                "give each component of an axis in one table: the zeros of two measurements differ by what nobody measured",
-            ))
-        } else if known
-            .iter()
-            .any(|old| old.direction.is_some() != new.direction.is_some())
-        {
-            Some((
-                format!("axis {axis} is given with directions in one table and without in another"),
-                "measure all components of an axis with `+` and `-`, or import them with `--direction both`",
-            ))
-        } else if self.other_range(axis, &other.series[axis]) {
-            Some((
-                format!("axis {axis} was measured over another range than in the table before"),
-                "measure the components of an axis over the same range, in machine coordinates",
-            ))
-        } else {
-            None
-        };
-        if let Some((message, help)) = refused {
+        if let Some((message, help)) = self.misfit(axis, new, other) {
             let problem = Problem::new(message).help(help);
             problems.push(match other.place(new, 0) {
                 Some(place) => problem.at(place),
                 None => problem,
             });
         }
+    }
+
+    /// What does not fit together, and what to do.
+    fn misfit(
+        &self,
+        axis: Axis,
+        new: &Series,
+        other: &ErrorTable,
+    ) -> Option<(String, &'static str)> {
+        let known = &self.series[axis];
+        if let Some(old) = known.iter().find(|old| !shared(old, new, axis).is_empty()) {
+            let names = shared(old, new, axis).join(", ");
+            let (one, two) = (self.name(old), &other.source.name);
+            return Some((
+                format!("{names} stands in two tables, `{one}` and `{two}`"),
+                "give each component of an axis in one table: the zeros of two measurements differ by what nobody measured",
+            ));
+        }
+        let is_directed = |series: &Series| series.direction.is_some();
+        if known.iter().any(|old| is_directed(old) != is_directed(new)) {
+            return Some((
+                format!("axis {axis} is given with directions in one table and without in another"),
+                "measure all components of an axis with `+` and `-`, or import them with `--direction both`",
+            ));
+        }
+        self.other_range(axis, &other.series[axis]).then(|| {
+            (
+                format!("axis {axis} was measured over another range than in the table before"),
+                "measure the components of an axis over the same range, in machine coordinates",
+            )
+        })
     }
 
     fn name(&self, series: &Series) -> &str {

@@ -70,7 +70,7 @@ impl Job {
     }
 }
 
-fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
+fn refuse_other_schema(root: &Section<'_>) {
     let schema = root.whole("schema");
     if schema != Some(1) && (schema.is_some() || !root.has("schema")) {
         let found = schema.map_or("missing".to_string(), |schema| schema.to_string());
@@ -80,6 +80,10 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
             "add `schema = 1` above everything else; a job of another schema needs the version of the program that it was written for",
         );
     }
+}
+
+fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
+    refuse_other_schema(root);
     for key in ["machine", "measurement"] {
         root.required_section(key);
     }
@@ -93,15 +97,13 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
     }
     let program = root.sub("program", |s| program::program(s, measurement.as_ref()));
     let path = root.sub("path", |s| path::path(s, &axes));
+    let compensation = root.sub("compensation", compensation::compensation);
+    let acceptance = root.sub("acceptance", |s| machine::acceptance(s, &axes));
     Some(Job {
         source,
-        compensation: root
-            .sub("compensation", compensation::compensation)
-            .unwrap_or_default(),
+        compensation: compensation.unwrap_or_default(),
         limits: root.sub("limits", machine::limits).unwrap_or_default(),
-        acceptance: root
-            .sub("acceptance", |s| machine::acceptance(s, &axes))
-            .unwrap_or_default(),
+        acceptance: acceptance.unwrap_or_default(),
         program: program.flatten(),
         path: path.unwrap_or_else(|| PathRequest::usual(&axes)),
         machine: machine?,

@@ -371,14 +371,10 @@ pub(crate) fn columns_of<C: Copy>(
         };
         let twin = kinds.iter().position(|other| (expected.same)(other, kind));
         if let Some(twin) = twin {
-            problems.push(
-                Problem::new(format!(
-                    "column `{name}` gives the same as column `{}` before it",
-                    names[twin]
-                ))
-                .at(header.cell_place(index))
-                .help("keep one of the two"),
-            );
+            let other = &names[twin];
+            let message = format!("column `{name}` gives the same as column `{other}` before it");
+            let problem = Problem::new(message).at(header.cell_place(index));
+            problems.push(problem.help("keep one of the two"));
         }
         kinds.push(*kind);
         names.push(name.clone());

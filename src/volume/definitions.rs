@@ -37,12 +37,7 @@ impl ByComponent {
     ///         its own sense, and the first two figures move with the zero of the curves
     pub fn of(extremes: &Extremes) -> ByComponent {
         let range = |(low, high): (f64, f64)| high - low;
-        let own = |axis| {
-            extremes[ErrorTerm {
-                of: axis,
-                along: axis,
-            }]
-        };
+        let own = |axis| extremes[ErrorTerm::positioning(axis)];
         let all: Option<Vec<(f64, f64)>> = extremes.iter().map(|(_, pair)| *pair).collect();
         let summed = |of: Axis, value: fn((f64, f64)) -> f64| -> Option<f64> {
             let pairs = Axis::ALL.map(|along| extremes[ErrorTerm { of, along }]);

@@ -245,10 +245,7 @@ fn refuse_too_many_rows(
 
 fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {
     PerAxis::from_fn(|axis| {
-        let term = ErrorTerm {
-            of: axis,
-            along: axis,
-        };
+        let term = ErrorTerm::positioning(axis);
         let own = targets.iter().find(|t| t.term == term)?;
         let measured = task.model.terms[term].as_ref()?;
         match task.job.compensation.backlash[axis]? {

@@ -141,10 +141,7 @@ pub(super) fn reversal(separation: &Separation) -> String {
 
 fn reversal_of_axes(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
     let rows = Axis::ALL.into_iter().map(|axis| {
-        let own = ErrorTerm {
-            of: axis,
-            along: axis,
-        };
+        let own = ErrorTerm::positioning(axis);
         let [low, high] = turn.ends[axis];
         let constancy = turn.constancy[axis];
         let constancy = constancy.map_or_else(|| "-".into(), |p| format!("probability {p:.3}"));

@@ -335,15 +335,10 @@ fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Opti
     let u_um_per_m = section.not_negative("u_um_per_m");
     let (from, to) = (from?, to?);
     let length = |axis: Axis| (to[axis] - from[axis]).mm().abs();
-    if Axis::ALL
-        .into_iter()
-        .all(|axis| length(axis) < SMALLEST_SIZE_MM)
-    {
-        section.problem(
-            "to_mm",
-            "the beam begins and ends at one place, expected two",
-            "give the two ends of the measured line",
-        );
+    let is_short = |axis: &Axis| length(*axis) < SMALLEST_SIZE_MM;
+    if Axis::ALL.iter().all(is_short) {
+        let message = "the beam begins and ends at one place, expected two";
+        section.problem("to_mm", message, "give the two ends of the measured line");
     }
     refuse_unreachable(section, (from, to), axes, volume);
     Some(Beam {

@@ -104,10 +104,7 @@ fn nothing(job: &Job, active: &ActiveControl) -> Problem {
 
 /// Axes of which the new tables set the backlash parameter.
 fn sets_backlash(job: &Job, measured: &ErrorModel, axis: Axis) -> bool {
-    let term = ErrorTerm {
-        of: axis,
-        along: axis,
-    };
+    let term = ErrorTerm::positioning(axis);
     let policy = job.compensation.backlash[axis];
     matches!(
         policy,

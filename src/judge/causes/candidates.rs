@@ -246,10 +246,7 @@ fn exchanges(question: &Question<'_>) -> Vec<Fault> {
         }
     }
     // A positioning term is its own transpose.
-    let transposed = act(&|term: ErrorTerm| ErrorTerm {
-        of: term.along,
-        along: term.of,
-    });
+    let transposed = act(&ErrorTerm::twin);
     let said =
         "act with base and corrected axis exchanged (EYX as EXY): look at input and output axis";
     faults.push(Fault::new(KIND, transposed, tables(Scope::Cross), said));

@@ -125,7 +125,7 @@ impl Question<'_> {
 
     /// Whether the second measurement sees the positions of an axis whose scale grows.
     pub(super) fn shows_growth(&self, axis: Axis) -> bool {
-        self.alpha_per_k[axis] > 0.0 && self.terms().contains(&positioning(axis))
+        self.alpha_per_k[axis] > 0.0 && self.terms().contains(&ErrorTerm::positioning(axis))
     }
 
     /// Where the second measurement looked along an axis, mm.
@@ -165,12 +165,12 @@ impl Question<'_> {
 
     /// Whether a backlash parameter of the kit acts on an axis (`None` = on any).
     pub(super) fn sets_parameter(&self, axis: Option<Axis>) -> bool {
-        of_any(axis, |axis| self.has_constant(positioning(axis)))
+        of_any(axis, |axis| self.has_constant(ErrorTerm::positioning(axis)))
     }
 
     /// Whether an axis (`None` = any) has tables of its own for + and −.
     pub(super) fn corrects_each_way(&self, axis: Option<Axis>) -> bool {
-        of_any(axis, |axis| self.is_directed(positioning(axis)))
+        of_any(axis, |axis| self.is_directed(ErrorTerm::positioning(axis)))
     }
 
     /// What a backlash parameter of −B as found adds: it acts away from the reference direction.
@@ -185,27 +185,20 @@ impl Question<'_> {
 
     /// B of an axis as found, µm.
     pub(super) fn reversal_um(&self, axis: Axis) -> Option<f64> {
-        let measured = self.before.terms[positioning(axis)].as_ref()?;
+        let measured = self.before.terms[ErrorTerm::positioning(axis)].as_ref()?;
         Some(measured.reversal()?.um())
     }
 
     /// Whether the data see an axis (`None` = any) in both directions, and it had a reversal.
     pub(super) fn shows_reversal(&self, axis: Option<Axis>) -> bool {
         of_any(axis, |axis| {
-            let term = positioning(axis);
+            let term = ErrorTerm::positioning(axis);
             let sees = |way: Direction| {
                 let mut values = self.seen.iter();
                 values.any(|o| o.parts.iter().any(|p| p.term == term && p.direction == way))
             };
             self.reversal_um(axis).is_some() && Direction::BOTH.into_iter().all(sees)
         })
-    }
-}
-
-fn positioning(axis: Axis) -> ErrorTerm {
-    ErrorTerm {
-        of: axis,
-        along: axis,
     }
 }
 

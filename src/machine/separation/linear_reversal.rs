@@ -14,9 +14,9 @@ use super::curves::{at, mean};
 use super::findings::SeparationFinding;
 use super::noise::{Noise, UNRESOLVED_UM, float};
 use super::readings::Means;
-use super::reversal::{Turn, own_term};
+use super::reversal::Turn;
 use crate::inputs::error_table::ErrorTable;
-use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
 use crate::quantity::units::{Millimetres, Squared};
 use crate::text::finding::Finding;
@@ -120,7 +120,7 @@ pub(super) fn hidden_reversal_um(
 pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<Finding> {
     let of_axis = |(axis, linear): (Axis, &Option<LinearReversal>)| {
         let linear = linear.as_ref()?;
-        let of_turn = turn.reversal[own_term(axis)];
+        let of_turn = turn.reversal[ErrorTerm::positioning(axis)];
         let (turn_um, linear_um) = (of_turn.um, mean(linear.um.iter().copied()));
         let limit = 6.0 * of_turn.u_um?.hypot(linear.u_largest_um()?);
         let apart = (turn_um - linear_um).abs() > limit.max(UNRESOLVED_UM);

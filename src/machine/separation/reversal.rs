@@ -331,10 +331,3 @@ pub(super) fn separable<'a>(measured: &'a Means, volume: &Volume, turned: bool) 
     }));
     Cow::Owned(means)
 }
-
-pub(super) const fn own_term(axis: Axis) -> ErrorTerm {
-    ErrorTerm {
-        of: axis,
-        along: axis,
-    }
-}

@@ -120,7 +120,7 @@ impl SlopeGains {
         let figure = rule.figure.map_or(0.0, |(unknown, share)| {
             share * self.of_figure(unknown, ends_um)
         });
-        figure + rule.own * separated[term] + rule.of_twin * separated[twin(term)]
+        figure + rule.own * separated[term] + rule.of_twin * separated[term.twin()]
     }
 
     /// Change of a scale or a squareness, µm/m, by changes of the totals, µm.
@@ -135,7 +135,7 @@ impl SlopeGains {
         if self.own_slopes || term.is_positioning() {
             slopes[term]
         } else if term.of < term.along {
-            slopes[term] + slopes[twin(term)]
+            slopes[term] + slopes[term.twin()]
         } else {
             0.0
         }
@@ -172,12 +172,4 @@ fn of_beam(by_strain: &PerDiagonal<f64>) -> f64 {
     let all: f64 = by_strain.iter().map(|(_, gain)| gain).sum();
     let squares: f64 = by_strain.iter().map(|(_, gain)| gain * gain).sum();
     0.5 * all.hypot(squares.sqrt())
-}
-
-/// The term of the same plane with its axes exchanged.
-pub(super) fn twin(term: ErrorTerm) -> ErrorTerm {
-    ErrorTerm {
-        of: term.along,
-        along: term.of,
-    }
 }

@@ -10,8 +10,8 @@ use super::metric::{ByTotals, Equations, Metric, PerPlane, Plane, displacement_r
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::plane::Unknown;
 use super::readings::{Increments, Means, mean_increments};
-use super::reversal::{Turn, own_term};
-use super::slopes::{Rule, SlopeGains, Totals, totals, twin};
+use super::reversal::Turn;
+use super::slopes::{Rule, SlopeGains, Totals, totals};
 use super::uncertainty::{Budget, Side, Slope, SlopeFrom, SlopeUncertainty};
 use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
@@ -111,7 +111,7 @@ impl<'a> Solved<'a> {
             None => 0.0,
             Some((unknown, share)) => share * self.figure(unknown)?,
         };
-        Some(figure + rule.own * self.naive[term] + rule.of_twin * self.naive[twin(term)])
+        Some(figure + rule.own * self.naive[term] + rule.of_twin * self.naive[term.twin()])
     }
 
     /// Slopes and squareness as functions of totals and separated slopes.
@@ -426,7 +426,7 @@ impl NineErrors {
     /// Sets the two directions of each positioning error apart by its reversal.
     fn set_apart(&mut self, reversals: &LinearReversals) {
         for axis in Axis::ALL {
-            let term = own_term(axis);
+            let term = ErrorTerm::positioning(axis);
             let (Some(reversal), Some(mean)) = (&reversals[axis], &self.mean[term]) else {
                 continue;
             };

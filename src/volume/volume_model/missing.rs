@@ -84,15 +84,10 @@ impl VolumeModel {
         let pairs = [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)];
         let open = pairs.into_iter().filter(|(of, along)| {
             let (of, along) = (*of, *along);
-            let (term, turned) = (
-                ErrorTerm { of, along },
-                ErrorTerm {
-                    of: along,
-                    along: of,
-                },
-            );
+            let term = ErrorTerm { of, along };
             let stated = self.squareness.iter().any(|s| s.term == term);
-            let both = self.deviations[term].is_some() && self.deviations[turned].is_some();
+            let is_known = |term| self.deviations[term].is_some();
+            let both = is_known(term) && is_known(term.twin());
             !stated && !both
         });
         open.map(|(of, along)| Missing {
