@@ -79,13 +79,13 @@ pub fn draft(
         }
     };
     comments.extend(remarks(separation).lines());
-    let mut series = Vec::new();
-    for axis in Axis::ALL {
-        for direction in directions(axis) {
-            series.push(one_series(separation, axis, *direction));
-        }
+    let of_axis = |axis| directions(axis).iter().map(move |way| (axis, *way));
+    let series = Axis::ALL.into_iter().flat_map(of_axis);
+    let series = series.map(|(axis, way)| one_series(separation, axis, way));
+    Draft {
+        comments,
+        series: series.collect(),
     }
-    Draft { comments, series }
 }
 
 /// What the table has to say of itself, so that it reaches whoever uses the table.

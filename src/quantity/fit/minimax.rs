@@ -151,16 +151,12 @@ impl Section {
                     continue;
                 }
                 let um = (j.along * (i.um - t) - i.along * (j.um + t)) / gap;
+                let per_tolerance = -(i.along + j.along) / gap;
+                let bound = Bound { um, per_tolerance };
                 if gap > 0.0 && um > low.um {
-                    low = Bound {
-                        um,
-                        per_tolerance: -(i.along + j.along) / gap,
-                    };
+                    low = bound;
                 } else if gap < 0.0 && um < high.um {
-                    high = Bound {
-                        um,
-                        per_tolerance: -(i.along + j.along) / gap,
-                    };
+                    high = bound;
                 }
             }
         }

@@ -75,6 +75,7 @@ fn row(line: &str) -> Option<Position> {
         (_, Some(axis)) => Named::Axis(axis),
         _ => return None,
     };
+    let [x, y, z] = [x, y, z].map(number);
     Some(Position {
         of,
         run: run.parse().ok()?,
@@ -85,11 +86,7 @@ fn row(line: &str) -> Option<Position> {
             letter => Some(Axis::from_letter(letter)?),
         },
         nominal_mm: number(nominal)?,
-        place: PerAxis {
-            x: number(x)?,
-            y: number(y)?,
-            z: number(z)?,
-        },
+        place: PerAxis { x, y, z }.all()?,
         block: block.parse().ok()?,
     })
 }

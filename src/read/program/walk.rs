@@ -140,9 +140,8 @@ impl Walker<'_> {
                 self.judge_travel(axis, *mm);
             }
         }
-        let PerAxis { x, y, z } = self.approached;
-        if let (Some(x), Some(y), Some(z)) = (x, y, z) {
-            self.arrive(PerAxis { x, y, z });
+        if let Some(place) = self.approached.all() {
+            self.arrive(place);
         }
     }
 

@@ -69,13 +69,11 @@ pub(super) fn parts<'a>(file: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Pr
         }
         at = found.next;
     }
-    match listed(list).find(|name| !active.contains(name.as_str())) {
-        None => Ok(parts),
-        Some(name) => {
-            let what = format!("`{name}`, which it lists, is missing");
-            Err(damaged(file, &what))
-        }
-    }
+    let Some(name) = listed(list).find(|name| !active.contains(name.as_str())) else {
+        return Ok(parts);
+    };
+    let what = format!("`{name}`, which it lists, is missing");
+    Err(damaged(file, &what))
 }
 
 /// The active data that the first content lists, as the HMI shows them.

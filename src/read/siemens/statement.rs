@@ -219,11 +219,9 @@ fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> 
     };
     let head = start..cursor.at;
     if cursor.eat("=").is_none() {
-        return Err(Complaint::new(
-            cursor.here(),
-            format!("`=` is missing after `{}`", cursor.text(head)),
-            "write `$VARIABLE[index]=value`",
-        ));
+        let message = format!("`=` is missing after `{}`", cursor.text(head));
+        let help = "write `$VARIABLE[index]=value`";
+        return Err(Complaint::new(cursor.here(), message, help));
     }
     cursor.peek_word();
     let value_span = cursor.rest();

@@ -165,11 +165,8 @@ impl Interpreter<'_> {
             None => block.whole_if_free(b'L')?.unwrap_or(1),
         };
         if times > MOST_REPEATS {
-            return Err(Wrong::new(
-                self.span,
-                format!("{times} repeats of a cycle, expected at most {MOST_REPEATS}"),
-                "check K or L",
-            ));
+            let message = format!("{times} repeats of a cycle, expected at most {MOST_REPEATS}");
+            return Err(Wrong::new(self.span, message, "check K or L"));
         }
         if !drills {
             return Ok(());

@@ -187,9 +187,8 @@ impl Set<'_> {
         }
         if !points.iter().all(|point| grid.points.contains(*point)) {
             let NumberRange { first, last } = grid.points;
-            return self.refuse(format!(
-                "points {points:?} are not all in {first} to {last}"
-            ));
+            let what = format!("points {points:?} are not all in {first} to {last}");
+            return self.refuse(what);
         }
         let jump = |pair: &[Knot]| {
             pair[0].point == pair[1].point && (pair[0].amount - pair[1].amount).abs() > 0.0
