@@ -7,10 +7,8 @@ use crate::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData, Us
 use crate::inputs::readings::Readings;
 use crate::judge::after::{StraightRuns, Walk};
 use crate::judge::causes::Slip;
-use crate::machine::separation::campaign;
-use crate::machine::separation::campaign::NamedTables;
-use crate::machine::separation::noise::Noise;
-use crate::machine::separation::noise::repeats;
+use crate::machine::separation::campaign::{self, NamedTables};
+use crate::machine::separation::noise::{Noise, repeats};
 use crate::machine::separation::readings::{means, run_counts};
 use crate::machine::separation::straight::{StraightResult, straight};
 use crate::machine::separation::table::{self, ErrorSource};

@@ -4,8 +4,7 @@ use crate::cli::outcome::joined;
 use crate::cli::screen::table;
 use crate::cli::show::um;
 use crate::inputs::target_runs::Runs;
-use crate::machine::separation::readings::CorrectedRun;
-use crate::machine::separation::readings::diagonal_runs;
+use crate::machine::separation::readings::{CorrectedRun, diagonal_runs};
 use crate::machine::standards::iso_230_2::{AxisFigures, figures};
 use crate::machine::standards::{
     DiagonalFigures, DiagonalMotion, Diagonals, diagonal, diagonal_of_unknown_length,

@@ -20,8 +20,7 @@ pub mod scan;
 mod setup;
 
 pub use self::moves::{Arc, Move, Place, Plane, Refused, Shape};
-pub(crate) use self::setup::EXTENDED;
-pub(crate) use self::setup::system_name;
+pub(crate) use self::setup::{EXTENDED, system_name};
 pub use self::setup::{G43WithoutH, Setup, WithoutPoint, system_number};
 #[cfg(test)]
 mod tests;

@@ -16,10 +16,9 @@ mod share;
 mod words;
 
 pub use self::figures::{Basis, Change, DiagonalForecast, Forecast, Silent, TermForecast};
-pub(crate) use self::share::judged_ranges;
-pub(crate) use self::share::range_of;
 use self::share::within;
 pub use self::share::{JudgedRange, Machine};
+pub(crate) use self::share::{judged_ranges, range_of};
 
 use crate::judge::conformity::{Magnitude, Sigma, expanded_um, largest_um};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};

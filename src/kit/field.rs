@@ -12,8 +12,7 @@ mod reading;
 
 use super::made::Made;
 use super::{Inputs, movement, rollback};
-use crate::control::checklist::List;
-use crate::control::checklist::{KitFacts, parts};
+use crate::control::checklist::{KitFacts, List, parts};
 use crate::control::controller::{Mechanism, Role};
 use crate::kit::findings::FieldFault;
 use crate::kit::inputs::cannot_emulate;

@@ -4,9 +4,9 @@
 use crate::cli::screen::{paragraphs, table};
 use crate::machine::separation::Separation;
 use crate::machine::separation::closure::Closure;
-use crate::machine::separation::noise::coverage_factor;
-use crate::machine::separation::noise::{FALSE_DOUBT, Outlier};
-use crate::machine::separation::noise::{Noise, NoiseSource};
+use crate::machine::separation::noise::{
+    FALSE_DOUBT, Noise, NoiseSource, Outlier, coverage_factor,
+};
 use crate::machine::separation::patterns::Ramps;
 use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::{Estimate, Turn};

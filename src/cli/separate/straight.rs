@@ -7,8 +7,9 @@ use crate::cli::outcome::known;
 use crate::cli::screen::{More, Screen, table};
 use crate::cli::show::um;
 use crate::machine::separation::metric::Plane;
-use crate::machine::separation::straight::{ClosureTest, ClosureTests};
-use crate::machine::separation::straight::{StraightResult, scale_shares};
+use crate::machine::separation::straight::{
+    ClosureTest, ClosureTests, StraightResult, scale_shares,
+};
 use crate::machine::separation::uncertainty::SlopeUncertainty;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, PathKind};

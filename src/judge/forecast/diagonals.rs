@@ -3,8 +3,7 @@
 //! The deviation along the beam is a sum over the nine terms. Between two places where a curve or
 //! a correction bends, it is a cubic of the way, so its extremes are found without sampling.
 
-use super::within;
-use super::{DiagonalForecast, Machine};
+use super::{DiagonalForecast, Machine, within};
 use crate::judge::conformity::Sigma;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};

@@ -1,8 +1,10 @@
 //! The points of each moving axis, and what the tables hold there.
 
 use crate::control::controller::Profile;
-use crate::inputs::job::{AxisSettings, GridRequest, MachineAxis, OutsideMeasured};
-use crate::inputs::job::{GRID_HELP, UNIT_HELP, without_grid, without_unit};
+use crate::inputs::job::{
+    AxisSettings, GRID_HELP, GridRequest, MachineAxis, OutsideMeasured, UNIT_HELP, without_grid,
+    without_unit,
+};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::fit::{residual, table_values};
 use crate::quantity::units::{Deviation, Millimetres};
