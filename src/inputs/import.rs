@@ -35,7 +35,7 @@ pub use self::stated::Format;
 use self::encoding::text_of;
 pub use self::findings::ImportFinding;
 use self::parameters::is_isg_header;
-use self::reading::{Reading, unlikely_reversals};
+use self::reading::{FileContents, unlikely_reversals};
 use self::stated::{Stated, described};
 use crate::inputs::error_table::{self, Draft, ErrorTable};
 use crate::text::document::Source;
@@ -89,7 +89,7 @@ pub fn import(
     })
 }
 
-fn read(format: Format, source: &Source, stated: &Stated) -> Result<Reading, Problems> {
+fn read(format: Format, source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
     let mut problems = stated.foreign_to(format);
     let read = match format {
         Format::Rtl => rtl::read,
@@ -143,7 +143,7 @@ fn comments(
     file: Measurement<'_>,
     format: Format,
     stated: &Stated,
-    reading: &Reading,
+    reading: &FileContents,
 ) -> Vec<String> {
     let mut comments = vec![
         source_comment(file.name, file.sha256),

@@ -28,4 +28,4 @@ pub(crate) use self::machine::uncompensated;
 pub use self::read_out::from_read_out;
 pub(crate) use self::read_out::{collisions, left_over, take_interpolation};
 pub use self::reading::{ActiveControl, Held, Origin, Others, ReadOutFor, without_tables};
-pub(crate) use self::reading::{Found, NamedBacklash, Reading};
+pub(crate) use self::reading::{Found, NamedBacklash, ReadOutReader};

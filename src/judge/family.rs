@@ -5,7 +5,7 @@
 use crate::control::controller::Dialect;
 use crate::control::table::Tables;
 use crate::inputs::job::Job;
-use crate::judge::active::{ActiveControl, Found, Held, Others, Reading};
+use crate::judge::active::{ActiveControl, Found, Held, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::Entries;
@@ -20,7 +20,11 @@ use crate::write::plan::Plan;
 /// A family of controls, on the side of what was read out.
 pub(crate) trait Family {
     /// What files of the control hold, and what of it acts on the job's axes.
-    fn read_out(&self, reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems>;
+    fn read_out(
+        &self,
+        reading: &mut ReadOutReader<'_>,
+        texts: &[Text<'_>],
+    ) -> Result<Found, Problems>;
 
     /// New tables at places of others, and what to do.
     fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)>;

@@ -8,7 +8,7 @@ use crate::control::controller::{FanucFacts, NumberRange};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::Job;
-use crate::judge::active::{ActiveControl, Found, Held, Others, Reading};
+use crate::judge::active::{ActiveControl, Found, Held, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
@@ -22,7 +22,11 @@ use crate::write::plan::Plan;
 use std::collections::BTreeMap;
 
 impl Family for FanucFacts {
-    fn read_out(&self, reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
+    fn read_out(
+        &self,
+        reading: &mut ReadOutReader<'_>,
+        texts: &[Text<'_>],
+    ) -> Result<Found, Problems> {
         read_out::read(reading, self, texts)
     }
 

@@ -3,7 +3,7 @@
 use crate::control::controller::GenericFacts;
 use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
-use crate::judge::active::{Found, Held, Others, Reading};
+use crate::judge::active::{Found, Held, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
@@ -16,7 +16,11 @@ use crate::write::compensation::Compiled;
 use crate::write::plan::Plan;
 
 impl Family for GenericFacts {
-    fn read_out(&self, reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
+    fn read_out(
+        &self,
+        reading: &mut ReadOutReader<'_>,
+        texts: &[Text<'_>],
+    ) -> Result<Found, Problems> {
         let mut problems = Problems::none();
         let mut tables = Vec::new();
         for (name, text) in texts {
@@ -100,7 +104,7 @@ fn own(tables: &Tables) -> &GenericTable {
 }
 
 /// Old tables of other axes are refused: the new file would take their place.
-fn take_others(reading: &mut Reading<'_>, table: &mut GenericTable) {
+fn take_others(reading: &mut ReadOutReader<'_>, table: &mut GenericTable) {
     let is_other =
         |row: &GenericRow| !reading.has(&row.base_axis) || !reading.has(&row.output_axis);
     let others: Vec<GenericRow> = table.rows.extract_if(.., |row| is_other(row)).collect();

@@ -12,7 +12,7 @@ use crate::control::table::Tables;
 use crate::control::table::siemens::{
     CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
 };
-use crate::judge::active::{Found, Held, Others, Reading};
+use crate::judge::active::{Found, Held, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Value, table};
@@ -27,7 +27,11 @@ use data::{Datum, LEC_ON, TABLE_ON};
 use machine_data::lec_name;
 
 impl Family for SiemensFacts {
-    fn read_out(&self, reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
+    fn read_out(
+        &self,
+        reading: &mut ReadOutReader<'_>,
+        texts: &[Text<'_>],
+    ) -> Result<Found, Problems> {
         read_out::read(reading, texts)
     }
 

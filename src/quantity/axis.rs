@@ -143,26 +143,26 @@ impl ErrorTerm {
                 of: Axis::ALL[index % 3],
                 along: Axis::ALL[index / 3],
             };
-
-            /// The positioning error of an axis.
-            pub(crate) const fn positioning(axis: Axis) -> ErrorTerm {
-                ErrorTerm {
-                    of: axis,
-                    along: axis,
-                }
-            }
-
-            /// The other cross term of the same two axes.
-            pub(crate) const fn twin(self) -> ErrorTerm {
-                ErrorTerm {
-                    of: self.along,
-                    along: self.of,
-                }
-            }
             index += 1;
         }
         terms
     };
+
+    /// The positioning error of an axis.
+    pub(crate) const fn positioning(axis: Axis) -> ErrorTerm {
+        ErrorTerm {
+            of: axis,
+            along: axis,
+        }
+    }
+
+    /// The other cross term of the same two axes.
+    pub(crate) const fn twin(self) -> ErrorTerm {
+        ErrorTerm {
+            of: self.along,
+            along: self.of,
+        }
+    }
 
     /// Positioning (`EXX`, `EYY`, `EZZ`): an axis corrects itself.
     pub fn is_positioning(self) -> bool {

@@ -7,7 +7,7 @@ use crate::inputs::error_table::Quantity;
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::groups::{Group, Row, is_ascending};
 use crate::inputs::import::mapping::{Content, Mapped, Mapping, Named, unit_of_name};
-use crate::inputs::import::reading::Reading;
+use crate::inputs::import::reading::FileContents;
 use crate::inputs::import::stated::{COLUMNS, Decimal, PLUS_MOVES, Stated, Travel};
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::{Cell, Line, lines};
@@ -16,7 +16,7 @@ use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
+pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
     let Some(mapping) = &stated.columns else {
         return Err(COLUMNS.missing().into());
     };
@@ -34,7 +34,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
         return Err(problems);
     };
     let line = table.header.number();
-    let mut reading = Reading::saying([ImportFinding::ColumnsNamed { line }]);
+    let mut reading = FileContents::saying([ImportFinding::ColumnsNamed { line }]);
     let has_targets = mapping.has(Content::Target);
     let ascending = !has_targets || is_ascending(&rows, &mut problems);
     if mapping.has(Content::Table(Quantity::Direction)) {

@@ -5,7 +5,7 @@ use crate::inputs::error_table::{DraftSeries, Quantity};
 use crate::inputs::import::component::{Component, Kind};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::mapping::{Content, Mapped};
-use crate::inputs::import::reading::{Placing, Reading, freedom, means, tidy};
+use crate::inputs::import::reading::{FileContents, Placing, freedom, means, tidy};
 use crate::inputs::import::stated::Stated;
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::SAME_PLACE_MM;
@@ -73,7 +73,7 @@ impl<'a, 'b> Group<'a, 'b> {
         &self,
         sign: TableSign,
         stated: &Stated,
-        said: &mut Reading,
+        said: &mut FileContents,
         problems: &mut Problems,
     ) -> Option<DraftSeries> {
         let runs = problems.take(self.runs())?;

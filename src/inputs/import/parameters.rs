@@ -16,7 +16,7 @@ use crate::control::controller::TableSign;
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::component::{Component, Kind};
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::reading::{Placing, Reading, Squareness, deviation, tidy};
+use crate::inputs::import::reading::{FileContents, Placing, Squareness, deviation, tidy};
 use crate::inputs::import::stated::Stated;
 use crate::inputs::import::words::{AGAIN, Piece, lines};
 use crate::quantity::axis::Axis;
@@ -89,12 +89,12 @@ fn assemble(
     parameters: &[Parameter],
     stated: &Stated,
     mut problems: Problems,
-) -> Result<Reading, Problems> {
+) -> Result<FileContents, Problems> {
     let (Some(sign), true) = (stated.required_sign(&mut problems), problems.is_empty()) else {
         return Err(problems);
     };
     let unit = "positions and deviations in mm, angles in rad (the format's); positions are machine coordinates";
-    let mut reading = Reading::saying([ImportFinding::UnitOfFormat { unit }]);
+    let mut reading = FileContents::saying([ImportFinding::UnitOfFormat { unit }]);
     for (index, parameter) in parameters.iter().enumerate() {
         if problems.is_full() {
             break; // each is compared with all before it
@@ -115,7 +115,7 @@ fn assemble(
 }
 
 /// Takes a parameter by its name.
-fn take(parameter: &Parameter, sign: TableSign, reading: &mut Reading) -> Result<(), Problem> {
+fn take(parameter: &Parameter, sign: TableSign, reading: &mut FileContents) -> Result<(), Problem> {
     let name = &parameter.name;
     let is_zero = parameter.values.iter().all(|value| *value == 0.0);
     let what = match Name::of(name) {
@@ -223,7 +223,7 @@ fn add(
 }
 
 /// Reads the Etalon exchange format.
-pub(super) fn read_etalon(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
+pub(super) fn read_etalon(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
     let mut problems = Problems::none();
     let mut blocks = Blocks::default();
     for line in lines(source) {
@@ -329,7 +329,7 @@ fn is_separator(c: char) -> bool {
 }
 
 /// Reads ISG volumetric compensation.
-pub(super) fn read_isg(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
+pub(super) fn read_isg(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
     let mut problems = Problems::none();
     let mut parameters = Vec::new();
     let lines: Vec<Piece<'_>> = lines(source).iter().map(|line| line.before("//")).collect();

@@ -15,7 +15,7 @@
 use crate::control::controller::TableSign;
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::pos_rows::{Averages, Measured};
-use crate::inputs::import::reading::{Passes, Reading, Way};
+use crate::inputs::import::reading::{FileContents, Passes, Way};
 use crate::inputs::import::stated::{Format, ROWS, Rows, Stated};
 use crate::inputs::import::words::{AGAIN, Fields, Piece, lines};
 use crate::quantity::units::UM_PER_MM;
@@ -37,7 +37,7 @@ const COPIED: [&str; 7] = [
 ];
 const CHANGED: &str = "the file was edited: save it again, or take the maker's averages with `--rows averages` if they are what was changed on purpose";
 
-pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
+pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
     let lines = lines(source);
     let header = Header::of(&lines, source)?;
     let mut problems = Problems::none();
@@ -129,11 +129,11 @@ impl<'a> Header<'a> {
     }
 
     /// What is copied, and what to look at.
-    fn said(&self, stated: &Stated, problems: &mut Problems) -> Reading {
+    fn said(&self, stated: &Stated, problems: &mut Problems) -> FileContents {
         let axis = self.fields.value("TestAxis");
         let axis = axis.and_then(|axis| stated.axis_warning(&axis, Format::Pos, problems));
         let copied = self.fields.said(&COPIED);
-        Reading::saying(copied.chain(axis).chain(self.version_warning()))
+        FileContents::saying(copied.chain(axis).chain(self.version_warning()))
     }
 
     fn version_warning(&self) -> Option<ImportFinding> {
@@ -188,7 +188,7 @@ impl<'a> Header<'a> {
         measured: &Measured<'_>,
         averages: Option<&Averages<'_>>,
         stated: &Stated,
-        said: &mut Reading,
+        said: &mut FileContents,
         problems: &mut Problems,
     ) -> Option<Passes> {
         let mut found = Problems::none();
@@ -281,7 +281,7 @@ impl<'a> Header<'a> {
 fn of_averages(
     measured: &Measured<'_>,
     averages: Option<&Averages<'_>>,
-    said: &mut Reading,
+    said: &mut FileContents,
     problems: &mut Problems,
 ) -> Option<Passes> {
     let Some(averages) = averages else {

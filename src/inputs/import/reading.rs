@@ -24,17 +24,17 @@ pub struct Squareness {
 
 /// What a file gave.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Reading {
+pub(super) struct FileContents {
     pub(super) series: Vec<DraftSeries>,
     /// What the file states and what was done with it (labels); what to look at (notes).
     pub(super) findings: Vec<Finding>,
     pub(super) squareness: Vec<Squareness>,
 }
 
-impl Reading {
+impl FileContents {
     /// Of a file that says this of itself.
-    pub(super) fn saying(said: impl IntoIterator<Item = ImportFinding>) -> Reading {
-        let mut reading = Reading::default();
+    pub(super) fn saying(said: impl IntoIterator<Item = ImportFinding>) -> FileContents {
+        let mut reading = FileContents::default();
         reading.find(said);
         reading
     }
@@ -83,11 +83,11 @@ impl Passes {
     pub(super) fn reading(
         &self,
         (term, sign): (Option<Component>, Option<TableSign>),
-        mut said: Reading,
+        mut said: FileContents,
         of_runs: Vec<ImportFinding>,
         stated: &Stated,
         mut problems: Problems,
-    ) -> Result<Reading, Problems> {
+    ) -> Result<FileContents, Problems> {
         let placing = Placing::of(&self.targets, &self.place, stated, &mut problems);
         let (Some(term), Some(sign), Some(placing)) = (term, sign, placing) else {
             return Err(problems);

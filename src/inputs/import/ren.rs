@@ -10,7 +10,7 @@
 
 use crate::control::controller::TableSign;
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::reading::{Passes, Reading, Way};
+use crate::inputs::import::reading::{FileContents, Passes, Way};
 use crate::inputs::import::stated::{Format, SIGN, Stated, UNIT, VALUES, Values};
 use crate::inputs::import::words::{AGAIN, Fields, Piece, lines};
 use crate::text::delimited::{LengthUnit, plain_number};
@@ -38,7 +38,7 @@ const SIGNS: [(&str, TableSign); 3] = [
     ("As correction", TableSign::AsCorrection),
 ];
 
-pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
+pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
     let lines = lines(source);
     let heading = lines.iter().position(is_heading);
     let (above, below) = lines.split_at(heading.unwrap_or(lines.len()));
@@ -63,7 +63,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems
     };
     compare(&header, &passes, &mut problems);
     passes.scale(unit_um);
-    let said = Reading::saying(header.said(&COPIED));
+    let said = FileContents::saying(header.said(&COPIED));
     let directed = stated.targets_run.filter(|_| !is_combined(&passes));
     let way = directed.map(|moves| ImportFinding::ForwardIs { moves });
     passes.reading(

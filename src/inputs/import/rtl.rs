@@ -11,7 +11,7 @@
 use crate::inputs::import::component::{Component, Kind};
 use crate::inputs::import::encoding::{Measurement, text_of};
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::reading::{Passes, Placing, Reading};
+use crate::inputs::import::reading::{FileContents, Passes, Placing};
 use crate::inputs::import::rtl_file::{File, Sections};
 use crate::inputs::import::stated::{Format, Stated};
 use crate::inputs::import::words::{Fields, Piece};
@@ -21,7 +21,7 @@ use crate::text::document::{LARGEST_NUMBER, Source};
 use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::{Problems, shown};
 
-pub(super) fn read(source: &Source, stated: &Stated) -> Result<Reading, Problems> {
+pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
     let mut problems = Problems::none();
     let term = stated.required_term(Format::Rtl, &mut problems);
     let sign = stated.required_sign(&mut problems);
@@ -77,7 +77,7 @@ pub fn measured_runs(
     let (Some(sign), Some(placing)) = (sign, placing) else {
         return Err(problems);
     };
-    let mut found = Reading::saying([ImportFinding::Encoding { name: encoding }]);
+    let mut found = FileContents::saying([ImportFinding::Encoding { name: encoding }]);
     let labels = of_severity(&said.findings, Severity::Label);
     found.findings.extend(labels);
     found.find([ImportFinding::OwnZero]);
@@ -119,11 +119,11 @@ fn passes_of(
     source: &Source,
     stated: &Stated,
     problems: &mut Problems,
-) -> Option<(Passes, Reading, Vec<ImportFinding>)> {
+) -> Option<(Passes, FileContents, Vec<ImportFinding>)> {
     let sections = problems.take(Sections::of(source))?;
     let kind = linear_kind(&sections, problems);
     let user = user_fields(sections.lines("USER-TEXT"));
-    let mut said = Reading::saying(user.said(&USER_KEYS).chain(kind));
+    let mut said = FileContents::saying(user.said(&USER_KEYS).chain(kind));
     if let Some(axis) = user.value("Axis").filter(|axis| !axis.text.is_empty()) {
         said.find(stated.axis_warning(&axis, Format::Rtl, problems));
     }

@@ -2,8 +2,8 @@
 //! tables beside the new ones in one control.
 
 use super::reading::{
-    ActiveControl, Found, NamedBacklash, Origin, Others, ReadOutFor, Reading, backlash_of, problem,
-    stated,
+    ActiveControl, Found, NamedBacklash, Origin, Others, ReadOutFor, ReadOutReader, backlash_of,
+    problem, stated,
 };
 use crate::control::claims::Precondition;
 use crate::control::controller::{Profile, Role};
@@ -25,7 +25,7 @@ pub fn from_read_out(
     files: Vec<(String, Vec<u8>)>,
     purpose: ReadOutFor,
 ) -> Result<ActiveControl, Problems> {
-    let mut reading = Reading {
+    let mut reading = ReadOutReader {
         job,
         names: axis_names(job, profile)?,
         purpose,
@@ -57,7 +57,7 @@ pub fn from_read_out(
 }
 
 /// Old tables that contradict the job, or beside which something acts, cannot be built on.
-fn refuse(reading: &Reading<'_>, problems: &mut Problems) {
+fn refuse(reading: &ReadOutReader<'_>, problems: &mut Problems) {
     let is_grave = |severity| severity > Severity::Note && !reading.judges();
     for finding in reading.findings.iter().filter(|f| is_grave(f.severity())) {
         let help = finding.kind().map_or("", InControl::help);
@@ -67,7 +67,7 @@ fn refuse(reading: &Reading<'_>, problems: &mut Problems) {
 
 /// The backlash parameters that acted while measuring; of files that are judged nobody knows.
 fn acted(
-    reading: &mut Reading<'_>,
+    reading: &mut ReadOutReader<'_>,
     profile: &Profile,
     found: &Found,
     problems: &mut Problems,
@@ -83,7 +83,7 @@ fn acted(
 /// One backlash parameter for an axis of the machine: the axes of a gantry have to hold the same,
 /// and what only some of them hold does not tell the others'.
 fn one_backlash(
-    reading: &mut Reading<'_>,
+    reading: &mut ReadOutReader<'_>,
     held: &NamedBacklash,
     parameter: &'static str,
 ) -> Option<f64> {
@@ -114,7 +114,7 @@ fn texts<'a>(
     profile: &Profile,
     path: &str,
     files: &'a [(String, Vec<u8>)],
-    reading: &mut Reading<'_>,
+    reading: &mut ReadOutReader<'_>,
 ) -> Result<Vec<Text<'a>>, Problems> {
     let mut problems = Problems::none();
     let mut texts = Vec::new();

@@ -182,7 +182,7 @@ pub(crate) struct Found {
 }
 
 /// A read-out against a job, while it is read.
-pub(crate) struct Reading<'a> {
+pub(crate) struct ReadOutReader<'a> {
     pub(crate) job: &'a Job,
     pub(crate) names: PerAxis<Vec<String>>,
     pub(crate) purpose: ReadOutFor,
@@ -191,7 +191,7 @@ pub(crate) struct Reading<'a> {
     pub(crate) findings: Vec<Finding>,
 }
 
-impl Reading<'_> {
+impl ReadOutReader<'_> {
     /// Whether the files are judged as they are now.
     pub(crate) fn judges(&self) -> bool {
         self.purpose == ReadOutFor::Judging

@@ -4,7 +4,7 @@ use crate::control::claims::Assumption;
 use crate::control::controller::{ControlUnit, FanucFacts, NumberRange, StraightnessForm};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
-use crate::judge::active::{Found, Held, NamedBacklash, Reading};
+use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::power_of_ten;
@@ -23,7 +23,7 @@ const IDLE_AT_ZERO: [(u32, u32); 5] = [
 
 /// Reads the files of a control.
 pub(super) fn read(
-    reading: &mut Reading<'_>,
+    reading: &mut ReadOutReader<'_>,
     facts: &FanucFacts,
     texts: &[Text<'_>],
 ) -> Result<Found, Problems> {
@@ -73,7 +73,7 @@ fn of_spindle(parameter: &String) -> Assumption {
 }
 
 struct Sorted<'a, 'b> {
-    reading: &'a mut Reading<'b>,
+    reading: &'a mut ReadOutReader<'b>,
     facts: &'a FanucFacts,
     memory: FanucMemory,
 }

@@ -8,7 +8,7 @@ use crate::control::table::Tables;
 use crate::control::table::siemens::{
     CecTable, LecTable, OpenEnd, SiemensGrid, SiemensTables, closed,
 };
-use crate::judge::active::{Found, Held, NamedBacklash, Reading};
+use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::UM_PER_MM;
@@ -21,7 +21,7 @@ use crate::text::problem::Problems;
 use std::collections::BTreeMap;
 
 /// Reads the files of a control.
-pub(super) fn read(reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
+pub(super) fn read(reading: &mut ReadOutReader<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
     // Where part programs are all that there is, they count.
     let reads_programs = !texts.iter().any(|(name, text)| has_active_data(name, text));
     let contents = contents(texts, reads_programs, reading)?;
@@ -65,7 +65,7 @@ pub(super) fn read(reading: &mut Reading<'_>, texts: &[Text<'_>]) -> Result<Foun
 fn contents(
     texts: &[Text<'_>],
     reads_programs: bool,
-    reading: &mut Reading<'_>,
+    reading: &mut ReadOutReader<'_>,
 ) -> Result<Vec<SiemensContents>, Problems> {
     let mut problems = Problems::none();
     let mut all = Vec::new();
@@ -88,7 +88,7 @@ fn contents(
     problems.or_ok(all)
 }
 
-fn tell_passed_over(reading: &mut Reading<'_>, file: &str, count: usize, what: &'static str) {
+fn tell_passed_over(reading: &mut ReadOutReader<'_>, file: &str, count: usize, what: &'static str) {
     let file = file.to_string();
     if count > 0 {
         reading.tell(InControl::PassedOver { file, count, what });
@@ -96,7 +96,7 @@ fn tell_passed_over(reading: &mut Reading<'_>, file: &str, count: usize, what: &
 }
 
 /// `METRIC` and `INCH` tell the unit of what follows, whichever the control counts in.
-fn tell_units(reading: &mut Reading<'_>, name: &str, units: &[ControlUnit]) {
+fn tell_units(reading: &mut ReadOutReader<'_>, name: &str, units: &[ControlUnit]) {
     let own = reading.job.compensation.control_unit;
     for unit in units.iter().filter(|unit| **unit != own) {
         reading.tell(InControl::FileUnit {
@@ -128,7 +128,7 @@ fn agreed(parts: &[SiemensContents]) -> (Vec<MachineDatum>, Vec<MachineDatum>) {
 }
 
 pub(super) struct Sorted<'a, 'b> {
-    pub(super) reading: &'a mut Reading<'b>,
+    pub(super) reading: &'a mut ReadOutReader<'b>,
     pub(super) all: SiemensContents,
     pub(super) held: Held,
 }

@@ -86,7 +86,7 @@ impl VolumeModel {
             let (of, along) = (*of, *along);
             let term = ErrorTerm { of, along };
             let stated = self.squareness.iter().any(|s| s.term == term);
-            let is_known = |term| self.deviations[term].is_some();
+            let is_known = |term: ErrorTerm| self.deviations[term].is_some();
             let both = is_known(term) && is_known(term.twin());
             !stated && !both
         });
