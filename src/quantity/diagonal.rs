@@ -323,8 +323,7 @@ impl Volume {
 
     /// n as a number of formulas.
     pub fn steps_f64(&self) -> f64 {
-        let steps = self.steps as f64;
-        steps
+        self.steps as f64
     }
 }
 

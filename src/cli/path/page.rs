@@ -141,7 +141,7 @@ impl Page {
         let mut findings = [warnings(self), doubts(self)].concat();
         findings.extend(outside_sentences(self));
         findings.extend((!missing.is_empty()).then_some(left_out));
-        findings.extend(show::notes(&remarks(self)));
+        findings.extend(show::notes(remarks(self)));
         findings.push(format!("note: {}", how(self)));
         let disagreements = list("job and tables DISAGREE:", disagreements);
         let verdict = [headline(self), heading(self), disagreements];
