@@ -1,7 +1,7 @@
 //! What a control held of all that a kit changes.
 
 use crate::control::table::Tables;
-use crate::judge::active::{ActiveControl, Held};
+use crate::judge::active::{ActiveControl, Held, Origin};
 use crate::read::siemens::MachineDatum;
 use crate::write::compensation::Compiled;
 use crate::write::plan::{Plan, Task};
@@ -13,6 +13,36 @@ pub(crate) struct Before<'a> {
     pub(crate) compiled: &'a Compiled,
     pub(crate) active: &'a ActiveControl,
     pub(crate) held: &'a Held,
+}
+
+impl<'a> Before<'a> {
+    /// What was read out of the control; `None` where nothing was.
+    pub(crate) fn of(
+        task: Task<'a>,
+        plan: &'a Plan,
+        compiled: &'a Compiled,
+        active: &'a ActiveControl,
+    ) -> Option<Before<'a>> {
+        let Origin::ReadOut(held) = &active.origin else {
+            return None;
+        };
+        Some(Before {
+            task,
+            plan,
+            compiled,
+            active,
+            held,
+        })
+    }
+
+    /// The tables of the kit, those that the control holds and those that act.
+    pub(super) const fn tables(&self) -> [&Tables; 3] {
+        [
+            &self.compiled.tables,
+            &self.held.tables,
+            &self.active.tables,
+        ]
+    }
 }
 
 /// What the control held of all that the kit changes.

@@ -8,7 +8,8 @@ mod contents;
 mod diagnosis;
 pub(super) mod entries;
 
-pub use self::contents::{absent, contents, measuring_systems, surroundings};
+pub(crate) use self::contents::surroundings;
+pub use self::contents::{absent, contents, measuring_systems};
 pub use self::diagnosis::Disagreements;
 
 use self::diagnosis::holds;

@@ -2,20 +2,17 @@
 //! this room that implements the trait for the facts of its profiles; nothing else of judge, kit and command
 //! line asks which family it is.
 
-use crate::control::controller::Dialect;
+use crate::control::controller::{Dialect, Profile};
 use crate::control::table::Tables;
 use crate::inputs::job::Job;
-use crate::judge::active::{ActiveControl, Found, Held, Others, ReadOutReader};
+use crate::judge::active::{ActiveControl, Found, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::Entries;
 use crate::judge::findings::{Difference, InControl, InSum};
-use crate::quantity::axis::PerAxis;
 use crate::read::{ReadBack, Text};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
-use crate::write::compensation::Compiled;
-use crate::write::plan::Plan;
 
 /// A family of controls, on the side of what was read out.
 pub(crate) trait Family {
@@ -37,7 +34,7 @@ pub(crate) trait Family {
     fn take_interpolation(
         &self,
         _job: &mut Job,
-        _names: &PerAxis<Vec<String>>,
+        _profile: &Profile,
         _active: &ActiveControl,
     ) -> Option<InSum> {
         None
@@ -68,12 +65,7 @@ pub(crate) trait Family {
     }
 
     /// What a read-out holds around the tables that contradicts the job; and what no file of it holds.
-    fn surroundings(
-        &self,
-        plan: &Plan,
-        wanted: &Compiled,
-        held: &Held,
-    ) -> (Vec<InControl>, Vec<String>);
+    fn surroundings(&self, before: &Before<'_>) -> (Vec<InControl>, Vec<String>);
 
     /// What the control held of all that a kit changes; `Err` = what of the tables, points and parameters
     /// that the files overwrite was not read out.

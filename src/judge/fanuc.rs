@@ -4,21 +4,19 @@ mod before;
 mod read_out;
 mod surroundings;
 
-use crate::control::controller::{FanucFacts, NumberRange};
+use crate::control::controller::{FanucFacts, NumberRange, Profile};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::Job;
-use crate::judge::active::{ActiveControl, Found, Held, Others, ReadOutReader};
+use crate::judge::active::{ActiveControl, Found, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
 use crate::judge::family::Family;
 use crate::judge::findings::{InControl, InSum};
-use crate::quantity::axis::PerAxis;
 use crate::read::Text;
 use crate::text::problem::Problems;
-use crate::write::compensation::Compiled;
-use crate::write::plan::Plan;
+use crate::write::plan::axis_names;
 use std::collections::BTreeMap;
 
 impl Family for FanucFacts {
@@ -65,10 +63,10 @@ impl Family for FanucFacts {
     fn take_interpolation(
         &self,
         job: &mut Job,
-        names: &PerAxis<Vec<String>>,
+        profile: &Profile,
         active: &ActiveControl,
     ) -> Option<InSum> {
-        let memory = own(&active.tables);
+        let (memory, names) = (own(&active.tables), axis_names(job, profile).ok()?);
         let mut axes = Vec::new();
         for (axis, names) in names.iter() {
             let Some(settings) = &mut job.compensation.axes[axis] else {
@@ -121,22 +119,16 @@ impl Family for FanucFacts {
         parameters.chain(points).map(entry).collect()
     }
 
-    fn surroundings(
-        &self,
-        plan: &Plan,
-        wanted: &Compiled,
-        held: &Held,
-    ) -> (Vec<InControl>, Vec<String>) {
-        let (state, tables, held) = (&wanted.state, own(&wanted.tables), own(&held.tables));
-        (
-            surroundings::found(plan, state, tables, held),
-            surroundings::absent(&state.axes, tables, held),
-        )
+    fn surroundings(&self, before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
+        let wanted = before.compiled;
+        let (state, tables) = (&wanted.state, own(&wanted.tables));
+        let held = own(&before.held.tables);
+        let found = surroundings::found(before.plan, state, tables, held);
+        (found, surroundings::absent(&state.axes, tables, held))
     }
 
     fn old(&self, before: &Before<'_>) -> Result<Old, Vec<String>> {
-        let (kit, held) = (&before.compiled.tables, &before.held.tables);
-        before::old(before, own(kit), own(held))
+        before::old(before, before.tables().map(own))
     }
 }
 

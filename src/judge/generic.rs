@@ -12,8 +12,6 @@ use crate::judge::findings::InControl;
 use crate::quantity::axis::PerAxis;
 use crate::read::{Text, generic};
 use crate::text::problem::Problems;
-use crate::write::compensation::Compiled;
-use crate::write::plan::Plan;
 
 impl Family for GenericFacts {
     fn read_out(
@@ -80,12 +78,7 @@ impl Family for GenericFacts {
     }
 
     /// The table says everything itself.
-    fn surroundings(
-        &self,
-        _plan: &Plan,
-        _wanted: &Compiled,
-        _held: &Held,
-    ) -> (Vec<InControl>, Vec<String>) {
+    fn surroundings(&self, _before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
         (Vec::new(), Vec::new())
     }
 

@@ -12,7 +12,7 @@ use crate::control::table::Tables;
 use crate::control::table::siemens::{
     CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
 };
-use crate::judge::active::{Found, Held, Others, ReadOutReader};
+use crate::judge::active::{Found, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Value, table};
@@ -21,10 +21,7 @@ use crate::judge::findings::{Difference, InControl};
 use crate::read::{ReadBack, Text};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
-use crate::write::compensation::Compiled;
-use crate::write::plan::Plan;
 use data::{Datum, LEC_ON, TABLE_ON};
-use machine_data::lec_name;
 
 impl Family for SiemensFacts {
     fn read_out(
@@ -66,13 +63,8 @@ impl Family for SiemensFacts {
             let other_system = |t: &LecTable| t.axis == lec.axis && t.encoder != lec.encoder;
             let told = !explained(&lec.axis, &lec.axis) && !others.lec.iter().any(other_system);
             let fields = grid_fields(lec.grid, lec.modulo);
-            table(
-                &mut entries,
-                &lec_name(lec),
-                &fields,
-                &lec.values,
-                (told, told),
-            );
+            let told = (told, told);
+            table(&mut entries, &lec.name(), &fields, &lec.values, told);
         }
         for cec in &own(tables).cec {
             let (moving, output) = (&cec.input_axis, &cec.output_axis);
@@ -89,7 +81,7 @@ impl Family for SiemensFacts {
                 ("DIRECTION", direction.to_string()),
                 ("MULT_BY_TABLE", cec.multiply_by.to_string()),
             ]);
-            let name = format!("CEC table {} ({output} while {moving} moves)", cec.number);
+            let name = format!("{} ({output} while {moving} moves)", cec.name());
             table(&mut entries, &name, &fields, &cec.values, (true, told));
         }
         entries
@@ -114,22 +106,15 @@ impl Family for SiemensFacts {
         other.collect()
     }
 
-    fn surroundings(
-        &self,
-        _plan: &Plan,
-        wanted: &Compiled,
-        held: &Held,
-    ) -> (Vec<InControl>, Vec<String>) {
+    fn surroundings(&self, before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
+        let (wanted, held) = (before.compiled, before.held);
         let tables = own(&wanted.tables);
-        (
-            surroundings::found(&wanted.state, tables, held),
-            surroundings::absent(tables, held),
-        )
+        let found = surroundings::found(&wanted.state, tables, held);
+        (found, surroundings::absent(tables, held))
     }
 
     fn old(&self, before: &Before<'_>) -> Result<Old, Vec<String>> {
-        let (kit, held) = (&before.compiled.tables, &before.held.tables);
-        before::old(before, own(kit), own(held))
+        before::old(before, before.tables().map(own))
     }
 }
 

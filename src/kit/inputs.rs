@@ -5,6 +5,7 @@ use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{Compensation, Job};
 use crate::judge::active::{self, ActiveControl};
 use crate::judge::conformity::Verdict;
+use crate::judge::family::family;
 use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::manifest::HashedFile;
 use crate::machine::model::ErrorModel;
@@ -122,7 +123,8 @@ impl Inputs {
     pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
         let (model, notes) = active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
         self.under_tables = Some(std::mem::replace(&mut self.model, model));
-        let interpolated = active::take_interpolation(&mut self.job, &self.profile, &active);
+        let interpolated =
+            family(&self.profile.dialect).take_interpolation(&mut self.job, &self.profile, &active);
         let notes = notes.into_iter().chain(interpolated);
         let notes = notes.map(Finding::from);
         self.active_notes = active.findings.iter().cloned().chain(notes).collect();

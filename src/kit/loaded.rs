@@ -9,6 +9,7 @@ use super::{Inputs, generate, named_backlash};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::table::Tables;
 use crate::judge::active::{ActiveControl, named_axis};
+use crate::judge::before::Before;
 use crate::judge::disagreement::{self, surroundings};
 use crate::judge::findings::{InControl, not_emulated};
 use crate::kit::inputs::cannot_emulate;
@@ -75,7 +76,8 @@ impl Loaded {
         if !facts.is_empty() {
             findings.push(InControl::TakenAsOn { facts }.into());
         }
-        findings.extend(surroundings(&inputs.profile, plan, compiled, active));
+        let before = Before::of(inputs.task(), plan, compiled, active);
+        findings.extend(before.iter().flat_map(surroundings));
         match with(&active.tables, &compiled.state) {
             Ok(found) => {
                 let differs = disagreement::compare(plan, wanted.as_ref(), found.as_ref());

@@ -59,26 +59,17 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
     if !wanted(Role::Rollback) {
         return Ok(Rollback::default());
     }
-    let (active, held) = match inputs
-        .active
-        .as_ref()
-        .map(|active| (active, &active.origin))
-    {
-        Some((active, Origin::ReadOut(held))) => (active, held),
-        Some((active, Origin::Kit { .. })) => {
-            let path = active.path.clone();
-            return Ok(Rollback::none(InRollback::OfAKit { path }));
-        }
-        Some((_, Origin::NoTables)) | None => {
-            return Ok(Rollback::none(InRollback::NothingReadOut));
-        }
-    };
-    let before = Before {
-        task: inputs.task(),
-        plan: &made.plan,
-        compiled: &made.compiled,
-        active,
-        held,
+    let (task, active) = (inputs.task(), inputs.active.as_ref());
+    let before = active.and_then(|active| Before::of(task, &made.plan, &made.compiled, active));
+    let Some(before) = before else {
+        return Ok(Rollback::none(
+            match active.map(|active| (active, &active.origin)) {
+                Some((active, Origin::Kit { .. })) => InRollback::OfAKit {
+                    path: active.path.clone(),
+                },
+                _ => InRollback::NothingReadOut,
+            },
+        ));
     };
     let old = match family(&inputs.profile.dialect).old(&before) {
         Ok(old) => old,
@@ -153,19 +144,9 @@ pub(super) fn differences(
         return Ok(None);
     }
     let read = read_apart(&inputs.profile, files, Role::Rollback)?;
-    let old = inputs.active.as_ref().and_then(|active| {
-        let Origin::ReadOut(held) = &active.origin else {
-            return None;
-        };
-        let before = Before {
-            task: inputs.task(),
-            plan,
-            compiled,
-            active,
-            held,
-        };
-        family(&inputs.profile.dialect).old(&before).ok()
-    });
+    let active = inputs.active.as_ref();
+    let before = active.and_then(|active| Before::of(inputs.task(), plan, compiled, active));
+    let old = before.and_then(|before| family(&inputs.profile.dialect).old(&before).ok());
     let same = old.is_some_and(|old| is_same(&old, &read));
     Ok((!same).then_some(FieldFault::OtherRollback))
 }

@@ -80,7 +80,7 @@ impl Family for SiemensFacts {
             for output in &plan.names[planned.term.of] {
                 if is_lec(planned) {
                     let table = lec_table(task, self, planned, output);
-                    places.push(format!("ENC_COMP[{},{}]", table.encoder, table.axis));
+                    places.push(table.name());
                     tables.lec.push(table);
                 } else {
                     places.push(format!("CEC table {number}"));
@@ -153,7 +153,7 @@ impl Family for SiemensFacts {
         };
         let lec = tables.lec.iter().map(|table| {
             let values = shown(state, &table.axis, &table.grid, &table.values, "");
-            format!("ENC_COMP[{},{}]: {values}", table.encoder, table.axis)
+            format!("{}: {values}", table.name())
         });
         let cec = tables.cec.iter().map(|table| {
             let way = match table.direction {
@@ -162,8 +162,7 @@ impl Family for SiemensFacts {
                 CecDirection::Minus => ", having come there in -",
             };
             let values = shown(state, &table.input_axis, &table.grid, &table.values, way);
-            let (number, output) = (table.number, &table.output_axis);
-            format!("CEC table {number} on {output}: {values}")
+            format!("{} on {}: {values}", table.name(), table.output_axis)
         });
         lec.chain(cec).collect()
     }

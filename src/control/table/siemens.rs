@@ -108,6 +108,13 @@ pub fn closed(
     Some((closed, values[..count.min(values.len())].to_vec(), end))
 }
 
+impl LecTable {
+    /// What people call it: `ENC_COMP[0,AX1]`.
+    pub(crate) fn name(&self) -> String {
+        format!("ENC_COMP[{},{}]", self.encoder, self.axis)
+    }
+}
+
 /// When a CEC table acts (`$AN_CEC_DIRECTION`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CecDirection {
@@ -138,6 +145,13 @@ pub struct CecTable {
     pub multiply_by: u32,
     /// `$AN_CEC_IS_MODULO`.
     pub modulo: bool,
+}
+
+impl CecTable {
+    /// What people call it: `CEC table 3`.
+    pub(crate) fn name(&self) -> String {
+        format!("CEC table {}", self.number)
+    }
 }
 
 /// All tables of a kit.

@@ -10,7 +10,7 @@ use crate::control::controller::{Profile, Role};
 use crate::control::table::Tables;
 use crate::inputs::job::Job;
 use crate::judge::family::family;
-use crate::judge::findings::{InControl, InSum};
+use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::read::{Text, texts as texts_of};
 use crate::text::finding::Severity;
@@ -171,15 +171,4 @@ pub(crate) fn left_over(
     stale
         .map(|what| Precondition::new(what, profile.family.off, WHY, SOURCE))
         .collect()
-}
-
-/// Lets the job say what the files do between the points, where it does not state it; gives what is to be
-/// told.
-pub(crate) fn take_interpolation(
-    job: &mut Job,
-    profile: &Profile,
-    active: &ActiveControl,
-) -> Option<InSum> {
-    let names = axis_names(job, profile).ok()?;
-    family(&profile.dialect).take_interpolation(job, &names, active)
 }

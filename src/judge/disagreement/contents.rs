@@ -9,13 +9,11 @@ use super::diagnosis::Disagreements;
 use super::entries::{Entries, Item, Value};
 use crate::control::controller::Profile;
 use crate::control::table::Tables;
-use crate::judge::active::{ActiveControl, Origin};
+use crate::judge::before::Before;
 use crate::judge::family::family;
 use crate::judge::findings::{Difference, InControl, listed};
 use crate::read::ReadBack;
 use crate::text::finding::Finding;
-use crate::write::compensation::Compiled;
-use crate::write::plan::Plan;
 
 /// Everything surplus, missing or contradictory.
 ///
@@ -58,18 +56,10 @@ pub fn measuring_systems(profile: &Profile, wanted: &Tables, found: &Tables) -> 
     other.into_iter().map(Finding::from).collect()
 }
 
-/// What a read-out holds around the tables, against what the job asks of the control there; what is not read
-/// out of a control has no surroundings. What no file holds is taken as the job asks, and said.
-pub fn surroundings(
-    profile: &Profile,
-    plan: &Plan,
-    wanted: &Compiled,
-    active: &ActiveControl,
-) -> Vec<Finding> {
-    let Origin::ReadOut(held) = &active.origin else {
-        return Vec::new();
-    };
-    let (mut found, what) = family(&profile.dialect).surroundings(plan, wanted, held);
+/// What a read-out holds around the tables, against what the job asks of the control there. What no
+/// file holds is taken as the job asks, and said.
+pub(crate) fn surroundings(before: &Before<'_>) -> Vec<Finding> {
+    let (mut found, what) = family(&before.task.profile.dialect).surroundings(before);
     found.extend((!what.is_empty()).then_some(InControl::AsAsked { what }));
     found.into_iter().map(Finding::from).collect()
 }

@@ -9,10 +9,10 @@ use crate::quantity::axis::Axis;
 /// a person sets to 0 to switch an old compensation off.
 const OFF_BY: [std::ops::RangeInclusive<u32>; 2] = [3623..=3623, 5711..=5716];
 
+/// Of the tables of a kit, of those held and of those that acted.
 pub(super) fn old(
     before: &Before<'_>,
-    kit: &FanucMemory,
-    held: &FanucMemory,
+    [kit, held, acted]: [&FanucMemory; 3],
 ) -> Result<Old, Vec<String>> {
     let mut old = FanucMemory::default();
     let mut missing = Vec::new();
@@ -30,7 +30,7 @@ pub(super) fn old(
         return Err(missing);
     }
     let mut lacking: Vec<Lacking> = Vec::new();
-    for (key, by) in changed_by_hand(before, kit) {
+    for (key, by) in changed_by_hand(before, kit, acted) {
         match held.parameters.get(&key) {
             Some(value) => {
                 old.parameters.insert(key, *value);
@@ -54,7 +54,11 @@ pub(super) fn old(
 }
 
 /// Parameters that no file of the kit writes and its preconditions ask for.
-fn changed_by_hand(before: &Before<'_>, kit: &FanucMemory) -> Vec<(ParameterKey, ChangedBy)> {
+fn changed_by_hand(
+    before: &Before<'_>,
+    kit: &FanucMemory,
+    acted: &FanucMemory,
+) -> Vec<(ParameterKey, ChangedBy)> {
     let mut list = Vec::new();
     for (axis, names) in before.plan.names.iter() {
         let ids = names.iter().filter_map(|name| name.parse().ok());
@@ -71,13 +75,11 @@ fn changed_by_hand(before: &Before<'_>, kit: &FanucMemory) -> Vec<(ParameterKey,
             list.extend(backlash.map(|by| (of_axis(1852), by)));
         }
     }
-    if let Tables::Fanuc(acted) = &before.active.tables {
-        let switches = |key: &&ParameterKey| OFF_BY.iter().any(|of| of.contains(&key.number));
-        let acts = |key: &&ParameterKey| acted.parameters[*key] != ParameterValue::Integer(0);
-        let keys = acted.parameters.keys().filter(switches).filter(acts);
-        let left_over = keys.filter(|key| !kit.parameters.contains_key(key));
-        list.extend(left_over.map(|key| (*key, ChangedBy::Precondition)));
-    }
+    let switches = |key: &&ParameterKey| OFF_BY.iter().any(|of| of.contains(&key.number));
+    let acts = |key: &&ParameterKey| acted.parameters[*key] != ParameterValue::Integer(0);
+    let keys = acted.parameters.keys().filter(switches).filter(acts);
+    let left_over = keys.filter(|key| !kit.parameters.contains_key(key));
+    list.extend(left_over.map(|key| (*key, ChangedBy::Precondition)));
     list
 }
 

@@ -1,9 +1,8 @@
 //! What a kit changes on a Siemens control: tables, their switches, weights and limit, MD32450.
 
 use super::data::{BACKLASH, CEC_LIMIT, CEC_ON, Datum, LEC_ON, TABLE_ON, WEIGHT};
-use super::machine_data::lec_name;
 use crate::control::table::Tables;
-use crate::control::table::siemens::{CecTable, LecTable, SiemensTables};
+use crate::control::table::siemens::{LecTable, SiemensTables};
 use crate::judge::before::{Before, ChangedBy, Lacking, Old, unknown};
 use crate::quantity::axis::Axis;
 use crate::write::siemens::encoder;
@@ -19,38 +18,35 @@ struct Changed {
     by: ChangedBy,
 }
 
+/// Of the tables of a kit, of those held and of those that acted.
 pub(super) fn old(
     before: &Before<'_>,
-    kit: &SiemensTables,
-    held: &SiemensTables,
+    [kit, held, acted]: [&SiemensTables; 3],
 ) -> Result<Old, Vec<String>> {
+    let is_off = |datum: Datum, indices: &[String]| before.held.is_off(datum.1, indices);
     let mut gathered = Gathered::default();
     for table in &kit.lec {
         let found = held.lec.iter().find(|t| is_place(t, table));
-        let off = || before.held.is_off(LEC_ON.1, &lec_indices(table));
+        let (name, off) = (table.name(), || is_off(LEC_ON, &lec_indices(table)));
         let values = found.map(|found| found.values.as_slice());
-        if gathered.takes(before, &lec_name(table), lec_variable(table), values, off) {
+        if gathered.takes(before, &name, format!("AA_{name}"), values, off) {
             gathered.tables.lec.extend(found.cloned());
         }
     }
     for table in &kit.cec {
         let found = held.cec.iter().find(|t| t.number == table.number);
-        let off = || {
-            before.held.is_off(TABLE_ON.1, &[table.number.to_string()])
-                || before
-                    .held
-                    .is_off(CEC_ON.1, std::slice::from_ref(&table.output_axis))
-        };
-        let (name, variable) = (cec_name(table), format!("AN_CEC[{}]", table.number));
+        let output = std::slice::from_ref(&table.output_axis);
+        let off = || is_off(TABLE_ON, &[table.number.to_string()]) || is_off(CEC_ON, output);
+        let variable = format!("AN_CEC[{}]", table.number);
         let values = found.map(|found| found.values.as_slice());
-        if gathered.takes(before, &name, variable, values, off) {
+        if gathered.takes(before, &table.name(), variable, values, off) {
             gathered.tables.cec.extend(found.cloned());
         }
     }
     if !gathered.missing.is_empty() {
         return Err(gathered.missing);
     }
-    Ok(gathered.with_data(before, changed(before, kit)))
+    Ok(gathered.with_data(before, changed(before, kit, acted)))
 }
 
 /// Old tables, and what of them is missing.
@@ -114,16 +110,8 @@ fn lec_indices(table: &LecTable) -> [String; 2] {
     [table.encoder.to_string(), table.axis.clone()]
 }
 
-fn lec_variable(table: &LecTable) -> String {
-    format!("AA_{}", lec_name(table))
-}
-
-fn cec_name(table: &CecTable) -> String {
-    format!("CEC table {}", table.number)
-}
-
 /// All machine data that change when the kit is loaded as its checklist says, each once.
-fn changed(before: &Before<'_>, kit: &SiemensTables) -> Vec<Changed> {
+fn changed(before: &Before<'_>, kit: &SiemensTables, acted: &SiemensTables) -> Vec<Changed> {
     let mut all: Vec<Changed> = Vec::new();
     let mut add = |datum: Datum, indices: Vec<String>, by: ChangedBy| {
         let known = |c: &&mut Changed| c.datum == datum && c.indices == indices;
@@ -143,18 +131,14 @@ fn changed(before: &Before<'_>, kit: &SiemensTables) -> Vec<Changed> {
         add(CEC_LIMIT, vec![table.output_axis.clone()], Precondition);
         add(WEIGHT, number, Precondition);
     }
-    if let Tables::Siemens(acted) = &before.active.tables {
-        // Old tables that would act in addition to the new ones have to be switched off.
-        for table in acted
-            .lec
-            .iter()
-            .filter(|t| !kit.lec.iter().any(|n| is_place(n, t)))
-        {
+    // Old tables that would act in addition to the new ones have to be switched off.
+    for table in &acted.lec {
+        if !kit.lec.iter().any(|new| is_place(new, table)) {
             add(LEC_ON, lec_indices(table).to_vec(), Precondition);
         }
-        for table in &acted.cec {
-            add(TABLE_ON, vec![table.number.to_string()], Precondition);
-        }
+    }
+    for table in &acted.cec {
+        add(TABLE_ON, vec![table.number.to_string()], Precondition);
     }
     for axis in Axis::ALL {
         for (datum, system, by) in of_axis(before, axis) {

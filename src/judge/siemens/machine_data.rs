@@ -2,15 +2,11 @@
 
 use super::data::{CEC_ON, CEC_POINTS, Datum, LEC_ON, LEC_POINTS, TABLE_ON};
 use crate::control::controller::{Role, SiemensFacts};
-use crate::control::table::siemens::{LecTable, SiemensTables};
+use crate::control::table::siemens::SiemensTables;
 use crate::judge::findings::{Difference, InControl};
 use crate::read::FileData;
 use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::text::finding::Finding;
-
-pub(super) fn lec_name(table: &LecTable) -> String {
-    format!("ENC_COMP[{},{}]", table.encoder, table.axis)
-}
 
 /// A machine or setting datum of the job.
 struct Owned {
@@ -63,13 +59,13 @@ fn owned(role: Role, wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned>
     let lec = wanted.lec.iter().map(|table| Owned {
         datum: of_lec,
         indices: vec![table.encoder.to_string(), table.axis.clone()],
-        of: lec_name(table),
+        of: table.name(),
         points: table.values.len(),
     });
     let cec = wanted.cec.iter().map(|table| Owned {
         datum: of_cec,
         indices: vec![table.number.to_string()],
-        of: format!("CEC table {}", table.number),
+        of: table.name(),
         points: table.values.len(),
     });
     let reserves = role == Role::Parameters;

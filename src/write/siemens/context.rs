@@ -71,10 +71,7 @@ fn held(
 
 fn lec_held(table: &LecTable, facts: &SiemensFacts, state: &ControlState) -> Option<String> {
     let text = held(state, facts, &table.axis, (&table.grid, &table.values))?;
-    Some(format!(
-        "  ENC_COMP[{},{}]: {text}",
-        table.encoder, table.axis
-    ))
+    Some(format!("  {}: {text}", table.name()))
 }
 
 fn cec_held(table: &CecTable, facts: &SiemensFacts, state: &ControlState) -> Option<String> {
@@ -85,11 +82,11 @@ fn cec_held(table: &CecTable, facts: &SiemensFacts, state: &ControlState) -> Opt
         CecDirection::Plus => format!(" while {base} moves in +"),
         CecDirection::Minus => format!(" while {base} moves in -"),
     };
-    Some(format!("  CEC table {}: {text}{way}", table.number))
+    Some(format!("  {}: {text}{way}", table.name()))
 }
 
 fn lec(table: &LecTable, placements: &[Placement], digits: Digits<'_>) -> Value {
-    let place = format!("ENC_COMP[{},{}]", table.encoder, table.axis);
+    let place = table.name();
     json!({
         "encoder": table.encoder.to_string(),
         "axis": table.axis,
@@ -110,7 +107,7 @@ fn cec(table: &CecTable, placements: &[Placement], digits: Digits<'_>) -> Value 
         "number": table.number.to_string(),
         "input_axis": table.input_axis,
         "output_axis": table.output_axis,
-        "title": title(placements, &format!("CEC table {}", table.number)),
+        "title": title(placements, &table.name()),
         "grid": digits.grid(&table.grid),
         "direction": direction,
         "memory": table.values.len().to_string(),
