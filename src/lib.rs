@@ -58,7 +58,8 @@
 //! * **where a limit of a control comes from**: `controllers/<id>.toml`, each fact with its source
 //! * **where something is rounded**: [`write::siemens`], [`write::fanuc`], once, on totals
 //! * **what a control does with a table**: `control.rs` in the folder of its family, [`read::siemens`] …
-//! * **where a new control goes**: `write/<family>`, `read/<family>`, a profile, templates; or a profile alone
+//! * **where a new control goes**: a profile alone; or, for a new family, `write/<family>`, `read/<family>`, `judge/<family>`,
+//!   its facts and tables in `control`, a profile, templates (docs/controllers.md §3)
 //!
 //! The library serves the program and its tests; its interface may change in every version.
 //! What other programs may rely on stands in docs/interface.md.
