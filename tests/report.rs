@@ -36,10 +36,10 @@ fn page(arguments: &[&str]) -> String {
 
 /// Every figure of a page: its number, the command, the place in the document, what is shown.
 fn figures(page: &str) -> Vec<(f64, String, String, String)> {
-    let figures = page.split("<data value=\"").skip(1).map(|rest| {
+    let figures = page.split("<span data-value=\"").skip(1).map(|rest| {
         let (number, rest) = rest.split_once("\" data-of=\"").expect("where it is from");
         let (of, rest) = rest.split_once("\">").expect("the end of the mark");
-        let (shown, _) = rest.split_once("</data>").expect("what is shown");
+        let (shown, _) = rest.split_once("</span>").expect("what is shown");
         let (command, at) = of.split_once(' ').expect("command and place");
         let number = number.parse().expect("a number");
         (

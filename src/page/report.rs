@@ -5,7 +5,7 @@
 //!   pictures ─→ SVG ───────────────────────────────────────────────────────────────────┼→ template → HTML
 //!   texts of a language ───────────────────────────────────────────────────────────────┘
 //! ```
-//! A figure is `<data value="18.0" data-of="verify /terms/EXX/before_um">18.00</data>`: the number of
+//! A figure is `<span data-value="18" data-of="verify /terms/EXX/before_um">18.00</span>`: the number of
 //! the document, the command and the place in its JSON, and what a person reads. Nothing is computed here.
 
 use super::picture::Picture;
@@ -147,7 +147,7 @@ impl Report<'_> {
             .replace('.', self.texts.of("decimal"))
             .replace('-', "\u{2212}");
         format!(
-            "<data value=\"{number}\" data-of=\"{document} {}\">{}</data>",
+            "<span data-value=\"{number}\" data-of=\"{document} {}\">{}</span>",
             escaped(at),
             escaped(&words)
         )
