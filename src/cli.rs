@@ -17,6 +17,7 @@ mod job_files;
 mod new;
 mod outcome;
 mod path;
+mod plan;
 mod plot;
 mod program;
 mod report;
@@ -83,6 +84,11 @@ enum Command {
     Separate(separate::Options),
     /// What the errors do in the volume: volumetric accuracy and the other definitions
     Assess(assess::Options),
+    /// Before the visit: what its run and variants of it determine, how well, and in what time
+    #[command(
+        after_help = "Exit status: 0 the run as described reaches the acceptance · 1 it does not, or leaves an error open · 2 could not plan"
+    )]
+    Plan(plan::Options),
     /// Write the part programs of a measuring run, with the expected positions
     Program(program::Options),
     /// Predict the readings of a measurement with the tables active: a rehearsal, no measurement
@@ -158,6 +164,7 @@ fn execute(command: Command) -> Result<Outcome, Problems> {
         Command::History(options) => history::run(&options),
         Command::Separate(options) => separate::run(&options),
         Command::Assess(options) => assess::run(&options),
+        Command::Plan(options) => plan::run(&options),
         Command::Program(options) => program::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Import(options) => import::run(&options),

@@ -19,6 +19,7 @@ pub mod second_look;
 pub mod simulate;
 mod verification;
 pub mod visit;
+pub mod visit_plan;
 mod ways;
 
 use crate::judge::conformity::Verdict;

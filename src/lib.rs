@@ -18,7 +18,9 @@
 //!        verdict, manifest.json
 //! ```
 //!
-//! Before a measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ read back, walk.
+//! Before a measurement: job.toml ─→ visit_plan: variants of the run ─→ separation of readings of 0 ─→ U, time.
+//!
+//! For the measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ read back, walk.
 //!
 //! At the machine: a second measurement ─→ after: as found, forecast, as left ─→ causes, when it differs.
 //!

@@ -33,6 +33,7 @@ pub mod closure;
 pub mod corrections;
 pub mod curves;
 mod exchange;
+mod expected;
 pub mod findings;
 mod labels;
 pub mod linear_reversal;
@@ -53,5 +54,6 @@ pub mod uncertainty;
 pub mod unmeasured;
 
 pub use self::campaign::{Campaign, Line, corrected};
+pub(crate) use self::expected::{Instrument, expected, linear_axis};
 pub use self::separate::{Separation, curves_of, separate};
 pub use self::solved::{NineErrors, SeparatedError};

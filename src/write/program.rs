@@ -24,7 +24,25 @@ pub use self::run::{
     Digits, MeasuringRun, Move, PlannedReading, Resolution, RunTask, SetUpProgram, Subject,
 };
 
+use crate::control::controller::ControlUnit;
+use crate::inputs::job::ProgramRequest;
 use crate::text::problem::Problems;
+
+/// The last digit of a position on most controls.
+const MICROMETRE: Resolution = Resolution {
+    unit: ControlUnit::Millimetre,
+    decimals: 3,
+};
+
+/// The motion of a run before a control is asked: lengths to the nearest micrometre, whatever the travel.
+pub(crate) fn motion(request: &ProgramRequest) -> MeasuringRun {
+    MeasuringRun {
+        resolution: MICROMETRE,
+        programs: route::programs(request, &route::Scale::nearest(request, MICROMETRE)),
+        mirror: mirror::needed(request),
+        notes: Vec::new(),
+    }
+}
 
 /// Plans a run; refused where it leaves the travel.
 pub fn plan(task: RunTask<'_>) -> Result<MeasuringRun, Problems> {

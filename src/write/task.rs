@@ -118,7 +118,7 @@ pub struct PlannedTable {
 }
 
 /// All tables of a kit, before they are put into a control's numbers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
     /// The tables, in the contract's order of terms.
     pub tables: Vec<PlannedTable>,

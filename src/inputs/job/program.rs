@@ -1,6 +1,6 @@
 //! `[program]`: the part programs of a measuring run (contract §2.3, docs/program.md).
 
-use crate::inputs::job::diagonals::{Reflector, volume};
+use crate::inputs::job::diagonals::{DiagonalMeasurement, Reflector, volume};
 use crate::inputs::job::measurement::{MeasuredData, Measurement};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{PathKind, Volume};
@@ -113,6 +113,47 @@ pub struct ProgramRequest {
 const DEFAULT_NUMBER: u32 = 1001;
 
 impl ProgramRequest {
+    /// The run of a measurement of which the job states no motion: with the usual feed and standstill, and with
+    /// a return pass where `overrun` speaks of one.
+    pub(crate) fn of_measurement(measurement: &DiagonalMeasurement) -> ProgramRequest {
+        let overrun = match measurement.overrun {
+            Some(false) => 0.0,
+            _ => DEFAULT_OVERRUN_MM,
+        };
+        ProgramRequest {
+            what: RunType::StepDiagonal,
+            volume: measurement.volume.clone(),
+            size_path: "measurement.step_diagonal.size_mm",
+            axes: Axis::ALL.to_vec(),
+            rest: None,
+            feed_mm_per_min: DEFAULT_FEED_MM_PER_MIN,
+            dwell_s: DEFAULT_DWELL_S,
+            overrun: Millimetres::new(overrun),
+            preload: Millimetres::new(DEFAULT_OVERRUN_MM),
+            runs: 1,
+            bidirectional: measurement.overrun.is_some(),
+            way_back: WayBack::Retrace,
+            targets: TargetGrid::Equal,
+            alignment_pass: true,
+            number: None,
+            target: measurement.target,
+        }
+    }
+
+    /// The usual run along one axis at the same feed and with the same standstill, at the positions of the
+    /// diagonals.
+    pub(crate) fn along(&self, axis: Axis) -> ProgramRequest {
+        ProgramRequest {
+            what: RunType::SingleAxis,
+            axes: vec![axis],
+            overrun: Millimetres::new(DEFAULT_OVERRUN_MM),
+            runs: DEFAULT_ISO_RUNS,
+            bidirectional: true,
+            targets: TargetGrid::Equal,
+            ..self.clone()
+        }
+    }
+
     /// Fanuc: number of the program with this index; they follow each other.
     pub(crate) fn number_of(&self, index: usize) -> u32 {
         self.number.unwrap_or(DEFAULT_NUMBER) + u32::try_from(index).unwrap_or(0)

@@ -142,23 +142,9 @@ impl Separation {
 
 /// Separates a complete measurement of step diagonals.
 pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
-    let measurement = campaign.measurement;
-    let volume = &measurement.volume;
     let start = Start::new(campaign, raw_runs);
-    let measured = means(&start.runs);
-    let overrun = overrun(campaign, &start, &measured);
-    let turned = overrun == Some(false);
-    let means = separable(&measured, volume, turned);
-    let known = Known {
-        noise: start.noise,
-        outliers: &start.outliers,
-        skip_ends: means.reverse.is_some() && overrun != Some(true),
-    };
-    let closure = closure(volume, &means, &start.counts, known);
-    let noise = start.noise.or_else(|| closure.noise());
-    let budget = start.budget(campaign, noise, turned);
+    let mut found = of_start(campaign, &start, |noise| noise);
     let zeroed = figures(&start.zeroed_runs, PathKind::Step);
-    let mut found = evaluated(campaign, &budget, (&measured, &means), closure, overrun);
     for diagonal in Diagonal::ALL {
         found.diagonals[diagonal].range_um = zeroed.0[diagonal].range_um;
     }
@@ -170,6 +156,28 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
         zeroed_runs: start.zeroed_runs,
         ..found
     }
+}
+
+/// What the runs say together; `of_closure`: the noise that counts where only the closure tells it.
+pub(super) fn of_start(
+    campaign: &Campaign<'_>,
+    start: &Start,
+    of_closure: impl Fn(Noise) -> Noise,
+) -> Separation {
+    let volume = &campaign.measurement.volume;
+    let measured = means(&start.runs);
+    let overrun = overrun(campaign, start, &measured);
+    let turned = overrun == Some(false);
+    let means = separable(&measured, volume, turned);
+    let known = Known {
+        noise: start.noise,
+        outliers: &start.outliers,
+        skip_ends: means.reverse.is_some() && overrun != Some(true),
+    };
+    let closure = closure(volume, &means, &start.counts, known);
+    let noise = start.noise.or_else(|| closure.noise().map(of_closure));
+    let budget = start.budget(campaign, noise, turned);
+    evaluated(campaign, &budget, (&measured, &means), closure, overrun)
 }
 
 /// What readings say; `means`: as measured, and without the jumps of a turn.

@@ -200,6 +200,14 @@ impl Budget<'_> {
         all.into_iter().flatten().filter(acts).collect()
     }
 
+    /// Standard uncertainty of a length along an axis by this laser in one set-up, without the noise of
+    /// the readings, 10⁻⁶.
+    pub(super) fn of_length_ppm(&self, axis: Axis) -> f64 {
+        let common = self.common_um_per_m().into_iter();
+        let own = self.stated.setup_ppm.unwrap_or(0.0);
+        common.fold(own, |all, strain| all.hypot(strain[axis]))
+    }
+
     /// Uncertainty of the totals by their length, as formula (7) takes it.
     pub(super) fn totals(&self) -> TotalsUncertainty {
         let metres = self.volume.diagonal_mm() / 1000.0;

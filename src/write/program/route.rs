@@ -4,7 +4,7 @@
 use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid, WayBack};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::text::problem::Problems;
+use crate::text::problem::{Problem, Problems};
 use crate::write::program::run::problem;
 use crate::write::program::{Digits, Move, PlannedReading, Resolution, SetUpProgram, Subject};
 
@@ -249,60 +249,73 @@ impl Scale {
         resolution: Resolution,
     ) -> Result<Scale, Problems> {
         let mut problems = Problems::none();
-        let volume = &request.volume;
-        let start_path = request.size_path.replace("size_mm", "start_mm");
-        let start = PerAxis::from_fn(|axis| {
-            let mm = volume.start[axis].mm();
-            let near = resolution.nearest(mm);
-            if resolution.digits(mm).is_none() && moving(request).contains(&axis) {
-                problems.push(problem(
-                    job,
-                    &format!("{start_path}.{}", axis.key()),
-                    format!(
-                        "the start of {axis} is {mm} mm, expected a multiple of {}, the last digit of a position",
-                        resolution.digit_words()
-                    ),
-                    format!("the nearest is {} mm", resolution.mm(near)),
-                ));
+        for axis in Axis::ALL {
+            let moves = moving(request).contains(&axis);
+            if moves && resolution.digits(request.volume.start[axis].mm()).is_none() {
+                problems.push(start_between_digits(job, request, resolution, axis));
             }
-            near
-        });
-        // Preload, overrun and rest are no nodes: nothing is measured against them.
-        let preload = resolution.at_least(request.preload.mm());
-        let overrun = resolution.at_least(request.overrun.mm());
-        let rest = PerAxis::from_fn(|axis| resolution.nearest(request.rest_of(axis).mm()));
-        let step =
-            PerAxis::from_fn(|axis| whole_step(job, request, resolution, axis, &mut problems));
-        let targets =
-            PerAxis::from_fn(|axis| targets(request, resolution, axis, start[axis], step[axis]));
-        problems.or_ok(Scale {
+        }
+        for axis in Axis::ALL {
+            refuse_step(job, request, resolution, axis, &mut problems);
+        }
+        problems.or_ok(Scale::nearest(request, resolution))
+    }
+
+    /// Every length as the nearest whole number of digits; preload and overrun as the next larger one. They
+    /// and the places of rest are no nodes: nothing is measured against them.
+    pub(super) fn nearest(request: &ProgramRequest, resolution: Resolution) -> Scale {
+        let volume = &request.volume;
+        let start = PerAxis::from_fn(|axis| resolution.nearest(volume.start[axis].mm()));
+        let step = PerAxis::from_fn(|axis| resolution.nearest(volume.step_mm(axis)));
+        Scale {
             resolution,
             start,
             step,
-            rest,
-            preload,
-            overrun,
-            targets,
-        })
+            rest: PerAxis::from_fn(|axis| resolution.nearest(request.rest_of(axis).mm())),
+            preload: resolution.at_least(request.preload.mm()),
+            overrun: resolution.at_least(request.overrun.mm()),
+            targets: PerAxis::from_fn(|axis| {
+                targets(request, resolution, axis, start[axis], step[axis])
+            }),
+        }
     }
 }
 
-fn whole_step(
+fn start_between_digits(
+    job: &Job,
+    request: &ProgramRequest,
+    resolution: Resolution,
+    axis: Axis,
+) -> Problem {
+    let mm = request.volume.start[axis].mm();
+    let path = request.size_path.replace("size_mm", "start_mm");
+    problem(
+        job,
+        &format!("{path}.{}", axis.key()),
+        format!(
+            "the start of {axis} is {mm} mm, expected a multiple of {}, the last digit of a position",
+            resolution.digit_words()
+        ),
+        format!(
+            "the nearest is {} mm",
+            resolution.mm(resolution.nearest(mm))
+        ),
+    )
+}
+
+fn refuse_step(
     job: &Job,
     request: &ProgramRequest,
     resolution: Resolution,
     axis: Axis,
     problems: &mut Problems,
-) -> Digits {
+) {
     let (size, steps) = (request.volume.size[axis].mm(), request.volume.steps);
     let step = request.volume.step_mm(axis);
     let unused = request.what == RunType::SingleAxis
         && (!request.axes.contains(&axis) || request.targets != TargetGrid::Equal);
-    if let Some(whole) = resolution.digits(step).filter(|whole| *whole > 0 || unused) {
-        return whole;
-    }
-    if unused {
-        return resolution.nearest(step);
+    if unused || resolution.digits(step).is_some_and(|whole| whole > 0) {
+        return;
     }
     let below = resolution.at_most(step).max(1);
     let nearest = resolution.mm(below * i64::try_from(steps).unwrap_or(1));
@@ -318,7 +331,6 @@ fn whole_step(
             resolution.mm(below)
         ),
     ));
-    below
 }
 
 /// Golden section: its multiples fill an interval evenly, and no period of a machine meets them.

@@ -1,0 +1,184 @@
+//! The screen of `plan`: the answer, the variants, their U, what it rests on.
+
+use crate::cli::screen::{More, Screen, list, table, wrapped};
+use crate::cli::show::um;
+use crate::judge::findings::joined;
+use crate::kit::visit_plan::{Design, Variant, Visit, VisitPlan};
+use crate::machine::separation::findings::SeparationFinding;
+use crate::machine::separation::metric::Plane;
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::text::finding::Finding;
+
+/// A plan, to be shown.
+pub(super) struct Page<'a> {
+    pub(super) machine: &'a str,
+    pub(super) design: &'a Design<'a>,
+    pub(super) found: &'a VisitPlan,
+}
+
+impl Page<'_> {
+    /// The page for people.
+    pub(super) fn screen(&self) -> Screen {
+        let described = &self.found.visits[0];
+        let assumed = self.design.assumed(described);
+        let assumed: Vec<String> = assumed.iter().map(|a| wrapped(&a.to_string())).collect();
+        let labels = described.expected.labels.iter();
+        // The noise is that of the assumptions.
+        let is_noise =
+            |label: &&Finding| matches!(label.kind(), Some(SeparationFinding::NoiseIs { .. }));
+        let labels: Vec<&Finding> = labels.filter(|label| !is_noise(label)).collect();
+        let (answer, best) = (self.answer(), self.best());
+        Screen {
+            verdict: format!("{}: {answer}\n{best}", self.machine),
+            figures: vec![
+                self.variants(),
+                self.uncertainties(),
+                list("assumed", &assumed),
+            ],
+            findings: described.shortcomings().iter().map(said).collect(),
+            more: vec![More::new(
+                labels.len(),
+                "labels",
+                list("labels of the separation", &labels),
+            )],
+            ..Screen::default()
+        }
+    }
+
+    fn answer(&self) -> String {
+        let described = &self.found.visits[0];
+        let count = ErrorTerm::ALL.len() - described.expected.missing().len();
+        let keeps = match (self.limits(), described.reaches(self.design.acceptance())) {
+            (None, _) => "; no acceptance is stated".to_string(),
+            (Some(limits), true) => format!("; U keeps the acceptance ({limits})"),
+            (Some(limits), false) => format!("; the acceptance ({limits}) is not reached"),
+        };
+        format!("as described, {count} of 9 errors are determined{keeps}")
+    }
+
+    fn limits(&self) -> Option<String> {
+        let acceptance = self.design.acceptance();
+        let term = acceptance
+            .max_deviation_um
+            .map(|um| format!("{um} µm of every term"));
+        let diagonal = acceptance
+            .max_diagonal_um
+            .map(|um| format!("{um} µm of every diagonal"));
+        let limits: Vec<String> = term.into_iter().chain(diagonal).collect();
+        (!limits.is_empty()).then(|| limits.join(", "))
+    }
+
+    fn best(&self) -> String {
+        let aim = match self.limits() {
+            None => "determines all wanted errors",
+            Some(_) => "reaches the acceptance",
+        };
+        let Some(index) = self.found.best else {
+            return format!("no variant {aim}");
+        };
+        let (name, visit) = (letter(index), &self.found.visits[index]);
+        let (change, minutes) = (self.change(&visit.variant), visit.minutes);
+        match visit.reaches(self.design.acceptance()) {
+            true => format!("the quickest that {aim}: {name} ({change}), {minutes:.0} min"),
+            false => format!("no variant {aim}; the smallest U: {name} ({change})"),
+        }
+    }
+
+    /// What a variant does otherwise.
+    pub(super) fn change(&self, variant: &Variant) -> String {
+        let base = self.design.described();
+        let [own, of_base] = [variant, base].map(parts);
+        if variant == base {
+            return format!("as described: {}", own.join(", "));
+        }
+        let linear = Axis::letters(&variant.linear);
+        let linear = (!linear.is_empty()).then(|| format!("+ linear {linear}"));
+        let pairs = own.into_iter().zip(of_base);
+        let others = pairs.filter_map(|(own, base)| (own != base).then_some(own));
+        linear
+            .into_iter()
+            .chain(others)
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
+    fn variants(&self) -> String {
+        let row = |(index, visit): (usize, &Visit)| {
+            let (name, change) = (letter(index), self.change(&visit.variant));
+            let reversal = or_dash(Axis::letters(&visit.reversals()));
+            let open = or_dash(joined(visit.expected.missing()));
+            let reaches = match visit.reaches(self.design.acceptance()) {
+                true => "yes",
+                false => "no",
+            };
+            format!(
+                "{name}\t{change}\t{:.0}\t{open}\t{reversal}\t{}\t{reaches}",
+                visit.minutes,
+                um(visit.together_um())
+            )
+        };
+        let rows = self.found.visits.iter().enumerate().map(row);
+        table(
+            "\tvisit\t>min\tnot determined\treversal of\t>U of all/µm\treached",
+            rows,
+        )
+    }
+
+    fn uncertainties(&self) -> String {
+        let visits = &self.found.visits;
+        let letters: Vec<String> = (0..visits.len())
+            .map(|i| format!(">{}", letter(i)))
+            .collect();
+        let cells = |of: &dyn Fn(&Visit) -> Option<f64>| {
+            let cells = visits.iter().map(|visit| um(of(visit)));
+            cells.collect::<Vec<_>>().join("\t")
+        };
+        let term =
+            |term: ErrorTerm| format!("{term}/µm\t{}", cells(&|visit| visit.expanded_um(term)));
+        let plane = |plane: Plane| {
+            let u = cells(&|visit| visit.expected.expanded_squareness_um_per_m(plane));
+            format!("squareness {}/(µm/m)\t{u}", plane.key())
+        };
+        let rows = ErrorTerm::ALL.into_iter().map(term);
+        table(
+            &format!("largest U (95 %)\t{}", letters.join("\t")),
+            rows.chain(Plane::ALL.map(plane)),
+        )
+    }
+}
+
+/// Steps, passes and runs of a variant.
+fn parts(variant: &Variant) -> [String; 3] {
+    let run = &variant.run;
+    let back = match run.runs_over() {
+        None => "one direction",
+        Some(true) => "return pass after overrun",
+        Some(false) => "return pass without overrun",
+    };
+    let runs = match run.runs {
+        1 => "1 run".to_string(),
+        runs => format!("{runs} runs"),
+    };
+    [
+        format!("{} steps", run.volume.steps),
+        back.to_string(),
+        runs,
+    ]
+}
+
+fn said(shortcoming: &Finding) -> String {
+    format!("as described: {shortcoming}")
+}
+
+/// a, b, c …
+pub(super) fn letter(index: usize) -> String {
+    let letters = ('a'..='z').nth(index);
+    letters.map_or_else(|| index.to_string(), String::from)
+}
+
+fn or_dash(words: String) -> String {
+    match words.is_empty() {
+        true => "-".to_string(),
+        false => words,
+    }
+}

@@ -1,0 +1,81 @@
+//! What the figures of a plan rest on, and what they do not hold.
+
+use super::design::{Design, NOISE_UM};
+use super::variant::Visit;
+use crate::quantity::axis::Axis;
+use crate::text::finding::{Finding, findings};
+
+findings! {
+    /// What a plan rests on.
+    Assumed {
+        Noise { um: f64 } => Label, "noise of a reading {um} µm (noise_um)";
+        NoiseNotStated { um: f64 } => Label, "noise of a reading {um} µm: `noise_um` is not stated";
+        NotIncluded { key: &'static str } => Label, "{key} is not stated and not included in U";
+        NotCounted { words: String } => Label, "{words}";
+        LinearAxes { runs: u32, named: Vec<Axis> } => Label, "linear axis: the same laser, {runs} runs in both directions at the positions of the diagonals{}", match named.as_slice() {
+            [] => String::new(),
+            named => format!("; {} named by the job, without time", Axis::letters(named)),
+        };
+        Time { feed_mm_per_min: f64, dwell_s: f64, diagonal_min: f64, linear_min: f64 } => Label, "time: {feed_mm_per_min} mm/min, standstill {dwell_s} s, set-up {diagonal_min} min for a diagonal, {linear_min} min for a linear axis; without warming up";
+        Optics { circle_mm: f64 } => Label, "optics: flat mirror of {circle_mm:.1} mm and the diameter of the beam; retroreflector for linear axes";
+        Reached => Label, "reached: all wanted errors are determined, and U of all their values together (both directions where the reversal is determined) keeps the acceptance; what tables leave comes on top";
+        OneDirection => Note, "one direction only: the reversal of every axis is mixed into the curves, and U does not hold it";
+    }
+}
+
+impl Design<'_> {
+    /// What the figures rest on.
+    pub(crate) fn assumed(&self, described: &Visit) -> Vec<Finding> {
+        let (run, times) = (&described.variant.run, self.times());
+        let linear = Assumed::LinearAxes {
+            runs: run.along(Axis::X).runs,
+            named: self.axes_named(),
+        };
+        let time = Assumed::Time {
+            feed_mm_per_min: run.feed_mm_per_min,
+            dwell_s: run.dwell_s,
+            diagonal_min: times.diagonal_min,
+            linear_min: times.linear_min,
+        };
+        let optics = described.mirror.map(|mirror| Assumed::Optics {
+            circle_mm: mirror.circle_mm,
+        });
+        let own = [linear, time].into_iter().chain(optics);
+        let all = self.of_instrument(described).into_iter().chain(own);
+        all.chain([Assumed::Reached]).map(Finding::from).collect()
+    }
+
+    /// What is known of the laser, and what U leaves out.
+    fn of_instrument(&self, described: &Visit) -> Vec<Assumed> {
+        let stated = self.instrument().stated;
+        let noise = match stated.noise_um {
+            Some(um) => Assumed::Noise { um },
+            None => Assumed::NoiseNotStated { um: NOISE_UM },
+        };
+        let keys = [
+            ("laser_ppm", stated.laser_ppm),
+            ("setup_ppm", stated.setup_ppm),
+        ];
+        let silent = keys.into_iter().filter(|(_, stated)| stated.is_none());
+        let silent = silent.map(|(key, _)| Assumed::NotIncluded { key });
+        let not_counted = described.expected.not_counted.sentences().into_iter();
+        let not_counted = not_counted.map(|words| Assumed::NotCounted { words });
+        [noise]
+            .into_iter()
+            .chain(silent)
+            .chain(not_counted)
+            .collect()
+    }
+}
+
+impl Visit {
+    /// What this visit leaves open or mixed up, the gravest first.
+    pub(crate) fn shortcomings(&self) -> Vec<Finding> {
+        let ranges = self.short_ranges().into_iter();
+        let ranges = ranges.map(|words| Assumed::NotCounted { words }.into());
+        let open = self.expected.undetermined.iter().cloned();
+        let one_way = !self.variant.run.bidirectional;
+        let one_way = one_way.then(|| Assumed::OneDirection.into());
+        ranges.chain(open).chain(one_way).collect()
+    }
+}

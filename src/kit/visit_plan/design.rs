@@ -1,0 +1,280 @@
+//! What the job says of the visit, and what one variant of it costs and gives.
+
+use super::variant::{Variant, Visit, expanded_um};
+use crate::inputs::error_table::{ErrorTable, write};
+use crate::inputs::job::{
+    Acceptance, DiagonalMeasurement, Frame, Job, Linear, LinearSlope, MeasuredData, Measurement,
+    ProgramRequest, RunType, SetUp,
+};
+use crate::judge::after::Bare;
+use crate::judge::forecast::{Forecast, Machine, forecast, judged_ranges};
+use crate::kit::inputs::cannot_emulate;
+use crate::machine::model::ErrorModel;
+use crate::machine::separation::campaign::{NamedTables, campaign};
+use crate::machine::separation::{Instrument, Separation, expected, linear_axis, table};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems};
+use crate::write::plan::Plan;
+use crate::write::program::motion;
+use crate::write::target::wants;
+
+/// Noise of a single reading where the job states none, µm: the largest that `separate` takes without a word.
+pub(super) const NOISE_UM: f64 = 1.0;
+/// More steps than these are no variant: no published measurement has more.
+const MOST_STEPS: usize = 100;
+/// A step that differs less from whole micrometres is one, mm.
+const WHOLE_MM: f64 = 1e-7;
+
+/// How long setting up takes, min.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetUpTimes {
+    /// Laser and mirror on one diagonal.
+    pub diagonal_min: f64,
+    /// Laser and reflector along one axis.
+    pub linear_min: f64,
+}
+
+/// A visit as the job describes it.
+#[derive(Clone, Debug)]
+pub struct Design<'a> {
+    job: &'a Job,
+    angles: Option<ErrorTable>,
+    described: Variant,
+    measurement: DiagonalMeasurement,
+    instrument: Instrument,
+    times: SetUpTimes,
+}
+
+impl<'a> Design<'a> {
+    /// From `[program]` where it walks step diagonals, else from `[measurement.step_diagonal]`. `angles` =
+    /// the table that `measurement.angles` names.
+    pub fn of(
+        job: &'a Job,
+        angles: Option<ErrorTable>,
+        times: SetUpTimes,
+    ) -> Result<Design<'a>, Problems> {
+        ensure_axes(job)?;
+        let is_step = |run: &&ProgramRequest| run.what == RunType::StepDiagonal;
+        let program = job.program.as_ref().filter(is_step);
+        let measured = match &job.measurement.data {
+            MeasuredData::Diagonals(how) if how.kind == PathKind::Step => Some(how),
+            _ => None,
+        };
+        let run = program.cloned();
+        let run = run.or_else(|| measured.map(ProgramRequest::of_measurement));
+        let run = run.ok_or_else(|| no_run(job))?;
+        let stated = job.measurement.uncertainty;
+        Ok(Design {
+            measurement: measured.map_or_else(|| usual(&run), Clone::clone),
+            described: Variant {
+                run,
+                linear: Vec::new(),
+            },
+            instrument: Instrument {
+                noise_um: stated.noise_um.unwrap_or(NOISE_UM),
+                stated,
+            },
+            job,
+            angles,
+            times,
+        })
+    }
+
+    /// The run of the job.
+    pub fn described(&self) -> &Variant {
+        &self.described
+    }
+
+    /// The laser.
+    pub(crate) fn instrument(&self) -> Instrument {
+        self.instrument
+    }
+
+    /// The limits of the job.
+    pub(crate) fn acceptance(&self) -> Acceptance {
+        self.job.acceptance
+    }
+
+    /// The set-up times.
+    pub(crate) fn times(&self) -> SetUpTimes {
+        self.times
+    }
+
+    /// Axes whose linear measurement the job names: they take no time.
+    pub(crate) fn axes_named(&self) -> Vec<Axis> {
+        let named = self.measurement.linear.iter();
+        named.map(|linear| linear.axis).collect()
+    }
+
+    /// Axes that could be measured along their length beside those.
+    pub(crate) fn axes_open(&self) -> Vec<Axis> {
+        let named = self.axes_named();
+        let open = |axis: &Axis| !named.contains(axis);
+        Axis::ALL.into_iter().filter(open).collect()
+    }
+
+    /// Twice the steps, where a program can make them.
+    pub(super) fn finer(&self, variant: &Variant) -> Option<Variant> {
+        let finer = variant.in_steps(2 * self.described.run.volume.steps);
+        let volume = &finer.run.volume;
+        let between = |axis: Axis| {
+            let um = 1000.0 * volume.step_mm(axis);
+            (um - um.round()).abs() < 1000.0 * WHOLE_MM
+        };
+        let fits = volume.steps <= MOST_STEPS && Axis::ALL.into_iter().all(between);
+        fits.then_some(finer)
+    }
+
+    /// Motion, standstills and set-ups of a variant, min.
+    pub(super) fn minutes(&self, variant: &Variant) -> f64 {
+        let run = |request: &ProgramRequest| motion(request).duration_s(request) / 60.0;
+        let diagonals = Diagonal::ALL
+            .map(|_| self.times.diagonal_min)
+            .iter()
+            .sum::<f64>();
+        let linear = variant.linear.iter();
+        let linear = linear.map(|axis| self.times.linear_min + run(&variant.run.along(*axis)));
+        run(&variant.run) + diagonals + linear.sum::<f64>()
+    }
+
+    /// What a variant costs and gives.
+    pub fn visit(&self, variant: Variant) -> Result<Visit, Problems> {
+        let (measurement, tables) = self.measurement(&variant)?;
+        let job = self.job_of(&measurement);
+        let campaign = campaign(&job, &measurement, &tables, true)?;
+        let back = usize::from(variant.run.bidirectional);
+        let noise_um = self.instrument.noise_um;
+        let passes = &Pass::BOTH[..=back];
+        let expected = expected(&campaign, passes, variant.run.runs, noise_um);
+        let is_open =
+            |term: &ErrorTerm| wants(&job, *term) && expanded_um(&expected, *term).is_none();
+        Ok(Visit {
+            minutes: self.minutes(&variant),
+            mirror: motion(&variant.run).mirror,
+            forecast: forecast_of(&job, &expected)?,
+            open: ErrorTerm::ALL.into_iter().filter(is_open).collect(),
+            lines: campaign.lines,
+            variant,
+            expected,
+        })
+    }
+
+    /// How a variant is measured, with a table for each linear axis.
+    fn measurement(
+        &self,
+        variant: &Variant,
+    ) -> Result<(DiagonalMeasurement, NamedTables), Problems> {
+        let mut measurement = self.measurement.clone();
+        measurement.volume = variant.run.volume.clone();
+        measurement.overrun = variant.run.runs_over();
+        for beam in &mut measurement.beams {
+            beam.slope_um_per_m = 0.0;
+        }
+        let named = std::mem::take(&mut measurement.linear);
+        let mut tables = NamedTables {
+            angles: self.angles.clone(),
+            ..NamedTables::default()
+        };
+        let runs = |axis: Axis| variant.run.along(axis).runs;
+        let axes = named.iter().map(|linear| (linear.axis, Some(linear)));
+        for (axis, named) in axes.chain(variant.linear.iter().map(|axis| (*axis, None))) {
+            let made = linear_axis(&measurement, axis, self.instrument, runs(axis))?;
+            let (linear, table) = as_named(made, named);
+            measurement.linear.push(linear);
+            tables.linear.push(table);
+        }
+        Ok((measurement, tables))
+    }
+
+    /// The job as if this had been measured.
+    fn job_of(&self, measurement: &DiagonalMeasurement) -> Job {
+        Job {
+            measurement: Measurement {
+                data: MeasuredData::Diagonals(measurement.clone()),
+                squareness: Vec::new(),
+                ..self.job.measurement.clone()
+            },
+            ..self.job.clone()
+        }
+    }
+}
+
+/// A linear measurement with what the job states of it: its uncertainty; a slope by itself tells no reversal.
+fn as_named(
+    (made, table): (Linear, ErrorTable),
+    named: Option<&Linear>,
+) -> (Linear, Option<ErrorTable>) {
+    let Some(named) = named else {
+        return (made, Some(table));
+    };
+    let u_um_per_m = named.u_um_per_m.or(made.u_um_per_m);
+    let (slope, table) = match &named.slope {
+        LinearSlope::Stated(_) => (LinearSlope::Stated(0.0), None),
+        LinearSlope::Errors(_) => (made.slope, Some(table)),
+    };
+    let linear = Linear {
+        axis: made.axis,
+        slope,
+        u_um_per_m,
+    };
+    (linear, table)
+}
+
+/// A diagonal moves all three axes.
+fn ensure_axes(job: &Job) -> Result<(), Problems> {
+    let mut problems = Problems::none();
+    for axis in Axis::ALL {
+        if job.machine.axes[axis].is_none() {
+            let words = format!(
+                "{axis} is to be measured, but [machine.axes.{}] is missing",
+                axis.key()
+            );
+            let problem = job.problem_at("machine.axes", words);
+            problems.push(problem.help("add travel_mm and reference_mm of this axis"));
+        }
+    }
+    problems.or_ok(())
+}
+
+fn no_run(job: &Job) -> Problem {
+    let key = match job.program {
+        Some(_) => "program.what",
+        None => "measurement",
+    };
+    job.problem_at(key, "the job describes no run of step diagonals, so there is no visit to plan")
+        .help("add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/program.md)")
+}
+
+/// A measurement of which the job states nothing but the run.
+fn usual(run: &ProgramRequest) -> DiagonalMeasurement {
+    DiagonalMeasurement {
+        readings: String::new(),
+        kind: PathKind::Step,
+        volume: run.volume.clone(),
+        laser_sign: Direction::Plus,
+        setup: SetUp::Solve,
+        frame: Frame::XPrimary,
+        target: run.target,
+        overrun: None,
+        linear: Vec::new(),
+        beams: Vec::new(),
+        material: None,
+        closure_errors: None,
+    }
+}
+
+/// The forecast of the error table that `separate` would write, as if no table were loaded.
+fn forecast_of(job: &Job, expected: &Separation) -> Result<Forecast, Problems> {
+    let draft = table::draft(expected, &job.compensation.backlash, Vec::new());
+    let source = Source::from_bytes("expected errors", write(&draft).as_bytes())?;
+    let model = ErrorModel::build(job, &ErrorTable::read(source)?)?;
+    let letter = |axis: Axis| vec![axis.to_string()];
+    let no_tables = Plan {
+        names: PerAxis::from_fn(letter),
+        ..Plan::default()
+    };
+    let ranges = judged_ranges(job, &model);
+    forecast(Machine::alone(&model), &no_tables, &Bare, &ranges).map_err(|e| cannot_emulate(&e))
+}

@@ -1,0 +1,111 @@
+//! One way to make a visit, and what it costs and gives.
+
+use crate::inputs::job::{Acceptance, ProgramRequest};
+use crate::judge::conformity::Verdict;
+use crate::judge::forecast::{Forecast, JudgedRange};
+use crate::machine::separation::{Line, Separation};
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::units::{Millimetres, larger};
+use crate::write::program::MirrorSize;
+
+/// One way to make the visit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variant {
+    /// The run of the diagonals.
+    pub run: ProgramRequest,
+    /// Axes that are measured along their length beside those that the job names.
+    pub linear: Vec<Axis>,
+}
+
+impl Variant {
+    /// The diagonals walked one way only.
+    pub(super) fn one_way(&self) -> Variant {
+        let mut other = self.clone();
+        other.run.bidirectional = false;
+        other
+    }
+
+    /// The diagonals walked back too, without overrun.
+    pub(super) fn turning(&self) -> Variant {
+        let mut other = self.clone();
+        other.run.bidirectional = true;
+        other.run.overrun = Millimetres::new(0.0);
+        other
+    }
+
+    pub(super) fn in_runs(&self, runs: u32) -> Variant {
+        let mut other = self.clone();
+        other.run.runs = runs;
+        other
+    }
+
+    pub(super) fn in_steps(&self, steps: usize) -> Variant {
+        let mut other = self.clone();
+        other.run.volume.steps = steps;
+        other
+    }
+
+    pub(super) fn with(&self, linear: &[Axis]) -> Variant {
+        Variant {
+            linear: linear.to_vec(),
+            ..self.clone()
+        }
+    }
+}
+
+/// What a variant costs and gives.
+#[derive(Clone, Debug)]
+pub struct Visit {
+    /// The variant.
+    pub variant: Variant,
+    /// Motion, standstills and set-ups, min.
+    pub minutes: f64,
+    /// What the mirror has to cover.
+    pub mirror: Option<MirrorSize>,
+    /// Linear axes and beams with their uncertainties.
+    pub lines: Vec<Line>,
+    /// What the separation will say of readings: uncertainties and what stays open.
+    pub expected: Separation,
+    /// The verdict of `generate` where neither machine nor tables leave anything.
+    pub forecast: Forecast,
+    /// Terms that the job wants and that are not determined, or without a known U.
+    pub open: Vec<ErrorTerm>,
+}
+
+impl Visit {
+    /// U of a term where it is largest, µm; `None` = not determined, or not known.
+    pub(crate) fn expanded_um(&self, term: ErrorTerm) -> Option<f64> {
+        expanded_um(&self.expected, term)
+    }
+
+    /// U of all determined terms together: the smallest `max_deviation_um` that can be passed, µm.
+    pub fn together_um(&self) -> Option<f64> {
+        self.forecast.max_expanded_um()
+    }
+
+    /// Axes whose reversal is determined.
+    pub fn reversals(&self) -> Vec<Axis> {
+        let known = |axis: &Axis| self.expected.is_directed(*axis);
+        Axis::ALL.into_iter().filter(known).collect()
+    }
+
+    /// Whether all wanted terms are determined and their U alone keeps the acceptance.
+    pub fn reaches(&self, acceptance: Acceptance) -> bool {
+        self.open.is_empty() && self.forecast.verdict(acceptance) == Verdict::Pass
+    }
+
+    /// Why less than the judged range is known, a sentence for each axis.
+    pub(super) fn short_ranges(&self) -> Vec<String> {
+        let ranges = self.forecast.ranges.iter();
+        ranges.filter_map(JudgedRange::missing).collect()
+    }
+}
+
+/// U of a term where it is largest, without regard to direction, µm.
+pub(super) fn expanded_um(expected: &Separation, term: ErrorTerm) -> Option<f64> {
+    let found = expected.errors.mean[term].as_ref()?;
+    let indices = 0..found.deviation_um.len();
+    let all = indices.map(|index| found.expanded_um(index, expected.noise));
+    let all: Option<Vec<f64>> = all.collect();
+    all?.into_iter().reduce(larger)
+}

@@ -1,0 +1,111 @@
+//! A measurement that is still to be made: readings without any error go through the separation itself, so
+//! what it says of uncertainty, degrees of freedom and what stays open is what it will say of the readings.
+//!
+//! ```text
+//!   passes, runs ─→ corrected readings of 0 ─→ separation, σ = what is expected ─→ U, rank, what stays open
+//! ```
+
+use super::campaign::{Campaign, corrected};
+use super::closure::Start;
+use super::noise::Noise;
+use super::separate::{Separation, of_start};
+use super::uncertainty::Budget;
+use crate::inputs::error_table::{Draft, DraftSeries, ErrorTable, write};
+use crate::inputs::job::{DiagonalMeasurement, Linear, LinearSlope, StatedUncertainty};
+use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
+use crate::quantity::units::Deviation;
+use crate::text::document::Source;
+use crate::text::problem::Problems;
+
+/// What is expected of a measurement before its readings exist: deviations of 0, with the uncertainties
+/// that this many runs of these passes will have. `noise_um`: σ of a single reading. Whether the axes
+/// overrun has to be stated where the return pass is one of the passes.
+pub(crate) fn expected(
+    campaign: &Campaign<'_>,
+    passes: &[Pass],
+    runs: u32,
+    noise_um: f64,
+) -> Separation {
+    let of_noise = |noise: Noise| Noise {
+        sigma_um: noise_um,
+        ..noise
+    };
+    let mut start = Start::new(campaign, &exact(campaign, passes, runs));
+    start.noise = start.noise.map(of_noise);
+    of_start(campaign, &start, of_noise)
+}
+
+/// Raw readings that are 0 when they are corrected.
+fn exact(campaign: &Campaign<'_>, passes: &[Pass], runs: u32) -> Vec<Run> {
+    let last = campaign.measurement.volume.last_node(PathKind::Step);
+    let mut all = Vec::new();
+    for number in 1..=runs {
+        for pass in passes {
+            all.extend(Diagonal::ALL.map(|diagonal| Run {
+                diagonal,
+                number,
+                pass: *pass,
+                deviations: vec![Deviation::from_um(0.0); last + 1],
+                temperatures_c: PerAxis::default(),
+            }));
+        }
+    }
+    let corrected = corrected(campaign, &all);
+    for (run, corrected) in all.iter_mut().zip(corrected) {
+        let taken_off = corrected.readings_um.into_iter();
+        run.deviations = taken_off.map(|um| Deviation::from_um(-um)).collect();
+    }
+    all
+}
+
+/// What a laser does wherever it measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Instrument {
+    /// σ of a single reading, µm.
+    pub(crate) noise_um: f64,
+    /// `[measurement.uncertainty]`.
+    pub(crate) stated: StatedUncertainty,
+}
+
+/// A linear measurement of an axis that is still to be made: at the positions of the diagonals, in both
+/// directions, so many runs of the same instrument.
+///
+/// formula  u²(slope) = 2σ²/(2r L²) + scale²: the mean of both directions at both ends
+pub(crate) fn linear_axis(
+    measurement: &DiagonalMeasurement,
+    axis: Axis,
+    instrument: Instrument,
+    runs: u32,
+) -> Result<(Linear, ErrorTable), Problems> {
+    let volume = &measurement.volume;
+    let u_um = instrument.noise_um / f64::from(runs).sqrt();
+    let at: Vec<f64> = volume.positions(axis).iter().map(|p| p.mm()).collect();
+    let series = Direction::BOTH.map(|direction| {
+        let mut series = DraftSeries::new(axis, Some(direction), at.clone());
+        series.deviations_um[axis] = Some(vec![0.0; at.len()]);
+        series.uncertainties_um[axis] = Some(vec![u_um; at.len()]);
+        series
+    });
+    let draft = Draft {
+        comments: Vec::new(),
+        series: series.into(),
+    };
+    let name = format!("linear measurement of {axis}");
+    let table = ErrorTable::read(Source::from_bytes(&name, write(&draft).as_bytes())?)?;
+    let budget = Budget {
+        volume,
+        noise: None,
+        runs: &PerDiagonal::default(),
+        turned: false,
+        stated: instrument.stated,
+        material: measurement.material,
+    };
+    let ends = 1000.0 * u_um / volume.size[axis].mm();
+    let linear = Linear {
+        axis,
+        slope: LinearSlope::Errors(name),
+        u_um_per_m: Some(ends.hypot(budget.of_length_ppm(axis))),
+    };
+    Ok((linear, table))
+}
