@@ -63,7 +63,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
 fn document(page: &Page<'_>) -> Value {
     let (design, found) = (page.design, page.found);
     let (instrument, times) = (design.instrument(), design.times());
-    let acceptance = design.acceptance();
+    let (acceptance, u) = (design.acceptance(), design.u_um_per_m(&found.visits[0]));
     let visits = found.visits.iter().enumerate();
     let visits = visits.map(|(index, visit)| of_visit(page, index, visit));
     json!({
@@ -75,6 +75,7 @@ fn document(page: &Page<'_>) -> Value {
         "noise_is_assumed": instrument.stated.noise_um.is_none(),
         "set_up_min": { "diagonal": times.diagonal_min, "linear": times.linear_min },
         "linear_named": keys(&design.axes_named()),
+        "linear_u_um_per_m": { "x": u.x, "y": u.y, "z": u.z },
         "best": found.best.map(letter),
         "visits": visits.collect::<Vec<_>>(),
         "assumed": design.assumed(&found.visits[0]),

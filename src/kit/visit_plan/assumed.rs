@@ -2,7 +2,7 @@
 
 use super::design::{Design, NOISE_UM};
 use super::variant::Visit;
-use crate::quantity::axis::Axis;
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::finding::{Finding, findings};
 
 findings! {
@@ -12,7 +12,7 @@ findings! {
         NoiseNotStated { um: f64 } => Label, "noise of a reading {um} µm: `noise_um` is not stated";
         NotIncluded { key: &'static str } => Label, "{key} is not stated and not included in U";
         NotCounted { words: String } => Label, "{words}";
-        LinearAxes { runs: u32, named: Vec<Axis> } => Label, "linear axis: the same laser, {runs} runs in both directions at the positions of the diagonals{}", match named.as_slice() {
+        LinearAxes { runs: u32, u_um_per_m: PerAxis<f64>, named: Vec<Axis> } => Label, "linear axis: the same laser, {runs} runs in both directions at the positions of the diagonals, so `u_um_per_m` is X {:.2}, Y {:.2}, Z {:.2} (to be stated with the result: without it `separate` gives no U){}", u_um_per_m.x, u_um_per_m.y, u_um_per_m.z, match named.as_slice() {
             [] => String::new(),
             named => format!("; {} named by the job, without time", Axis::letters(named)),
         };
@@ -29,6 +29,7 @@ impl Design<'_> {
         let (run, times) = (&described.variant.run, self.times());
         let linear = Assumed::LinearAxes {
             runs: run.along(Axis::X).runs,
+            u_um_per_m: self.u_um_per_m(described),
             named: self.axes_named(),
         };
         let time = Assumed::Time {
@@ -43,6 +44,16 @@ impl Design<'_> {
         let own = [linear, time].into_iter().chain(optics);
         let all = self.of_instrument(described).into_iter().chain(own);
         all.chain([Assumed::Reached]).map(Finding::from).collect()
+    }
+
+    /// Standard uncertainty of the slope of each axis: as the job states it, else as the laser gives it.
+    pub(crate) fn u_um_per_m(&self, described: &Visit) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| {
+            let line = described.lines.iter();
+            let mut line = line.filter(|line| line.direction[axis] > 0.999);
+            let own = line.find_map(|line| line.u_um_per_m);
+            own.unwrap_or_else(|| self.of_line(axis, &described.variant))
+        })
     }
 
     /// What is known of the laser, and what U leaves out.

@@ -188,6 +188,16 @@ impl<'a> Design<'a> {
         Ok((measurement, tables))
     }
 
+    /// Standard uncertainty of the slope of an axis that is measured beside a variant, µm/m.
+    pub(super) fn of_line(&self, axis: Axis, variant: &Variant) -> f64 {
+        let runs = variant.run.along(axis).runs;
+        let measurement = DiagonalMeasurement {
+            volume: variant.run.volume.clone(),
+            ..self.measurement.clone()
+        };
+        self.instrument.of_slope_um_per_m(&measurement, axis, runs)
+    }
+
     /// The job as if this had been measured.
     fn job_of(&self, measurement: &DiagonalMeasurement) -> Job {
         Job {

@@ -68,23 +68,48 @@ pub(crate) struct Instrument {
     pub(crate) stated: StatedUncertainty,
 }
 
+impl Instrument {
+    /// Standard uncertainty of the mean of so many runs at one position, µm.
+    fn of_mean_um(self, runs: u32) -> f64 {
+        self.noise_um / f64::from(runs).sqrt()
+    }
+
+    /// Standard uncertainty of the slope over a whole axis, from so many runs in both directions, µm/m.
+    ///
+    /// formula  u² = 2σ²/(2r L²) + scale²: the mean of both directions at both ends
+    pub(crate) fn of_slope_um_per_m(
+        self,
+        measurement: &DiagonalMeasurement,
+        axis: Axis,
+        runs: u32,
+    ) -> f64 {
+        let budget = Budget {
+            volume: &measurement.volume,
+            noise: None,
+            runs: &PerDiagonal::default(),
+            turned: false,
+            stated: self.stated,
+            material: measurement.material,
+        };
+        let ends = 1000.0 * self.of_mean_um(runs) / measurement.volume.size[axis].mm();
+        ends.hypot(budget.of_length_ppm(axis))
+    }
+}
+
 /// A linear measurement of an axis that is still to be made: at the positions of the diagonals, in both
 /// directions, so many runs of the same instrument.
-///
-/// formula  u²(slope) = 2σ²/(2r L²) + scale²: the mean of both directions at both ends
 pub(crate) fn linear_axis(
     measurement: &DiagonalMeasurement,
     axis: Axis,
     instrument: Instrument,
     runs: u32,
 ) -> Result<(Linear, ErrorTable), Problems> {
-    let volume = &measurement.volume;
-    let u_um = instrument.noise_um / f64::from(runs).sqrt();
-    let at: Vec<f64> = volume.positions(axis).iter().map(|p| p.mm()).collect();
+    let at = measurement.volume.positions(axis);
+    let at: Vec<f64> = at.iter().map(|position| position.mm()).collect();
     let series = Direction::BOTH.map(|direction| {
         let mut series = DraftSeries::new(axis, Some(direction), at.clone());
         series.deviations_um[axis] = Some(vec![0.0; at.len()]);
-        series.uncertainties_um[axis] = Some(vec![u_um; at.len()]);
+        series.uncertainties_um[axis] = Some(vec![instrument.of_mean_um(runs); at.len()]);
         series
     });
     let draft = Draft {
@@ -93,19 +118,10 @@ pub(crate) fn linear_axis(
     };
     let name = format!("linear measurement of {axis}");
     let table = ErrorTable::read(Source::from_bytes(&name, write(&draft).as_bytes())?)?;
-    let budget = Budget {
-        volume,
-        noise: None,
-        runs: &PerDiagonal::default(),
-        turned: false,
-        stated: instrument.stated,
-        material: measurement.material,
-    };
-    let ends = 1000.0 * u_um / volume.size[axis].mm();
     let linear = Linear {
         axis,
         slope: LinearSlope::Errors(name),
-        u_um_per_m: Some(ends.hypot(budget.of_length_ppm(axis))),
+        u_um_per_m: Some(instrument.of_slope_um_per_m(measurement, axis, runs)),
     };
     Ok((linear, table))
 }
