@@ -98,11 +98,12 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
     let program = root.sub("program", |s| program::program(s, measurement.as_ref()));
     let path = root.sub("path", |s| path::path(s, &axes));
     let compensation = root.sub("compensation", compensation::compensation);
+    let limits = root.sub("limits", machine::limits);
     let acceptance = root.sub("acceptance", |s| machine::acceptance(s, &axes));
     Some(Job {
         source,
         compensation: compensation.unwrap_or_default(),
-        limits: root.sub("limits", machine::limits).unwrap_or_default(),
+        limits: limits.unwrap_or_default(),
         acceptance: acceptance.unwrap_or_default(),
         program: program.flatten(),
         path: path.unwrap_or_else(|| PathRequest::usual(&axes)),
