@@ -4,7 +4,7 @@ mod compare;
 
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::plot::Plot;
-use crate::cli::screen::{More, Screen, shell_word, wrapped};
+use crate::cli::screen::{More, Screen, paragraphs, shell_word, wrapped};
 use crate::cli::{inputs, show};
 use crate::control::controller::Role;
 use crate::judge::conformity::Verdict;
@@ -94,10 +94,10 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
     let proofs: Vec<&str> = proofs.map(|file| file.path.as_str()).collect();
     Screen {
         verdict: format!("{verdict}\n{heading}"),
-        figures: vec![
+        figures: paragraphs(&[
             show::forecast(&kit.forecast, &compiled.placements),
             show::squareness_and_reversals(model),
-        ],
+        ]),
         findings: remarks(&kit.plan, compiled, Some(&kit.forecast)),
         always: show::assumed_signs(&compiled.assumptions, &proofs),
         more: vec![

@@ -2,7 +2,7 @@
 
 use crate::cli::files::{file_name, read_argument};
 use crate::cli::outcome::{Content, Outcome, Output};
-use crate::cli::screen::{Screen, table};
+use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::stated::{Stated, word};
 use crate::inputs::import::{
@@ -70,10 +70,10 @@ fn screen(imported: &Imported) -> Screen {
     let warnings = warnings.iter();
     Screen {
         verdict,
-        figures: vec![
+        figures: paragraphs(&[
             series_table(imported),
             squareness_lines(&imported.squareness).join("\n"),
-        ],
+        ]),
         always: warnings.map(|words| format!("warning: {words}")).collect(),
         ..Screen::default()
     }

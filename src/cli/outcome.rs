@@ -190,7 +190,7 @@ pub(super) struct Outcome {
     yes: bool,
     data: Data,
     ready: Vec<Ready>,
-    talk: Vec<String>,
+    talk: String,
 }
 
 /// What goes to standard output.
@@ -206,7 +206,7 @@ impl Outcome {
             yes: true,
             data,
             ready: Vec::new(),
-            talk: Vec::new(),
+            talk: String::new(),
         }
     }
 
@@ -240,7 +240,10 @@ impl Outcome {
 
     /// The same, and this is said at the end, unless nobody wants to hear it.
     pub(super) fn saying(mut self, detail: Detail, text: impl Into<String>) -> Outcome {
-        self.talk.extend(detail.talks().then(|| text.into()));
+        if detail.talks() {
+            self.talk += text.into().trim_end();
+            self.talk.push('\n');
+        }
         self
     }
 
@@ -250,7 +253,9 @@ impl Outcome {
             .print()
             .map_err(|error| Problem::new(format!("standard output cannot be written: {error}")))?;
         self.ready.into_iter().try_for_each(Ready::put)?;
-        self.talk.iter().for_each(|text| say(text));
+        if !self.talk.is_empty() {
+            say(&self.talk);
+        }
         Ok(self.yes)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::cli::job_files::read_job_and_profile;
 use crate::cli::outcome::{Outcome, Output};
-use crate::cli::screen::{Screen, table, wrapped};
+use crate::cli::screen::{Screen, paragraphs, table, wrapped};
 use crate::cli::show;
 use crate::inputs::job::{Job, RunType, TargetGrid};
 use crate::kit::manifest::MANIFEST;
@@ -48,13 +48,13 @@ fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
     );
     Screen {
         verdict: heading,
-        figures: vec![
+        figures: paragraphs(&[
             motion(kit),
             not_determined(job, kit),
             files(kit),
             reach(job, kit),
             mirror(kit),
-        ],
+        ]),
         findings: show::notes(&kit.run.notes),
         more: vec![
             show::assumptions(&kit.assumptions),

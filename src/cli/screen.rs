@@ -56,7 +56,7 @@ pub(super) struct Screen {
     /// The answer, and what decided it.
     pub(super) verdict: String,
     /// Tables, in their order.
-    pub(super) figures: Vec<String>,
+    pub(super) figures: String,
     /// What a person should know, worst first.
     pub(super) findings: Vec<String>,
     /// What never leaves the screen, e.g. a sign that is only assumed.
@@ -76,8 +76,7 @@ impl Screen {
                 .collect::<Vec<_>>()
                 .join("\n");
         }
-        let mut parts = vec![verdict];
-        parts.extend(self.figures.iter().cloned());
+        let mut parts = vec![verdict, self.figures.clone()];
         let shown = match detail.explain {
             true => self.findings.len(),
             false => MOST_FINDINGS,
@@ -253,7 +252,7 @@ mod tests {
     fn what_is_not_shown_is_announced_with_its_count() {
         let screen = Screen {
             verdict: "verdict: pass".to_string(),
-            figures: vec!["table".to_string()],
+            figures: "table".to_string(),
             findings: (1..=7).map(|number| format!("finding {number}")).collect(),
             always: vec!["sign assumed".to_string()],
             more: vec![More::new(3, "assumptions", "all of them".to_string())],

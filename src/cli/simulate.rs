@@ -120,7 +120,7 @@ fn simulated(options: &Options) -> Result<Simulated, Problems> {
             &inputs,
             &origin,
             &walked(&rehearsal, &origin),
-            vec![figures(&simulation)],
+            figures(&simulation),
         ),
         document: document(&rehearsal, &simulation, &origin),
     })
@@ -184,7 +184,7 @@ fn error_table(
     );
     Simulated {
         bytes: error_table::write(&draft).into_bytes(),
-        screen: screen(inputs, origin, &what, Vec::new()),
+        screen: screen(inputs, origin, &what, String::new()),
         document: joined([
             json!({ "schema": 1, "simulated": true, "kind": "single-axis", "runs": runs }),
             circumstances(noise, origin),
@@ -193,7 +193,7 @@ fn error_table(
     }
 }
 
-fn screen(inputs: &Inputs, origin: &SimulationSource, what: &str, figures: Vec<String>) -> Screen {
+fn screen(inputs: &Inputs, origin: &SimulationSource, what: &str, figures: String) -> Screen {
     let not_in_it = "not in it: angular errors and repeatability of the machine, a tilted mirror, drift during the run (docs/rehearsal.md)";
     let (machine, control) = (&inputs.job.machine.name, &inputs.profile.name);
     let doubts = taken_for_granted(inputs);

@@ -2,7 +2,7 @@
 
 use super::page::{ERRORS, Page, count, shows, unknown_axes};
 use super::parts::{contributions, grouping, histogram, place, short, um, windows};
-use crate::cli::screen::{More, Screen, list, table};
+use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
 use crate::inputs::job::Levers;
 use crate::quantity::axis::{Axis, PerAxis};
@@ -31,14 +31,14 @@ pub(super) fn screen(page: &Page) -> Screen {
     ];
     Screen {
         verdict: verdict.join("\n").replace("\n\n", "\n"),
-        figures: vec![
+        figures: paragraphs(&[
             figures(page),
             worst_pairs(page),
             contributions(page),
             windows(page),
             histogram(before, after),
             grouping(page),
-        ],
+        ]),
         findings: page
             .basis
             .doubts

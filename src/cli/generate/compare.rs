@@ -1,7 +1,7 @@
 //! `nonius generate JOB --compare`: backlash policies and spacings side by side.
 
 use crate::cli::outcome::{Outcome, Print};
-use crate::cli::screen::{Screen, table};
+use crate::cli::screen::{Screen, paragraphs, table};
 use crate::cli::show;
 use crate::inputs::job::policies_as_stated;
 use crate::judge::conformity::Verdict;
@@ -45,10 +45,10 @@ fn screen(inputs: &Inputs, compared: &[Compared]) -> Screen {
             "{verdict}\nmachine {} - {}; nothing is written",
             job.machine.name, inputs.profile.name
         ),
-        figures: vec![format!(
+        figures: paragraphs(&[format!(
             "{}\n  the first line is the job; spacing: as it asks, half and twice of it (or of its residual)\n  term, diag.: of which most is left, µm; U: 95 %, - = not stated",
             table(heading, compared.iter().map(row))
-        )],
+        )]),
         findings: compared.iter().filter_map(refused).collect(),
         ..Screen::default()
     }

@@ -2,7 +2,7 @@
 
 use super::samples::{Hole, Holes};
 use crate::cli::outcome::joined;
-use crate::cli::screen::{More, Screen, list, table};
+use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
 use crate::cli::tables::Corrected;
 use crate::inputs::nc::Ran;
@@ -134,8 +134,7 @@ impl Page {
             let name = format!("with {}", after.tables.from);
             after.followed.extremes(&name)
         });
-        let mut figures = vec![self.before.extremes("as it is")];
-        figures.extend(with);
+        let figures = [self.before.extremes("as it is"), with.unwrap_or_default()];
         let missing: Vec<String> = missing(self);
         let left_out = format!("not measured, so left out: {}", missing.join(", "));
         let mut findings = [warnings(self), doubts(self)].concat();
@@ -147,7 +146,7 @@ impl Page {
         let verdict = [headline(self), heading(self), disagreements];
         Screen {
             verdict: verdict.join("\n").trim_end().to_string(),
-            figures,
+            figures: paragraphs(&figures),
             findings,
             more: vec![More::new(self.holes.worst().len(), "holes", holes(self))],
             ..Screen::default()

@@ -4,7 +4,7 @@ use super::document::{agreement, diagonal_totals, holds_below, noise};
 use super::words::{self, SQUARENESS_SIGN, advice, expanded, freedom};
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::known;
-use crate::cli::screen::{More, Screen, table};
+use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::um;
 use crate::machine::separation::metric::Plane;
 use crate::machine::separation::straight::{
@@ -26,11 +26,11 @@ pub(super) fn screen(result: &StraightResult) -> Result<Screen, Problems> {
         &result.doubts,
         outcome(result),
         (&open, &advice),
-        vec![
+        paragraphs(&[
             squareness(result),
             scales(result),
             closure.map_or_else(String::new, closure_table),
-        ],
+        ]),
         vec![
             More::part(
                 "linear axes and beams",

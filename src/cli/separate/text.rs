@@ -4,7 +4,7 @@ use super::closure::{closure, disturbed, repeatability, reversal};
 use super::document::open_advice;
 use super::words::{self, SQUARENESS_SIGN, expanded, freedom};
 use crate::cli::diagonals::StandardFigures;
-use crate::cli::screen::{More, Screen, table};
+use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::um;
 use crate::inputs::job::SetUp;
 use crate::machine::separation::curves::{ReferenceLine, range};
@@ -42,7 +42,7 @@ pub(super) fn screen(
         &separation.doubts,
         outcome(separation),
         (&separation.undetermined, &open_advice(separation)),
-        vec![terms(separation), squareness(separation)],
+        paragraphs(&[terms(separation), squareness(separation)]),
         more,
         &separation.labels,
     );

@@ -41,7 +41,7 @@ pub(super) fn screen(
     doubts: &[Finding],
     determined: String,
     (undetermined, advice): (&[Finding], &[String]),
-    figures: Vec<String>,
+    figures: String,
     mut more: Vec<More>,
     labels: &[Finding],
 ) -> Screen {

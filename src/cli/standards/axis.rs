@@ -2,7 +2,7 @@
 
 use crate::cli::diagonals::{counts, named_um};
 use crate::cli::outcome::joined;
-use crate::cli::screen::{More, Screen, table};
+use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::{self, um};
 use crate::inputs::target_runs::Runs;
 use crate::machine::standards::iso_230_2::{self, Travel};
@@ -72,7 +72,7 @@ impl Page<'_> {
         );
         Screen {
             verdict: format!("{heading}\n{title}"),
-            figures: vec![self.axis_table(), vdi_table(self.vdi.as_ref())],
+            figures: paragraphs(&[self.axis_table(), vdi_table(self.vdi.as_ref())]),
             findings: [missed(&self.conditions), show::notes(&self.notes)].concat(),
             more: vec![
                 More::part("every target", self.targets_table()),

@@ -5,7 +5,7 @@ use crate::cli::campaign::read_campaign;
 use crate::cli::diagonals::{StandardFigures, diagonal_json, named_um};
 use crate::cli::outcome::{Outcome, Print, joined};
 use crate::cli::plot::PlotOnly;
-use crate::cli::screen::{Screen, table};
+use crate::cli::screen::{Screen, paragraphs, table};
 use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;
 use crate::machine::findings::StandardFinding;
@@ -109,7 +109,7 @@ impl Page<'_> {
                 runs.collect::<Vec<_>>().join("; "),
                 all.label
             ),
-            figures: vec![self.figures.table(), table("figure\t\t>value/µm", rows)],
+            figures: paragraphs(&[self.figures.table(), table("figure\t\t>value/µm", rows)]),
             findings: [missed(&all.conditions), show::notes(&self.notes)].concat(),
             more: vec![conditions(&heading, &all.conditions)],
             ..Screen::default()

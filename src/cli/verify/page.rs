@@ -89,7 +89,7 @@ impl Page<'_> {
         let assumptions = self.assumptions();
         Screen {
             verdict: self.head().join("\n"),
-            figures: figures.into_iter().collect(),
+            figures: figures.unwrap_or_default(),
             findings,
             always: show::assumed_signs(assumptions, &[]),
             more: vec![show::assumptions(assumptions)],
