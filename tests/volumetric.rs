@@ -529,7 +529,7 @@ fn a_machine_without_angles_says_what_it_leaves_out() {
     let model = ErrorModel::build(&job, &table).expect("a model");
     let volume = VolumeModel::build(&job, &model).expect("a volume");
     let missing = volume.missing();
-    let names: Vec<&str> = missing.iter().map(|m| m.name.as_str()).collect();
+    let names: Vec<String> = missing.iter().map(|m| m.component.to_string()).collect();
     assert_eq!(names, ["EAX", "EBX", "ECX", "EAY", "EBY"]);
     assert_eq!(
         missing[1].consequence,

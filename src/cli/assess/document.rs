@@ -12,7 +12,7 @@ pub(in crate::cli) fn document(page: &Page) -> Value {
     let tool = levers.tool.map(|tool| Axis::ALL.map(|axis| tool[axis]));
     let missing = page.volume.missing().into_iter();
     let missing: Vec<Value> = missing
-        .map(|m| json!({"name": m.name, "consequence": m.consequence}))
+        .map(|m| json!({"name": m.component.to_string(), "consequence": m.consequence}))
         .collect();
     let labels = page.basis.doubts.iter().chain(&page.basis.labels);
     joined([

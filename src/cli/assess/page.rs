@@ -228,12 +228,11 @@ pub(super) const ERRORS: usize = 21;
 /// straightnesses hold it.
 pub(super) fn count(volume: &VolumeModel) -> usize {
     let missing = volume.missing();
-    let squareness = missing.iter().filter(|m| m.name.starts_with("squareness_"));
+    let is_squareness = |of: &Component| matches!(of, Component::Squareness(_));
+    let squareness = missing.iter().filter(|m| is_squareness(&m.component));
     let components = volume.components();
-    let others = components
-        .iter()
-        .filter(|component| !matches!(component, Component::Squareness(_)));
-    others.count() + 3 - squareness.count().min(3)
+    let others = components.iter().filter(|of| !is_squareness(of));
+    others.count() + 3 - squareness.count()
 }
 
 /// Axes along which nothing was measured, and whose travel nobody states: they stand at one place.

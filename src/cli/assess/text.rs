@@ -21,7 +21,7 @@ pub(super) fn screen(page: &Page) -> Screen {
     let missing = page.volume.missing();
     let missing: Vec<String> = missing
         .iter()
-        .map(|m| format!("{}: {}", m.name, m.consequence))
+        .map(|m| format!("{}: {}", m.component, m.consequence))
         .collect();
     let left_out = list("not measured, so left out of every figure:", &missing);
     let verdict = [

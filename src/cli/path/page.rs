@@ -180,7 +180,8 @@ impl Page {
 }
 
 fn missing(page: &Page) -> Vec<String> {
-    page.volume.missing().into_iter().map(|m| m.name).collect()
+    let missing = page.volume.missing().into_iter();
+    missing.map(|m| m.component.to_string()).collect()
 }
 
 /// A number of things.

@@ -1,6 +1,6 @@
 //! What was not measured, and what the figures therefore leave out.
 
-use super::VolumeModel;
+use super::{Component, VolumeModel};
 use crate::inputs::job::Job;
 use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
@@ -12,8 +12,8 @@ use crate::volume::findings::VolumeFinding as Found;
 /// An error that was not measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Missing {
-    /// Its name: `EYX`, `EAX`, `squareness_xy`.
-    pub name: String,
+    /// Which: `EYX`, `EAX`, `squareness_xy`.
+    pub component: Component,
     /// What the figures leave out, in words.
     pub consequence: String,
 }
@@ -25,15 +25,17 @@ impl VolumeModel {
         let deviations = deviations
             .filter(|term| self.deviations[*term].is_none())
             .map(|term| Missing {
-                name: term.to_string(),
+                component: Component::Deviation(term),
                 consequence: format!("whatever {} does in {} while it moves", term.along, term.of),
             });
         let rotations = Rotation::all()
             .filter(|rotation| self.rotations[*rotation].is_none())
             .filter_map(|rotation| {
                 let consequence = self.left_out(rotation)?;
-                let name = rotation.to_string();
-                Some(Missing { name, consequence })
+                Some(Missing {
+                    component: Component::Rotation(rotation),
+                    consequence,
+                })
             });
         deviations
             .chain(rotations)
@@ -91,7 +93,7 @@ impl VolumeModel {
             !stated && !both
         });
         open.map(|(of, along)| Missing {
-            name: format!("squareness_{}{}", of.key(), along.key()),
+            component: Component::Squareness(ErrorTerm { of, along }),
             consequence: format!("{of} and {along} count as square"),
         })
         .collect()
