@@ -177,9 +177,9 @@ fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[Line]) -> Opti
         let found = before.terms[term].as_ref()?.u_um()?;
         let u_um = factor * line.u_um?.hypot(found);
         let um = line.difference_um.filter(|um| *um > u_um)?;
-        Some(format!("{term} {um:.3} µm (U = {u_um:.3} µm)"))
+        Some((term, um, u_um))
     });
-    let terms: Vec<String> = off.collect();
+    let terms: Vec<(ErrorTerm, f64, f64)> = off.collect();
     (!terms.is_empty()).then_some(AsLeft::OffForecast { terms })
 }
 

@@ -164,13 +164,13 @@ findings! {
         Flat { what: String } => Doubt, "the values afterwards are the same at all positions, which no laser reads: {what}; an empty column, no measurement";
         Copy => Doubt, "the values afterwards are those of the first measurement: the same file, or a copy of it";
         Sparse { axis: Axis, first_mm: f64, second_mm: f64 } => Doubt, "axis {axis} was measured at positions {first_mm:.3} mm apart as found, afterwards up to {second_mm:.3} mm apart: nothing is known between them";
-        ReversalNotSeen { terms: String } => Doubt, "the two directions are corrected apart, but were not both measured afterwards, so nothing is known of the reversal that is left: {terms}";
+        ReversalNotSeen { terms: Vec<ErrorTerm> } => Doubt, "the two directions are corrected apart, but were not both measured afterwards, so nothing is known of the reversal that is left: {}", joined(terms);
         OtherFrame { first: Option<Frame>, second: Option<Frame> } => Doubt, "the two measurements count from different frames (as found: {}; afterwards: {}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame", frame_word(*first), frame_word(*second);
         RestsOn { label: Finding } => Note, "{label}";
         LostMotion { reversals_um: Vec<(ErrorTerm, f64)> } => Note, "the first measurement did not tell the directions apart, so it did not see the lost motion, and its tables leave it; B (mean moving + minus mean moving -), µm: {}", joined(reversals_um.iter().map(|(term, um)| format!("{term} {:+.3}", Figure(*um))));
-        FewerWays { terms: String } => Note, "found in both directions, measured afterwards without: {terms}; a fault of the reversal does not show";
+        FewerWays { terms: Vec<ErrorTerm> } => Note, "found in both directions, measured afterwards without: {}; a fault of the reversal does not show", joined(terms);
         DiagonalsOnly => Note, "straight runs show the body diagonals only: the nine errors were not measured afterwards";
-        OffForecast { terms: Vec<String> } => Note, "off the forecast at some position by more than both measurements explain (99.9 %, all positions together): {}", terms.join(", ");
+        OffForecast { terms: Vec<(ErrorTerm, f64, f64)> } => Note, "off the forecast at some position by more than both measurements explain (99.9 %, all positions together): {}", joined(terms.iter().map(|(term, um, u_um)| format!("{term} {um:.3} µm (U = {u_um:.3} µm)")));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::measurement::AfterMeasurement;
 use super::observation::Control;
-use crate::judge::findings::{AsLeft, joined};
+use crate::judge::findings::AsLeft;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::curve::ErrorCurve;
@@ -36,7 +36,7 @@ pub(super) fn findings(
             ]);
             found.extend(doubts.flatten().map(Finding::from));
             found.extend(model.remarks.notes.iter().cloned());
-            let terms = joined(fewer_ways(before, model).map(|(term, _)| term));
+            let terms: Vec<ErrorTerm> = fewer_ways(before, model).map(|(term, _)| term).collect();
             let fewer = (!terms.is_empty()).then_some(AsLeft::FewerWays { terms });
             found.extend(fewer.map(Finding::from));
             found.extend(unseen_reversal(before, model).map(|reversal| reversal.found));
@@ -126,7 +126,7 @@ fn reversal_not_seen(
 ) -> Option<AsLeft> {
     let control = control?;
     let terms = fewer_ways(before, after).filter(|(term, _)| !control.is_undirected(*term));
-    let terms = joined(terms.map(|(term, _)| term));
+    let terms: Vec<ErrorTerm> = terms.map(|(term, _)| term).collect();
     (!terms.is_empty()).then_some(AsLeft::ReversalNotSeen { terms })
 }
 
