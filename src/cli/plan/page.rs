@@ -1,6 +1,6 @@
 //! The screen of `plan`: the answer, the variants, their U, what it rests on.
 
-use crate::cli::screen::{More, Screen, list, table, wrapped};
+use crate::cli::screen::{More, Screen, list, paragraphs, table, wrapped};
 use crate::cli::show::um;
 use crate::judge::findings::joined;
 use crate::kit::visit_plan::{Design, Variant, Visit, VisitPlan};
@@ -30,11 +30,11 @@ impl Page<'_> {
         let (answer, best) = (self.answer(), self.best());
         Screen {
             verdict: format!("{}: {answer}\n{best}", self.machine),
-            figures: vec![
+            figures: paragraphs(&[
                 self.variants(),
                 self.uncertainties(),
                 list("assumed", &assumed),
-            ],
+            ]),
             findings: described.shortcomings().iter().map(said).collect(),
             more: vec![More::new(
                 labels.len(),
