@@ -144,6 +144,8 @@ fn from_above(holes: &[HoleErrors]) -> Option<Panel> {
         });
         let arrows: Vec<_> = arrows.collect();
         if !arrows.is_empty() {
+            let places = holes.iter().map(|(place, _)| *place);
+            marks.push(Mark::Dots(ink, places.collect()));
             marks.push(Mark::Arrows(ink, arrows));
         }
     }

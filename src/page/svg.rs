@@ -88,7 +88,7 @@ impl Size {
     fn of(picture: &Picture) -> Size {
         let columns = picture.columns.max(1);
         let panel = match columns {
-            1 => (ROW, 300.0),
+            1 => (ROW, 220.0),
             2 => (ROW / 2.0, 230.0),
             many => (ROW / count(many), 176.0),
         };
