@@ -93,7 +93,8 @@ fn check_figures(page: &str, job: &str, kit: &Path, after: Option<&str>) {
         let shown = shown.replace('\u{2212}', "-").replace(',', ".");
         let decimals = shown.split_once('.').map_or(0, |(_, after)| after.len());
         let read: f64 = shown.parse().expect("a figure is a number");
-        let half = 0.5 / 10_f64.powi(i32::try_from(decimals).expect("few decimals"));
+        let digits = u32::try_from(decimals).expect("few decimals");
+        let half = 0.5 / nonius::quantity::units::power_of_ten(digits);
         assert!(
             (read - number).abs() <= half * 1.001,
             "{command} {at}: {shown} for {number}"
