@@ -110,20 +110,15 @@ fn place(visits: &mut Vec<Visit>, new: Visit) -> usize {
 /// U does not say so.
 fn combinations(design: &Design<'_>) -> Vec<Variant> {
     let described = design.described();
-    let mut all: Vec<Variant> = subsets(&design.axes_open())
-        .iter()
-        .map(|axes| described.with(axes))
-        .collect();
-    let others: [&dyn Fn(&Variant) -> Vec<Variant>; 3] = [
-        &|one| vec![one.turning()],
-        &|one| runs(one).collect(),
-        &|one| design.finer(one).into_iter().collect(),
-    ];
-    for other in others {
-        let more: Vec<Variant> = all.iter().flat_map(other).collect();
-        let more = more.into_iter().filter(|one| !all.contains(one));
-        let more: Vec<Variant> = more.collect();
-        all.extend(more);
-    }
-    all
+    let lines = subsets(&design.axes_open()).into_iter();
+    let lines = lines.map(|axes| described.with(&axes));
+    let ways = lines.flat_map(|one| [one.turning(), one]);
+    let repeated = ways.flat_map(|one| runs(&one).chain([one]));
+    let all = repeated.flat_map(|one| [design.finer(&one), Some(one)]);
+    all.flatten().fold(Vec::new(), |mut different, one| {
+        if !different.contains(&one) {
+            different.push(one);
+        }
+        different
+    })
 }
