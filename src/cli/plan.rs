@@ -93,7 +93,7 @@ fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
         "return_pass": run.bidirectional,
         "overrun": run.runs_over(),
         "linear": keys(&visit.variant.linear),
-        "minutes": visit.minutes,
+        "minutes": (10.0 * visit.minutes).round() / 10.0,
         "set_ups": Diagonal::ALL.len() + visit.variant.linear.len(),
         "mirror_circle_mm": visit.mirror.map(|mirror| mirror.circle_mm),
         "expanded_um": PerTerm::from_fn(|term| visit.expanded_um(term)),

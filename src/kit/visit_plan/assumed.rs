@@ -10,15 +10,15 @@ findings! {
     Assumed {
         Noise { um: f64 } => Label, "noise of a reading {um} µm (noise_um)";
         NoiseNotStated { um: f64 } => Label, "noise of a reading {um} µm: `noise_um` is not stated";
-        NotIncluded { key: &'static str } => Label, "{key} is not stated and not included in U";
+        NotIncluded { keys: Vec<&'static str> } => Label, "not stated and not included in U: {}", keys.join(", ");
         NotCounted { words: String } => Label, "{words}";
-        LinearAxes { runs: u32, u_um_per_m: PerAxis<f64>, named: Vec<Axis> } => Label, "linear axis: the same laser, {runs} runs in both directions at the positions of the diagonals, so `u_um_per_m` is X {:.2}, Y {:.2}, Z {:.2} (to be stated with the result: without it `separate` gives no U){}", u_um_per_m.x, u_um_per_m.y, u_um_per_m.z, match named.as_slice() {
+        LinearAxes { runs: u32, u_um_per_m: PerAxis<f64>, named: Vec<Axis> } => Label, "linear axis: same laser, {runs} runs both ways, u_um_per_m = {:.2}, {:.2}, {:.2} (X, Y, Z; state it){}", u_um_per_m.x, u_um_per_m.y, u_um_per_m.z, match named.as_slice() {
             [] => String::new(),
-            named => format!("; {} named by the job, without time", Axis::letters(named)),
+            named => format!("; {} named by the job, no time", Axis::letters(named)),
         };
-        Time { feed_mm_per_min: f64, dwell_s: f64, diagonal_min: f64, linear_min: f64 } => Label, "time: {feed_mm_per_min} mm/min, standstill {dwell_s} s, set-up {diagonal_min} min for a diagonal, {linear_min} min for a linear axis; without warming up";
+        Time { feed_mm_per_min: f64, dwell_s: f64, diagonal_min: f64, linear_min: f64 } => Label, "time: {feed_mm_per_min} mm/min, standstill {dwell_s} s, set-up {diagonal_min} min a diagonal, {linear_min} min a linear axis; no warm-up";
         Optics { circle_mm: f64 } => Label, "optics: flat mirror of {circle_mm:.1} mm and the diameter of the beam; retroreflector for linear axes";
-        Reached => Label, "reached: all wanted errors are determined, and U of all their values together (both directions where the reversal is determined) keeps the acceptance; what tables leave comes on top";
+        Reached => Label, "reached: all wanted errors with U of all values together in the limits, before what tables leave";
         OneDirection => Note, "one direction only: the reversal of every axis is mixed into the curves, and U does not hold it";
     }
 }
@@ -68,7 +68,8 @@ impl Design<'_> {
             ("setup_ppm", stated.setup_ppm),
         ];
         let silent = keys.into_iter().filter(|(_, stated)| stated.is_none());
-        let silent = silent.map(|(key, _)| Assumed::NotIncluded { key });
+        let keys: Vec<&str> = silent.map(|(key, _)| key).collect();
+        let silent = (!keys.is_empty()).then_some(Assumed::NotIncluded { keys });
         let not_counted = described.expected.not_counted.sentences().into_iter();
         let not_counted = not_counted.map(|words| Assumed::NotCounted { words });
         [noise]
