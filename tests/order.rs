@@ -313,6 +313,9 @@ fn only_the_command_line_touches_files_environment_and_terminal() {
             if file == "write/emit/templates.rs" && line.contains("std::io::{Error,") {
                 continue; // the engine writes into a text in memory that does not grow beyond a limit
             }
+            if file == "inputs/import/spreadsheet.rs" && line.contains("std::io::Cursor") {
+                continue; // bytes in memory, which the reader of workbooks takes as a file
+            }
             let found = reserved.iter().find(|word| line.contains(**word));
             assert!(found.is_none(), "src/{file}: {line}");
         }

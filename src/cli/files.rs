@@ -90,6 +90,13 @@ pub(super) fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Problems> 
     Ok((STANDARD_INPUT.to_string(), bytes))
 }
 
+/// A form, which may be replaced by what it becomes when it is filled in.
+pub(super) fn read_form(path: &Path) -> Result<(String, Vec<u8>), Problems> {
+    let read = read_argument(path)?;
+    READ.lock().unwrap_or_else(PoisonError::into_inner).pop();
+    Ok(read)
+}
+
 /// How standard input is called.
 pub(super) const STANDARD_INPUT: &str = "standard input";
 

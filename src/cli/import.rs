@@ -1,4 +1,6 @@
-//! `nonius import FILE -o errors.csv`
+//! `nonius import FILE -o errors.csv`, and lists of captures into a form
+
+mod lists;
 
 use crate::cli::files::{file_name, read_argument};
 use crate::cli::outcome::{Content, Outcome, Output};
@@ -21,7 +23,10 @@ use std::path::{Path, PathBuf};
 #[command(mut_arg("output", |arg| arg.required(true)))]
 pub(super) struct Options {
     /// The measurement; `-` = standard input
-    file: PathBuf,
+    #[arg(required_unless_present = "form")]
+    file: Option<PathBuf>,
+    #[command(flatten)]
+    lists: lists::Lists,
     /// Format of the file [default: by what stands in it]
     #[arg(long, value_name = "FORMAT")]
     from: Option<import::Format>,
@@ -36,11 +41,16 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
+    if let Some(form) = &options.lists.form {
+        let said = (options.encoding, &options.stated);
+        return lists::run((form, &options.lists), &options.file, said, &options.output);
+    }
     options.output.ensure_new("the error table")?;
-    let (path, bytes) = read_argument(&options.file)?;
+    let file = options.file.as_deref().unwrap_or(Path::new("-"));
+    let (path, bytes) = read_argument(file)?;
     let file = Measurement {
         path: &path,
-        name: &file_name(&options.file),
+        name: &file_name(file),
         sha256: &sha256(&bytes),
         bytes: &bytes,
     };

@@ -9,11 +9,15 @@
 //! of the first target, sense of the targets, sign, unit) has to be stated; nothing is guessed,
 //! and a statement that contradicts the file is a problem. docs/import.md has the whole list.
 
+mod captures;
 mod columns;
 mod component;
 mod encoding;
 mod findings;
+mod form;
 mod groups;
+mod list_column;
+mod located;
 mod mapping;
 mod parameters;
 mod pos;
@@ -22,9 +26,12 @@ mod reading;
 mod ren;
 mod rtl;
 mod rtl_file;
+#[cfg(feature = "excel")]
+mod spreadsheet;
 pub mod stated;
 mod words;
 
+pub use self::captures::{List, fill};
 pub(crate) use self::component::terms_of;
 pub use self::component::{Component, Kind};
 pub use self::encoding::{Measurement, encoding_word};
@@ -32,7 +39,7 @@ pub use self::reading::Squareness;
 pub use self::rtl::{MeasuredRuns, measured_runs};
 pub use self::stated::Format;
 
-use self::encoding::text_of;
+use self::encoding::{SHA256, SOURCE, text_of};
 pub use self::findings::ImportFinding;
 use self::parameters::is_isg_header;
 use self::reading::{FileContents, unlikely_reversals};
@@ -65,7 +72,7 @@ pub fn import(
     encoding: Option<&'static encoding_rs::Encoding>,
     stated: &Stated,
 ) -> Result<Imported, Problems> {
-    let (source, encoding) = text_of(file, encoding, stated.columns.is_some())?;
+    let (source, encoding) = text_of(file, encoding, stated)?;
     let format = match from {
         Some(format) => format,
         None => recognised(&source, stated)?,
@@ -98,6 +105,12 @@ fn read(format: Format, source: &Source, stated: &Stated) -> Result<FileContents
         Format::Etalon => parameters::read_etalon,
         Format::Isg => parameters::read_isg,
         Format::Columns => columns::read,
+        Format::List => {
+            let message = "a list of captures does not say where they were taken";
+            let help =
+                "name the form that says it, `--form readings.csv` (docs/import.md section 8)";
+            return Err(Problem::new(message).help(help).into());
+        }
     };
     match problems.take(read(source, stated)) {
         Some(reading) if problems.is_empty() => Ok(reading),
@@ -145,10 +158,7 @@ fn comments(
     stated: &Stated,
     reading: &FileContents,
 ) -> Vec<String> {
-    let mut comments = vec![
-        source_comment(file.name, file.sha256),
-        format!("format: {}", described(format)),
-    ];
+    let mut comments = vec![file.comment(), format!("format: {}", described(format))];
     let given = stated.given().into_iter();
     comments.extend(given.map(|(option, value)| format!("stated: {option} {value}")));
     let facts = of_severity(&reading.findings, Severity::Label);
@@ -191,13 +201,6 @@ pub(crate) fn squareness_lines(squareness: &[Squareness]) -> Vec<String> {
 
 fn toml_number(number: f64) -> String {
     format!("{number:?}")
-}
-
-const SOURCE: &str = "source: ";
-const SHA256: &str = " sha256 ";
-
-fn source_comment(name: &str, sha256: &str) -> String {
-    format!("{SOURCE}{name}{SHA256}{sha256}")
 }
 
 /// The file that an error table was imported from, by its comment line: name and SHA-256.

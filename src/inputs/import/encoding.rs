@@ -1,6 +1,9 @@
 //! Bytes → text, and the files that are refused as a whole. UTF-8 and marked UTF-16 show themselves; other
 //! encodings have to be stated.
 
+#[cfg(feature = "excel")]
+use crate::inputs::import::spreadsheet;
+use crate::inputs::import::stated::Stated;
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
 use encoding_rs::{Encoding, GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
@@ -16,6 +19,16 @@ pub struct Measurement<'a> {
     pub sha256: &'a str,
     /// Its bytes.
     pub bytes: &'a [u8],
+}
+
+pub(super) const SOURCE: &str = "source: ";
+pub(super) const SHA256: &str = " sha256 ";
+
+impl Measurement<'_> {
+    /// The comment of a table that was made from it.
+    pub(super) fn comment(&self) -> String {
+        format!("{SOURCE}{}{SHA256}{}", self.name, self.sha256)
+    }
 }
 
 /// Encodings that may be stated, and who writes them.
@@ -51,17 +64,32 @@ fn word(encoding: &'static Encoding) -> String {
 /// stated, the ending of the name says nothing: the file may be the CSV that was asked for.
 pub(super) fn text_of(
     file: Measurement<'_>,
-    stated: Option<&'static Encoding>,
-    is_mapped: bool,
+    encoding: Option<&'static Encoding>,
+    stated: &Stated,
 ) -> Result<(Source, String), Problems> {
+    let is_mapped = stated.columns.is_some();
     let ending = file.name.rsplit_once('.').map_or("", |(_, ending)| ending);
+    #[cfg(feature = "excel")]
+    if is_mapped && SPREADSHEETS.contains(&&*ending.to_ascii_lowercase()) {
+        let text = spreadsheet::text(file.path, file.bytes, stated.sheet.as_deref())?;
+        let said = "a sheet of a workbook".to_string();
+        return Ok((Source::from_bytes(file.path, text.as_bytes())?, said));
+    }
+    if stated.sheet.is_some() {
+        let words = format!(
+            "`--sheet` is stated, but `{}` is not read as a spreadsheet",
+            file.path
+        );
+        let help = "leave it out; spreadsheets are read with a mapping, by a program that was built with `--features excel`";
+        return Err(Problem::new(words).help(help).into());
+    }
     let head = String::from_utf8_lossy(&file.bytes[..file.bytes.len().min(4096)]);
     refuse_kind(
         file,
         stated_kind(&head).unwrap_or(ending),
         &REFUSED[..NOT_TEXT],
     )?;
-    let (source, encoding) = decode(file, stated)?;
+    let (source, encoding) = decode(file, encoding)?;
     let ending = if is_mapped { "" } else { ending };
     refuse_kind(file, stated_kind(&source.text).unwrap_or(ending), &REFUSED)?;
     Ok((source, encoding))
@@ -133,6 +161,8 @@ fn wrong_bytes(path: &str, text: &str, encoding: &'static Encoding) -> Problem {
         .help(format!("state its encoding: {}", others.join(", ")))
 }
 
+const SPREADSHEETS: &[&str] = &["xls", "xlsx", "ods"];
+
 /// Kinds of files by ending or stated type, what they are, and what to export instead; first those that are
 /// no text, or text with bytes between.
 const REFUSED: [(&[&str], &str, &str); 4] = [
@@ -142,7 +172,7 @@ const REFUSED: [(&[&str], &str, &str); 4] = [
         "measure at targets and save static data (`.rtl`)",
     ),
     (
-        &["xls", "xlsx", "ods"],
+        SPREADSHEETS,
         "is a spreadsheet",
         "save it as CSV, and map its columns with `--columns`",
     ),

@@ -63,7 +63,7 @@ pub fn measured_runs(
     stated_encoding: Option<&'static encoding_rs::Encoding>,
     stated: &Stated,
 ) -> Result<MeasuredRuns, Problems> {
-    let (source, encoding) = text_of(file, stated_encoding, false)?;
+    let (source, encoding) = text_of(file, stated_encoding, &Stated::default())?;
     let mut problems = Problems::none();
     let sign = stated.required_sign(&mut problems);
     let Some((passes, said, of_runs)) = passes_of(&source, stated, &mut problems) else {

@@ -27,6 +27,8 @@ pub enum Format {
     Isg,
     /// delimited text with a stated mapping
     Columns,
+    /// captures in order without their places, into a form
+    List,
 }
 
 /// How the values of a compensation table count; others than absolute ones cannot be read.
@@ -65,6 +67,15 @@ pub enum Travel {
     Minus,
     /// Not distinguished
     Both,
+}
+
+/// What the values of a list of captures count from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Counting {
+    /// From the first capture
+    Cumulative,
+    /// From the capture before; the first value is that of the second capture
+    Incremental,
 }
 
 /// The sign before the decimals of a number.
@@ -144,6 +155,16 @@ pub struct Stated {
     /// Whether the instrument brought the readings to 20 °C of the material
     #[arg(long)]
     pub material_corrected: Option<MaterialCorrected>,
+    /// Sheet of a workbook [default: the first one]
+    #[arg(long, value_name = "NAME")]
+    pub sheet: Option<String>,
+    /// What the values of lists count from: the first capture, or the one before
+    #[arg(
+        long,
+        value_name = "cumulative|incremental",
+        hide_possible_values = true
+    )]
+    pub captures: Option<Counting>,
     /// Sign before the decimals of a delimited text, where it does not show
     #[arg(long)]
     pub decimal: Option<Decimal>,
@@ -191,7 +212,7 @@ const WITH_TARGETS: &[Format] = &[Format::Rtl, Format::Ren, Format::Pos, Format:
 const WITH_MATERIAL: &[Format] = &[Format::Rtl, Format::Pos];
 
 /// Every fact, in the order in which the statements are told.
-const FACTS: [&Fact; 14] = [
+const FACTS: [&Fact; 16] = [
     &COLUMNS,
     &AXIS,
     &TERM,
@@ -205,12 +226,14 @@ const FACTS: [&Fact; 14] = [
     &RUNS,
     &ROWS,
     &MATERIAL_CORRECTED,
+    &CAPTURES,
+    &SHEET,
     &DECIMAL,
 ];
 
 pub(super) const COLUMNS: Fact = Fact {
     option: "--columns",
-    formats: &[Format::Columns],
+    formats: &[Format::Columns, Format::List],
     value: |stated| stated.columns.as_ref().map(|c| format!("\"{c}\"")),
     why: "which column holds what cannot be seen from the file",
     add: "add the mapping, e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`",
@@ -306,9 +329,29 @@ pub(super) const MATERIAL_CORRECTED: Fact = Fact {
     why: "the file notes a temperature of the material, but not whether the readings were brought to 20 °C",
     add: "add `--material-corrected yes` (the instrument did it), `no`, or `not-stated`",
 };
-const DECIMAL: Fact = Fact {
+const SHEET: Fact = Fact {
+    option: "--sheet",
+    formats: &[Format::Columns, Format::List],
+    value: |stated| stated.sheet.clone(),
+    why: "the first sheet is read",
+    add: "add the name of the sheet, e.g. `--sheet Readings`",
+};
+/// The same of lists.
+pub(super) const LIST_COLUMNS: Fact = Fact {
+    why: "what the lists hold, in which unit and in which column cannot be seen from them",
+    add: "add e.g. `--columns \"#1=displacement_mm\"`: the first column holds the readings, mm",
+    ..COLUMNS
+};
+pub(super) const CAPTURES: Fact = Fact {
+    option: "--captures",
+    formats: &[Format::List],
+    value: |stated| stated.captures.map(word),
+    why: "a list does not say whether its values count from the first capture or from the one before",
+    add: "add `--captures cumulative`, or `--captures incremental` if the first value is that of the second capture",
+};
+pub(super) const DECIMAL: Fact = Fact {
     option: "--decimal",
-    formats: &[Format::Columns],
+    formats: &[Format::Columns, Format::List],
     value: |stated| stated.decimal.map(word),
     why: "no number of the file shows what its comma means",
     add: "add `--decimal comma` or `--decimal point`",

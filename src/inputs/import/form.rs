@@ -1,0 +1,148 @@
+//! A form of readings, as `nonius new` and `nonius program` write it: its rows are the captures in their order,
+//! and the cells of its last column are empty.
+
+use crate::inputs::import::located::Expected;
+use crate::quantity::diagonal::Diagonal;
+use crate::quantity::units::{MM_PER_INCH, UM_PER_MM};
+use crate::text::delimited::{Line, header_and_rows, plain_number};
+use crate::text::document::Source;
+use crate::text::problem::{Problem, Problems, shown};
+use std::borrow::Cow;
+
+/// A form whose values are empty.
+pub(super) struct Form<'a> {
+    pub(super) header: Line<'a>,
+    names: Vec<Cow<'a, str>>,
+    pub(super) rows: Vec<Row<'a>>,
+}
+
+/// One capture.
+pub(super) struct Row<'a> {
+    pub(super) line: Line<'a>,
+    cells: Vec<Cow<'a, str>>,
+    /// Of which diagonal; `None` = of one axis.
+    pub(super) of: Option<Diagonal>,
+    /// Target of an axis, µm; 0 of a diagonal.
+    pub(super) target_um: f64,
+}
+
+/// The column that numbers the steps of a diagonal by the axis that moved.
+const MOVED: &str = "moved";
+const DIAGONAL: &str = "diagonal";
+const TARGETS: [(&str, f64); 2] = [
+    ("target_mm", UM_PER_MM),
+    ("target_in", MM_PER_INCH * UM_PER_MM),
+];
+const HELP: &str = "name `readings.csv` of `nonius new` or `nonius program`, or a `readings-x.csv`, with its last column empty";
+
+impl<'a> Form<'a> {
+    pub(super) fn read(source: &'a Source) -> Result<Form<'a>, Problems> {
+        let Some((header, lines)) = header_and_rows(source) else {
+            let message = format!("`{}` is no form of readings", source.name);
+            return Err(Problem::new(message).help(HELP).into());
+        };
+        let mut form = Form {
+            names: header.cells(),
+            header,
+            rows: Vec::new(),
+        };
+        let holds_values = |name: &Cow<'_, str>| {
+            name.starts_with("displacement_") || name.starts_with("deviation_")
+        };
+        if !form.names.last().is_some_and(holds_values)
+            || form.of_axis() == form.column(DIAGONAL).is_some()
+        {
+            return Err(refused(&header, "this is no header of a form of readings").into());
+        }
+        let mut problems = Problems::none();
+        for line in lines {
+            let cells = line.cells_under(form.names.len(), &mut problems);
+            let row = cells.map(|cells| form.row(line, cells).map_err(Problems::from));
+            form.rows.extend(row.and_then(|row| problems.take(row)));
+        }
+        problems.or_ok(form)
+    }
+
+    fn row(&self, line: Line<'a>, cells: Vec<Cow<'a, str>>) -> Result<Row<'a>, Problem> {
+        if cells.last().is_some_and(|value| !value.is_empty()) {
+            return Err(refused(
+                &line,
+                "the form holds a value already, expected an empty cell",
+            ));
+        }
+        let cell = |name: &str| self.column(name).map(|index| &*cells[index]);
+        let of = cell(DIAGONAL)
+            .and_then(Diagonal::from_name)
+            .map(|(of, _)| of);
+        let target = TARGETS
+            .iter()
+            .find_map(|(name, um)| Some(plain_number(cell(name)?)? * um));
+        if of.is_none() && target.is_none() {
+            return Err(refused(&line, "this row names no capture"));
+        }
+        let target_um = target.unwrap_or_default();
+        Ok(Row {
+            line,
+            cells,
+            of,
+            target_um,
+        })
+    }
+
+    fn column(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|own| own == name)
+    }
+
+    /// Whether it is that of one axis, with its targets.
+    pub(super) fn of_axis(&self) -> bool {
+        TARGETS.iter().any(|(name, _)| self.column(name).is_some())
+    }
+
+    /// The captures of one list.
+    pub(super) fn rows_of(&self, of: Option<Diagonal>) -> Vec<&Row<'a>> {
+        self.rows.iter().filter(|row| row.of == of).collect()
+    }
+
+    /// A capture, as a person finds it in the form.
+    pub(super) fn name(&self, row: &Row<'_>) -> String {
+        let named = self.names.iter().zip(&row.cells);
+        let named = named.filter(|(name, cell)| !cell.is_empty() && *name != DIAGONAL);
+        let named: Vec<String> = named
+            .map(|(name, cell)| format!("{name} {}", shown(cell)))
+            .collect();
+        named.join(", ")
+    }
+
+    /// What is expected of the values of one list; with targets they hold the way there.
+    pub(super) fn expected(&self, rows: &[&Row<'_>], with_targets: bool) -> Expected {
+        let cell = |row: &Row<'_>, name: &str| {
+            self.column(name)
+                .map_or("", |index| &row.cells[index])
+                .to_string()
+        };
+        let place = |row: &Row<'_>| (cell(row, "node"), row.target_um.to_bits());
+        let pass = |row: &Row<'_>| (cell(row, "run"), cell(row, "direction"));
+        let is_twin = |one: &Row<'_>, other: &Row<'_>| {
+            place(one) == place(other) && pass(one).1 == pass(other).1
+        };
+        let begins = |at: usize| at == 0 || pass(rows[at]) != pass(rows[at - 1]);
+        let turns = |at: usize| at > 0 && begins(at) && place(rows[at]) == place(rows[at - 1]);
+        let twin = |at: usize| {
+            (0..at)
+                .rev()
+                .find(|before| is_twin(rows[*before], rows[at]))
+        };
+        let nominal = |row: &&Row<'_>| if with_targets { row.target_um } else { 0.0 };
+        Expected {
+            begins: (0..rows.len()).map(begins).collect(),
+            turns: (0..rows.len()).map(turns).collect(),
+            twins: (0..rows.len()).map(twin).collect(),
+            nominal_um: rows.iter().map(nominal).collect(),
+            period: if self.column(MOVED).is_some() { 3 } else { 1 },
+        }
+    }
+}
+
+fn refused(line: &Line<'_>, what: &str) -> Problem {
+    Problem::new(what).at(line.whole()).help(HELP)
+}

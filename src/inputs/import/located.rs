@@ -1,0 +1,220 @@
+//! Where a list has one value too few or too many: the place at which the rest fits best.
+//!
+//! Along a pass the increment from one capture to the next varies slowly, in steps of one axis at a time from
+//! each third one to the next. A list that is off by one behind a place breaks that there, so the squares of
+//! these differences are added up for every place that it can be.
+
+use crate::quantity::units::Squared;
+use std::ops::Add;
+
+/// What a reading scatters at least, µm: the last digit of a laser.
+const LEAST_SCATTER_UM: f64 = 0.01;
+/// A place that is less likely than the best one by this factor is not named.
+const NOT_NAMED: f64 = 20.0;
+/// Differences without which nothing can be told.
+const LEAST_DIFFERENCES: f64 = 4.0;
+
+/// The captures that were expected, in their order.
+pub(super) struct Expected {
+    /// Whether a pass begins with each.
+    pub(super) begins: Vec<bool>,
+    /// Whether each is taken where the one before was, moving the other way.
+    pub(super) turns: Vec<bool>,
+    /// The same capture in the run before.
+    pub(super) twins: Vec<Option<usize>>,
+    /// What of its value is its place, µm.
+    pub(super) nominal_um: Vec<f64>,
+    /// After how many captures the same axis moves again.
+    pub(super) period: usize,
+}
+
+/// A reversal may be larger than the scatter by this factor.
+const REVERSAL_BY_SCATTER: f64 = 100.0;
+
+/// The likely places, best first, and how much likelier they are together than all others.
+pub(super) struct Located {
+    pub(super) places: Vec<usize>,
+    pub(super) odds: f64,
+}
+
+/// Squares of differences that are linear in one unknown value x, `(a + b·x)²`, added up.
+#[derive(Clone, Copy, Default)]
+struct Misfit {
+    aa: f64,
+    ab: f64,
+    bb: f64,
+    count: f64,
+}
+
+impl Add for Misfit {
+    type Output = Misfit;
+
+    fn add(self, other: Misfit) -> Misfit {
+        Misfit {
+            aa: self.aa + other.aa,
+            ab: self.ab + other.ab,
+            bb: self.bb + other.bb,
+            count: self.count + other.count,
+        }
+    }
+}
+
+impl Misfit {
+    /// The mean square with the unknown value that fits best, and the scatter of a reading.
+    fn mean(self) -> f64 {
+        let taken = match self.bb > 0.0 {
+            true => self.ab.squared() / self.bb,
+            false => 0.0,
+        };
+        (self.aa - taken).max(0.0) / self.count.max(1.0) + LEAST_SCATTER_UM.squared()
+    }
+}
+
+impl Expected {
+    /// Which capture has no value: `values` are one fewer than the captures. The value of that capture is the
+    /// unknown one, so that the way over the gap counts.
+    pub(super) fn missing(&self, values: &[f64]) -> Option<Located> {
+        let captures = self.begins.len();
+        self.located(captures, |at, place, unknown| match at.cmp(&place) {
+            std::cmp::Ordering::Less => values.get(at).copied(),
+            std::cmp::Ordering::Equal => Some(self.nominal_um[at] + unknown),
+            std::cmp::Ordering::Greater => values.get(at - 1).copied(),
+        })
+    }
+
+    /// Which value belongs to no capture: `values` are one more than the captures.
+    pub(super) fn surplus(&self, values: &[f64]) -> Option<Located> {
+        self.located(values.len(), |at, place, _| {
+            values.get(at + usize::from(at >= place)).copied()
+        })
+    }
+
+    /// `value(at, place, unknown)` = that of capture `at` where the list goes wrong at `place`.
+    fn located(
+        &self,
+        places: usize,
+        value: impl Fn(usize, usize, f64) -> Option<f64>,
+    ) -> Option<Located> {
+        let captures = self.begins.len();
+        let back = self
+            .twins
+            .iter()
+            .enumerate()
+            .filter_map(|(at, twin)| Some(at - (*twin)?));
+        let reach = 2 + back.fold(self.period, usize::max); // captures that one difference takes, beyond its last
+        let term = |at: usize, place: usize| self.term(at, |at, unknown| value(at, place, unknown));
+        let mut before = vec![Misfit::default()]; // of the captures before each, nothing wrong so far
+        let mut behind = vec![Misfit::default(); captures + 1]; // from each on, all of them off by one
+        for at in 0..captures {
+            before.push(before[at] + term(at, usize::MAX));
+        }
+        for at in (0..captures).rev() {
+            behind[at] = behind[at + 1] + term(at, 0);
+        }
+        let mean = |place: usize| {
+            let first = place.min(captures);
+            let end = (first + reach).min(captures);
+            let around = (first..end).map(|at| term(at, place));
+            around.fold(before[first] + behind[end], Misfit::add)
+        };
+        weighed(&(0..places).map(mean).collect::<Vec<Misfit>>())
+    }
+
+    /// The square of the difference of two increments of the same kind.
+    fn term(&self, at: usize, value: impl Fn(usize, f64) -> Option<f64>) -> Misfit {
+        let difference = |unknown: f64| {
+            let error = |at: usize| Some(value(at, unknown)? - self.nominal_um[at]);
+            let increment = |at: usize| Some(error(at)? - error(at - 1)?);
+            if self.turns[at] {
+                return Some(increment(at)? / REVERSAL_BY_SCATTER);
+            }
+            let other = self.twins[at].or(at.checked_sub(self.period))?;
+            let same_pass =
+                self.twins[at].is_some() || !self.begins[other + 1..=at].contains(&true);
+            let increments = !self.begins[at] && !self.begins[other] && same_pass;
+            increments
+                .then(|| Some(increment(at)? - increment(other)?))
+                .flatten()
+        };
+        let Some((a, whole)) = difference(0.0).zip(difference(1.0)) else {
+            return Misfit::default();
+        };
+        let b = whole - a;
+        Misfit {
+            aa: a.squared(),
+            ab: a * b,
+            bb: b.squared(),
+            count: 1.0,
+        }
+    }
+}
+
+/// Likelihoods of normal scatter of unknown size. Each reading is in several differences, so half as many are
+/// counted as independent.
+fn weighed(misfits: &[Misfit]) -> Option<Located> {
+    let all = misfits.iter().map(|own| own.count).fold(0.0, f64::max);
+    let likelihood = |own: &Misfit| -0.5 * (all / 2.0) * own.mean().ln();
+    let logs: Vec<f64> = misfits.iter().map(likelihood).collect();
+    let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weight = |place: &usize| (logs[*place] - best).exp();
+    let (mut places, others): (Vec<usize>, Vec<usize>) =
+        (0..logs.len()).partition(|place| weight(place) * NOT_NAMED >= 1.0);
+    places.sort_by(|one, other| logs[*other].total_cmp(&logs[*one]));
+    let sum = |places: &[usize]| places.iter().map(weight).sum::<f64>();
+    let odds = sum(&places) / sum(&others).max(f64::MIN_POSITIVE);
+    (all >= LEAST_DIFFERENCES).then_some(Located { places, odds })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
+
+    use super::Expected;
+
+    /// Three axes in turn with steps of 20, 16 and 16 mm, a bow, and a scatter of some tenths of a µm.
+    fn walk(captures: u32) -> Vec<f64> {
+        let mut sum = 0.0;
+        let values = (0..captures).map(|k| {
+            let scatter = f64::from(k * 7919 % 13) / 20.0;
+            let step = [16_000.0, 20_000.0, 16_000.0][k as usize % 3];
+            sum += if k == 0 {
+                0.0
+            } else {
+                step + 0.02 * f64::from(k)
+            };
+            sum + scatter
+        });
+        values.collect()
+    }
+
+    #[test]
+    fn the_place_of_a_missing_or_doubled_capture_is_found() {
+        let whole = walk(61);
+        let expected = Expected {
+            begins: (0..61).map(|at| at == 0).collect(),
+            turns: vec![false; 61],
+            twins: vec![None; 61],
+            nominal_um: vec![0.0; 61],
+            period: 3,
+        };
+        for place in [0, 1, 2, 17, 30, 58, 59, 60] {
+            let mut values = whole.clone();
+            values.remove(place);
+            let found = expected.missing(&values).expect("there are enough values");
+            assert!(
+                found.places.contains(&place),
+                "missing {place}: {:?}",
+                found.places
+            );
+            let mut values = whole.clone();
+            values.insert(place, whole[place] + 0.1);
+            let found = expected.surplus(&values).expect("there are enough values");
+            assert!(
+                found.places.contains(&place),
+                "twice {place}: {:?}",
+                found.places
+            );
+            assert!(found.places.len() <= 2 && found.odds > 1e6, "twice {place}");
+        }
+    }
+}
