@@ -327,11 +327,11 @@ fn a_list_of_a_real_axis_misses_the_capture_that_was_taken_out() {
         (first - (rows[0][11] - rows[0][1]) * 1000.0).abs() < 1e-6,
         "{first}"
     );
-    for place in 0..whole.len() {
+    for (place, name) in names.iter().enumerate() {
         let mut values = whole.clone();
         values.remove(place);
         let said = filled(&values).expect_err("one is missing");
-        assert!(said.contains(&names[place]), "{}: {said}", names[place]);
+        assert!(said.contains(name), "{name}: {said}");
     }
 }
 

@@ -164,9 +164,9 @@ fn reading(
     };
     let errors = |node: usize, is_back: bool| {
         let mut sum = [0.0; 3];
-        for axis in 0..3 {
+        for (axis, sign) in signs.iter().enumerate() {
             // The deviation of an axis that comes back the other way is that of its own sense of travel.
-            let of_axis = deviations(axis, place(axis, node), is_back != (signs[axis] < 0.0));
+            let of_axis = deviations(axis, place(axis, node), is_back != (*sign < 0.0));
             for (sum, own) in sum.iter_mut().zip(of_axis) {
                 *sum += own;
             }
