@@ -48,6 +48,8 @@ struct Arguments {
 }
 
 const EXAMPLES: &str = "Examples:
+  nonius new --controller siemens-840d-sl --travel 800,500,400 -o visit
+                                        begin: a job and a table, to be filled in
   nonius generate job.toml -o kit       make the files for the control, with a forecast
   nonius verify job.toml --tables kit   read them back and judge them
   nonius verify job.toml --tables kit --after after.csv
@@ -93,7 +95,7 @@ enum Command {
     Program(program::Options),
     /// Predict the readings of a measurement with the tables active: a rehearsal, no measurement
     Simulate(simulate::Options),
-    /// Turn another maker's measurement into an error table
+    /// Turn another maker's measurement into an error table, or lists of captures into readings
     Import(import::Options),
     /// Figures by standard: ISO 230-2 and VDI/DGQ 3441 of one axis, ISO 230-6 of the body diagonals
     Standards(standards::Options),

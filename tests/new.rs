@@ -92,8 +92,9 @@ fn fill_in_errors(at: &Path) {
 fn begun(at: &Path, id: &str, more: &str) {
     let travel = "--travel 800,500,-400:0";
     let command = format!("new --controller {id} {travel} {more} -o visit");
-    let (status, _, said) = ended(at, &command);
+    let (status, page, said) = ended(at, &command);
     assert_eq!(status, Some(0), "{id}: {said}");
+    assert!(page.contains("Z -400 … 0 mm"), "{page}");
     assert!(said.contains("visit/job.toml") || cfg!(windows), "{said}");
 }
 

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(mut_arg("output", |arg| arg.required(true)))]
 pub(super) struct Options {
-    /// The measurement; `-` = standard input
+    /// The measurement, or with a form the list of an axis; `-` = standard input
     #[arg(required_unless_present = "form")]
     file: Option<PathBuf>,
     #[command(flatten)]

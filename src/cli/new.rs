@@ -5,6 +5,7 @@ use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, shell_word};
 use crate::kit::visit::{JOB, Visit};
 use crate::quantity::axis::PerAxis;
+use crate::quantity::units::Figure;
 use crate::text::document::LONGEST_MM;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
@@ -77,6 +78,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
             profile.name,
             visit.table_name()
         ),
+        always: vec![travel_words(&visit)],
         ..Screen::default()
     };
     let talk = format!(
@@ -90,6 +92,18 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     options
         .output
         .deliver_files(outcome, &[table], (JOB, job.as_bytes()), talk)
+}
+
+/// What a length was taken for: where an axis counts from elsewhere, every position would be another one.
+fn travel_words(visit: &Visit<'_>) -> String {
+    let ends = visit.travel.iter();
+    let ends =
+        ends.map(|(axis, (low, high))| format!("{axis} {} … {} mm", Figure(*low), Figure(*high)));
+    let ends: Vec<String> = ends.collect();
+    format!(
+        "travel in machine coordinates: {}; compare it with the machine (an axis that counts from another zero: `--travel` with LOW:HIGH)",
+        ends.join(", ")
+    )
 }
 
 /// The commands that follow.

@@ -19,14 +19,17 @@ pub(super) struct Lists {
     /// Fill in these readings, as `new` and `program` write them, from lists of captures
     #[arg(long)]
     pub(super) form: Option<PathBuf>,
-    /// List of the diagonal PPP; likewise the next three
+    /// With a form: the list of the diagonal PPP
     #[arg(long, value_name = "FILE", requires = "form")]
     ppp: Option<PathBuf>,
-    #[arg(long, value_name = "FILE", requires = "form", help = "")]
+    /// With a form: that of NPP
+    #[arg(long, value_name = "FILE", requires = "form")]
     npp: Option<PathBuf>,
-    #[arg(long, value_name = "FILE", requires = "form", help = "")]
+    /// With a form: that of PNP
+    #[arg(long, value_name = "FILE", requires = "form")]
     pnp: Option<PathBuf>,
-    #[arg(long, value_name = "FILE", requires = "form", help = "")]
+    /// With a form: that of PPN
+    #[arg(long, value_name = "FILE", requires = "form")]
     ppn: Option<PathBuf>,
 }
 
