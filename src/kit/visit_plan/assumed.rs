@@ -2,6 +2,7 @@
 
 use super::design::{Design, NOISE_UM};
 use super::variant::Visit;
+use crate::judge::findings::joined;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::finding::{Finding, findings};
 
@@ -19,6 +20,7 @@ findings! {
         Time { feed_mm_per_min: f64, dwell_s: f64, diagonal_min: f64, linear_min: f64 } => Label, "time: {feed_mm_per_min} mm/min, standstill {dwell_s} s, set-up {diagonal_min} min a diagonal, {linear_min} min a linear axis; no warm-up";
         Optics { circle_mm: f64 } => Label, "optics: flat mirror of {circle_mm:.1} mm and the diameter of the beam; retroreflector for linear axes";
         Reached => Label, "reached: all wanted errors with U of all values together in the limits, before what tables leave";
+        NoU { terms: String } => Note, "U is not known for {terms}: with `setup = \"assume-perfect\"` state `tilt_arcsec`, or solve for the set-up; a beam needs `u_um_per_m`";
         OneDirection => Note, "one direction only: the reversal of every axis is mixed into the curves, and U does not hold it";
     }
 }
@@ -85,9 +87,12 @@ impl Visit {
     pub(crate) fn shortcomings(&self) -> Vec<Finding> {
         let ranges = self.short_ranges().into_iter();
         let ranges = ranges.map(|words| Assumed::NotCounted { words }.into());
+        let missing = self.expected.missing();
+        let no_u = joined(self.open.iter().filter(|term| !missing.contains(term)));
+        let no_u = (!no_u.is_empty()).then(|| Assumed::NoU { terms: no_u }.into());
         let open = self.expected.undetermined.iter().cloned();
         let one_way = !self.variant.run.bidirectional;
         let one_way = one_way.then(|| Assumed::OneDirection.into());
-        ranges.chain(open).chain(one_way).collect()
+        ranges.chain(no_u).chain(open).chain(one_way).collect()
     }
 }

@@ -56,15 +56,11 @@ impl<'a> Design<'a> {
         times: SetUpTimes,
     ) -> Result<Design<'a>, Problems> {
         ensure_axes(job)?;
-        let is_step = |run: &&ProgramRequest| run.what == RunType::StepDiagonal;
-        let program = job.program.as_ref().filter(is_step);
         let measured = match &job.measurement.data {
             MeasuredData::Diagonals(how) if how.kind == PathKind::Step => Some(how),
             _ => None,
         };
-        let run = program.cloned();
-        let run = run.or_else(|| measured.map(ProgramRequest::of_measurement));
-        let run = run.ok_or_else(|| no_run(job))?;
+        let run = described_run(job, measured)?;
         let stated = job.measurement.uncertainty;
         Ok(Design {
             measurement: measured.map_or_else(|| usual(&run), Clone::clone),
@@ -230,6 +226,17 @@ fn as_named(
         u_um_per_m,
     };
     (linear, table)
+}
+
+/// The run of `[program]` where it walks step diagonals, else that of the measurement.
+fn described_run(
+    job: &Job,
+    measured: Option<&DiagonalMeasurement>,
+) -> Result<ProgramRequest, Problem> {
+    let is_step = |run: &&ProgramRequest| run.what == RunType::StepDiagonal;
+    let program = job.program.as_ref().filter(is_step).cloned();
+    let run = program.or_else(|| measured.map(ProgramRequest::of_measurement));
+    run.ok_or_else(|| no_run(job))
 }
 
 /// A diagonal moves all three axes.
