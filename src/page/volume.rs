@@ -88,11 +88,10 @@ fn longest_of(model: &VolumeModel) -> f64 {
 }
 
 fn view(side: &Side<'_>, longest_um: f64) -> Panel {
-    let ends = ends(side.model);
-    let travel = ends
-        .iter()
-        .map(|(_, (low, high))| high - low)
-        .fold(0.0, larger);
+    let seen = Volume {
+        ends: ends(side.model),
+    };
+    let travel = seen.travel();
     let mm_per_um = if longest_um > 0.0 {
         LONGEST * travel / longest_um
     } else {
@@ -102,42 +101,23 @@ fn view(side: &Side<'_>, longest_um: f64) -> Panel {
         let error = side.model.error_at(place);
         [projected(place), projected(error.times(mm_per_um))]
     });
-    let corner = |x: usize, y: usize, z: usize| {
-        let end = |(low, high): (f64, f64), n: usize| if n == 0 { low } else { high };
-        projected(PerAxis {
-            x: end(ends.x, x),
-            y: end(ends.y, y),
-            z: end(ends.z, z),
-        })
-    };
-    let mut marks: Vec<Mark> = EDGES
-        .iter()
-        .map(|[(a, b, c), (d, e, f)]| Mark::Edge(vec![corner(*a, *b, *c), corner(*d, *e, *f)]))
-        .collect();
-    let outer = 0.09 * travel;
-    let names = [
-        ("X", corner(1, 0, 0), (0.0, -outer)),
-        ("Y", corner(1, 1, 0), (outer, -outer / 2.0)),
-        ("Z", corner(0, 0, 1), (-outer, 0.0)),
-    ];
-    for (name, at, (dx, dy)) in names {
-        marks.push(Mark::Words((at.0 + dx, at.1 + dy), name.to_string()));
-    }
-    marks.push(Mark::Arrows(side.ink, arrows.collect()));
-    let corners = [
-        corner(0, 0, 0),
-        corner(1, 1, 1),
-        corner(1, 0, 0),
-        corner(0, 1, 1),
-    ];
-    let [(left, _), (right, _), (_, low), (_, high)] = corners;
     let room = LONGEST * travel / 2.0;
-    let (left, right, low, high) = (left - room, right + room, low - room, high + room);
+    let (left, low) = (
+        seen.corner([0, 0, 0]).0 - room,
+        seen.corner([1, 0, 0]).1 - room,
+    );
+    let (right, high) = (
+        seen.corner([1, 1, 1]).0 + room,
+        seen.corner([0, 1, 1]).1 + room,
+    );
+    let mut marks = seen.marks();
+    marks.push(Mark::Arrows(side.ink, arrows.collect()));
     let unit = below(longest_um);
-    let bar = [(left, low), (left + unit * mm_per_um, low)];
-    marks.push(Mark::Edge(bar.to_vec()));
+    let end = left + unit * mm_per_um;
+    marks.push(Mark::Edge(vec![(left, low), (end, low)]));
+    let middle = f64::midpoint(left, end);
     marks.push(Mark::Words(
-        (left + unit * mm_per_um / 2.0, low + 0.03 * travel),
+        (middle, low + 0.03 * travel),
         format!("{unit} µm"),
     ));
     Panel {
@@ -149,21 +129,52 @@ fn view(side: &Side<'_>, longest_um: f64) -> Panel {
     }
 }
 
-/// The edges of a box.
-const EDGES: [[(usize, usize, usize); 2]; 12] = [
-    [(0, 0, 0), (1, 0, 0)],
-    [(0, 1, 0), (1, 1, 0)],
-    [(0, 0, 1), (1, 0, 1)],
-    [(0, 1, 1), (1, 1, 1)],
-    [(0, 0, 0), (0, 1, 0)],
-    [(1, 0, 0), (1, 1, 0)],
-    [(0, 0, 1), (0, 1, 1)],
-    [(1, 0, 1), (1, 1, 1)],
-    [(0, 0, 0), (0, 0, 1)],
-    [(1, 0, 0), (1, 0, 1)],
-    [(0, 1, 0), (0, 1, 1)],
-    [(1, 1, 0), (1, 1, 1)],
-];
+/// The box of the measured volume, as it is seen.
+struct Volume {
+    ends: PerAxis<(f64, f64)>,
+}
+
+impl Volume {
+    fn travel(&self) -> f64 {
+        let lengths = self.ends.iter().map(|(_, (low, high))| high - low);
+        lengths.fold(0.0, larger)
+    }
+
+    /// 0 = the low end of X, Y, Z, 1 = the high one.
+    fn corner(&self, [x, y, z]: [u8; 3]) -> (f64, f64) {
+        let end = |(low, high): (f64, f64), n: u8| if n == 0 { low } else { high };
+        projected(PerAxis {
+            x: end(self.ends.x, x),
+            y: end(self.ends.y, y),
+            z: end(self.ends.z, z),
+        })
+    }
+
+    /// Twelve edges, and the names of the axes at their ends.
+    fn marks(&self) -> Vec<Mark> {
+        let mut marks = Vec::new();
+        for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            for edge in [
+                [[0, a, b], [1, a, b]],
+                [[a, 0, b], [a, 1, b]],
+                [[a, b, 0], [a, b, 1]],
+            ] {
+                marks.push(Mark::Edge(edge.map(|corner| self.corner(corner)).to_vec()));
+            }
+        }
+        let outer = 0.09 * self.travel();
+        let names = [
+            ("X", [1, 0, 0], (0.0, -outer)),
+            ("Y", [1, 1, 0], (outer, -outer / 2.0)),
+            ("Z", [0, 0, 1], (-outer, 0.0)),
+        ];
+        for (name, corner, (dx, dy)) in names {
+            let (x, y) = self.corner(corner);
+            marks.push(Mark::Words((x + dx, y + dy), name.to_string()));
+        }
+        marks
+    }
+}
 
 /// Share of all pairs of nodes in each bin, %.
 fn distribution(sides: &[Side<'_>]) -> Option<Panel> {
