@@ -79,6 +79,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         control: &inputs.profile.name,
         is_rehearsal: inputs.as_measured().remarks.simulated().next().is_some(),
         is_measured: options.after.is_some(),
+        asked: page.asked(),
         documents: visit.documents,
         sizes: visit.sizes,
         pictures: visit.pictures,

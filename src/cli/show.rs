@@ -189,7 +189,7 @@ pub(super) fn verdict(
 }
 
 /// The limits of the job, and what they are judged over; empty without limits.
-fn asked(job: &Job, forecast: Option<&Forecast>) -> String {
+pub(super) fn asked(job: &Job, forecast: Option<&Forecast>) -> String {
     let acceptance = job.acceptance;
     let deviation = acceptance.max_deviation_um.map(|um| {
         let terms = forecast.map_or_else(|| "every term".to_string(), Forecast::terms_words);

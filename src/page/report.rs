@@ -56,6 +56,8 @@ pub struct Report<'a> {
     pub is_rehearsal: bool,
     /// Whether the tables were measured.
     pub is_measured: bool,
+    /// The limits, and all that the verdict rests on and does not count: a sentence of `verify`.
+    pub asked: String,
     /// The JSON of each command, by its name.
     pub documents: Vec<(&'static str, Value)>,
     /// Name and size of the files of the tables, bytes.
@@ -213,7 +215,7 @@ impl Report<'_> {
             "kind": word,
             "word": self.t(word),
             "of": self.t(if self.is_measured { "of_measurement" } else { "of_forecast" }),
-            "asked": asked.collect::<Vec<_>>(),
+            "asked": asked.chain([escaped(&self.asked)]).collect::<Vec<_>>(),
             "because": self.sentences("verify", "/causes", 3),
         })
     }

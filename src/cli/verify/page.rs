@@ -113,6 +113,11 @@ impl Page<'_> {
         terms(&heading, &curves).map_err(|e| cannot_emulate(&e))
     }
 
+    /// The limits, and all that the verdict rests on and does not count.
+    pub(in crate::cli) fn asked(&self) -> String {
+        show::asked(&self.inputs.job, self.judged())
+    }
+
     /// Of each plane whose two terms were measured, as found and as left.
     fn squareness(&self) -> Value {
         let as_left = self.as_left();
