@@ -129,6 +129,26 @@ fn every_figure_is_that_of_its_command() {
     check_figures(&left, job, &kit, Some(after));
 }
 
+/// Each family, with a second measurement: its page is as long as it gets.
+#[test]
+fn it_works_for_every_control() {
+    let folder = tempfile::tempdir().expect("a place to write to");
+    for id in [
+        "siemens-828d",
+        "fanuc-30i",
+        "fanuc-0i-f",
+        "fanuc-16i",
+        "generic",
+    ] {
+        let job = format!("fixtures/nine_errors_900/{id}.toml");
+        let kit = kit(&folder.path().join(id), &job);
+        let after = "fixtures/nine_errors_900/errors.csv";
+        let tables = kit.to_str().expect("a name");
+        let left = page(&[&job, "--tables", tables, "--after", after]);
+        check_figures(&left, &job, &kit, Some(after));
+    }
+}
+
 #[test]
 fn it_works_from_errors_or_readings_alone_in_every_language() {
     for job in [

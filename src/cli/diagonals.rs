@@ -67,15 +67,15 @@ impl StandardFigures {
         each.map(|((name, runs), figures)| (*name, runs, figures))
     }
 
-    /// Means and bands along each diagonal.
-    pub(super) fn picture(&self, heading: &str) -> Picture {
+    /// Means and bands along each diagonal, with words for its length.
+    pub(super) fn picture(&self, heading: &str, across: &str) -> Picture {
         let each = self
             .runs
             .iter()
             .map(|(name, runs)| (name.to_string(), figures(runs)));
         let each: Vec<_> = each.collect();
         let named: Vec<_> = each.iter().map(|(name, of)| (name.clone(), of)).collect();
-        targets(heading, "along the diagonal / mm", &named)
+        targets(heading, across, &named)
     }
 
     /// Every figure of a diagonal by its name in the standards.

@@ -80,7 +80,8 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
 pub(super) fn diagonals(separation: &Separation) -> Result<Picture, Problems> {
     let runs = &separation.zeroed_runs;
     let figures = StandardFigures::of(&separation.volume, PathKind::Step, runs)?;
-    Ok(figures.picture("Readings along the body diagonals, corrected"))
+    let heading = "Readings along the body diagonals, corrected";
+    Ok(figures.picture(heading, "along the diagonal / mm"))
 }
 
 fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome, Problems> {

@@ -85,8 +85,28 @@ struct Part {
 #[derive(Serialize)]
 struct Table {
     head: Vec<String>,
-    rows: Vec<Vec<String>>,
+    rows: Vec<Row>,
     is_words: bool,
+}
+
+#[derive(Serialize)]
+struct Row {
+    cells: Vec<String>,
+}
+
+impl Table {
+    fn new(
+        head: Vec<String>,
+        rows: impl IntoIterator<Item = Vec<String>>,
+        is_words: bool,
+    ) -> Table {
+        let rows = rows.into_iter().map(|cells| Row { cells });
+        Table {
+            head,
+            rows: rows.collect(),
+            is_words,
+        }
+    }
 }
 
 impl Report<'_> {
@@ -212,7 +232,7 @@ impl Report<'_> {
             .into_iter()
             .filter_map(|(key, um)| Some(format!("{}: \u{2264} {} µm", self.t(key), um?)));
         json!({
-            "kind": word,
+            "kind": if self.is_measured || word != "pass" { word } else { "forecast" },
             "word": self.t(word),
             "of": self.t(if self.is_measured { "of_measurement" } else { "of_forecast" }),
             "asked": asked.chain([escaped(&self.asked)]).collect::<Vec<_>>(),
@@ -337,11 +357,7 @@ impl Report<'_> {
         let nodes = [0, 1, 2].map(|n| self.figure("assess", &format!("/grid/{n}"), Kind::Count));
         Part {
             words: vec![format!("{}: {}", self.t("grid"), nodes.join(" × "))],
-            tables: vec![Table {
-                head,
-                rows: rows.to_vec(),
-                is_words: false,
-            }],
+            tables: vec![Table::new(head, rows, false)],
             ..self.part("volume")
         }
     }
@@ -363,11 +379,7 @@ impl Report<'_> {
         });
         let residual = format!("{}, {}", self.t("residual"), self.unit());
         let head = ["term", "direction", "place", "points"].map(|key| self.t(key));
-        let placed = Table {
-            head: head.into_iter().chain([residual]).collect(),
-            rows: rows.collect(),
-            is_words: true,
-        };
+        let placed = Table::new(head.into_iter().chain([residual]).collect(), rows, true);
         let files = self.list("kit", "/files").map(|file| {
             let text = |key: &str| file[key].as_str().map(escaped).unwrap_or_default();
             let size = self
@@ -384,11 +396,7 @@ impl Report<'_> {
         });
         let head = ["file", "role"].map(|key| self.t(key)).into_iter();
         let head = head.chain(["Byte".to_string(), self.t("sha256")]);
-        let files = Table {
-            head: head.collect(),
-            rows: files.collect(),
-            is_words: true,
-        };
+        let files = Table::new(head.collect(), files, true);
         Part {
             tables: vec![placed, files],
             ..self.part("tables")
@@ -418,11 +426,7 @@ impl Report<'_> {
             ]
         });
         let head = vec![String::new(), self.t("if_wrong")];
-        let table = Table {
-            head,
-            rows: rows.collect(),
-            is_words: true,
-        };
+        let table = Table::new(head, rows, true);
         Part {
             tables: vec![table],
             ..self.part("assumptions")
@@ -455,11 +459,7 @@ impl Report<'_> {
             vec![text("path"), format!("<code>{}</code>", text("sha256"))]
         });
         let head = vec![self.t("file"), self.t("sha256")];
-        let table = Table {
-            head,
-            rows: files.collect(),
-            is_words: true,
-        };
+        let table = Table::new(head, files, true);
         Part {
             tables: vec![table],
             ..self.part("provenance")

@@ -39,7 +39,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(references_off_the_travel(task.job, plan).map(Finding::from));
     notes.append(&mut compiled.notes);
     notes.extend(active_note(&task.job.measurement.active).map(Finding::from));
-    notes.extend(parameter_note(task.job, plan).map(Finding::from));
+    notes.extend(parameter_note(task, plan).map(Finding::from));
     compiled.notes = notes;
     Ok(compiled)
 }
@@ -78,10 +78,12 @@ fn counted_as_zero(job: &Job, plan: &Plan) -> Vec<Axis> {
 }
 
 /// What `"none"` says of the backlash parameters that the tables replace.
-fn parameter_note(job: &Job, plan: &Plan) -> Option<TableFinding> {
+fn parameter_note(task: Task<'_>, plan: &Plan) -> Option<TableFinding> {
+    let job = task.job;
     let axes = counted_as_zero(job, plan);
+    let parameter = task.profile.family.backlash_parameter;
     let is_noted = !axes.is_empty() && job.measurement.active == ActiveTables::None;
-    is_noted.then_some(TableFinding::ParameterReplaced { axes })
+    is_noted.then_some(TableFinding::ParameterReplaced { parameter, axes })
 }
 
 /// Ordinary lost motion gives B < 0 (contract §1); the other sign is more often a slip.
@@ -131,11 +133,12 @@ fn profile_assumptions(task: Task<'_>, plan: &Plan, tables: &Tables) -> Vec<Assu
 
 fn job_assumptions(task: Task<'_>, plan: &Plan) -> Vec<Assumption> {
     let names = default_names(task, plan);
+    let parameter = task.profile.family.backlash_parameter;
     let parameters = counted_as_zero(task.job, plan).into_iter().map(|axis| {
         Assumption::of_job(
             format!("backlash_while_measuring_{}", axis.key()),
             "0",
-            format!("the reversal of {axis} would be off by the parameter that was on (MD32450, 1851): state `active_backlash_um`"),
+            format!("the reversal of {axis} would be off by the {parameter} that was on: state `active_backlash_um`"),
         )
     });
     let directions = reference_directions(task, plan);

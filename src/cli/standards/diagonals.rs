@@ -37,6 +37,7 @@ pub(super) fn of_job(path: &Path, print: Print, plot: &PlotOnly) -> Result<Outco
     let figures = StandardFigures::of(&measurement.volume, measurement.kind, &runs)?;
     let page = Page {
         name: &measurement.readings,
+        across: "along the diagonal / mm",
         notes: notes(all > runs.len()),
         figures,
     };
@@ -67,6 +68,7 @@ pub(super) fn of_readings(
     let name = &name;
     let page = Page {
         name,
+        across: "along the diagonal, each step taken as 1 mm",
         notes,
         figures,
     };
@@ -81,6 +83,8 @@ fn notes(dropped: bool) -> Vec<Finding> {
 
 struct Page<'a> {
     name: &'a str,
+    /// What stands at the lower edge of the picture.
+    across: &'static str,
     figures: StandardFigures,
     notes: Vec<Finding>,
 }
@@ -88,7 +92,7 @@ struct Page<'a> {
 impl Page<'_> {
     fn outcome(&self, print: Print, plot: &PlotOnly) -> Result<Outcome, Problems> {
         let outcome = print.outcome(|| self.screen(), || self.document())?;
-        plot.beside(outcome, || Ok(self.figures.picture(self.name)))
+        plot.beside(outcome, || Ok(self.figures.picture(self.name, self.across)))
     }
 
     fn screen(&self) -> Screen {

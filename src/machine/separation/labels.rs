@@ -180,9 +180,9 @@ fn lines(campaign: &Campaign<'_>) -> Vec<Found> {
     let spans: Vec<String> = (campaign.measurement.linear.iter())
         .filter(|linear| matches!(linear.slope, LinearSlope::Stated(_)))
         .map(|linear| {
-            let low = volume.start[linear.axis].mm();
-            let high = low + volume.size[linear.axis].mm();
-            format!("{} {low} to {high} mm", linear.axis)
+            let low = volume.start[linear.axis];
+            let high = low + volume.size[linear.axis];
+            format!("{} {} to {} mm", linear.axis, low.shown(), high.shown())
         })
         .collect();
     if !spans.is_empty() {
