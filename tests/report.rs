@@ -126,6 +126,7 @@ fn every_figure_is_that_of_its_command() {
     );
     let left = page(&[job, "--tables", tables, "--after", after]);
     assert!(left.contains("/terms/EXX/after_um") && left.contains("As left"));
+    assert!(left.contains("REHEARSAL") && left.contains("the values afterwards were simulated"));
     check_figures(&left, job, &kit, Some(after));
 }
 
@@ -147,6 +148,25 @@ fn it_works_for_every_control() {
         let left = page(&[&job, "--tables", tables, "--after", after]);
         check_figures(&left, &job, &kit, Some(after));
     }
+}
+
+/// What was not measured, or is not known without a manifest, is not said to be complete.
+#[test]
+fn nothing_is_called_complete_that_is_not_known() {
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let complete = "All nine errors were measured";
+    let job = "fixtures/nine_errors_900/siemens-840d-sl.toml";
+    let kit = kit(folder.path(), job);
+    let tables = kit.to_str().expect("a name");
+    assert!(page(&[job, "--tables", tables]).contains(complete));
+    std::fs::remove_file(kit.join("manifest.json")).expect("a manifest");
+    let page = page(&[job, "--tables", tables]);
+    assert!(!page.contains(complete) && !page.contains("No file of this kit switches"));
+    assert!(page.contains("has no manifest.json"));
+    assert!(
+        page.contains("U is not stated and counted as 0"),
+        "what the verdict rests on"
+    );
 }
 
 #[test]

@@ -32,8 +32,8 @@ const BESIDE_MM: f64 = 1e-6;
 const K: f64 = 2.0;
 
 /// Nine panels, a row for each direction of the error and a column for each moving axis; µm against
-/// mm, zero at the reference. Both directions of travel are drawn where both are known. The band is
-/// ±2 u of the measured values about the last curve.
+/// mm, zero at the reference. Both directions of travel are drawn where both are known. A band is
+/// ±2 u of the measured values of its direction, about each curve of the last stage.
 pub fn terms(heading: &str, curves: &Curves<'_>) -> Result<Picture, CannotEmulate> {
     let mut panels = Vec::new();
     for (of, along) in ErrorTerm::ALL.map(|term| (term.of, term.along)) {
@@ -154,54 +154,34 @@ impl Curves<'_> {
         all.map_or((0.0, 1.0), |(from, to)| (from.mm(), to.mm()))
     }
 
-    /// What is drawn of a term, with its band first; `None` where it was never measured.
+    /// What is drawn of a term, bands first; `None` where it was never measured.
     fn marks(&self, term: ErrorTerm) -> Result<Option<Vec<Mark>>, CannotEmulate> {
-        let mut marks = Vec::new();
-        if let Some(found) = self.found(term) {
-            marks.extend(
-                found
-                    .curves()
-                    .map(|c| Mark::Line(Ink::AsFound, sampled(c, None))),
-            );
-        }
+        let (found, left) = (self.found(term), self.left(term));
         let (forecast, places) = self.forecast(term)?;
-        let left = self.left(term);
-        let last = match (left, forecast.first(), self.found(term)) {
-            (Some(left), ..) => Some((Ink::AsLeft, left, sampled(&left.measured.mean(), None))),
-            (None, Some(line), Some(found)) => Some((Ink::Forecast, found, line.clone())),
-            (None, None, Some(found)) => {
-                Some((Ink::AsFound, found, sampled(&found.measured.mean(), None)))
-            }
-            (None, _, None) => None,
-        };
-        let band = last.and_then(|(ink, known, line)| band(ink, known, &line));
-        marks.extend(
-            forecast
-                .into_iter()
-                .map(|line| Mark::Line(Ink::Forecast, line)),
-        );
-        if let Some(left) = left {
-            marks.extend(
-                left.curves()
-                    .map(|c| Mark::Line(Ink::AsLeft, sampled(c, None))),
-            );
-            marks.extend(left.curves().map(|c| Mark::Dots(Ink::AsLeft, knots(c))));
+        let stages = [
+            (Ink::AsFound, found, found.map_or_else(Vec::new, lines)),
+            (Ink::Forecast, found, forecast),
+            (Ink::AsLeft, left, left.map_or_else(Vec::new, lines)),
+        ];
+        let last = stages.iter().rfind(|(.., lines)| !lines.is_empty());
+        let bands = last.into_iter().flat_map(|(ink, known, lines)| {
+            let bands = lines.iter().filter_map(|line| band(*ink, (*known)?, line));
+            bands.collect::<Vec<Mark>>()
+        });
+        let mut marks: Vec<Mark> = bands.collect();
+        for (ink, _, lines) in stages {
+            marks.extend(lines.into_iter().map(|line| Mark::Line(ink, line.points)));
         }
-        if !places.is_empty() {
-            marks.push(Mark::Places(places));
-        }
-        marks.splice(0..0, band);
+        let dots = left.into_iter().flat_map(MeasuredTerm::curves);
+        marks.extend(dots.map(|curve| Mark::Dots(Ink::AsLeft, knots(curve))));
+        marks.extend((!places.is_empty()).then_some(Mark::Places(places)));
         Ok((!marks.is_empty()).then_some(marks))
     }
 
     /// Deviation without compensation + emulated correction in each direction, and the points of the
     /// tables.
-    #[allow(
-        clippy::type_complexity,
-        reason = "lines and places, named by the caller"
-    )]
-    fn forecast(&self, term: ErrorTerm) -> Result<(Vec<Vec<(f64, f64)>>, Vec<f64>), CannotEmulate> {
-        let (mut lines, mut places) = (Vec::new(), Vec::new());
+    fn forecast(&self, term: ErrorTerm) -> Result<(Vec<Line>, Vec<f64>), CannotEmulate> {
+        let (mut lines, mut places): (Vec<Line>, Vec<f64>) = (Vec::new(), Vec::new());
         let (Some((plan, control)), Some(known)) =
             (self.loaded, self.machine.uncompensated.terms[term].as_ref())
         else {
@@ -213,9 +193,9 @@ impl Curves<'_> {
             };
             for (base, output) in axis_pairs(&plan.names, term) {
                 let response = control.response(base, output, direction)?;
-                let line = sampled(curve, Some(&response));
-                if !lines.contains(&line) {
-                    lines.push(line);
+                let points = sampled(curve, Some(&response));
+                if !lines.iter().any(|line| line.points == points) {
+                    lines.push(Line { direction, points });
                 }
                 let nodes = response.tables().iter().flat_map(|table| table.nodes());
                 places.extend(nodes.map(|(at, _)| at.mm()));
@@ -227,6 +207,27 @@ impl Curves<'_> {
         places.dedup();
         Ok((lines, places))
     }
+}
+
+/// A line of a term, moving one way.
+struct Line {
+    direction: Direction,
+    points: Vec<(f64, f64)>,
+}
+
+/// The measured curves; one without regard to the direction once.
+fn lines(known: &MeasuredTerm) -> Vec<Line> {
+    let mut lines: Vec<Line> = Vec::new();
+    for direction in Direction::BOTH {
+        let points = known
+            .measured
+            .curve(direction)
+            .map(|curve| sampled(curve, None));
+        if let Some(points) = points.filter(|new| lines.iter().all(|line| line.points != *new)) {
+            lines.push(Line { direction, points });
+        }
+    }
+    lines
 }
 
 /// A curve over its measured range, with what a control adds.
@@ -256,10 +257,16 @@ fn knots(curve: &ErrorCurve) -> Vec<(f64, f64)> {
     knots.map(|at| (at.mm(), curve.at(*at).um())).collect()
 }
 
-/// ±2 u about a line, straight between the measured positions; none where no u is stated.
-fn band(ink: Ink, known: &MeasuredTerm, line: &[(f64, f64)]) -> Option<Mark> {
+/// ±2 u of the values of its direction about a line, straight between the measured positions; none where no
+/// u is stated.
+fn band(ink: Ink, known: &MeasuredTerm, line: &Line) -> Option<Mark> {
     let mut u: Vec<(f64, f64)> = Vec::new();
-    for point in &known.uncertainty {
+    let is_own = |way: Option<Direction>| way.is_none_or(|way| way == line.direction);
+    for point in known
+        .uncertainty
+        .iter()
+        .filter(|point| is_own(point.direction))
+    {
         u.push((point.at.mm(), K * point.u_um));
     }
     u.sort_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -272,7 +279,7 @@ fn band(ink: Ink, known: &MeasuredTerm, line: &[(f64, f64)]) -> Option<Mark> {
         };
         Some(low + (high - low) * (mm - a) / (b - a))
     };
-    let places = line.iter().map(|(mm, um)| {
+    let places = line.points.iter().map(|(mm, um)| {
         let u = width(*mm)?;
         Some((*mm, um - u, um + u))
     });

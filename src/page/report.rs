@@ -12,6 +12,7 @@ use super::picture::Picture;
 use super::svg::{self, escaped};
 use super::texts::Texts;
 use crate::inputs::job::Job;
+use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::{Figure, MM_PER_INCH, UM_PER_MM};
 use crate::text::problem::Problems;
 use crate::write::emit::{TOOL, Templates};
@@ -52,8 +53,10 @@ pub struct Report<'a> {
     pub job: &'a Job,
     /// Name of the control.
     pub control: &'a str,
-    /// Whether the readings were simulated.
+    /// Whether any of the readings were simulated.
     pub is_rehearsal: bool,
+    /// Why the figures are doubtful: sentences of `verify`, none is left out.
+    pub doubts: Vec<String>,
     /// Whether the tables were measured.
     pub is_measured: bool,
     /// The limits, and all that the verdict rests on and does not count: a sentence of `verify`.
@@ -65,6 +68,9 @@ pub struct Report<'a> {
     /// The pictures by the part that they stand in.
     pub pictures: Vec<(&'static str, Picture)>,
 }
+
+/// What was found, on the first page; the part of findings has all.
+const MOST_CAUSES: usize = 3;
 
 const TEMPLATE: (&str, &str) = (
     "report.html.tera",
@@ -153,6 +159,14 @@ impl Report<'_> {
         found.map_or(&Value::Null, |(_, document)| document)
     }
 
+    /// A stated length with its unit.
+    fn length(&self, um: f64) -> String {
+        match self.shown {
+            Shown::Metric => format!("{um} µm"),
+            Shown::Inch => format!("{:.1} µin", Figure(um * UM_PER_MM / MM_PER_INCH)),
+        }
+    }
+
     /// A number of a document as the reader writes it; a dash where it is none.
     fn figure(&self, document: &str, at: &str, kind: Kind) -> String {
         let Some(number) = self.document(document).pointer(at).and_then(Value::as_f64) else {
@@ -228,16 +242,25 @@ impl Report<'_> {
         } else {
             word
         };
-        let asked = limits
-            .into_iter()
-            .filter_map(|(key, um)| Some(format!("{}: \u{2264} {} µm", self.t(key), um?)));
+        let asked = limits.into_iter().filter_map(|(key, um)| {
+            Some(format!("{}: \u{2264} {}", self.t(key), self.length(um?)))
+        });
         json!({
             "kind": if self.is_measured || word != "pass" { word } else { "forecast" },
             "word": self.t(word),
             "of": self.t(if self.is_measured { "of_measurement" } else { "of_forecast" }),
             "asked": asked.chain([escaped(&self.asked)]).collect::<Vec<_>>(),
-            "because": self.sentences("verify", "/causes", 3),
+            "because": self.because(),
         })
+    }
+
+    /// All doubts, then the first of what does not keep a limit and of what was found.
+    fn because(&self) -> Vec<String> {
+        let doubts: Vec<String> = self.doubts.iter().map(|words| escaped(words)).collect();
+        let causes = self.sentences("verify", "/causes", usize::MAX);
+        let others = causes.into_iter().filter(|words| !doubts.contains(words));
+        let others: Vec<String> = others.take(MOST_CAUSES).collect();
+        [doubts, others].concat()
     }
 
     /// What never leaves the first page: a rehearsal, a sign that is only assumed.
@@ -338,26 +361,10 @@ impl Report<'_> {
     }
 
     fn volume(&self) -> Part {
-        let has_after = !self.document("assess")["after"].is_null();
-        let rows = [("va", "va_um"), ("elv", "elv_um"), ("length", "length_um")];
-        let rows = rows.map(|(name, key)| {
-            let at = |side: &str| {
-                self.figure(
-                    "assess",
-                    &format!("{side}/definitions/{key}"),
-                    Kind::Deviation,
-                )
-            };
-            let mut row = vec![self.t(name), at("")];
-            row.extend(has_after.then(|| at("/after")));
-            row
-        });
-        let mut head = vec![self.unit().to_string(), self.t("found")];
-        head.extend(has_after.then(|| self.t("with_tables")));
         let nodes = [0, 1, 2].map(|n| self.figure("assess", &format!("/grid/{n}"), Kind::Count));
         Part {
             words: vec![format!("{}: {}", self.t("grid"), nodes.join(" × "))],
-            tables: vec![Table::new(head, rows, false)],
+            items: self.sentences("assess", "/labels", usize::MAX),
             ..self.part("volume")
         }
     }
@@ -377,6 +384,9 @@ impl Report<'_> {
                 ),
             ]
         });
+        if !self.is_kit_known() {
+            return self.listed("tables", Vec::new(), "no_manifest");
+        }
         let residual = format!("{}, {}", self.t("residual"), self.unit());
         let head = ["term", "direction", "place", "points"].map(|key| self.t(key));
         let placed = Table::new(head.into_iter().chain([residual]).collect(), rows, true);
@@ -404,11 +414,24 @@ impl Report<'_> {
     }
 
     fn missing(&self) -> Part {
+        let known = self.keys("verify", "/terms");
+        let names = ErrorTerm::ALL.map(|term| term.to_string());
+        let unmeasured = names.into_iter().filter(|name| !known.contains(name));
+        let unmeasured = unmeasured.map(|name| format!("{name}: {}", self.t("not_measured")));
         let omitted = self.list("kit", "/omitted").map(|omitted| {
             let text = |key: &str| omitted[key].as_str().unwrap_or_default();
             escaped(&format!("{}: {}", text("term"), text("reason")))
         });
-        self.listed("missing", omitted.collect(), "nothing_missing")
+        let items: Vec<String> = unmeasured.chain(omitted).collect();
+        match self.is_kit_known() {
+            true => self.listed("missing", items, "nothing_missing"),
+            false => self.listed("missing", items, "no_manifest"),
+        }
+    }
+
+    /// Whether the directory says what it holds.
+    fn is_kit_known(&self) -> bool {
+        !self.document("kit").is_null()
     }
 
     fn found(&self) -> Part {
@@ -440,10 +463,10 @@ impl Report<'_> {
             is_back.then(|| escaped(file["path"].as_str().unwrap_or_default()))
         });
         let files: Vec<String> = files.collect();
-        let words = if files.is_empty() {
-            "undo_hand"
-        } else {
-            "undo_words"
+        let words = match (self.is_kit_known(), files.is_empty()) {
+            (false, _) => "no_manifest",
+            (true, true) => "undo_hand",
+            (true, false) => "undo_words",
         };
         Part {
             words: vec![self.t(words)],

@@ -45,7 +45,7 @@ pub fn volume(heading: &str, sides: &[Side<'_>]) -> Picture {
         description: "Error vectors in the measured volume, the distribution of their differences and what each error contributes.".to_string(),
         columns: 2,
         panels,
-        note: "isometric view; differences: of the errors at two places of the volume; contributions: parts of the largest difference, they add up to it".to_string(),
+        note: "isometric view; differences: of the errors at two nodes; contributions: parts of the largest of them; mean of both directions".to_string(),
     }
 }
 
@@ -121,7 +121,11 @@ fn view(side: &Side<'_>, longest_um: f64) -> Panel {
         format!("{unit} µm"),
     ));
     Panel {
-        title: format!("{}, longest {:.3} µm", side.name, longest_of(side.model)),
+        title: format!(
+            "{}, longest arrow {:.3} µm",
+            side.name,
+            longest_of(side.model)
+        ),
         across: Scale::new("", left, right),
         up: Scale::new("", low, high),
         marks,

@@ -41,7 +41,7 @@ impl Page {
         };
         let after = self.after.as_ref().map(|after| Side {
             ink: Ink::Forecast,
-            name: "with the tables",
+            name: "forecast with the tables",
             model: &after.volume,
             assessment: &after.assessment,
         });

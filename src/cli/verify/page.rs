@@ -65,7 +65,7 @@ impl Page<'_> {
         as_left.or(self.verification.forecast.as_ref())
     }
 
-    fn doubts(&self) -> &[Finding] {
+    pub(in crate::cli) fn doubts(&self) -> &[Finding] {
         self.look()
             .map_or(&self.verification.doubts, |look| &look.doubts)
     }
@@ -110,7 +110,11 @@ impl Page<'_> {
             "{}: nine errors, {}",
             inputs.job.machine.name, inputs.profile.name
         );
-        terms(&heading, &curves).map_err(|e| cannot_emulate(&e))
+        let mut picture = terms(&heading, &curves).map_err(|e| cannot_emulate(&e))?;
+        if self.is_simulated() {
+            picture.note = format!("SIMULATED, not measured; {}", picture.note);
+        }
+        Ok(picture)
     }
 
     /// The limits, and all that the verdict rests on and does not count.
@@ -167,6 +171,13 @@ impl Page<'_> {
         lines.extend([agreement, heading]);
         lines.extend(self.second.as_ref().map(|(second, _)| second.files_words()));
         lines
+    }
+
+    /// Whether either measurement was simulated.
+    pub(in crate::cli) fn is_simulated(&self) -> bool {
+        let first = self.inputs.as_measured().remarks.simulated().next();
+        let second = self.second.as_ref();
+        first.is_some() || second.is_some_and(|(second, _)| second.measurement.is_simulated())
     }
 
     /// Said where both measurements were simulated.
