@@ -102,14 +102,20 @@ fn places(placements: &[Placement], term: ErrorTerm, compensated: bool) -> Strin
     }
 }
 
-/// The largest of all terms with the U that holds for all of them together, as a line of its own.
+/// What U is, and the largest of all terms with the U of all of them together, where each is stated.
 pub(super) fn together(forecast: &Forecast) -> String {
-    forecast.max_expanded_um().map_or_else(String::new, |expanded| {
-        format!(
-            "\n  U: with 95 % the largest value of the line exceeds its figure by no more; of all terms {:.3} µm, U = {expanded:.3} µm",
-            forecast.max_residual_um()
-        )
-    })
+    let is_stated = forecast.terms.iter().all(|term| term.change.u_um.is_some());
+    forecast
+        .max_expanded_um()
+        .map_or_else(String::new, |expanded| {
+            let words =
+                "\n  U: with 95 % the largest value of the line exceeds its figure by no more";
+            let largest = forecast.max_residual_um();
+            match is_stated {
+                true => format!("{words}; of all terms {largest:.3} µm, U = {expanded:.3} µm"),
+                false => words.to_string(),
+            }
+        })
 }
 
 pub(super) fn expanded(expanded_um: Option<f64>) -> String {

@@ -119,6 +119,7 @@ impl Forecast {
     pub(crate) fn terms_words(&self) -> String {
         let names: Vec<String> = self.terms.iter().map(|t| t.term.to_string()).collect();
         match names.as_slice() {
+            [] => "every term".to_string(),
             [one] => one.clone(),
             few if few.len() <= FEW => format!("each of {}", few.join(", ")),
             all if all.len() == ErrorTerm::ALL.len() => "every term".to_string(),
