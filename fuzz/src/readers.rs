@@ -123,9 +123,9 @@ pub fn import(input: &[u8]) -> Answer {
     };
     let runs = measured_runs(file, encoding, &single).is_ok();
     let imported = import_file(file, from, encoding, &stated)?;
-    // Facts and warnings are made fit for a terminal where they are printed; the target `commands` looks at that.
-    let (facts, warnings) = (imported.facts.len(), imported.warnings.len());
-    Ok(format!("{}\n{facts} {warnings} {runs}", imported.text))
+    // Findings are made fit for a terminal where they are printed; the target `commands` looks at that.
+    let findings = imported.findings.len();
+    Ok(format!("{}\n{findings} {runs}", imported.text))
 }
 
 fn choice<T: ValueEnum>(word: &str) -> Option<T> {
