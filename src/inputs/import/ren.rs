@@ -14,7 +14,7 @@ use crate::inputs::import::reading::{FileContents, Passes, Way};
 use crate::inputs::import::stated::{Format, SIGN, Stated, UNIT, VALUES, Values};
 use crate::inputs::import::words::{AGAIN, Fields, Piece, lines};
 use crate::text::delimited::{LengthUnit, plain_number};
-use crate::text::document::Source;
+use crate::text::document::{LARGEST_NUMBER, Source};
 use crate::text::problem::{Problem, Problems, shown};
 
 /// Positions are compared to a tenth of a micrometre.
@@ -126,7 +126,7 @@ fn resolution_um<'a>(header: &Fields<'a>) -> Result<Option<(f64, Piece<'a>)>, Pr
 fn length(text: &str) -> Option<(f64, LengthUnit)> {
     let number = text.trim_end_matches(char::is_alphabetic);
     let unit = LengthUnit::from_text(&text[number.len()..])?;
-    let number = plain_number(number.trim())?;
+    let number = plain_number(number.trim()).filter(|n| n.abs() <= LARGEST_NUMBER)?;
     Some((number, unit))
 }
 
