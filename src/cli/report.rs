@@ -120,8 +120,8 @@ impl Visit {
                 .iter()
                 .map(|f| (f.path.clone(), f.bytes.len()))
                 .collect();
-            let state = self.documents[0].1.get("state").cloned();
-            let verification = verify(inputs, &kit.kit_files(), state.as_ref(), Vec::new())?;
+            let state = Some(&kit.manifest.state);
+            let verification = verify(inputs, &kit.kit_files(), state, Vec::new())?;
             return Ok(Judged::made(&options.job, verification));
         };
         let judged = Judged::read(inputs, &options.job, directory, options.after.as_deref())?;
@@ -129,6 +129,10 @@ impl Visit {
             let manifest: Value = serde_json::from_slice(&bytes).unwrap_or_default();
             for file in manifest["files"].as_array().into_iter().flatten() {
                 let name = file["path"].as_str().unwrap_or_default();
+                // A manifest of others may name any path: only what lies in the directory is looked at.
+                if Path::new(name).file_name() != Some(name.as_ref()) {
+                    continue;
+                }
                 let size = std::fs::metadata(directory.join(name)).map(|found| found.len());
                 let size = size.ok().and_then(|size| usize::try_from(size).ok());
                 self.sizes.extend(size.map(|size| (name.to_string(), size)));
