@@ -1,4 +1,4 @@
-//! The report in a browser (Chromium, Linux) and before a validator (HTML Tidy): nothing is wider than the window, no text of
+//! The report and the checklist of a kit in a browser (Chromium, Linux) and before a validator (HTML Tidy): nothing is wider than the window, no text of
 //! a picture is cut off or lies on another, every link leads somewhere, the print has its pages. Skipped, with a
 //! word, where they are not installed.
 #![allow(
@@ -61,9 +61,17 @@ fn reports(folder: &Path) -> Vec<PathBuf> {
         "<!DOCTYPE html><html lang=\"en\"><head><title>pictures</title></head><body style=\"margin:0\"><div class=\"wide\" style=\"overflow-x:auto\">{pictures}</div></body></html>"
     );
     std::fs::write(folder.join("pictures.html"), page).expect("a page");
-    ["readings.html", "german.html", "left.html", "pictures.html"]
-        .map(|name| folder.join(name))
-        .to_vec()
+    let checklist = Path::new(&kit).join("checklist.html");
+    std::fs::copy(checklist, folder.join("checklist.html")).expect("a copy");
+    [
+        "checklist.html",
+        "readings.html",
+        "german.html",
+        "left.html",
+        "pictures.html",
+    ]
+    .map(|name| folder.join(name))
+    .to_vec()
 }
 
 /// What each command draws.
@@ -131,7 +139,7 @@ fn pictures(folder: &Path, kit: &str, after: &str) -> Vec<String> {
 #[test]
 fn every_command_draws_and_replaces_nothing() {
     let folder = tempfile::tempdir().expect("a place to write to");
-    assert_eq!(reports(folder.path()).len(), 4);
+    assert_eq!(reports(folder.path()).len(), 5);
     let place = folder.path().join("0.svg");
     let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
     let command = command.current_dir(env!("CARGO_MANIFEST_DIR"));

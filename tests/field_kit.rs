@@ -651,3 +651,59 @@ fn a_backlash_value_is_entered_with_the_tables_and_put_back() {
         );
     }
 }
+
+/// What a person reads of an HTML page.
+fn seen(page: &str) -> String {
+    let (_, body) = page.split_once("<body>").unwrap();
+    let text = body
+        .replace("<span class=\"blank\">&#160;</span>", "________")
+        .split('<')
+        .map(|part| part.split_once('>').map_or(part, |(_, text)| text))
+        .collect::<String>();
+    let named = [
+        ("&lt;", "<"),
+        ("&gt;", ">"),
+        ("&quot;", "\""),
+        ("&#39;", "'"),
+        ("&amp;", "&"),
+    ];
+    named
+        .iter()
+        .fold(text, |text, (name, c)| text.replace(name, c))
+}
+
+#[test]
+fn the_printed_checklist_has_every_line_of_the_other_in_its_order() {
+    for id in builtin::ids() {
+        let (job, errors) = five_points(id);
+        let (_, kit) = support::generate(&job, &format!("# doubt: <b>\"a\" & 'b'; *c\n{errors}"));
+        let page = text_of(&kit, "checklist.html");
+        let steps = page.matches("class=\"box\"").count();
+        let (text, checklist) = (seen(&page), text_of(&kit, "checklist.md"));
+        let boxes = checklist.matches(". [ ] ").count();
+        assert!(
+            steps == boxes && boxes > 5,
+            "{id}: {steps} of {boxes} boxes"
+        );
+        let plain = |text: &str| text.replace(['*', '`'], "");
+        let (mut rest, mut lines) = (plain(&text), 0);
+        let is_head = |line: &&str| line.starts_with("# ") || line.starts_with("Machine ");
+        for line in checklist.lines().filter(|line| !is_head(line)) {
+            let line = plain(line);
+            let line =
+                line.trim_start_matches(|c: char| c.is_ascii_digit() || " .-[]#".contains(c));
+            let (_, after) = rest
+                .split_once(line)
+                .unwrap_or_else(|| panic!("{id}: {line}\n{rest}"));
+            rest = after.to_string();
+            lines += 1;
+        }
+        assert!(lines > boxes, "{id}");
+        let found = ["<b>", "<script", "http", "src=", "url("];
+        let found = found.iter().find(|word| page.contains(*word));
+        assert_eq!(
+            found, None,
+            "{id}: nothing of others is obeyed, nothing is fetched"
+        );
+    }
+}

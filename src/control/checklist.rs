@@ -135,6 +135,15 @@ impl<T: ToString> From<Vec<T>> for Listed {
     }
 }
 
+/// A paragraph above the steps.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Paragraph {
+    /// What it says.
+    pub text: String,
+    /// What is listed below it.
+    pub items: Vec<String>,
+}
+
 /// Steps under one heading.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Part {

@@ -108,6 +108,11 @@ pub struct EmittedFile {
 }
 
 impl EmittedFile {
+    /// Whether it is a page for a browser: its template sees every text as HTML.
+    pub(crate) fn is_page(&self) -> bool {
+        self.path.to_ascii_lowercase().ends_with(".html")
+    }
+
     /// Whether a control may load the file, and no reader of this program takes it.
     pub(crate) fn is_loaded_unread(&self) -> bool {
         self.role == Role::Report && self.may_be_loaded

@@ -9,11 +9,12 @@
 //! the document, the command and the place in its JSON, and what a person reads. Nothing is computed here.
 
 use super::picture::Picture;
-use super::svg::{self, escaped};
+use super::svg;
 use super::texts::Texts;
 use crate::inputs::job::Job;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::{Figure, MM_PER_INCH, UM_PER_MM};
+use crate::text::html::escaped;
 use crate::text::problem::Problems;
 use crate::write::emit::{TOOL, Templates};
 use serde::Serialize;

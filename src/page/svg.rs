@@ -3,7 +3,7 @@
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
 use super::scale::Ticks;
 use crate::quantity::units::Figure;
-use crate::text::plain;
+use crate::text::html::escaped;
 use std::fmt::Write;
 
 /// Width of the plot of a panel when three stand in a row, in points of 1/96 inch.
@@ -396,34 +396,4 @@ fn path(points: impl Iterator<Item = (f64, f64)>) -> String {
 fn short(number: f64) -> String {
     let text = format!("{:.2}", Figure(number));
     text.trim_end_matches('0').trim_end_matches('.').to_string()
-}
-
-/// Text of people as text of a drawing: nothing in it is obeyed.
-pub(super) fn escaped(text: &str) -> String {
-    let text = plain::line(text);
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn text_of_others_is_shown_and_not_obeyed() {
-        assert_eq!(
-            escaped("<b a=\"1\">&\u{1b}['"),
-            "&lt;b a=&quot;1&quot;&gt;&amp;\u{fffd}[&#39;"
-        );
-    }
 }

@@ -1,6 +1,7 @@
 //! Texts of the report in the reader's language, as data.
 
 use crate::text::document::Source;
+use crate::text::html::escaped;
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
 use std::collections::BTreeMap;
@@ -74,7 +75,7 @@ impl Texts {
     pub(super) fn escaped(&self) -> BTreeMap<&str, String> {
         let words = self.words.iter();
         words
-            .map(|(key, words)| (key.as_str(), super::svg::escaped(words)))
+            .map(|(key, words)| (key.as_str(), escaped(words)))
             .collect()
     }
 }

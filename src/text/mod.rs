@@ -3,5 +3,6 @@
 pub mod delimited;
 pub mod document;
 pub mod finding;
+pub(crate) mod html;
 pub mod plain;
 pub mod problem;

@@ -11,13 +11,14 @@ mod templates;
 pub use crate::write::control_text::{Instead, Switch};
 pub use templates::Templates;
 
-use crate::control::checklist::Part;
+use crate::control::checklist::{Paragraph, Part};
 use crate::control::controller::{EmittedFile, Role, builtin};
 use crate::control::table::Tables;
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::axis::Direction;
 use crate::text::finding::Finding;
+use crate::text::html::{each_text, escaped, marked};
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, Placement};
@@ -41,6 +42,9 @@ pub struct RenderedFile {
 
 /// The name and version of the program, as it stands in files and manifests.
 pub const TOOL: &str = concat!("nonius ", env!("CARGO_PKG_VERSION"));
+
+/// How the pages of a kit look, on the screen and printed.
+const PAGE_STYLE: &str = include_str!("../../templates/page.css");
 
 /// What the templates of a control see. Every number is finished text.
 #[derive(Clone, Debug, Serialize)]
@@ -208,23 +212,22 @@ pub(crate) fn render_apart(
 }
 
 /// The checklist, for people: line ends of every computer, not of the control. `head` stands above
-/// the steps, one paragraph each.
+/// the steps.
 pub(crate) fn render_checklist(
     task: Task<'_>,
     templates: &Templates,
     context: &Context,
-    head: &[String],
+    head: &[Paragraph],
     parts: &[Part],
 ) -> Result<Vec<RenderedFile>, Problems> {
-    let mut seen = tera::Context::new();
-    for name in ["tool", "controller", "machine", "measurement"] {
-        seen.insert(name, &context.0[name]);
-    }
-    seen.insert("head", head);
-    seen.insert("parts", parts);
+    let names = ["tool", "controller", "machine", "measurement"];
+    let names = names.map(|name| (name.to_string(), context.0[name].clone()));
+    let names = Value::Object(names.into_iter().collect());
+    let words = json!({ "head": head, "parts": parts });
     let files = task.profile.files.iter();
     let mut rendered = Vec::new();
     for file in files.filter(|file| file.role == Role::Checklist) {
+        let seen = checklist_context(file, names.clone(), words.clone())?;
         let text = templates.text(&file.template_name, &file.template, &seen)?;
         let text = plain::page(&with_line_ends(text, "\n")).into_owned();
         rendered.push(RenderedFile {
@@ -234,6 +237,31 @@ pub(crate) fn render_checklist(
         });
     }
     Ok(rendered)
+}
+
+/// What the template of a checklist sees: names and words, as HTML where the file is a page.
+fn checklist_context(
+    file: &EmittedFile,
+    mut names: Value,
+    mut words: Value,
+) -> Result<tera::Context, Problem> {
+    if file.is_page() {
+        each_text(&mut names, escaped);
+        each_text(&mut words, marked);
+        names["style"] = PAGE_STYLE.into();
+    }
+    let mut seen = tera_context(&names)?;
+    seen.extend(tera_context(&words)?);
+    Ok(seen)
+}
+
+fn tera_context(context: &impl Serialize) -> Result<tera::Context, Problem> {
+    let refuse = |error| {
+        Problem::new(format!(
+            "the context of the templates cannot be made: {error}"
+        ))
+    };
+    tera::Context::from_serialize(context).map_err(refuse)
 }
 
 /// A built-in template, filled in for people.
@@ -250,18 +278,16 @@ fn render_those(
     context: &Context,
     is_own: impl Fn(&EmittedFile) -> bool,
 ) -> Result<Vec<RenderedFile>, Problems> {
-    let seen = tera::Context::from_serialize(context).map_err(|error| {
-        Problem::new(format!(
-            "the context of the templates cannot be made: {error}"
-        ))
-    })?;
+    let seen = tera_context(context)?;
+    let page = tera_context(&page_context(context))?;
     let mut problems = Problems::none();
     let mut files = Vec::new();
     let is_wanted =
         |file: &EmittedFile| file.when.as_deref().is_none_or(|list| context.holds(list));
     let files_of_profile = task.profile.files.iter();
     for file in files_of_profile.filter(|file| is_own(file) && is_wanted(file)) {
-        match templates.text(&file.template_name, &file.template, &seen) {
+        let seen = if file.is_page() { &page } else { &seen };
+        match templates.text(&file.template_name, &file.template, seen) {
             Ok(text) => files.push(RenderedFile {
                 path: file.path.clone(),
                 role: file.role,
@@ -271,6 +297,14 @@ fn render_those(
         }
     }
     problems.or_ok(files)
+}
+
+/// What the template of a page sees: the same texts as HTML, and the style of pages.
+fn page_context(context: &Context) -> Value {
+    let mut page = context.0.clone();
+    each_text(&mut page, escaped);
+    page["style"] = PAGE_STYLE.into();
+    page
 }
 
 fn with_line_ends(text: String, line_end: &str) -> String {

@@ -36,6 +36,7 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "fanuc-points.txt.tera",
     "fanuc-program.nc.tera",
     "checklist.md.tera",
+    "checklist.html.tera",
     "job.toml.tera",
     "generic.csv.tera",
     "generic.json.tera",

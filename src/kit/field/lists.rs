@@ -1,43 +1,46 @@
 //! A checklist: what stands above its steps (whether the kit is a rehearsal, doubtful, good enough), and its
 //! lists: what is overwritten, what has to be set, what the display shows.
 
-use crate::control::checklist::Listed;
+use crate::control::checklist::{Listed, Paragraph};
 use crate::control::claims::{Precondition, shared};
 use crate::judge::conformity::Verdict;
 use crate::kit::made::Made;
 use crate::kit::remarks;
+use crate::text::html::BLANK;
 use crate::write::compensation::Compiled;
 
-/// One paragraph each.
-pub(super) fn head(made: &Made<'_>) -> Vec<String> {
+/// What stands above the steps.
+pub(super) fn head(made: &Made<'_>) -> Vec<Paragraph> {
     let remarks = &made.inputs.model.remarks;
     let simulated = remarks.simulated().map(|note| format!("**{note}**"));
     let doubts = made.doubts.iter();
     let doubts = doubts.map(|doubt| format!("**DOUBTFUL:** {doubt}"));
     simulated
         .chain(doubts)
+        .map(|text| paragraph(text, Vec::new()))
         .chain([verdict(made)])
         .chain(known(made))
         .collect()
 }
 
 /// What was printed when the kit was made, for the person who has only this page.
-fn known(made: &Made<'_>) -> Option<String> {
+fn known(made: &Made<'_>) -> Option<Paragraph> {
     let known = remarks(&made.plan, &made.compiled, Some(&made.forecast));
-    (!known.is_empty()).then(|| with_list("About these tables:", &known))
+    (!known.is_empty()).then(|| paragraph("About these tables:", known))
 }
 
-/// A sentence with a list below it, as one paragraph.
-fn with_list(sentence: &str, lines: &[String]) -> String {
-    let lines = lines.iter().map(|line| format!("\n- {line}"));
-    std::iter::once(sentence.to_string()).chain(lines).collect()
+fn paragraph(text: impl Into<String>, items: Vec<String>) -> Paragraph {
+    let text = text.into();
+    Paragraph { text, items }
 }
 
-fn verdict(made: &Made<'_>) -> String {
+fn verdict(made: &Made<'_>) -> Paragraph {
     let nothing_asked = made.inputs.job.acceptance.asks_nothing();
     match made.verdict {
         Verdict::Pass if nothing_asked => {
-            "Verdict: no acceptance is stated in the job, so there is nothing to judge.".to_string()
+            let sentence =
+                "Verdict: no acceptance is stated in the job, so there is nothing to judge.";
+            paragraph(sentence, Vec::new())
         }
         verdict => {
             let sentence = format!(
@@ -46,7 +49,7 @@ fn verdict(made: &Made<'_>) -> String {
                 verdict.word()
             );
             let misses = made.forecast.misses(made.inputs.job.acceptance);
-            with_list(&sentence, &misses)
+            paragraph(sentence, misses)
         }
     }
 }
@@ -92,6 +95,3 @@ pub(super) fn assumptions(compiled: &Compiled) -> Listed {
             .collect(),
     }
 }
-
-/// Where a person writes.
-pub(super) const BLANK: &str = "________";

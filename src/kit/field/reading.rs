@@ -4,12 +4,12 @@
 //! off between the two states. So the reading is one of two places in **one** state, which needs no
 //! common zero of both: (peak − start) with compensation, less (peak − start) without.
 
-use super::lists::BLANK;
 use super::proofs::Shown;
 use crate::control::checklist::Listed;
 use crate::control::controller::Evidence;
 use crate::kit::made::Made;
 use crate::quantity::axis::Axis;
+use crate::text::html::BLANK;
 use crate::write::compensation::trimmed;
 
 /// What one proof is and what has to be seen; how it is read, and what that means.
