@@ -1,6 +1,6 @@
 //! The command line: the only part that touches files, terminal and arguments.
 //!
-//! Data goes to standard output, talk to standard error. Exit status (contract §3): 0 = done and
+//! Data go to standard output, messages to standard error. Exit status (contract §3): 0 = done and
 //! within limits, 1 = the answer is no (files are written), 2 = could not do it (nothing is
 //! written).
 

@@ -1,8 +1,7 @@
 //! A kit from end to end, in memory: model → plan → numbers → text → read back → forecast.
 //!
-//! Nothing here touches a file. What is written later is exactly `Kit::files`, and the forecast
-//! comes from these bytes through the readers and the emulator, never from the numbers that
-//! went in.
+//! Nothing here touches a file. `Kit::files` is written later byte for byte, and the forecast is computed
+//! from these bytes by the readers and the emulator, never from the input numbers.
 
 pub mod alternatives;
 pub mod directory;

@@ -1,5 +1,5 @@
-//! **nonius** turns laser measurements of a machine tool into the compensation files its
-//! control loads, and forecasts from the written bytes what they will leave.
+//! **nonius** turns laser measurements of a machine tool into the compensation files its control loads,
+//! and forecasts the residual errors from the written bytes.
 //!
 //! ```text
 //!  another maker's file ─→ import ─→ errors.csv
@@ -13,58 +13,58 @@
 //!                                                                       ▼
 //!                                                     templates/ ─→ emit ─→ BYTES
 //!                                                                             ▼
-//!              forecast ←─ its control: what it would add ←─ reader of the family: bytes → table
+//!              forecast ←─ its control: the correction ←─ reader of the family: bytes → table
 //!                  ▼
 //!        verdict, manifest.json
 //! ```
 //!
 //! Before a measurement: job.toml ─→ visit_plan: variants of the run ─→ separation of readings of 0 ─→ U, time.
 //!
-//! For the measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ read back, walk.
+//! For the measurement: job.toml ─→ program: motion ─→ templates/ ─→ part programs ─→ read back, executed.
 //!
-//! At the machine: a second measurement ─→ after: as found, forecast, as left ─→ causes, when it differs.
+//! At the machine: a second measurement ─→ after: as found, forecast, as left ─→ causes where they differ.
 //!
-//! Before it, as a rehearsal: curves, bytes of the tables ─→ simulate: readings that say so of themselves.
+//! As a rehearsal: curves, bytes of the tables ─→ simulate: readings, marked as simulated.
 //!
 //! In the volume: model ─→ volume_model: 21 errors, any chain ─→ space ─→ definitions, assessment
-//! (as the machine is, and with the emulated tables).
+//! (without and with the emulated tables).
 //!
 //! Along a tool path: part program ─→ nc: moves ─→ tool_path: error along them.
 //!
-//! Beside it: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
+//! Separately: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
-//! Eleven rooms and the command line, in the order in which the data flow; a room imports only from those
-//! before it (`tests/order.rs` checks it):
+//! Eleven rooms and the command line, in data-flow order; a room imports only from those before it
+//! (checked by `tests/order.rs`):
 //!
 //! | room | what it is |
 //! | --- | --- |
-//! | [`quantity`] | axes, units, signs, places, curves |
-//! | [`text`] | files of people and machines in, problems with places out |
-//! | [`control`] | what a control is and remembers |
-//! | [`inputs`] | what a person brings |
-//! | [`machine`] | what the machine does wrong |
-//! | [`write`] | what the control shall hold, as bytes |
-//! | [`read`] | bytes → what the control would add; imports only `quantity`, `text`, `control` |
-//! | [`volume`] | errors in space and along a path |
-//! | [`judge`] | does it help, and if not, why |
-//! | [`kit`] | the directory, its history, its rehearsal |
-//! | [`page`] | what a person looks at: pictures, and the page that is handed over |
-//! | [`cli`] | arguments, files, pages: no domain logic |
+//! | [`quantity`] | axes, units, signs, positions, curves |
+//! | [`text`] | reads files; reports problems with file, line and column |
+//! | [`control`] | facts about a control, and the tables in its memory |
+//! | [`inputs`] | the user's files: job, error table, readings, part programs |
+//! | [`machine`] | the errors of the machine: separation, model, figures by standard |
+//! | [`write`] | from the errors to the bytes for the control |
+//! | [`read`] | from the bytes to the correction of the control; imports only `quantity`, `text`, `control` |
+//! | [`volume`] | errors in the volume and along a tool path |
+//! | [`judge`] | forecast, verdict, and causes of a difference |
+//! | [`kit`] | the directory of files for a control, its history, its rehearsal |
+//! | [`page`] | pictures, and the report that is handed over |
+//! | [`cli`] | arguments, files, terminal: no domain logic |
 //!
-//! `write` and `read` have nothing in common but the tables of `control`, so a mistake of a template is found
-//! by reading. Only `cli` touches files and terminal.
+//! `write` and `read` share only the tables of `control`, so reading back finds a mistake in a template. Only
+//! `cli` touches files and terminal.
 //!
 //! Where to find what:
-//! * **where a sign changes**: `impl Neg` of deviation and of correction in [`quantity::units`]; what a control's table means:
-//!   [`control::controller::TableSign`]
+//! * **where a sign changes**: `impl Neg` of deviation and of correction in [`quantity::units`]; the sign of a control's
+//!   table: [`control::controller::TableSign`]
 //! * **where a limit of a control comes from**: `controllers/<id>.toml`, each fact with its source
-//! * **where something is rounded**: [`write::siemens`], [`write::fanuc`], once, on totals
+//! * **where values are rounded**: [`write::siemens`], [`write::fanuc`], once, on totals
 //! * **what a control does with a table**: `control.rs` in the folder of its family, [`read::siemens`] …
 //! * **where a new control goes**: a profile alone; or, for a new family, `write/<family>`, `read/<family>`, `judge/<family>`,
 //!   its facts and tables in `control`, a profile, templates (docs/controllers.md §3)
 //!
 //! The library serves the program and its tests; its interface may change in every version.
-//! What other programs may rely on stands in docs/interface.md.
+//! docs/interface.md is the contract for other programs.
 
 pub mod quantity;
 

@@ -1,10 +1,10 @@
-//! What a person looks at: pictures of errors, and the page that is handed over.
+//! Pictures of errors, and the report that is handed over.
 //!
 //! ```text
 //!   results of machine, judge, volume ─→ curves, diagonals, vectors … ─→ Picture ─→ svg
 //! ```
-//! A picture holds numbers in their units and no drawing: how long a tick is and where a label stands is
-//! decided once, in `svg`. Its text is text, its colours are told apart in grey too.
+//! A picture holds numbers in their units and no drawing: `svg` decides the length of a tick and the place of a
+//! label. Text remains text, and the colours can be distinguished in grey.
 
 mod curves;
 mod path;

@@ -1,4 +1,4 @@
-//! What a control is and remembers.
+//! Facts about a control, and the tables in its memory.
 
 pub mod checklist;
 pub mod claims;

@@ -1,4 +1,4 @@
-//! What a person brings: job, error table, readings, files of other makers, part programs.
+//! The user's files: job, error table, readings, files of other makers, part programs.
 
 pub mod error_table;
 pub mod findings;

@@ -1,6 +1,6 @@
-//! Does it help, and if not, why.
+//! Forecast, verdict, and the causes where a second measurement differs from the forecast.
 //!
-//! `family` is what each family of controls tells in its own way of what was read out, in a folder of its own.
+//! `family` is the trait by which each family of controls, in its own folder, judges what was read out.
 
 mod fanuc;
 mod generic;

@@ -1,4 +1,4 @@
-//! What the machine does wrong: separation of the readings, the error model, figures of the standards.
+//! The errors of the machine: separation of the readings, the error model, figures by standard.
 
 pub mod findings;
 pub mod model;

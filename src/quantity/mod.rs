@@ -1,4 +1,4 @@
-//! Axes, units, signs, places, curves.
+//! Axes, units, signs, positions, curves.
 
 pub mod axis;
 pub mod chain;

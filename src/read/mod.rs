@@ -1,12 +1,11 @@
-//! Bytes to what the control would add. Knows nothing of how they were written.
+//! From the bytes to the correction that the control would apply, independent of how they were written.
 //!
 //! ```text
 //!   bytes ─→ family: its reader ─→ Tables ─→ its control ─→ Response (base axis, output axis, direction)
 //! ```
-//! One folder for each family of controls: what its files say, written from the formats' references
-//! alone, and what a control adds that holds them. A reader shares nothing with the templates but the
-//! table type ([`crate::control::table`]); it is tolerant where a control is, and names line and column
-//! where a control would stop.
+//! Each family of controls has a folder with a reader of its files, written only from the references of the
+//! formats, and an emulator of its control. A reader shares only the table type ([`crate::control::table`])
+//! with the templates; it accepts what a control accepts, and names line and column where a control would stop.
 
 pub mod emulate;
 mod family;

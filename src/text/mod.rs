@@ -1,4 +1,4 @@
-//! Files of people and machines in, problems with places out.
+//! Reads text and bytes, and reports problems with file, line and column.
 
 pub mod delimited;
 pub mod document;

@@ -1,4 +1,4 @@
-//! Errors in space and along a path.
+//! Errors in the volume and along a tool path.
 
 pub mod assessment;
 pub mod definitions;

@@ -1,7 +1,7 @@
-//! What the control shall hold, as bytes.
+//! From the errors of the machine to the bytes that the control loads.
 //!
-//! `task` and `compiled` are what goes from step to step; `family` is what each family of controls does in its
-//! own way, in a folder of its own.
+//! `task` and `compiled` pass from step to step; `family` is the trait that each family of controls implements in
+//! its own folder.
 
 mod compiled;
 mod control_text;
