@@ -25,6 +25,7 @@ mod screen;
 mod separate;
 mod show;
 mod simulate;
+mod squareness;
 mod standards;
 mod tables;
 mod verify;

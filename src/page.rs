@@ -19,7 +19,7 @@ mod volume;
 pub use curves::{Curves, separated, terms};
 pub use path::{HoleErrors, Trace, path};
 pub use picture::{Ink, Picture};
-pub use report::{Report, Shown};
+pub use report::{Report, Shown, Visit, linear_document};
 pub use scale::bin_um;
 pub use targets::targets;
 pub use texts::Texts;

@@ -81,13 +81,16 @@ fn check_figures(page: &str, job: &str, kit: &Path, after: Option<&str>) {
             serde_json::from_slice(&manifest).expect("a manifest is JSON"),
         ),
     ];
+    check_documents(page, &documents, 30);
+}
+
+/// Compares every figure with the document that it names; there are more than `least` of them.
+fn check_documents(page: &str, documents: &[(&str, Value)], least: usize) {
     let figures = figures(page);
-    assert!(figures.len() > 30, "only {} figures", figures.len());
+    assert!(figures.len() > least, "only {} figures", figures.len());
     for (number, command, at, shown) in figures {
-        let (_, document) = documents
-            .iter()
-            .find(|(name, _)| *name == command)
-            .expect("a command");
+        let found = documents.iter().find(|(name, _)| *name == command);
+        let (_, document) = found.unwrap_or_else(|| panic!("{command} is no command"));
         let value = document.pointer(&at).and_then(Value::as_f64);
         assert_eq!(value, Some(number), "{command} {at}");
         let shown = shown.replace('\u{2212}', "-").replace(',', ".");
@@ -100,6 +103,226 @@ fn check_figures(page: &str, job: &str, kit: &Path, after: Option<&str>) {
             "{command} {at}: {shown} for {number}"
         );
     }
+}
+
+/// The sentences of a part.
+fn items(page: &str, part: &str) -> Vec<String> {
+    let (_, rest) = page
+        .split_once(&format!("<section id=\"{part}\""))
+        .expect("the part");
+    let (part, _) = rest.split_once("</section>").expect("the end of the part");
+    let items = part.split("<li>").skip(1);
+    let items = items.map(|item| item.split("</li>").next().expect("an item").to_string());
+    items.collect()
+}
+
+/// A job of a folder without what it says of tables.
+fn without_tables(folder: &Path, job: &str) -> String {
+    let text = std::fs::read_to_string(job).expect("a job");
+    let (before, after) = text.split_once("[compensation]").expect("tables");
+    let acceptance = after.find("[acceptance]").map_or("", |at| &after[at..]);
+    let path = folder.join("job.toml");
+    std::fs::write(&path, format!("{before}{acceptance}")).expect("a job");
+    path.to_str().expect("a name").to_string()
+}
+
+/// Largest |value − value at the reference| of a column, µm, by hand.
+fn largest(table: &str, axis: &str, column: usize) -> f64 {
+    let rows = table.lines().filter(|line| line.starts_with(axis));
+    let value = |line: &str| line.split(',').nth(column)?.parse().ok();
+    let values: Vec<f64> = rows.filter_map(value).collect();
+    let from_first = values.iter().map(|um| (um - values[0]).abs());
+    from_first.fold(0.0, f64::max)
+}
+
+/// Machine H states no tables: each error as found, diagonals, volume, and no word of a forecast.
+#[test]
+fn without_tables_it_shows_the_machine_as_found() {
+    let job = "fixtures/machine_h/job.toml";
+    let assess = document(&["assess", job, "--grid", "11,11,11"]);
+    let english = page(&[job]);
+    check_documents(&english, &[("assess", assess.clone())], 18);
+    let table = std::fs::read_to_string("fixtures/machine_h/errors.csv").expect("a table");
+    for (term, axis, column) in [("EXX", "x", 2), ("EYY", "y", 3), ("EZZ", "z", 4)] {
+        let found = &assess["terms"][term]["before_um"];
+        let um = found.as_f64().expect("a figure");
+        assert!(
+            (um - largest(&table, axis, column)).abs() < 1e-6,
+            "{term} {um}"
+        );
+    }
+    assert!(english.contains("AS FOUND") && english.contains("no tables are given"));
+    for word in [
+        "Forecast",
+        "As left",
+        "PASS",
+        "Tables of the control",
+        "How to undo",
+    ] {
+        assert!(!english.contains(word), "{word}");
+    }
+    assert!(english.contains("/definitions/diagonals_um/PNP") && english.contains("EYX"));
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let place = folder.path().join("page.html");
+    let place = place.to_str().expect("a name");
+    let output = nonius(&["report", job, "-o", place, "--format", "json"]);
+    let said: Value = serde_json::from_slice(&output.stdout).expect("a document");
+    assert_eq!(
+        (&said["verdict"], output.status.code()),
+        (&"as-found".into(), Some(0))
+    );
+}
+
+/// Of an error table alone nobody knows the machine; U is that of a value known to 1 µm: 1.96 µm (95 %).
+#[test]
+fn an_error_table_alone_will_do() {
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let table = folder.path().join("errors.csv");
+    let rows = "axis,position_mm,ex_um,u_ex_um\nx,0,0,0\nx,100,2,0.1\nx,200,50,1\n";
+    std::fs::write(&table, rows).expect("a table");
+    let table = table.to_str().expect("a name");
+    let found = page(&[table]);
+    let assess = document(&["assess", table, "--grid", "11,1,1"]);
+    let terms = &assess["terms"]["EXX"];
+    assert_eq!(terms["before_um"].as_f64(), Some(50.0));
+    let expanded = terms["expanded_um"].as_f64().expect("U");
+    assert!((expanded - 1.95996).abs() < 0.0001, "{expanded}");
+    assert!(
+        found.contains("errors.csv") && found.contains("<code>"),
+        "its hash"
+    );
+    assert!(
+        !found.contains("/definitions/diagonals_um"),
+        "one error makes no diagonal"
+    );
+    assert!(
+        items(&found, "missing_found")
+            .iter()
+            .any(|item| item.starts_with("EYY"))
+    );
+}
+
+/// Readings without tables: figures of the diagonals, squareness from the totals with its U, the doubt first.
+#[test]
+fn readings_without_tables_keep_their_doubts() {
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let case_d = Path::new("fixtures/diagonals/case_d_bidirectional");
+    std::fs::copy(
+        case_d.join("readings.csv"),
+        folder.path().join("readings.csv"),
+    )
+    .expect("readings");
+    let job = case_d.join("job.toml");
+    let job = without_tables(folder.path(), job.to_str().expect("a name"));
+    let found = page(&[&job]);
+    let separate = document(&["separate", &job, "--trials", "0"]);
+    let assess = document(&["assess", &job, "--grid", "11,11,11"]);
+    for plane in ["xy", "xz", "yz"] {
+        let squareness = &assess["squareness"][plane];
+        assert_eq!(
+            squareness["before_um_per_m"],
+            separate["squareness_um_per_m"][plane]
+        );
+        let u = separate["u_squareness_um_per_m"][plane]
+            .as_f64()
+            .expect("u");
+        let expanded = squareness["expanded_um_per_m"].as_f64().expect("U");
+        assert!(
+            (1.9..2.1).contains(&(expanded / u)),
+            "{plane}: {expanded}, u {u}"
+        );
+    }
+    let standards = document(&["standards", &job]);
+    check_documents(&found, &[("assess", assess), ("standards", standards)], 30);
+    let (verdict, _) = found
+        .split_once("Largest deviation")
+        .expect("the first page");
+    assert!(
+        verdict.contains("reversal"),
+        "the reversal that no curve holds is a doubt"
+    );
+    assert!(
+        !verdict.contains('\u{2264}'),
+        "a limit that nothing was judged by"
+    );
+}
+
+#[test]
+fn runs_of_an_axis_are_shown_by_standard() {
+    let job = "fixtures/machine_h/job.toml";
+    let runs = "fixtures/standards/x_axis.csv";
+    let found = page(&[job, "--linear", runs, "--linear", runs]);
+    let documents = [
+        ("assess", document(&["assess", job, "--grid", "11,11,11"])),
+        ("standards:1", document(&["standards", runs])),
+        ("standards:2", document(&["standards", runs])),
+    ];
+    check_documents(&found, &documents, 40);
+    assert!(found.contains("standards:2 /iso_230_2/A_um"));
+    let output = nonius(&[
+        "report",
+        job,
+        "--linear",
+        "fixtures/formats/sample_synthetic.rtl",
+        "-o",
+        "-",
+    ]);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(2) && words.contains("expected runs of one axis (CSV)"),
+        "{words}"
+    );
+}
+
+/// Angles need the order of the axes: without it the page says why it has no figures of the volume.
+#[test]
+fn a_volume_that_cannot_be_computed_is_told() {
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let from = Path::new("fixtures/machines/five_points");
+    let table = std::fs::read_to_string(from.join("errors.csv")).expect("a table");
+    let with_angle = table.lines().map(|line| match line {
+        line if line.starts_with('#') => line.to_string(),
+        line if line.starts_with("axis") => format!("{line},ec_urad"),
+        line => format!("{line},1"),
+    });
+    let table = with_angle.collect::<Vec<_>>().join("\n");
+    std::fs::write(folder.path().join("errors.csv"), table).expect("a table");
+    let job = std::fs::read_to_string(from.join("generic.toml")).expect("a job");
+    let job = job.lines().filter(|line| !line.starts_with("chain"));
+    let job = job.collect::<Vec<_>>().join("\n");
+    let place = folder.path().join("job.toml");
+    std::fs::write(&place, job).expect("a job");
+    let page = page(&[place.to_str().expect("a name")]);
+    assert!(items(&page, "volume")[0].contains("`machine.chain` is missing"));
+}
+
+/// What both measurements find stands once.
+#[test]
+fn a_finding_stands_once() {
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let from = Path::new("fixtures/nine_errors_900");
+    std::fs::copy(from.join("errors.csv"), folder.path().join("errors.csv")).expect("a copy");
+    let job = std::fs::read_to_string(from.join("siemens-840d-sl.toml")).expect("a job");
+    let job = job
+        .lines()
+        .filter(|line| !line.starts_with("active_while_measuring"));
+    let job = job.collect::<Vec<_>>().join("\n");
+    let place = folder.path().join("job.toml");
+    let unused = "[measurement.uncertainty]\ntemperature_k = 0.3\n";
+    std::fs::write(&place, format!("{job}\n{unused}")).expect("a job");
+    let job = place.to_str().expect("a name");
+    let kit = kit(folder.path(), job);
+    let tables = kit.to_str().expect("a name");
+    let verify = document(&["verify", job, "--tables", tables, "--after", job]);
+    let notes = verify["notes"].as_array().expect("notes").iter();
+    let is_unused = |words: &str| words.starts_with("`temperature_k`");
+    let both = notes.filter(|note| is_unused(note.as_str().unwrap_or_default()));
+    assert_eq!(both.count(), 2, "one of each measurement");
+    let left = page(&[job, "--tables", tables, "--after", job]);
+    let once = items(&left, "findings")
+        .into_iter()
+        .filter(|item| is_unused(item));
+    assert_eq!(once.count(), 1);
 }
 
 #[test]

@@ -1,17 +1,20 @@
 //! `nonius assess JOB|ERRORS`
 
 mod document;
+mod found;
 mod page;
 mod parts;
 mod text;
 
-use crate::cli::files::read_argument;
+use crate::cli::files::{file_name, read_argument};
 use crate::cli::inputs;
 use crate::cli::outcome::{Outcome, Print, positive};
 use crate::cli::plot::PlotOnly;
 use crate::cli::tables::{AskedTables, Corrected};
+use crate::inputs::job::Job;
 use crate::inputs::kind::FileKind;
 use crate::kit::Inputs;
+use crate::machine::model::ErrorModel;
 use crate::page::bin_um;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::chain::Chain;
@@ -20,8 +23,9 @@ use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
 pub(super) use document::document;
+use found::Found;
 pub(super) use page::Page;
-use page::{After, Basis};
+use page::{After, Basis, Table};
 use std::path::{Path, PathBuf};
 
 /// Most nodes of one axis.
@@ -118,20 +122,37 @@ fn page(options: &Options) -> Result<Page, Problems> {
 /// Nodes of each axis in a report: enough for its pictures.
 const NODES_OF_REPORT: usize = 11;
 
-/// The page of a report: with the files of a directory, or with the tables that the job asks for.
-pub(super) fn for_report(inputs: &Inputs, tables: Option<&Path>) -> Result<Page, Problems> {
-    let grid = GridChoice::Equal(PerAxis::from_fn(|_| NODES_OF_REPORT));
-    let asked = AskedTables::of(tables);
-    let page = |histogram_um| {
-        let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
-        let request = Request {
-            histogram_um,
-            ..Request::default()
-        };
-        page_of_job(grid, &asked, &request, inputs, volume)
-    };
-    let plain = page(None)?;
-    page(Some(bin_um(plain.before.definitions.va.um)))
+fn grid_of_report() -> GridChoice {
+    GridChoice::Equal(PerAxis::from_fn(|_| NODES_OF_REPORT))
+}
+
+/// The page of a report, with the tables that are asked for.
+pub(super) fn for_report(inputs: &Inputs, tables: &AskedTables) -> Result<Page, Problems> {
+    let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
+    let request = request_of_report(&volume)?;
+    page_of_job(grid_of_report(), tables, &request, inputs, volume)
+}
+
+/// The page of a report of an error table alone, with its least job and its errors.
+pub(super) fn of_table_for_report(
+    name: &str,
+    bytes: &[u8],
+) -> Result<(Job, ErrorModel, Page), Problems> {
+    let table = page::of_table(name, bytes, None)?;
+    let (job, model) = (table.job.clone(), table.model.clone());
+    let request = request_of_report(&table.volume)?;
+    let name = file_name(Path::new(name));
+    let page = figures_of_table(name, table, grid_of_report(), &request)?;
+    Ok((job, model, page))
+}
+
+/// With bins that suit the differences.
+fn request_of_report(volume: &VolumeModel) -> Result<Request, Problem> {
+    let nodes = Grid::of(grid_of_report(), volume, &[])?;
+    Ok(Request {
+        histogram_um: Some(bin_um(va_um(volume, &nodes)?)),
+        ..Request::default()
+    })
 }
 
 fn page_of_job(
@@ -171,6 +192,7 @@ fn page_of_job(
         basis,
         before: assess(&volume, &nodes, request)?,
         after: corrected.map(after).transpose()?,
+        found: Found::of(&inputs.job, inputs.as_measured(), Some(&inputs.errors))?,
         volume,
     })
 }
@@ -193,15 +215,25 @@ fn page_of_table(
         .help("give the job that names it")
         .into());
     }
-    let (volume, basis) = page::of_table(&name, bytes, options.chain)?;
-    check(&volume, options)?;
-    let grid = Grid::of(options.grid, &volume, &[])?;
+    let table = page::of_table(&name, bytes, options.chain)?;
+    check(&table.volume, options)?;
+    figures_of_table(name, table, options.grid, request)
+}
+
+fn figures_of_table(
+    name: String,
+    table: Table,
+    grid: GridChoice,
+    request: &Request,
+) -> Result<Page, Problems> {
+    let nodes = Grid::of(grid, &table.volume, &[])?;
     Ok(Page {
         name,
-        grid: options.grid,
-        before: assess(&volume, &grid, request)?,
-        basis,
-        volume,
+        grid,
+        before: assess(&table.volume, &nodes, request)?,
+        basis: table.basis,
+        found: Found::of(&table.job, &table.model, None)?,
+        volume: table.volume,
         after: None,
     })
 }

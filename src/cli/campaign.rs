@@ -205,7 +205,7 @@ impl CampaignFiles {
 pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> {
     let (name, bytes) = read_argument(job_path)?;
     let source = Source::from_bytes(&name, &bytes)?;
-    let job = read_page(source, folder_of(job_path), UseOf::Tables)?;
+    let job = read_page(source, folder_of(job_path), UseOf::Figures)?;
     let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
         return Err(job
             .problem_at(

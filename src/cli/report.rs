@@ -1,21 +1,26 @@
-//! `nonius report JOB [--tables DIR] [--after FILE|JOB] -o report.html`
+//! `nonius report JOB|ERRORS [--tables DIR] [--after FILE|JOB] [--linear FILE] -o report.html`
 
-use crate::cli::campaign::read_campaign;
-use crate::cli::files::read_argument;
+use crate::cli::files::{file_name, read_argument};
+use crate::cli::job_files::{folder_of, read_page};
 use crate::cli::outcome::{Content, Outcome, Output, json_of};
 use crate::cli::screen::Screen;
+use crate::cli::tables::AskedTables;
 use crate::cli::verify::Judged;
-use crate::cli::{assess, inputs, separate};
-use crate::inputs::job::MeasuredData;
+use crate::cli::{assess, inputs, standards};
+use crate::inputs::job::{Job, UseOf};
+use crate::inputs::kind::FileKind;
 use crate::judge::conformity::Verdict;
+use crate::judge::forecast::Machine;
 use crate::kit::manifest::MANIFEST;
-use crate::kit::{Inputs, generate, verify};
-use crate::page::{Picture, Report, Shown, Texts};
-use crate::quantity::diagonal::PathKind;
+use crate::kit::{Inputs, cannot_emulate, generate, hashed, verify};
+use crate::machine::model::ErrorModel;
+use crate::machine::separation::table::ErrorSource;
+use crate::page::{Curves, Report, Shown, Texts, Visit, linear_document, terms};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 // Options of `report`.
@@ -23,14 +28,18 @@ use std::path::{Path, PathBuf};
 #[command(mut_arg("output", |arg| arg.required(true)
     .help("The page to write (HTML); `-` = standard output")))]
 pub(super) struct Options {
-    /// The job (TOML)
+    /// The job (TOML), or an error table (CSV); `-` = standard input
     job: PathBuf,
-    /// Directory with the control's files [default: those that `generate` would write]
+    /// Directory with the control's files [default: those that `generate` would write; as found
+    /// where the job states no [compensation.axes]]
     #[arg(long, value_name = "DIR")]
     tables: Option<PathBuf>,
     /// A measurement with these tables active: an error table (CSV) or a job (TOML)
     #[arg(long, value_name = "FILE|JOB", requires = "tables")]
     after: Option<PathBuf>,
+    /// Runs of one axis (CSV): its figures by ISO 230-2; may be given several times
+    #[arg(long, value_name = "FILE")]
+    linear: Vec<PathBuf>,
     /// en, de, zh, or a file of texts (TOML)
     #[arg(long, value_name = "LANGUAGE|FILE", default_value = "en")]
     language: String,
@@ -57,15 +66,10 @@ enum Unit {
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     options.output.ensure_new("the report")?;
-    let inputs = inputs::read(&options.job)?;
-    let mut visit = Visit::default();
-    let judged = visit.judged(options, &inputs)?;
-    let page = judged.page(&inputs)?;
-    let verdict = page.verdict();
-    visit.documents.push(("verify", json_of(&page.document())?));
-    visit.pictures.push(("curves", page.picture()?));
-    visit.add_volume(options, &inputs)?;
-    visit.add_readings(options, &inputs)?;
+    let mut visit = visit(options)?;
+    for file in &options.linear {
+        visit.add_linear(file)?;
+    }
     let texts = texts(&options.language)?;
     let report = Report {
         texts: &texts,
@@ -75,96 +79,203 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         },
         logo: options.logo.as_deref().map(logo).transpose()?,
         template: options.template.as_deref().map(own_template).transpose()?,
-        job: &inputs.job,
-        control: &inputs.profile.name,
-        is_rehearsal: page.is_simulated(),
-        doubts: page.doubts().iter().map(ToString::to_string).collect(),
-        is_measured: options.after.is_some(),
-        asked: page.asked(),
-        documents: visit.documents,
-        sizes: visit.sizes,
-        pictures: visit.pictures,
+        visit: &visit,
     };
     let content = Content::Bytes(report.html()?.into_bytes());
-    let screen = || Screen {
-        verdict: format!("verdict on the page: {}", verdict.word()),
+    let is_found = visit.verdict.is_none();
+    let word = visit.verdict.map_or(AS_FOUND, Verdict::word);
+    let screen = || {
+        Screen {
+        verdict: match is_found {
+            true => "the page shows the machine as found: the job states no tables ([compensation.axes]), so nothing is forecast or judged".to_string(),
+            false => format!("verdict on the page: {word}"),
+        },
         ..Screen::default()
+    }
     };
-    let document = || json!({ "schema": 1, "verdict": verdict.word() });
+    let document = || json!({ "schema": 1, "verdict": word });
     let outcome = options
         .output
         .deliver(Some(content), screen, document, "")?;
-    Ok(outcome.answering(verdict == Verdict::Pass))
+    Ok(outcome.answering(is_found || visit.verdict == Some(Verdict::Pass)))
 }
 
-/// What the page is made of.
-#[derive(Default)]
-struct Visit {
-    documents: Vec<(&'static str, Value)>,
-    pictures: Vec<(&'static str, Picture)>,
-    sizes: Vec<(String, usize)>,
+/// What stands for the verdict where there are no tables.
+const AS_FOUND: &str = "as-found";
+
+/// With the tables of a directory or of the job; as found where neither are there.
+fn visit(options: &Options) -> Result<Visit, Problems> {
+    let (name, bytes) = read_argument(&options.job)?;
+    let without_tables = options.tables.is_none();
+    if without_tables && FileKind::of(&name, &bytes) == FileKind::Table {
+        return of_table(&options.job, &name, &bytes);
+    }
+    let is_found = without_tables && !states_tables(options, &name, &bytes)?;
+    let use_of = UseOf::with(!is_found);
+    let (inputs, _) = inputs::read_job(&options.job, &name, &bytes, use_of)?;
+    match is_found {
+        true => of_job(&inputs),
+        false => with_tables(options, &inputs),
+    }
+}
+
+/// Whether the job says how the points of any axis are chosen.
+fn states_tables(options: &Options, name: &str, bytes: &[u8]) -> Result<bool, Problems> {
+    let source = Source::from_bytes(name, bytes)?;
+    let job = read_page(source, folder_of(&options.job), UseOf::Figures)?;
+    Ok(job.compensation.axes.iter().any(|(_, axis)| axis.is_some()))
+}
+
+/// An error table alone, as found.
+fn of_table(path: &Path, name: &str, bytes: &[u8]) -> Result<Visit, Problems> {
+    let (mut job, model, page) = assess::of_table_for_report(name, bytes)?;
+    job.machine.name.clear();
+    let mut visit = Visit::found(&job, &model, Machine::alone(&model), &page)?;
+    visit.inputs = vec![hashed(&file_name(path), bytes)];
+    Ok(visit)
+}
+
+/// The measurement of a job without tables, as found.
+fn of_job(inputs: &Inputs) -> Result<Visit, Problems> {
+    let page = assess::for_report(inputs, &AskedTables::NONE)?;
+    let model = inputs.as_measured();
+    let mut visit = Visit::found(&inputs.job, model, inputs.machine(), &page)?;
+    let is_stated = inputs.job.source.place_of("compensation.controller");
+    visit.control = is_stated.map_or_else(String::new, |_| inputs.profile.name.clone());
+    visit.inputs.clone_from(&inputs.hashes);
+    add_readings(&mut visit, inputs)?;
+    Ok(visit)
+}
+
+/// The tables of a directory, or those that `generate` would write.
+fn with_tables(options: &Options, inputs: &Inputs) -> Result<Visit, Problems> {
+    let mut visit = Visit::of(&inputs.job);
+    let judged = judged(&mut visit, options, inputs)?;
+    let page = judged.page(inputs)?;
+    visit.control.clone_from(&inputs.profile.name);
+    visit.verdict = Some(page.verdict());
+    visit.is_rehearsal = page.is_simulated();
+    visit.doubts = page.doubts().iter().map(ToString::to_string).collect();
+    visit.is_measured = options.after.is_some();
+    visit.asked = page.asked();
+    visit.inputs.clone_from(&inputs.hashes);
+    visit
+        .documents
+        .push(("verify".to_string(), json_of(&page.document())?));
+    visit.pictures.push(("curves", page.picture()?));
+    match assess::for_report(inputs, &AskedTables::of(options.tables.as_deref())) {
+        Ok(page) => add_volume(&mut visit, &page)?,
+        Err(problems) => visit.without_volume = problems.iter().map(words).collect(),
+    }
+    add_readings(&mut visit, inputs)?;
+    Ok(visit)
+}
+
+/// A problem in one line.
+fn words(problem: &Problem) -> String {
+    let help = problem.help.iter().map(|help| format!("; {help}"));
+    format!("{}{}", problem.message, help.collect::<String>())
 }
 
 impl Visit {
-    /// The tables of a directory, or those that `generate` would write.
-    fn judged<'a>(
-        &mut self,
-        options: &'a Options,
-        inputs: &Inputs,
-    ) -> Result<Judged<'a>, Problems> {
-        let Some(directory) = options.tables.as_deref() else {
-            let kit = generate(inputs)?;
-            self.documents.push(("kit", json_of(&kit.manifest)?));
-            self.sizes = kit
-                .files
-                .iter()
-                .map(|f| (f.path.clone(), f.bytes.len()))
-                .collect();
-            let state = Some(&kit.manifest.state);
-            let verification = verify(inputs, &kit.kit_files(), state, Vec::new())?;
-            return Ok(Judged::made(&options.job, verification));
+    /// The machine as found.
+    fn found(
+        job: &Job,
+        model: &ErrorModel,
+        machine: Machine<'_>,
+        page: &assess::Page,
+    ) -> Result<Visit, Problems> {
+        let mut visit = Visit::of(job);
+        visit.is_rehearsal = model.remarks.simulated().next().is_some();
+        let doubts = page.doubts().iter().cloned();
+        let doubts = doubts.chain(model.doubts(|_| true));
+        let doubts = doubts.map(|doubt| doubt.to_string());
+        visit.doubts = doubts.collect::<BTreeSet<_>>().into_iter().collect();
+        let curves = Curves {
+            machine,
+            loaded: None,
+            as_left: None,
+            limit_um: job.acceptance.max_deviation_um,
         };
-        let judged = Judged::read(inputs, &options.job, directory, options.after.as_deref())?;
-        if let Ok((_, bytes)) = read_argument(&directory.join(MANIFEST)) {
-            let manifest: Value = serde_json::from_slice(&bytes).unwrap_or_default();
-            for file in manifest["files"].as_array().into_iter().flatten() {
-                let name = file["path"].as_str().unwrap_or_default();
-                // A manifest of others may name any path: only what lies in the directory is looked at.
-                if Path::new(name).file_name() != Some(name.as_ref()) {
-                    continue;
-                }
-                let size = std::fs::metadata(directory.join(name)).map(|found| found.len());
-                let size = size.ok().and_then(|size| usize::try_from(size).ok());
-                self.sizes.extend(size.map(|size| (name.to_string(), size)));
-            }
-            self.documents.push(("kit", manifest));
-        }
-        Ok(judged)
+        let heading = format!("{}: nine errors as found", page.name);
+        let curves = terms(&heading, &curves).map_err(|reason| cannot_emulate(&reason))?;
+        visit.pictures.push(("curves", curves));
+        add_volume(&mut visit, page)?;
+        Ok(visit)
     }
 
-    /// The volume, where three axes and the order of angles are known.
-    fn add_volume(&mut self, options: &Options, inputs: &Inputs) -> Result<(), Problems> {
-        // A machine of which too little is known has no figures of its volume.
-        let Ok(page) = assess::for_report(inputs, options.tables.as_deref()) else {
-            return Ok(());
-        };
-        self.documents
-            .push(("assess", json_of(&assess::document(&page))?));
-        self.pictures.push(("volume", page.picture()));
+    /// Runs of one axis by standard.
+    fn add_linear(&mut self, file: &Path) -> Result<(), Problems> {
+        let (name, bytes) = read_argument(file)?;
+        let (document, picture) = standards::of_axis(&name, &bytes)?;
+        self.linear.push(file_name(file));
+        let name = linear_document(self.linear.len());
+        self.documents.push((name, json_of(&document)?));
+        self.pictures.push(("linear", picture));
+        self.inputs.push(hashed(&file_name(file), &bytes));
         Ok(())
     }
+}
 
-    fn add_readings(&mut self, options: &Options, inputs: &Inputs) -> Result<(), Problems> {
-        let MeasuredData::Diagonals(measurement) = &inputs.job.measurement.data else {
-            return Ok(());
-        };
-        if measurement.kind == PathKind::Step {
-            let separation = read_campaign(&options.job)?.separate()?;
-            self.pictures
-                .push(("readings", separate::diagonals(&separation)?));
-        }
-        Ok(())
+fn judged<'a>(
+    visit: &mut Visit,
+    options: &'a Options,
+    inputs: &Inputs,
+) -> Result<Judged<'a>, Problems> {
+    let Some(directory) = options.tables.as_deref() else {
+        let kit = generate(inputs)?;
+        visit
+            .documents
+            .push(("kit".to_string(), json_of(&kit.manifest)?));
+        let sizes = kit.files.iter().map(|f| (f.path.clone(), f.bytes.len()));
+        visit.sizes = sizes.collect();
+        let state = Some(&kit.manifest.state);
+        let verification = verify(inputs, &kit.kit_files(), state, Vec::new())?;
+        return Ok(Judged::made(&options.job, verification));
+    };
+    let judged = Judged::read(inputs, &options.job, directory, options.after.as_deref())?;
+    if let Ok((_, bytes)) = read_argument(&directory.join(MANIFEST)) {
+        let manifest: Value = serde_json::from_slice(&bytes).unwrap_or_default();
+        visit.sizes = sizes(directory, &manifest);
+        visit.documents.push(("kit".to_string(), manifest));
     }
+    Ok(judged)
+}
+
+/// Bytes of the files of a manifest. One of others may name any path: only what lies in the directory is looked at.
+fn sizes(directory: &Path, manifest: &Value) -> Vec<(String, usize)> {
+    let files = manifest["files"].as_array().into_iter().flatten();
+    let size = |file: &Value| {
+        let name = file["path"].as_str()?;
+        let is_inside = Path::new(name).file_name() == Some(name.as_ref());
+        let path = is_inside.then(|| directory.join(name))?;
+        let bytes = std::fs::metadata(path).ok()?.len();
+        Some((name.to_string(), usize::try_from(bytes).ok()?))
+    };
+    files.filter_map(size).collect()
+}
+
+fn add_volume(visit: &mut Visit, page: &assess::Page) -> Result<(), Problems> {
+    let document = json_of(&assess::document(page))?;
+    visit.documents.push(("assess".to_string(), document));
+    visit.pictures.push(("volume", page.picture()));
+    Ok(())
+}
+
+fn add_readings(visit: &mut Visit, inputs: &Inputs) -> Result<(), Problems> {
+    let ErrorSource::Separated {
+        separation,
+        readings,
+        ..
+    } = &inputs.errors
+    else {
+        return Ok(());
+    };
+    let (document, picture) = standards::of_separation(readings, separation)?;
+    let document = json_of(&document)?;
+    visit.documents.push(("standards".to_string(), document));
+    visit.pictures.push(("readings", picture));
+    Ok(())
 }
 
 fn texts(language: &str) -> Result<Texts, Problems> {

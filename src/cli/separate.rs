@@ -7,7 +7,6 @@ mod text;
 mod words;
 
 use crate::cli::campaign::{CampaignFiles, read_campaign};
-use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::plot::Plot;
 use crate::inputs::error_table;
@@ -15,7 +14,7 @@ use crate::machine::separation::Separation;
 use crate::machine::separation::monte_carlo::{Quantity, Simulated, Trials, simulate};
 use crate::machine::separation::readings::run_counts;
 use crate::machine::separation::uncertainty::Budget;
-use crate::page::{Picture, separated};
+use crate::page::separated;
 use crate::quantity::diagonal::PathKind;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
@@ -74,14 +73,6 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let heading = format!("{}: nine errors, separated", campaign.job.machine.name);
     let picture = || Ok(separated(&heading, &separation));
     options.plot.beside(outcome, output.force, picture)
-}
-
-/// The corrected readings along the four diagonals.
-pub(super) fn diagonals(separation: &Separation) -> Result<Picture, Problems> {
-    let runs = &separation.zeroed_runs;
-    let figures = StandardFigures::of(&separation.volume, PathKind::Step, runs)?;
-    let heading = "Readings along the body diagonals, corrected";
-    Ok(figures.picture(heading, "along the diagonal / mm"))
 }
 
 fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome, Problems> {

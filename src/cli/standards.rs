@@ -14,6 +14,7 @@ use crate::inputs::import::{Measurement, encoding_word, measured_runs};
 use crate::inputs::kind::FileKind;
 use crate::inputs::target_runs::{Runs, Stated, Values};
 use crate::kit::sha256;
+use crate::page::Picture;
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::LengthUnit;
 use crate::text::document::Source;
@@ -21,7 +22,9 @@ use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use axis::Page;
 use clap::Args;
-use std::path::PathBuf;
+pub(super) use diagonals::of_separation;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 
 // Options of `standards`. Which of them have a meaning depends on the file.
 #[derive(Args, Debug)]
@@ -92,6 +95,28 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
             options.axis(&name, &runs, measured.findings)
         }
     }
+}
+
+/// The document and the picture of runs of one axis, which say by themselves what they hold.
+pub(super) fn of_axis(name: &str, bytes: &[u8]) -> Result<(Value, Picture), Problems> {
+    let kind = FileKind::of(name, bytes);
+    if kind != FileKind::Table {
+        let words = format!(
+            "`{name}` is {}, expected runs of one axis (CSV)",
+            kind.words()
+        );
+        return Err(Problem::new(words)
+            .help("a table of targets and runs as in docs/interface.md §2.4")
+            .into());
+    }
+    let stated = Stated {
+        unit: None,
+        values: None,
+    };
+    let runs = Runs::read(&Source::from_bytes(name, bytes)?, stated)?;
+    let name = file_name(Path::new(name));
+    let page = Page::of(&name, &runs, None, Vec::new())?;
+    Ok((page.document(), page.picture()))
 }
 
 impl Options {

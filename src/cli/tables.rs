@@ -37,6 +37,12 @@ pub(super) struct Corrected {
 }
 
 impl AskedTables {
+    /// None: the machine as it is.
+    pub(super) const NONE: AskedTables = AskedTables {
+        tables: None,
+        with_tables: false,
+    };
+
     /// The files of a directory, or what the job asks for.
     pub(super) fn of(tables: Option<&Path>) -> AskedTables {
         let with_tables = tables.is_none();

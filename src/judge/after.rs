@@ -93,6 +93,21 @@ impl Emulator for Bare {
     }
 }
 
+/// The figures of a measurement by itself, as if no table were loaded.
+pub(crate) fn alone(model: &ErrorModel, job: &Job) -> Result<Forecast, Problems> {
+    let letter = |axis: Axis| vec![axis.to_string()];
+    let no_tables = Plan {
+        names: PerAxis::from_fn(letter),
+        ..Plan::default()
+    };
+    bare(model, &no_tables, job)
+}
+
+fn bare(model: &ErrorModel, plan: &Plan, job: &Job) -> Result<Forecast, Problems> {
+    let ranges = judged_ranges(job, model);
+    forecast(Machine::alone(model), plan, &Bare, &ranges).map_err(not_evaluated)
+}
+
 /// Puts the three beside each other; `control` = what the bytes of the tables make of the
 /// control, `None` where they cannot be emulated.
 pub fn compare(
@@ -105,13 +120,9 @@ pub fn compare(
 ) -> Result<Comparison, Problems> {
     let before = machine.uncompensated;
     ensure_common_ground(before, after)?;
-    let bare = |model: &ErrorModel| {
-        let ranges = judged_ranges(job, model);
-        forecast(Machine::alone(model), plan, &Bare, &ranges).map_err(not_evaluated)
-    };
-    let found = bare(machine.as_measured)?;
+    let found = bare(machine.as_measured, plan, job)?;
     let as_left = match after {
-        AfterMeasurement::Errors(model) => bare(model)?,
+        AfterMeasurement::Errors(model) => bare(model, plan, job)?,
         AfterMeasurement::Diagonals(runs) => figures(runs, job),
     };
     let as_left = Forecast {

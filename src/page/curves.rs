@@ -28,6 +28,8 @@ pub struct Curves<'a> {
 const SAMPLES: u32 = 120;
 /// A step of a correction is drawn as a step: a place on either side of it, mm.
 const BESIDE_MM: f64 = 1e-6;
+/// Panels beside each other.
+const COLUMNS: usize = 3;
 /// Coverage factor of the band: U = k·u with k = 2 (GUM).
 const K: f64 = 2.0;
 
@@ -52,17 +54,26 @@ pub fn terms(heading: &str, curves: &Curves<'_>) -> Result<Picture, CannotEmulat
         marks.extend(within.map(|at| Mark::Level(Ink::Limit, at)));
         Some(panel(term, marks, um, curves.range(term)))
     });
+    let mut panels: Vec<Option<Panel>> = panels.collect();
+    // A few errors stand in one row, without the empty places of the others.
+    if panels.iter().flatten().count() <= COLUMNS {
+        panels.retain(Option::is_some);
+    }
     Ok(Picture {
         title: heading.to_string(),
         description: format!(
             "The measured errors of each axis against its position, all at one scale from {} to {} µm.",
             um.0, um.1
         ),
-        columns: 3,
-        panels: panels.collect(),
-        note:
-            "µm against mm, zero at the reference; band: ±2 u, where u is stated; short strokes: points of the table"
-                .to_string(),
+        columns: COLUMNS,
+        panels,
+        note: format!(
+            "µm against mm, zero at the reference; band: ±2 u, where u is stated{}",
+            match curves.loaded {
+                Some(_) => "; short strokes: points of the table",
+                None => "",
+            }
+        ),
     })
 }
 

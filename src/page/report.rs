@@ -8,16 +8,19 @@
 //! A figure is `<span data-value="18" data-of="verify /terms/EXX/before_um">18.00</span>`: the number of
 //! the document, the command and the place in its JSON, and what a person reads. Nothing is computed here.
 
+mod parts;
+
 use super::picture::Picture;
 use super::svg;
 use super::texts::Texts;
 use crate::inputs::job::Job;
+use crate::judge::conformity::Verdict;
+use crate::kit::manifest::HashedFile;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::{Figure, MM_PER_INCH, UM_PER_MM};
 use crate::text::html::escaped;
 use crate::text::problem::Problems;
 use crate::write::emit::{TOOL, Templates};
-use serde::Serialize;
 use serde_json::{Value, json};
 
 /// In which unit lengths are shown; documents are always in mm and µm.
@@ -50,71 +53,75 @@ pub struct Report<'a> {
     pub logo: Option<String>,
     /// A template of one's own, by its name.
     pub template: Option<(String, String)>,
+    /// What was measured and found.
+    pub visit: &'a Visit,
+}
+
+/// What was measured and found; what is not there stays empty.
+pub struct Visit {
     /// The job.
-    pub job: &'a Job,
+    pub job: Job,
     /// Name of the control.
-    pub control: &'a str,
+    pub control: String,
+    /// What `verify` says; `None` = as found, there are no tables to judge.
+    pub verdict: Option<Verdict>,
     /// Whether any of the readings were simulated.
     pub is_rehearsal: bool,
-    /// Why the figures are doubtful: sentences of `verify`, none is left out.
+    /// Why the figures are doubtful, none is left out.
     pub doubts: Vec<String>,
     /// Whether the tables were measured.
     pub is_measured: bool,
     /// The limits, and all that the verdict rests on and does not count: a sentence of `verify`.
     pub asked: String,
+    /// Every file that was read, with its hash.
+    pub inputs: Vec<HashedFile>,
     /// The JSON of each command, by its name.
-    pub documents: Vec<(&'static str, Value)>,
+    pub documents: Vec<(String, Value)>,
     /// Name and size of the files of the tables, bytes.
     pub sizes: Vec<(String, usize)>,
     /// The pictures by the part that they stand in.
     pub pictures: Vec<(&'static str, Picture)>,
+    /// Why there are no figures of the volume.
+    pub without_volume: Vec<String>,
+    /// The files of runs of one axis.
+    pub linear: Vec<String>,
+}
+
+impl Visit {
+    /// Of a job, before anything is known.
+    pub fn of(job: &Job) -> Visit {
+        Visit {
+            job: job.clone(),
+            control: String::new(),
+            verdict: None,
+            is_rehearsal: false,
+            doubts: Vec::new(),
+            is_measured: false,
+            asked: String::new(),
+            inputs: Vec::new(),
+            documents: Vec::new(),
+            sizes: Vec::new(),
+            pictures: Vec::new(),
+            without_volume: Vec::new(),
+            linear: Vec::new(),
+        }
+    }
+}
+
+/// The name of the document of a file of runs, counted from 1.
+pub fn linear_document(number: usize) -> String {
+    format!("standards:{number}")
 }
 
 /// What was found, on the first page; the part of findings has all.
 const MOST_CAUSES: usize = 3;
+/// In place of a figure that there is not.
+const NONE: &str = "\u{2013}";
 
 const TEMPLATE: (&str, &str) = (
     "report.html.tera",
     include_str!("../../templates/report/report.html.tera"),
 );
-
-/// A part of the page behind the first one.
-#[derive(Default, Serialize)]
-struct Part {
-    id: &'static str,
-    title: String,
-    words: Vec<String>,
-    pictures: Vec<String>,
-    tables: Vec<Table>,
-    items: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct Table {
-    head: Vec<String>,
-    rows: Vec<Row>,
-    is_words: bool,
-}
-
-#[derive(Serialize)]
-struct Row {
-    cells: Vec<String>,
-}
-
-impl Table {
-    fn new(
-        head: Vec<String>,
-        rows: impl IntoIterator<Item = Vec<String>>,
-        is_words: bool,
-    ) -> Table {
-        let rows = rows.into_iter().map(|cells| Row { cells });
-        Table {
-            head,
-            rows: rows.collect(),
-            is_words,
-        }
-    }
-}
 
 impl Report<'_> {
     /// The page, self-contained: no script, nothing from elsewhere.
@@ -126,13 +133,15 @@ impl Report<'_> {
             "style": svg::STYLE,
             "logo": self.logo.as_deref().unwrap_or_default(),
             "unit": self.unit(),
-            "machine": { "name": escaped(&self.job.machine.name) },
+            "title": self.t(if self.is_found() { "title_found" } else { "title" }),
+            "machine": { "name": escaped(&self.visit.job.machine.name) },
             "visit": self.visit(),
             "verdict": self.verdict(),
             "warnings": self.warnings(),
-            "has_left": self.is_measured,
+            "has_forecast": !self.is_found(),
+            "has_left": self.visit.is_measured,
             "terms": self.lines("terms"),
-            "diagonals": self.lines("diagonals"),
+            "diagonals": self.diagonals(),
             "squareness": self.squareness(),
             "parts": self.parts(),
         });
@@ -148,6 +157,19 @@ impl Report<'_> {
         escaped(self.texts.of(key))
     }
 
+    /// Whether there are no tables, only what was measured.
+    fn is_found(&self) -> bool {
+        self.visit.verdict.is_none()
+    }
+
+    /// The command that the figures of the first page are from.
+    fn main(&self) -> &'static str {
+        match self.is_found() {
+            true => "assess",
+            false => "verify",
+        }
+    }
+
     fn unit(&self) -> &'static str {
         match self.shown {
             Shown::Metric => "µm",
@@ -156,7 +178,7 @@ impl Report<'_> {
     }
 
     fn document(&self, name: &str) -> &Value {
-        let found = self.documents.iter().find(|(own, _)| *own == name);
+        let found = self.visit.documents.iter().find(|(own, _)| own == name);
         found.map_or(&Value::Null, |(_, document)| document)
     }
 
@@ -171,7 +193,7 @@ impl Report<'_> {
     /// A number of a document as the reader writes it; a dash where it is none.
     fn figure(&self, document: &str, at: &str, kind: Kind) -> String {
         let Some(number) = self.document(document).pointer(at).and_then(Value::as_f64) else {
-            return "\u{2013}".to_string();
+            return NONE.to_string();
         };
         let (factor, decimals) = match (kind, self.shown) {
             (Kind::Deviation, Shown::Metric) => (1.0, 2),
@@ -194,8 +216,8 @@ impl Report<'_> {
     /// that every visit has, then all others as they are stated.
     fn visit(&self) -> Vec<Value> {
         const ALWAYS: [&str; 3] = ["by", "instrument", "temperature_c"];
-        let machine = &self.job.machine;
-        let protocol = &self.job.measurement.protocol;
+        let machine = &self.visit.job.machine;
+        let protocol = &self.visit.job.measurement.protocol;
         let stated = |key: &str| {
             protocol
                 .iter()
@@ -207,10 +229,10 @@ impl Report<'_> {
         let mut lines = vec![
             line(self.t("machine"), machine.name.clone()),
             line(self.t("serial"), machine.serial.clone().unwrap_or_default()),
-            line(self.t("control"), self.control.to_string()),
+            line(self.t("control"), self.visit.control.clone()),
             line(
                 self.t("date"),
-                self.job.measurement.date.clone().unwrap_or_default(),
+                self.visit.job.measurement.date.clone().unwrap_or_default(),
             ),
         ];
         lines.extend(ALWAYS.map(|key| line(self.t(key), stated(key).unwrap_or_default())));
@@ -229,35 +251,45 @@ impl Report<'_> {
     }
 
     fn verdict(&self) -> Value {
-        let acceptance = self.job.acceptance;
-        let word = self.document("verify")["verdict"]
-            .as_str()
-            .unwrap_or_default();
+        let acceptance = self.visit.job.acceptance;
         let limits = [
             ("asked_deviation", acceptance.max_deviation_um),
             ("asked_diagonal", acceptance.max_diagonal_um),
         ];
         let is_asked = limits.iter().any(|(_, um)| um.is_some());
-        let word = if word == "pass" && !is_asked {
-            "nothing_asked"
-        } else {
-            word
+        let word = match self.visit.verdict.map(Verdict::word) {
+            None => "as_found",
+            Some("pass") if !is_asked => "nothing_asked",
+            Some(word) => word,
         };
-        let asked = limits.into_iter().filter_map(|(key, um)| {
+        let of = match (self.is_found(), self.visit.is_measured) {
+            (true, _) => "of_found",
+            (false, true) => "of_measurement",
+            (false, false) => "of_forecast",
+        };
+        // As found nothing is judged: a limit beside the figures would read as a result.
+        let judged = limits.into_iter().filter(|_| !self.is_found());
+        let asked = judged.filter_map(|(key, um)| {
             Some(format!("{}: \u{2264} {}", self.t(key), self.length(um?)))
         });
+        let rests_on = Some(&self.visit.asked).filter(|words| !words.is_empty());
         json!({
-            "kind": if self.is_measured || word != "pass" { word } else { "forecast" },
+            "kind": if self.visit.is_measured || word != "pass" { word } else { "forecast" },
             "word": self.t(word),
-            "of": self.t(if self.is_measured { "of_measurement" } else { "of_forecast" }),
-            "asked": asked.chain([escaped(&self.asked)]).collect::<Vec<_>>(),
+            "of": self.t(of),
+            "asked": asked.chain(rests_on.map(|words| escaped(words))).collect::<Vec<_>>(),
             "because": self.because(),
         })
     }
 
     /// All doubts, then the first of what does not keep a limit and of what was found.
     fn because(&self) -> Vec<String> {
-        let doubts: Vec<String> = self.doubts.iter().map(|words| escaped(words)).collect();
+        let doubts: Vec<String> = self
+            .visit
+            .doubts
+            .iter()
+            .map(|words| escaped(words))
+            .collect();
         let causes = self.sentences("verify", "/causes", usize::MAX);
         let others = causes.into_iter().filter(|words| !doubts.contains(words));
         let others: Vec<String> = others.take(MOST_CAUSES).collect();
@@ -266,7 +298,7 @@ impl Report<'_> {
 
     /// What never leaves the first page: a rehearsal, a sign that is only assumed.
     fn warnings(&self) -> Vec<String> {
-        let simulated = self.is_rehearsal.then(|| self.t("rehearsal"));
+        let simulated = self.visit.is_rehearsal.then(|| self.t("rehearsal"));
         let signs = self.list("verify", "/assumptions").filter_map(|assumed| {
             let fact = assumed["fact"].as_str()?;
             let matters = assumed.get("without_effect").is_none_or(Value::is_null);
@@ -302,10 +334,10 @@ impl Report<'_> {
 
     /// The lines of terms or of diagonals.
     fn lines(&self, of: &str) -> Vec<Value> {
-        let names = self.keys("verify", &format!("/{of}")).into_iter();
+        let main = self.main();
+        let names = self.keys(main, &format!("/{of}")).into_iter();
         let line = |name: String| {
-            let at =
-                |key: &str| self.figure("verify", &format!("/{of}/{name}/{key}"), Kind::Deviation);
+            let at = |key: &str| self.figure(main, &format!("/{of}/{name}/{key}"), Kind::Deviation);
             let kind = match name.as_bytes() {
                 [b'E', a, b] if a == b => "positioning",
                 _ => "straightness",
@@ -319,187 +351,38 @@ impl Report<'_> {
         names.map(line).collect()
     }
 
+    /// As found only where all nine errors were measured: their readings are predicted from them.
+    fn diagonals(&self) -> Vec<Value> {
+        const FOUND: &str = "/definitions/diagonals_um";
+        if !self.is_found() {
+            return self.lines("diagonals");
+        }
+        let is_complete = self.keys("assess", "/terms").len() == ErrorTerm::ALL.len();
+        let names = is_complete.then(|| self.keys("assess", FOUND));
+        let line = |name: String| {
+            let found = self.figure("assess", &format!("{FOUND}/{name}"), Kind::Deviation);
+            json!({
+                "name": escaped(&name), "found": found,
+                "forecast": "", "left": "", "expanded": NONE,
+            })
+        };
+        names.into_iter().flatten().map(line).collect()
+    }
+
     fn squareness(&self) -> Vec<Value> {
-        let planes = self.keys("verify", "/squareness").into_iter();
+        let main = self.main();
         let line = |plane: String| {
-            let at = |key: &str| {
-                self.figure("verify", &format!("/squareness/{plane}/{key}"), Kind::Slope)
-            };
+            let at =
+                |key: &str| self.figure(main, &format!("/squareness/{plane}/{key}"), Kind::Slope);
             json!({
                 "name": escaped(&plane.to_uppercase()),
                 "found": at("before_um_per_m"), "left": at("after_um_per_m"),
+                "expanded": at("expanded_um_per_m"),
             })
         };
-        planes.map(line).collect()
-    }
-
-    fn part(&self, id: &'static str) -> Part {
-        let own = self.pictures.iter().filter(|(of, _)| *of == id);
-        Part {
-            id,
-            title: self.t(id),
-            pictures: own.map(|(_, picture)| svg::inline(picture)).collect(),
-            ..Part::default()
-        }
-    }
-
-    /// Behind the first page; parts that would be empty are left out.
-    fn parts(&self) -> Vec<Part> {
-        let drawn = ["curves", "readings"].map(|id| self.part(id));
-        let drawn = drawn.into_iter().filter(|part| !part.pictures.is_empty());
-        let volume = (!self.document("assess").is_null()).then(|| self.volume());
-        drawn
-            .chain(volume)
-            .chain([
-                self.tables(),
-                self.missing(),
-                self.found(),
-                self.assumed(),
-                self.undo(),
-                self.provenance(),
-            ])
+        self.keys(main, "/squareness")
+            .into_iter()
+            .map(line)
             .collect()
-    }
-
-    fn volume(&self) -> Part {
-        let nodes = [0, 1, 2].map(|n| self.figure("assess", &format!("/grid/{n}"), Kind::Count));
-        Part {
-            words: vec![format!("{}: {}", self.t("grid"), nodes.join(" × "))],
-            items: self.sentences("assess", "/labels", usize::MAX),
-            ..self.part("volume")
-        }
-    }
-
-    fn tables(&self) -> Part {
-        let rows = self.list("kit", "/tables").enumerate().map(|(n, table)| {
-            let text = |key: &str| table[key].as_str().map(escaped);
-            vec![
-                text("term").unwrap_or_default(),
-                text("direction").unwrap_or_else(|| self.t("both")),
-                text("place").unwrap_or_default(),
-                self.figure("kit", &format!("/tables/{n}/points"), Kind::Count),
-                self.figure(
-                    "kit",
-                    &format!("/tables/{n}/grid_residual_um"),
-                    Kind::Deviation,
-                ),
-            ]
-        });
-        if !self.is_kit_known() {
-            return self.listed("tables", Vec::new(), "no_manifest");
-        }
-        let residual = format!("{}, {}", self.t("residual"), self.unit());
-        let head = ["term", "direction", "place", "points"].map(|key| self.t(key));
-        let placed = Table::new(head.into_iter().chain([residual]).collect(), rows, true);
-        let files = self.list("kit", "/files").map(|file| {
-            let text = |key: &str| file[key].as_str().map(escaped).unwrap_or_default();
-            let size = self
-                .sizes
-                .iter()
-                .find(|(name, _)| Some(name.as_str()) == file["path"].as_str());
-            let size = size.map_or_else(String::new, |(_, bytes)| bytes.to_string());
-            vec![
-                text("path"),
-                text("role"),
-                size,
-                format!("<code>{}</code>", text("sha256")),
-            ]
-        });
-        let head = ["file", "role"].map(|key| self.t(key)).into_iter();
-        let head = head.chain(["Byte".to_string(), self.t("sha256")]);
-        let files = Table::new(head.collect(), files, true);
-        Part {
-            tables: vec![placed, files],
-            ..self.part("tables")
-        }
-    }
-
-    fn missing(&self) -> Part {
-        let known = self.keys("verify", "/terms");
-        let names = ErrorTerm::ALL.map(|term| term.to_string());
-        let unmeasured = names.into_iter().filter(|name| !known.contains(name));
-        let unmeasured = unmeasured.map(|name| format!("{name}: {}", self.t("not_measured")));
-        let omitted = self.list("kit", "/omitted").map(|omitted| {
-            let text = |key: &str| omitted[key].as_str().unwrap_or_default();
-            escaped(&format!("{}: {}", text("term"), text("reason")))
-        });
-        let items: Vec<String> = unmeasured.chain(omitted).collect();
-        match self.is_kit_known() {
-            true => self.listed("missing", items, "nothing_missing"),
-            false => self.listed("missing", items, "no_manifest"),
-        }
-    }
-
-    /// Whether the directory says what it holds.
-    fn is_kit_known(&self) -> bool {
-        !self.document("kit").is_null()
-    }
-
-    fn found(&self) -> Part {
-        let causes = self.sentences("verify", "/causes", usize::MAX).into_iter();
-        let notes = self.sentences("verify", "/notes", usize::MAX);
-        self.listed("findings", causes.chain(notes).collect(), "no_findings")
-    }
-
-    fn assumed(&self) -> Part {
-        let rows = self.list("verify", "/assumptions").map(|assumed| {
-            let text = |key: &str| assumed[key].as_str().map(escaped).unwrap_or_default();
-            vec![
-                format!("{} = {}", text("fact"), text("value")),
-                text("consequence"),
-            ]
-        });
-        let head = vec![String::new(), self.t("if_wrong")];
-        let table = Table::new(head, rows, true);
-        Part {
-            tables: vec![table],
-            ..self.part("assumptions")
-        }
-    }
-
-    fn undo(&self) -> Part {
-        let files = self.list("kit", "/files").filter_map(|file| {
-            let role = file["role"].as_str()?;
-            let is_back = role == "rollback" || role == "disable";
-            is_back.then(|| escaped(file["path"].as_str().unwrap_or_default()))
-        });
-        let files: Vec<String> = files.collect();
-        let words = match (self.is_kit_known(), files.is_empty()) {
-            (false, _) => "no_manifest",
-            (true, true) => "undo_hand",
-            (true, false) => "undo_words",
-        };
-        Part {
-            words: vec![self.t(words)],
-            items: files,
-            ..self.part("undo")
-        }
-    }
-
-    fn provenance(&self) -> Part {
-        let before = self.list("kit", "/inputs");
-        let files = before.chain(self.list("verify", "/after")).map(|file| {
-            let text = |key: &str| file[key].as_str().map(escaped).unwrap_or_default();
-            vec![text("path"), format!("<code>{}</code>", text("sha256"))]
-        });
-        let head = vec![self.t("file"), self.t("sha256")];
-        let table = Table::new(head, files, true);
-        Part {
-            tables: vec![table],
-            ..self.part("provenance")
-        }
-    }
-
-    fn listed(&self, id: &'static str, items: Vec<String>, without: &str) -> Part {
-        let words = if items.is_empty() {
-            vec![self.t(without)]
-        } else {
-            Vec::new()
-        };
-        Part {
-            words,
-            items,
-            ..self.part(id)
-        }
     }
 }

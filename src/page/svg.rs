@@ -2,7 +2,7 @@
 
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
 use super::scale::Ticks;
-use crate::quantity::units::Figure;
+use crate::quantity::units::{Figure, smaller};
 use crate::text::html::escaped;
 use std::fmt::Write;
 
@@ -214,7 +214,10 @@ fn axes(out: &mut Drawing, map: &Map<'_>) {
     for (at, label) in labels(map) {
         let x = map.x(at);
         out.stroke("zero", (x, bottom), (x, bottom + 3.0));
-        out.text("m", x, bottom + 13.0, &label);
+        // A long label at the end of an axis stays inside the picture.
+        let half = count(label.chars().count()) * SMALL * LETTER / 2.0;
+        let most = plot.left + plot.width + RIGHT - half;
+        out.text("m", smaller(x, most), bottom + 13.0, &label);
     }
     let middle = plot.left + plot.width / 2.0;
     out.text("m", middle, bottom + 26.0, &map.across.label);

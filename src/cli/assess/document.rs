@@ -28,6 +28,8 @@ pub(in crate::cli) fn document(page: &Page) -> Value {
             "straightness_optic_mm": levers.straightness_optic,
             "active": active(&page.basis),
             "errors_measured": count(&page.volume),
+            "terms": page.found.terms,
+            "squareness": page.found.squareness,
         }),
         figures(page, &page.before),
         json!({

@@ -1,6 +1,7 @@
 //! What `assess` prints, and what its figures rest on: frame, levers, tables that were active, how much
 //! of the machine was measured (what is missing must not look like an error of 0).
 
+use super::found::Found;
 use crate::inputs::error_table::{ErrorTable, Remarks};
 use crate::inputs::job::{ActiveTables, Job, Levers, MeasuredData, UseOf};
 use crate::kit::Inputs;
@@ -20,7 +21,7 @@ use std::fmt::Write;
 /// What is printed.
 pub(in crate::cli) struct Page {
     /// Name of the machine, or of the table.
-    pub(super) name: String,
+    pub(in crate::cli) name: String,
     pub(super) volume: VolumeModel,
     pub(super) grid: GridChoice,
     /// What the figures rest on.
@@ -28,9 +29,16 @@ pub(in crate::cli) struct Page {
     /// As it is.
     pub(in crate::cli) before: Assessment,
     pub(super) after: Option<After>,
+    /// As it was measured.
+    pub(super) found: Found,
 }
 
 impl Page {
+    /// Why the figures may be wrong.
+    pub(in crate::cli) fn doubts(&self) -> &[Finding] {
+        &self.basis.doubts
+    }
+
     /// Vectors, contributions, and the distribution where it is asked for.
     pub(in crate::cli) fn picture(&self) -> Picture {
         let before = Side {
@@ -281,13 +289,18 @@ pub(super) fn has_no_lever(volume: &VolumeModel, levers: &Levers, component: Com
         && !Axis::ALL.into_iter().any(|d| swings(levers, rotation, d))
 }
 
+/// An error table without a job.
+pub(super) struct Table {
+    /// The least job that it needs.
+    pub(super) job: Job,
+    pub(super) model: ErrorModel,
+    pub(super) volume: VolumeModel,
+    pub(super) basis: Basis,
+}
+
 /// The model of a table and what it rests on: each axis travels where it was measured, its reference is its lowest
 /// measured position.
-pub(super) fn of_table(
-    name: &str,
-    bytes: &[u8],
-    chain: Option<Chain>,
-) -> Result<(VolumeModel, Basis), Problems> {
+pub(super) fn of_table(name: &str, bytes: &[u8], chain: Option<Chain>) -> Result<Table, Problems> {
     let table = ErrorTable::read(Source::from_bytes(name, bytes)?)?;
     let page = least_job(&table, chain);
     let job = Job::read_for(Source::from_bytes(name, page.as_bytes())?, UseOf::Figures)?;
@@ -297,12 +310,16 @@ pub(super) fn of_table(
             "the table holds angles, which act through levers: the order of the axes is missing",
         )
         .at(table.header.clone())
-        .help("state it, e.g. `--chain wXYZt`, or give a job with `machine.chain`")
+        .help("give a job with `machine.chain`, or state it: `assess --chain wXYZt`")
         .into());
     }
     let volume = VolumeModel::build(&job, &model)?;
-    let basis = Basis::of_table(&job, &model, &volume);
-    Ok((volume, basis))
+    Ok(Table {
+        basis: Basis::of_table(&job, &model, &volume),
+        job,
+        model,
+        volume,
+    })
 }
 
 /// The least job that such a table needs.

@@ -9,8 +9,10 @@ use crate::cli::screen::{Screen, paragraphs, table};
 use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;
 use crate::machine::findings::StandardFinding;
+use crate::machine::separation::Separation;
 use crate::machine::separation::readings::CorrectedRun;
 use crate::machine::standards::{DIAGONALS, Diagonals};
+use crate::page::Picture;
 use crate::quantity::axis::Direction;
 use crate::quantity::diagonal::PathKind;
 use crate::text::document::Source;
@@ -18,6 +20,8 @@ use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use serde_json::{Map, Value, json};
 use std::path::Path;
+
+const ALONG: &str = "along the diagonal / mm";
 
 /// Figures of the readings that a job names.
 pub(super) fn of_job(path: &Path, print: Print, plot: &PlotOnly) -> Result<Outcome, Problems> {
@@ -37,11 +41,27 @@ pub(super) fn of_job(path: &Path, print: Print, plot: &PlotOnly) -> Result<Outco
     let figures = StandardFigures::of(&measurement.volume, measurement.kind, &runs)?;
     let page = Page {
         name: &measurement.readings,
-        across: "along the diagonal / mm",
+        across: ALONG,
         notes: notes(all > runs.len()),
         figures,
     };
     page.outcome(print, plot)
+}
+
+/// The document and the picture of readings that were separated.
+pub(in crate::cli) fn of_separation(
+    readings: &str,
+    separation: &Separation,
+) -> Result<(Value, Picture), Problems> {
+    let runs = &separation.zeroed_runs;
+    let page = Page {
+        name: readings,
+        across: ALONG,
+        notes: notes(separation.runs.len() > runs.len()),
+        figures: StandardFigures::of(&separation.volume, PathKind::Step, runs)?,
+    };
+    let heading = "Readings along the body diagonals, corrected";
+    Ok((page.document(), page.figures.picture(heading, ALONG)))
 }
 
 /// Figures of readings alone: those that the box has no part in.

@@ -3,6 +3,7 @@
 
 use crate::cli::screen::{Screen, list, table};
 use crate::cli::show::{self, um};
+use crate::cli::squareness::squareness;
 use crate::cli::verify::second::Second;
 use crate::control::claims::Assumption;
 use crate::judge::after::{AfterMeasurement, Comparison, Line};
@@ -13,8 +14,8 @@ use crate::kit::manifest::{HashedFile, change, diagonals};
 use crate::kit::second_look::SecondLook;
 use crate::kit::{Inputs, Verification, cannot_emulate, emulator, remarks};
 use crate::machine::model::ErrorModel;
+use crate::machine::separation::metric::Plane;
 use crate::page::{Curves, Picture, terms};
-use crate::quantity::axis::Axis;
 use crate::quantity::units::picometres;
 use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
@@ -122,18 +123,20 @@ impl Page<'_> {
         show::asked(&self.inputs.job, self.judged())
     }
 
-    /// Of each plane whose two terms were measured, as found and as left.
+    /// Of each plane that is known as found, as found and as left; U of the last figure.
     fn squareness(&self) -> Value {
-        let as_left = self.as_left();
-        let planes = [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)];
-        let planes = planes.into_iter().filter_map(|(a, b)| {
-            let before = self.inputs.as_measured().squareness_um_per_m(a, b)?;
-            let after = as_left.and_then(|model| model.squareness_um_per_m(a, b));
+        let errors = self.second.as_ref();
+        let errors = errors.and_then(|(second, _)| second.errors.as_ref());
+        let planes = Plane::ALL.into_iter().filter_map(|plane| {
+            let before = squareness(self.inputs.as_measured(), Some(&self.inputs.errors), plane)?;
+            let after = self.as_left();
+            let after = after.and_then(|model| squareness(model, errors, plane));
             let figures = json!({
-                "before_um_per_m": picometres(before),
-                "after_um_per_m": after.map(picometres),
+                "before_um_per_m": picometres(before.um_per_m),
+                "after_um_per_m": after.map(|after| picometres(after.um_per_m)),
+                "expanded_um_per_m": after.unwrap_or(before).expanded_um_per_m.map(picometres),
             });
-            Some((format!("{}{}", a.key(), b.key()), figures))
+            Some((plane.key().to_string(), figures))
         });
         Value::Object(planes.collect::<Map<_, _>>())
     }

@@ -15,6 +15,7 @@ use crate::kit::findings::KitFinding;
 use crate::kit::manifest::HashedFile;
 use crate::kit::{Inputs, Verification, cannot_emulate, emulator, hashed};
 use crate::machine::model::ErrorModel;
+use crate::machine::separation::table::ErrorSource;
 use crate::quantity::diagonal::PathKind;
 use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
@@ -25,6 +26,8 @@ use std::path::Path;
 /// A second measurement, and every file that it was read from.
 pub(super) struct Second {
     pub(super) measurement: AfterMeasurement,
+    /// What its errors were read from; absent = an error table alone, or straight runs.
+    pub(super) errors: Option<ErrorSource>,
     pub(super) hashes: Vec<HashedFile>,
     /// What its job states or leaves open, one sentence each.
     pub(super) notes: Vec<Finding>,
@@ -80,6 +83,7 @@ impl Second {
         if FileKind::of(&name, &bytes) != FileKind::Job {
             return Ok(Second {
                 measurement: of_table(first, source)?,
+                errors: None,
                 hashes: vec![own],
                 notes: Vec::new(),
                 active: None,
@@ -90,8 +94,10 @@ impl Second {
         let mut files = JobFiles::new(&job, path);
         let active = active(first, &mut files, tables)?;
         files.hashes = vec![own];
+        let (measurement, errors) = of_job(&mut files)?;
         Ok(Second {
-            measurement: of_job(&mut files)?,
+            measurement,
+            errors,
             hashes: files.hashes,
             notes: notes(&job, tables),
             active: active.map(|active| (job, active)),
@@ -173,16 +179,17 @@ fn refuse_readings(source: &Source) -> Result<(), Problem> {
     })
 }
 
-fn of_job(files: &mut JobFiles<'_>) -> Result<AfterMeasurement, Problems> {
+fn of_job(files: &mut JobFiles<'_>) -> Result<(AfterMeasurement, Option<ErrorSource>), Problems> {
     let job = files.job;
     if let MeasuredData::Diagonals(measurement) = &job.measurement.data
         && measurement.kind == PathKind::Straight
     {
         let campaign = CampaignFiles::read(files, measurement)?;
-        return Ok(AfterMeasurement::Diagonals(campaign.straight_runs()?));
+        return Ok((AfterMeasurement::Diagonals(campaign.straight_runs()?), None));
     }
-    let model = ErrorModel::build(job, &*inputs::errors(files)?.table(job)?)?;
-    Ok(AfterMeasurement::Errors(Box::new(model)))
+    let errors = inputs::errors(files)?;
+    let model = ErrorModel::build(job, &*errors.table(job)?)?;
+    Ok((AfterMeasurement::Errors(Box::new(model)), Some(errors)))
 }
 
 /// The machine as found under each slip of the records of the first measurement; none where its job

@@ -6,17 +6,15 @@ use crate::inputs::job::{
     Acceptance, DiagonalMeasurement, Frame, Job, Linear, LinearSlope, MeasuredData, Measurement,
     ProgramRequest, RunType, SetUp,
 };
-use crate::judge::after::Bare;
-use crate::judge::forecast::{Forecast, Machine, forecast, judged_ranges};
-use crate::kit::inputs::cannot_emulate;
+use crate::judge::after::alone;
+use crate::judge::forecast::Forecast;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::{Instrument, Separation, expected, linear_axis, table};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
-use crate::write::plan::Plan;
 use crate::write::program::motion;
 use crate::write::target::wants;
 
@@ -287,11 +285,5 @@ fn forecast_of(job: &Job, expected: &Separation) -> Result<Forecast, Problems> {
     let draft = table::draft(expected, &job.compensation.backlash, Vec::new());
     let source = Source::from_bytes("expected errors", write(&draft).as_bytes())?;
     let model = ErrorModel::build(job, &ErrorTable::read(source)?)?;
-    let letter = |axis: Axis| vec![axis.to_string()];
-    let no_tables = Plan {
-        names: PerAxis::from_fn(letter),
-        ..Plan::default()
-    };
-    let ranges = judged_ranges(job, &model);
-    forecast(Machine::alone(&model), &no_tables, &Bare, &ranges).map_err(|e| cannot_emulate(&e))
+    alone(&model, job)
 }

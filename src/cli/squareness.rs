@@ -1,0 +1,35 @@
+//! Squareness of each plane, with U where readings determine it.
+
+use crate::machine::model::ErrorModel;
+use crate::machine::separation::metric::Plane;
+use crate::machine::separation::table::ErrorSource;
+
+/// Squareness of a plane, µm/m.
+#[derive(Clone, Copy)]
+pub(super) struct Squareness {
+    pub(super) um_per_m: f64,
+    /// U, 95 %; `None` = not stated.
+    pub(super) expanded_um_per_m: Option<f64>,
+}
+
+/// Of readings what their totals say, else the sum of the slopes of both terms; `None` = not determined, or not
+/// both measured.
+///
+/// limits  an error table states no uncertainty of a slope
+pub(super) fn squareness(
+    model: &ErrorModel,
+    errors: Option<&ErrorSource>,
+    plane: Plane,
+) -> Option<Squareness> {
+    if let Some(ErrorSource::Separated { separation, .. }) = errors {
+        return Some(Squareness {
+            um_per_m: separation.squareness_um_per_m.of(plane)?,
+            expanded_um_per_m: separation.expanded_squareness_um_per_m(plane),
+        });
+    }
+    let (first, second) = plane.axes();
+    Some(Squareness {
+        um_per_m: model.squareness_um_per_m(first, second)?,
+        expanded_um_per_m: None,
+    })
+}

@@ -1,0 +1,343 @@
+//! The parts of the page behind the first one.
+
+use super::{Kind, NONE, Report, linear_document};
+use crate::page::svg;
+use crate::quantity::axis::ErrorTerm;
+use crate::text::html::escaped;
+use serde::Serialize;
+use serde_json::Value;
+
+/// Figures of ISO 230-2 by their names in the document of `standards`, and as the standard writes them.
+const FIGURES: [(&str, &str); 12] = [
+    ("A", "A"),
+    ("A_up", "A\u{2191}"),
+    ("A_down", "A\u{2193}"),
+    ("E", "E"),
+    ("E_up", "E\u{2191}"),
+    ("E_down", "E\u{2193}"),
+    ("R", "R"),
+    ("R_up", "R\u{2191}"),
+    ("R_down", "R\u{2193}"),
+    ("M", "M"),
+    ("B", "B"),
+    ("B_mean", "B\u{0304}"),
+];
+
+/// A part of the page behind the first one.
+#[derive(Default, Serialize)]
+pub(super) struct Part {
+    id: &'static str,
+    title: String,
+    words: Vec<String>,
+    pictures: Vec<String>,
+    tables: Vec<Table>,
+    items: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Table {
+    head: Vec<String>,
+    rows: Vec<Row>,
+    is_words: bool,
+}
+
+#[derive(Serialize)]
+struct Row {
+    cells: Vec<String>,
+}
+
+impl Table {
+    fn new(
+        head: Vec<String>,
+        rows: impl IntoIterator<Item = Vec<String>>,
+        is_words: bool,
+    ) -> Table {
+        let rows = rows.into_iter().map(|cells| Row { cells });
+        Table {
+            head,
+            rows: rows.collect(),
+            is_words,
+        }
+    }
+}
+
+impl Report<'_> {
+    fn part(&self, id: &'static str) -> Part {
+        let own = self.visit.pictures.iter().filter(|(of, _)| *of == id);
+        Part {
+            id,
+            title: self.t(id),
+            pictures: own.map(|(_, picture)| svg::inline(picture)).collect(),
+            ..Part::default()
+        }
+    }
+
+    /// Behind the first page; parts that would be empty are left out.
+    pub(super) fn parts(&self) -> Vec<Part> {
+        let drawn = [self.part("curves"), self.linear(), self.readings()];
+        let drawn = drawn.into_iter().filter(|part| !part.pictures.is_empty());
+        let of_tables = match self.is_found() {
+            true => [Vec::new(), vec![self.missing(), self.found()], Vec::new()],
+            false => [
+                vec![self.tables()],
+                vec![self.missing(), self.found()],
+                vec![self.assumed(), self.undo()],
+            ],
+        };
+        drawn
+            .chain([self.volume()])
+            .chain(of_tables.into_iter().flatten())
+            .chain([self.provenance()])
+            .collect()
+    }
+
+    /// Figures of ISO 230-2, a column for each file of runs.
+    fn linear(&self) -> Part {
+        let files = &self.visit.linear;
+        let names: Vec<String> = (1..=files.len()).map(linear_document).collect();
+        let rows = FIGURES.map(|(figure, shown)| {
+            let at = format!("/iso_230_2/{figure}_um");
+            let own = names
+                .iter()
+                .map(|name| self.figure(name, &at, Kind::Deviation));
+            std::iter::once(shown.to_string())
+                .chain(own)
+                .collect::<Vec<_>>()
+        });
+        let rows = rows
+            .into_iter()
+            .filter(|row| row.iter().skip(1).any(|cell| cell != NONE));
+        let head = std::iter::once(self.unit().to_string()).chain(files.iter().map(|f| escaped(f)));
+        let said = names.iter().zip(files).flat_map(|(name, file)| {
+            let label = self.document(name).pointer("/iso_230_2/label");
+            let label = label.and_then(Value::as_str).map(escaped);
+            let notes = self.sentences(name, "/iso_230_2/notes", usize::MAX);
+            let said = label.into_iter().chain(notes);
+            said.map(move |words| format!("{}: {words}", escaped(file)))
+        });
+        Part {
+            tables: vec![Table::new(head.collect(), rows, false)],
+            items: said.collect(),
+            ..self.part("linear")
+        }
+    }
+
+    /// Figures of the diagonals as they were read.
+    fn readings(&self) -> Part {
+        const OF: &str = "/iso_230_6/diagonals";
+        let names = self.keys("standards", OF);
+        let figures = ["E", "B", "R", "A", "range"];
+        let at = |name: &str, figure: &str| {
+            let at = format!("{OF}/{name}/{figure}_um");
+            self.figure("standards", &at, Kind::Deviation)
+        };
+        let is_there = |figure: &&str| names.iter().any(|name| at(name, figure) != NONE);
+        let figures: Vec<&str> = figures.into_iter().filter(is_there).collect();
+        let rows = names.iter().map(|name| {
+            let own = figures.iter().map(|figure| at(name, figure));
+            std::iter::once(escaped(name)).chain(own).collect()
+        });
+        let shown = figures.iter().map(|figure| match *figure {
+            "range" => self.t("range"),
+            letter => letter.to_string(),
+        });
+        let head = std::iter::once(format!("{}, {}", self.t("diagonal"), self.unit()));
+        let label = self.document("standards").pointer("/iso_230_6/label");
+        let label = label.and_then(Value::as_str).map(escaped);
+        Part {
+            tables: vec![Table::new(head.chain(shown).collect(), rows, false)],
+            items: label.into_iter().collect(),
+            ..self.part("readings")
+        }
+    }
+
+    fn volume(&self) -> Part {
+        let part = self.part("volume");
+        if self.document("assess").is_null() {
+            let why = self.visit.without_volume.iter().map(|words| escaped(words));
+            let words = vec![self.t("no_volume")];
+            return Part {
+                words,
+                items: why.collect(),
+                ..part
+            };
+        }
+        let nodes = [0, 1, 2].map(|n| self.figure("assess", &format!("/grid/{n}"), Kind::Count));
+        let found = self.findings();
+        let labels = self.sentences("assess", "/labels", usize::MAX).into_iter();
+        Part {
+            words: vec![format!("{}: {}", self.t("grid"), nodes.join(" × "))],
+            items: labels.filter(|words| !found.contains(words)).collect(),
+            ..part
+        }
+    }
+
+    fn tables(&self) -> Part {
+        let rows = self.list("kit", "/tables").enumerate().map(|(n, table)| {
+            let text = |key: &str| table[key].as_str().map(escaped);
+            vec![
+                text("term").unwrap_or_default(),
+                text("direction").unwrap_or_else(|| self.t("both")),
+                text("place").unwrap_or_default(),
+                self.figure("kit", &format!("/tables/{n}/points"), Kind::Count),
+                self.figure(
+                    "kit",
+                    &format!("/tables/{n}/grid_residual_um"),
+                    Kind::Deviation,
+                ),
+            ]
+        });
+        if !self.is_kit_known() {
+            return self.listed("tables", Vec::new(), "no_manifest");
+        }
+        let residual = format!("{}, {}", self.t("residual"), self.unit());
+        let head = ["term", "direction", "place", "points"].map(|key| self.t(key));
+        let placed = Table::new(head.into_iter().chain([residual]).collect(), rows, true);
+        let files = self.list("kit", "/files").map(|file| {
+            let text = |key: &str| file[key].as_str().map(escaped).unwrap_or_default();
+            let size = self
+                .visit
+                .sizes
+                .iter()
+                .find(|(name, _)| Some(name.as_str()) == file["path"].as_str());
+            let size = size.map_or_else(String::new, |(_, bytes)| bytes.to_string());
+            vec![
+                text("path"),
+                text("role"),
+                size,
+                format!("<code>{}</code>", text("sha256")),
+            ]
+        });
+        let head = ["file", "role"].map(|key| self.t(key)).into_iter();
+        let head = head.chain(["Byte".to_string(), self.t("sha256")]);
+        let files = Table::new(head.collect(), files, true);
+        Part {
+            tables: vec![placed, files],
+            ..self.part("tables")
+        }
+    }
+
+    fn missing(&self) -> Part {
+        if self.is_found() {
+            let missing = self.list("assess", "/missing").map(|missing| {
+                let text = |key: &str| missing[key].as_str().unwrap_or_default();
+                escaped(&format!("{}: {}", text("name"), text("consequence")))
+            });
+            return self.listed("missing_found", missing.collect(), "nothing_missing_found");
+        }
+        let known = self.keys("verify", "/terms");
+        let names = ErrorTerm::ALL.map(|term| term.to_string());
+        let unmeasured = names.into_iter().filter(|name| !known.contains(name));
+        let unmeasured = unmeasured.map(|name| format!("{name}: {}", self.t("not_measured")));
+        let omitted = self.list("kit", "/omitted").map(|omitted| {
+            let text = |key: &str| omitted[key].as_str().unwrap_or_default();
+            escaped(&format!("{}: {}", text("term"), text("reason")))
+        });
+        let items: Vec<String> = unmeasured.chain(omitted).collect();
+        match self.is_kit_known() {
+            true => self.listed("missing", items, "nothing_missing"),
+            false => self.listed("missing", items, "no_manifest"),
+        }
+    }
+
+    /// Whether the directory says what it holds.
+    fn is_kit_known(&self) -> bool {
+        !self.document("kit").is_null()
+    }
+
+    fn found(&self) -> Part {
+        self.listed("findings", self.findings(), "no_findings")
+    }
+
+    /// Every finding once: of two measurements both may have it.
+    fn findings(&self) -> Vec<String> {
+        let places = match self.is_found() {
+            true => ["/labels", ""],
+            false => ["/causes", "/notes"],
+        };
+        let all = places.map(|at| self.sentences(self.main(), at, usize::MAX));
+        let mut once: Vec<String> = Vec::new();
+        for words in all.into_iter().flatten() {
+            if !once.contains(&words) {
+                once.push(words);
+            }
+        }
+        once
+    }
+
+    fn assumed(&self) -> Part {
+        let rows = self.list("verify", "/assumptions").map(|assumed| {
+            let text = |key: &str| assumed[key].as_str().map(escaped).unwrap_or_default();
+            vec![
+                format!("{} = {}", text("fact"), text("value")),
+                text("consequence"),
+            ]
+        });
+        let head = vec![String::new(), self.t("if_wrong")];
+        let table = Table::new(head, rows, true);
+        Part {
+            tables: vec![table],
+            ..self.part("assumptions")
+        }
+    }
+
+    fn undo(&self) -> Part {
+        let files = self.list("kit", "/files").filter_map(|file| {
+            let role = file["role"].as_str()?;
+            let is_back = role == "rollback" || role == "disable";
+            is_back.then(|| escaped(file["path"].as_str().unwrap_or_default()))
+        });
+        let files: Vec<String> = files.collect();
+        let words = match (self.is_kit_known(), files.is_empty()) {
+            (false, _) => "no_manifest",
+            (true, true) => "undo_hand",
+            (true, false) => "undo_words",
+        };
+        Part {
+            words: vec![self.t(words)],
+            items: files,
+            ..self.part("undo")
+        }
+    }
+
+    /// What was read now, what the kit was made from, what was measured afterwards.
+    fn provenance(&self) -> Part {
+        let row = |path: &str, sha256: &str| {
+            vec![escaped(path), format!("<code>{}</code>", escaped(sha256))]
+        };
+        let own = self.visit.inputs.iter();
+        let own = own.map(|file| row(&file.path, &file.sha256));
+        let stated = self
+            .list("kit", "/inputs")
+            .chain(self.list("verify", "/after"));
+        let stated = stated.map(|file| {
+            let text = |key: &str| file[key].as_str().unwrap_or_default();
+            row(text("path"), text("sha256"))
+        });
+        let mut files: Vec<Vec<String>> = Vec::new();
+        for file in own.chain(stated) {
+            if !files.contains(&file) {
+                files.push(file);
+            }
+        }
+        let head = vec![self.t("file"), self.t("sha256")];
+        let table = Table::new(head, files, true);
+        Part {
+            tables: vec![table],
+            ..self.part("provenance")
+        }
+    }
+
+    fn listed(&self, id: &'static str, items: Vec<String>, without: &str) -> Part {
+        let words = if items.is_empty() {
+            vec![self.t(without)]
+        } else {
+            Vec::new()
+        };
+        Part {
+            words,
+            items,
+            ..self.part(id)
+        }
+    }
+}
