@@ -1,4 +1,4 @@
-//! The report and the checklist of a kit in a browser (Chromium, Linux) and before a validator (HTML Tidy): nothing is wider than the window, no text of
+//! The report, the checklist and the sheet of a kit in a browser (Chromium, Linux) and before a validator (HTML Tidy): nothing is wider than the window, no text of
 //! a picture is cut off or lies on another, every link leads somewhere, the print has its pages. Skipped, with a
 //! word, where they are not installed.
 #![allow(
@@ -63,8 +63,26 @@ fn reports(folder: &Path) -> Vec<PathBuf> {
     std::fs::write(folder.join("pictures.html"), page).expect("a page");
     let checklist = Path::new(&kit).join("checklist.html");
     std::fs::copy(checklist, folder.join("checklist.html")).expect("a copy");
+    let five = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/machines/five_points");
+    let table = std::fs::read_to_string(five.join("errors.csv")).expect("a table");
+    std::fs::write(folder.join("errors.csv"), table).expect("a copy");
+    let words = std::fs::read_to_string(five.join("generic.toml")).expect("a job");
+    let words = words.replace(
+        "spacing_mm = 100.0",
+        "spacing_mm = 100.0\ndetection_unit_um = 1.0",
+    );
+    std::fs::write(folder.join("typed.toml"), words).expect("a job");
+    run(&[
+        "generate",
+        &place("typed.toml"),
+        "-q",
+        "-o",
+        &place("typed"),
+    ]);
+    std::fs::copy(place("typed/tables.html"), place("tables.html")).expect("a copy");
     [
         "checklist.html",
+        "tables.html",
         "readings.html",
         "german.html",
         "left.html",
@@ -139,7 +157,7 @@ fn pictures(folder: &Path, kit: &str, after: &str) -> Vec<String> {
 #[test]
 fn every_command_draws_and_replaces_nothing() {
     let folder = tempfile::tempdir().expect("a place to write to");
-    assert_eq!(reports(folder.path()).len(), 5);
+    assert_eq!(reports(folder.path()).len(), 6);
     let place = folder.path().join("0.svg");
     let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
     let command = command.current_dir(env!("CARGO_MANIFEST_DIR"));

@@ -22,7 +22,7 @@ pub use self::fact::{
 };
 pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
-pub use self::generic::GenericFacts;
+pub use self::generic::{GenericFacts, TypedValue};
 pub use self::job_keys::{JobKey, JobSection};
 pub use self::siemens::{MultiplyMode, SiemensFacts};
 

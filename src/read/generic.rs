@@ -1,7 +1,7 @@
 //! Reader of the generic table (contract §4.1): one CSV for all terms, and its JSON twin.
 //!
 //! ```text
-//!   text ── rows (CSV or JSON) ── check (each row, then blocks) ── merge (twins)
+//!   text ── rows (CSV or JSON), or a typed list ── check (each row, then blocks) ── merge (twins)
 //! ```
 //! A *block* is the run of rows of one term, pair of axes and direction: the corrections of one
 //! axis over the equally spaced positions of another. Deviation, correction and increment say the
@@ -13,6 +13,7 @@
 mod check;
 pub mod control;
 mod rows;
+mod typed;
 
 use self::control::GenericControl;
 use crate::control::control_state::ControlState;
@@ -55,7 +56,7 @@ impl Family for GenericFacts {
     }
 }
 
-/// Reads one file: JSON if its first character is `{`, else CSV.
+/// Reads one file: JSON if its first character is `{`, a typed list if it has a column `point`, else CSV.
 ///
 /// **shape** rows in file order; columns in any order, blocks may be interleaved · **unit** as the
 /// columns say, mm and µm · **limits** refuses what [`GenericTable`] cannot mean: see the module;
@@ -79,6 +80,8 @@ pub fn read(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim_start().starts_with('{') {
         rows::read_json(file_name, text)
+    } else if typed::is_list(text) {
+        typed::read(file_name, text)
     } else {
         rows::read_csv(file_name, text)
     }

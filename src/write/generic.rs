@@ -1,8 +1,10 @@
 //! The generic table: deviation, correction and increment of every point (contract §4.1).
 //! Unrounded, unless the corrected axis has a detection unit.
 
+mod sheet;
+
 use crate::control::claims::Precondition;
-use crate::control::controller::{ControlUnit, GenericFacts, Mechanism};
+use crate::control::controller::{ControlUnit, GenericFacts, Mechanism, TypedValue};
 use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::inputs::job::Compensation;
@@ -17,6 +19,7 @@ use crate::write::grid::LengthDigit;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use serde_json::{Value, json};
+use sheet::{POSITION_DECIMALS, number};
 
 impl Family for GenericFacts {
     fn expected_name(&self, _name: &str) -> Option<&'static str> {
@@ -35,8 +38,9 @@ impl Family for GenericFacts {
         }
     }
 
+    /// Increments are zero at the reference and do not hold what a second table has there.
     fn takes_directions(&self, _term: ErrorTerm) -> bool {
-        true
+        self.typed_value.value != TypedValue::Increment
     }
 
     fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
@@ -82,15 +86,21 @@ impl Family for GenericFacts {
 
     fn context(
         &self,
-        _task: Task<'_>,
-        _compiled: &Compiled,
+        task: Task<'_>,
+        compiled: &Compiled,
         tables: &Tables,
         _instead: &Instead<'_>,
     ) -> Option<Value> {
         let Tables::Generic(table) = tables else {
             return None;
         };
-        Some(context(table))
+        let is_rounded = |row: &GenericRow| task.detection_unit_um(row.term.of).is_some();
+        let mut seen = sheet::context(table, self, &compiled.state);
+        if !table.rows.iter().all(is_rounded) {
+            seen["sheet"] = json!([]); // nobody types nine decimals
+        }
+        seen["rows"] = context(table);
+        Some(seen)
     }
 
     fn belongs(&self, _mechanism: Mechanism, _table: &PlannedTable) -> bool {
@@ -137,8 +147,6 @@ fn table_rows(
     rows
 }
 
-/// Positions are written to the nanometre.
-const POSITION_DECIMALS: u32 = 6;
 /// Multiples of a detection unit are freed from binary dust at a femtometre.
 const DUST_DECIMALS: u32 = 9;
 /// The backlash parameter is named to a tenth of a micrometre.
@@ -172,17 +180,15 @@ fn backlash(task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
     .collect()
 }
 
-/// What the templates see: `rows`, with every number as finished text.
+/// The rows that the templates see, with every number as finished text.
 fn context(table: &GenericTable) -> Value {
     let last = table.rows.len().saturating_sub(1);
     let rows = table.rows.iter().enumerate();
     let rows = rows.map(|(index, row)| seen_row(row, index == last));
-    json!({ "rows": rows.collect::<Vec<Value>>() })
+    Value::Array(rows.collect())
 }
 
 fn seen_row(row: &GenericRow, is_last: bool) -> Value {
-    // The shortest decimal text that reads back as the same number; no exponent, no `-0`.
-    let number = |value: f64| format!("{}", value + 0.0);
     let increment = row.increment_um.map(number);
     json!({
         "term": row.term.to_string(),

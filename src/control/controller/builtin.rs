@@ -40,6 +40,8 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "job.toml.tera",
     "generic.csv.tera",
     "generic.json.tera",
+    "generic-typed.csv.tera",
+    "generic-tables.html.tera",
 );
 
 /// Ids of the built-in profiles, in the order of `controllers list`.

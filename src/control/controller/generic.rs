@@ -1,9 +1,10 @@
 //! No particular control: facts of the generic table (docs/interface.md §4.1).
 
-use super::fact::facts;
+use super::fact::{Word, facts};
 use super::family::Family;
 use crate::control::table::Tables;
 use crate::control::table::generic::GenericTable;
+use crate::text::delimited::LengthUnit;
 
 pub(super) static FAMILY: Family = Family {
     word: "generic",
@@ -23,5 +24,52 @@ facts! {
     GenericFacts {
         /// Most points of one table, if the control has a limit.
         points: u32,
+        /// What a person types into the control.
+        typed_value: TypedValue,
+        /// In which unit its screen takes it.
+        typed_unit: LengthUnit,
     }
+}
+
+impl GenericFacts {
+    /// The column of a typed list that holds the values.
+    pub(crate) fn typed_column(&self) -> String {
+        let (value, unit) = (self.typed_value.value, self.typed_unit.value);
+        format!("{}_{}", value.word_of(), unit.word())
+    }
+}
+
+/// What a person types into a control that reads no file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TypedValue {
+    /// The machine's error.
+    Deviation,
+    /// What the control adds.
+    Correction,
+    /// Its change from the point before.
+    Increment,
+}
+
+impl TypedValue {
+    /// What it is, for the person who types it.
+    pub(crate) const fn words(self) -> &'static str {
+        match self {
+            TypedValue::Deviation => "deviation of the machine (actual − commanded)",
+            TypedValue::Correction => "correction, which the control adds",
+            TypedValue::Increment => "change of the correction from the point before, from − to +",
+        }
+    }
+}
+
+impl Word for TypedValue {
+    const WORDS: &'static [(&'static str, TypedValue)] = &[
+        ("deviation", TypedValue::Deviation),
+        ("correction", TypedValue::Correction),
+        ("increment", TypedValue::Increment),
+    ];
+}
+
+impl Word for LengthUnit {
+    const WORDS: &'static [(&'static str, LengthUnit)] =
+        &[("um", LengthUnit::Um), ("mm", LengthUnit::Mm)];
 }

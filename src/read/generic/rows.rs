@@ -97,7 +97,7 @@ pub(super) fn read_csv(file: &str, text: &str) -> Result<GenericTable, Problems>
     })
 }
 
-fn wrong_count(rows: usize) -> Option<Problem> {
+pub(super) fn wrong_count(rows: usize) -> Option<Problem> {
     let (message, help) = match rows {
         0 => (
             "the table has no rows".to_string(),
