@@ -163,6 +163,7 @@ findings! {
         Simulated => Doubt, "the values afterwards were simulated, those as found were measured: a rehearsal says nothing of this machine";
         Flat { what: String } => Doubt, "the values afterwards are the same at all positions, which no laser reads: {what}; an empty column, no measurement";
         Copy => Doubt, "the values afterwards are those of the first measurement: the same file, or a copy of it";
+        SameSlopes { axes: Vec<Axis> } => Doubt, "`slope_um_per_m` of {} afterwards is that of the first job to the last digit: a copy, so nothing shows what the tables do there; state what was measured with the tables active", Axis::letters(axes);
         Sparse { axis: Axis, first_mm: f64, second_mm: f64 } => Doubt, "axis {axis} was measured at positions {first_mm:.3} mm apart as found, afterwards up to {second_mm:.3} mm apart: nothing is known between them";
         ReversalNotSeen { terms: Vec<ErrorTerm> } => Doubt, "the two directions are corrected apart, but were not both measured afterwards, so nothing is known of the reversal that is left: {}", joined(terms);
         OtherFrame { first: Option<Frame>, second: Option<Frame> } => Doubt, "the two measurements count from different frames (as found: {}; afterwards: {}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame", frame_word(*first), frame_word(*second);
@@ -177,6 +178,9 @@ findings! {
 impl AsLeft {
     /// Whether nobody measured the values.
     pub(super) const fn is_no_measurement(&self) -> bool {
-        matches!(self, Self::Simulated | Self::Flat { .. } | Self::Copy)
+        matches!(
+            self,
+            Self::Simulated | Self::Flat { .. } | Self::Copy | Self::SameSlopes { .. }
+        )
     }
 }

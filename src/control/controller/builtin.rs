@@ -38,6 +38,7 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "checklist.md.tera",
     "checklist.html.tera",
     "job.toml.tera",
+    "after.toml.tera",
     "generic.csv.tera",
     "generic.json.tera",
     "generic-typed.csv.tera",
