@@ -166,6 +166,7 @@ fn family(profile: &Profile) -> Family {
         Dialect::Siemens(_) => Family::Siemens,
         Dialect::Fanuc(_) => Family::Fanuc,
         Dialect::Generic(_) => Family::Generic,
+        Dialect::Linuxcnc(_) => Family::Linuxcnc,
     }
 }
 
@@ -205,7 +206,7 @@ fn role(profile: &Profile, name: &str) -> Role {
     let own = profile
         .files
         .iter()
-        .find(|file| file.path.eq_ignore_ascii_case(name));
+        .find(|file| file.is_called(name));
     own.map_or(Role::Report, |file| file.role)
 }
 

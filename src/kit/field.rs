@@ -123,7 +123,7 @@ fn sets_machine_data(read: &ReadBack) -> bool {
 
 fn proof_of<'a>(inputs: &Inputs, proofs: &'a [SignProof], path: &str) -> Option<&'a SignProof> {
     let mut files = inputs.profile.files.iter();
-    let known = files.find(|file| file.path.eq_ignore_ascii_case(path))?;
+    let known = files.find(|file| file.is_called(path))?;
     let mechanism: Mechanism = known.mechanism?;
     proofs.iter().find(|proof| proof.of.mechanism == mechanism)
 }
