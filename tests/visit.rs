@@ -150,13 +150,12 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("it is a number")
 }
 
-const PROFILES: [&str; 7] = [
+const PROFILES: [&str; 6] = [
     "siemens-840d-sl",
     "siemens-828d",
     "fanuc-30i",
     "fanuc-0i-f",
     "fanuc-16i",
-    "linuxcnc",
     "generic",
 ];
 

@@ -130,7 +130,10 @@ impl<'a> OneWay<'a> {
             let off = |node: &usize| (first + *node as f64 * step - x).abs();
             let nodes = 0..self.planned.values.len();
             let nearest = nodes.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
-            self.planned.values[nearest].um()
+            let carried = self
+                .term
+                .reversal_in_table(self.case.machine, self.direction);
+            self.planned.values[nearest].um() + carried
         };
         let is_sampled = self.case.machine.fit == "sample";
         let places = self.anchored().into_iter();

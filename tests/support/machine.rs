@@ -267,7 +267,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     features.extend(gantry.then_some("gantry"));
     let measured: Vec<ErrorTerm> = ErrorTerm::ALL
         .into_iter()
-        .filter(|_| nine || !random.once_in(2))
+        .filter(|term| nine || !random.once_in(2) || (linuxcnc && *term == ErrorTerm::ALL[0]))
         .collect();
     let measured = if measured.is_empty() {
         vec![ErrorTerm::ALL[random.below(9)]]
@@ -466,6 +466,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
             .enumerate()
             .filter(|(index, term)| {
                 index % 2 == 0
+                    || (linuxcnc && term.term.is_positioning())
                     || (matches!(policy, Some("two-tables" | "curve-and-parameter"))
                         && term.both_ways())
             })

@@ -78,10 +78,10 @@ fn is_read(setting: &Setting<'_>) -> bool {
     of_joint || (setting.section, setting.key) == ("TRAJ", "LINEAR_UNITS")
 }
 
-/// The settings that LinuxCNC reads, and what is wrong with the lines.
+/// The settings of concern that LinuxCNC reads, and what is wrong with the lines.
 fn settings(text: &str) -> (Vec<Setting<'_>>, Vec<Complaint>) {
     let (mut settings, mut complaints) = (Vec::new(), Vec::new());
-    let mut begun = BTreeSet::new();
+    let (mut begun, mut known) = (BTreeSet::new(), BTreeSet::new());
     let (mut within, mut is_second) = ("", false);
     for span in lines(text) {
         let line = text[span.clone()].trim();
@@ -94,8 +94,10 @@ fn settings(text: &str) -> (Vec<Setting<'_>>, Vec<Complaint>) {
                 "name the file that LinuxCNC makes of both when it starts: the ini file with `.expanded` behind its name",
             ));
         } else if let Some(setting) = setting(within, line, span) {
-            let is_known = |own: &Setting<'_>| (own.section, own.key) == (within, setting.key);
-            if is_second && is_read(&setting) {
+            if !is_read(&setting) {
+                continue;
+            }
+            if is_second {
                 complaints.push(Complaint::new(
                     setting.span,
                     format!(
@@ -104,7 +106,7 @@ fn settings(text: &str) -> (Vec<Setting<'_>>, Vec<Complaint>) {
                     ),
                     "put its lines into the first section of this name",
                 ));
-            } else if !is_second && !settings.iter().any(is_known) {
+            } else if known.insert((within, setting.key)) {
                 settings.push(setting);
             }
         }
@@ -133,7 +135,7 @@ impl Ini {
     pub(super) fn add(&mut self, file: &str, text: &str) -> Result<(), Problems> {
         let (settings, mut complaints) = settings(text);
         let mut joints: BTreeMap<u32, Joint> = BTreeMap::new();
-        for setting in settings.iter().filter(|setting| is_read(setting)) {
+        for setting in &settings {
             let taken = match setting.section.strip_prefix("JOINT_") {
                 Some(number) => take(&mut joints, number, setting),
                 None => unit(setting.value).map(|unit| self.unit = Some(unit)),

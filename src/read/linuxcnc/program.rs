@@ -1,4 +1,4 @@
-//! LinuxCNC part programs of measuring runs: `(…)` is a comment, `(MSG, …)` a text for the screen.
+//! LinuxCNC part programs of measuring runs: `(…)` is a comment, `(MSG,…)` a text for the screen.
 
 use crate::control::controller::ControlUnit;
 use crate::read::lexer::{Complaint, lines};
