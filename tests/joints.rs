@@ -268,7 +268,7 @@ fn old_tables_are_part_of_the_new_ones() {
 fn a_second_measurement_is_judged() {
     let directory = kit(&job(NONE, TWO));
     let at = directory.path();
-    let simulate = "simulate job.toml --errors --both-directions --noise-um 0.1 --seed 3 --force";
+    let simulate = "simulate job.toml --errors --noise-um 0.1 --seed 3 --force";
     for (tables, expected) in [("--tables kit", "pass"), ("--without-tables", "fail")] {
         let (status, _, said) = ended(at, &format!("{simulate} {tables} -o after.csv"));
         assert_eq!(status, Some(0), "{said}");
