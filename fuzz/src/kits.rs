@@ -96,7 +96,7 @@ fn separated(
     let mut tables = NamedTables::default();
     for linear in &measurement.linear {
         tables.linear.push(match &linear.slope {
-            LinearSlope::Stated(_) => None,
+            LinearSlope::Stated(_) | LinearSlope::NotYet => None,
             LinearSlope::Errors(path) => Some(ErrorTable::read(source(bundle, path)?)?),
         });
     }
