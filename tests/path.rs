@@ -411,10 +411,13 @@ fn what_controls_do_differently_or_not_at_all_is_refused() {
 
 #[test]
 fn a_fault_is_told_once() {
-    let said = refused("", "G54 G1 X5.\nM98 P2 L30\nX10. Y[1]\nM30\nO2\nX#1\nM99\n");
+    let said = refused(
+        "",
+        "G54 G1 X5.\nM98 P2 L30\nX10. Y[1/0]\nM30\nO2\nX#1\nM99\n",
+    );
     assert_eq!(said.matches("problem: ").count(), 2, "{said}");
     assert!(
-        said.contains("part.nc:3:6") && said.contains("part.nc:6:1"),
+        said.contains("part.nc:3:9") && said.contains("part.nc:6:2"),
         "{said}"
     );
     let said = refused("", "G65 P9010 X5.\n");

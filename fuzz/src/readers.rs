@@ -3,20 +3,18 @@
 
 use crate::bundle::Bundle;
 use clap::ValueEnum;
-use nonius::control::controller::{
-    Dialect, FanucFacts, Profile, ProfileSource, Role, builtin, load,
-};
+use nonius::control::controller::{Dialect, FanucFacts, Profile, ProfileSource, builtin, load};
 use nonius::inputs::error_table::{ErrorTable, Remarks};
 use nonius::inputs::import::stated::{Stated, axis_word, direction_word};
 use nonius::inputs::import::{
     Component, Measurement, encoding_word, import as import_file, measured_runs,
 };
 use nonius::inputs::job::{Job, UseOf};
-use nonius::inputs::nc::{G43WithoutH, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
+use nonius::inputs::nc::{G43WithoutH, Language, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
 use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
-    KitFile,    fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
+    fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
 use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;
@@ -214,20 +212,6 @@ pub fn fanuc(input: &[u8]) -> Answer {
     read_fanuc::merge(vec![memory.clone(), memory]).map(|_| format!("{read_out}"))
 }
 
-/// The ini lines of a machine and the tables that they name: the parts of a bundle.
-pub fn linuxcnc(input: &[u8]) -> Answer {
-    let profile = built_in("linuxcnc")?;
-    let bundle = Bundle::read(input);
-    let files = bundle.0.iter().map(|(path, bytes)| KitFile {
-        path,
-        role: Role::Table,
-        bytes,
-    });
-    let files: Vec<KitFile<'_>> = files.collect();
-    let read = nonius::read::read(&profile, &files)?;
-    Ok(format!("{read:?}"))
-}
-
 /// The generic table.
 pub fn generic_table(input: &[u8]) -> Answer {
     let source = Source::from_bytes("x", input)?;
@@ -235,10 +219,10 @@ pub fn generic_table(input: &[u8]) -> Answer {
     generic::merge(vec![table.clone(), table]).map(|table| table.rows.len().to_string())
 }
 
-/// A part program of a measuring run, in every language, and the list of positions.
+/// A part program of a measuring run, in both languages, and the list of positions.
 pub fn measuring_program(input: &[u8]) -> Answer {
     let mut answer = String::new();
-    for id in ["siemens-840d-sl", "fanuc-30i", "linuxcnc"] {
+    for id in ["siemens-840d-sl", "fanuc-30i"] {
         let profile = built_in(id)?;
         let Some(facts) = &profile.program else {
             continue;
@@ -259,6 +243,11 @@ pub fn measuring_program(input: &[u8]) -> Answer {
 /// A part program of a user, up to some thousand moves.
 pub fn nc(input: &[u8]) -> Answer {
     let setup = Setup {
+        language: if input.len() % 7 == 6 {
+            Language::Siemens
+        } else {
+            Language::Iso
+        },
         start: [100.0, 100.0, 0.0],
         reference: [0.0; 3],
         second_reference: Some([0.0; 3]),
@@ -266,6 +255,7 @@ pub fn nc(input: &[u8]) -> Answer {
             .into_iter()
             .collect(),
         tools: [(1, 100.0), (2, 50.0)].into_iter().collect(),
+        tool_names: [("A".to_string(), 1)].into_iter().collect(),
         inch: input.len() % 5 == 4,
         without_point: if input.len().is_multiple_of(2) {
             WithoutPoint::Unit

@@ -13,16 +13,26 @@
 
 mod block;
 mod codes;
+mod expression;
+mod flow;
+mod grammar;
 mod interpreter;
+mod jumps;
+mod lines;
 mod moves;
+mod notes;
 mod run;
 pub mod scan;
 mod setup;
+mod siemens;
+mod variables;
+mod wrong;
 
 pub use self::moves::{Arc, Move, Place, Plane, Refused, Shape};
 pub(crate) use self::setup::{EXTENDED, system_name};
-pub use self::setup::{G43WithoutH, Setup, WithoutPoint, system_number};
+pub use self::setup::{G43WithoutH, Language, Setup, WithoutPoint, system_number};
 #[cfg(test)]
 mod tests;
 
-pub use self::run::{Line, Mark, Ran, Text, run};
+pub use self::lines::{Line, Mark, Text};
+pub use self::run::{Ran, run};

@@ -4,7 +4,6 @@
 
 mod fanuc;
 mod generic;
-mod linuxcnc;
 mod siemens;
 
 pub mod active;

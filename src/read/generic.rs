@@ -51,8 +51,8 @@ impl Family for GenericFacts {
         text.contains("position_mm")
     }
 
-    fn is_whole(&self, _: &str) -> bool {
-        false
+    fn passed_over(&self, _: &str) -> usize {
+        0
     }
 }
 

@@ -10,7 +10,6 @@ mod task;
 
 pub mod fanuc;
 mod generic;
-mod linuxcnc;
 pub mod siemens;
 
 pub mod compensation;

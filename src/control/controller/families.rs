@@ -1,16 +1,14 @@
 //! The families of controls that there are.
 
 use crate::control::controller::fact::{Facts, Mechanism, Word};
-use crate::control::controller::{
-    Dialect, Family, FanucFacts, GenericFacts, LinuxcncFacts, SiemensFacts,
-};
-use crate::control::controller::{fanuc, generic, linuxcnc, siemens};
+use crate::control::controller::{Dialect, Family, FanucFacts, GenericFacts, SiemensFacts};
+use crate::control::controller::{fanuc, generic, siemens};
 
 /// A family, and how the facts of its controls are read.
 pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 
 /// All of them, in the order in which they are named.
-pub(super) const FAMILIES: [Known; 4] = [
+pub(super) const FAMILIES: [Known; 3] = [
     (&siemens::FAMILY, |facts| {
         SiemensFacts::checked(facts).map(Dialect::Siemens)
     }),
@@ -19,9 +17,6 @@ pub(super) const FAMILIES: [Known; 4] = [
     }),
     (&generic::FAMILY, |facts| {
         GenericFacts::read(facts).map(Dialect::Generic)
-    }),
-    (&linuxcnc::FAMILY, |facts| {
-        LinuxcncFacts::checked(facts).map(Dialect::Linuxcnc)
     }),
 ];
 

@@ -1,7 +1,7 @@
 //! `[path]`: what the control knows before a part program starts, and how its path is followed.
 
 use crate::inputs::job::machine::{Axes, inside_travel};
-use crate::inputs::nc::{G43WithoutH, Place, Setup, WithoutPoint, system_number};
+use crate::inputs::nc::{G43WithoutH, Language, Place, Setup, WithoutPoint, system_number};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::document::Section;
 use crate::text::document::keys::Places;
@@ -56,6 +56,7 @@ const COORDINATES: PerAxis<&str> = PerAxis {
     y: "y_mm",
     z: "z_mm",
 };
+const LANGUAGES: [(&str, Language); 2] = [("iso", Language::Iso), ("siemens", Language::Siemens)];
 const WITHOUT_POINT: [(&str, WithoutPoint); 2] = [
     ("unit", WithoutPoint::Unit),
     ("increment", WithoutPoint::Increment),
@@ -78,12 +79,15 @@ pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
         word.unwrap_or(false)
     };
     let start = inside("start_mm");
+    let (tools, tool_names) = tools(section);
     let setup = Setup {
+        language: section.choice("language", &LANGUAGES).unwrap_or_default(),
         start: start.unwrap_or(usual.setup.start),
         reference: usual.setup.reference,
         second_reference: inside("second_reference_mm"),
         systems: systems(section),
-        tools: tools(section),
+        tools,
+        tool_names,
         inch: is_second("program_unit", "mm", "inch"),
         without_point: section
             .choice("without_point", &WITHOUT_POINT)
@@ -126,7 +130,7 @@ fn systems(section: &Section<'_>) -> BTreeMap<u32, Place> {
         let name = name?;
         let Some(number) = system_number(&name) else {
             let message = format!("`{}` is no coordinate system", shown(&name));
-            let help = "expected G54 … G59, G59.1 … G59.3 or G54.1 P1 … P300";
+            let help = "expected G54 … G59, G59.1 … G59.3 or G54.1 P1 … P300; of Siemens G500, G54 … G57, G505 … G599";
             entry.problem("system", message, help);
             return None;
         };
@@ -135,19 +139,25 @@ fn systems(section: &Section<'_>) -> BTreeMap<u32, Place> {
     systems
 }
 
-/// `[[path.tool]]`.
-fn tools(section: &Section<'_>) -> BTreeMap<u32, f64> {
-    let mut tools = BTreeMap::new();
+/// `[[path.tool]]`: lengths by number, and numbers by name.
+fn tools(section: &Section<'_>) -> (BTreeMap<u32, f64>, BTreeMap<String, u32>) {
+    let (mut tools, mut names) = (BTreeMap::new(), BTreeMap::new());
     section.subs("tool", |entry| {
-        let number = "the number of the tool offset (H)";
+        let number = "the number of the tool offset (H; T of Siemens)";
         let length = "the length of the tool";
         entry.require("number", number);
         entry.require("length_mm", length);
         let number = entry.count("number", 1..=MOST_TOOL_NUMBER, "H0 is no length");
         let length = entry.length_up_to("length_mm", LONGEST_TOOL_MM);
+        if let Some((name, number)) = entry.text("name").zip(number)
+            && names.insert(name.clone(), number).is_some()
+        {
+            let message = format!("`name = \"{}\"` is given twice", shown(&name));
+            entry.problem("name", message, "keep one of the two");
+        }
         insert(entry, "number", &mut tools, (number?, length?))
     });
-    tools
+    (tools, names)
 }
 
 /// Takes an entry of a list, in which each number stands once.

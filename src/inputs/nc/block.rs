@@ -1,6 +1,8 @@
 //! One block: its words sorted by letter, its G and M words by what they do.
 
-use crate::inputs::nc::scan::{Word, Wrong, words};
+use crate::inputs::nc::codes::{NAMED_FROM, name_of};
+use crate::inputs::nc::scan::{Counts, Word, Wrong, words_with};
+use crate::inputs::nc::variables::Variables;
 
 /// First and last byte (exclusive) in the line.
 pub(super) type Span = (usize, usize);
@@ -12,6 +14,15 @@ pub(super) const TOOL_CHANGE: u16 = 60;
 /// G or M words in one block; a control takes fewer.
 const MOST_CODES: usize = 16;
 
+/// A call of a cycle; `MCALL` makes it modal, and alone ends that.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct CycleCall {
+    pub(super) modal: bool,
+    /// 81, 82 or 83, with its arguments.
+    pub(super) cycle: Option<(u16, Vec<Option<f64>>)>,
+    pub(super) span: (usize, usize),
+}
+
 /// A G or M word: its number in tenths (`G54.1` = 541), and where it stands.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CodeWord {
@@ -22,6 +33,9 @@ pub(super) struct CodeWord {
 impl CodeWord {
     /// As it is written in manuals.
     pub(super) fn name(self, letter: char) -> String {
+        if let Some(name) = name_of(self.tenths) {
+            return name.to_string();
+        }
         match self.tenths % 10 {
             0 => format!("{letter}{}", self.tenths / 10),
             part => format!("{letter}{}.{part}", self.tenths / 10),
@@ -40,6 +54,13 @@ pub(super) struct Block {
     points: u32,
     /// Bit per letter: somebody asked for it.
     used: u32,
+    /// Bits per letter: `AC( )`, `IC( )`.
+    absolute: u32,
+    incremental: u32,
+    /// Siemens: a cycle, the name of a tool, how far ADIS lets the control leave the path.
+    pub(super) cycle: Option<CycleCall>,
+    pub(super) tool_name: Option<(String, Span)>,
+    pub(super) adis: Option<f64>,
     pub(super) g: Vec<CodeWord>,
     pub(super) m: Vec<CodeWord>,
     pub(super) percent: bool,
@@ -59,6 +80,11 @@ impl Block {
             present: 0,
             points: 0,
             used: 0,
+            absolute: 0,
+            incremental: 0,
+            cycle: None,
+            tool_name: None,
+            adis: None,
             g: Vec::with_capacity(MOST_CODES),
             m: Vec::with_capacity(MOST_CODES),
             percent: false,
@@ -68,22 +94,9 @@ impl Block {
     }
 
     /// Takes the words of a line in place of the former ones.
-    pub(super) fn read(&mut self, line: &[u8]) {
-        (self.present, self.points, self.used) = (0, 0, 0);
-        self.g.clear();
-        self.m.clear();
-        self.wrong.clear();
-        (self.percent, self.delete) = (false, false);
-        let line = line.strip_suffix(b"\r").unwrap_or(line);
-        if let Some(at) = line.iter().position(|byte| *byte == b'\r') {
-            self.wrong.push(Wrong::new(
-                (at, at + 1),
-                "a carriage return inside a line: blocks have to end with a line feed",
-                "save the program with line ends LF or CR LF",
-            ));
-            return;
-        }
-        for word in words(line) {
+    pub(super) fn read(&mut self, line: &[u8], variables: &Variables) {
+        let Some(line) = self.begin(line) else { return };
+        for word in words_with(line, variables) {
             match word {
                 Ok(word) => self.take(word),
                 Err(wrong) => self.wrong.push(wrong),
@@ -91,7 +104,28 @@ impl Block {
         }
     }
 
-    fn take(&mut self, word: Word) {
+    /// Forgets the former words; the line without its end, unless that stands inside.
+    pub(super) fn begin<'a>(&mut self, line: &'a [u8]) -> Option<&'a [u8]> {
+        (self.present, self.points, self.used) = (0, 0, 0);
+        (self.absolute, self.incremental) = (0, 0);
+        (self.cycle, self.tool_name, self.adis) = (None, None, None);
+        self.g.clear();
+        self.m.clear();
+        self.wrong.clear();
+        (self.percent, self.delete) = (false, false);
+        let line = line.strip_suffix(b"\r").unwrap_or(line);
+        let Some(at) = line.iter().position(|byte| *byte == b'\r') else {
+            return Some(line);
+        };
+        self.wrong.push(Wrong::new(
+            (at, at + 1),
+            "a carriage return inside a line: blocks have to end with a line feed",
+            "save the program with line ends LF or CR LF",
+        ));
+        None
+    }
+
+    pub(super) fn take(&mut self, word: Word) {
         let span = (word.start, word.end);
         match word.letter {
             b'G' | b'M' => self.take_code(word, span),
@@ -127,6 +161,11 @@ impl Block {
         self.present |= bit(letter);
         if word.has_point {
             self.points |= bit(letter);
+        }
+        match word.counts {
+            Counts::AsActive => {}
+            Counts::Absolute => self.absolute |= bit(letter),
+            Counts::Incremental => self.incremental |= bit(letter),
         }
     }
 
@@ -165,8 +204,21 @@ impl Block {
         });
     }
 
+    /// A word with a name (`TRANS`), which stands as a G word.
+    pub(super) fn take_named(&mut self, index: u16, span: Span) {
+        let tenths = NAMED_FROM + index;
+        if self.g.len() < MOST_CODES {
+            self.g.push(CodeWord { tenths, span });
+        }
+    }
+
+    /// Whether a coordinate counts from the present place, where `active` is what the modes say.
+    pub(super) fn is_incremental(&self, letter: u8, active: bool) -> bool {
+        active && self.absolute & bit(letter) == 0 || self.incremental & bit(letter) != 0
+    }
+
     /// Whether nothing was written before (a sequence number does not count).
-    fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.g.is_empty() && self.m.is_empty() && self.present & !bit(b'N') == 0 && !self.delete
     }
 

@@ -34,6 +34,8 @@ pub(super) enum Once {
     Reference,
     SecondReference,
     Local,
+    /// TRANS, and ATRANS (true).
+    Translate(bool),
     Shift,
     CancelShift,
     LookAhead,
@@ -59,6 +61,8 @@ pub(super) enum Code {
     Blend,
     /// G96: X is a diameter.
     Turning,
+    /// RET.
+    Return,
     /// Known to be without effect on the path.
     Harmless,
 }
@@ -109,8 +113,77 @@ pub(super) fn code(tenths: u16) -> Option<(usize, Code)> {
     })
 }
 
+/// Numbers of words with names begin here.
+pub(super) const NAMED_FROM: u16 = 10_000;
+
+/// The words of Siemens that have names, with their groups.
+const NAMED: [(&str, usize, Code); 18] = [
+    ("TRANS", 8, Code::Once(Once::Translate(false))),
+    ("ATRANS", 8, Code::Once(Once::Translate(true))),
+    ("SUPA", 9, Code::MachineCoordinates),
+    ("RET", 18, Code::Return),
+    ("STOPRE", 19, Code::Harmless), // no blocks are prepared in advance
+    ("BRISK", 20, Code::Harmless),  // acceleration
+    ("SOFT", 20, Code::Harmless),
+    ("DRIVE", 20, Code::Harmless),
+    ("FFWON", 21, Code::Harmless), // feed-forward
+    ("FFWOF", 21, Code::Harmless),
+    ("CFC", 22, Code::Harmless), // feed on contours
+    ("CFTCP", 22, Code::Harmless),
+    ("CFIN", 22, Code::Harmless),
+    ("NORM", 23, Code::Harmless), // approach of a contour with G41
+    ("KONT", 23, Code::Harmless),
+    ("COMPOF", 24, Code::Harmless),  // no compressor
+    ("DIAMOF", 25, Code::Harmless),  // X is no diameter
+    ("TRAFOOF", 26, Code::Harmless), // no transformation
+];
+
+/// The number of a word with a name.
+pub(super) fn named_word(name: &str) -> Option<u16> {
+    let index = NAMED.iter().position(|(known, ..)| *known == name)?;
+    u16::try_from(index).ok()
+}
+
+fn named(tenths: u16) -> Option<&'static (&'static str, usize, Code)> {
+    NAMED.get(usize::from(tenths.checked_sub(NAMED_FROM)?))
+}
+
+/// The name of a word by its number.
+pub(super) fn name_of(tenths: u16) -> Option<&'static str> {
+    named(tenths).map(|(name, ..)| *name)
+}
+
+/// Drilling cycles of Siemens, with the number of arguments that are executed:
+/// RTP, RFP, SDIS, DP, DPR, then DTB, then FDEP, FDPR, DAM, DTB, DTS, FRF, VARI.
+pub(super) const SIEMENS_CYCLES: [(&str, u16, usize); 3] =
+    [("CYCLE81", 81, 5), ("CYCLE82", 82, 6), ("CYCLE83", 83, 12)];
+
+/// The same as [`code`] in the language of Siemens.
+pub(super) fn siemens_code(tenths: u16) -> Option<(usize, Code)> {
+    if let Some((_, group, code)) = named(tenths) {
+        return Some((*group, *code));
+    }
+    let number = u32::from(tenths / 10);
+    Some(match tenths {
+        0..=30 | 170 | 180 | 190 | 900 | 910 | 40 | 90 | 400 | 940 | 950 | 970 => code(tenths)?,
+        700 | 7000 => (2, Code::Inch(true)),
+        710 | 7100 => (2, Code::Inch(false)),
+        540 | 550 | 560 | 570 => (5, Code::System(Some(number - 53))),
+        5000 => (5, Code::System(Some(0))),
+        5050..=5990 => (5, Code::System(Some(number))),
+        530 | 1530 => (9, Code::MachineCoordinates),
+        600 => (14, Code::Harmless),                // exact stop
+        6010 | 6020 | 6030 => (27, Code::Harmless), // its kind
+        640 | 6410 | 6420 | 6430 | 6440 | 6450 => (14, Code::Blend),
+        4500 | 4510 => (28, Code::Harmless), // corners with G41
+        960 | 9610 => (17, Code::Turning),
+        _ => return None,
+    })
+    .filter(|_| tenths.is_multiple_of(10))
+}
+
 /// More than there are groups.
-pub(super) const GROUPS: usize = 18;
+pub(super) const GROUPS: usize = 29;
 
 /// The next step for a G word that is not executed.
 pub(super) fn why_not(tenths: u16) -> &'static str {
@@ -159,6 +232,14 @@ impl Cycle {
             bottom: None,
         }
     }
+}
+
+/// A cycle with its levels, mm from the program's zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Drill {
+    pub(super) number: u16,
+    /// RTP, RFP + SDIS, bottom.
+    pub(super) levels: [f64; 3],
 }
 
 /// A depth as it is written, and the mode of that block.

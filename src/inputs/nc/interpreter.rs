@@ -1,17 +1,25 @@
 //! The modal state of a control, and what one block makes of it.
 
+mod drilling;
 mod functions;
 mod motion;
+mod tools;
 
-use crate::inputs::nc::block::{Block, CALL, CodeWord, Span, TOOL_CHANGE};
-use crate::inputs::nc::codes::{Code, Cycle, GROUPS, Level, Motion, Once, code, is_call, why_not};
+use crate::inputs::nc::block::{Block, CALL, CodeWord, Span};
+use crate::inputs::nc::codes::{
+    Code, Cycle, Drill, GROUPS, Level, Motion, Once, code, is_call, siemens_code, why_not,
+};
 use crate::inputs::nc::scan::Wrong;
 use crate::inputs::nc::setup::Offsets;
-use crate::inputs::nc::{EXTENDED, G43WithoutH, Move, Place, Plane, Setup};
+use crate::inputs::nc::{EXTENDED, Language, Move, Place, Plane, Setup};
 use crate::quantity::units::MM_PER_INCH;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) const AXES: [u8; 3] = *b"XYZ";
+/// G50: with S or a coordinate that of turning.
+const SPINDLE_LIMIT: u16 = 500;
+/// M17 of Siemens.
+const SUB_END: u16 = 170;
 
 /// What comes after a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +88,7 @@ struct Asked {
     system: Option<(Option<u32>, Span)>,
     tool: Option<(bool, Span)>,
     blend: bool,
+    returns: bool,
 }
 
 impl Asked {
@@ -117,6 +126,8 @@ pub(super) struct Interpreter<'s> {
     spindle_tool: Option<u32>,
     /// What shows that the program is one for turning.
     pub(super) turning: Option<Wrong>,
+    /// What MCALL drills behind each move.
+    modal_drill: Option<Drill>,
     /// Number of the hole that the next move drills.
     pub(super) hole: Option<u64>,
     /// A zero or a length is not known: moves are judged as words only.
@@ -145,6 +156,7 @@ impl<'s> Interpreter<'s> {
             called_tool: None,
             spindle_tool: None,
             turning: None,
+            modal_drill: None,
             hole: None,
             is_lost: false,
         }
@@ -160,16 +172,18 @@ impl<'s> Interpreter<'s> {
             self.modes(block)
         };
         self.change_tool(block);
-        if asked.blend {
+        if asked.blend || block.adis.is_some() {
             self.blend(block);
         }
         for letter in *b"NFSTD" {
-            block.value(letter); // without effect on the path
+            block.value(letter); // without effect on the path, or taken already
         }
         let done = self.select(block, asked);
         let done = done.and_then(|()| self.moved(block, asked));
+        let done = done.and_then(|()| self.drills(block, asked.once.is_none()));
         match done.and(self.programs(block)) {
             Ok(flow) => {
+                let flow = if asked.returns { Flow::Return } else { flow };
                 if !block.nothing_unused() && block.wrong.is_empty() {
                     refuse_unused(block, self.motion);
                 }
@@ -215,6 +229,10 @@ impl<'s> Interpreter<'s> {
         let mut groups: [Option<CodeWord>; GROUPS] = [None; GROUPS];
         for index in 0..block.g.len() {
             let word = block.g[index];
+            let code = match self.setup.language {
+                Language::Iso => code,
+                Language::Siemens => siemens_code,
+            };
             let Some((group, code)) = code(word.tenths) else {
                 let message = format!("`{}` is not executed", word.name('G'));
                 block
@@ -236,7 +254,7 @@ impl<'s> Interpreter<'s> {
                 ));
             }
             *group = Some(word);
-            if word.tenths == 500 && block.has_any(b"SXZUW") {
+            if word.tenths == SPINDLE_LIMIT && block.has_any(b"SXZUW") {
                 self.turning = Some(turning(word.span, "`G50` with S or a coordinate"));
             }
             self.mode(code, word, &mut asked);
@@ -271,29 +289,16 @@ impl<'s> Interpreter<'s> {
             Code::Turning => {
                 self.turning = Some(turning(word.span, "`G96` (constant cutting speed)"))
             }
+            Code::Return => asked.returns = true,
             Code::Harmless => {}
-        }
-    }
-
-    /// T names a tool, M6 changes it in.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "the number is checked to lie in the range before it is used"
-    )]
-    fn change_tool(&mut self, block: &mut Block) {
-        let whole = |number: &f64| (0.0..=99_999_999.0).contains(number) && number.fract() <= 0.0;
-        let called = block.value(b'T').filter(whole);
-        self.called_tool = called.map(|number| number as u32).or(self.called_tool);
-        if block.m_word(TOOL_CHANGE).is_some() {
-            self.spindle_tool = self.called_tool;
         }
     }
 
     /// G64 P… Q…: how far the control may leave the path, in the program's unit.
     fn blend(&mut self, block: &mut Block) {
         let unit = if self.inch { MM_PER_INCH } else { 1.0 };
-        for letter in *b"PQ" {
-            let Some(mm) = block.value(letter).map(|value| value * unit) else {
+        for value in [block.value(b'P'), block.value(b'Q'), block.adis.take()] {
+            let Some(mm) = value.map(|value| value * unit) else {
                 continue;
             };
             if self.tally.blend.is_none_or(|(most, _)| mm > most) {
@@ -314,6 +319,9 @@ impl<'s> Interpreter<'s> {
             }
             self.offsets.select(number);
         }
+        if self.setup.language == Language::Siemens {
+            return self.edge(block);
+        }
         let number = block.whole(b'H')?;
         self.tool_number = number.or(self.tool_number);
         match (asked.tool, number) {
@@ -326,41 +334,6 @@ impl<'s> Interpreter<'s> {
             _ => {}
         }
         Ok(())
-    }
-
-    /// The number of the tool offset where G43 stands without H.
-    fn number_without_h(&self) -> Result<u32, (&'static str, &'static str)> {
-        match self.setup.g43_without_h {
-            G43WithoutH::Refuse => Err((
-                "`G43` without H: controls differ in which tool offset is meant",
-                "write H with the number of the tool offset, e.g. `G43 H1`; or state `g43_without_h = \"last-h\"` (the last H) or `\"tool\"` (the tool in the spindle) in [path]",
-            )),
-            G43WithoutH::LastH => self.tool_number.ok_or((
-                "`G43` without H: no tool offset was named yet",
-                "write H with the number of the tool offset, e.g. `G43 H1`",
-            )),
-            G43WithoutH::Tool => self.spindle_tool.ok_or((
-                "`G43` without H: no T and M6 changed a tool in before",
-                "write H with the number of the tool offset, e.g. `G43 H1`",
-            )),
-        }
-    }
-
-    fn use_tool(&mut self, span: Span, written: Option<u32>) -> Result<(), Wrong> {
-        let number = written.map_or_else(|| self.number_without_h(), Ok);
-        let number = number.map_err(|(message, help)| {
-            self.is_lost = true;
-            Wrong::new(span, message, help)
-        })?;
-        if self.offsets.use_tool(number) {
-            return Ok(());
-        }
-        self.is_lost = true;
-        Err(Wrong::new(
-            span,
-            format!("the length of tool offset H{number} is not known"),
-            format!("add `[[path.tool]]` with `number = {number}` and `length_mm` to the job"),
-        ))
     }
 
     /// An M word without motion; P, Q and L that nothing else took are its own (M19 P90).
@@ -384,6 +357,14 @@ impl<'s> Interpreter<'s> {
             let word = block.m[index];
             let next = match word.tenths {
                 20 | 300 => Flow::End,
+                SUB_END if self.setup.language == Language::Siemens => Flow::Return,
+                CALL | 990 if self.setup.language == Language::Siemens => {
+                    return Err(Wrong::new(
+                        word.span,
+                        format!("`{}` is not executed in Siemens programs", word.name('M')),
+                        "M17 and RET end a subprogram",
+                    ));
+                }
                 CALL => call(block, word.span)?,
                 990 => Flow::Return,
                 tenths if is_call(tenths) || tenths % 10 != 0 => {

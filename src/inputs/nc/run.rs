@@ -2,61 +2,39 @@
 //!
 //! The main program begins with the text and ends with M2, M30, M99, a second `%` or the text; a
 //! subprogram that `%` or the end of the text breaks off is a problem.
-//! Subprograms follow it, each from `O…` to M99; an index of the `O` words is made when the first
-//! one is called.
+//! Subprograms follow it, each from `O…` to M99; those of LinuxCNC (`O… sub`) stand anywhere. Jumps go to lines by
+//! the index of [`jumps`](super::jumps).
 
-use crate::inputs::findings::PathFinding;
+mod calls;
+
 use crate::inputs::nc::block::{Block, CALL, Span};
-use crate::inputs::nc::interpreter::{Flow, Interpreter, RoughArcs, Tally};
-use crate::inputs::nc::moves::USUAL_MISS_MM;
-use crate::inputs::nc::scan::{Wrong, words};
-use crate::inputs::nc::{Move, Refused, Setup, WithoutPoint};
+use crate::inputs::nc::flow::{self, Label, Statement};
+use crate::inputs::nc::interpreter::{Flow, Interpreter};
+use crate::inputs::nc::jumps::Index;
+use crate::inputs::nc::lines::{Line, Mark, Text, without_mark};
+use crate::inputs::nc::notes::notes;
+use crate::inputs::nc::scan::Wrong;
+use crate::inputs::nc::siemens;
+use crate::inputs::nc::variables::Variables;
+use crate::inputs::nc::{Language, Move, Refused, Setup};
 use crate::text::finding::Finding;
 use crate::text::problem::{Place, Problem, Problems};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Problems that are told of one program.
 const MOST_PROBLEMS: usize = 20;
 /// Calls inside each other; controls have 4 to 10.
 const DEEPEST_CALLS: usize = 16;
-/// Subprograms in a file.
-const MOST_PROGRAMS: usize = 10_000;
 /// Work that a program asks for beyond its own lines: blocks of subprograms, holes that a cycle repeats (K, L),
 /// and the millimetres that both go, as a path is followed in such steps. The lines of a file end by themselves,
 /// however large it is; this many blocks are hours of a control (a thousand in a second are many) and
 /// seconds here. The largest programs seen have 60 MB, three million blocks and 10 km, and may stand in
 /// a subprogram as a whole.
 const MOST_REPEATED: f64 = 2e7;
+/// What a line counts that is passed over in search of a block.
+const PASSED: f64 = 0.1;
 /// What a call and a return count: the text is taken up again elsewhere, which takes as long as this many blocks.
 const JUMP: f64 = 10.0;
-
-/// A line of a program: its number from 1, and its bytes without line end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Line<'a> {
-    /// From 1.
-    pub number: usize,
-    /// Without line end.
-    pub bytes: &'a [u8],
-}
-
-/// Where a line begins.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Mark {
-    /// Bytes before it.
-    pub bytes: u64,
-    /// Lines before it.
-    pub lines: usize,
-}
-
-/// A program that is read line by line and can be taken up again at a place.
-pub trait Text {
-    /// The next line; `None` at the end.
-    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem>;
-    /// Where the next line begins.
-    fn mark(&self) -> Mark;
-    /// Goes on at a mark.
-    fn go_to(&mut self, mark: Mark) -> Result<(), Problem>;
-}
 
 /// What was executed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -85,6 +63,9 @@ pub fn run(
         found: BTreeSet::new(),
         calls: Vec::new(),
         index: None,
+        variables: Variables::default(),
+        jumped: false,
+        seeking: false,
         blocks: 0,
         repeated: 0.0,
         deletable: 0,
@@ -98,7 +79,9 @@ pub fn run(
 
 /// A call that is being executed.
 struct Call {
-    program: u32,
+    program: String,
+    /// An `O… sub` with variables of its own.
+    is_sub: bool,
     /// The block that calls.
     line: usize,
     begin: Mark,
@@ -115,7 +98,12 @@ struct Control<'s> {
     /// Lines and bytes at which something is wrong.
     found: BTreeSet<(usize, usize)>,
     calls: Vec<Call>,
-    index: Option<BTreeMap<u32, Mark>>,
+    index: Option<Index>,
+    variables: Variables,
+    /// A line was gone to that may stand before: lines count as repeated.
+    jumped: bool,
+    /// The condition before did not hold: the next `elseif` counts.
+    seeking: bool,
     blocks: u64,
     /// Of [`MOST_REPEATED`].
     repeated: f64,
@@ -130,6 +118,7 @@ struct Control<'s> {
 enum Next {
     Line,
     Call(u32, u32, Place),
+    Statement(Statement, Place),
     Return,
     /// M2, M30.
     End,
@@ -153,7 +142,10 @@ impl Control<'_> {
                 Next::Return if self.calls.is_empty() => return Ok(()),
                 Next::Return => self.go_back(text)?,
                 Next::Call(_, 0, _) => {}
-                Next::Call(program, times, place) => self.call(text, program, times, place)?,
+                Next::Call(program, times, place) => {
+                    self.call(text, &Label::Program(program), times, place)?;
+                }
+                Next::Statement(statement, place) => self.go(text, statement, place)?,
             }
         }
         Ok(())
@@ -167,8 +159,11 @@ impl Control<'_> {
         block: &mut Block,
         follow: Follow<'_>,
     ) -> Result<Next, Problems> {
-        block.read(line.bytes);
         self.blocks += 1;
+        if let Some(at) = self.statement_at(line.bytes) {
+            return self.statement(line, at);
+        }
+        self.read(line.bytes, block);
         if block.percent {
             // The first `%` begins the text, the next one ends it.
             let is_end = self.begun || std::mem::replace(&mut self.percent, true);
@@ -210,6 +205,53 @@ impl Control<'_> {
         })
     }
 
+    /// Where a line begins that is none of words.
+    #[inline]
+    fn statement_at(&self, line: &[u8]) -> Option<usize> {
+        match self.setup.language {
+            Language::Iso => flow::begin(line),
+            Language::Siemens => siemens::begin(line),
+        }
+    }
+
+    #[inline]
+    fn read(&self, line: &[u8], block: &mut Block) {
+        match self.setup.language {
+            Language::Iso => block.read(line, &self.variables),
+            Language::Siemens => siemens::read(block, line, &self.variables),
+        }
+    }
+
+    /// Executes a line that sets variables or decides what comes next.
+    fn statement(&mut self, line: Line<'_>, at: usize) -> Result<Next, Problems> {
+        if line.bytes.trim_ascii_start().first() == Some(&b'/') {
+            self.deletable += 1;
+            if self.setup.skip_deletable {
+                return Ok(Next::Line);
+            }
+        }
+        self.begun = true;
+        if self.is_repeated() {
+            self.count(0, 0.0, line.number)?;
+        }
+        let execute = match self.setup.language {
+            Language::Iso => flow::statement,
+            Language::Siemens => siemens::statement,
+        };
+        match execute(line.bytes, at, &mut self.variables) {
+            Ok(statement) => {
+                let place = self.place(line, (at, line.bytes.len()));
+                Ok(Next::Statement(statement, place))
+            }
+            // What follows would be judged by a value that is not known, and a loop might not end.
+            Err(wrong) => Err(self.all(self.problem(line, &wrong))),
+        }
+    }
+
+    fn is_repeated(&self) -> bool {
+        self.jumped || !self.calls.is_empty()
+    }
+
     /// Follows the moves of a block to the first one that is refused. They count where the block is one
     /// of a subprogram or repeats holes.
     #[inline]
@@ -221,7 +263,7 @@ impl Control<'_> {
         follow: Follow<'_>,
     ) -> Result<(), Problems> {
         let holes = self.interpreter.tally.holes - holes;
-        let repeats = !self.calls.is_empty() || holes > 1;
+        let repeats = self.is_repeated() || holes > 1;
         let mut length_mm = 0.0;
         for (step, span) in self.interpreter.moves.drain(..) {
             if repeats {
@@ -248,9 +290,9 @@ impl Control<'_> {
         }
         let line = self.calls.first().map_or(line, |call| call.line);
         let message = format!(
-            "the repeats of subprograms and cycles make more than {MOST_REPEATED} blocks and mm; the last of them begin in line {line}"
+            "the repeats of subprograms, loops and cycles make more than {MOST_REPEATED} blocks and mm; the last of them begin in line {line}"
         );
-        let help = "check the numbers of repeats: L and P of M98, K and L of cycles";
+        let help = "check the numbers of repeats (L and P of M98, K and L of cycles), and the conditions of loops";
         Err(self.all(Problem::new(message).help(help)))
     }
 
@@ -259,8 +301,10 @@ impl Control<'_> {
         let Some(call) = self.calls.last() else {
             return Ok(());
         };
-        let message = format!("subprogram O{} ends without M99", call.program);
-        Err(self.all(Problem::new(message).help("end it with M99, before the text or `%` ends it")))
+        let end = if call.is_sub { "endsub" } else { "M99" };
+        let message = format!("subprogram O{} ends without {end}", call.program);
+        let help = format!("end it with {end}, before the text or `%` ends it");
+        Err(self.all(Problem::new(message).help(help)))
     }
 
     /// The problems so far, and one that ends the run.
@@ -268,62 +312,6 @@ impl Control<'_> {
         let mut problems = std::mem::take(&mut self.problems);
         problems.push(problem);
         problems
-    }
-
-    fn call(
-        &mut self,
-        text: &mut dyn Text,
-        program: u32,
-        times: u32,
-        place: Place,
-    ) -> Result<(), Problems> {
-        if self.calls.len() == DEEPEST_CALLS {
-            let message = format!("more than {DEEPEST_CALLS} subprograms call each other");
-            let help = "a subprogram must not call itself";
-            return Err(self.all(Problem::new(message).at(place).help(help)));
-        }
-        let back = text.mark();
-        let index = match self.index.take() {
-            Some(index) => index,
-            None => index(text).map_err(|problem| self.all(problem))?,
-        };
-        let begin = self.index.insert(index).get(&program).copied();
-        let Some(begin) = begin else {
-            text.go_to(back)?;
-            if self.found.insert((place.line, place.column)) {
-                let message = format!("there is no subprogram O{program} in the file");
-                let help = "put the subprograms behind the main program, each from `O…` to M99";
-                self.problems
-                    .push(Problem::new(message).at(place).help(help));
-            }
-            return Ok(());
-        };
-        text.go_to(begin)?;
-        self.entered = true;
-        self.repeated += JUMP;
-        self.calls.push(Call {
-            program,
-            line: place.line,
-            begin,
-            back,
-            left: times - 1,
-        });
-        Ok(())
-    }
-
-    fn go_back(&mut self, text: &mut dyn Text) -> Result<(), Problem> {
-        self.repeated += JUMP;
-        let Some(call) = self.calls.last_mut() else {
-            return Ok(());
-        };
-        if call.left > 0 {
-            call.left -= 1;
-            self.entered = true;
-            return text.go_to(call.begin);
-        }
-        let back = call.back;
-        self.calls.pop();
-        text.go_to(back)
     }
 
     fn close(mut self) -> Result<Ran, Problems> {
@@ -356,108 +344,5 @@ impl Control<'_> {
         let mut place = Place::in_text(self.name, &text, length(start), length(end));
         place.line = line.number;
         place
-    }
-}
-
-/// The bytes that some editors put before a text (UTF-8).
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-
-fn without_mark(line: Line<'_>) -> Line<'_> {
-    let first = line.number == 1;
-    let bytes = line.bytes.strip_prefix(BYTE_ORDER_MARK).filter(|_| first);
-    Line {
-        bytes: bytes.unwrap_or(line.bytes),
-        ..line
-    }
-}
-
-/// The lines that begin with `O` or `:`, by its number.
-fn index(text: &mut dyn Text) -> Result<BTreeMap<u32, Mark>, Problem> {
-    text.go_to(Mark::default())?;
-    let mut index = BTreeMap::new();
-    loop {
-        let mark = text.mark();
-        let Some(line) = text.next_line()? else {
-            return Ok(index);
-        };
-        let number = line.number;
-        let Some(program) = program_number(without_mark(line).bytes) else {
-            continue;
-        };
-        if index.len() == MOST_PROGRAMS {
-            return Err(Problem::new(format!(
-                "the file holds more than {MOST_PROGRAMS} programs"
-            )));
-        }
-        if index.insert(program, mark).is_some() {
-            return Err(Problem::new(format!(
-                "program O{program} is given twice in the file, again in line {number}"
-            ))
-            .help("give one of them another number"));
-        }
-    }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "the number is checked to lie in the range before it is used"
-)]
-fn program_number(line: &[u8]) -> Option<u32> {
-    let first = line.iter().find(|byte| !byte.is_ascii_whitespace())?;
-    if !matches!(first, b'O' | b'o' | b'N' | b'n' | b':') {
-        return None;
-    }
-    let mut words = words(line).filter_map(Result::ok);
-    let word = words.find(|word| word.letter != b'N')?;
-    (word.letter == b'O' && (0.0..=99_999_999.0).contains(&word.value)).then_some(word.value as u32)
-}
-
-fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<Finding> {
-    let what = match setup.skip_deletable {
-        true => "left out",
-        false => "executed",
-    };
-    let count = deletable;
-    let lines = PathFinding::Deletable { count, what };
-    let count = tally.look_ahead;
-    let look_ahead = PathFinding::LookAhead { count };
-    let words = tally.m.iter();
-    let words = words.map(|(m, count)| format!("M{m}{} ({count})", tally.with_words(*m)));
-    let words: Vec<String> = words.collect();
-    let has_words = !words.is_empty();
-    let blend = |(mm, line)| PathFinding::Blend { mm, line };
-    let found = [
-        without_point(tally, setup),
-        (deletable > 0).then_some(lines),
-        (tally.look_ahead > 0).then_some(look_ahead),
-        tally.blend.map(blend),
-        tally.rough_arcs.as_ref().map(rough_arcs),
-        tally.other_mode.map(|line| PathFinding::OtherMode { line }),
-        has_words.then_some(PathFinding::WithoutMotion { words }),
-    ];
-    found.into_iter().flatten().map(Finding::from).collect()
-}
-
-fn without_point(tally: &Tally, setup: &Setup) -> Option<PathFinding> {
-    let (count, line) = (tally.without_point, tally.first_without_point);
-    let meaning = match setup.without_point {
-        WithoutPoint::Unit => "whole mm or inches (`X100` = 100 mm)",
-        WithoutPoint::Increment => "least input increments (`X100` = 0.1 mm)",
-    };
-    let found = PathFinding::WithoutPoint {
-        count,
-        line,
-        meaning,
-    };
-    (count > 0).then_some(found)
-}
-
-fn rough_arcs(arcs: &RoughArcs) -> PathFinding {
-    PathFinding::RoughArcs {
-        usual_mm: USUAL_MISS_MM,
-        count: arcs.count,
-        most_mm: arcs.most_mm,
-        line: arcs.line,
-        allowed_mm: arcs.allowed_mm,
     }
 }

@@ -3,6 +3,12 @@
 //! Blanks may stand anywhere, even inside a number; letters in either case. Comments `( … )` and
 //! `; …` are ignored. Numbers keep the full precision of what is written.
 
+pub use crate::inputs::nc::wrong::Wrong;
+
+use crate::inputs::nc::expression::Reader;
+use crate::inputs::nc::grammar::ISO;
+use crate::inputs::nc::variables::Variables;
+
 /// A letter with its number, or one of the signs `%` and `/`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
@@ -12,35 +18,23 @@ pub struct Word {
     pub value: f64,
     /// Whether the number is written with a decimal point.
     pub has_point: bool,
+    /// Where it counts from.
+    pub counts: Counts,
     /// First byte in the line.
     pub start: usize,
     /// Byte behind the last one.
     pub end: usize,
 }
 
-/// What cannot be read or executed in a line, and where.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Wrong {
-    /// What was found and what was expected.
-    pub message: String,
-    /// What to do next.
-    pub help: String,
-    /// First byte in the line.
-    pub start: usize,
-    /// Byte behind the last one.
-    pub end: usize,
-}
-
-impl Wrong {
-    /// Something wrong at bytes of a line.
-    pub fn new(span: (usize, usize), message: impl Into<String>, help: impl Into<String>) -> Wrong {
-        Wrong {
-            message: message.into(),
-            help: help.into(),
-            start: span.0,
-            end: span.1,
-        }
-    }
+/// Where a coordinate counts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counts {
+    /// As G90, G91 and the kind of the word say.
+    AsActive,
+    /// `AC( )` of Siemens: from the zero.
+    Absolute,
+    /// `IC( )`: from the present place.
+    Incremental,
 }
 
 /// Digits of one number; nobody writes more, and `f64` holds 17.
@@ -51,11 +45,26 @@ const MOST_DIGITS: usize = 40;
 pub struct Words<'a> {
     line: &'a [u8],
     at: usize,
+    /// Without them expressions are refused.
+    variables: Option<&'a Variables>,
 }
 
-/// The words of a line, which may still have its `\r`.
+/// The words of a line, which may still have its `\r`, with numbers only.
 pub fn words(line: &[u8]) -> Words<'_> {
-    Words { line, at: 0 }
+    Words {
+        line,
+        at: 0,
+        variables: None,
+    }
+}
+
+/// The words of a line, whose numbers may be variables and expressions in brackets.
+pub(super) fn words_with<'a>(line: &'a [u8], variables: &'a Variables) -> Words<'a> {
+    Words {
+        line,
+        at: 0,
+        variables: Some(variables),
+    }
 }
 
 impl Iterator for Words<'_> {
@@ -114,6 +123,7 @@ impl Words<'_> {
             letter,
             value,
             has_point,
+            counts: Counts::AsActive,
             start,
             end: self.at,
         })
@@ -129,6 +139,7 @@ impl Words<'_> {
             letter: b'/',
             value: switch.map_or(0.0, |digit| f64::from(digit - b'0')),
             has_point: false,
+            counts: Counts::AsActive,
             start,
             end: self.at,
         })
@@ -142,6 +153,7 @@ impl Words<'_> {
             letter: b'%',
             value: 0.0,
             has_point: false,
+            counts: Counts::AsActive,
             start,
             end: start + 1,
         }
@@ -170,7 +182,14 @@ impl Words<'_> {
             end = self.at;
         }
         if digits == 0 {
-            return Err(self.no_number(start, end));
+            let next = self.line[end..]
+                .iter()
+                .find(|byte| !byte.is_ascii_whitespace());
+            let is_expression = matches!(next, Some(b'[' | b'#')) && !point;
+            return match self.variables.filter(|_| is_expression) {
+                Some(variables) => self.expression(first, variables),
+                None => Err(self.no_number(start, end)),
+            };
         }
         if digits > MOST_DIGITS {
             return Err(too_long((start, end), digits));
@@ -187,6 +206,17 @@ impl Words<'_> {
         }
     }
 
+    /// A variable or an expression in brackets, from its sign on: its value is in the program's unit.
+    fn expression(&mut self, first: usize, variables: &Variables) -> Result<(f64, bool), Wrong> {
+        let mut reader = Reader::new(self.line, first, &ISO, variables);
+        let value = reader.number_of_word();
+        self.at = match value {
+            Ok(_) => reader.at,
+            Err(_) => self.line.len(), // the rest is one expression
+        };
+        value.map(|value| (value, true))
+    }
+
     fn no_number(&mut self, start: usize, end: usize) -> Wrong {
         self.at = end;
         let letter = char::from(self.line[start]);
@@ -194,7 +224,9 @@ impl Words<'_> {
         let next = rest.find(|byte| !byte.is_ascii_whitespace());
         let help = match next {
             Some(b'[' | b'#') => NUMBERS,
-            Some(b'=') => "this is the language of another control; expected words like `X10.5`",
+            Some(b'=') => {
+                "expected words like `X10.5`; a Siemens program needs `language = \"siemens\"` in [path]"
+            }
             _ => "write letter and number, e.g. `X10.5`; text belongs into `( … )`",
         };
         if matches!(next, Some(b'[' | b'#' | b'=')) {

@@ -17,6 +17,26 @@ pub enum WithoutPoint {
     Increment,
 }
 
+/// In which words a program is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Language {
+    /// Of Fanuc-like controls and LinuxCNC (ISO 6983).
+    #[default]
+    Iso,
+    /// Of SINUMERIK 840D and 828D.
+    Siemens,
+}
+
+impl Language {
+    /// The coordinate system that is active at the start: G54, or G500.
+    fn first_system(self) -> u32 {
+        match self {
+            Language::Iso => 1,
+            Language::Siemens => 0,
+        }
+    }
+}
+
 /// Which tool offset G43 without H takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum G43WithoutH {
@@ -32,6 +52,8 @@ pub enum G43WithoutH {
 /// What the control knows before the program starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
+    /// In which words the program is written.
+    pub language: Language,
     /// Where the axes stand, machine coordinates, mm.
     pub start: Place,
     /// First reference point (G28), mm.
@@ -39,10 +61,12 @@ pub struct Setup {
     /// Second reference point (G30), mm.
     pub second_reference: Option<Place>,
     /// Origins of the workpiece coordinate systems in machine coordinates, mm: G54 = 1 … G59 = 6,
-    /// G59.1 … G59.3 = 7 … 9, G54.1 P*n* = 100 + *n*.
+    /// G59.1 … G59.3 = 7 … 9, G54.1 P*n* = 100 + *n*; of Siemens G500 = 0, G505 … G599 by their numbers.
     pub systems: BTreeMap<u32, Place>,
     /// Tool lengths by number of the offset (H), mm.
     pub tools: BTreeMap<u32, f64>,
+    /// Numbers of tools by their names (`T="DRILL"` of Siemens).
+    pub tool_names: BTreeMap<String, u32>,
     /// Inches until G21.
     pub inch: bool,
     /// Coordinates without a decimal point.
@@ -59,11 +83,13 @@ impl Setup {
     /// A control whose axes stand at the reference, which knows no zero and no tool.
     pub fn at(reference: Place) -> Setup {
         Setup {
+            language: Language::Iso,
             start: reference,
             reference,
             second_reference: None,
             systems: BTreeMap::new(),
             tools: BTreeMap::new(),
+            tool_names: BTreeMap::new(),
             inch: false,
             without_point: WithoutPoint::Unit,
             g43_without_h: G43WithoutH::Refuse,
@@ -80,6 +106,7 @@ impl Setup {
 /// assert_eq!(system_number("G55"), Some(2));
 /// assert_eq!(system_number("g59.2"), Some(8));
 /// assert_eq!(system_number("G54.1 P48"), Some(148));
+/// assert_eq!(system_number("G505"), Some(505));
 /// assert_eq!(system_number("G53"), None);
 /// ```
 pub fn system_number(name: &str) -> Option<u32> {
@@ -91,6 +118,15 @@ pub fn system_number(name: &str) -> Option<u32> {
     if let Some(index) = plain.iter().position(|known| *known == name) {
         return u32::try_from(index).ok().map(|index| index + 1);
     }
+    if name == "G500" {
+        return Some(0);
+    }
+    let of_siemens = name
+        .strip_prefix('G')
+        .and_then(|number| number.parse().ok());
+    if let Some(number) = of_siemens.filter(|number| SIEMENS_SYSTEMS.contains(number)) {
+        return Some(number);
+    }
     let number: u32 = name.strip_prefix("G54.1P")?.parse().ok()?;
     (1..=MOST_EXTENDED)
         .contains(&number)
@@ -100,7 +136,9 @@ pub fn system_number(name: &str) -> Option<u32> {
 /// The name of a coordinate system by its number.
 pub(crate) fn system_name(number: u32) -> String {
     match number {
-        0..=6 => format!("G{}", 53 + number),
+        0 => "G500".to_string(),
+        1..=6 => format!("G{}", 53 + number),
+        number if SIEMENS_SYSTEMS.contains(&number) => format!("G{number}"),
         7..=EXTENDED => format!("G59.{}", number - 6),
         _ => format!("G54.1 P{}", number - EXTENDED),
     }
@@ -108,6 +146,9 @@ pub(crate) fn system_name(number: u32) -> String {
 
 /// Numbers of G54.1 P*n* begin behind this one.
 pub(crate) const EXTENDED: u32 = 100;
+
+/// G505 … G599.
+const SIEMENS_SYSTEMS: std::ops::RangeInclusive<u32> = 505..=599;
 
 /// No control has more (Fanuc: 48, optionally 300).
 const MOST_EXTENDED: u32 = 300;
@@ -132,7 +173,7 @@ impl Offsets {
         let mut offsets = Offsets {
             systems: setup.systems.clone(),
             tools: setup.tools.clone(),
-            active: 1,
+            active: setup.language.first_system(),
             local: [0.0; 3],
             shift: [0.0; 3],
             tool: None,
@@ -181,6 +222,12 @@ impl Offsets {
     /// G52: the zero of the program within its system.
     pub(super) fn set_local(&mut self, axis: usize, value: f64) {
         self.local[axis] = value;
+        self.update();
+    }
+
+    /// ATRANS: moves it further.
+    pub(super) fn add_local(&mut self, axis: usize, value: f64) {
+        self.local[axis] += value;
         self.update();
     }
 

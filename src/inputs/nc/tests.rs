@@ -1,6 +1,8 @@
 //! Programs with hand-made expected moves.
 #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
+mod language;
+
 use super::*;
 use crate::inputs::findings::PathFinding;
 use crate::text::problem::{Problem, Problems};
@@ -39,6 +41,7 @@ impl Text for Lines<'_> {
 
 fn control() -> Setup {
     Setup {
+        language: Language::Iso,
         start: [0.0; 3],
         reference: [0.0, 0.0, 500.0],
         second_reference: Some([10.0, 20.0, 30.0]),
@@ -48,6 +51,7 @@ fn control() -> Setup {
             (107, [1.0, 2.0, 3.0]),
         ]),
         tools: BTreeMap::from([(1, 50.0), (2, 80.0)]),
+        tool_names: BTreeMap::from([("DRILL".to_string(), 2)]),
         inch: false,
         without_point: WithoutPoint::Unit,
         g43_without_h: G43WithoutH::Refuse,
@@ -428,8 +432,8 @@ fn deletable_lines_are_executed_or_left_out() {
 #[test]
 fn what_is_not_executed_is_refused_with_line_and_column() {
     for (program, place) in [
-        ("G1 X#1", (1, 4)),
-        ("G1\nX1 Y[1+2]", (2, 4)),
+        ("G1 X#1", (1, 5)),
+        ("G1\nX1 Y[1+2", (2, 5)),
         ("G41 D1", (1, 1)),
         ("G1 X1 A5", (1, 7)),
         ("X1", (1, 1)),

@@ -41,6 +41,7 @@ impl Interpreter<'_> {
             Once::Local => {
                 self.each_word(block, |offsets, axis, _, mm| offsets.set_local(axis, mm))
             }
+            Once::Translate(add) => self.translate(block, add),
             Once::Shift => {
                 self.base()?;
                 self.each_word(block, |offsets, axis, at, mm| offsets.call(axis, at, mm))
@@ -62,6 +63,18 @@ impl Interpreter<'_> {
         for (axis, word) in self.axis_words(block).into_iter().enumerate() {
             if let Some(mm) = word {
                 change(&mut self.offsets, axis, self.at[axis], mm);
+            }
+        }
+        Ok(())
+    }
+
+    /// TRANS puts the zero of all axes, also of those that it does not name; ATRANS moves it further.
+    fn translate(&mut self, block: &mut Block, add: bool) -> Result<(), Wrong> {
+        for (axis, word) in self.axis_words(block).into_iter().enumerate() {
+            let mm = word.unwrap_or(0.0);
+            match add {
+                true => self.offsets.add_local(axis, mm),
+                false => self.offsets.set_local(axis, mm),
             }
         }
         Ok(())
@@ -261,7 +274,7 @@ impl Interpreter<'_> {
         Ok((over, step))
     }
 
-    fn hole(&mut self, number: u16, over: Place, [retract, bottom, initial]: [f64; 3]) {
+    pub(super) fn hole(&mut self, number: u16, over: Place, [retract, bottom, initial]: [f64; 3]) {
         let [first, second, third] = self.plane.axes();
         self.tally.holes += 1;
         let mut to = self.at;

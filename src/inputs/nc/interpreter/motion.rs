@@ -5,7 +5,7 @@ use crate::inputs::nc::block::{Block, Span};
 use crate::inputs::nc::codes::{Cycle, Motion};
 use crate::inputs::nc::moves::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
 use crate::inputs::nc::scan::Wrong;
-use crate::inputs::nc::{Arc, Move, Place, Shape, WithoutPoint, system_name};
+use crate::inputs::nc::{Arc, Language, Move, Place, Shape, WithoutPoint, system_name};
 use crate::quantity::units::MM_PER_INCH;
 
 const ABSOLUTE_CENTRE: &str = "the centre fits if it counts from the program's zero: write G90.1 before, if the control is set so";
@@ -60,21 +60,23 @@ impl Interpreter<'_> {
     #[inline]
     pub(super) fn target(&mut self, block: &mut Block, reach: Reach) -> Result<Place, Wrong> {
         let words = self.axis_words(block);
-        let base = if reach == Reach::Machine || self.incremental {
-            [0.0; 3]
-        } else {
-            self.base()?
+        let incremental = AXES.map(|letter| block.is_incremental(letter, self.incremental));
+        let counts = (0..3).any(|axis| words[axis].is_some() && !incremental[axis]);
+        let base = match reach {
+            Reach::Machine => self.machine_base(),
+            _ if counts => self.base()?,
+            _ => [0.0; 3],
         };
         let mut to = self.at;
         for axis in 0..3 {
             let Some(value) = words[axis] else { continue };
-            to[axis] = if self.incremental {
+            to[axis] = if incremental[axis] {
                 self.at[axis] + value
             } else {
                 base[axis] + value
             };
             if axis == 2 {
-                if self.incremental && reach == Reach::Program {
+                if incremental[2] && reach == Reach::Program {
                     to[2] += self.offsets.pending_z;
                 }
                 self.offsets.pending_z = 0.0; // what G43 or G49 left is made up for
@@ -88,6 +90,15 @@ impl Interpreter<'_> {
             "the move leads farther than a kilometre",
             "check the coordinate and its decimal point",
         ))
+    }
+
+    /// G53 leaves out the tool length too; that of Siemens does not.
+    fn machine_base(&self) -> Place {
+        let length = self.offsets.tool.unwrap_or(0.0);
+        match self.setup.language {
+            Language::Iso => [0.0; 3],
+            Language::Siemens => [0.0, 0.0, length],
+        }
     }
 
     pub(in crate::inputs::nc) fn base(&mut self) -> Result<Place, Wrong> {
@@ -230,10 +241,11 @@ impl Interpreter<'_> {
                 "write two of I, J, K, or R",
             ));
         }
-        let base = if self.absolute_centre {
-            self.base()?
-        } else {
-            self.at
+        let absolute =
+            [first, second].map(|axis| !block.is_incremental(CENTRES[axis], !self.absolute_centre));
+        let base = match absolute {
+            [false, false] => self.at,
+            _ => self.base()?,
         };
         if self.absolute_centre && words.iter().any(|(_, word)| word.is_none()) {
             return Err(Wrong::new(
@@ -242,7 +254,14 @@ impl Interpreter<'_> {
                 "write both",
             ));
         }
-        Ok(words.map(|(axis, word)| base[axis] + word.unwrap_or(0.0)))
+        let from = |k: usize, axis: usize| {
+            if absolute[k] {
+                base[axis]
+            } else {
+                self.at[axis]
+            }
+        };
+        Ok([0, 1].map(|k| from(k, words[k].0) + words[k].1.unwrap_or(0.0)))
     }
 
     /// Makes a move, and stands at its end.

@@ -1,0 +1,333 @@
+//! Lines that are no words of a block: variables that are set, and what decides which line comes next.
+//!
+//! ```text
+//!   #1 = [#2 + 3]        IF [#1 GT 5] GOTO 20     IF [#1 GT 5] THEN #1 = 0     GOTO 20
+//!   WHILE [#1 LT 5] DO1 … END1                    (Fanuc)
+//!   O1 while [#1 LT 5] … O1 endwhile              (LinuxCNC, with if, elseif, else, endif, break, continue)
+//!   O<name> sub … O<name> endsub, O<name> call [1] [2], O<name> return
+//! ```
+
+use crate::inputs::nc::expression::{Reader, whole};
+use crate::inputs::nc::grammar::{Grammar, ISO};
+use crate::inputs::nc::variables::Variables;
+use crate::inputs::nc::wrong::Wrong;
+
+/// A place of the text that lines go to.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Label {
+    /// `O1`, a program.
+    Program(u32),
+    /// `DO1`.
+    Do(u32),
+    /// `END1`.
+    End(u32),
+    /// `O1 while`, by number or name.
+    Word(String, Keyword),
+}
+
+/// What stands behind the `O…` of LinuxCNC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Keyword {
+    Sub,
+    EndSub,
+    Call,
+    Return,
+    If,
+    ElseIf,
+    Else,
+    EndIf,
+    While,
+    EndWhile,
+    Break,
+    Continue,
+}
+
+const KEYWORDS: [(&str, Keyword); 12] = [
+    ("SUB", Keyword::Sub),
+    ("ENDSUB", Keyword::EndSub),
+    ("CALL", Keyword::Call),
+    ("RETURN", Keyword::Return),
+    ("IF", Keyword::If),
+    ("ELSEIF", Keyword::ElseIf),
+    ("ELSE", Keyword::Else),
+    ("ENDIF", Keyword::EndIf),
+    ("WHILE", Keyword::While),
+    ("ENDWHILE", Keyword::EndWhile),
+    ("BREAK", Keyword::Break),
+    ("CONTINUE", Keyword::Continue),
+];
+
+/// What a line asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Statement {
+    /// Nothing more: its variables are set, or its condition does not hold.
+    Done,
+    GoTo(u32),
+    /// `WHILE … DO1`, and whether its condition holds.
+    Do(u32, bool),
+    End(u32),
+    /// The word of an `O…`, and whether its condition holds (true without one).
+    Word(String, Keyword, bool),
+    Call(String, Vec<f64>),
+}
+
+/// Where the words of a line begin, behind `/` and N.
+pub(super) fn behind_number(line: &[u8]) -> usize {
+    let blank = |at: &usize| matches!(line.get(*at), Some(b' ' | b'\t'));
+    let digit = |at: &usize| line.get(*at).is_some_and(u8::is_ascii_digit);
+    let behind = |from: usize, is_in: &dyn Fn(&usize) -> bool| {
+        (from..line.len())
+            .find(|at| !is_in(at))
+            .unwrap_or(line.len())
+    };
+    let mut at = behind(0, &blank);
+    if line.get(at) == Some(&b'/') {
+        at = behind(behind(at + 1, &digit), &blank);
+    }
+    if matches!(line.get(at), Some(b'N' | b'n')) {
+        at = behind(behind(behind(at + 1, &blank), &digit), &blank);
+    }
+    at
+}
+
+/// The number or name of an `O…` with a keyword behind it, and where that stands.
+fn word_of(line: &[u8], at: usize) -> Option<(String, usize)> {
+    if !matches!(line.get(at)?, b'O' | b'o') {
+        return None;
+    }
+    let rest = &line[at + 1..];
+    let length = match rest.first()? {
+        b'<' => rest.iter().position(|byte| *byte == b'>')? + 1,
+        _ => rest.iter().take_while(|byte| byte.is_ascii_digit()).count(),
+    };
+    let name = String::from_utf8_lossy(&rest[..length]);
+    let name = name.replace([' ', '\t'], "").to_ascii_lowercase();
+    let behind = at + 1 + length;
+    let blanks = line[behind..]
+        .iter()
+        .take_while(|byte| matches!(byte, b' ' | b'\t'));
+    let keyword = behind + blanks.count();
+    let is_keyword = |at| line.get(at).is_some_and(u8::is_ascii_alphabetic);
+    (length > 0 && is_keyword(keyword) && is_keyword(keyword + 1)).then_some((name, keyword))
+}
+
+/// Where the statement of a line begins; `None` for one of words.
+pub(super) fn begin(line: &[u8]) -> Option<usize> {
+    let at = behind_number(line);
+    let has = |word: &str| {
+        let next = line.get(at..at + word.len());
+        next.is_some_and(|next| next.eq_ignore_ascii_case(word.as_bytes()))
+    };
+    let begins = match line.get(at)?.to_ascii_uppercase() {
+        b'#' => true,
+        b'O' => word_of(line, at).is_some(),
+        b'I' => has("IF"),
+        b'W' => has("WHILE"),
+        b'G' => has("GOTO"),
+        b'D' => has("DO"),
+        b'E' => has("END"),
+        _ => false,
+    };
+    begins.then_some(at)
+}
+
+/// The label that a line is.
+pub(super) fn label(line: &[u8]) -> Option<Label> {
+    let none = Variables::default();
+    let mut reader = Reader::new(line, begin(line)?, &ISO, &none);
+    if let Some((name, keyword)) = word_of(line, reader.at) {
+        reader.at = keyword;
+        return keyword_of(&reader.letters()).map(|keyword| Label::Word(name, keyword));
+    }
+    if reader.takes_word("END") {
+        return reader
+            .primary()
+            .ok()
+            .and_then(|n| whole(n, (0, 1)).ok())
+            .map(Label::End);
+    }
+    // The condition of a loop may name variables; its number stands behind the last `DO`.
+    let text = line.to_ascii_uppercase();
+    let at = text.windows(2).rposition(|pair| pair == b"DO")?;
+    let begins = matches!(text[reader.at], b'W' | b'D');
+    reader.at = at + 2;
+    let number = reader.primary().ok().filter(|_| begins)?;
+    whole(number, (0, 1)).ok().map(Label::Do)
+}
+
+fn keyword_of(word: &str) -> Option<Keyword> {
+    let found = KEYWORDS.iter().find(|(name, _)| *name == word);
+    found.map(|(_, keyword)| *keyword)
+}
+
+/// Executes the statement that begins at a place of a line, as far as variables go.
+pub(super) fn statement(
+    line: &[u8],
+    at: usize,
+    variables: &mut Variables,
+) -> Result<Statement, Wrong> {
+    if let Some((name, keyword)) = word_of(line, at) {
+        return word(line, (at, keyword), name, variables);
+    }
+    if line[at] == b'#' {
+        return set(line, at, &ISO, variables);
+    }
+    let mut reader = Reader::new(line, at, &ISO, variables);
+    let statement = if reader.takes_word("IF") {
+        let holds = condition(&mut reader)?;
+        if reader.takes_word("THEN") {
+            let at = reader.at;
+            let behind = Reader::new(line, at, &ISO, variables).peek();
+            return match behind {
+                Some(b'#') if holds => set(line, start(line, at), &ISO, variables),
+                Some(b'#') => Ok(Statement::Done),
+                _ => Err(Wrong::new(
+                    (at - 4, at),
+                    "only a variable is set behind `THEN`",
+                    FLOW,
+                )),
+            };
+        }
+        let to = go_to(&mut reader)?;
+        if holds {
+            Statement::GoTo(to)
+        } else {
+            Statement::Done
+        }
+    } else if reader.takes_word("WHILE") {
+        let holds = condition(&mut reader)?;
+        Statement::Do(numbered(&mut reader, "DO")?, holds)
+    } else if reader.takes_word("END") {
+        Statement::End(number(&mut reader)?)
+    } else if reader.letters() == "DO" {
+        Statement::Do(numbered(&mut reader, "DO")?, true)
+    } else {
+        Statement::GoTo(go_to(&mut reader)?)
+    };
+    ended(&mut reader)?;
+    Ok(statement)
+}
+
+const FLOW: &str = "docs/path.md lists the conditions and loops that are executed";
+
+fn start(line: &[u8], at: usize) -> usize {
+    let blanks = line[at..]
+        .iter()
+        .take_while(|byte| matches!(byte, b' ' | b'\t'));
+    at + blanks.count()
+}
+
+fn condition(reader: &mut Reader<'_>) -> Result<bool, Wrong> {
+    reader.peek();
+    let start = reader.at;
+    let value = reader.brackets()?;
+    let holds = value > 0.0;
+    if (value - f64::from(u8::from(holds))).abs() <= 0.0 {
+        return Ok(holds);
+    }
+    Err(Wrong::new(
+        (start, reader.at),
+        format!("the condition has the value {value}"),
+        "compare numbers in it, e.g. `[#1 GT 5]`",
+    ))
+}
+
+fn number(reader: &mut Reader<'_>) -> Result<u32, Wrong> {
+    reader.peek();
+    let start = reader.at;
+    let value = reader.primary()?;
+    whole(value, (start, reader.at))
+}
+
+fn numbered(reader: &mut Reader<'_>, word: &str) -> Result<u32, Wrong> {
+    if reader.takes_word(word) {
+        return number(reader);
+    }
+    Err(reader.wrong(format!("expected `{word}` with a number here"), FLOW))
+}
+
+fn go_to(reader: &mut Reader<'_>) -> Result<u32, Wrong> {
+    numbered(reader, "GOTO")
+}
+
+/// Nothing but a comment stands behind.
+fn ended(reader: &mut Reader<'_>) -> Result<(), Wrong> {
+    match reader.peek() {
+        None | Some(b';') => Ok(()),
+        Some(b'(') if !reader.round_brackets() => Ok(()),
+        Some(_) => Err(reader.wrong(
+            "something stands behind the statement, expected the end of the line",
+            "write it in a line of its own",
+        )),
+    }
+}
+
+/// `#1 = 5 #2 = 6`: a block that reads what it sets is refused, as controls differ in the order.
+pub(super) fn set(
+    line: &[u8],
+    at: usize,
+    grammar: &'static Grammar,
+    variables: &mut Variables,
+) -> Result<Statement, Wrong> {
+    let mut reader = Reader::new(line, at, grammar, variables);
+    let mut values = Vec::new();
+    while reader.peek() == Some(grammar.variable) {
+        let start = reader.at;
+        let name = reader.name()?;
+        let place = (start, reader.at);
+        let refuse = |message| Err(Wrong::new(place, message, "expected e.g. `#1 = 5`"));
+        if name.is_of_control() {
+            return refuse(format!(
+                "`{name}` is a variable of the control: setting it may move zeros or axes"
+            ));
+        }
+        if !reader.takes(b'=') {
+            return refuse(format!("expected `=` behind `{name}`"));
+        }
+        values.push((name.clone(), reader.expression()?));
+        if reader.set.contains(&name) {
+            return refuse(format!("`{name}` is set twice in the block"));
+        }
+        reader.set.push(name);
+    }
+    ended(&mut reader)?;
+    for (name, value) in values {
+        variables.set(name, value);
+    }
+    Ok(Statement::Done)
+}
+
+/// A line of LinuxCNC's `O…`.
+fn word(
+    line: &[u8],
+    (start, at): (usize, usize),
+    name: String,
+    variables: &mut Variables,
+) -> Result<Statement, Wrong> {
+    let mut reader = Reader::new(line, at, &ISO, variables);
+    let letters = reader.letters();
+    let Some(keyword) = keyword_of(&letters) else {
+        let message = format!("`{letters}` behind O is not executed");
+        return Err(Wrong::new((start, at + letters.len()), message, FLOW));
+    };
+    reader.at += letters.len();
+    let mut holds = true;
+    let mut values = Vec::new();
+    match keyword {
+        Keyword::If | Keyword::ElseIf | Keyword::While => holds = condition(&mut reader)?,
+        Keyword::Call | Keyword::Return | Keyword::EndSub => {
+            while reader.peek() == Some(b'[') {
+                values.push(reader.brackets()?);
+            }
+        }
+        _ => {}
+    }
+    ended(&mut reader)?;
+    if keyword == Keyword::Call {
+        return Ok(Statement::Call(name, values));
+    }
+    if matches!(keyword, Keyword::Return | Keyword::EndSub) {
+        variables.answer(values.first().copied());
+    }
+    Ok(Statement::Word(name, keyword, holds))
+}
