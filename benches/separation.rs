@@ -45,7 +45,7 @@ fn lines(measurement: &DiagonalMeasurement) -> Vec<Line> {
             u_um_per_m: linear.u_um_per_m,
             ends: None,
         }),
-        LinearSlope::Errors(_) => None,
+        LinearSlope::Errors(_) | LinearSlope::NotYet => None,
     };
     measurement.linear.iter().filter_map(stated).collect()
 }

@@ -105,7 +105,7 @@ enum Command {
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
-        command: controllers::Command,
+        command: Option<controllers::Command>,
     },
     /// Print what the templates of a job's control see (always JSON)
     Context(controllers::Context),
@@ -173,7 +173,7 @@ fn execute(command: Command) -> Result<Outcome, Problems> {
         Command::Import(options) => import::run(&options),
         Command::Standards(options) => standards::run(&options),
         Command::Path(options) => path::run(&options),
-        Command::Controllers { command } => controllers::run(&command),
+        Command::Controllers { command } => controllers::run(command.as_ref()),
         Command::Context(options) => controllers::context(&options),
         Command::Completions { shell } => {
             let mut page = Vec::new();

@@ -234,6 +234,11 @@ fn fanuc_16i() {
 }
 
 #[test]
+fn linuxcnc() {
+    contract_of("linuxcnc");
+}
+
+#[test]
 fn generic() {
     contract_of("generic");
 }
@@ -246,6 +251,7 @@ fn no_profile_is_left_out() {
         "fanuc-30i",
         "fanuc-0i-f",
         "fanuc-16i",
+        "linuxcnc",
         "generic",
     ];
     assert_eq!(builtin::ids(), tested);

@@ -80,6 +80,7 @@ fn turned(profile: &Profile) -> Profile {
             turn(&mut facts.straightness_sign.value);
         }
         Dialect::Generic(_) => {}
+        Dialect::Linuxcnc(facts) => turn(&mut facts.trim_sign.value),
     }
     profile
 }
@@ -237,6 +238,11 @@ fn sign_proofs_of_fanuc() {
     contract_of("fanuc-30i");
     contract_of("fanuc-0i-f");
     contract_of("fanuc-16i");
+}
+
+#[test]
+fn sign_proofs_of_linuxcnc() {
+    contract_of("linuxcnc");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! A visit from an empty folder: `nonius new`, its empty cells filled in, `separate`, `generate`.
+//! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
 #![allow(
     clippy::expect_used,
     clippy::panic,
@@ -22,6 +22,7 @@ fn value_of(key: &str, axis: usize, is_siemens: bool) -> String {
         "active_while_measuring" => "\"none\"".to_string(),
         "reference_mm" => "0.0".to_string(),
         "reference_direction" => "\"+\"".to_string(),
+        "active_backlash_um" => "{ x = 0.0, y = 0.0, z = 0.0 }".to_string(),
         "control_unit" => "\"mm\"".to_string(),
         "first_table" => "0".to_string(),
         "first_set" | "measuring_system" => "1".to_string(),
@@ -30,17 +31,19 @@ fn value_of(key: &str, axis: usize, is_siemens: bool) -> String {
         "id" => format!("\"{}\"", axis + 1),
         "detection_unit_um" => "1.0".to_string(),
         "backlash" => "\"mean\"".to_string(),
-        "slope_um_per_m" => SLOPES[axis].to_string(),
         "max_deviation_um" => "10.0".to_string(),
         other => panic!("nobody said what `{other}` is"),
     }
 }
 
-/// Fills in every `""` of a job, and changes nothing else.
-fn fill_in_job(at: &Path, is_siemens: bool) {
-    let job = read_to_string(at.join("job.toml")).expect("a job");
+/// Keys that nobody knows before the measurement.
+const MEASURED: [&str; 3] = ["date", "active_while_measuring", "slope_um_per_m"];
+
+/// Fills in the `""` of a job but those of `later`, and changes nothing else.
+fn fill_in_job(job: &Path, is_siemens: bool, slopes: [f64; 3], later: &[&str]) {
+    let page = read_to_string(job).expect("a job");
     let mut axis = 0;
-    let filled = job.lines().map(|line| {
+    let filled = page.lines().map(|line| {
         let found = |key: &str| line.starts_with('[') && line.contains(key);
         axis = match [".x]", ".y]", ".z]"].iter().position(|end| found(end)) {
             Some(place) => place,
@@ -48,13 +51,16 @@ fn fill_in_job(at: &Path, is_siemens: bool) {
             None => axis,
         };
         let key = line.split(" = ").next().expect("a line");
-        match line.starts_with(|c: char| c.is_ascii_lowercase()) && line.contains("= \"\"") {
-            true => line.replacen("\"\"", &value_of(key, axis, is_siemens), 1),
-            false => line.to_string(),
+        let is_empty =
+            line.starts_with(|c: char| c.is_ascii_lowercase()) && line.contains("= \"\"");
+        match key {
+            key if !is_empty || later.contains(&key) => line.to_string(),
+            "slope_um_per_m" => line.replacen("\"\"", &slopes[axis].to_string(), 1),
+            key => line.replacen("\"\"", &value_of(key, axis, is_siemens), 1),
         }
     });
     let filled: Vec<String> = filled.collect();
-    write(at.join("job.toml"), filled.join("\n")).expect("it can be written");
+    write(job, filled.join("\n")).expect("it can be written");
 }
 
 /// Positioning of X, Y and Z, µm/m.
@@ -90,12 +96,16 @@ fn fill_in_errors(at: &Path) {
 }
 
 fn begun(at: &Path, id: &str, more: &str) {
+    begun_as(at, id, more, "visit");
+}
+
+fn begun_as(at: &Path, id: &str, more: &str, name: &str) {
     let travel = "--travel 800,500,-400:0";
-    let command = format!("new --controller {id} {travel} {more} -o visit");
+    let command = format!("new --controller {id} {travel} {more} -o {name}");
     let (status, page, said) = ended(at, &command);
     assert_eq!(status, Some(0), "{id}: {said}");
     assert!(page.contains("Z -400 … 0 mm"), "{page}");
-    assert!(said.contains("visit/job.toml") || cfg!(windows), "{said}");
+    assert!(said.contains("/job.toml") || cfg!(windows), "{said}");
 }
 
 /// The kit of a visit that was filled in: made, and nothing assumed that its job could have stated.
@@ -116,142 +126,245 @@ fn kit_of(at: &Path, id: &str) -> i32 {
     status.unwrap_or(2)
 }
 
-#[test]
-fn every_control_gets_from_an_empty_folder_to_a_kit() {
-    for id in builtin::ids() {
-        for more in ["", "--both-directions --steps 8"] {
-            let place = tempfile::tempdir().expect("a place to write to");
-            let (at, visit) = (place.path(), place.path().join("visit"));
-            begun(at, id, more);
-            let (status, _, said) = ended(at, "generate visit/job.toml -o visit/kit");
-            assert_eq!(status, Some(2), "{id}: {said}");
-            assert!(
-                said.contains("keys are empty, expected a value of each"),
-                "{said}"
-            );
-            assert!(said.contains("the table holds no deviation"), "{said}");
-            assert!(!visit.join("kit").exists());
-            fill_in_job(&visit, id.starts_with("siemens"));
-            fill_in_errors(&visit);
-            let status = kit_of(at, id);
-            let takes_all = ["generic", "siemens-840d-sl"].contains(&id);
-            assert!(status == 0 || !takes_all, "{id} {more}");
+/// The invented machine as an error table, with rows at the ends of a box of diagonals too.
+fn machine(at: &Path, more: &str, box_ends: &[[f64; 2]; 3]) {
+    begun_as(at, "generic", more, "machine");
+    let table = at.join("machine/errors.csv");
+    let page = read_to_string(&table).expect("a table");
+    let (mut rows, mut others): (Vec<String>, Vec<String>) = page
+        .lines()
+        .map(str::to_string)
+        .partition(|row| row.contains(",,,"));
+    for (axis, ends) in ["x", "y", "z"].iter().zip(box_ends) {
+        let both = more.contains("--both-directions");
+        let directions: &[&str] = if both { &[",+", ",-"] } else { &[""] };
+        for (end, direction) in ends
+            .iter()
+            .flat_map(|e| directions.iter().map(move |d| (e, d)))
+        {
+            rows.push(format!("{axis},{end},,,{direction}"));
         }
+    }
+    let key = |row: &String| {
+        let cells: Vec<&str> = row.split(',').collect();
+        let mm: f64 = cells[1].parse().expect("a position");
+        let direction = cells.get(5).copied().unwrap_or("").to_string();
+        (cells[0].to_string(), direction, (1e6 * (mm + 1e4)) as u64)
+    };
+    rows.sort_by_key(key);
+    rows.dedup_by_key(|row| key(row));
+    others.extend(rows);
+    write(&table, others.join("\n")).expect("it can be written");
+    fill_in_errors(&at.join("machine"));
+}
+
+/// The ends of the box that a job with readings describes.
+fn box_ends(job: &Path) -> [[f64; 2]; 3] {
+    let job = read_to_string(job).expect("a job");
+    let numbers = |key: &str| -> Vec<f64> {
+        let line = job.lines().find(|line| line.starts_with(key));
+        let inside = line.and_then(|line| line.split(['{', '}']).nth(1));
+        let parts = inside.expect("a place").split(',');
+        let parts = parts.map(|part| part.split('=').nth(1).expect("a number").trim());
+        parts.map(|part| part.parse().expect("a number")).collect()
+    };
+    let (start, size) = (numbers("start_mm"), numbers("size_mm"));
+    [0, 1, 2].map(|axis| [start[axis], start[axis] + size[axis]])
+}
+
+/// Slopes of the positioning in an error table between the ends of a box, µm/m, mean of the directions.
+fn slopes(table: &Path, ends: &[[f64; 2]; 3]) -> [f64; 3] {
+    let page = read_to_string(table).expect("a table");
+    let mut lines = page.lines().filter(|line| !line.starts_with('#'));
+    let head: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let column = |name: &str| head.iter().position(|cell| *cell == name);
+    let column = |name: &str| column(name).unwrap_or_else(|| panic!("no {name} in {page}"));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    let number = |row: &Vec<&str>, name: &str| -> f64 {
+        row[column(name)].parse().expect("a number in the cell")
+    };
+    [0, 1, 2].map(|axis| {
+        let (name, own) = (["x", "y", "z"][axis], ["ex_um", "ey_um", "ez_um"][axis]);
+        let at = |end: f64| {
+            let here = rows.iter().filter(|row| row[column("axis")] == name);
+            let here = here.filter(|row| (number(row, "position_mm") - end).abs() < 1e-6);
+            let values: Vec<f64> = here.map(|row| number(row, own)).collect();
+            assert!(!values.is_empty(), "{name} at {end}: {page}");
+            values.iter().sum::<f64>() / values.len() as f64
+        };
+        let [low, high] = ends[axis];
+        1000.0 * (at(high) - at(low)) / (high - low)
+    })
+}
+
+/// Runs a command that has to end with one of these statuses; what it prints.
+fn done(at: &Path, command: &str, statuses: &[i32]) -> String {
+    let (status, page, said) = ended(at, command);
+    let is_fine = status.is_some_and(|status| statuses.contains(&status));
+    assert!(is_fine, "{command}: {status:?}\n{page}\n{said}");
+    page + &said
+}
+
+/// A visit of one control, from `new` to the report, its tables filled in by `simulate`.
+fn visit(id: &str, more: &str) {
+    let place = tempfile::tempdir().expect("a place to write to");
+    let (at, visit) = (place.path(), place.path().join("visit"));
+    let (job, is_siemens) = (visit.join("job.toml"), id.starts_with("siemens"));
+    let are_readings = more.contains("--readings");
+    begun_as(at, id, more, "visit");
+    let ends = match are_readings {
+        true => box_ends(&job),
+        false => [[0.0, 800.0], [0.0, 500.0], [-400.0, 0.0]],
+    };
+    machine(at, &more.replace("--readings", ""), &ends);
+    let both = if more.contains("--both-directions") && are_readings {
+        "--both-directions"
+    } else {
+        ""
+    };
+    let form = if are_readings { both } else { "--errors" };
+    let simulate = |tables: &str, output: &str| {
+        let machine = "--machine machine/errors.csv";
+        let command = format!("simulate visit/job.toml {machine} {tables} -o {output} --force");
+        done(at, &command, &[0])
+    };
+    let refused = done(at, "generate visit/job.toml -o visit/kit", &[2]);
+    assert!(
+        refused.contains("keys are empty, expected a value of each"),
+        "{refused}"
+    );
+    if are_readings {
+        before(at, id, is_siemens);
+    } else {
+        assert!(
+            refused.contains("the table holds no deviation"),
+            "{refused}"
+        );
+    }
+    fill_in_job(&job, is_siemens, SLOPES, &[]);
+    let table = if are_readings {
+        "readings.csv"
+    } else {
+        "errors.csv"
+    };
+    simulate(
+        &format!("--without-tables {form}"),
+        &format!("visit/{table}"),
+    );
+    if are_readings {
+        done(at, "separate visit/job.toml --trials 0", &[0]);
+    }
+    let status = kit_of(at, id);
+    let takes_all = ["generic", "siemens-840d-sl"].contains(&id);
+    assert!(status == 0 || !takes_all || are_readings, "{id} {more}");
+    done(at, "verify visit/job.toml --tables visit/kit", &[0, 1]);
+    done(
+        at,
+        "report visit/job.toml --tables visit/kit -o first.html",
+        &[0, 1],
+    );
+    simulate(&format!("--tables visit/kit {form}"), "visit/after.csv");
+    if are_readings {
+        simulate("--tables visit/kit --errors", "linear.csv");
+        let slopes = slopes(&at.join("linear.csv"), &ends);
+        fill_in_job(&visit.join("after.toml"), is_siemens, slopes, &[]);
+    }
+    let after = if are_readings {
+        "after.toml"
+    } else {
+        "after.csv"
+    };
+    let tables = format!("visit/job.toml --tables visit/kit --after visit/{after}");
+    let page = done(at, &format!("verify {tables}"), &[0, 1]);
+    assert!(
+        page.contains("REHEARSAL") && !page.contains("NOT AS FORECAST"),
+        "{id} {more}: {page}"
+    );
+    done(
+        at,
+        &format!("report {tables} -o visit/report.html"),
+        &[0, 1],
+    );
+    let reports = ["first.html", "visit/report.html"].map(|name| read_to_string(at.join(name)));
+    let [first, second] = reports.map(|report| report.expect("a report"));
+    assert!(
+        first.contains("VMC 800") && second.contains("SIMULATED"),
+        "{id} {more}"
+    );
+}
+
+/// What comes before the readings asks for nothing that is known only after them.
+fn before(at: &Path, id: &str, is_siemens: bool) {
+    let visit = at.join("visit");
+    fill_in_job(&visit.join("job.toml"), is_siemens, SLOPES, &MEASURED);
+    done(at, "plan visit/job.toml", &[0, 1]);
+    if builtin::profile(id).expect("built in").program.is_some() {
+        let said = done(at, "program visit/job.toml -o visit/programs", &[0]);
+        assert!(said.contains("readings.csv, which the job names"), "{said}");
+        assert!(!visit.join("programs/readings.csv").exists());
+    }
+    let refused = done(at, "separate visit/job.toml", &[2]);
+    for line in [
+        "5 keys are empty",
+        "slope_um_per_m",
+        "active_while_measuring",
+    ] {
+        assert!(refused.contains(line), "{refused}");
+    }
+    assert!(!refused.contains("detection_unit_um"), "{refused}");
+    assert!(
+        refused.contains("`displacement_mm` is empty, expected a number"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn every_control_gets_from_an_empty_folder_to_a_report() {
+    for id in builtin::ids() {
+        visit(id, "");
+        visit(id, "--both-directions --steps 8");
     }
 }
 
-/// What a laser shows at a node of a step diagonal: its nominal displacement and the errors along it.
-fn reading(
-    diagonal: &str,
-    node: usize,
-    is_back: bool,
-    (start, size): ([f64; 3], [f64; 3]),
-    steps: usize,
-) -> f64 {
-    let signs: Vec<f64> = diagonal
-        .chars()
-        .map(|c| if c == 'P' { 1.0 } else { -1.0 })
-        .collect();
-    let length = size.iter().map(|s| s * s).sum::<f64>().sqrt();
-    let place = |axis: usize, node: usize| {
-        let done = (node + 2 - axis) / 3;
-        let part = size[axis] * done as f64 / steps as f64;
-        start[axis]
-            + if signs[axis] > 0.0 {
-                part
-            } else {
-                size[axis] - part
-            }
-    };
-    let errors = |node: usize, is_back: bool| {
-        let mut sum = [0.0; 3];
-        for (axis, sign) in signs.iter().enumerate() {
-            // The deviation of an axis that comes back the other way is that of its own sense of travel.
-            let of_axis = deviations(axis, place(axis, node), is_back != (*sign < 0.0));
-            for (sum, own) in sum.iter_mut().zip(of_axis) {
-                *sum += own;
-            }
-        }
-        sum
-    };
-    let (here, first) = (errors(node, is_back), errors(0, false));
-    let along = |axis: usize| signs[axis] * size[axis] / length;
-    (0..3)
-        .map(|axis| {
-            let moved = place(axis, node) - place(axis, 0);
-            along(axis) * (moved + (here[axis] - first[axis]) / 1000.0)
-        })
-        .sum()
-}
-
-/// Fills in the cells of a table of readings.
-fn fill_in_readings(at: &Path) {
-    let job = read_to_string(at.join("job.toml")).expect("a job");
-    let numbers = |key: &str| {
-        let line = job
-            .lines()
-            .find(|line| line.starts_with(key))
-            .expect("it is stated");
-        let inside = line.split(['{', '}']).nth(1).expect("a place");
-        let parts = inside
-            .split(',')
-            .map(|part| part.split('=').nth(1).expect("a number"));
-        let parts: Vec<f64> = parts
-            .map(|part| part.trim().parse().expect("a number"))
-            .collect();
-        [parts[0], parts[1], parts[2]]
-    };
-    let volume = (numbers("start_mm"), numbers("size_mm"));
-    let table = read_to_string(at.join("readings.csv")).expect("a table");
-    let steps = table
-        .lines()
-        .filter(|line| line.starts_with("PPP,forward,"))
-        .count()
-        / 3;
-    let filled = table
-        .lines()
-        .map(|line| match line.split(',').collect::<Vec<_>>()[..] {
-            [diagonal, direction, node, _, ""] => {
-                let node = node.parse().expect("a node");
-                format!(
-                    "{line}{:.6}",
-                    reading(diagonal, node, direction == "reverse", volume, steps)
-                )
-            }
-            _ => line.to_string(),
-        });
-    let filled: Vec<String> = filled.collect();
-    write(at.join("readings.csv"), filled.join("\n")).expect("it can be written");
+#[test]
+fn every_control_gets_from_an_empty_folder_to_a_report_by_readings() {
+    for id in builtin::ids() {
+        visit(id, "--readings");
+        visit(id, "--readings --both-directions");
+    }
 }
 
 #[test]
-fn every_control_gets_from_an_empty_folder_to_a_kit_by_readings() {
-    for id in builtin::ids() {
-        for more in ["--readings", "--readings --both-directions"] {
-            let place = tempfile::tempdir().expect("a place to write to");
-            let (at, visit) = (place.path(), place.path().join("visit"));
-            begun(at, id, more);
-            let (status, _, said) = ended(at, "separate visit/job.toml");
-            assert_eq!(status, Some(2), "{id}: {said}");
-            assert!(
-                said.contains("keys are empty, expected a value of each"),
-                "{said}"
-            );
-            assert!(
-                said.contains("`displacement_mm` is empty, expected a number"),
-                "{said}"
-            );
-            fill_in_job(&visit, id.starts_with("siemens"));
-            if builtin::profile(id).expect("built in").program.is_some() {
-                let (status, _, said) = ended(at, "program visit/job.toml -o visit/programs");
-                assert_eq!(status, Some(0), "{id}: {said}");
-            }
-            fill_in_readings(&visit);
-            let (status, page, said) = ended(at, "separate visit/job.toml --trials 0");
-            assert_eq!(status, Some(0), "{id} {more}: {page}{said}");
-            kit_of(at, id);
-        }
-    }
+fn the_slopes_of_the_first_job_copied_to_the_second_are_blamed_on_nobody_else() {
+    let place = tempfile::tempdir().expect("a place to write to");
+    let (at, visit) = (place.path(), place.path().join("visit"));
+    begun_as(at, "generic", "--readings", "visit");
+    machine(at, "", &box_ends(&visit.join("job.toml")));
+    fill_in_job(&visit.join("job.toml"), false, SLOPES, &[]);
+    fill_in_job(&visit.join("after.toml"), false, SLOPES, &[]);
+    let simulate = "simulate visit/job.toml --machine machine/errors.csv --force";
+    done(
+        at,
+        &format!("{simulate} --without-tables -o visit/readings.csv"),
+        &[0],
+    );
+    done(at, "generate visit/job.toml -o visit/kit", &[0, 1]);
+    done(
+        at,
+        &format!("{simulate} --tables visit/kit -o visit/after.csv"),
+        &[0],
+    );
+    let verify = "verify visit/job.toml --tables visit/kit --after visit/after.toml";
+    let page = done(at, verify, &[1]);
+    assert!(
+        page.contains("`slope_um_per_m` of XYZ afterwards is that of the first job"),
+        "{page}"
+    );
+    assert!(
+        page.starts_with("REHEARSAL") && page.contains("verdict: undecided"),
+        "{page}"
+    );
+    assert!(!page.contains("TEMPERATURE"), "{page}");
 }
 
 #[test]
@@ -301,7 +414,7 @@ fn a_profile_of_ones_own_is_named_from_inside_the_visit() {
     write(at.join("shop.toml"), page).expect("it can be written");
     begun(at, "shop.toml", "");
     let visit = at.join("visit");
-    fill_in_job(&visit, false);
+    fill_in_job(&visit.join("job.toml"), false, SLOPES, &[]);
     fill_in_errors(&visit);
     let (status, _, said) = ended(at, "generate visit/job.toml -o visit/kit");
     assert!(matches!(status, Some(0 | 1)), "{said}");

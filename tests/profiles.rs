@@ -73,17 +73,16 @@ fn a_fact_is_stated_once() {
 }
 
 #[test]
-fn no_fact_claims_to_have_been_executed() {
+fn what_claims_to_have_been_executed_names_the_control_that_ran_it() {
     for profile in all() {
-        let executed = profile
-            .statements
-            .iter()
-            .find(|s| s.evidence == Evidence::Executed);
-        assert!(
-            executed.is_none(),
-            "{}: {executed:?} - name the control that ran it in the source and change this test",
-            profile.id
-        );
+        let statements = profile.statements.iter();
+        let executed = statements.filter(|s| s.evidence == Evidence::Executed);
+        let without = executed
+            .clone()
+            .find(|s| !s.source.starts_with("LinuxCNC 2.9.0~pre1"));
+        assert!(without.is_none(), "{}: {without:?}", profile.id);
+        let runs_here = profile.id == "linuxcnc";
+        assert_eq!(executed.count() > 0, runs_here, "{}", profile.id);
     }
 }
 
@@ -117,12 +116,12 @@ fn every_template_renders() {
                 assert!(!others.contains(['\r', '\n']), "{name} mixes line ends");
             }
         }
-        let missing: Vec<&str> = profile
+        let missing: Vec<String> = profile
             .files
             .iter()
             .filter(|file| file.role != Role::Rollback && is_of_its_form(&profile, file))
-            .map(|file| file.path.as_str())
-            .filter(|path| !rendered.contains(*path))
+            .map(|file| file.path.replace("{number}", "0"))
+            .filter(|path| !rendered.contains(path))
             .collect();
         assert!(
             missing.is_empty(),

@@ -254,7 +254,9 @@ fn check_stages(policy: &str) {
             };
             let (after, near) = match (&profile.dialect, &tables) {
                 (Dialect::Generic(_), _) => (ideal, FIGURE_UM),
-                (Dialect::Siemens(_), _) => (ideal, HALF_COUNT_UM + FIGURE_UM),
+                (Dialect::Siemens(_) | Dialect::Linuxcnc(_), _) => {
+                    (ideal, HALF_COUNT_UM + FIGURE_UM)
+                }
                 (Dialect::Fanuc(_), Tables::Fanuc(memory)) => {
                     let count = UNIT_UM * magnification(memory, number);
                     let fine = stage.halved();
@@ -393,8 +395,9 @@ fn nine_errors_of_the_900_mm_machine_on_every_control() {
                 "{id} {name}: {}",
                 diagonal.change.before_um
             );
+            // Without its straightness and squareness a diagonal may become larger.
             assert!(
-                diagonal.change.after_um < before,
+                diagonal.change.after_um < before || id == "linuxcnc",
                 "{id} {name}: {} after",
                 diagonal.change.after_um
             );
@@ -411,10 +414,10 @@ fn nine_errors_of_the_900_mm_machine_on_every_control() {
             );
         }
         let omitted = kit.plan.omitted.len();
-        let expected = if id == "fanuc-0i-f" || id == "fanuc-16i" {
-            3
-        } else {
-            0
+        let expected = match id {
+            "fanuc-0i-f" | "fanuc-16i" => 3,
+            "linuxcnc" => 6, // no table moves another joint
+            _ => 0,
         };
         assert_eq!(omitted, expected, "{id}: terms without a table");
     }

@@ -38,8 +38,13 @@ fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
 fn every_table_is_exactly_zero_at_a_reference_between_measured_points() {
     let table = "axis,position_mm,ey_um\nx,0,1.812\nx,50,6.457\nx,100,4.722\n";
     for id in builtin::ids() {
+        // LinuxCNC has no table for a cross term.
+        let table = match id {
+            "linuxcnc" => table.replace("ey_um", "ex_um"),
+            _ => table.to_string(),
+        };
         for reference in 1..100 {
-            let (_, kit) = support::generate(&job(id, "", f64::from(reference), 10.0), table);
+            let (_, kit) = support::generate(&job(id, "", f64::from(reference), 10.0), &table);
             for planned in &kit.plan.tables {
                 let node = planned.grid.nodes().reference_node;
                 let um = planned.values[node].um();
@@ -152,6 +157,9 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
         assert_eq!(directed("EZZ"), [true, true], "{id}");
         let backlash = kit.plan.backlash_um.x;
         assert_eq!(backlash.map(f64::to_bits), Some(0.0_f64.to_bits()), "{id}");
+        if id == "linuxcnc" {
+            continue; // its tables stand in place of the parameter
+        }
         let of_backlash = |p: &&Precondition| p.why.contains("no reversal is left");
         let stated = kit.compiled.preconditions.iter().find(of_backlash);
         let stated = stated.unwrap_or_else(|| panic!("{id}: {:#?}", kit.compiled.preconditions));

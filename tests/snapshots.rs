@@ -40,6 +40,18 @@ fn by_hand(profile: &str, role: Role) -> &'static str {
             "places, preconditions and bumps as in the other files; a movement is the largest \
              correction of each moving axis added up"
         }
+        ("linuxcnc", Role::SignProof) => {
+            "the rows of the kit, zero but for -0.020 mm in both columns of X at 200 mm (the axis is \
+             pulled back by 20 um); the ini names these files"
+        }
+        ("linuxcnc", Role::Parameters) => {
+            "each table of the kit in the section of its joint, type 1"
+        }
+        ("linuxcnc", _) => {
+            "position, value to add moving up, value to add moving down, in mm: minus the deviation \
+             of errors.csv, less that at the reference (X+ at 400 mm 8 um = -0.008, X- at 0 mm \
+             3 um = -0.003)"
+        }
         ("siemens", Role::SignProof) => {
             "the tables of the kit, zero but for one value of 0.020 = 20 um (100 mm at 1 um/mm \
              would allow more), at least one section away from the reference, zero at both ends"
@@ -121,6 +133,11 @@ fn fanuc_0i_f() {
 #[test]
 fn fanuc_16i() {
     files_of("fanuc-16i");
+}
+
+#[test]
+fn linuxcnc() {
+    files_of("linuxcnc");
 }
 
 #[test]

@@ -606,10 +606,11 @@ fn compared_policies_leave_what_their_kits_leave() {
     let lines = found["compared"].as_array().unwrap();
     assert_eq!(
         (lines.len(), &lines[0]["backlash"]["x"]),
-        (12, &Value::from("mean"))
+        (21, &Value::from("mean"))
     );
     for (index, line) in lines.iter().enumerate() {
-        let policy = format!("\"{}\"", line["backlash"]["y"].as_str().unwrap());
+        let own = |axis: &str| format!("{axis} = {}", line["backlash"][axis]);
+        let policy = format!("{{ {} }}", ["x", "y", "z"].map(own).join(", "));
         let job = cube_both_ways_job(&policy, "max_deviation_um = 1.2\nmax_diagonal_um = 2");
         let spacing = match line["spacing"].as_str().unwrap() {
             "half" => "spacing_mm = 50",

@@ -1,5 +1,5 @@
 //! What a line of a control's file may look like, written from the formats' descriptions (docs/siemens.md §2,
-//! docs/fanuc.md §2, docs/interface.md §4.1). It knows nothing of templates, of `src/write/emit` or of `src/read`.
+//! docs/fanuc.md §2, docs/interface.md §4.1, docs/linuxcnc.md §1). It knows nothing of templates, of `src/write/emit` or of `src/read`.
 
 /// A family of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +10,8 @@ pub enum Family {
     Fanuc,
     /// Rows of a CSV or JSON file.
     Generic,
+    /// Three numbers in a row, and lines of an ini file.
+    Linuxcnc,
 }
 
 /// What is wrong with a file that a control loads.
@@ -23,6 +25,8 @@ pub fn judge(family: Family, name: &str, bytes: &[u8]) -> Result<(), String> {
         Family::Fanuc => fanuc(text),
         Family::Generic if name.ends_with(".json") => json(text),
         Family::Generic => csv(text),
+        Family::Linuxcnc if name.ends_with(".ini") => ini(text),
+        Family::Linuxcnc => comp(text),
     };
     wrong.map_err(|line| format!("{name}: foreign line {line:?}"))
 }
@@ -50,6 +54,41 @@ fn siemens(text: &str) -> Wrong {
     } else {
         Err("no M30 or M17 at the end".to_string())
     }
+}
+
+/// Rows of three numbers, ascending, and nothing else.
+fn comp(text: &str) -> Wrong {
+    let mut before = f64::NEG_INFINITY;
+    for line in text.lines() {
+        let numbers: Vec<&str> = line.split(' ').collect();
+        let nominal = numbers[0].parse().unwrap_or(f64::NEG_INFINITY);
+        let is_row = numbers.len() == 3 && numbers.iter().all(|number| is_number(number));
+        if !is_row || nominal <= before || line.len() > 253 {
+            return Err(line.to_string());
+        }
+        before = nominal;
+    }
+    match text.lines().count() {
+        2..=256 => Ok(()),
+        rows => Err(format!("{rows} rows")),
+    }
+}
+
+/// Comments, and of each joint its section with two settings, once.
+fn ini(text: &str) -> Wrong {
+    let mut seen = Vec::new();
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
+        let is_next = match line.split_once(" = ") {
+            Some(("COMP_FILE", name)) => name.ends_with(".comp"),
+            Some(("COMP_FILE_TYPE", number)) => matches!(number, "0" | "1"),
+            _ => line.starts_with("[JOINT_") && line.ends_with(']') && !seen.contains(&line),
+        };
+        if !is_next {
+            return Err(line.to_string());
+        }
+        seen.extend(line.starts_with('[').then_some(line));
+    }
+    Ok(())
 }
 
 /// The variable of `[N12345 ]$NAME[index,…]=value[ ; value]`.
@@ -257,6 +296,8 @@ mod tests {
                 "a.json",
                 "{\"schema\":1,\"rows\":[\n{\"term\":\"EXX\",\"base_axis\":\"x\",\"output_axis\":\"x\",\"direction\":null,\"index\":0,\"position_mm\":0,\"deviation_um\":0,\"correction_um\":0,\"increment_um\":null}\n]}\n",
             ),
+            (Family::Linuxcnc, "a.comp", "0.000000 0.000000 0.000000\n100.000000 -0.002000 0.001000\n"),
+            (Family::Linuxcnc, "a.ini", "# A\n[JOINT_0]\nCOMP_FILE = a.comp\nCOMP_FILE_TYPE = 1\n"),
         ];
         for (family, name, text) in files {
             assert_eq!(judge(family, name, text.as_bytes()), Ok(()));

@@ -96,7 +96,7 @@ fn separated(
     let mut tables = NamedTables::default();
     for linear in &measurement.linear {
         tables.linear.push(match &linear.slope {
-            LinearSlope::Stated(_) => None,
+            LinearSlope::Stated(_) | LinearSlope::NotYet => None,
             LinearSlope::Errors(path) => Some(ErrorTable::read(source(bundle, path)?)?),
         });
     }
@@ -166,6 +166,7 @@ fn family(profile: &Profile) -> Family {
         Dialect::Siemens(_) => Family::Siemens,
         Dialect::Fanuc(_) => Family::Fanuc,
         Dialect::Generic(_) => Family::Generic,
+        Dialect::Linuxcnc(_) => Family::Linuxcnc,
     }
 }
 
@@ -205,7 +206,7 @@ fn role(profile: &Profile, name: &str) -> Role {
     let own = profile
         .files
         .iter()
-        .find(|file| file.path.eq_ignore_ascii_case(name));
+        .find(|file| file.is_called(name));
     own.map_or(Role::Report, |file| file.role)
 }
 

@@ -3,7 +3,9 @@
 
 use crate::bundle::Bundle;
 use clap::ValueEnum;
-use nonius::control::controller::{Dialect, FanucFacts, Profile, ProfileSource, builtin, load};
+use nonius::control::controller::{
+    Dialect, FanucFacts, Profile, ProfileSource, Role, builtin, load,
+};
 use nonius::inputs::error_table::{ErrorTable, Remarks};
 use nonius::inputs::import::stated::{Stated, axis_word, direction_word};
 use nonius::inputs::import::{
@@ -14,7 +16,7 @@ use nonius::inputs::nc::{G43WithoutH, Language, Line, Mark, Refused, Setup, Text
 use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
-    fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
+    KitFile,    fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
 use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;
@@ -212,6 +214,20 @@ pub fn fanuc(input: &[u8]) -> Answer {
     read_fanuc::merge(vec![memory.clone(), memory]).map(|_| format!("{read_out}"))
 }
 
+/// The ini lines of a machine and the tables that they name: the parts of a bundle.
+pub fn linuxcnc(input: &[u8]) -> Answer {
+    let profile = built_in("linuxcnc")?;
+    let bundle = Bundle::read(input);
+    let files = bundle.0.iter().map(|(path, bytes)| KitFile {
+        path,
+        role: Role::Table,
+        bytes,
+    });
+    let files: Vec<KitFile<'_>> = files.collect();
+    let read = nonius::read::read(&profile, &files)?;
+    Ok(format!("{read:?}"))
+}
+
 /// The generic table.
 pub fn generic_table(input: &[u8]) -> Answer {
     let source = Source::from_bytes("x", input)?;
@@ -219,10 +235,10 @@ pub fn generic_table(input: &[u8]) -> Answer {
     generic::merge(vec![table.clone(), table]).map(|table| table.rows.len().to_string())
 }
 
-/// A part program of a measuring run, in both languages, and the list of positions.
+/// A part program of a measuring run, in every language, and the list of positions.
 pub fn measuring_program(input: &[u8]) -> Answer {
     let mut answer = String::new();
-    for id in ["siemens-840d-sl", "fanuc-30i"] {
+    for id in ["siemens-840d-sl", "fanuc-30i", "linuxcnc"] {
         let profile = built_in(id)?;
         let Some(facts) = &profile.program else {
             continue;

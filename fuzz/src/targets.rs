@@ -119,6 +119,11 @@ pub fn all() -> Vec<Target> {
             f.files(|name| name.ends_with(".TXT")),
         ),
         read(
+            "linuxcnc",
+            readers::linuxcnc,
+            f.bundles(|name| name.ends_with(".comp")),
+        ),
+        read(
             "generic-csv",
             readers::generic_table,
             f.files(|name| name.starts_with("compensation.csv")),

@@ -46,7 +46,7 @@ impl CampaignFiles {
         let mut tables = NamedTables::default();
         for (index, linear) in measurement.linear.iter().enumerate() {
             tables.linear.push(match &linear.slope {
-                LinearSlope::Stated(_) => None,
+                LinearSlope::Stated(_) | LinearSlope::NotYet => None,
                 LinearSlope::Errors(path) => {
                     Some(files.table(path, &format!("{KEY}.linear[{index}].errors"))?)
                 }
@@ -205,7 +205,7 @@ impl CampaignFiles {
 pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> {
     let (name, bytes) = read_argument(job_path)?;
     let source = Source::from_bytes(&name, &bytes)?;
-    let job = read_page(source, folder_of(job_path), UseOf::Figures)?;
+    let job = read_page(source, folder_of(job_path), UseOf::Separation)?;
     let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
         return Err(job
             .problem_at(

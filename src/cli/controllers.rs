@@ -58,11 +58,13 @@ pub(super) fn context(options: &Context) -> Result<Outcome, Problems> {
     Outcome::json(&template_context(&inputs::read(&options.job)?)?)
 }
 
-pub(super) fn run(command: &Command) -> Result<Outcome, Problems> {
+/// Without a command the list.
+pub(super) fn run(command: Option<&Command>) -> Result<Outcome, Problems> {
     match command {
-        Command::List { print } => list(*print),
-        Command::Show { id, print, toml } => show(id, *print, *toml),
-        Command::Check { file, print } => check(file, *print),
+        None => list(Print::default()),
+        Some(Command::List { print }) => list(*print),
+        Some(Command::Show { id, print, toml }) => show(id, *print, *toml),
+        Some(Command::Check { file, print }) => check(file, *print),
     }
 }
 

@@ -35,6 +35,15 @@ pub(super) fn read_job(
     bytes: &[u8],
     use_of: UseOf,
 ) -> Result<(Inputs, Option<ErrorTable>), Problems> {
+    read_job_of(None, (job_path, name, bytes), use_of)
+}
+
+/// The same with an error table in place of what the job measured.
+pub(super) fn read_job_of(
+    machine: Option<&Path>,
+    (job_path, name, bytes): (&Path, &str, &[u8]),
+    use_of: UseOf,
+) -> Result<(Inputs, Option<ErrorTable>), Problems> {
     let source = Source::from_bytes(name, bytes)?;
     let mut job = read_page(source, folder_of(job_path), use_of)?;
     if use_of == UseOf::Figures {
@@ -46,7 +55,11 @@ pub(super) fn read_job(
     files.hashes.push(hashed(&file_name(job_path), bytes));
     let mut problems = Problems::none();
     let profile = problems.take(files.profile());
-    let errors = problems.take(errors(&mut files));
+    let errors = match machine {
+        None => errors(&mut files),
+        Some(path) => stated(&mut files, path),
+    };
+    let errors = problems.take(errors);
     let (Some(profile), Some(errors)) = (profile, errors) else {
         return Err(problems);
     };
@@ -56,11 +69,19 @@ pub(super) fn read_job(
     let active = active(&mut files, &profile)?;
     let hashes = files.hashes;
     let inputs = match use_of {
-        UseOf::Tables => Inputs::new(job, profile, errors, hashes)?,
         UseOf::Figures => Inputs::for_figures(job, profile, errors, hashes)?,
+        _ => Inputs::new(job, profile, errors, hashes)?,
     };
     let inputs = inputs.with(angles.as_ref(), active)?;
     Ok((inputs, angles))
+}
+
+/// An error table that no job names.
+fn stated(files: &mut JobFiles<'_>, path: &Path) -> Result<ErrorSource, Problems> {
+    let (name, bytes) = read_argument(path)?;
+    files.hashes.push(hashed(&file_name(path), &bytes));
+    let table = ErrorTable::read(Source::from_bytes(&name, &bytes)?)?;
+    Ok(ErrorSource::Table(Arc::new(table)))
 }
 
 /// The errors of a job: those that it names, or those that its readings hold.

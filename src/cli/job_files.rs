@@ -108,17 +108,17 @@ pub(super) fn read_page(source: Source, folder: &Path, use_of: UseOf) -> Result<
                 false => ErrorTable::look_at_cells(source),
             }
         };
-        problems.extend(ahead(source, find, look_at));
+        problems.extend(ahead(source, use_of, find, look_at));
         problems
     })
 }
 
-/// Reads a job and the profile of its control, and nothing that was measured.
+/// Reads a job and the profile of its control for a run, and nothing that was measured.
 pub(super) fn read_job_and_profile(
     job_path: &Path,
 ) -> Result<(Job, Profile, Vec<HashedFile>), Problems> {
     let (name, bytes) = read_argument(job_path)?;
-    let job = Job::read(Source::from_bytes(&name, &bytes)?)?;
+    let job = Job::read_for(Source::from_bytes(&name, &bytes)?, UseOf::Programs)?;
     let mut files = JobFiles::new(&job, job_path);
     files.hashes.push(hashed(&file_name(job_path), &bytes));
     let (profile, hashes) = (files.profile()?, files.hashes);

@@ -3,13 +3,14 @@
 use crate::cli::job_files::profile;
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, shell_word};
-use crate::kit::visit::{JOB, Visit};
+use crate::kit::visit::{AFTER, AFTER_JOB, JOB, KIT, Visit};
 use crate::quantity::axis::PerAxis;
 use crate::quantity::units::Figure;
 use crate::text::document::LONGEST_MM;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use serde_json::json;
+use std::fmt;
 use std::path::{Component, Path};
 
 // Options of `new`.
@@ -68,9 +69,12 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         readings: options.readings,
         both_directions: options.both_directions,
     };
-    let (table, job) = (visit.table(), visit.job()?);
-    let next = next(&visit, directory);
-    let document = json!({ "schema": 1, "controller": profile.id, "files": [JOB, visit.table_name()],
+    let (tables, job) = (visit.tables()?, visit.job()?);
+    let stages = stages(&visit, directory);
+    let names: Vec<&str> = tables.iter().map(|(name, _)| *name).collect();
+    let names = [&[JOB], names.as_slice()].concat();
+    let next: Vec<&String> = stages.iter().flat_map(|stage| &stage.commands).collect();
+    let document = json!({ "schema": 1, "controller": profile.id, "files": names,
         "steps": visit.steps(), "next": next });
     let screen = Screen {
         verdict: format!(
@@ -81,17 +85,17 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         always: vec![travel_words(&visit)],
         ..Screen::default()
     };
-    let talk = format!(
-        "wrote {}: {JOB}, {}\nthen:\n  {}",
-        directory.display(),
-        visit.table_name(),
-        next.join("\n  ")
-    );
+    let stages: Vec<String> = stages.iter().map(Stage::to_string).collect();
+    let (place, names) = (directory.display(), names.join(", "));
+    let talk = format!("wrote {place}: {names}\nthen:\n{}", stages.join("\n"));
     let outcome = options.output.print.outcome(|| screen, || document)?;
-    let table = (visit.table_name(), table.as_bytes());
+    let tables = tables.iter();
+    let tables: Vec<_> = tables
+        .map(|(name, text)| (*name, text.as_bytes()))
+        .collect();
     options
         .output
-        .deliver_files(outcome, &[table], (JOB, job.as_bytes()), talk)
+        .deliver_files(outcome, &tables, (JOB, job.as_bytes()), talk)
 }
 
 /// What a length was taken for: where an axis counts from elsewhere, every position would be another one.
@@ -106,14 +110,60 @@ fn travel_words(visit: &Visit<'_>) -> String {
     )
 }
 
-/// The commands that follow.
-fn next(visit: &Visit<'_>, directory: &Path) -> [String; 2] {
-    let [job, kit] = [JOB, "kit"].map(|name| shell_word(&directory.join(name)));
-    let generate = format!("nonius generate {job} -o {kit}");
-    match visit.readings {
-        true => [format!("nonius separate {job}"), generate],
-        false => [generate, format!("nonius verify {job} --tables {kit}")],
+/// What a person does, and the commands that follow it.
+struct Stage {
+    words: String,
+    commands: Vec<String>,
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "  {}", self.words)?;
+        let mut commands = self.commands.iter();
+        commands.try_for_each(|command| write!(out, "\n    {command}"))
     }
+}
+
+/// The whole visit.
+fn stages(visit: &Visit<'_>, directory: &Path) -> Vec<Stage> {
+    let place = |name: &str| shell_word(&directory.join(name));
+    let [job, kit] = [JOB, KIT].map(place);
+    let table = visit.table_name();
+    let tables = format!("{job} --tables {kit}");
+    let after = format!("{tables} --after {}", place(visit.after()));
+    let stage = |words: String, commands: Vec<String>| Stage { words, commands };
+    let programs = visit.has_programs();
+    let programs = programs.then(|| format!("nonius program {job} -o {}", place("programs")));
+    let planned = [format!("nonius plan {job}")].into_iter().chain(programs);
+    let separate = visit.readings.then(|| format!("nonius separate {job}"));
+    let generate = format!("nonius generate {job} -o {kit}");
+    let before = "before measuring: what the run will determine, its part programs".to_string();
+    let again = match visit.readings {
+        true => format!("{AFTER} and {AFTER_JOB}"),
+        false => AFTER.to_string(),
+    };
+    let before = visit.readings.then(|| stage(before, planned.collect()));
+    let others = [
+        stage(
+            format!("measure, fill in {table} and what is left of {JOB}: files for the control"),
+            separate.into_iter().chain([generate]).collect(),
+        ),
+        stage(
+            format!(
+                "before loading, which {} leads through",
+                place("kit/checklist.html")
+            ),
+            vec![format!("nonius verify {tables}")],
+        ),
+        stage(
+            format!("measure again, fill in {again}: what is left, and the page to hand over"),
+            vec![
+                format!("nonius verify {after}"),
+                format!("nonius report {after} -o {}", place("report.html")),
+            ],
+        ),
+    ];
+    before.into_iter().chain(others).collect()
 }
 
 /// How a job in `directory` names a profile: by its id, or by its path from there.

@@ -15,16 +15,17 @@ use std::io::{ErrorKind, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
     /// Tables for people
+    #[default]
     Text,
     /// One JSON document for scripts
     Json,
 }
 
 /// Options of every command that prints.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Copy, Debug, Default)]
 pub(super) struct Print {
     /// What to print
     #[arg(long, value_enum, default_value_t = Format::Text)]

@@ -38,7 +38,7 @@ fn minutes(text: &str) -> Result<f64, String> {
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let (name, bytes) = read_argument(&options.job)?;
-    let job = Job::read_for(Source::from_bytes(&name, &bytes)?, UseOf::Figures)?;
+    let job = Job::read_for(Source::from_bytes(&name, &bytes)?, UseOf::Plan)?;
     let times = SetUpTimes {
         diagonal_min: options.diagonal_set_up_min,
         linear_min: options.linear_set_up_min,

@@ -1,14 +1,17 @@
 //! `nonius program JOB -o DIR`
 
-use crate::cli::job_files::read_job_and_profile;
+use crate::cli::files::read_file;
+use crate::cli::job_files::{folder_of, read_job_and_profile};
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, paragraphs, table, wrapped};
 use crate::cli::show;
-use crate::inputs::job::{Job, RunType, TargetGrid};
+use crate::inputs::job::{Job, MeasuredData, RunType, TargetGrid};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::program_kit::{ProgramKit, make};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
+use crate::text::delimited::header_and_rows;
+use crate::text::document::Source;
 use crate::text::problem::Problems;
 use crate::write::emit::program::FileRole;
 use crate::write::program::left_open;
@@ -29,15 +32,43 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let directory = options.output.free_directory()?;
     let (job, profile, hashes) = read_job_and_profile(&options.job)?;
-    let kit = make(&job, &profile, &hashes)?;
+    let mut kit = make(&job, &profile, &hashes)?;
+    let table = Table::of(&job, folder_of(&options.job), &kit);
+    if table.as_ref().is_some_and(|table| table.is_ready) {
+        kit = kit.without_form();
+    }
     let files = kit.files.iter();
     let files = files.map(|file| (file.path.as_str(), file.bytes.as_slice()));
     options.output.deliver_directory(
         &files.collect::<Vec<_>>(),
         kit.manifest_bytes()?,
         &screen(&job, &profile.name, &kit),
-        next_steps(directory, &kit),
+        next_steps(directory, &kit, table),
     )
+}
+
+/// The table of readings that the job names for this run.
+struct Table {
+    place: PathBuf,
+    /// It has a row for each reading, so there is no other one to be filled in.
+    is_ready: bool,
+}
+
+impl Table {
+    fn of(job: &Job, folder: &Path, kit: &ProgramKit) -> Option<Table> {
+        let MeasuredData::Diagonals(measured) = &job.measurement.data else {
+            return None;
+        };
+        if kit.request.what.path() != Some(measured.kind) {
+            return None;
+        }
+        let place = folder.join(&measured.readings);
+        let source = read_file(&place).ok();
+        let source = source.and_then(|bytes| Source::from_bytes("", &bytes).ok());
+        let rows = source.as_ref().and_then(header_and_rows);
+        let is_ready = rows.is_some_and(|(_, rows)| rows.len() == kit.readings());
+        Some(Table { place, is_ready })
+    }
 }
 
 fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
@@ -150,7 +181,7 @@ fn mirror(kit: &ProgramKit) -> String {
     .join("\n")
 }
 
-fn next_steps(directory: &Path, kit: &ProgramKit) -> String {
+fn next_steps(directory: &Path, kit: &ProgramKit, table: Option<Table>) -> String {
     let mut lines = Vec::new();
     for file in &kit.files {
         let purpose = match file.role {
@@ -164,6 +195,14 @@ fn next_steps(directory: &Path, kit: &ProgramKit) -> String {
         ));
     }
     lines.push(format!("wrote {}", directory.join(MANIFEST).display()));
+    lines.extend(
+        table.map(|table| match (table.place.display(), table.is_ready) {
+            (place, true) => format!("the readings go into {place}, which the job names"),
+            (place, false) => {
+                format!("copy the file to be filled in to {place}, which the job names")
+            }
+        }),
+    );
     lines.push("before cycle start: read the header, single block and low rapid override until node 0 (docs/program.md)".to_string());
     lines.join("\n")
 }

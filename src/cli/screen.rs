@@ -12,7 +12,7 @@ const MOST_FINDINGS: usize = 5;
 const WIDTH: usize = 100;
 
 /// How much is printed.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Copy, Debug, Default)]
 pub(super) struct Detail {
     /// Print everything: all findings, tables and assumptions
     #[arg(short = 'v', long)]

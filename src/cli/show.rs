@@ -175,16 +175,17 @@ pub(super) fn verdict(
     doubts: &[Finding],
 ) -> String {
     let acceptance = job.acceptance;
-    let asked = asked(job, forecast);
+    let (limits, over) = (limits(job, forecast), judged_over(job, forecast));
     let word = verdict.word();
-    let words = match (asked.is_empty(), verdict) {
+    let words = match (limits.is_empty(), verdict) {
         (true, Verdict::Pass) => {
             "no acceptance is stated in the job, so there is nothing to judge".to_string()
         }
         (true, _) => format!("{word} (asked: no acceptance is stated in the job)"),
-        (false, _) => format!("{word} (asked: {asked})"),
+        (false, _) => format!("{word} (asked: {limits})"),
     };
     let mut lines = vec![format!("verdict: {words}")];
+    lines.extend(over.iter().map(|part| format!("  {part}")));
     if differs {
         lines.push("  because the files differ from the job, or from their manifest".to_string());
     }
@@ -196,6 +197,13 @@ pub(super) fn verdict(
 
 /// The limits of the job, and what they are judged over; empty without limits.
 pub(super) fn asked(job: &Job, forecast: Option<&Forecast>) -> String {
+    let mut parts = vec![limits(job, forecast)];
+    parts.extend(judged_over(job, forecast));
+    parts.join("; ")
+}
+
+/// The limits of the job; empty without any.
+fn limits(job: &Job, forecast: Option<&Forecast>) -> String {
     let acceptance = job.acceptance;
     let deviation = acceptance.max_deviation_um.map(|um| {
         let terms = forecast.map_or_else(|| "every term".to_string(), Forecast::terms_words);
@@ -204,21 +212,28 @@ pub(super) fn asked(job: &Job, forecast: Option<&Forecast>) -> String {
     let diagonal = acceptance.max_diagonal_um;
     let diagonal = diagonal.map(|um| format!("max - min of every body diagonal within {um} µm"));
     let limits: Vec<String> = deviation.into_iter().chain(diagonal).collect();
-    let Some(forecast) = forecast.filter(|_| !limits.is_empty()) else {
-        return limits.join(", ");
+    limits.join(", ")
+}
+
+/// What the limits are judged over, and what is not counted; nothing without limits.
+fn judged_over(job: &Job, forecast: Option<&Forecast>) -> Vec<String> {
+    let acceptance = job.acceptance;
+    let Some(forecast) = forecast.filter(|_| !acceptance.asks_nothing()) else {
+        return Vec::new();
     };
     let unused = job.measurement.unused_keys().join(", ");
     let unused = (!unused.is_empty()).then(|| format!("stated and not counted: {unused}"));
     let short = acceptance.max_diagonal_um.is_some() && forecast.diagonals.is_empty();
     let short =
         short.then_some("body diagonals need all nine errors, none measured in one direction only");
-    let mut parts = vec![limits.join(", "), forecast.range_words()];
+    let silent = forecast.not_counted(acceptance).join("; ");
+    let mut parts = vec![forecast.range_words()];
     parts.extend(forecast.directions_words());
     parts.extend(without_uncertainty(forecast));
-    parts.extend(forecast.not_counted(acceptance));
+    parts.extend((!silent.is_empty()).then_some(silent));
     parts.extend(unused);
     parts.extend(short.map(str::to_string));
-    parts.join("; ")
+    parts
 }
 
 /// Assumed facts with their consequence; behind them those that cannot matter for this kit.

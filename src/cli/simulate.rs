@@ -28,6 +28,9 @@ use std::path::PathBuf;
 pub(super) struct Options {
     /// The job (TOML); `-` = standard input
     job: PathBuf,
+    /// The machine: an error table (CSV) in place of what the job measured, whose tables may be empty
+    #[arg(long, value_name = "ERRORS")]
+    machine: Option<PathBuf>,
     /// Directory with the control's files; without it those that `generate` makes from the job
     #[arg(long, value_name = "DIR")]
     tables: Option<PathBuf>,
@@ -87,7 +90,9 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
 
 fn simulated(options: &Options) -> Result<Simulated, Problems> {
     let (name, bytes) = read_argument(&options.job)?;
-    let (inputs, angles) = inputs::read_job(&options.job, &name, &bytes, UseOf::Tables)?;
+    let machine = options.machine.as_deref();
+    let named = (options.job.as_path(), name.as_str(), bytes.as_slice());
+    let (inputs, angles) = inputs::read_job_of(machine, named, UseOf::Tables)?;
     // The angles of an error table are no part of a measurement of diagonals.
     let is_of_diagonals = matches!(inputs.job.measurement.data, MeasuredData::Diagonals(_));
     let angles = angles.filter(|_| is_of_diagonals);

@@ -12,6 +12,7 @@ mod family;
 mod fanuc;
 mod generic;
 mod job_keys;
+mod linuxcnc;
 pub mod load;
 mod load_parts;
 pub mod program;
@@ -24,6 +25,7 @@ pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::generic::{GenericFacts, TypedValue};
 pub use self::job_keys::{JobKey, JobSection};
+pub use self::linuxcnc::LinuxcncFacts;
 pub use self::siemens::{MultiplyMode, SiemensFacts};
 
 use self::fact::{Word, facts};
@@ -56,6 +58,8 @@ pub enum Dialect {
     Fanuc(FanucFacts),
     /// One CSV and its JSON twin.
     Generic(GenericFacts),
+    /// Tables of joints, named in the ini file.
+    Linuxcnc(LinuxcncFacts),
 }
 
 /// End of a line in the files of a control.
@@ -93,8 +97,10 @@ impl LineEnd {
 pub struct EmittedFile {
     /// What it is for.
     pub role: Role,
-    /// Its name in the kit.
+    /// Its name in the kit; of one for each item of a list with the item's field in braces.
     pub path: String,
+    /// The list of which each item gets a file of its own (`joints`); absent = one file.
+    pub each: Option<String>,
     /// Name of the template.
     pub template_name: String,
     /// Text of the template.
@@ -111,6 +117,26 @@ impl EmittedFile {
     /// Whether it is a page for a browser: its template sees every text as HTML.
     pub(crate) fn is_page(&self) -> bool {
         self.path.to_ascii_lowercase().ends_with(".html")
+    }
+
+    /// What stands before and behind the field in braces, and the field: `joint-{number}.comp`.
+    pub(crate) fn field(&self) -> Option<[&str; 3]> {
+        let (before, rest) = self.path.split_once('{')?;
+        let (field, behind) = rest.split_once('}')?;
+        Some([before, field, behind])
+    }
+
+    /// Whether a file is called so, in capitals or not.
+    pub fn is_called(&self, name: &str) -> bool {
+        let Some([before, _, behind]) = self.field() else {
+            return self.path.eq_ignore_ascii_case(name);
+        };
+        let name = name.to_ascii_lowercase();
+        let inside = name.strip_prefix(&before.to_ascii_lowercase());
+        let inside = inside.and_then(|rest| rest.strip_suffix(&behind.to_ascii_lowercase()));
+        inside.is_some_and(|item| {
+            !item.is_empty() && item.bytes().all(|byte| byte.is_ascii_alphanumeric())
+        })
     }
 
     /// Whether a control may load the file, and no reader of this program takes it.

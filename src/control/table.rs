@@ -6,9 +6,10 @@
 
 pub mod fanuc;
 pub mod generic;
+pub mod linuxcnc;
 pub mod siemens;
 
-/// The memory of one of the three format families.
+/// The memory of one of the format families.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tables {
     /// Siemens ENC_COMP and CEC tables.
@@ -17,4 +18,6 @@ pub enum Tables {
     Fanuc(fanuc::FanucMemory),
     /// The rows of the generic table.
     Generic(generic::GenericTable),
+    /// LinuxCNC tables of joints.
+    Linuxcnc(linuxcnc::LinuxcncTables),
 }

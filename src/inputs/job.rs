@@ -9,6 +9,7 @@ mod machine;
 mod measurement;
 mod path;
 mod program;
+mod second;
 
 pub use self::compensation::{
     AxisSettings, BacklashPolicy, Compensation, GridRequest, OutsideMeasured, UseOf, WantedTerms,
@@ -26,7 +27,7 @@ pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
 use crate::control::controller::Profile;
 use crate::quantity::axis::Axis;
-use crate::text::document::{Section, Source, read_page};
+use crate::text::document::{Section, Source, read_page_for, read_page_over, states};
 use crate::text::problem::{Problem, Problems};
 
 /// A checked job.
@@ -56,11 +57,27 @@ impl Job {
         Job::read_for(source, UseOf::Tables)
     }
 
-    /// Reads and checks a job for what is asked of it: figures need no `[compensation]`.
+    /// Reads and checks a job for what is asked of it: keys that it does not need may be empty.
     pub fn read_for(source: Source, use_of: UseOf) -> Result<Job, Problems> {
         refuse_table(&source)?;
         let empty = source.clone();
-        let (job, source) = read_page(source, |root| job(root, use_of, empty))?;
+        let needs = |key: &str| use_of.needs(key);
+        let (job, source) = read_page_for(source, needs, |root| job(root, use_of, empty))?;
+        Ok(Job { source, ..job })
+    }
+
+    /// Reads a job that is judged against a first one. Without [machine] it states what differs: every
+    /// other key is that of the first job.
+    pub(crate) fn read_second(source: Source, first: &Job) -> Result<Job, Problems> {
+        refuse_table(&source)?;
+        let below: &[&str] = match states(&source, "machine") {
+            true => &[],
+            false => &[&first.source.text],
+        };
+        let own = source.clone();
+        let (job, source) = read_page_over(source, below, second::lay_over, |root| {
+            job(root, UseOf::Tables, own)
+        })?;
         Ok(Job { source, ..job })
     }
 
@@ -92,7 +109,7 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
     let axes = axes.unwrap_or_default();
     let measurement = root.sub("measurement", |s| measurement::measurement(s, &axes));
     let measurement = measurement.flatten();
-    if use_of == UseOf::Tables {
+    if use_of.needs_control() {
         root.required_section("compensation");
     }
     let program = root.sub("program", |s| program::program(s, measurement.as_ref()));
@@ -146,13 +163,15 @@ fn refuse_table(source: &Source) -> Result<(), Problem> {
 /// is compensated, because its measured errors are not read.
 pub fn ahead(
     source: Source,
+    use_of: UseOf,
     find: impl Fn(&str) -> Result<Profile, Problems>,
     look_at: impl Fn(&str, bool) -> Result<(), Problems>,
 ) -> Problems {
     let mut found = Problems::none();
     if refuse_table(&source).is_ok() {
         let mut tables = Problems::none();
-        let page = read_page(source, |root| {
+        let needs = |key: &str| use_of.needs(key);
+        let page = read_page_for(source, needs, |root| {
             ROOT.into_iter().for_each(|key| _ = root.has(key));
             if let Some(measurement) = root.section("measurement") {
                 let (errors, readings) = measurement::tables(&measurement);

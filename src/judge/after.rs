@@ -16,7 +16,7 @@ mod observation;
 
 pub use self::doubts::UnseenReversal;
 pub(crate) use self::doubts::unseen_reversal;
-pub(crate) use self::ground::{ensure_same_machine, not_known, outside};
+pub(crate) use self::ground::{ensure_same_machine, not_known, outside, same_slopes};
 pub use self::measurement::{AfterMeasurement, StraightRuns, Walk};
 pub(crate) use self::observation::observations;
 pub use self::observation::{Control, Observation, Part, before_um};

@@ -78,5 +78,6 @@ pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
         Dialect::Siemens(facts) => facts,
         Dialect::Fanuc(facts) => facts,
         Dialect::Generic(facts) => facts,
+        Dialect::Linuxcnc(facts) => facts,
     }
 }

@@ -63,6 +63,7 @@ findings! {
         PointsOfNobody { points: usize } => Doubt, "the files hold {points} points and no parameter 3620 to 3624, so which axes they correct is not known";
         CuttingFeed { axis: String, cutting: f64, rapid: f64 } => Note, "axis {axis}: 1851 is {cutting} and 1852 is {rapid}; 1851 (cutting feed) is taken";
         Reference { axis: String, position: f64, unit: &'static str, own_mm: f64 } => Disagreement, "1240 of axis {axis} is {position} {unit}, the job has the reference at {own_mm} mm";
+        HomeOffset { joint: u32, position: f64, unit: &'static str, own_mm: f64 } => Disagreement, "HOME_OFFSET of [JOINT_{joint}] is {position} {unit}, the job has the reference at {own_mm} mm";
         NoSwitches { axis: String, directions: u8, interpolated: u8 } => Note, "no file holds 3605 of axis {axis}: bit 0 (table for each direction) and bit 1 (interpolated) are taken as the job asks, {directions} and {interpolated}";
         OtherSwitch { bit: usize, axis: String, is: u8, asked: u8, meaning: &'static str } => Disagreement, "3605#{bit} of axis {axis} is {is}, the job is for {asked} (1 = {meaning})";
         RapidDiffers { axis: String, rapid: String, cutting: String } => Doubt, "1852 of axis {axis} is {rapid}, 1851 is {cutting}, and the job asks for the same in both: where the control takes 1852 in rapid traverse, the axis stands elsewhere than forecast after it";
@@ -107,7 +108,7 @@ impl InControl {
             Self::PointsOfNobody { .. } => {
                 "read out the parameters too (`CNC-PARA.TXT`) and name both files together"
             }
-            Self::Reference { .. } => {
+            Self::Reference { .. } | Self::HomeOffset { .. } => {
                 "correct `reference_mm`; tables of another reference cannot be added"
             }
             Self::GantryDiffers { .. } => "bring the axes of the gantry to one value first",
@@ -163,6 +164,7 @@ findings! {
         Simulated => Doubt, "the values afterwards were simulated, those as found were measured: a rehearsal says nothing of this machine";
         Flat { what: String } => Doubt, "the values afterwards are the same at all positions, which no laser reads: {what}; an empty column, no measurement";
         Copy => Doubt, "the values afterwards are those of the first measurement: the same file, or a copy of it";
+        SameSlopes { axes: Vec<Axis> } => Doubt, "`slope_um_per_m` of {} afterwards is that of the first job to the last digit: a copy, so nothing shows what the tables do there; state what was measured with the tables active", Axis::letters(axes);
         Sparse { axis: Axis, first_mm: f64, second_mm: f64 } => Doubt, "axis {axis} was measured at positions {first_mm:.3} mm apart as found, afterwards up to {second_mm:.3} mm apart: nothing is known between them";
         ReversalNotSeen { terms: Vec<ErrorTerm> } => Doubt, "the two directions are corrected apart, but were not both measured afterwards, so nothing is known of the reversal that is left: {}", joined(terms);
         OtherFrame { first: Option<Frame>, second: Option<Frame> } => Doubt, "the two measurements count from different frames (as found: {}; afterwards: {}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame", frame_word(*first), frame_word(*second);
@@ -177,6 +179,9 @@ findings! {
 impl AsLeft {
     /// Whether nobody measured the values.
     pub(super) const fn is_no_measurement(&self) -> bool {
-        matches!(self, Self::Simulated | Self::Flat { .. } | Self::Copy)
+        matches!(
+            self,
+            Self::Simulated | Self::Flat { .. } | Self::Copy | Self::SameSlopes { .. }
+        )
     }
 }

@@ -4,6 +4,7 @@
 
 mod fanuc;
 mod generic;
+mod linuxcnc;
 mod siemens;
 
 pub mod active;

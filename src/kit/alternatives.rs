@@ -135,15 +135,17 @@ pub struct Compared {
     pub result: Result<Alternative, Problems>,
 }
 
-/// Every backlash policy for all axes, that of the job first, each with every spacing; of a job that states no
-/// policy, its spacings.
+/// Every backlash policy for all axes, that of the job first, each with every spacing; then every policy for one
+/// axis, the others as the job states them. Of a job that states no policy, its spacings.
 pub fn compare(inputs: &Inputs) -> Vec<Compared> {
     let own = inputs.job.compensation.backlash;
-    let others = match own == Policies::default() {
-        true => Vec::new(),
-        false => for_all(&own),
+    let (all, one) = match own == Policies::default() {
+        true => Default::default(),
+        false => (for_all(&own), for_one(&own)),
     };
-    let policies = std::iter::once(own).chain(others);
+    let one = one.into_iter().filter(|policies| !all.contains(policies));
+    let one: Vec<(Policies, Spacing)> = one.map(|own| (own, Spacing::AsAsked)).collect();
+    let policies = std::iter::once(own).chain(all);
     let pairs = policies.flat_map(|policies| Spacing::ALL.map(|spacing| (policies, spacing)));
     let compared = |(backlash, spacing): (Policies, Spacing)| Compared {
         backlash,
@@ -157,7 +159,7 @@ pub fn compare(inputs: &Inputs) -> Vec<Compared> {
             }
         }),
     };
-    pairs.map(compared).collect()
+    pairs.chain(one).map(compared).collect()
 }
 
 /// The other policies that a job could state for all axes.
@@ -169,9 +171,14 @@ fn for_all(own: &Policies) -> Vec<Policies> {
 /// The policies that a job could state instead: of one for all axes every other one; of one for each axis
 /// every other one for one of them.
 pub(super) fn other_policies(own: &Policies) -> Vec<Policies> {
-    if own.x.is_some() && one_for_all(own) {
-        return for_all(own);
+    match own.x.is_some() && one_for_all(own) {
+        true => for_all(own),
+        false => for_one(own),
     }
+}
+
+/// Every other policy for one axis, the other axes as stated.
+fn for_one(own: &Policies) -> Vec<Policies> {
     let stated = Axis::ALL.into_iter().filter(|axis| own[*axis].is_some());
     let with = |axis: Axis| {
         BacklashPolicy::ALL.map(|policy| {

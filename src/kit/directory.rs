@@ -196,7 +196,7 @@ impl Directory {
     fn called_as_a_kit(&self, profile: &Profile) -> Option<&str> {
         let own = |name: &str| {
             let mut files = profile.files.iter().filter(|f| f.role.is_read_back());
-            files.any(|file| file.path.eq_ignore_ascii_case(name))
+            files.any(|file| file.is_called(name))
         };
         let mut names = self.files.iter().map(|(name, _, _)| name.as_str());
         names.find(|name| own(name))
@@ -284,14 +284,14 @@ impl Directory {
 /// A file that the profile does not know is taken for tables.
 fn role_of(profile: &Profile, name: &str) -> Role {
     let mut files = profile.files.iter();
-    let known = files.find(|file| file.path.eq_ignore_ascii_case(name));
+    let known = files.find(|file| file.is_called(name));
     known.map_or(Role::Table, |file| file.role)
 }
 
 /// Whether the profile writes a file of this name, other than those into which people write.
 fn is_of_a_kit(profile: &Profile, name: &str) -> bool {
     let mut files = profile.files.iter();
-    files.any(|file| !file.role.is_written_into() && file.path.eq_ignore_ascii_case(name))
+    files.any(|file| !file.role.is_written_into() && file.is_called(name))
 }
 
 /// What the manifest lists, by path.

@@ -22,7 +22,7 @@ use crate::text::problem::Problems;
 use crate::write::compensation::{Compiled, displayed, uses};
 use crate::write::emit::{self, RenderedFile};
 use crate::write::plan::Plan;
-use crate::write::sign_proof::{SignProof, sign_proofs};
+use crate::write::sign_proof::sign_proofs;
 use proofs::Proofs;
 use serde_json::Value;
 
@@ -97,20 +97,23 @@ pub(super) fn differences(
     files: &[KitFile<'_>],
 ) -> Result<Vec<Finding>, Problems> {
     let mut found: Vec<Finding> = Vec::new();
-    if files.iter().any(|file| file.role == Role::SignProof) {
+    let proved = proof_files(inputs, files);
+    if !proved.is_empty() {
         let wanted = sign_proofs(inputs.task(), plan, compiled).proofs;
-        for file in files.iter().filter(|file| file.role == Role::SignProof) {
-            let read = read_apart(&inputs.profile, &[*file], Role::SignProof)?;
-            let proof = proof_of(inputs, &wanted, file.path);
+        for (mechanism, files) in proved {
+            let read = read_apart(&inputs.profile, &files, Role::SignProof)?;
+            let proof = wanted.iter().find(|p| Some(p.of.mechanism) == mechanism);
+            let names: Vec<&str> = files.iter().map(|file| file.path).collect();
+            let file = names.join("`, `");
+            let unwritten = read.unwritten.iter().cloned().map(|parameter| {
+                let file = file.clone();
+                FieldFault::NotWritten { file, parameter }.into()
+            });
+            let unwritten: Vec<Finding> = unwritten.collect();
             if proof.is_none_or(|p| p.tables != read.tables) || sets_machine_data(&read) {
-                let file = file.path.to_string();
                 found.push(FieldFault::OtherProof { file }.into());
             }
-            let unwritten = read.unwritten.into_iter();
-            found.extend(unwritten.map(|parameter| {
-                let file = file.path.to_string();
-                FieldFault::NotWritten { file, parameter }.into()
-            }));
+            found.extend(unwritten);
         }
     }
     found.extend(rollback::differences(inputs, plan, compiled, files)?.map(Finding::from));
@@ -121,9 +124,22 @@ fn sets_machine_data(read: &ReadBack) -> bool {
     read.machine_data.iter().any(|file| !file.data.is_empty())
 }
 
-fn proof_of<'a>(inputs: &Inputs, proofs: &'a [SignProof], path: &str) -> Option<&'a SignProof> {
-    let mut files = inputs.profile.files.iter();
-    let known = files.find(|file| file.path.eq_ignore_ascii_case(path))?;
-    let mechanism: Mechanism = known.mechanism?;
-    proofs.iter().find(|proof| proof.of.mechanism == mechanism)
+/// The files of each sign proof, which are read together.
+fn proof_files<'a>(
+    inputs: &Inputs,
+    files: &[KitFile<'a>],
+) -> Vec<(Option<Mechanism>, Vec<KitFile<'a>>)> {
+    let mechanism_of = |path: &str| {
+        let mut known = inputs.profile.files.iter();
+        known.find(|file| file.is_called(path))?.mechanism
+    };
+    let mut proofs: Vec<(Option<Mechanism>, Vec<KitFile<'a>>)> = Vec::new();
+    for file in files.iter().filter(|file| file.role == Role::SignProof) {
+        let mechanism = mechanism_of(file.path);
+        match proofs.iter_mut().find(|(own, _)| *own == mechanism) {
+            Some((_, own)) => own.push(*file),
+            None => proofs.push((mechanism, vec![*file])),
+        }
+    }
+    proofs
 }

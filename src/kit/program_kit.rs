@@ -42,6 +42,20 @@ pub struct ProgramKit {
 }
 
 impl ProgramKit {
+    /// How many readings are taken.
+    pub fn readings(&self) -> usize {
+        self.run.programs.iter().map(|p| p.readings.len()).sum()
+    }
+
+    /// The same without readings to be filled in: there is a table for them already.
+    pub fn without_form(mut self) -> ProgramKit {
+        self.files.retain(|file| file.role != FileRole::Readings);
+        if let Some(files) = self.manifest["files"].as_array_mut() {
+            files.retain(|file| file["role"] != FileRole::Readings.word());
+        }
+        self
+    }
+
     /// The bytes of `manifest.json`.
     pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
         Ok(manifest::bytes_of_kit(&self.manifest)?)

@@ -3,6 +3,8 @@
 //! ```text
 //!  profile: [[job]] ─→ lines of the job ─→ templates/job.toml.tera ─→ job.toml
 //!  travel, steps    ─→ positions or nodes ─→ errors.csv or readings.csv, values empty
+//!                                         ─→ after.csv: the same once more, with the tables active
+//!  readings         ─→ templates/after.toml.tera ─→ after.toml: in what the second measurement differs
 //! ```
 //! What only a person at the machine knows stays empty, and is refused until it is filled in.
 
@@ -16,6 +18,12 @@ use serde_json::{Value, json};
 
 /// The name of the job.
 pub const JOB: &str = "job.toml";
+/// The table of the second measurement.
+pub const AFTER: &str = "after.csv";
+/// The job of the second measurement, where it is one of readings.
+pub const AFTER_JOB: &str = "after.toml";
+/// The directory of the kit.
+pub const KIT: &str = "kit";
 /// Longest step of the axis that travels farthest, mm, while [`STEPS`] allow it: a period of 100 mm still shows.
 const LONGEST_STEP_MM: f64 = 50.0;
 /// Fewest and most steps that nobody asked for.
@@ -67,6 +75,31 @@ impl Visit<'_> {
         high - low
     }
 
+    /// What `verify --after` takes.
+    pub const fn after(&self) -> &'static str {
+        match self.readings {
+            true => AFTER_JOB,
+            false => AFTER,
+        }
+    }
+
+    /// The files beside the job, with their names.
+    pub fn tables(&self) -> Result<Vec<(&'static str, String)>, Problems> {
+        let again = format!("{AGAIN}{}", self.table());
+        let mut files = vec![(self.table_name(), self.table()), (AFTER, again)];
+        if self.readings {
+            let axes = Axis::ALL.map(Axis::key);
+            let context = json!({ "job": JOB, "data": AFTER, "kit": KIT, "axes": axes });
+            files.push((AFTER_JOB, filled("after.toml.tera", &context)?));
+        }
+        Ok(files)
+    }
+
+    /// Whether the control has part programs of the run.
+    pub fn has_programs(&self) -> bool {
+        self.readings && self.profile.program.is_some()
+    }
+
     /// The job.
     pub fn job(&self) -> Result<String, Problems> {
         if self.profile.job_keys.is_empty() {
@@ -90,7 +123,7 @@ impl Visit<'_> {
             "data": self.table_name(),
             "readings": self.readings,
             "both": self.both_directions,
-            "program": self.readings && self.profile.program.is_some(),
+            "program": self.has_programs(),
             "measurement": self.lines(JobSection::Measurement, None),
             "compensation": self.lines(JobSection::Compensation, None),
             "axes": axes,
@@ -150,7 +183,7 @@ impl Visit<'_> {
     }
 
     /// The table with its values empty.
-    pub fn table(&self) -> String {
+    fn table(&self) -> String {
         match self.readings {
             true => self.nodes(),
             false => self.positions(),
@@ -193,6 +226,10 @@ impl Visit<'_> {
         text
     }
 }
+
+const AGAIN: &str = "\
+# second measurement, with the tables of the kit active
+";
 
 const ERRORS: &str = "\
 # deviation = actual - commanded, micrometres, at machine coordinates

@@ -31,8 +31,8 @@ pub(crate) trait Family {
     /// **limits** it errs on the careful side; a text for people that quotes such a word counts too.
     fn may_obey(&self, text: &str) -> bool;
 
-    /// How many data of no concern to the compensation a text holds.
-    fn passed_over(&self, text: &str) -> usize;
+    /// Whether a text was read out of the control as a whole: what a kit writes is of concern throughout.
+    fn is_whole(&self, text: &str) -> bool;
 
     /// The files in a file of the control: an archive holds many.
     fn parts<'a>(&self, name: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Problem> {
@@ -49,6 +49,7 @@ pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
         Dialect::Siemens(facts) => facts,
         Dialect::Fanuc(facts) => facts,
         Dialect::Generic(facts) => facts,
+        Dialect::Linuxcnc(facts) => facts,
     }
 }
 
@@ -184,7 +185,7 @@ pub(crate) fn each<T>(
 pub(crate) fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<Finding> {
     let is_unread = |name: &str| {
         let mut known = profile.files.iter().filter(|file| file.is_loaded_unread());
-        known.any(|file| file.path.eq_ignore_ascii_case(name))
+        known.any(|file| file.is_called(name))
     };
     let names = files.iter().map(|file| file.path);
     let files: Vec<String> = names
@@ -194,17 +195,16 @@ pub(crate) fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<Finding
     (!files.is_empty()).then(|| ReadFinding::Unread { files }.into())
 }
 
-/// A file with more data of no concern than this was read out of a control as a whole, which has
-/// thousands. What a kit writes is of concern throughout; a person may have added a few lines.
-const READ_OUT_AS_A_WHOLE: usize = 100;
+/// A file with more data of no concern to the compensation than this was read out of a control as a whole,
+/// which has thousands; a person may have added a few lines.
+pub(super) const READ_OUT_AS_A_WHOLE: usize = 100;
 
 /// Whether a file is a control's whole parameter file or archive.
 pub fn is_whole(profile: &Profile, bytes: &[u8]) -> bool {
     let family = family(&profile.dialect);
     match family.parts("", bytes).as_deref() {
         Ok([(name, bytes)]) if name.is_empty() => {
-            let passed_over = text(bytes).map_or(0, |text| family.passed_over(&text));
-            passed_over > READ_OUT_AS_A_WHOLE
+            text(bytes).is_some_and(|text| family.is_whole(&text))
         }
         _ => true,
     }

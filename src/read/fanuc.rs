@@ -21,7 +21,7 @@ use crate::control::controller::{ControlUnit, FanucFacts, NumberRange};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::read::family::{Family, KitText, ReadBack, each, other_family};
+use crate::read::family::{Family, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, other_family};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, located};
 use crate::text::problem::{Problem, Problems, refuse_long_lines};
 use block::{Block, Segment, blocks, number, parse, record, uniform_line_ends};
@@ -85,9 +85,10 @@ impl Family for FanucFacts {
         text.split(['\n', '\r']).any(|line| number(line).is_some())
     }
 
-    fn passed_over(&self, text: &str) -> usize {
+    fn is_whole(&self, text: &str) -> bool {
         let blocks = text.split('\n').filter_map(number);
-        blocks.filter(|block| !concerns(*block, self)).count()
+        let others = blocks.filter(|block| !concerns(*block, self));
+        others.count() > READ_OUT_AS_A_WHOLE
     }
 }
 

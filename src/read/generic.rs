@@ -51,8 +51,8 @@ impl Family for GenericFacts {
         text.contains("position_mm")
     }
 
-    fn passed_over(&self, _: &str) -> usize {
-        0
+    fn is_whole(&self, _: &str) -> bool {
+        false
     }
 }
 

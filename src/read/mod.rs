@@ -13,6 +13,7 @@ pub mod fanuc;
 mod findings;
 pub mod generic;
 mod lexer;
+pub mod linuxcnc;
 pub mod program;
 pub mod siemens;
 

@@ -17,7 +17,7 @@ pub use self::blocks::{Action, Cancelled, OwnWords, Step};
 
 use crate::control::controller::program::Language;
 use crate::read::lexer::located;
-use crate::read::{fanuc, siemens};
+use crate::read::{fanuc, linuxcnc, siemens};
 use crate::text::problem::{Problem, Problems};
 
 /// Reads a program.
@@ -35,6 +35,7 @@ pub fn read(
     let vocabulary = match language {
         Language::Siemens => &siemens::program::VOCABULARY,
         Language::Fanuc => &fanuc::program::VOCABULARY,
+        Language::Linuxcnc => &linuxcnc::program::VOCABULARY,
     };
     let steps = blocks::steps(text, vocabulary, words);
     steps.map_err(|complaint| located(file, text, vec![complaint]))

@@ -30,7 +30,9 @@ use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::Tables;
 use crate::control::table::siemens::LecTable;
 use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::read::family::{Family, FileData, KitText, Part, ReadBack, each, other_family};
+use crate::read::family::{
+    Family, FileData, KitText, Part, READ_OUT_AS_A_WHOLE, ReadBack, each, other_family,
+};
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::text::finding::Finding;
@@ -98,9 +100,9 @@ impl Family for SiemensFacts {
         text.contains('$')
     }
 
-    fn passed_over(&self, text: &str) -> usize {
+    fn is_whole(&self, text: &str) -> bool {
         let passed_over = |line: &Range<usize>| concern(text, line).0 == Concern::PassedOver;
-        lines(text).filter(passed_over).count()
+        lines(text).filter(passed_over).count() > READ_OUT_AS_A_WHOLE
     }
 
     fn parts<'a>(&self, name: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Problem> {

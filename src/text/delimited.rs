@@ -192,6 +192,7 @@ impl<'a> Line<'a> {
             };
             Problem::new(format!("`{name}` is {found}, {what}"))
                 .at(self.cell_place(index))
+                .in_column(index)
                 .help(help)
         });
         None
@@ -215,6 +216,7 @@ impl Cell<'_, '_> {
     pub(crate) fn problem(&self, message: impl Into<String>, help: &str) -> Problem {
         Problem::new(message)
             .at(self.line.cell_place(self.index))
+            .in_column(self.index)
             .help(help)
     }
 

@@ -8,7 +8,7 @@ pub(crate) mod keys;
 mod page;
 mod section;
 
-pub(crate) use self::page::{read_page, read_page_over};
+pub(crate) use self::page::{read_page_for, read_page_over, states};
 
 use crate::text::problem::{LineIndex, Place, Problem, Problems, refuse_long_lines};
 pub use section::Section;

@@ -179,6 +179,8 @@ pub struct Problem {
     pub place: Option<Place>,
     /// Other places of the same file that it concerns.
     pub(crate) also: Vec<Place>,
+    /// The column of a table that it stands in, counted from 0.
+    column: Option<usize>,
     /// What to do next.
     pub help: Option<String>,
 }
@@ -190,8 +192,16 @@ impl Problem {
             message: bounded(message.into()),
             place: None,
             also: Vec::new(),
+            column: None,
             help: None,
         }
+    }
+
+    /// The same, in a column of a table: in the next rows it is told once.
+    #[must_use]
+    pub(crate) fn in_column(mut self, index: usize) -> Self {
+        self.column = Some(index);
+        self
     }
 
     /// The same, at a place.
@@ -275,6 +285,10 @@ struct Kept {
     again: usize,
     /// The first lines of them.
     lines: Vec<usize>,
+    /// The line of the last one.
+    last: Option<usize>,
+    /// Other words were taken as the same cause: the column is wrong from row to row.
+    is_shifted: bool,
 }
 
 impl Kept {
@@ -286,6 +300,16 @@ impl Kept {
             (own, other) => own.is_none() && other.is_none(),
         };
         same_file && self.problem.message == other.message && self.problem.help == other.help
+    }
+
+    /// Whether another problem stands in the same column of the next row, whatever the cell holds.
+    fn is_continued(&self, other: &Problem) -> bool {
+        let next = self.last.map(|line| line + 1);
+        let own = &self.problem;
+        own.column.is_some()
+            && (own.column, &own.help) == (other.column, &other.help)
+            && next == other.place.as_ref().map(|place| place.line)
+            && own.place.as_ref().map(|p| &p.file) == other.place.as_ref().map(|p| &p.file)
     }
 
     /// Takes a problem with the same cause; in the same line it is the same one.
@@ -301,6 +325,8 @@ impl Kept {
         {
             return;
         }
+        self.is_shifted |= self.problem.message != other.problem.message;
+        self.last = other.last;
         self.again += 1 + other.again;
         for line in std::iter::once(place.line).chain(other.lines) {
             if self.lines.len() < MOST_LINES && !self.lines.contains(&line) {
@@ -320,6 +346,9 @@ impl Kept {
                 lines.join(", ")
             )),
         };
+        let look = "; compare the cells of these rows with the header";
+        let look = if self.is_shifted { look } else { "" };
+        let note = note.map(|note| note + look);
         self.problem.render_with(note.as_deref())
     }
 }
@@ -351,16 +380,20 @@ impl Problems {
             self.more += 1;
             return;
         }
+        let problem = make();
         self.add(Kept {
-            problem: make(),
+            last: problem.place.as_ref().map(|place| place.line),
+            problem,
             again: 0,
             lines: Vec::new(),
+            is_shifted: false,
         });
     }
 
     fn add(&mut self, new: Kept) {
         self.looked_at += 1;
-        let same = self.kept.iter_mut().find(|kept| kept.is_same(&new.problem));
+        let continued = |kept: &Kept| kept.is_same(&new.problem) || kept.is_continued(&new.problem);
+        let same = self.kept.iter_mut().find(|kept| continued(kept));
         if let Some(kept) = same {
             kept.take(new);
         } else if self.kept.len() < MOST_PROBLEMS {

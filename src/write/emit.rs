@@ -58,6 +58,22 @@ impl Context {
     }
 }
 
+/// The files of a profile's file: one, or one for each item of a list, with the item.
+fn items<'a>(context: &'a Value, file: &EmittedFile) -> Vec<(String, &'a Value)> {
+    let Some(list) = &file.each else {
+        return vec![(file.path.clone(), &Value::Null)];
+    };
+    let items = context.get(list).and_then(Value::as_array);
+    let named = |item| Some((path_of(file, item)?, item));
+    items.into_iter().flatten().filter_map(named).collect()
+}
+
+/// The name of the file of an item.
+fn path_of(file: &EmittedFile, item: &Value) -> Option<String> {
+    let [before, field, behind] = file.field()?;
+    Some(format!("{before}{}{behind}", item.get(field)?.as_str()?))
+}
+
 /// What the templates of a control see.
 pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems> {
     let own = Instead {
@@ -278,22 +294,28 @@ fn render_those(
     context: &Context,
     is_own: impl Fn(&EmittedFile) -> bool,
 ) -> Result<Vec<RenderedFile>, Problems> {
-    let seen = tera_context(context)?;
-    let page = tera_context(&page_context(context))?;
+    let escaped = page_context(context);
+    let (mut seen, mut page) = (tera_context(context)?, tera_context(&escaped)?);
     let mut problems = Problems::none();
     let mut files = Vec::new();
     let is_wanted =
         |file: &EmittedFile| file.when.as_deref().is_none_or(|list| context.holds(list));
     let files_of_profile = task.profile.files.iter();
     for file in files_of_profile.filter(|file| is_own(file) && is_wanted(file)) {
-        let seen = if file.is_page() { &page } else { &seen };
-        match templates.text(&file.template_name, &file.template, seen) {
-            Ok(text) => files.push(RenderedFile {
-                path: file.path.clone(),
-                role: file.role,
-                bytes: with_line_ends(text, task.profile.line_end.value.text()).into_bytes(),
-            }),
-            Err(problem) => problems.push(problem),
+        let (values, seen) = match file.is_page() {
+            true => (&escaped, &mut page),
+            false => (&context.0, &mut seen),
+        };
+        for (path, item) in items(values, file) {
+            seen.insert("item", item);
+            match templates.text(&file.template_name, &file.template, seen) {
+                Ok(text) => files.push(RenderedFile {
+                    path,
+                    role: file.role,
+                    bytes: with_line_ends(text, task.profile.line_end.value.text()).into_bytes(),
+                }),
+                Err(problem) => problems.push(problem),
+            }
         }
     }
     problems.or_ok(files)

@@ -103,5 +103,6 @@ pub(crate) fn family(profile: &Profile) -> &dyn Family {
         Dialect::Siemens(facts) => facts,
         Dialect::Fanuc(facts) => facts,
         Dialect::Generic(facts) => facts,
+        Dialect::Linuxcnc(facts) => facts,
     }
 }

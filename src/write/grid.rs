@@ -77,6 +77,12 @@ impl Grid {
         Millimetres::new(self.reference.mm() + as_number(index) * self.spacing().mm())
     }
 
+    /// Coordinate of a point in the control's unit, from whole last digits.
+    pub(crate) fn written(&self, index: i64) -> f64 {
+        let reference = (self.reference.mm() / self.digit.mm()).round();
+        (reference + as_number(index * self.spacing_digits)) / self.digit.per_unit() + 0.0
+    }
+
     /// Number of points.
     pub fn count(&self) -> usize {
         usize::try_from(self.last - self.first + 1).unwrap_or(0)

@@ -10,6 +10,7 @@ mod task;
 
 pub mod fanuc;
 mod generic;
+mod linuxcnc;
 pub mod siemens;
 
 pub mod compensation;

@@ -248,14 +248,19 @@ fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {
         let term = ErrorTerm::positioning(axis);
         let own = targets.iter().find(|t| t.term == term)?;
         let measured = task.model.terms[term].as_ref()?;
-        match task.job.compensation.backlash[axis]? {
-            BacklashPolicy::CurveAndParameter => Some((-measured.reversal()?).um() + 0.0),
-            // One table for two that are equal supposes, as they do, that the parameter is 0.
-            BacklashPolicy::TwoTables => {
-                let is_one = own.targets.len() == 1 && target::are_equal(&measured.measured);
-                is_one.then_some(0.0)
+        let replaced = task.profile.family.replaces_backlash.then_some(0.0);
+        match task.job.compensation.backlash[axis] {
+            Some(BacklashPolicy::CurveAndParameter) => {
+                let reversal = measured.reversal();
+                reversal.map(|b| (-b).um() + 0.0).or(replaced)
             }
-            BacklashPolicy::Mean | BacklashPolicy::ForwardOnly => None,
+            // One table for two that are equal supposes, as they do, that the parameter is 0.
+            Some(BacklashPolicy::TwoTables)
+                if own.targets.len() == 1 && target::are_equal(&measured.measured) =>
+            {
+                Some(0.0)
+            }
+            _ => replaced,
         }
     })
 }

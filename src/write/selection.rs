@@ -63,7 +63,9 @@ impl TableStock {
             key,
             ..
         } = self;
-        if *used == 0 {
+        if *tables == 0 {
+            format!("the control has no {resource}")
+        } else if *used == 0 {
             format!("the control has {tables} {resource} for {wanted}")
         } else {
             format!(
@@ -135,13 +137,7 @@ pub(crate) fn choose(
         }
     }
     let (left_um, forms) = best?;
-    Some(explain(
-        &parts,
-        costs,
-        &forms,
-        left_um,
-        &budget.words(wanted),
-    ))
+    Some(explain(&parts, costs, &forms, left_um, (budget, wanted)))
 }
 
 /// Two largest errors closer than this are equal, µm.
@@ -180,7 +176,14 @@ fn maximal(costs: &[Cost], free: u32) -> Vec<Vec<Form>> {
         .collect()
 }
 
-fn explain(parts: &Parts, costs: &[Cost], forms: &[Form], left_um: f64, shortage: &str) -> Choice {
+fn explain(
+    parts: &Parts,
+    costs: &[Cost],
+    forms: &[Form],
+    left_um: f64,
+    (budget, wanted): (TableStock, u32),
+) -> Choice {
+    let shortage = budget.words(wanted);
     let mut choice = Choice {
         omitted: Vec::new(),
         reduced: Vec::new(),
@@ -197,7 +200,10 @@ fn explain(parts: &Parts, costs: &[Cost], forms: &[Form], left_um: f64, shortage
         };
         let left =
             format!("{shortage}; the chosen tables leave at most {left_um:.1} µm in the volume");
-        if *form == Form::Nothing {
+        if budget.tables == 0 {
+            let reason = shortage.clone();
+            choice.omitted.push(Omission { term, reason });
+        } else if *form == Form::Nothing {
             let reason = format!("{left} ({with:.1} µm if there were a table for {term} too)");
             choice.omitted.push(Omission { term, reason });
         } else {

@@ -260,13 +260,10 @@ fn cec_table(
 /// MIN, STEP and MAX in the control's unit, from whole last digits so that (MAX − MIN)/STEP is a
 /// whole number.
 fn siemens_grid(grid: &Grid) -> SiemensGrid {
-    let per_unit = grid.digit.per_unit();
-    let reference = (grid.reference.mm() / grid.digit.mm()).round();
-    let at = |index: i64| (reference + as_number(index * grid.spacing_digits)) / per_unit + 0.0;
     SiemensGrid {
-        min: at(grid.first),
-        step: as_number(grid.spacing_digits) / per_unit,
-        max: at(grid.last),
+        min: grid.written(grid.first),
+        step: as_number(grid.spacing_digits) / grid.digit.per_unit(),
+        max: grid.written(grid.last),
     }
 }
 

@@ -61,8 +61,9 @@ impl Held {
 /// Size of a count in the control's file, from the bytes where they tell, µm.
 pub(crate) fn count_um(case: &Case<'_>, term: ErrorTerm, output: &str) -> f64 {
     match (&case.profile.dialect, case.tables) {
-        (Dialect::Siemens(_), _) if case.machine.inch => 0.0254, // sixth decimal of an inch
-        (Dialect::Siemens(_), _) => 0.001,                       // sixth decimal of a millimetre
+        // The sixth decimal of an inch, of a millimetre.
+        (Dialect::Siemens(_) | Dialect::Linuxcnc(_), _) if case.machine.inch => 0.0254,
+        (Dialect::Siemens(_) | Dialect::Linuxcnc(_), _) => 0.001,
         (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
             let unit = case.machine.axis(term.of).unit_um.unwrap();
             let output: u32 = output.parse().unwrap();

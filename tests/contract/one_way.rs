@@ -104,7 +104,22 @@ impl<'a> OneWay<'a> {
     /// Half a count, or what the fit of a four-point line leaves.
     fn half_um(&self) -> f64 {
         let half = count_um(self.case, self.term.term, self.output) / 2.0;
-        self.placement.fit_residual_um.unwrap_or(half)
+        self.placement.fit_residual_um.unwrap_or(half) + self.float_um()
+    }
+
+    /// LinuxCNC holds a value as a C float.
+    fn float_um(&self) -> f64 {
+        let is_float = matches!(self.case.profile.dialect, Dialect::Linuxcnc(_));
+        let largest = self
+            .held
+            .um
+            .iter()
+            .fold(0.0_f64, |most, um| most.max(um.abs()));
+        if is_float {
+            largest * f64::from(f32::EPSILON)
+        } else {
+            0.0
+        }
     }
 
     /// The table as the fit made it; `sample` is the curve itself, by the test's own figures.
@@ -115,7 +130,10 @@ impl<'a> OneWay<'a> {
             let off = |node: &usize| (first + *node as f64 * step - x).abs();
             let nodes = 0..self.planned.values.len();
             let nearest = nodes.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
-            self.planned.values[nearest].um()
+            let carried = self
+                .term
+                .reversal_in_table(self.case.machine, self.direction);
+            self.planned.values[nearest].um() + carried
         };
         let is_sampled = self.case.machine.fit == "sample";
         let places = self.anchored().into_iter();
@@ -248,6 +266,10 @@ impl<'a> OneWay<'a> {
         let at_reference = um_at(&self.response, reference);
         let mut placed = self.case.kit.compiled.placements.iter();
         let has_two = placed.any(|p| p.term == self.term.term && p.direction.is_some());
+        let carried = self
+            .term
+            .reversal_in_table(self.case.machine, self.direction);
+        let has_two = has_two || carried.abs() > 0.0;
         if self.direction == self.term.homing || !(has_two || self.has_parameter()) {
             let node = self.held.um[self.held.node_at(reference)];
             assert!(
@@ -269,7 +291,8 @@ impl<'a> OneWay<'a> {
 
     /// Whether the backlash parameter carries the reversal of this term.
     fn has_parameter(&self) -> bool {
-        self.case.machine.policy == Some("curve-and-parameter")
+        !self.case.machine.replaces_backlash
+            && self.case.machine.policy == Some("curve-and-parameter")
             && self.term.both_ways()
             && self.term.term.is_positioning()
     }
@@ -295,7 +318,7 @@ impl<'a> OneWay<'a> {
     fn parameter_digit_um(&self) -> f64 {
         match self.case.profile.dialect {
             Dialect::Siemens(_) if self.case.machine.inch => 0.254,
-            Dialect::Siemens(_) | Dialect::Generic(_) => 0.1,
+            Dialect::Siemens(_) | Dialect::Generic(_) | Dialect::Linuxcnc(_) => 0.1,
             Dialect::Fanuc(_) => self.case.machine.axis(self.term.term.of).unit_um.unwrap(),
         }
     }

@@ -15,8 +15,8 @@ pub(crate) const NEAR_UM: f64 = 1e-5;
 /// Half the last digit of positions in the control's files, mm.
 pub(crate) fn half_position_digit(case: &Case<'_>) -> f64 {
     match case.profile.dialect {
-        Dialect::Siemens(_) if case.machine.inch => 0.5e-6 * 25.4,
-        Dialect::Siemens(_) | Dialect::Generic(_) => 0.5e-6,
+        Dialect::Siemens(_) | Dialect::Linuxcnc(_) if case.machine.inch => 0.5e-6 * 25.4,
+        Dialect::Siemens(_) | Dialect::Generic(_) | Dialect::Linuxcnc(_) => 0.5e-6,
         Dialect::Fanuc(_) => 0.0,
     }
 }

@@ -94,6 +94,7 @@ pub(crate) fn with_signs_turned(profile: &Profile) -> Profile {
             turn(&mut facts.straightness_sign.value);
         }
         Dialect::Generic(_) => {}
+        Dialect::Linuxcnc(facts) => turn(&mut facts.trim_sign.value),
     }
     turned
 }

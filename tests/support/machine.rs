@@ -142,14 +142,30 @@ impl Term {
         };
         match machine.policy.unwrap() {
             "forward-only" => from_reference(Direction::Plus),
-            "curve-and-parameter" => from_reference(self.homing),
+            "curve-and-parameter" => {
+                from_reference(self.homing) + self.reversal_in_table(machine, direction)
+            }
             "two-tables" if two_tables => self.deviation(direction, x),
             _ => self.mean(x) - self.mean(self.reference),
         }
     }
 
+    /// What a table carries of the reversal where it stands in place of the backlash parameter.
+    pub(crate) fn reversal_in_table(&self, machine: &Machine, direction: Direction) -> f64 {
+        let carries = machine.replaces_backlash
+            && machine.policy == Some("curve-and-parameter")
+            && self.both_ways()
+            && self.term.is_positioning();
+        match (carries && direction != self.homing, self.homing) {
+            (false, _) => 0.0,
+            (true, Direction::Plus) => -self.reversal(),
+            (true, Direction::Minus) => self.reversal(),
+        }
+    }
+
     pub(crate) fn takes_directions(&self, profile: &Profile) -> bool {
-        !matches!(profile.dialect, Dialect::Fanuc(_)) || self.term.is_positioning()
+        let two_of_any = matches!(profile.dialect, Dialect::Siemens(_) | Dialect::Generic(_));
+        two_of_any || self.term.is_positioning()
     }
 
     /// Every place where a measured curve bends.
@@ -180,6 +196,8 @@ pub(crate) struct Machine {
     pub(crate) fit: &'static str,
     pub(crate) kind: Interpolation,
     pub(crate) inch: bool,
+    /// A table stands in place of the backlash parameter.
+    pub(crate) replaces_backlash: bool,
     pub(crate) reserved: Vec<[u32; 2]>,
     pub(crate) job: String,
     pub(crate) csv: String,
@@ -211,6 +229,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let mut random = Random::new(seed as u64 * 10_000 + own);
     let fanuc = matches!(profile.dialect, Dialect::Fanuc(_));
     let siemens = matches!(profile.dialect, Dialect::Siemens(_));
+    let linuxcnc = matches!(profile.dialect, Dialect::Linuxcnc(_));
     let mut features = Vec::new();
     // Cycled, so that every value meets the others; the rest is drawn.
     let directions = seed % 7; // 0, 1: undirected · 2 … 5: both, one policy each · 6: one way
@@ -243,12 +262,12 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     features.push(if nine { "nine terms" } else { "fewer terms" });
 
     let unit_um = random.of(&[1.0, 0.1, 2.5]);
-    let stated_unit = (fanuc || (!siemens && random.once_in(3))).then_some(unit_um);
+    let stated_unit = (fanuc || (!siemens && !linuxcnc && random.once_in(3))).then_some(unit_um);
     let gantry = random.once_in(4);
     features.extend(gantry.then_some("gantry"));
     let measured: Vec<ErrorTerm> = ErrorTerm::ALL
         .into_iter()
-        .filter(|_| nine || !random.once_in(2))
+        .filter(|term| nine || !random.once_in(2) || (linuxcnc && *term == ErrorTerm::ALL[0]))
         .collect();
     let measured = if measured.is_empty() {
         vec![ErrorTerm::ALL[random.below(9)]]
@@ -305,7 +324,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
 
         let default_name = &profile.axis_names.value[index];
         let names = if gantry && index == 0 {
-            let second = if fanuc {
+            let second = if fanuc || linuxcnc {
                 "4"
             } else if siemens {
                 "AX4"
@@ -447,6 +466,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
             .enumerate()
             .filter(|(index, term)| {
                 index % 2 == 0
+                    || (linuxcnc && term.term.is_positioning())
                     || (matches!(policy, Some("two-tables" | "curve-and-parameter"))
                         && term.both_ways())
             })
@@ -467,6 +487,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         fit,
         kind,
         inch,
+        replaces_backlash: linuxcnc,
         reserved,
         job,
         csv,

@@ -3,7 +3,7 @@
 
 use super::found::Found;
 use crate::inputs::error_table::{ErrorTable, Remarks};
-use crate::inputs::job::{ActiveTables, Job, Levers, MeasuredData, UseOf};
+use crate::inputs::job::{ActiveTables, Frame, Job, Levers, UseOf};
 use crate::kit::Inputs;
 use crate::machine::findings::ModelFinding;
 use crate::machine::model::ErrorModel;
@@ -82,7 +82,7 @@ const UNLIKELY_URAD: f64 = 5_000.0;
 
 /// What the figures rest on.
 pub(super) struct Basis {
-    /// How the axes are aligned: `as given`, `x-primary`, `as-measured`.
+    /// How the axes are aligned, as the measured errors state it: `as given`, `x-primary`, `as-measured`.
     pub(super) frame: &'static str,
     /// The stated places that levers depend on.
     pub(super) levers: Levers,
@@ -141,7 +141,7 @@ impl Basis {
         let labels = labels.into_iter().chain(stated).chain(said(remarks));
         let doubts = doubts(job, measured).chain(doubtful);
         Basis {
-            frame: frame(&job.measurement.data),
+            frame: measured.remarks.frame.map_or("as given", Frame::word),
             levers: job.measurement.levers,
             active: None,
             without_tables_um: None,
@@ -161,14 +161,6 @@ impl Basis {
             }
             _ => "as given in the error table",
         }
-    }
-}
-
-/// The word of the job where readings were separated; given errors are not rotated.
-fn frame(data: &MeasuredData) -> &'static str {
-    match data {
-        MeasuredData::Errors(_) => "as given",
-        MeasuredData::Diagonals(measurement) => measurement.frame.word(),
     }
 }
 

@@ -3,11 +3,11 @@
 use crate::cli::outcome::{Outcome, Print};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::cli::show;
-use crate::inputs::job::policies_as_stated;
+use crate::inputs::job::{BacklashPolicy, one_for_all, policies_as_stated};
 use crate::judge::conformity::Verdict;
 use crate::kit::Inputs;
 use crate::kit::alternatives::{Compared, compare};
-use crate::quantity::axis::PerAxis;
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
 use serde_json::{Value, json};
 
@@ -31,11 +31,12 @@ fn screen(inputs: &Inputs, compared: &[Compared]) -> Screen {
     };
     let heading =
         "backlash\tspacing\t>tables\t>points\tterm\t>before\t>after\t>U\tdiag.\t>after\tverdict";
+    let own = inputs.job.compensation.backlash;
     let refused = |c: &Compared| {
         let first = c.result.as_ref().err()?.iter().next()?;
         Some(format!(
             "{}, {}: {}",
-            policy(c),
+            policy(c, &own),
             c.spacing.word(),
             first.message
         ))
@@ -46,24 +47,41 @@ fn screen(inputs: &Inputs, compared: &[Compared]) -> Screen {
             job.machine.name, inputs.profile.name
         ),
         figures: paragraphs(&[format!(
-            "{}\n  the first line is the job; spacing: as it asks, half and twice of it (or of its residual)\n  term, diag.: of which most is left, µm; U: 95 %, - = not stated",
-            table(heading, compared.iter().map(row))
+            "{}\n  the first line is the job; spacing: as it asks, half and twice of it (or of its residual)\n  backlash: of all axes, or of the axis that is named with the others as in the job\n  term, diag.: of which most is left, µm; U: 95 %, - = not stated",
+            table(heading, compared.iter().map(|c| row(c, &own)))
         )]),
         findings: compared.iter().filter_map(refused).collect(),
         ..Screen::default()
     }
 }
 
-/// The policy as a job states it.
-fn policy(compared: &Compared) -> String {
-    match compared.backlash == PerAxis::default() {
-        true => "not stated".to_string(),
-        false => policies_as_stated(&compared.backlash),
+/// The backlash policies of each axis.
+type Policies = PerAxis<Option<BacklashPolicy>>;
+
+/// The policy as a job states it; where one axis has another one than in the job, that of this axis.
+fn policy(compared: &Compared, own: &Policies) -> String {
+    let policies = &compared.backlash;
+    let mut others = Axis::ALL
+        .into_iter()
+        .filter(|axis| policies[*axis] != own[*axis]);
+    match (
+        *policies == Policies::default(),
+        others.next(),
+        others.next(),
+    ) {
+        (true, ..) => "not stated".to_string(),
+        (_, Some(axis), None) if !one_for_all(policies) => {
+            format!(
+                "{axis}: {}",
+                policies_as_stated(&PerAxis::from_fn(|_| policies[axis]))
+            )
+        }
+        _ => policies_as_stated(policies),
     }
 }
 
-fn row(compared: &Compared) -> String {
-    let head = format!("{}\t{}", policy(compared), compared.spacing.word());
+fn row(compared: &Compared, own: &Policies) -> String {
+    let head = format!("{}\t{}", policy(compared, own), compared.spacing.word());
     let Ok(made) = &compared.result else {
         return format!("{head}\t-\t-\t-\t-\t-\t-\t-\t-\trefused");
     };

@@ -8,7 +8,7 @@ use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{ActiveTables, Job, MeasuredData};
 use crate::inputs::kind::FileKind;
 use crate::judge::active::ActiveControl;
-use crate::judge::after::{AfterMeasurement, ensure_same_machine};
+use crate::judge::after::{AfterMeasurement, ensure_same_machine, same_slopes};
 use crate::judge::causes::{Corrected, Slip};
 use crate::judge::disagreement::{compare, measuring_systems};
 use crate::kit::findings::KitFinding;
@@ -89,12 +89,12 @@ impl Second {
                 active: None,
             });
         }
-        let job = Job::read(source)?;
+        let job = Job::read_second(source, &first.job)?;
         ensure_same_machine(&first.job, &job)?;
         let mut files = JobFiles::new(&job, path);
         let active = active(first, &mut files, tables)?;
         files.hashes = vec![own];
-        let (measurement, errors) = of_job(&mut files)?;
+        let (measurement, errors) = of_job(&first.job, &mut files)?;
         Ok(Second {
             measurement,
             errors,
@@ -179,7 +179,10 @@ fn refuse_readings(source: &Source) -> Result<(), Problem> {
     })
 }
 
-fn of_job(files: &mut JobFiles<'_>) -> Result<(AfterMeasurement, Option<ErrorSource>), Problems> {
+fn of_job(
+    first: &Job,
+    files: &mut JobFiles<'_>,
+) -> Result<(AfterMeasurement, Option<ErrorSource>), Problems> {
     let job = files.job;
     if let MeasuredData::Diagonals(measurement) = &job.measurement.data
         && measurement.kind == PathKind::Straight
@@ -188,7 +191,8 @@ fn of_job(files: &mut JobFiles<'_>) -> Result<(AfterMeasurement, Option<ErrorSou
         return Ok((AfterMeasurement::Diagonals(campaign.straight_runs()?), None));
     }
     let errors = inputs::errors(files)?;
-    let model = ErrorModel::build(job, &*errors.table(job)?)?;
+    let mut model = ErrorModel::build(job, &*errors.table(job)?)?;
+    model.remarks.doubts.splice(0..0, same_slopes(first, job));
     Ok((AfterMeasurement::Errors(Box::new(model)), Some(errors)))
 }
 

@@ -18,6 +18,7 @@ const PROFILES: &[(&str, &str)] = embed!(
     "fanuc-30i.toml",
     "fanuc-0i-f.toml",
     "fanuc-16i.toml",
+    "linuxcnc.toml",
     "generic.toml",
 );
 
@@ -35,9 +36,14 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "fanuc-parameters.txt.tera",
     "fanuc-points.txt.tera",
     "fanuc-program.nc.tera",
+    "linuxcnc.comp.tera",
+    "linuxcnc.ini.tera",
+    "linuxcnc-sign.ini.tera",
+    "linuxcnc-program.ngc.tera",
     "checklist.md.tera",
     "checklist.html.tera",
     "job.toml.tera",
+    "after.toml.tera",
     "generic.csv.tera",
     "generic.json.tera",
     "generic-typed.csv.tera",

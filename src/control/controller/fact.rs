@@ -111,6 +111,8 @@ pub enum Mechanism {
     FourPoint,
     /// Fanuc: straightness with one increment for each point.
     PerPoint,
+    /// LinuxCNC: the table of a joint.
+    Comp,
     /// Basic system mm.
     Metric,
     /// Basic system inch.
@@ -129,6 +131,7 @@ impl Word for Mechanism {
         ("straightness", Mechanism::Straightness),
         ("four-point", Mechanism::FourPoint),
         ("per-point", Mechanism::PerPoint),
+        ("comp", Mechanism::Comp),
         ("metric", Mechanism::Metric),
         ("inch", Mechanism::Inch),
         ("none", Mechanism::Nothing),
@@ -147,6 +150,7 @@ impl Mechanism {
             Mechanism::Straightness => "this kit holds no straightness table",
             Mechanism::FourPoint => "this kit holds no four-point straightness",
             Mechanism::PerPoint => "this kit holds no 128-point straightness",
+            Mechanism::Comp => "this kit holds no table of a joint",
             Mechanism::Metric => "this kit is in inch",
             Mechanism::Inch => "this kit is in mm",
             Mechanism::Nothing => "a wrong value has no consequence",

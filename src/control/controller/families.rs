@@ -1,14 +1,16 @@
 //! The families of controls that there are.
 
 use crate::control::controller::fact::{Facts, Mechanism, Word};
-use crate::control::controller::{Dialect, Family, FanucFacts, GenericFacts, SiemensFacts};
-use crate::control::controller::{fanuc, generic, siemens};
+use crate::control::controller::{
+    Dialect, Family, FanucFacts, GenericFacts, LinuxcncFacts, SiemensFacts,
+};
+use crate::control::controller::{fanuc, generic, linuxcnc, siemens};
 
 /// A family, and how the facts of its controls are read.
 pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 
 /// All of them, in the order in which they are named.
-pub(super) const FAMILIES: [Known; 3] = [
+pub(super) const FAMILIES: [Known; 4] = [
     (&siemens::FAMILY, |facts| {
         SiemensFacts::checked(facts).map(Dialect::Siemens)
     }),
@@ -17,6 +19,9 @@ pub(super) const FAMILIES: [Known; 3] = [
     }),
     (&generic::FAMILY, |facts| {
         GenericFacts::read(facts).map(Dialect::Generic)
+    }),
+    (&linuxcnc::FAMILY, |facts| {
+        LinuxcncFacts::checked(facts).map(Dialect::Linuxcnc)
     }),
 ];
 

@@ -10,6 +10,8 @@ pub struct Family {
     pub word: &'static str,
     /// What its manuals call the backlash parameter.
     pub(crate) backlash_parameter: &'static str,
+    /// Whether a table stands in place of the backlash parameter of its axis, which then does nothing.
+    pub(crate) replaces_backlash: bool,
     /// What its emulator does between two points; a profile has to state it.
     pub(crate) between: &'static str,
     /// The tables of a control that holds none.

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 pub(super) static FAMILY: Family = Family {
     word: "fanuc",
     backlash_parameter: "backlash parameter (1851)",
+    replaces_backlash: false,
     between: "step",
     no_tables: Tables::Fanuc(FanucMemory {
         parameters: BTreeMap::new(),

@@ -9,6 +9,7 @@ use crate::text::delimited::LengthUnit;
 pub(super) static FAMILY: Family = Family {
     word: "generic",
     backlash_parameter: "backlash parameter",
+    replaces_backlash: false,
     between: "linear",
     no_tables: Tables::Generic(GenericTable { rows: Vec::new() }),
     off: "removed",

@@ -115,9 +115,10 @@ fn file(root: &Section<'_>, file: &Section<'_>, templates: Templates<'_>) -> Opt
     let template = templates.named(file, (root, "files"));
     let may_be_loaded = file.flag("loaded").unwrap_or(true);
     let when = file.text("when");
+    let each = file.text("each");
     file.refuse_unknown_keys();
     let path = path?;
-    if !is_plain_file_name(&path) {
+    if !is_plain_file_name(&each_plain(file, &path, each.is_some())) {
         file.problem(
             "path",
             format!(
@@ -131,12 +132,26 @@ fn file(root: &Section<'_>, file: &Section<'_>, templates: Templates<'_>) -> Opt
     Some(EmittedFile {
         role: role?,
         path,
+        each,
         template_name,
         template,
         when,
         mechanism,
         may_be_loaded,
     })
+}
+
+/// The name of one file: `path` without the braces around the field of its item.
+fn each_plain(file: &Section<'_>, path: &str, has_items: bool) -> String {
+    let plain = path.replacen('{', "", 1).replacen('}', "", 1);
+    if (plain.len() + 2 == path.len()) != has_items {
+        file.problem(
+            "path",
+            "`each` and one field of its items in braces belong together",
+            "for instance `each = \"joints\"` with `path = \"joint-{number}.comp\"`",
+        );
+    }
+    plain
 }
 
 fn is_plain_file_name(path: &str) -> bool {

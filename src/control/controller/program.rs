@@ -10,11 +10,16 @@ pub enum Language {
     Siemens,
     /// FANUC, G-code system of a machining centre.
     Fanuc,
+    /// LinuxCNC, RS274NGC.
+    Linuxcnc,
 }
 
 impl Word for Language {
-    const WORDS: &'static [(&'static str, Language)] =
-        &[("siemens", Language::Siemens), ("fanuc", Language::Fanuc)];
+    const WORDS: &'static [(&'static str, Language)] = &[
+        ("siemens", Language::Siemens),
+        ("fanuc", Language::Fanuc),
+        ("linuxcnc", Language::Linuxcnc),
+    ];
 }
 
 impl Language {
@@ -28,6 +33,7 @@ impl Language {
         match self {
             Language::Siemens => &super::siemens::LANGUAGE,
             Language::Fanuc => &super::fanuc::LANGUAGE,
+            Language::Linuxcnc => &super::linuxcnc::LANGUAGE,
         }
     }
 }

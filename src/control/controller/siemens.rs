@@ -8,6 +8,7 @@ use crate::control::table::siemens::SiemensTables;
 pub(super) static FAMILY: Family = Family {
     word: "siemens",
     backlash_parameter: "backlash parameter (MD32450)",
+    replaces_backlash: false,
     between: "linear",
     no_tables: Tables::Siemens(SiemensTables {
         lec: Vec::new(),

@@ -8,7 +8,7 @@ use crate::text::document::keys::LIMITS;
 use crate::text::document::{LONGEST_MM, Section};
 use crate::text::problem::{nearest, shown};
 
-/// What is asked of a job.
+/// What is asked of a job: whether it needs `[compensation]`, and which empty keys have to be filled in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UseOf {
     /// Tables for a control.
@@ -16,6 +16,12 @@ pub enum UseOf {
     /// Figures of the machine as it was measured: `[compensation]` may be absent, and of two
     /// directions the mean counts.
     Figures,
+    /// The errors that readings hold.
+    Separation,
+    /// What a run of diagonals will determine: nothing is measured yet.
+    Plan,
+    /// Part programs of a run: nothing is measured yet.
+    Programs,
 }
 
 impl UseOf {
@@ -26,7 +32,36 @@ impl UseOf {
             false => UseOf::Figures,
         }
     }
+
+    /// Whether `[compensation]` may be absent.
+    pub(super) const fn needs_control(self) -> bool {
+        matches!(self, UseOf::Tables | UseOf::Programs)
+    }
+
+    /// Whether a key has to be filled in for it; `key` = its dotted path, entries of a list without number.
+    pub(super) fn needs(self, key: &str) -> bool {
+        let section = key.split('.').next().unwrap_or_default();
+        match self {
+            UseOf::Tables | UseOf::Figures => true,
+            UseOf::Separation => {
+                matches!(section, "machine" | "measurement") || key == "compensation.backlash"
+            }
+            UseOf::Plan => section != "compensation" && !MEASURED.contains(&key),
+            UseOf::Programs => {
+                let of_control = ["compensation.controller", "compensation.control_unit"];
+                let is_of_run = matches!(section, "machine" | "measurement" | "program");
+                of_control.contains(&key) || is_of_run && !MEASURED.contains(&key)
+            }
+        }
+    }
 }
+
+/// Keys of which nobody knows the value before the measurement.
+const MEASURED: [&str; 3] = [
+    "measurement.date",
+    "measurement.active_while_measuring",
+    "measurement.step_diagonal.linear.slope_um_per_m",
+];
 
 /// Which terms to compensate.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -107,6 +107,8 @@ pub enum LinearSlope {
     Stated(f64),
     /// The positioning error in an error table: its path, relative to the job.
     Errors(String),
+    /// Not measured yet: in jobs that are read for a plan or for programs.
+    NotYet,
 }
 
 /// One `[[measurement.step_diagonal.beam]]`: displacement measured along any other straight line.
@@ -311,10 +313,12 @@ fn one_linear(section: &Section<'_>) -> Option<Linear> {
     let axis = section.choice_in_any_case("axis", &Axis::ALL.map(|axis| (axis.key(), axis)));
     let stated = slope(section).map(LinearSlope::Stated);
     let errors = section.text("errors").map(LinearSlope::Errors);
+    let is_empty = section.as_written("slope_um_per_m") == Some("\"\"");
+    let not_yet = is_empty.then_some(LinearSlope::NotYet);
     let u_um_per_m = section.not_negative("u_um_per_m");
     Some(Linear {
         axis: axis?,
-        slope: stated.or(errors)?,
+        slope: stated.or(errors).or(not_yet)?,
         u_um_per_m,
     })
 }

@@ -41,8 +41,9 @@ pub(crate) fn uncompensated(
     active: &ActiveControl,
 ) -> Result<(ErrorModel, Vec<InSum>), Problems> {
     let names = axis_names(job, profile)?;
-    check_backlash(job, measured, active)?;
-    let state = acting_state(job, &names, measured, active);
+    let sets = |axis: Axis| sets_backlash(job, profile, measured, axis);
+    check_backlash(job, active, sets)?;
+    let state = acting_state(&names, active, sets);
     let control = emulator(profile, &active.tables, &state).map_err(|e| cannot(job, &e))?;
     let mut problems = Problems::none();
     let mut sum = Sum {
@@ -103,31 +104,30 @@ fn nothing(job: &Job, active: &ActiveControl) -> Problem {
 }
 
 /// Axes of which the new tables set the backlash parameter.
-fn sets_backlash(job: &Job, measured: &ErrorModel, axis: Axis) -> bool {
+fn sets_backlash(job: &Job, profile: &Profile, measured: &ErrorModel, axis: Axis) -> bool {
+    use BacklashPolicy::{CurveAndParameter, TwoTables};
     let term = ErrorTerm::positioning(axis);
     let policy = job.compensation.backlash[axis];
-    matches!(
-        policy,
-        Some(BacklashPolicy::TwoTables | BacklashPolicy::CurveAndParameter)
-    ) && measured.terms[term].is_some()
-        && wants(job, term)
+    let by_policy = matches!(policy, Some(TwoTables | CurveAndParameter));
+    let is_set = by_policy || profile.family.replaces_backlash;
+    is_set && measured.terms[term].is_some() && wants(job, term)
 }
 
 fn check_backlash(
     job: &Job,
-    measured: &ErrorModel,
     active: &ActiveControl,
+    sets: impl Fn(Axis) -> bool,
 ) -> Result<(), Problems> {
     if active.origin == Origin::NoTables {
         return Ok(()); // what is not stated is counted as 0, and the kit says so
     }
     let mut problems = Problems::none();
     for axis in Axis::ALL {
-        if sets_backlash(job, measured, axis) && active.backlash_um[axis].is_none() {
+        if sets(axis) && active.backlash_um[axis].is_none() {
             problems.push(problem(
                 job,
                 format!("the new tables replace the backlash parameter of {axis}, but no file holds the one that acted while measuring"),
-                "read it out too (MD32450, 1851), or state `active_backlash_um = { x = …, y = …, z = … }` in [measurement]",
+                "read it out too (MD32450, 1851, BACKLASH), or state `active_backlash_um = { x = …, y = …, z = … }` in [measurement]",
             ));
         }
     }
@@ -136,15 +136,14 @@ fn check_backlash(
 
 /// The state without the backlash parameters that act before and after alike.
 fn acting_state(
-    job: &Job,
     names: &PerAxis<Vec<String>>,
-    measured: &ErrorModel,
     active: &ActiveControl,
+    sets: impl Fn(Axis) -> bool,
 ) -> ControlState {
     let mut state = active.state.clone();
     for axis in &mut state.axes {
         let own = axis_of(names, &axis.name);
-        if !own.is_some_and(|own| sets_backlash(job, measured, own)) {
+        if !own.is_some_and(&sets) {
             axis.backlash_um = 0.0;
         }
     }

@@ -106,7 +106,7 @@ fn stands_apart(profile: &Profile, name: &str) -> bool {
     let apart = |role: Role| role.stands_apart() || role == Role::Checklist;
     let mut own = profile.files.iter().filter(|file| apart(file.role));
     let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    own.any(|file| file.path.eq_ignore_ascii_case(name))
+    own.any(|file| file.is_called(name))
 }
 
 /// The files as text, but those of a kit that are never loaded with its tables.

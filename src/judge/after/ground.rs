@@ -1,11 +1,12 @@
 //! Whether both measurements say anything about the same thing: one machine, errors and ranges in common.
 
 use super::measurement::{AfterMeasurement, StraightRuns};
-use crate::inputs::job::Job;
-use crate::judge::findings::joined;
+use crate::inputs::job::{Job, Linear, LinearSlope, MeasuredData};
+use crate::judge::findings::{AsLeft, joined};
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::diagonal::Volume;
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::grid::EDGE_MM;
 
@@ -27,6 +28,27 @@ pub(crate) fn ensure_same_machine(first: &Job, second: &Job) -> Result<(), Probl
         }
     }
     problems.or_ok(())
+}
+
+/// Stated slopes of the linear axes that are all those of the first job, to the last digit.
+pub(crate) fn same_slopes(first: &Job, second: &Job) -> Option<Finding> {
+    let stated = |job: &Job| match &job.measurement.data {
+        MeasuredData::Diagonals(measured) => measured.linear.clone(),
+        MeasuredData::Errors(_) => Vec::new(),
+    };
+    let (before, after) = (stated(first), stated(second));
+    let is_copy = |own: &Linear| match own.slope {
+        LinearSlope::Stated(slope) => {
+            slope.abs() > 0.0
+                && before
+                    .iter()
+                    .any(|b| (b.axis, &b.slope) == (own.axis, &own.slope))
+        }
+        LinearSlope::Errors(_) | LinearSlope::NotYet => false,
+    };
+    let axes: Vec<Axis> = after.iter().map(|linear| linear.axis).collect();
+    let are_copies = !after.is_empty() && after.iter().all(is_copy);
+    are_copies.then(|| AsLeft::SameSlopes { axes }.into())
 }
 
 /// What a job says of its machine: key, name, value.

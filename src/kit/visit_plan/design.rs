@@ -215,7 +215,7 @@ fn as_named(
     };
     let u_um_per_m = named.u_um_per_m.or(made.u_um_per_m);
     let (slope, table) = match &named.slope {
-        LinearSlope::Stated(_) => (LinearSlope::Stated(0.0), None),
+        LinearSlope::Stated(_) | LinearSlope::NotYet => (LinearSlope::Stated(0.0), None),
         LinearSlope::Errors(_) => (made.slope, Some(table)),
     };
     let linear = Linear {

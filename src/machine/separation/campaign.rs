@@ -130,6 +130,10 @@ fn linear_line(
         (LinearSlope::Errors(path), None) => {
             return Err(Problem::new(format!("`{path}` was not read")).into());
         }
+        (LinearSlope::NotYet, _) => {
+            let words = format!("the slope of axis {} is not stated", linear.axis);
+            return Err(Problem::new(words).help("state `slope_um_per_m`").into());
+        }
         (LinearSlope::Errors(_), Some(table)) => slope_over_box(volume, linear.axis, table)?,
     };
     Ok(Line {

@@ -3,7 +3,9 @@
 use crate::control::controller::ControlUnit;
 use crate::read::lexer::{Complaint, lines};
 use crate::read::program::blocks::Meaning::{self, *};
-use crate::read::program::blocks::{Cancelled::*, Code, Motion as Way, Vocabulary, refuse};
+use crate::read::program::blocks::{
+    Cancelled::*, Code, Motion as Way, Vocabulary, refuse, without_comments,
+};
 
 /// Its language (B-64484EN, G-code system of a machining centre).
 pub(in crate::read) const VOCABULARY: Vocabulary = Vocabulary {
@@ -67,20 +69,4 @@ fn blocks(text: &str) -> Result<Vec<Code>, Complaint> {
 fn is_number_of_program(code: &str) -> bool {
     let digits = code.strip_prefix('O').unwrap_or("");
     digits.len() == 4 && digits.bytes().all(|byte| byte.is_ascii_digit())
-}
-
-/// The line without its comments; `None` where their brackets do not match.
-fn without_comments(line: &str) -> Option<String> {
-    let mut code = String::new();
-    let mut inside = false;
-    for letter in line.chars() {
-        match (letter, inside) {
-            ('(', false) => inside = true,
-            (')', true) => inside = false,
-            ('(' | ')', _) => return None,
-            (_, true) => {}
-            (_, false) => code.push(letter),
-        }
-    }
-    (!inside).then_some(code)
 }

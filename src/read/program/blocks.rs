@@ -113,6 +113,22 @@ pub(in crate::read) struct Vocabulary {
     pub(in crate::read) blocks: fn(&str) -> Result<Vec<Code>, Complaint>,
 }
 
+/// A line without its comments in brackets; `None` where their brackets do not match.
+pub(in crate::read) fn without_comments(line: &str) -> Option<String> {
+    let mut code = String::new();
+    let mut inside = false;
+    for letter in line.chars() {
+        match (letter, inside) {
+            ('(', false) => inside = true,
+            (')', true) => inside = false,
+            ('(' | ')', _) => return None,
+            (_, true) => {}
+            (_, false) => code.push(letter),
+        }
+    }
+    (!inside).then_some(code)
+}
+
 /// What is wrong with a part of a program.
 pub(in crate::read) fn refuse(span: Range<usize>, message: impl Into<String>) -> Complaint {
     let help = "a template of your own may lay out the words, not add others (docs/program.md)";

@@ -6,21 +6,38 @@ use crate::text::problem::{Place, Problem, Problems, shown};
 use std::ops::Range;
 use toml::de::DeTable;
 
-/// Reads a TOML page: `read` takes what it knows from the root section and gives a value if it
-/// could; every problem is collected. The source comes back with the places of its keys.
-pub(crate) fn read_page<T>(
-    source: Source,
-    read: impl FnOnce(&Section<'_>) -> Option<T>,
-) -> Result<(T, Source), Problems> {
-    read_page_over(source, &[], |_, _| (), read)
+/// Whether a page states a key.
+pub(crate) fn states(source: &Source, key: &str) -> bool {
+    let (root, _) = DeTable::parse_recoverable(&source.text);
+    root.get_ref().contains_key(key)
 }
 
-/// The same for a page that builds on others, the nearest first: `lay_over` takes into a page what it
+/// Reads a TOML page: `read` takes what it knows from the root section and gives a value if it could;
+/// every problem is collected. The source comes back with the places of its keys. A key that `needs`
+/// refuses may be empty; it gets a dotted path, entries of a list without number.
+pub(crate) fn read_page_for<T>(
+    source: Source,
+    needs: impl Fn(&str) -> bool,
+    read: impl FnOnce(&Section<'_>) -> Option<T>,
+) -> Result<(T, Source), Problems> {
+    read_layers((source, &[]), |_, _| (), needs, read)
+}
+
+/// The same for a page all of whose keys are needed and that builds on others, the nearest first: `lay_over` takes into a page what it
 /// wants of the one below. The places below are those of a text in which one page follows the other.
 pub(crate) fn read_page_over<T>(
-    mut source: Source,
+    source: Source,
     below: &[&str],
     lay_over: for<'a> fn(&mut DeTable<'a>, DeTable<'a>),
+    read: impl FnOnce(&Section<'_>) -> Option<T>,
+) -> Result<(T, Source), Problems> {
+    read_layers((source, below), lay_over, |_| true, read)
+}
+
+fn read_layers<T>(
+    (mut source, below): (Source, &[&str]),
+    lay_over: for<'a> fn(&mut DeTable<'a>, DeTable<'a>),
+    needs: impl Fn(&str) -> bool,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
 ) -> Result<(T, Source), Problems> {
     refuse_large_page(&source.name, source.text.len())?;
@@ -46,7 +63,9 @@ pub(crate) fn read_page_over<T>(
     let spots = notes.spots.into_inner();
     let mut problems = notes.problems.into_inner();
     let mut empty = Vec::new();
-    empty_keys(root.get_ref(), &mut empty);
+    empty_keys(root.get_ref(), "", &mut empty);
+    empty.retain(|(key, _)| needs(key));
+    let empty = empty.into_iter().map(|(_, span)| span).collect();
     problems.extend(to_be_filled_in(&source, empty));
     match value {
         Some(value) if problems.is_empty() => {

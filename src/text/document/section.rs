@@ -451,15 +451,16 @@ fn is_empty(value: &DeValue<'_>) -> bool {
     value.as_str() == Some("")
 }
 
-/// Where the keys of a table stand that are to be filled in, those of its sections too.
-pub(super) fn empty_keys(table: &DeTable<'_>, found: &mut Vec<Range<usize>>) {
-    for value in table.values() {
+/// The keys of a table that are to be filled in, those of its sections too: dotted path, and where the value stands.
+pub(super) fn empty_keys(table: &DeTable<'_>, path: &str, found: &mut Vec<(String, Range<usize>)>) {
+    for (key, value) in table {
+        let path = joined(path, key.get_ref());
         let sections = value.get_ref().as_array().into_iter().flatten();
         let sections = sections
             .chain([value])
             .filter_map(|v| v.get_ref().as_table());
-        sections.for_each(|section| empty_keys(section, found));
-        found.extend(is_empty(value.get_ref()).then(|| value.span()));
+        sections.for_each(|section| empty_keys(section, &path, found));
+        found.extend(is_empty(value.get_ref()).then(|| (path, value.span())));
     }
 }
 

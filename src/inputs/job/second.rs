@@ -1,0 +1,34 @@
+//! A second job that states only in what it differs from the first: the TOML of one over that of the other.
+
+use toml::de::{DeTable, DeValue};
+
+/// Takes from the job below what a page does not state; a list is taken whole. Errors and readings exclude each
+/// other, so whoever states one takes nothing of the other.
+pub(super) fn lay_over<'a>(own: &mut DeTable<'a>, mut below: DeTable<'a>) {
+    if let Some(measured) = own.get("measurement").and_then(|m| m.get_ref().as_table())
+        && let Some(DeValue::Table(first)) = below.get_mut("measurement").map(|m| m.get_mut())
+    {
+        let others: &[&str] = match measured.contains_key("errors") {
+            true => &["readings", "step_diagonal"],
+            false if measured.contains_key("readings") => &["errors", "squareness_um_per_m"],
+            false => &[],
+        };
+        others.iter().for_each(|key| _ = first.remove(*key));
+    }
+    take_missing(own, below);
+}
+
+fn take_missing<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
+    for (key, value) in below {
+        let name: &str = key.get_ref();
+        match own.get_mut(name).map(toml::Spanned::get_mut) {
+            None => _ = own.insert(key, value),
+            Some(DeValue::Table(own)) => {
+                if let DeValue::Table(below) = value.into_inner() {
+                    take_missing(own, below);
+                }
+            }
+            Some(_) => {}
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! LinuxCNC: what was read out of it, against a job and against a kit.
+
+use crate::control::controller::{ControlUnit, LinuxcncFacts};
+use crate::control::table::Tables;
+use crate::control::table::linuxcnc::{CompTable, LinuxcncTables, Row};
+use crate::judge::active::{Found, Held, NamedBacklash, Others, ReadOutReader};
+use crate::judge::before::{Before, Old};
+use crate::judge::disagreement::Disagreements;
+use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
+use crate::judge::family::Family;
+use crate::judge::findings::InControl;
+use crate::quantity::axis::PerAxis;
+use crate::quantity::units::UM_PER_MM;
+use crate::read::Text;
+use crate::read::linuxcnc::{Contents, read};
+use crate::text::problem::Problems;
+
+impl Family for LinuxcncFacts {
+    fn read_out(
+        &self,
+        reading: &mut ReadOutReader<'_>,
+        texts: &[Text<'_>],
+    ) -> Result<Found, Problems> {
+        let texts: Vec<(&str, &str)> = texts
+            .iter()
+            .map(|(name, text)| (&**name, &**text))
+            .collect();
+        let mut found = read(&texts, self)?;
+        reading.findings.extend(found.not_named());
+        let held = Held::plain(Tables::Linuxcnc(found.tables.clone()));
+        check_homes(reading, &found);
+        take_others(reading, &mut found.tables);
+        Ok(Found {
+            backlash: PerAxis::from_fn(|axis| backlash(&reading.names[axis], reading, &found)),
+            tables: Tables::Linuxcnc(found.tables),
+            held,
+            unit: found.unit,
+        })
+    }
+
+    /// The kit writes files of its own, for joints of the job.
+    fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
+        Vec::new()
+    }
+
+    fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
+        let (old, new) = (own(old), own(new));
+        let stays = |table: &&CompTable| new.of_joint(table.joint).is_none();
+        let stays = old.joints.iter().filter(stays);
+        stays
+            .map(|table| format!("COMP_FILE of [{}]", table.name()))
+            .collect()
+    }
+
+    fn entries(
+        &self,
+        tables: &Tables,
+        _others: &Tables,
+        diagnosis: Option<&Disagreements>,
+    ) -> Entries {
+        let of_table = |table: &CompTable| {
+            let joint = table.joint.to_string();
+            let told = !diagnosis.is_some_and(|d| d.explains(&joint, &joint));
+            let name = table.name();
+            let entry = move |item, value| ((name.clone(), item), Entry::of(value, told, told));
+            let columns = Value::Text(table.columns.number().to_string());
+            let mut entries = vec![entry(Item::Name("COMP_FILE_TYPE".to_string()), columns)];
+            entries.extend((0_u32..).zip(&table.rows).map(|(index, row)| {
+                let Row {
+                    nominal,
+                    forward,
+                    reverse,
+                } = *row;
+                let numbers = [nominal, forward, reverse].map(Some).to_vec();
+                entry(Item::Point(index), Value::Numbers(numbers))
+            }));
+            entries
+        };
+        own(tables).joints.iter().flat_map(of_table).collect()
+    }
+
+    /// What the ini holds around the tables is compared where it is read.
+    fn surroundings(&self, _before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
+        (Vec::new(), Vec::new())
+    }
+
+    /// A kit overwrites no file of the machine: the ini file that was kept is the rollback.
+    fn old(&self, _before: &Before<'_>) -> Result<Old, Vec<String>> {
+        Err(vec!["the ini file of the machine".to_string()])
+    }
+}
+
+/// The tables of a memory; a memory of another family holds none.
+fn own(tables: &Tables) -> &LinuxcncTables {
+    const NONE: &LinuxcncTables = &LinuxcncTables { joints: Vec::new() };
+    match tables {
+        Tables::Linuxcnc(own) => own,
+        _ => NONE,
+    }
+}
+
+/// The unit of the files: what they say, else the job.
+fn unit(reading: &ReadOutReader<'_>, found: &Contents) -> ControlUnit {
+    found.unit.unwrap_or(reading.job.compensation.control_unit)
+}
+
+/// BACKLASH of each joint of an axis, µm, as it acts: not beside a table.
+fn backlash(names: &[String], reading: &ReadOutReader<'_>, found: &Contents) -> NamedBacklash {
+    let um_per_unit = unit(reading, found).in_mm() * UM_PER_MM;
+    let of_joint = |name: &String| {
+        let joint = found.joints.get(&name.parse().ok()?)?;
+        let is_ignored = joint.comp_file.is_some();
+        let acts = joint.backlash.filter(|_| !is_ignored).unwrap_or(0.0);
+        Some(acts * um_per_unit)
+    };
+    let named = names.iter().map(|name| (name.clone(), of_joint(name)));
+    named.collect()
+}
+
+/// Where homing sets the position, against the reference of the job: a table has to be zero there.
+fn check_homes(reading: &mut ReadOutReader<'_>, found: &Contents) {
+    const SAME_MM: f64 = 1e-3;
+    let unit = unit(reading, found);
+    for (joint, settings) in found
+        .joints
+        .iter()
+        .filter(|(_, joint)| joint.comp_file.is_some())
+    {
+        let axis = reading.axis(&joint.to_string());
+        let machine = axis.and_then(|axis| reading.job.machine.axes[axis]);
+        let (Some(machine), Some(position)) = (machine, settings.home_offset) else {
+            continue;
+        };
+        let own_mm = machine.reference.mm();
+        if (position * unit.in_mm() - own_mm).abs() > SAME_MM {
+            reading.tell(InControl::HomeOffset {
+                joint: *joint,
+                position,
+                unit: unit.word(),
+                own_mm,
+            });
+        }
+    }
+}
+
+/// Tables of joints that the job does not have.
+fn take_others(reading: &mut ReadOutReader<'_>, tables: &mut LinuxcncTables) {
+    let is_other = |table: &mut CompTable| !reading.has(&table.joint.to_string());
+    let others: Vec<CompTable> = tables
+        .joints
+        .extract_if(.., |table| is_other(table))
+        .collect();
+    for table in others {
+        let what = format!("the table of {}", table.name());
+        let axes = "a joint";
+        reading.tell(InControl::OfOthers { what, axes });
+    }
+}

@@ -1,0 +1,171 @@
+//! Reader of LinuxCNC: the ini file (or lines of it) and the tables that its `COMP_FILE` name.
+//!
+//! ```text
+//!   texts ─┬ with [SECTION] lines ── ini ──→ joints: COMP_FILE, COMP_FILE_TYPE, BACKLASH, HOME_OFFSET; unit
+//!          └ the others, by the name of a COMP_FILE ── comp ──→ rows
+//! ```
+//! A table says neither its joint nor its type nor its unit, so nothing is read without the ini. Written from
+//! the C source and the runs named in docs/linuxcnc.md §0; it knows nothing of the program's own templates.
+
+mod comp;
+pub mod control;
+mod ini;
+pub(super) mod program;
+
+pub(crate) use self::ini::Joint;
+
+use self::control::LinuxcncControl;
+use self::ini::Ini;
+use crate::control::control_state::ControlState;
+use crate::control::controller::{ControlUnit, LinuxcncFacts};
+use crate::control::table::Tables;
+use crate::control::table::linuxcnc::{Columns, CompTable, LinuxcncTables};
+use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::family::{Family, KitText, ReadBack, other_family};
+use crate::read::findings::ReadFinding;
+use crate::text::finding::Finding;
+use crate::text::problem::{Problem, Problems, shown};
+use std::collections::BTreeMap;
+
+impl Family for LinuxcncFacts {
+    fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
+        let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
+        let read = read(&texts, self)?;
+        let notes = read.not_named();
+        Ok(ReadBack {
+            notes,
+            ..Tables::Linuxcnc(read.tables).into()
+        })
+    }
+
+    fn control(
+        &self,
+        tables: &Tables,
+        state: &ControlState,
+    ) -> Result<Box<dyn Emulator>, CannotEmulate> {
+        let Tables::Linuxcnc(tables) = tables else {
+            return Err(other_family());
+        };
+        Ok(Box::new(LinuxcncControl::new(tables, self, state)?))
+    }
+
+    /// A joint has one table.
+    fn load(&self, held: &mut Tables, file: Tables) {
+        match (held, file) {
+            (Tables::Linuxcnc(held), Tables::Linuxcnc(file)) => {
+                let is_kept = |table: &CompTable| file.of_joint(table.joint).is_none();
+                held.joints.retain(is_kept);
+                held.joints.extend(file.joints);
+                held.joints.sort_by_key(|table| table.joint);
+            }
+            (held, file) => *held = file,
+        }
+    }
+
+    fn may_obey(&self, text: &str) -> bool {
+        ini::is_ini(text) || comp::begins_with_a_row(text)
+    }
+
+    /// The ini file of a machine has its kinematics, which lines for its joints do not.
+    fn is_whole(&self, text: &str) -> bool {
+        ini::sections(text).any(|section| section == "KINS" || section == "EMC")
+    }
+}
+
+/// What texts of a control hold.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Contents {
+    /// The tables that act.
+    pub(crate) tables: LinuxcncTables,
+    /// What the ini says of each joint.
+    pub(crate) joints: BTreeMap<u32, Joint>,
+    /// `[TRAJ]LINEAR_UNITS`.
+    pub(crate) unit: Option<ControlUnit>,
+    /// Files that nothing names.
+    unnamed: Vec<String>,
+}
+
+impl Contents {
+    /// What is to be told of files that do nothing.
+    pub(crate) fn not_named(&self) -> Vec<Finding> {
+        let files = self.unnamed.iter().map(|file| shown(file));
+        files
+            .map(|file| ReadFinding::NotNamed { file }.into())
+            .collect()
+    }
+}
+
+/// Reads the ini and the tables that it names; names and texts in any order.
+///
+/// **shape** tables ascending by joint · **unit** as in the files · **limits** refuses what the control does not
+/// do: a table that it stops reading before its end, a row that it drops, a file that is not there
+pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Contents, Problems> {
+    let (inis, others): (Vec<_>, Vec<_>) = texts.iter().partition(|(_, text)| ini::is_ini(text));
+    if inis.is_empty() {
+        return Err(no_ini(texts).into());
+    }
+    let mut problems = Problems::none();
+    let mut ini = Ini::default();
+    for (name, text) in inis {
+        problems.take(ini.add(name, text));
+    }
+    let mut tables = LinuxcncTables::default();
+    let mut named: Vec<&str> = Vec::new();
+    for (number, joint) in &ini.joints {
+        let Some(path) = joint.comp_file.as_deref() else {
+            continue;
+        };
+        match others
+            .iter()
+            .find(|(name, _)| file_name(name) == file_name(path))
+        {
+            None => problems.push(not_there(*number, path)),
+            Some((name, text)) => {
+                named.push(name);
+                let rows = problems.take(comp::rows(name, text, facts));
+                let columns = joint.columns.unwrap_or(Columns::Reached);
+                tables.joints.extend(rows.map(|rows| CompTable {
+                    joint: *number,
+                    columns,
+                    rows,
+                }));
+            }
+        }
+    }
+    let names = others.iter().map(|(name, _)| *name);
+    let unnamed = names.filter(|name| !named.contains(name));
+    problems.or_ok(Contents {
+        tables,
+        unnamed: unnamed.map(str::to_string).collect(),
+        joints: ini.joints,
+        unit: ini.unit,
+    })
+}
+
+/// The last part of a path.
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+fn no_ini(texts: &[(&str, &str)]) -> Problem {
+    let names: Vec<String> = texts
+        .iter()
+        .map(|(name, _)| format!("`{}`", shown(name)))
+        .collect();
+    Problem::new(format!(
+        "no ini file stands beside {}: a table says neither its joint nor its type nor its unit",
+        names.join(", ")
+    ))
+    .help("name the ini file of the machine, or the lines of the kit, together with the tables")
+}
+
+fn not_there(joint: u32, path: &str) -> Problem {
+    let path = shown(path);
+    Problem::new(format!(
+        "COMP_FILE of [JOINT_{joint}] names `{path}`, which is not there: LinuxCNC does not start without it"
+    ))
+    .help("name the file together with the ini file; behind the name of a COMP_FILE no comment may stand")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+//! A table of a joint: `nominal forward reverse`, one row for each line.
+//!
+//! LinuxCNC stops reading without a word at the first line that does not begin with three numbers, drops rows
+//! that do not ascend, and takes 256 (usrmotintf.cc, usrmotLoadComp). A file in which a row is lost so is
+//! refused at that place: nobody meant it.
+
+use crate::control::controller::LinuxcncFacts;
+use crate::control::table::linuxcnc::Row;
+use crate::read::lexer::{Complaint, Cursor, lines, located};
+use crate::text::problem::Problems;
+use std::ops::Range;
+
+/// LinuxCNC reads a line in pieces of this many characters.
+const LONGEST_LINE: usize = 253;
+
+/// Positions and values of a table lie below it, in mm or inch.
+const LONGEST: f64 = 1e6;
+
+/// The rows of a file.
+pub(super) fn rows(file: &str, text: &str, facts: &LinuxcncFacts) -> Result<Vec<Row>, Problems> {
+    let mut rows: Vec<Row> = Vec::new();
+    let mut stop: Option<Range<usize>> = None;
+    for span in lines(text) {
+        let row = row(text, &span);
+        let complaint = match (&stop, row) {
+            (None, None) => {
+                stop = Some(span);
+                continue;
+            }
+            (Some(_), None) => continue,
+            (Some(stop), Some(_)) => Some(stops(stop.clone())),
+            (None, Some(row)) => {
+                let complaint = wrong(&rows, row, &span, facts.rows.value);
+                rows.push(row);
+                complaint
+            }
+        };
+        if let Some(complaint) = complaint {
+            return Err(located(file, text, vec![complaint]));
+        }
+    }
+    match rows.is_empty() {
+        true => Err(located(file, text, vec![no_row(stop.unwrap_or(0..0))])),
+        false => Ok(rows),
+    }
+}
+
+/// Whether the first line is a row.
+pub(super) fn begins_with_a_row(text: &str) -> bool {
+    lines(text)
+        .next()
+        .is_some_and(|span| row(text, &span).is_some())
+}
+
+/// The three numbers that a line begins with.
+fn row(text: &str, span: &Range<usize>) -> Option<Row> {
+    let mut cursor = Cursor::new(text, span.clone(), &[' ', '\t']);
+    Some(Row {
+        nominal: number(&mut cursor)?,
+        forward: number(&mut cursor)?,
+        reverse: number(&mut cursor)?,
+    })
+}
+
+/// A number as `scanf` takes it; what stands behind it is left.
+fn number(cursor: &mut Cursor<'_>) -> Option<f64> {
+    cursor.peek_word();
+    let start = cursor.at;
+    cursor.eat("+-");
+    let whole = cursor.digits();
+    let point = cursor.peek() == Some('.');
+    cursor.at += usize::from(point);
+    if whole.is_empty() && cursor.digits().is_empty() {
+        return None;
+    }
+    cursor.digits();
+    let mantissa = cursor.at;
+    if cursor.take(|c| "eE".contains(c)).len() == 1 {
+        cursor.take(|c| "+-".contains(c));
+    }
+    if cursor.digits().is_empty() {
+        cursor.at = mantissa;
+    }
+    let number = cursor.text(start..cursor.at).parse::<f64>().ok()?;
+    Some(number + 0.0) // −0 is 0
+}
+
+/// What is wrong with a row behind those before it.
+fn wrong(before: &[Row], row: Row, span: &Range<usize>, most: u32) -> Option<Complaint> {
+    let is_length = |number: f64| number.abs() < LONGEST;
+    let complaint = |message: String, help: &str| Some(Complaint::new(span.clone(), message, help));
+    if span.len() > LONGEST_LINE {
+        let message = format!(
+            "a line of {} characters, LinuxCNC takes {LONGEST_LINE}",
+            span.len()
+        );
+        return complaint(message, "write three numbers in a line");
+    }
+    if ![row.nominal, row.forward, row.reverse]
+        .into_iter()
+        .all(is_length)
+    {
+        let message = "a number beyond every machine".to_string();
+        return complaint(message, "write positions and values in the machine unit");
+    }
+    let last = before.last().map(|last| last.nominal);
+    if let Some(last) = last.filter(|last| row.nominal <= *last) {
+        let message = format!(
+            "position {} does not lie above {last} of the row before: LinuxCNC drops the row",
+            row.nominal
+        );
+        return complaint(message, "rows ascend, each position once");
+    }
+    if before.len() >= most as usize {
+        let message = format!("a row behind the {most} that LinuxCNC takes: it runs without it");
+        return complaint(message, "use a larger spacing");
+    }
+    None
+}
+
+fn stops(span: Range<usize>) -> Complaint {
+    Complaint::new(
+        span,
+        "LinuxCNC stops reading here without a word: rows below this line do nothing",
+        "a table holds no comment, header or blank line",
+    )
+}
+
+fn no_row(span: Range<usize>) -> Complaint {
+    Complaint::new(
+        span,
+        "no row begins the file: LinuxCNC runs without this table, and says nothing",
+        "a table holds `nominal forward reverse` in each line and nothing else",
+    )
+}
