@@ -296,8 +296,16 @@ mod tests {
                 "a.json",
                 "{\"schema\":1,\"rows\":[\n{\"term\":\"EXX\",\"base_axis\":\"x\",\"output_axis\":\"x\",\"direction\":null,\"index\":0,\"position_mm\":0,\"deviation_um\":0,\"correction_um\":0,\"increment_um\":null}\n]}\n",
             ),
-            (Family::Linuxcnc, "a.comp", "0.000000 0.000000 0.000000\n100.000000 -0.002000 0.001000\n"),
-            (Family::Linuxcnc, "a.ini", "# A\n[JOINT_0]\nCOMP_FILE = a.comp\nCOMP_FILE_TYPE = 1\n"),
+            (
+                Family::Linuxcnc,
+                "a.comp",
+                "0.000000 0.000000 0.000000\n100.000000 -0.002000 0.001000\n",
+            ),
+            (
+                Family::Linuxcnc,
+                "a.ini",
+                "# A\n[JOINT_0]\nCOMP_FILE = a.comp\nCOMP_FILE_TYPE = 1\n",
+            ),
         ];
         for (family, name, text) in files {
             assert_eq!(judge(family, name, text.as_bytes()), Ok(()));

@@ -203,10 +203,7 @@ pub fn verify(input: &[u8]) -> Answer {
 }
 
 fn role(profile: &Profile, name: &str) -> Role {
-    let own = profile
-        .files
-        .iter()
-        .find(|file| file.is_called(name));
+    let own = profile.files.iter().find(|file| file.is_called(name));
     own.map_or(Role::Report, |file| file.role)
 }
 

@@ -16,7 +16,7 @@ use nonius::inputs::nc::{G43WithoutH, Language, Line, Mark, Refused, Setup, Text
 use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
-    KitFile,    fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
+    KitFile, fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
 use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;

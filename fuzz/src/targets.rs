@@ -118,11 +118,7 @@ pub fn all() -> Vec<Target> {
             readers::fanuc,
             f.files(|name| name.ends_with(".TXT")),
         ),
-        read(
-            "linuxcnc",
-            readers::linuxcnc,
-            f.bundles(|name| name.ends_with(".comp")),
-        ),
+        read("linuxcnc", readers::linuxcnc, f.kits_with(".comp")),
         read(
             "generic-csv",
             readers::generic_table,
@@ -203,6 +199,18 @@ impl Fixtures {
         files.sort();
         files.dedup();
         files
+    }
+
+    /// The files of a control alone, of the kits that have one with this ending.
+    fn kits_with(&self, ending: &str) -> Vec<Vec<u8>> {
+        let has = |bundle: &&Bundle| bundle.0.iter().any(|(name, _)| name.ends_with(ending));
+        let of_control =
+            |(name, _): &&(String, Vec<u8>)| name.ends_with(ending) || name.ends_with(".ini");
+        let alone = |bundle: &Bundle| {
+            let files = bundle.0.iter().filter(of_control).cloned();
+            Bundle(files.collect()).bytes()
+        };
+        self.kits.iter().filter(has).map(alone).collect()
     }
 
     fn bundles(&self, is: impl Fn(&str) -> bool) -> Vec<Vec<u8>> {
