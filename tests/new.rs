@@ -37,7 +37,12 @@ fn value_of(key: &str, axis: usize, is_siemens: bool) -> String {
 }
 
 /// Keys that nobody knows before the measurement.
-const MEASURED: [&str; 3] = ["date", "active_while_measuring", "slope_um_per_m"];
+const MEASURED: [&str; 4] = [
+    "date",
+    "active_while_measuring",
+    "active_backlash_um",
+    "slope_um_per_m",
+];
 
 /// Fills in the `""` of a job but those of `later`, and changes nothing else.
 fn fill_in_job(job: &Path, is_siemens: bool, slopes: [f64; 3], later: &[&str]) {
@@ -305,7 +310,7 @@ fn before(at: &Path, id: &str, is_siemens: bool) {
     }
     let refused = done(at, "separate visit/job.toml", &[2]);
     for line in [
-        "5 keys are empty",
+        "keys are empty, expected a value of each",
         "slope_um_per_m",
         "active_while_measuring",
     ] {

@@ -57,9 +57,10 @@ impl UseOf {
 }
 
 /// Keys of which nobody knows the value before the measurement.
-const MEASURED: [&str; 3] = [
+const MEASURED: [&str; 4] = [
     "measurement.date",
     "measurement.active_while_measuring",
+    "measurement.active_backlash_um",
     "measurement.step_diagonal.linear.slope_um_per_m",
 ];
 

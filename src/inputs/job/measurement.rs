@@ -196,7 +196,7 @@ fn active_settings(section: &Section<'_>, active: &ActiveTables) -> ActiveSettin
     let path = "`active_while_measuring = \"PATH\"`";
     section.only_with("active_terms_not_measured", is_named, path);
     section.only_with("active_reference", is_named, path);
-    let is_stated = *active != ActiveTables::NotStated;
+    let is_stated = section.has("active_while_measuring"); // or is to be filled in
     let none = "`active_while_measuring = …`";
     section.only_with("active_backlash_um", is_stated, none);
     let words = [("keep", NotMeasured::Keep), ("drop", NotMeasured::Drop)];
