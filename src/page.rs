@@ -4,9 +4,11 @@
 //!   results of machine, judge, volume ─→ curves, diagonals, vectors … ─→ Picture ─→ svg
 //! ```
 //! A picture holds numbers in their units and no drawing: `svg` decides the length of a tick and the place of a
-//! label. Text remains text, and the colours can be distinguished in grey.
+//! label. Text remains text, and the colours can be distinguished in grey. Words and units of a picture are those of a
+//! `Locale`: of the page that it stands on, or English and mm in a file of its own.
 
 mod curves;
+mod locale;
 mod path;
 pub mod picture;
 mod report;
@@ -17,9 +19,10 @@ mod texts;
 mod volume;
 
 pub use curves::{Curves, separated, terms};
+pub use locale::{Locale, Shown};
 pub use path::{HoleErrors, Trace, path};
 pub use picture::{Ink, Picture};
-pub use report::{Report, Shown, Visit, linear_document};
+pub use report::{Report, Visit, linear_document};
 pub use scale::bin_um;
 pub use targets::targets;
 pub use texts::Texts;

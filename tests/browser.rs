@@ -41,6 +41,8 @@ fn reports(folder: &Path) -> Vec<PathBuf> {
         readings,
         "--language",
         "de",
+        "--unit",
+        "inch",
         "-o",
         &place("german.html"),
     ]);

@@ -6,6 +6,7 @@
 )]
 
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -157,7 +158,7 @@ fn without_tables_it_shows_the_machine_as_found() {
         "As left",
         "PASS",
         "Tables of the control",
-        "How to undo",
+        "Rollback",
     ] {
         assert!(!english.contains(word), "{word}");
     }
@@ -259,6 +260,7 @@ fn runs_of_an_axis_are_shown_by_standard() {
     ];
     check_documents(&found, &documents, 40);
     assert!(found.contains("standards:2 /iso_230_2/A_um"));
+    assert!(found.contains("the travel is not stated") && !found.contains("--travel-mm"));
     let output = nonius(&[
         "report",
         job,
@@ -384,7 +386,7 @@ fn nothing_is_called_complete_that_is_not_known() {
     assert!(page(&[job, "--tables", tables]).contains(complete));
     std::fs::remove_file(kit.join("manifest.json")).expect("a manifest");
     let page = page(&[job, "--tables", tables]);
-    assert!(!page.contains(complete) && !page.contains("No file of this kit switches"));
+    assert!(!page.contains(complete) && !page.contains("No file of this kit disables"));
     assert!(page.contains("has no manifest.json"));
     assert!(
         page.contains("U is not stated and counted as 0"),
@@ -424,6 +426,103 @@ fn inches_are_shown_and_the_document_stays_in_micrometres() {
         "{shown} for {number} µm"
     );
     assert!(page.contains("µin"));
+}
+
+/// What stands in the pictures of a page, and what a reader who cannot see them is told.
+fn drawn(page: &str) -> Vec<String> {
+    let pictures = page.split("<svg ").skip(1);
+    let pictures = pictures.map(|rest| rest.split("</svg>").next().expect("a picture"));
+    let texts = pictures.flat_map(|picture| {
+        let texts = picture.split('<').filter_map(|rest| {
+            let (tag, words) = rest.split_once('>')?;
+            let tag = tag.split(' ').next()?;
+            ["text", "title", "desc"].contains(&tag).then_some(words)
+        });
+        let label = picture.split("aria-label=\"").nth(1);
+        texts.chain(label.and_then(|rest| rest.split('"').next()))
+    });
+    texts.map(str::to_string).collect()
+}
+
+/// Pictures of every kind that stands on a page: curves with tables and as left, runs, diagonals, volume.
+fn pages_with_pictures(folder: &Path, options: &[&str]) -> String {
+    let job = "fixtures/nine_errors_900/siemens-840d-sl.toml";
+    let kit = kit(folder, job);
+    let tables = kit.to_str().expect("a name");
+    let after = folder.join("after.csv");
+    let after = after.to_str().expect("a name");
+    nonius(&["simulate", job, "--tables", tables, "--errors", "-o", after]);
+    let runs = "fixtures/standards/x_axis.csv";
+    let left = [job, "--tables", tables, "--after", after, "--linear", runs];
+    let readings = ["fixtures/start/readings/job.toml"];
+    let found = ["fixtures/machine_h/job.toml"];
+    let pages = [&left[..], &readings, &found];
+    pages.map(|of| page(&[of, options].concat())).concat()
+}
+
+/// Words of four letters or more, as they are written.
+fn words(texts: &[String]) -> BTreeSet<&str> {
+    let words = texts
+        .iter()
+        .flat_map(|text| text.split(|c: char| !c.is_alphabetic()));
+    words.filter(|word| word.chars().count() > 3).collect()
+}
+
+#[test]
+fn pictures_speak_the_language_of_their_page() {
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let drawn_in = |language| {
+        let folder = folder.path().join(language);
+        drawn(&pages_with_pictures(&folder, &["--language", language]))
+    };
+    let english = drawn_in("en");
+    let english_words = words(&english);
+    assert!(english_words.len() > 40, "{english:?}");
+    // Names of machines, controls and files.
+    let names = ["golden", "SINUMERIK", "Siemens", "axis", "machine"];
+    for language in ["de", "zh"] {
+        let texts = drawn_in(language);
+        assert_eq!(texts.len(), english.len(), "{language}");
+        let own = words(&texts);
+        let left = own.intersection(&english_words).copied();
+        let left: Vec<&str> = left.filter(|word| !names.contains(word)).collect();
+        assert!(left.is_empty(), "{language}: {left:?}");
+        assert!(texts.iter().all(|text| !text.contains('{')), "{texts:?}");
+    }
+    let german = drawn_in("de");
+    let point = |text: &&String| {
+        let digits = text.as_bytes().windows(3);
+        let is_point = |w: &[u8]| w[0].is_ascii_digit() && w[1] == b'.' && w[2].is_ascii_digit();
+        digits.map(is_point).any(|is_point| is_point)
+    };
+    assert_eq!(german.iter().find(point), None, "a decimal point");
+    let arrow = "vorgefunden, längster Pfeil 36,851 µm";
+    assert!(german.iter().any(|text| text == arrow), "{german:?}");
+}
+
+/// 900 mm are 35.43 in: 10 in lie at 254/900 of the axis; EXX ends at 18 µm = 708.66 µin on a scale of ±1000 µin.
+#[test]
+fn pictures_of_a_page_in_inches_are_in_inches() {
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let page = pages_with_pictures(folder.path(), &["--unit", "inch"]);
+    let texts = drawn(&page);
+    let metric = texts.iter().find(|text| {
+        let units = text.split([' ', ',', ';']);
+        units.into_iter().any(|unit| unit == "mm" || unit == "µm")
+    });
+    assert_eq!(metric, None);
+    for label in ["X / in", "µin", "difference / µin", "target / in"] {
+        assert!(texts.iter().any(|text| text == label), "{label}");
+    }
+    let (left, width, top, height) = (46.0, 224.0, 70.0, 122.0);
+    let ten = left + width * 254.0 / 900.0;
+    assert!(page.contains(&format!(
+        "<text class=\"m\" x=\"{ten:.2}\" y=\"205\">10</text>"
+    )));
+    let end = top + height * (1.0 - (18.0 / 0.0254 + 1000.0) / 2000.0);
+    let found = page.split("<path class=\"found line\" d=\"").nth(2);
+    let found = found.and_then(|rest| rest.split('"').next()).expect("EXX");
+    assert!(found.ends_with(&format!("L270,{end:.2}")), "{end}: {found}");
 }
 
 #[test]

@@ -98,7 +98,9 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let page = page(options)?;
     let (screen, document) = (|| text::screen(&page), || document(&page));
     let outcome = options.print.outcome(screen, document)?;
-    options.plot.beside(outcome, || Ok(page.picture()))
+    options
+        .plot
+        .beside(outcome, |locale| Ok(page.picture(locale)))
 }
 
 fn page(options: &Options) -> Result<Page, Problems> {

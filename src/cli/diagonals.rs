@@ -9,7 +9,7 @@ use crate::machine::standards::iso_230_2::{AxisFigures, figures};
 use crate::machine::standards::{
     DiagonalFigures, DiagonalMotion, Diagonals, diagonal, diagonal_of_unknown_length,
 };
-use crate::page::{Picture, targets};
+use crate::page::{Locale, Picture, targets};
 use crate::quantity::axis::Direction;
 use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
 use crate::text::problem::Problem;
@@ -68,14 +68,14 @@ impl StandardFigures {
     }
 
     /// Means and bands along each diagonal, with words for its length.
-    pub(super) fn picture(&self, heading: &str, across: &str) -> Picture {
+    pub(super) fn picture(&self, locale: Locale<'_>, heading: &str, across: &str) -> Picture {
         let each = self
             .runs
             .iter()
             .map(|(name, runs)| (name.to_string(), figures(runs)));
         let each: Vec<_> = each.collect();
         let named: Vec<_> = each.iter().map(|(name, of)| (name.clone(), of)).collect();
-        targets(heading, across, &named)
+        targets(locale, heading, across, &named)
     }
 
     /// Every figure of a diagonal by its name in the standards.

@@ -10,7 +10,7 @@ use crate::control::controller::Role;
 use crate::judge::conformity::Verdict;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::{Inputs, Kit, cannot_emulate, emulator, generate, remarks};
-use crate::page::{Curves, Picture, terms};
+use crate::page::{Curves, Locale, Picture, terms};
 use crate::text::problem::Problems;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -48,12 +48,12 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         next_steps,
     )?;
     let outcome = outcome.answering(kit.verdict == Verdict::Pass);
-    let picture = || picture(&inputs, &kit);
+    let picture = |locale: Locale<'_>| picture(locale, &inputs, &kit);
     options.plot.beside(outcome, options.output.force, picture)
 }
 
 /// The nine errors as found and as forecast.
-fn picture(inputs: &Inputs, kit: &Kit) -> Result<Picture, Problems> {
+fn picture(locale: Locale<'_>, inputs: &Inputs, kit: &Kit) -> Result<Picture, Problems> {
     let (tables, state) = (&kit.compiled.tables, &kit.compiled.state);
     let control = emulator(&inputs.profile, tables, state).map_err(|e| cannot_emulate(&e))?;
     let curves = Curves {
@@ -63,10 +63,12 @@ fn picture(inputs: &Inputs, kit: &Kit) -> Result<Picture, Problems> {
         limit_um: inputs.job.acceptance.max_deviation_um,
     };
     let heading = format!(
-        "{}: nine errors, {}",
-        inputs.job.machine.name, inputs.profile.name
+        "{}: {}, {}",
+        inputs.job.machine.name,
+        locale.words("nine_errors"),
+        inputs.profile.name
     );
-    terms(&heading, &curves).map_err(|e| cannot_emulate(&e))
+    terms(locale, &heading, &curves).map_err(|e| cannot_emulate(&e))
 }
 
 fn screen(inputs: &Inputs, kit: &Kit) -> Screen {

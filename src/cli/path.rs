@@ -54,7 +54,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let outcome = output.deliver(content, || page.screen(), || page.document(), &next)?;
     options
         .plot
-        .beside(outcome, output.force, || Ok(page.picture()))
+        .beside(outcome, output.force, |_| Ok(page.picture()))
 }
 
 /// The page, and the samples where a file of them is asked for.

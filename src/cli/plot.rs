@@ -1,8 +1,8 @@
-//! `--plot FILE`: what a command found, as a picture.
+//! `--plot FILE`: what a command found, as a picture: in English, mm and µm.
 
 use crate::cli::outcome::Outcome;
 use crate::cli::write;
-use crate::page::Picture;
+use crate::page::{Locale, Picture, Shown, Texts};
 use crate::text::problem::Problems;
 use clap::Args;
 use std::path::PathBuf;
@@ -31,13 +31,18 @@ impl Plot {
         &self,
         outcome: Outcome,
         force: bool,
-        picture: impl FnOnce() -> Result<Picture, Problems>,
+        picture: impl FnOnce(Locale<'_>) -> Result<Picture, Problems>,
     ) -> Result<Outcome, Problems> {
         let Some(place) = &self.plot else {
             return Ok(outcome);
         };
         write::ensure_new(place, force)?;
-        let bytes = picture()?.svg().into_bytes();
+        let texts = Texts::english()?;
+        let locale = Locale {
+            texts: &texts,
+            shown: Shown::Metric,
+        };
+        let bytes = picture(locale)?.svg(locale).into_bytes();
         Ok(outcome.writing(write::write_file(place, &bytes, force)?))
     }
 }
@@ -47,7 +52,7 @@ impl PlotOnly {
     pub(super) fn beside(
         &self,
         outcome: Outcome,
-        picture: impl FnOnce() -> Result<Picture, Problems>,
+        picture: impl FnOnce(Locale<'_>) -> Result<Picture, Problems>,
     ) -> Result<Outcome, Problems> {
         self.plot.beside(outcome, self.force, picture)
     }

@@ -15,7 +15,7 @@ use crate::kit::manifest::MANIFEST;
 use crate::kit::{Inputs, cannot_emulate, generate, hashed, verify};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
-use crate::page::{Curves, Report, Shown, Texts, Visit, linear_document, terms};
+use crate::page::{Curves, Locale, Report, Shown, Texts, Visit, linear_document, terms};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use clap::{Args, ValueEnum};
@@ -66,17 +66,20 @@ enum Unit {
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     options.output.ensure_new("the report")?;
-    let mut visit = visit(options)?;
-    for file in &options.linear {
-        visit.add_linear(file)?;
-    }
     let texts = texts(&options.language)?;
-    let report = Report {
+    let locale = Locale {
         texts: &texts,
         shown: match options.unit {
             Unit::Mm => Shown::Metric,
             Unit::Inch => Shown::Inch,
         },
+    };
+    let mut visit = visit(options, locale)?;
+    for file in &options.linear {
+        visit.add_linear(locale, file)?;
+    }
+    let report = Report {
+        locale,
         logo: options.logo.as_deref().map(logo).transpose()?,
         template: options.template.as_deref().map(own_template).transpose()?,
         visit: &visit,
@@ -104,18 +107,18 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
 const AS_FOUND: &str = "as-found";
 
 /// With the tables of a directory or of the job; as found where neither are there.
-fn visit(options: &Options) -> Result<Visit, Problems> {
+fn visit(options: &Options, locale: Locale<'_>) -> Result<Visit, Problems> {
     let (name, bytes) = read_argument(&options.job)?;
     let without_tables = options.tables.is_none();
     if without_tables && FileKind::of(&name, &bytes) == FileKind::Table {
-        return of_table(&options.job, &name, &bytes);
+        return of_table(locale, &options.job, &name, &bytes);
     }
     let is_found = without_tables && !states_tables(options, &name, &bytes)?;
     let use_of = UseOf::with(!is_found);
     let (inputs, _) = inputs::read_job(&options.job, &name, &bytes, use_of)?;
     match is_found {
-        true => of_job(&inputs),
-        false => with_tables(options, &inputs),
+        true => of_job(locale, &inputs),
+        false => with_tables(options, locale, &inputs),
     }
 }
 
@@ -127,28 +130,28 @@ fn states_tables(options: &Options, name: &str, bytes: &[u8]) -> Result<bool, Pr
 }
 
 /// An error table alone, as found.
-fn of_table(path: &Path, name: &str, bytes: &[u8]) -> Result<Visit, Problems> {
+fn of_table(locale: Locale<'_>, path: &Path, name: &str, bytes: &[u8]) -> Result<Visit, Problems> {
     let (mut job, model, page) = assess::of_table_for_report(name, bytes)?;
     job.machine.name.clear();
-    let mut visit = Visit::found(&job, &model, Machine::alone(&model), &page)?;
+    let mut visit = Visit::found(locale, &job, &model, Machine::alone(&model), &page)?;
     visit.inputs = vec![hashed(&file_name(path), bytes)];
     Ok(visit)
 }
 
 /// The measurement of a job without tables, as found.
-fn of_job(inputs: &Inputs) -> Result<Visit, Problems> {
+fn of_job(locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
     let page = assess::for_report(inputs, &AskedTables::NONE)?;
     let model = inputs.as_measured();
-    let mut visit = Visit::found(&inputs.job, model, inputs.machine(), &page)?;
+    let mut visit = Visit::found(locale, &inputs.job, model, inputs.machine(), &page)?;
     let is_stated = inputs.job.source.place_of("compensation.controller");
     visit.control = is_stated.map_or_else(String::new, |_| inputs.profile.name.clone());
     visit.inputs.clone_from(&inputs.hashes);
-    add_readings(&mut visit, inputs)?;
+    add_readings(&mut visit, locale, inputs)?;
     Ok(visit)
 }
 
 /// The tables of a directory, or those that `generate` would write.
-fn with_tables(options: &Options, inputs: &Inputs) -> Result<Visit, Problems> {
+fn with_tables(options: &Options, locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
     let mut visit = Visit::of(&inputs.job);
     let judged = judged(&mut visit, options, inputs)?;
     let page = judged.page(inputs)?;
@@ -162,12 +165,12 @@ fn with_tables(options: &Options, inputs: &Inputs) -> Result<Visit, Problems> {
     visit
         .documents
         .push(("verify".to_string(), json_of(&page.document())?));
-    visit.pictures.push(("curves", page.picture()?));
+    visit.pictures.push(("curves", page.picture(locale)?));
     match assess::for_report(inputs, &AskedTables::of(options.tables.as_deref())) {
-        Ok(page) => add_volume(&mut visit, &page)?,
+        Ok(page) => add_volume(&mut visit, locale, &page)?,
         Err(problems) => visit.without_volume = problems.iter().map(words).collect(),
     }
-    add_readings(&mut visit, inputs)?;
+    add_readings(&mut visit, locale, inputs)?;
     Ok(visit)
 }
 
@@ -180,6 +183,7 @@ fn words(problem: &Problem) -> String {
 impl Visit {
     /// The machine as found.
     fn found(
+        locale: Locale<'_>,
         job: &Job,
         model: &ErrorModel,
         machine: Machine<'_>,
@@ -197,17 +201,17 @@ impl Visit {
             as_left: None,
             limit_um: job.acceptance.max_deviation_um,
         };
-        let heading = format!("{}: nine errors as found", page.name);
-        let curves = terms(&heading, &curves).map_err(|reason| cannot_emulate(&reason))?;
+        let heading = format!("{}: {}", page.name, locale.words("nine_errors_found"));
+        let curves = terms(locale, &heading, &curves).map_err(|reason| cannot_emulate(&reason))?;
         visit.pictures.push(("curves", curves));
-        add_volume(&mut visit, page)?;
+        add_volume(&mut visit, locale, page)?;
         Ok(visit)
     }
 
     /// Runs of one axis by standard.
-    fn add_linear(&mut self, file: &Path) -> Result<(), Problems> {
+    fn add_linear(&mut self, locale: Locale<'_>, file: &Path) -> Result<(), Problems> {
         let (name, bytes) = read_argument(file)?;
-        let (document, picture) = standards::of_axis(&name, &bytes)?;
+        let (document, picture) = standards::of_axis(locale, &name, &bytes)?;
         self.linear.push(file_name(file));
         let name = linear_document(self.linear.len());
         self.documents.push((name, json_of(&document)?));
@@ -255,14 +259,14 @@ fn sizes(directory: &Path, manifest: &Value) -> Vec<(String, usize)> {
     files.filter_map(size).collect()
 }
 
-fn add_volume(visit: &mut Visit, page: &assess::Page) -> Result<(), Problems> {
+fn add_volume(visit: &mut Visit, locale: Locale<'_>, page: &assess::Page) -> Result<(), Problems> {
     let document = json_of(&assess::document(page))?;
     visit.documents.push(("assess".to_string(), document));
-    visit.pictures.push(("volume", page.picture()));
+    visit.pictures.push(("volume", page.picture(locale)));
     Ok(())
 }
 
-fn add_readings(visit: &mut Visit, inputs: &Inputs) -> Result<(), Problems> {
+fn add_readings(visit: &mut Visit, locale: Locale<'_>, inputs: &Inputs) -> Result<(), Problems> {
     let ErrorSource::Separated {
         separation,
         readings,
@@ -271,7 +275,7 @@ fn add_readings(visit: &mut Visit, inputs: &Inputs) -> Result<(), Problems> {
     else {
         return Ok(());
     };
-    let (document, picture) = standards::of_separation(readings, separation)?;
+    let (document, picture) = standards::of_separation(locale, readings, separation)?;
     let document = json_of(&document)?;
     visit.documents.push(("standards".to_string(), document));
     visit.pictures.push(("readings", picture));

@@ -14,7 +14,7 @@ use crate::machine::separation::Separation;
 use crate::machine::separation::monte_carlo::{Quantity, Simulated, Trials, simulate};
 use crate::machine::separation::readings::run_counts;
 use crate::machine::separation::uncertainty::Budget;
-use crate::page::separated;
+use crate::page::{Locale, separated};
 use crate::quantity::diagonal::PathKind;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
@@ -70,8 +70,11 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let outcome = output.deliver(csv, || screen, || document, "")?;
     // No, where an error is not determined or something contradicts the result.
     let outcome = outcome.answering(separation.stands());
-    let heading = format!("{}: nine errors, separated", campaign.job.machine.name);
-    let picture = || Ok(separated(&heading, &separation));
+    let picture = |locale: Locale<'_>| {
+        let words = locale.words("nine_errors_separated");
+        let heading = format!("{}: {words}", campaign.job.machine.name);
+        Ok(separated(locale, &heading, &separation))
+    };
     options.plot.beside(outcome, output.force, picture)
 }
 

@@ -14,7 +14,7 @@ use crate::inputs::import::{Measurement, encoding_word, measured_runs};
 use crate::inputs::kind::FileKind;
 use crate::inputs::target_runs::{Runs, Stated, Values};
 use crate::kit::sha256;
-use crate::page::Picture;
+use crate::page::{Locale, Picture};
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::LengthUnit;
 use crate::text::document::Source;
@@ -98,7 +98,11 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
 }
 
 /// The document and the picture of runs of one axis, which say by themselves what they hold.
-pub(super) fn of_axis(name: &str, bytes: &[u8]) -> Result<(Value, Picture), Problems> {
+pub(super) fn of_axis(
+    locale: Locale<'_>,
+    name: &str,
+    bytes: &[u8],
+) -> Result<(Value, Picture), Problems> {
     let kind = FileKind::of(name, bytes);
     if kind != FileKind::Table {
         let words = format!(
@@ -116,7 +120,7 @@ pub(super) fn of_axis(name: &str, bytes: &[u8]) -> Result<(Value, Picture), Prob
     let runs = Runs::read(&Source::from_bytes(name, bytes)?, stated)?;
     let name = file_name(Path::new(name));
     let page = Page::of(&name, &runs, None, Vec::new())?;
-    Ok((page.document(), page.picture()))
+    Ok((page.document(), page.picture(locale)))
 }
 
 impl Options {
@@ -163,6 +167,6 @@ impl Options {
     fn axis(&self, name: &str, runs: &Runs, notes: Vec<Finding>) -> Result<Outcome, Problems> {
         let page = Page::of(name, runs, self.travel_mm, notes)?;
         let outcome = self.print.outcome(|| page.screen(), || page.document())?;
-        self.plot.beside(outcome, || Ok(page.picture()))
+        self.plot.beside(outcome, |locale| Ok(page.picture(locale)))
     }
 }

@@ -46,7 +46,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         .print
         .outcome(|| page.screen(), || page.document())?;
     let outcome = outcome.answering(page.verdict() == Verdict::Pass);
-    options.plot.beside(outcome, || page.picture())
+    options.plot.beside(outcome, |locale| page.picture(locale))
 }
 
 /// Tables, and a measurement with them active.

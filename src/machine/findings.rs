@@ -20,7 +20,7 @@ findings! {
         OneWay { way: &'static str } => Note, "not measured moving {way}: B, M and every figure of both directions are absent";
         OneRun { way: &'static str } => Note, "one run moving {way}: s, R and A are absent, they need two runs or more";
         LongAxis => Note, "above 2 m the standard reports E, B and M only; R and A are not according to it";
-        TravelNotStated { measured: String } => Note, "the travel is not stated: the conditions are judged on the {measured} from the first to the last target; state it with `--travel-mm`";
+        TravelNotStated { measured: String } => Note, "the travel is not stated: the conditions are judged on the {measured} from the first to the last target";
         UpIsForward => Note, "up = the forward run, in the direction of the diagonal's name";
         ReverseNames => Note, "runs under the names of reverse runs (NNN …) are left out: their offset to the forward runs is not known";
         NoJob => Note, "no job: the readings are taken to be positive along the forward run (`laser_sign = \"+\"`), and nothing is corrected; give the job instead of the readings if that is not so";

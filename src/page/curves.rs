@@ -1,7 +1,7 @@
 //! The nine errors as curves: as found, as forecast, as left, at one scale.
 
+use super::locale::Locale;
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
-use super::scale::around;
 use crate::judge::forecast::Machine;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::Separation;
@@ -36,14 +36,18 @@ const K: f64 = 2.0;
 /// Nine panels, a row for each direction of the error and a column for each moving axis; µm against
 /// mm, zero at the reference. Both directions of travel are drawn where both are known. A band is
 /// ±2 u of the measured values of its direction, about each curve of the last stage.
-pub fn terms(heading: &str, curves: &Curves<'_>) -> Result<Picture, CannotEmulate> {
+pub fn terms(
+    locale: Locale<'_>,
+    heading: &str,
+    curves: &Curves<'_>,
+) -> Result<Picture, CannotEmulate> {
     let mut panels = Vec::new();
     for (of, along) in ErrorTerm::ALL.map(|term| (term.of, term.along)) {
         let term = ErrorTerm { of, along };
         panels.push(curves.marks(term)?.map(|marks| (term, marks)));
     }
     let numbers = panels.iter().flatten().flat_map(|(_, marks)| marks);
-    let um = around(numbers.flat_map(Mark::heights));
+    let um = locale.around(numbers.flat_map(Mark::heights));
     let panels = panels.into_iter().map(|known| {
         let (term, mut marks) = known?;
         let limits = curves
@@ -52,7 +56,7 @@ pub fn terms(heading: &str, curves: &Curves<'_>) -> Result<Picture, CannotEmulat
             .flat_map(|limit| [limit, -limit]);
         let within = limits.filter(|at| (um.0..=um.1).contains(at));
         marks.extend(within.map(|at| Mark::Level(Ink::Limit, at)));
-        Some(panel(term, marks, um, curves.range(term)))
+        Some(panel(locale, term, marks, um, curves.range(term)))
     });
     let mut panels: Vec<Option<Panel>> = panels.collect();
     // A few errors stand in one row, without the empty places of the others.
@@ -61,25 +65,19 @@ pub fn terms(heading: &str, curves: &Curves<'_>) -> Result<Picture, CannotEmulat
     }
     Ok(Picture {
         title: heading.to_string(),
-        description: format!(
-            "The measured errors of each axis against its position, all at one scale from {} to {} µm.",
-            um.0, um.1
-        ),
+        description: locale.between("curves_alt", um),
         columns: COLUMNS,
         panels,
-        note: format!(
-            "µm against mm, zero at the reference; band: ±2 u, where u is stated{}",
-            match curves.loaded {
-                Some(_) => "; short strokes: points of the table",
-                None => "",
-            }
-        ),
+        note: locale.words(match curves.loaded {
+            Some(_) => "curves_note_tables",
+            None => "curves_note",
+        }),
     })
 }
 
 /// The nine errors as the readings of the diagonals give them, zero at the low end of each axis, with
 /// bands of U (95 %) where it is known; both directions where they stand apart.
-pub fn separated(heading: &str, separation: &Separation) -> Picture {
+pub fn separated(locale: Locale<'_>, heading: &str, separation: &Separation) -> Picture {
     let marks = ErrorTerm::ALL.map(|term| {
         let positions = separation.volume.positions(term.along);
         let mm: Vec<f64> = positions.iter().map(|at| at.mm()).collect();
@@ -107,37 +105,41 @@ pub fn separated(heading: &str, separation: &Separation) -> Picture {
         let marks: Vec<Mark> = found.flatten().collect();
         (term, mm, marks)
     });
-    let um = around(
+    let um = locale.around(
         marks
             .iter()
             .flat_map(|(.., marks)| marks.iter().flat_map(Mark::heights)),
     );
     let panels = marks.into_iter().map(|(term, mm, marks)| {
         let ends = (mm.first().copied()?, mm.last().copied()?);
-        (!marks.is_empty()).then(|| panel(term, marks, um, ends))
+        (!marks.is_empty()).then(|| panel(locale, term, marks, um, ends))
     });
     Picture {
         title: heading.to_string(),
-        description: format!(
-            "The nine errors of the machine, all at one scale from {} to {} µm.",
-            um.0, um.1
-        ),
+        description: locale.between("separated_alt", um),
         columns: 3,
         panels: panels.collect(),
-        note: "µm against mm, zero at the low end of each axis; band: U (95 %), where it is known"
-            .to_string(),
+        note: locale.words("separated_note"),
     }
 }
 
-fn panel(term: ErrorTerm, marks: Vec<Mark>, um: (f64, f64), (from, to): (f64, f64)) -> Panel {
+fn panel(
+    locale: Locale<'_>,
+    term: ErrorTerm,
+    marks: Vec<Mark>,
+    um: (f64, f64),
+    (from, to): (f64, f64),
+) -> Panel {
+    let (across, up) = (locale.mm(), locale.um());
+    let axis = format!("{} / {}", term.along.letter(), across.sign);
     let kind = match term.is_positioning() {
         true => "positioning",
         false => "straightness",
     };
     Panel {
-        title: format!("{term} {kind}"),
-        across: Scale::new(&format!("{} / mm", term.along.letter()), from, to),
-        up: Scale::new("µm", um.0, um.1),
+        title: format!("{term} {}", locale.words(kind)),
+        across: Scale::new(&axis, from, to).shown_in(across),
+        up: Scale::new(up.sign, um.0, um.1).shown_in(up),
         marks,
         is_view: false,
     }

@@ -1,4 +1,6 @@
-//! A picture as numbers: panels with marks, in the units of their axes.
+//! A picture as numbers: panels with marks, in mm and µm whatever unit their axes show.
+
+use super::locale::Unit;
 
 /// Who a mark speaks for; each is told by colour, by dash and by its sign in the legend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,19 +30,7 @@ impl Ink {
         Ink::Limit,
     ];
 
-    /// What it is called in a legend.
-    pub fn name(self) -> &'static str {
-        match self {
-            Ink::AsFound => "as found",
-            Ink::Forecast => "forecast (emulated from the bytes of the tables)",
-            Ink::AsLeft => "as left",
-            Ink::Limit => "asked for",
-            Ink::Up => "moving +",
-            Ink::Down => "moving \u{2212}",
-        }
-    }
-
-    /// The class of a mark in the drawing.
+    /// The class of a mark in the drawing; `legend_` and it are the key of its words.
     pub(crate) fn class(self) -> &'static str {
         match self {
             Ink::AsFound => "found",
@@ -111,6 +101,8 @@ pub struct Scale {
     pub to: f64,
     /// Names in place of numbers: the first stands at ½, the next at 1½.
     pub names: Vec<String>,
+    /// Numbers are shown times this: how many of the shown unit are one of the picture.
+    pub shown_times: f64,
 }
 
 impl Scale {
@@ -122,6 +114,16 @@ impl Scale {
             from,
             to,
             names,
+            shown_times: 1.0,
+        }
+    }
+
+    /// The same axis with its numbers in another unit, which its label names.
+    pub(super) fn shown_in(self, unit: Unit) -> Scale {
+        let shown_times = unit.each;
+        Scale {
+            shown_times,
+            ..self
         }
     }
 }

@@ -10,27 +10,18 @@
 
 mod parts;
 
+use super::locale::{Locale, Shown};
 use super::picture::Picture;
 use super::svg;
-use super::texts::Texts;
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::kit::manifest::HashedFile;
 use crate::quantity::axis::ErrorTerm;
-use crate::quantity::units::{Figure, MM_PER_INCH, UM_PER_MM};
+use crate::quantity::units::Figure;
 use crate::text::html::escaped;
 use crate::text::problem::Problems;
 use crate::write::emit::{TOOL, Templates};
 use serde_json::{Value, json};
-
-/// In which unit lengths are shown; documents are always in mm and µm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
-    /// mm and µm.
-    Metric,
-    /// Inches and millionths of an inch.
-    Inch,
-}
 
 /// What a figure is, which decides its unit and its decimals.
 #[derive(Clone, Copy)]
@@ -45,10 +36,8 @@ enum Kind {
 
 /// Everything that goes on the page.
 pub struct Report<'a> {
-    /// The words.
-    pub texts: &'a Texts,
-    /// The unit of lengths.
-    pub shown: Shown,
+    /// Its words and units, which are those of its pictures.
+    pub locale: Locale<'a>,
     /// The company's sign as a data URI.
     pub logo: Option<String>,
     /// A template of one's own, by its name.
@@ -127,8 +116,8 @@ impl Report<'_> {
     /// The page, self-contained: no script, nothing from elsewhere.
     pub fn html(&self) -> Result<String, Problems> {
         let context = json!({
-            "lang": escaped(&self.texts.language),
-            "t": self.texts.escaped(),
+            "lang": escaped(&self.locale.texts.language),
+            "t": self.locale.texts.escaped(),
             "tool": TOOL,
             "style": svg::STYLE,
             "logo": self.logo.as_deref().unwrap_or_default(),
@@ -154,7 +143,7 @@ impl Report<'_> {
     }
 
     fn t(&self, key: &str) -> String {
-        escaped(self.texts.of(key))
+        escaped(self.locale.texts.of(key))
     }
 
     /// Whether there are no tables, only what was measured.
@@ -171,10 +160,7 @@ impl Report<'_> {
     }
 
     fn unit(&self) -> &'static str {
-        match self.shown {
-            Shown::Metric => "µm",
-            Shown::Inch => "µin",
-        }
+        self.locale.um().sign
     }
 
     fn document(&self, name: &str) -> &Value {
@@ -184,10 +170,11 @@ impl Report<'_> {
 
     /// A stated length with its unit.
     fn length(&self, um: f64) -> String {
-        match self.shown {
-            Shown::Metric => format!("{um} µm"),
-            Shown::Inch => format!("{:.1} µin", Figure(um * UM_PER_MM / MM_PER_INCH)),
-        }
+        let number = match self.locale.shown {
+            Shown::Metric => self.locale.decimal(&um.to_string()),
+            Shown::Inch => self.locale.deviation(um, 2),
+        };
+        format!("{number} {}", self.unit())
     }
 
     /// A number of a document as the reader writes it; a dash where it is none.
@@ -195,16 +182,12 @@ impl Report<'_> {
         let Some(number) = self.document(document).pointer(at).and_then(Value::as_f64) else {
             return NONE.to_string();
         };
-        let (factor, decimals) = match (kind, self.shown) {
-            (Kind::Deviation, Shown::Metric) => (1.0, 2),
-            (Kind::Deviation, Shown::Inch) => (UM_PER_MM / MM_PER_INCH, 1),
-            (Kind::Slope, _) => (1.0, 2),
-            (Kind::Count, _) => (1.0, 0),
+        let words = match kind {
+            Kind::Deviation => self.locale.deviation(number, 2),
+            Kind::Slope => self.locale.decimal(&format!("{:.2}", Figure(number))),
+            Kind::Count => format!("{:.0}", Figure(number)),
         };
-        let words = format!("{:.decimals$}", Figure(number * factor));
-        let words = words
-            .replace('.', self.texts.of("decimal"))
-            .replace('-', "\u{2212}");
+        let words = words.replace('-', "\u{2212}");
         format!(
             "<span data-value=\"{number}\" data-of=\"{document} {}\">{}</span>",
             escaped(at),
@@ -240,7 +223,7 @@ impl Report<'_> {
             .iter()
             .filter(|(key, _)| !ALWAYS.contains(&key.as_str()));
         lines.extend(others.map(|(key, value)| {
-            let label = if self.texts.has(key) {
+            let label = if self.locale.texts.has(key) {
                 self.t(key)
             } else {
                 escaped(key)

@@ -1,5 +1,6 @@
 //! Pictures as SVG: the only place that knows lengths on paper.
 
+use super::locale::Locale;
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
 use super::scale::Ticks;
 use crate::quantity::units::{Figure, smaller};
@@ -17,6 +18,10 @@ const NOTE: f64 = 20.0;
 /// Mean width of a letter, as part of its size (Helvetica, Arial).
 const LETTER: f64 = 0.56;
 const SMALL: f64 = 10.0;
+/// Letters of a title to small ones.
+const LARGER: f64 = 1.1;
+/// From here on a letter is as wide as its size (Chinese, Japanese, Korean).
+const WIDE: char = '\u{2e80}';
 
 /// Colours that the colour-blind tell apart (Okabe and Ito), and dashes for print in grey.
 pub(crate) const STYLE: &str = "\
@@ -34,18 +39,18 @@ svg text{font-family:Helvetica,Arial,'Noto Sans',sans-serif;font-size:10px;fill:
 
 impl Picture {
     /// The picture as a file of its own: SVG 1.1, text as text.
-    pub fn svg(&self) -> String {
+    pub fn svg(&self, locale: Locale<'_>) -> String {
         let names = " xmlns=\"http://www.w3.org/2000/svg\"";
-        drawn(self, names, &format!("<style>{STYLE}</style>\n"))
+        drawn(self, locale, names, &format!("<style>{STYLE}</style>\n"))
     }
 }
 
 /// Part of a page that has the style once.
-pub(super) fn inline(picture: &Picture) -> String {
-    drawn(picture, "", "")
+pub(super) fn inline(picture: &Picture, locale: Locale<'_>) -> String {
+    drawn(picture, locale, "", "")
 }
 
-fn drawn(picture: &Picture, names: &str, style: &str) -> String {
+fn drawn(picture: &Picture, locale: Locale<'_>, names: &str, style: &str) -> String {
     let size = Size::of(picture);
     let mut out = Drawing::default();
     out.put(format_args!(
@@ -65,11 +70,11 @@ fn drawn(picture: &Picture, names: &str, style: &str) -> String {
         size.width, size.height
     ));
     out.text("h", LEFT - 36.0, 20.0, &picture.title);
-    legend(&mut out, &picture.inks());
+    legend(&mut out, locale, &picture.inks());
     for (number, panel) in picture.panels.iter().enumerate() {
         if let Some(panel) = panel {
             let place = size.place(number, picture.columns);
-            draw(&mut out, panel, place);
+            draw(&mut out, locale, panel, place);
         }
     }
     out.text("", LEFT - 36.0, size.height - 7.0, &picture.note);
@@ -113,6 +118,13 @@ impl Size {
     }
 }
 
+/// About the width of small words.
+fn width(words: &str) -> f64 {
+    let wide = words.chars().filter(|letter| *letter >= WIDE).count();
+    let narrow = words.chars().count() - wide;
+    (count(wide) + count(narrow) * LETTER) * SMALL
+}
+
 fn count(number: usize) -> f64 {
     u32::try_from(number).map_or(f64::MAX, f64::from)
 }
@@ -128,6 +140,7 @@ struct Plot {
 
 /// Numbers of a panel to places on the paper.
 struct Map<'a> {
+    locale: Locale<'a>,
     plot: Plot,
     across: &'a Scale,
     up: &'a Scale,
@@ -140,6 +153,14 @@ impl Map<'_> {
 
     fn y(&self, number: f64) -> f64 {
         self.plot.top + self.plot.height * (1.0 - part(self.up, number))
+    }
+
+    /// Round numbers of the shown unit: where they lie, and what they say.
+    fn ticks(&self, scale: &Scale, most: usize) -> Vec<(f64, String)> {
+        let times = scale.shown_times;
+        let ticks = Ticks::between(scale.from * times, scale.to * times, most);
+        let label = |at: &f64| (at / times, self.locale.decimal(&ticks.label(*at)));
+        ticks.at.iter().map(label).collect()
     }
 
     fn bottom(&self) -> f64 {
@@ -156,18 +177,21 @@ fn part(scale: &Scale, number: f64) -> f64 {
     }
 }
 
-fn draw(out: &mut Drawing, panel: &Panel, plot: Plot) {
+fn draw(out: &mut Drawing, locale: Locale<'_>, panel: &Panel, place: Plot) {
     let plot = if panel.is_view {
-        even(panel, plot)
+        even(panel, place)
     } else {
-        plot
+        place
     };
     let map = Map {
+        locale,
         plot,
         across: &panel.across,
         up: &panel.up,
     };
-    out.text("t", plot.left, plot.top - 6.0, &panel.title);
+    // A long title stays inside the picture.
+    let most = place.left + place.width + RIGHT - LARGER * width(&panel.title);
+    out.text("t", smaller(plot.left, most), plot.top - 6.0, &panel.title);
     if !panel.is_view {
         axes(out, &map);
     }
@@ -204,18 +228,17 @@ fn even(panel: &Panel, plot: Plot) -> Plot {
 
 fn axes(out: &mut Drawing, map: &Map<'_>) {
     let (plot, bottom) = (map.plot, map.bottom());
-    let up = Ticks::between(map.up.from, map.up.to, 5);
-    for at in &up.at {
-        let y = map.y(*at);
+    for (at, label) in map.ticks(map.up, 5) {
+        let y = map.y(at);
         let class = if at.abs() > 0.0 { "grid" } else { "zero" };
         out.stroke(class, (plot.left, y), (plot.left + plot.width, y));
-        out.text("e", plot.left - 4.0, y + 3.5, &up.label(*at));
+        out.text("e", plot.left - 4.0, y + 3.5, &label);
     }
     for (at, label) in labels(map) {
         let x = map.x(at);
         out.stroke("zero", (x, bottom), (x, bottom + 3.0));
         // A long label at the end of an axis stays inside the picture.
-        let half = count(label.chars().count()) * SMALL * LETTER / 2.0;
+        let half = width(&label) / 2.0;
         let most = plot.left + plot.width + RIGHT - half;
         out.text("m", smaller(x, most), bottom + 13.0, &label);
     }
@@ -237,15 +260,13 @@ fn labels(map: &Map<'_>) -> Vec<(f64, String)> {
             .map(|(n, name)| (count(n) + 0.5, name.clone()))
             .collect();
     }
-    let ticks = Ticks::between(map.across.from, map.across.to, most_labels(map));
-    let label = |at: &f64| (*at, ticks.label(*at));
-    ticks.at.iter().map(label).collect()
+    map.ticks(map.across, most_labels(map))
 }
 
 /// As many labels as stand beside each other without touching.
 fn most_labels(map: &Map<'_>) -> usize {
     let longest = [map.across.from, map.across.to]
-        .map(|end| format!("{:.0}", Figure(end)).len() + 2)
+        .map(|end| format!("{:.0}", Figure(end * map.across.shown_times)).len() + 2)
         .into_iter()
         .max();
     let room = map.plot.width / (count(longest.unwrap_or(1) + 1) * SMALL * LETTER);
@@ -311,16 +332,16 @@ fn draw_mark(out: &mut Drawing, map: &Map<'_>, mark: &Mark) {
     }
 }
 
-fn legend(out: &mut Drawing, inks: &[Ink]) {
+fn legend(out: &mut Drawing, locale: Locale<'_>, inks: &[Ink]) {
     let mut left = LEFT - 36.0;
     for ink in inks {
         out.line(*ink, [(left, 36.0), (left + 26.0, 36.0)].into_iter());
         if *ink == Ink::AsLeft {
             out.dot(*ink, left + 13.0, 36.0);
         }
-        let words = ink.name();
-        out.text("", left + 31.0, 39.5, words);
-        left += 31.0 + 24.0 + count(words.chars().count()) * SMALL * LETTER;
+        let words = locale.words(&format!("legend_{}", ink.class()));
+        out.text("", left + 31.0, 39.5, &words);
+        left += 31.0 + 24.0 + width(&words);
     }
 }
 

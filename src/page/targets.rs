@@ -1,12 +1,17 @@
 //! Positioning at targets, the way the standards draw it: mean and ±2 s for each direction.
 
+use super::locale::Locale;
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
-use super::scale::around;
-use crate::machine::standards::iso_230_2::{Figures, K};
+use crate::machine::standards::iso_230_2::{Figures, K, TargetFigures};
 
 /// A panel for each set of runs, all at one height: the mean deviation at each target moving + and
 /// moving − (x̄↑, x̄↓ of ISO 230-2), µm against mm, with bands of k·s, k = 2.
-pub fn targets(heading: &str, across: &str, of: &[(String, &Figures)]) -> Picture {
+pub fn targets(
+    locale: Locale<'_>,
+    heading: &str,
+    across: &str,
+    of: &[(String, &Figures)],
+) -> Picture {
     let drawn: Vec<(&str, &Figures, Vec<Mark>)> = of
         .iter()
         .map(|(name, figures)| (name.as_str(), *figures, marks(figures)))
@@ -14,32 +19,25 @@ pub fn targets(heading: &str, across: &str, of: &[(String, &Figures)]) -> Pictur
     let heights = drawn
         .iter()
         .flat_map(|(.., marks)| marks.iter().flat_map(Mark::heights));
-    let um = around(heights);
+    let um = locale.around(heights);
+    let unit = locale.um();
     let panel = |(name, figures, marks): (&str, &Figures, Vec<Mark>)| {
-        let at = |target: Option<&_>| {
-            target.map_or(
-                0.0,
-                |t: &crate::machine::standards::iso_230_2::TargetFigures| t.target_mm,
-            )
-        };
+        let at = |target: Option<&TargetFigures>| target.map_or(0.0, |t| t.target_mm);
+        let (from, to) = (at(figures.targets.first()), at(figures.targets.last()));
         Some(Panel {
             title: name.to_string(),
-            across: Scale::new(
-                across,
-                at(figures.targets.first()),
-                at(figures.targets.last()),
-            ),
-            up: Scale::new("µm", um.0, um.1),
+            across: Scale::new(across, from, to).shown_in(locale.mm()),
+            up: Scale::new(unit.sign, um.0, um.1).shown_in(unit),
             marks,
             is_view: false,
         })
     };
     Picture {
         title: heading.to_string(),
-        description: "Mean deviation at the targets, all at one scale.".to_string(),
+        description: locale.words("targets_alt"),
         columns: if of.len() > 1 { 2 } else { 1 },
         panels: drawn.into_iter().map(panel).collect(),
-        note: "µm against mm; lines: mean of the runs; bands: ±2 s (ISO 230-2, k = 2)".to_string(),
+        note: locale.words("targets_note"),
     }
 }
 

@@ -1,20 +1,20 @@
 //! The errors in the volume: vectors in a fixed isometric view, how pairs of places differ, and what
 //! each error contributes.
 
+use super::locale::Locale;
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
-use super::scale::{around, below};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::larger;
 use crate::volume::assessment::Assessment;
 use crate::volume::volume_model::VolumeModel;
 
 /// One state of the machine: as found, or with the tables.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Side<'a> {
     /// Its ink.
     pub ink: Ink,
     /// What stands above it.
-    pub name: &'a str,
+    pub name: String,
     /// The errors at any place.
     pub model: &'a VolumeModel,
     /// The figures, with the distribution if it is to be drawn.
@@ -28,13 +28,16 @@ const LONGEST: f64 = 0.22;
 
 /// Error vectors (the same scale for all sides), distribution of the differences of all pairs of nodes,
 /// contributions to the volumetric accuracy.
-pub fn volume(heading: &str, sides: &[Side<'_>]) -> Picture {
+pub fn volume(locale: Locale<'_>, heading: &str, sides: &[Side<'_>]) -> Picture {
     let longest = sides
         .iter()
         .map(|side| longest_of(side.model))
         .fold(0.0, larger);
-    let views = sides.iter().map(|side| Some(view(side, longest)));
-    let below = [distribution(sides), Some(contributions(sides))];
+    let views = sides.iter().map(|side| Some(view(locale, side, longest)));
+    let below = [
+        distribution(locale, sides),
+        Some(contributions(locale, sides)),
+    ];
     let mut panels: Vec<Option<Panel>> = views.collect();
     if panels.len() % 2 == 1 {
         panels.push(None);
@@ -42,10 +45,10 @@ pub fn volume(heading: &str, sides: &[Side<'_>]) -> Picture {
     panels.extend(below);
     Picture {
         title: heading.to_string(),
-        description: "Error vectors in the measured volume, the distribution of their differences and what each error contributes.".to_string(),
+        description: locale.words("volume_alt"),
         columns: 2,
         panels,
-        note: "isometric view; differences: of the errors at two nodes; contributions: parts of the largest of them; mean of both directions".to_string(),
+        note: locale.words("volume_note"),
     }
 }
 
@@ -87,7 +90,7 @@ fn longest_of(model: &VolumeModel) -> f64 {
     lengths.fold(0.0, larger)
 }
 
-fn view(side: &Side<'_>, longest_um: f64) -> Panel {
+fn view(locale: Locale<'_>, side: &Side<'_>, longest_um: f64) -> Panel {
     let seen = Volume {
         ends: ends(side.model),
     };
@@ -112,19 +115,18 @@ fn view(side: &Side<'_>, longest_um: f64) -> Panel {
     );
     let mut marks = seen.marks();
     marks.push(Mark::Arrows(side.ink, arrows.collect()));
-    let unit = below(longest_um);
-    let end = left + unit * mm_per_um;
+    let (um, shown) = locale.below(longest_um);
+    let end = left + um * mm_per_um;
     marks.push(Mark::Edge(vec![(left, low), (end, low)]));
     let middle = f64::midpoint(left, end);
-    marks.push(Mark::Words(
-        (middle, low + 0.03 * travel),
-        format!("{unit} µm"),
-    ));
+    marks.push(Mark::Words((middle, low + 0.03 * travel), shown));
     Panel {
         title: format!(
-            "{}, longest arrow {:.3} µm",
+            "{}, {} {} {}",
             side.name,
-            longest_of(side.model)
+            locale.words("longest_arrow"),
+            locale.deviation(longest_of(side.model), 3),
+            locale.um().sign
         ),
         across: Scale::new("", left, right),
         up: Scale::new("", low, high),
@@ -181,7 +183,7 @@ impl Volume {
 }
 
 /// Share of all pairs of nodes in each bin, %.
-fn distribution(sides: &[Side<'_>]) -> Option<Panel> {
+fn distribution(locale: Locale<'_>, sides: &[Side<'_>]) -> Option<Panel> {
     let mut marks = Vec::new();
     let (mut widest, mut highest) = (0.0, 0.0);
     for side in sides {
@@ -202,15 +204,15 @@ fn distribution(sides: &[Side<'_>]) -> Option<Panel> {
         marks.push(Mark::Bars(side.ink, bars));
     }
     (!marks.is_empty()).then(|| Panel {
-        title: "differences of all pairs of places".to_string(),
-        across: Scale::new("difference / µm", 0.0, widest),
-        up: Scale::new("pairs / %", 0.0, 1.05 * highest),
+        title: locale.words("differences"),
+        across: Scale::new(&locale.words("difference"), 0.0, widest).shown_in(locale.um()),
+        up: Scale::new(&locale.words("pairs"), 0.0, 1.05 * highest),
         marks,
         is_view: false,
     })
 }
 
-fn contributions(sides: &[Side<'_>]) -> Panel {
+fn contributions(locale: Locale<'_>, sides: &[Side<'_>]) -> Panel {
     let first = sides
         .first()
         .map(|side| side.assessment.contributions.as_slice());
@@ -233,13 +235,14 @@ fn contributions(sides: &[Side<'_>]) -> Panel {
         marks.push(Mark::Bars(side.ink, bars));
         offset += width;
     }
-    let um = around(marks.iter().flat_map(Mark::heights));
+    let um = locale.around(marks.iter().flat_map(Mark::heights));
+    let unit = locale.um();
     let names: Vec<String> = components
         .iter()
         .map(|component| component.iso_name())
         .collect();
     Panel {
-        title: "contributions to the largest difference".to_string(),
+        title: locale.words("contributions"),
         across: Scale {
             names,
             ..Scale::new(
@@ -248,7 +251,7 @@ fn contributions(sides: &[Side<'_>]) -> Panel {
                 f64::from(u32::try_from(components.len()).unwrap_or(1)),
             )
         },
-        up: Scale::new("µm", um.0, um.1),
+        up: Scale::new(unit.sign, um.0, um.1).shown_in(unit),
         marks,
         is_view: false,
     }

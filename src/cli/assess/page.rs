@@ -7,7 +7,7 @@ use crate::inputs::job::{ActiveTables, Frame, Job, Levers, UseOf};
 use crate::kit::Inputs;
 use crate::machine::findings::ModelFinding;
 use crate::machine::model::ErrorModel;
-use crate::page::{Ink, Picture, Side, volume};
+use crate::page::{Ink, Locale, Picture, Side, volume};
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::chain::{Chain, unit};
 use crate::text::document::Source;
@@ -40,21 +40,22 @@ impl Page {
     }
 
     /// Vectors, contributions, and the distribution where it is asked for.
-    pub(in crate::cli) fn picture(&self) -> Picture {
+    pub(in crate::cli) fn picture(&self, locale: Locale<'_>) -> Picture {
         let before = Side {
             ink: Ink::AsFound,
-            name: "as found",
+            name: locale.words("legend_found"),
             model: &self.volume,
             assessment: &self.before,
         };
         let after = self.after.as_ref().map(|after| Side {
             ink: Ink::Forecast,
-            name: "forecast with the tables",
+            name: locale.words("forecast_with_tables"),
             model: &after.volume,
             assessment: &after.assessment,
         });
         let sides: Vec<Side<'_>> = std::iter::once(before).chain(after).collect();
-        volume(&format!("{}: errors in the volume", self.name), &sides)
+        let heading = format!("{}: {}", self.name, locale.words("errors_in_volume"));
+        volume(locale, &heading, &sides)
     }
 
     /// The machine as it is, and as tables leave it.

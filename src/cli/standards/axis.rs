@@ -9,7 +9,7 @@ use crate::machine::standards::iso_230_2::{self, Travel};
 use crate::machine::standards::{
     self, ByDirection, Condition, Confidence, Met, VDI_3441, in_words, vdi_3441,
 };
-use crate::page::{Picture, targets};
+use crate::page::{Locale, Picture, targets};
 use crate::quantity::axis::Direction;
 use crate::text::finding::Finding;
 use crate::text::problem::Problem;
@@ -48,9 +48,10 @@ impl Page<'_> {
     }
 
     /// Means and bands at the targets.
-    pub(super) fn picture(&self) -> Picture {
+    pub(super) fn picture(&self, locale: Locale<'_>) -> Picture {
         let name = String::new();
-        targets(self.name, "target / mm", &[(name, &self.iso)])
+        let across = locale.words("target");
+        targets(locale, self.name, &across, &[(name, &self.iso)])
     }
 
     pub(super) fn screen(&self) -> Screen {

@@ -12,7 +12,7 @@ use crate::machine::findings::StandardFinding;
 use crate::machine::separation::Separation;
 use crate::machine::separation::readings::CorrectedRun;
 use crate::machine::standards::{DIAGONALS, Diagonals};
-use crate::page::Picture;
+use crate::page::{Locale, Picture};
 use crate::quantity::axis::Direction;
 use crate::quantity::diagonal::PathKind;
 use crate::text::document::Source;
@@ -21,7 +21,9 @@ use crate::text::problem::Problems;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-const ALONG: &str = "along the diagonal / mm";
+/// Words for the lower edge of a picture, by their key.
+const ALONG: &str = "along_diagonal";
+const ALONG_STEPS: &str = "along_diagonal_steps";
 
 /// Figures of the readings that a job names.
 pub(super) fn of_job(path: &Path, print: Print, plot: &PlotOnly) -> Result<Outcome, Problems> {
@@ -50,6 +52,7 @@ pub(super) fn of_job(path: &Path, print: Print, plot: &PlotOnly) -> Result<Outco
 
 /// The document and the picture of readings that were separated.
 pub(in crate::cli) fn of_separation(
+    locale: Locale<'_>,
     readings: &str,
     separation: &Separation,
 ) -> Result<(Value, Picture), Problems> {
@@ -60,8 +63,8 @@ pub(in crate::cli) fn of_separation(
         notes: notes(separation.runs.len() > runs.len()),
         figures: StandardFigures::of(&separation.volume, PathKind::Step, runs)?,
     };
-    let heading = "Readings along the body diagonals, corrected";
-    Ok((page.document(), page.figures.picture(heading, ALONG)))
+    let heading = locale.words("readings_corrected");
+    Ok((page.document(), page.picture(locale, &heading)))
 }
 
 /// Figures of readings alone: those that the box has no part in.
@@ -88,7 +91,7 @@ pub(super) fn of_readings(
     let name = &name;
     let page = Page {
         name,
-        across: "along the diagonal, each step taken as 1 mm",
+        across: ALONG_STEPS,
         notes,
         figures,
     };
@@ -103,7 +106,7 @@ fn notes(dropped: bool) -> Vec<Finding> {
 
 struct Page<'a> {
     name: &'a str,
-    /// What stands at the lower edge of the picture.
+    /// Key of what stands at the lower edge of the picture.
     across: &'static str,
     figures: StandardFigures,
     notes: Vec<Finding>,
@@ -112,7 +115,12 @@ struct Page<'a> {
 impl Page<'_> {
     fn outcome(&self, print: Print, plot: &PlotOnly) -> Result<Outcome, Problems> {
         let outcome = print.outcome(|| self.screen(), || self.document())?;
-        plot.beside(outcome, || Ok(self.figures.picture(self.name, self.across)))
+        plot.beside(outcome, |locale| Ok(self.picture(locale, self.name)))
+    }
+
+    fn picture(&self, locale: Locale<'_>, heading: &str) -> Picture {
+        let across = locale.words(self.across);
+        self.figures.picture(locale, heading, &across)
     }
 
     fn screen(&self) -> Screen {

@@ -15,7 +15,7 @@ use crate::kit::second_look::SecondLook;
 use crate::kit::{Inputs, Verification, cannot_emulate, emulator, remarks};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::metric::Plane;
-use crate::page::{Curves, Picture, terms};
+use crate::page::{Curves, Locale, Picture, terms};
 use crate::quantity::units::picometres;
 use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
@@ -98,7 +98,7 @@ impl Page<'_> {
     }
 
     /// The nine errors as found, as forecast, as left.
-    pub(in crate::cli) fn picture(&self) -> Result<Picture, Problems> {
+    pub(in crate::cli) fn picture(&self, locale: Locale<'_>) -> Result<Picture, Problems> {
         let (inputs, found) = (self.inputs, self.verification);
         let control = emulator(&inputs.profile, &found.found, &found.state).ok();
         let curves = Curves {
@@ -108,12 +108,14 @@ impl Page<'_> {
             limit_um: inputs.job.acceptance.max_deviation_um,
         };
         let heading = format!(
-            "{}: nine errors, {}",
-            inputs.job.machine.name, inputs.profile.name
+            "{}: {}, {}",
+            inputs.job.machine.name,
+            locale.words("nine_errors"),
+            inputs.profile.name
         );
-        let mut picture = terms(&heading, &curves).map_err(|e| cannot_emulate(&e))?;
+        let mut picture = terms(locale, &heading, &curves).map_err(|e| cannot_emulate(&e))?;
         if self.is_simulated() {
-            picture.note = format!("SIMULATED, not measured; {}", picture.note);
+            picture.note = format!("{}; {}", locale.words("simulated"), picture.note);
         }
         Ok(picture)
     }

@@ -67,7 +67,9 @@ impl Report<'_> {
         Part {
             id,
             title: self.t(id),
-            pictures: own.map(|(_, picture)| svg::inline(picture)).collect(),
+            pictures: own
+                .map(|(_, picture)| svg::inline(picture, self.locale))
+                .collect(),
             ..Part::default()
         }
     }
