@@ -239,6 +239,11 @@ fn linuxcnc() {
 }
 
 #[test]
+fn linuxcnc_hal() {
+    contract_of("linuxcnc-hal");
+}
+
+#[test]
 fn generic() {
     contract_of("generic");
 }
@@ -252,6 +257,7 @@ fn no_profile_is_left_out() {
         "fanuc-0i-f",
         "fanuc-16i",
         "linuxcnc",
+        "linuxcnc-hal",
         "generic",
     ];
     assert_eq!(builtin::ids(), tested);

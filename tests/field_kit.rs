@@ -80,7 +80,10 @@ fn turned(profile: &Profile) -> Profile {
             turn(&mut facts.straightness_sign.value);
         }
         Dialect::Generic(_) => {}
-        Dialect::Linuxcnc(facts) => turn(&mut facts.trim_sign.value),
+        Dialect::Linuxcnc(facts) => {
+            turn(&mut facts.trim_sign.value);
+            turn(&mut facts.sum_sign.value);
+        }
     }
     profile
 }
@@ -243,6 +246,11 @@ fn sign_proofs_of_fanuc() {
 #[test]
 fn sign_proofs_of_linuxcnc() {
     contract_of("linuxcnc");
+}
+
+#[test]
+fn sign_proofs_of_linuxcnc_hal() {
+    contract_of("linuxcnc-hal");
 }
 
 #[test]

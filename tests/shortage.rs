@@ -157,7 +157,7 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
         assert_eq!(directed("EZZ"), [true, true], "{id}");
         let backlash = kit.plan.backlash_um.x;
         assert_eq!(backlash.map(f64::to_bits), Some(0.0_f64.to_bits()), "{id}");
-        if id == "linuxcnc" {
+        if id.starts_with("linuxcnc") {
             continue; // its tables stand in place of the parameter
         }
         let of_backlash = |p: &&Precondition| p.why.contains("no reversal is left");

@@ -10,7 +10,7 @@ pub enum Family {
     Fanuc,
     /// Rows of a CSV or JSON file.
     Generic,
-    /// Three numbers in a row, and lines of an ini file.
+    /// Three numbers in a row, lines of an ini file, statements of a HAL file.
     Linuxcnc,
 }
 
@@ -26,6 +26,7 @@ pub fn judge(family: Family, name: &str, bytes: &[u8]) -> Result<(), String> {
         Family::Generic if name.ends_with(".json") => json(text),
         Family::Generic => csv(text),
         Family::Linuxcnc if name.ends_with(".ini") => ini(text),
+        Family::Linuxcnc if name.ends_with(".hal") => hal(text),
         Family::Linuxcnc => comp(text),
     };
     wrong.map_err(|line| format!("{name}: foreign line {line:?}"))
@@ -87,6 +88,31 @@ fn ini(text: &str) -> Wrong {
             return Err(line.to_string());
         }
         seen.extend(line.starts_with('[').then_some(line));
+    }
+    Ok(())
+}
+
+/// Comments, and statements of which each stands once.
+fn hal(text: &str) -> Wrong {
+    let mut seen = std::collections::BTreeSet::new();
+    let of_component = |name: &str| name.starts_with("lincurve.") || name.starts_with("sum2.");
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
+        let words: Vec<&str> = line.split(' ').collect();
+        let is_statement = match words[..] {
+            ["loadrt", "lincurve", count, lengths] => {
+                count.starts_with("count=") && lengths.starts_with("personality=")
+            }
+            ["loadrt", "sum2", count] => count.starts_with("count="),
+            ["addf", function, "servo-thread"] => of_component(function),
+            ["net", signal, pin] => {
+                signal.starts_with("nonius-") && (of_component(pin) || pin.starts_with("joint."))
+            }
+            ["setp", name, value] => of_component(name) && value.parse::<f64>().is_ok(),
+            _ => false,
+        };
+        if !is_statement || !seen.insert(line) {
+            return Err(line.to_string());
+        }
     }
     Ok(())
 }
@@ -305,6 +331,11 @@ mod tests {
                 Family::Linuxcnc,
                 "a.ini",
                 "# A\n[JOINT_0]\nCOMP_FILE = a.comp\nCOMP_FILE_TYPE = 1\n",
+            ),
+            (
+                Family::Linuxcnc,
+                "a.hal",
+                "# A\nloadrt sum2 count=1\nnet nonius-0-drive sum2.0.out\nsetp sum2.0.gain1 -1\n",
             ),
         ];
         for (family, name, text) in files {

@@ -214,9 +214,9 @@ pub fn fanuc(input: &[u8]) -> Answer {
     read_fanuc::merge(vec![memory.clone(), memory]).map(|_| format!("{read_out}"))
 }
 
-/// The ini lines of a machine and the tables that they name: the parts of a bundle.
+/// The ini lines of a machine, the tables that they name and a HAL file: the parts of a bundle.
 pub fn linuxcnc(input: &[u8]) -> Answer {
-    let profile = built_in("linuxcnc")?;
+    let profile = built_in("linuxcnc-hal")?;
     let bundle = Bundle::read(input);
     let files = bundle.0.iter().map(|(path, bytes)| KitFile {
         path,

@@ -25,7 +25,7 @@ pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::generic::{GenericFacts, TypedValue};
 pub use self::job_keys::{JobKey, JobSection};
-pub use self::linuxcnc::LinuxcncFacts;
+pub use self::linuxcnc::{CrossTerms, LinuxcncFacts};
 pub use self::siemens::{MultiplyMode, SiemensFacts};
 
 use self::fact::{Word, facts};
@@ -58,7 +58,7 @@ pub enum Dialect {
     Fanuc(FanucFacts),
     /// One CSV and its JSON twin.
     Generic(GenericFacts),
-    /// Tables of joints, named in the ini file.
+    /// Tables of joints, named in the ini file, and curves of a HAL file.
     Linuxcnc(LinuxcncFacts),
 }
 

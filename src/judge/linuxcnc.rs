@@ -2,7 +2,7 @@
 
 use crate::control::controller::{ControlUnit, LinuxcncFacts};
 use crate::control::table::Tables;
-use crate::control::table::linuxcnc::{CompTable, LinuxcncTables, Row};
+use crate::control::table::linuxcnc::{CompTable, CrossTable, LinuxcncTables, Point, Row};
 use crate::judge::active::{Found, Held, NamedBacklash, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
@@ -47,9 +47,10 @@ impl Family for LinuxcncFacts {
         let (old, new) = (own(old), own(new));
         let stays = |table: &&CompTable| new.of_joint(table.joint).is_none();
         let stays = old.joints.iter().filter(stays);
-        stays
-            .map(|table| format!("COMP_FILE of [{}]", table.name()))
-            .collect()
+        let stays = stays.map(|table| format!("COMP_FILE of [{}]", table.name()));
+        let is_left = !old.cross.is_empty() && new.cross.is_empty();
+        let hal = is_left.then(|| "the HAL file with the corrections".to_string());
+        stays.chain(hal).collect()
     }
 
     fn entries(
@@ -76,7 +77,26 @@ impl Family for LinuxcncFacts {
             }));
             entries
         };
-        own(tables).joints.iter().flat_map(of_table).collect()
+        let of_cross = |table: &CrossTable| {
+            let (base, output) = (table.base.to_string(), table.output.to_string());
+            let told = !diagnosis.is_some_and(|d| d.explains(&base, &output));
+            let name = format!("HAL: {}", table.name());
+            let points = (0_u32..).zip(table.pieces.iter().flatten());
+            let entry = move |(index, point): (u32, &Point)| {
+                let numbers = [point.position, point.value].map(Some).to_vec();
+                let value = Value::Numbers(numbers);
+                (
+                    (name.clone(), Item::Point(index)),
+                    Entry::of(value, told, told),
+                )
+            };
+            points.map(entry).collect::<Vec<_>>()
+        };
+        let tables = own(tables);
+        let joints = tables.joints.iter().flat_map(of_table);
+        joints
+            .chain(tables.cross.iter().flat_map(of_cross))
+            .collect()
     }
 
     /// What the ini holds around the tables is compared where it is read.
@@ -92,7 +112,10 @@ impl Family for LinuxcncFacts {
 
 /// The tables of a memory; a memory of another family holds none.
 fn own(tables: &Tables) -> &LinuxcncTables {
-    const NONE: &LinuxcncTables = &LinuxcncTables { joints: Vec::new() };
+    const NONE: &LinuxcncTables = &LinuxcncTables {
+        joints: Vec::new(),
+        cross: Vec::new(),
+    };
     match tables {
         Tables::Linuxcnc(own) => own,
         _ => NONE,
@@ -152,6 +175,14 @@ fn take_others(reading: &mut ReadOutReader<'_>, tables: &mut LinuxcncTables) {
         .collect();
     for table in others {
         let what = format!("the table of {}", table.name());
+        let axes = "a joint";
+        reading.tell(InControl::OfOthers { what, axes });
+    }
+    let has = |joint: u32| reading.has(&joint.to_string());
+    let is_other = |table: &mut CrossTable| !has(table.base) || !has(table.output);
+    let others: Vec<CrossTable> = tables.cross.extract_if(.., is_other).collect();
+    for table in others {
+        let what = format!("the correction of {}", table.name());
         let axes = "a joint";
         reading.tell(InControl::OfOthers { what, axes });
     }

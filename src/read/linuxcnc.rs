@@ -2,13 +2,15 @@
 //!
 //! ```text
 //!   texts ─┬ with [SECTION] lines ── ini ──→ joints: COMP_FILE, COMP_FILE_TYPE, BACKLASH, HOME_OFFSET; unit
+//!          ├ with statements of HAL ── hal ──→ curves of one joint by another
 //!          └ the others, by the name of a COMP_FILE ── comp ──→ rows
 //! ```
-//! A table says neither its joint nor its type nor its unit, so nothing is read without the ini. Written from
+//! A table says neither its joint nor its type nor its unit, so none is read without the ini. Written from
 //! the C source and the runs named in docs/linuxcnc.md §0; it knows nothing of the program's own templates.
 
 mod comp;
 pub mod control;
+mod hal;
 mod ini;
 pub(super) mod program;
 
@@ -17,9 +19,9 @@ pub(crate) use self::ini::Joint;
 use self::control::LinuxcncControl;
 use self::ini::Ini;
 use crate::control::control_state::ControlState;
-use crate::control::controller::{ControlUnit, LinuxcncFacts};
+use crate::control::controller::{ControlUnit, CrossTerms, LinuxcncFacts};
 use crate::control::table::Tables;
-use crate::control::table::linuxcnc::{Columns, CompTable, LinuxcncTables};
+use crate::control::table::linuxcnc::{Columns, CompTable, CrossTable, LinuxcncTables};
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, other_family};
 use crate::read::findings::ReadFinding;
@@ -49,7 +51,7 @@ impl Family for LinuxcncFacts {
         Ok(Box::new(LinuxcncControl::new(tables, self, state)?))
     }
 
-    /// A joint has one table.
+    /// A joint has one table; a HAL file takes the place of another.
     fn load(&self, held: &mut Tables, file: Tables) {
         match (held, file) {
             (Tables::Linuxcnc(held), Tables::Linuxcnc(file)) => {
@@ -57,13 +59,17 @@ impl Family for LinuxcncFacts {
                 held.joints.retain(is_kept);
                 held.joints.extend(file.joints);
                 held.joints.sort_by_key(|table| table.joint);
+                if !file.cross.is_empty() {
+                    held.cross = file.cross;
+                }
             }
             (held, file) => *held = file,
         }
     }
 
     fn may_obey(&self, text: &str) -> bool {
-        ini::is_ini(text) || comp::begins_with_a_row(text)
+        let is_hal = self.cross_terms.value == CrossTerms::Hal && hal::is_hal(text);
+        is_hal || ini::is_ini(text) || comp::begins_with_a_row(text)
     }
 
     /// The ini file of a machine has its kinematics, which lines for its joints do not.
@@ -95,21 +101,27 @@ impl Contents {
     }
 }
 
-/// Reads the ini and the tables that it names; names and texts in any order.
+/// Reads the ini and the tables that it names, and a HAL file; names and texts in any order.
 ///
 /// **shape** tables ascending by joint · **unit** as in the files · **limits** refuses what the control does not
 /// do: a table that it stops reading before its end, a row that it drops, a file that is not there
 pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Contents, Problems> {
     let (inis, others): (Vec<_>, Vec<_>) = texts.iter().partition(|(_, text)| ini::is_ini(text));
-    if inis.is_empty() {
-        return Err(no_ini(texts).into());
+    let takes_hal = facts.cross_terms.value == CrossTerms::Hal;
+    let is_hal = |(_, text): &&(&str, &str)| takes_hal && hal::is_hal(text);
+    let (hals, others): (Vec<_>, Vec<_>) = others.into_iter().partition(is_hal);
+    if inis.is_empty() && (hals.is_empty() || !others.is_empty()) {
+        return Err(no_ini(&others).into());
     }
     let mut problems = Problems::none();
     let mut ini = Ini::default();
     for (name, text) in inis {
         problems.take(ini.add(name, text));
     }
-    let mut tables = LinuxcncTables::default();
+    let mut tables = LinuxcncTables {
+        cross: problems.take(cross(&hals, facts)).unwrap_or_default(),
+        ..LinuxcncTables::default()
+    };
     let mut named: Vec<&str> = Vec::new();
     for (number, joint) in &ini.joints {
         let Some(path) = joint.comp_file.as_deref() else {
@@ -140,6 +152,20 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
         joints: ini.joints,
         unit: ini.unit,
     })
+}
+
+/// What the HAL file adds.
+fn cross(hals: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Vec<CrossTable>, Problems> {
+    match hals {
+        [] => Ok(Vec::new()),
+        [(name, text)] => hal::tables(name, text, facts),
+        [_, (name, _), ..] => Err(Problem::new(format!(
+            "`{}` is a second HAL file",
+            shown(name)
+        ))
+        .help("name the file with the corrections alone; the machine's own HAL files are not read")
+        .into()),
+    }
 }
 
 /// The last part of a path.

@@ -1,19 +1,25 @@
-//! LinuxCNC: the positioning error of a joint into the table that its `COMP_FILE` names.
+//! LinuxCNC: the positioning error of a joint into the table that its `COMP_FILE` names, cross terms into a HAL
+//! file (`hal`).
 //!
 //! * One row for each point; column 2 for travel up, column 3 for travel down, so one table holds both
 //!   directions. Without directions both columns are the same.
 //! * A joint with a table ignores BACKLASH. So the reversal that a policy leaves to the backlash parameter
 //!   stands in the columns too.
-//! * No table moves another joint: straightness and squareness get none.
+//! * No such table moves another joint. A profile with `cross_terms = "hal"` writes a HAL file for straightness
+//!   and squareness; else they get none.
+
+mod hal;
 
 use crate::control::claims::Precondition;
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{ControlUnit, LinuxcncFacts, Mechanism};
+use crate::control::controller::{ControlUnit, CrossTerms, LinuxcncFacts, Mechanism};
 use crate::control::table::Tables;
-use crate::control::table::linuxcnc::{Columns, CompTable, LinuxcncTables, MOST_JOINTS, Row};
+use crate::control::table::linuxcnc::{
+    Columns, CompTable, CrossTable, LinuxcncTables, MOST_JOINTS, Row,
+};
 use crate::inputs::job::Compensation;
 use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::units::{Deviation, UM_PER_MM, power_of_ten, rounded};
+use crate::quantity::units::{Deviation, power_of_ten, rounded};
 use crate::text::problem::Problems;
 use crate::write::compiled::{Bump, Compiled, Placement, control_state};
 use crate::write::control_text::{Instead, fixed, trimmed};
@@ -40,7 +46,7 @@ impl Family for LinuxcncFacts {
     }
 
     fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
-        Some(TableStock {
+        (!self.has(Mechanism::Hal)).then_some(TableStock {
             tables: 0,
             used: 0,
             resource: "tables for cross terms (COMP_FILE corrects its own joint only)",
@@ -49,8 +55,15 @@ impl Family for LinuxcncFacts {
         })
     }
 
-    fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
-        (self.rows.value, "a COMP_FILE")
+    /// Curves of a HAL file are counted when all are there.
+    fn point_limit(&self, targets: &[&Target]) -> (u32, &'static str) {
+        match targets.iter().any(|target| target.term.is_positioning()) {
+            true => (self.rows.value, "a COMP_FILE"),
+            false => {
+                let sections = self.curves.value * (self.curve_points.value - 1);
+                (sections + 1, "the memory of HAL")
+            }
+        }
     }
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
@@ -60,10 +73,8 @@ impl Family for LinuxcncFacts {
             .tables
             .iter()
             .map(|planned| (planned, &plan.names[planned.term.of]));
-        for (planned, output) in names
-            .clone()
-            .flat_map(|(p, all)| all.iter().map(move |o| (p, o)))
-        {
+        let own = names.clone().filter(|(p, _)| p.term.is_positioning());
+        for (planned, output) in own.flat_map(|(p, all)| all.iter().map(move |o| (p, o))) {
             let joint = output.parse().unwrap_or(MOST_JOINTS); // `expected_name` let it through
             if joints.iter().all(|table| table.joint != joint) {
                 let axis = state.axis(output);
@@ -71,13 +82,15 @@ impl Family for LinuxcncFacts {
             }
         }
         joints.sort_by_key(|table| table.joint);
+        let cross = self.cross_tables(task, plan, |table| table.values.clone());
+        self.check_curves(task, &cross)?;
         let count_um = self.count_um(task);
         let placed =
-            names.map(|(planned, all)| Placement::of(planned, place(planned, all), count_um));
+            names.map(|(planned, all)| Placement::of(planned, place(plan, planned, all), count_um));
         Ok(Compiled {
             placements: placed.collect(),
-            preconditions: preconditions(task, &joints),
-            tables: Tables::Linuxcnc(LinuxcncTables { joints }),
+            preconditions: preconditions(task, &joints, &cross),
+            tables: Tables::Linuxcnc(LinuxcncTables { joints, cross }),
             state,
             assumptions: Vec::new(),
             notes: Vec::new(),
@@ -87,6 +100,7 @@ impl Family for LinuxcncFacts {
     fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
         match (mechanism, tables) {
             (Mechanism::Comp, Tables::Linuxcnc(tables)) => !tables.joints.is_empty(),
+            (Mechanism::Hal, Tables::Linuxcnc(tables)) => !tables.cross.is_empty(),
             _ => true,
         }
     }
@@ -102,22 +116,28 @@ impl Family for LinuxcncFacts {
             return None;
         };
         let joints = tables.joints.iter().map(|table| self.seen(table));
-        Some(json!({
-            "joints": joints.collect::<Vec<Value>>(),
-            "controller_reference": task.reference_text(),
-        }))
+        let mut seen = self.hal_context(&tables.cross);
+        seen["joints"] = joints.collect::<Vec<Value>>().into();
+        seen["controller_reference"] = task.reference_text().into();
+        Some(seen)
     }
 
     fn displayed(&self, tables: &Tables, state: &ControlState) -> Vec<String> {
         let Tables::Linuxcnc(tables) = tables else {
             return Vec::new();
         };
-        let joints = tables.joints.iter();
-        joints.map(|table| self.shown(table, state)).collect()
+        let joints = tables.joints.iter().map(|table| self.shown(table, state));
+        joints
+            .chain(self.corrections(&tables.cross, state))
+            .collect()
     }
 
-    fn belongs(&self, mechanism: Mechanism, _table: &PlannedTable) -> bool {
-        mechanism == Mechanism::Comp
+    fn has(&self, mechanism: Mechanism) -> bool {
+        mechanism != Mechanism::Hal || self.cross_terms.value == CrossTerms::Hal
+    }
+
+    fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
+        table.term.is_cross() == (mechanism == Mechanism::Hal)
     }
 
     /// Both columns of every joint of the term have the bump, so that the two sides of a gantry move alike.
@@ -126,11 +146,20 @@ impl Family for LinuxcncFacts {
         task: Task<'_>,
         plan: &Plan,
         kit: &Tables,
-        (_, term, bump): (Mechanism, ErrorTerm, &Bump),
+        (mechanism, term, bump): (Mechanism, ErrorTerm, &Bump),
     ) -> Option<Tables> {
         let Tables::Linuxcnc(kit) = kit else {
             return None;
         };
+        if mechanism == Mechanism::Hal {
+            let deviations = |table: &PlannedTable| match table.term == term {
+                true => bump.deviations(),
+                false => vec![Deviation::ZERO; table.values.len()],
+            };
+            let cross = self.cross_tables(task, plan, deviations);
+            let joints = Vec::new();
+            return Some(Tables::Linuxcnc(LinuxcncTables { joints, cross }));
+        }
         let own = &plan.names[term.of];
         let of_kit = kit.joints.iter().map(|table| {
             let deviations = match own.contains(&table.joint.to_string()) {
@@ -144,15 +173,15 @@ impl Family for LinuxcncFacts {
                 ..table.clone()
             }
         });
-        let joints = of_kit.collect();
-        Some(Tables::Linuxcnc(LinuxcncTables { joints }))
+        let (joints, cross) = (of_kit.collect(), Vec::new());
+        Some(Tables::Linuxcnc(LinuxcncTables { joints, cross }))
     }
 }
 
 impl LinuxcncFacts {
     /// The last decimal of a trim, µm.
     fn count_um(&self, task: Task<'_>) -> f64 {
-        um_per_unit(task) / power_of_ten(self.value_decimals.value)
+        task.um_per_unit() / power_of_ten(self.value_decimals.value)
     }
 
     /// Decimals of columns 2 and 3.
@@ -190,7 +219,7 @@ impl LinuxcncFacts {
         let decimals = self.value_decimals.value;
         let column = |deviation: Deviation| {
             let um = self.trim_sign.value.table_um(deviation);
-            let trim = rounded(um / um_per_unit(task), decimals);
+            let trim = rounded(um / task.um_per_unit(), decimals);
             match self.columns.value {
                 Columns::Trims => trim + 0.0, // −0 is 0
                 Columns::Reached => rounded(nominal - trim, self.column_decimals()) + 0.0,
@@ -247,10 +276,6 @@ impl LinuxcncFacts {
     }
 }
 
-fn um_per_unit(task: Task<'_>) -> f64 {
-    task.job.compensation.control_unit.in_mm() * UM_PER_MM
-}
-
 /// The deviations that a column cancels: the table for its direction, and the reversal that the policy of the
 /// axis leaves to the backlash parameter.
 fn column(
@@ -278,8 +303,14 @@ fn column(
         .collect()
 }
 
-/// `JOINT_0`, or `JOINT_0, JOINT_3 moving up`.
-fn place(planned: &PlannedTable, joints: &[String]) -> String {
+/// `JOINT_0`, or `JOINT_0, JOINT_3 moving up`; of a cross term `HAL: joint 1 by joint 0`.
+fn place(plan: &Plan, planned: &PlannedTable, joints: &[String]) -> String {
+    if planned.term.is_cross() {
+        let base = joints
+            .first()
+            .map_or("", |own| plan.base_of(planned.term, own));
+        return format!("HAL: joint {} by joint {base}", joints.join(", "));
+    }
     let names: Vec<String> = joints
         .iter()
         .map(|joint| format!("JOINT_{joint}"))
@@ -295,7 +326,7 @@ fn place(planned: &PlannedTable, joints: &[String]) -> String {
 /// Where these facts were seen.
 const SEEN: &str = "LinuxCNC 2.9.0~pre1, seen: docs/linuxcnc.md §2";
 
-fn preconditions(task: Task<'_>, joints: &[CompTable]) -> Vec<Precondition> {
+fn preconditions(task: Task<'_>, joints: &[CompTable], cross: &[CrossTable]) -> Vec<Precondition> {
     let unit = task.job.compensation.control_unit.word();
     let mut list = vec![Precondition::new(
         "[TRAJ]LINEAR_UNITS",
@@ -323,5 +354,8 @@ fn preconditions(task: Task<'_>, joints: &[CompTable]) -> Vec<Precondition> {
         "the tables act before homing too, on a position that is not that of the machine",
         SEEN,
     ));
+    if !cross.is_empty() {
+        list.extend(hal::preconditions());
+    }
     list
 }

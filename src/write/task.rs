@@ -5,7 +5,7 @@ use crate::inputs::job::{AxisSettings, Job, MachineAxis};
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::Deviation;
+use crate::quantity::units::{Deviation, UM_PER_MM};
 use crate::text::finding::Finding;
 use crate::write::control_text::trimmed;
 use crate::write::grid::Grid;
@@ -28,6 +28,11 @@ impl Task<'_> {
             self.job.machine.axes[axis]?,
             self.job.compensation.axes[axis].as_ref()?,
         ))
+    }
+
+    /// Micrometres in the unit of the control.
+    pub(crate) fn um_per_unit(&self) -> f64 {
+        self.job.compensation.control_unit.in_mm() * UM_PER_MM
     }
 
     /// The detection unit of an axis, µm, where it is stated.

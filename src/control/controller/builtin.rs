@@ -19,6 +19,7 @@ const PROFILES: &[(&str, &str)] = embed!(
     "fanuc-0i-f.toml",
     "fanuc-16i.toml",
     "linuxcnc.toml",
+    "linuxcnc-hal.toml",
     "generic.toml",
 );
 
@@ -39,6 +40,7 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "linuxcnc.comp.tera",
     "linuxcnc.ini.tera",
     "linuxcnc-sign.ini.tera",
+    "linuxcnc.hal.tera",
     "linuxcnc-program.ngc.tera",
     "checklist.md.tera",
     "checklist.html.tera",

@@ -113,6 +113,8 @@ pub enum Mechanism {
     PerPoint,
     /// LinuxCNC: the table of a joint.
     Comp,
+    /// LinuxCNC: the HAL file for cross terms.
+    Hal,
     /// Basic system mm.
     Metric,
     /// Basic system inch.
@@ -132,6 +134,7 @@ impl Word for Mechanism {
         ("four-point", Mechanism::FourPoint),
         ("per-point", Mechanism::PerPoint),
         ("comp", Mechanism::Comp),
+        ("hal", Mechanism::Hal),
         ("metric", Mechanism::Metric),
         ("inch", Mechanism::Inch),
         ("none", Mechanism::Nothing),
@@ -151,6 +154,7 @@ impl Mechanism {
             Mechanism::FourPoint => "this kit holds no four-point straightness",
             Mechanism::PerPoint => "this kit holds no 128-point straightness",
             Mechanism::Comp => "this kit holds no table of a joint",
+            Mechanism::Hal => "this kit holds no HAL file",
             Mechanism::Metric => "this kit is in inch",
             Mechanism::Inch => "this kit is in mm",
             Mechanism::Nothing => "a wrong value has no consequence",

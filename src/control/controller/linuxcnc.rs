@@ -1,4 +1,4 @@
-//! LinuxCNC: facts of the tables that `COMP_FILE` names (docs/linuxcnc.md).
+//! LinuxCNC: facts of the tables that `COMP_FILE` names, and of the HAL file for cross terms (docs/linuxcnc.md).
 
 use super::fact::{Facts, Mechanism, TableSign, Word, facts};
 use super::family::{Family, LanguageFacts, Proof};
@@ -10,17 +10,28 @@ pub(super) static FAMILY: Family = Family {
     backlash_parameter: "BACKLASH of the ini file",
     replaces_backlash: true,
     between: "linear",
-    no_tables: Tables::Linuxcnc(LinuxcncTables { joints: Vec::new() }),
+    no_tables: Tables::Linuxcnc(LinuxcncTables {
+        joints: Vec::new(),
+        cross: Vec::new(),
+    }),
     off: "removed",
     restarts: true,
     off_by_hand: ": take COMP_FILE and COMP_FILE_TYPE out of their sections",
     page: Some("docs/linuxcnc.md §3"),
-    proofs: &[Proof {
-        mechanism: Mechanism::Comp,
-        name: "COMP_FILE",
-        sign_fact: "trim_sign",
-        beside: None,
-    }],
+    proofs: &[
+        Proof {
+            mechanism: Mechanism::Comp,
+            name: "COMP_FILE",
+            sign_fact: "trim_sign",
+            beside: None,
+        },
+        Proof {
+            mechanism: Mechanism::Hal,
+            name: "HAL file",
+            sign_fact: "sum_sign",
+            beside: None,
+        },
+    ],
 };
 
 pub(super) static LANGUAGE: LanguageFacts = LanguageFacts {
@@ -41,6 +52,20 @@ impl Word for Columns {
         &[("reached", Columns::Reached), ("trims", Columns::Trims)];
 }
 
+/// What corrects one joint by the position of another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CrossTerms {
+    /// Nothing.
+    None,
+    /// Components in a HAL file.
+    Hal,
+}
+
+impl Word for CrossTerms {
+    const WORDS: &'static [(&'static str, CrossTerms)] =
+        &[("none", CrossTerms::None), ("hal", CrossTerms::Hal)];
+}
+
 facts! {
     /// Facts of the LinuxCNC dialect.
     LinuxcncFacts {
@@ -54,6 +79,16 @@ facts! {
         value_decimals: u32,
         /// Decimals of positions in the machine unit.
         position_decimals: u32,
+        /// Where cross terms go.
+        cross_terms: CrossTerms,
+        /// Sense of what a HAL file adds to the command of a joint.
+        sum_sign: TableSign,
+        /// Most points of a curve (`lincurve`).
+        curve_points: u32,
+        /// Most numbers of points that are stated when curves are loaded; they repeat.
+        personalities: u32,
+        /// Most curves of a HAL file.
+        curves: u32,
     }
 }
 
@@ -63,7 +98,14 @@ impl LinuxcncFacts {
         let own = LinuxcncFacts::read(facts)?;
         facts.expect_decimals("value_decimals", &own.value_decimals);
         facts.expect_decimals("position_decimals", &own.position_decimals);
-        facts.expect("rows", own.rows.value > 1, "at least 2");
+        let at_least_2 = [
+            ("rows", &own.rows),
+            ("curve_points", &own.curve_points),
+            ("personalities", &own.personalities),
+        ];
+        for (name, fact) in at_least_2 {
+            facts.expect(name, fact.value > 1, "at least 2");
+        }
         Some(own)
     }
 }

@@ -1,4 +1,5 @@
-//! LinuxCNC: one table for each joint, the file that `COMP_FILE` names (docs/linuxcnc.md §1).
+//! LinuxCNC: one table for each joint, the file that `COMP_FILE` names (docs/linuxcnc.md §1), and the curves
+//! of a HAL file by which one joint corrects another (§6).
 //!
 //! Positions and values are in the machine unit of the joint (mm or inch), as in the file.
 
@@ -53,11 +54,41 @@ impl CompTable {
     }
 }
 
+/// A point of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Position of the joint that is looked up.
+    pub position: f64,
+    /// What is added there.
+    pub value: f64,
+}
+
+/// What one joint gets because another one stands somewhere: curves that add up, each straight between its
+/// points and held outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CrossTable {
+    /// The joint that is looked up.
+    pub base: u32,
+    /// The joint that is corrected.
+    pub output: u32,
+    /// The curves, points ascending.
+    pub pieces: Vec<Vec<Point>>,
+}
+
+impl CrossTable {
+    /// `joint 1 by joint 0`.
+    pub(crate) fn name(&self) -> String {
+        format!("joint {} by joint {}", self.output, self.base)
+    }
+}
+
 /// All tables, ascending by joint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinuxcncTables {
-    /// The tables.
+    /// The tables of joints for themselves.
     pub joints: Vec<CompTable>,
+    /// What a HAL file adds, ascending by output and base.
+    pub cross: Vec<CrossTable>,
 }
 
 impl LinuxcncTables {

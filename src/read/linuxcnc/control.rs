@@ -4,13 +4,15 @@
 //!   column (moving up, moving down) → trim at each row, a C float → straight lines between, ends held
 //!   motor = position + trim; without a table: BACKLASH
 //! ```
+//! One joint by another: the curves of a HAL file, in C doubles, their sum at the points of all of them.
+//!
 //! Seen on a control: every servo cycle of a run is the model of docs/linuxcnc.md §2 within a nanometre. Left
 //! out: the ramp of a few milliseconds after a reversal, and the rounding of a slope to a C float, both below
 //! what moves an axis while it measures.
 
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::LinuxcncFacts;
-use crate::control::table::linuxcnc::{Columns, CompTable, LinuxcncTables, Row};
+use crate::control::table::linuxcnc::{Columns, CompTable, CrossTable, LinuxcncTables, Point, Row};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres, UM_PER_MM};
 use crate::read::emulate::{Between, CannotEmulate, Emulator, NodeTable, Response};
@@ -19,6 +21,8 @@ use crate::read::emulate::{Between, CannotEmulate, Emulator, NodeTable, Response
 #[derive(Clone, Debug)]
 pub struct LinuxcncControl {
     joints: Vec<LoadedJoint>,
+    /// By base and output.
+    cross: Vec<((String, String), Response)>,
     state: ControlState,
 }
 
@@ -45,8 +49,20 @@ impl LinuxcncControl {
             let ways = [way(|row| row.forward)?, way(|row| row.reverse)?];
             Ok(LoadedJoint { name, ways })
         };
+        let load_cross = |table: &CrossTable| {
+            let names = (table.base.to_string(), table.output.to_string());
+            known_axis(state, &names.0)?;
+            known_axis(state, &names.1)?;
+            let response = cross_response(table, facts, state.unit.in_mm())?;
+            Ok((names, response))
+        };
         Ok(LinuxcncControl {
             joints: tables.joints.iter().map(load).collect::<Result<_, _>>()?,
+            cross: tables
+                .cross
+                .iter()
+                .map(load_cross)
+                .collect::<Result<_, _>>()?,
             state: state.clone(),
         })
     }
@@ -55,7 +71,9 @@ impl LinuxcncControl {
 impl Emulator for LinuxcncControl {
     fn connected_axes(&self) -> Vec<(String, String)> {
         let pair = |joint: &LoadedJoint| (joint.name.clone(), joint.name.clone());
-        self.joints.iter().map(pair).collect()
+        let own = self.joints.iter().map(pair);
+        own.chain(self.cross.iter().map(|(names, _)| names.clone()))
+            .collect()
     }
 
     /// BACKLASH, counted from the direction of homing, acts on a joint without a table only.
@@ -66,7 +84,9 @@ impl Emulator for LinuxcncControl {
         direction: Direction,
     ) -> Result<Response, CannotEmulate> {
         if !base.eq_ignore_ascii_case(output) {
-            return Ok(Response::default());
+            let is_it = |names: &(String, String)| names.0 == base && names.1 == output;
+            let cross = self.cross.iter().find(|(names, _)| is_it(names));
+            return Ok(cross.map_or(Response::default(), |(_, response)| response.clone()));
         }
         let axis = known_axis(&self.state, base)?;
         let own = self.joints.iter().find(|joint| joint.name == axis.name);
@@ -101,8 +121,7 @@ fn trim(columns: Columns, nominal: f64, column: f64) -> f64 {
     f64::from(trim as f32)
 }
 
-/// One column of a table. Rows at equal distances are one table of nodes; others are a sum of ramps, one for
-/// each section, each held at both ends.
+/// One column of a table.
 fn response(
     table: &CompTable,
     facts: &LinuxcncFacts,
@@ -115,26 +134,65 @@ fn response(
     };
     let mm: Vec<f64> = table.rows.iter().map(|row| row.nominal * unit_mm).collect();
     let values: Vec<Correction> = table.rows.iter().map(correction).collect();
-    let (Some(low), Some(first)) = (mm.first(), values.first()) else {
-        return Err(CannotEmulate(format!(
-            "the table of {} has no row",
-            table.name()
-        )));
+    let none = || CannotEmulate(format!("the table of {} has no row", table.name()));
+    straight(&mm, &values).ok_or_else(none)
+}
+
+/// The curves of one joint by another, which add up.
+fn cross_response(
+    table: &CrossTable,
+    facts: &LinuxcncFacts,
+    unit_mm: f64,
+) -> Result<Response, CannotEmulate> {
+    let points = table.pieces.iter().flatten();
+    let mut places: Vec<f64> = points.map(|point| point.position).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup_by(|a, b| a.total_cmp(b).is_eq());
+    let correction = |place: &f64| {
+        let value: f64 = table.pieces.iter().map(|piece| at(piece, *place)).sum();
+        facts.sum_sign.value.correction(value * unit_mm * UM_PER_MM)
     };
+    let mm: Vec<f64> = places.iter().map(|place| place * unit_mm).collect();
+    let values: Vec<Correction> = places.iter().map(correction).collect();
+    let none = || CannotEmulate(format!("the curves of {} have no point", table.name()));
+    straight(&mm, &values).ok_or_else(none)
+}
+
+/// The value of a curve: straight between its points, held outside.
+fn at(points: &[Point], place: f64) -> f64 {
+    let above = points.partition_point(|point| point.position <= place);
+    let (below, above) = (
+        above.checked_sub(1).map(|below| points[below]),
+        points.get(above),
+    );
+    match (below, above) {
+        (Some(low), Some(high)) => {
+            let share = (place - low.position) / (high.position - low.position);
+            low.value + share * (high.value - low.value)
+        }
+        (Some(end), None) => end.value,
+        (None, first) => first.map_or(0.0, |first| first.value),
+    }
+}
+
+/// Straight lines between places, the ends held. Places at equal distances are one table of nodes; others are a
+/// sum of ramps, one for each section, each held at both ends. None without a place.
+fn straight(mm: &[f64], values: &[Correction]) -> Option<Response> {
+    let (low, first) = (mm.first()?, values.first()?);
     let nodes = |low: f64, step: f64, values: &[Correction]| {
         let [low, step] = [low, step].map(Millimetres::new);
         NodeTable::new(low, step, values, Between::Linear)
     };
-    let step = step_of(&mm);
-    if let Some(equal) = step.and_then(|step| nodes(*low, step, &values)) {
-        return Ok(Response::new(vec![equal], Correction::ZERO));
+    let step = step_of(mm);
+    if let Some(equal) = step.and_then(|step| nodes(*low, step, values)) {
+        return Some(Response::new(vec![equal], Correction::ZERO));
     }
     let sections = mm.windows(2).zip(values.windows(2));
     let ramps = sections.filter_map(|(mm, um)| {
         let rise = Correction::from_um(um[1].um() - um[0].um());
         nodes(mm[0], mm[1] - mm[0], &[Correction::ZERO, rise])
     });
-    Ok(Response::new(ramps.collect(), *first))
+    Some(Response::new(ramps.collect(), *first))
 }
 
 /// The distance of rows that lie at equal distances.
