@@ -150,8 +150,10 @@ fn read_out(change: impl Fn(&str, String) -> String) -> (Option<i32>, String) {
         fs::write(at.join("out").join(name), change(name, text)).unwrap();
     };
     write("machine.ini", ini(&read(at, "kit/joints.ini")));
-    write("joint-0.comp", read(at, "kit/joint-0.comp"));
-    write("joint-1.comp", read(at, "kit/joint-1.comp"));
+    // The lines of the kit beside it say nothing for the machine's own.
+    for name in ["joints.ini", "joint-0.comp", "joint-1.comp"] {
+        write(name, read(at, &format!("kit/{name}")));
+    }
     let (status, out, said) = ended(at, "verify job.toml --tables out --explain");
     (status, out + &said)
 }
@@ -167,6 +169,21 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
             "COMP_FILE_TYPE = 0",
             1,
             "EXX",
+        ),
+        ("machine.ini", "COMP_FILE_TYPE = 1", "", 1, "EXX"),
+        (
+            "machine.ini",
+            "MIN_LIMIT = 0",
+            "HOME_LATCH_VEL = -5",
+            1,
+            "HOME_LATCH_VEL of [JOINT_0] is -5",
+        ),
+        (
+            "machine.ini",
+            "COMP_FILE = joint-1.comp",
+            "COMP_FILE = other/joint-0.comp",
+            2,
+            "in different folders",
         ),
         (
             "machine.ini",

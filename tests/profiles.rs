@@ -101,7 +101,7 @@ fn every_template_renders() {
                 let name = format!("{}: {}", profile.id, file.path);
                 let text = std::str::from_utf8(&file.bytes).unwrap();
                 rendered.insert(file.path.clone());
-                if file.role == Role::Checklist {
+                if file.role == Role::Checklist || file.path.ends_with(".html") {
                     assert!(!text.contains("{{") && !text.contains('\r'), "{name}");
                     continue; // for people: any character, line ends of every computer
                 }

@@ -10,7 +10,7 @@ use crate::kit::manifest::MANIFEST;
 use crate::kit::program_kit::{ProgramKit, make};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
-use crate::text::delimited::header_and_rows;
+use crate::text::delimited::{Line, header_and_rows};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
 use crate::write::emit::program::FileRole;
@@ -66,7 +66,10 @@ impl Table {
         let source = read_file(&place).ok();
         let source = source.and_then(|bytes| Source::from_bytes("", &bytes).ok());
         let rows = source.as_ref().and_then(header_and_rows);
-        let is_ready = rows.is_some_and(|(_, rows)| rows.len() == kit.readings());
+        let is_empty =
+            |row: &Line<'_>| row.cells().last().is_none_or(|cell| cell.trim().is_empty());
+        let is_ready =
+            rows.is_some_and(|(_, rows)| rows.len() == kit.readings() && rows.iter().all(is_empty));
         Some(Table { place, is_ready })
     }
 }

@@ -238,6 +238,7 @@ fn judged<'a>(
         return Ok(Judged::made(&options.job, verification));
     };
     let judged = Judged::read(inputs, &options.job, directory, options.after.as_deref())?;
+    visit.date_after = judged.date_after().map(str::to_string);
     if let Ok((_, bytes)) = read_argument(&directory.join(MANIFEST)) {
         let manifest: Value = serde_json::from_slice(&bytes).unwrap_or_default();
         visit.sizes = sizes(directory, &manifest);

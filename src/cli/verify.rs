@@ -87,6 +87,11 @@ impl<'a> Judged<'a> {
         }
     }
 
+    /// When the second measurement was made, as its job says.
+    pub(super) fn date_after(&self) -> Option<&str> {
+        self.second.as_ref()?.date.as_deref()
+    }
+
     /// What is told of them.
     pub(super) fn page<'b>(&'b self, inputs: &'b Inputs) -> Result<Page<'b>, Problems> {
         let second = self.second.as_ref().map(|second| {

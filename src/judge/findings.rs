@@ -64,6 +64,7 @@ findings! {
         CuttingFeed { axis: String, cutting: f64, rapid: f64 } => Note, "axis {axis}: 1851 is {cutting} and 1852 is {rapid}; 1851 (cutting feed) is taken";
         Reference { axis: String, position: f64, unit: &'static str, own_mm: f64 } => Disagreement, "1240 of axis {axis} is {position} {unit}, the job has the reference at {own_mm} mm";
         HomeOffset { joint: u32, position: f64, unit: &'static str, own_mm: f64 } => Disagreement, "HOME_OFFSET of [JOINT_{joint}] is {position} {unit}, the job has the reference at {own_mm} mm";
+        HomeDirection { joint: u32, speed: f64, own: Direction } => Disagreement, "HOME_LATCH_VEL of [JOINT_{joint}] is {speed}, the job has `reference_direction = \"{}\"`", own.symbol();
         NoSwitches { axis: String, directions: u8, interpolated: u8 } => Note, "no file holds 3605 of axis {axis}: bit 0 (table for each direction) and bit 1 (interpolated) are taken as the job asks, {directions} and {interpolated}";
         OtherSwitch { bit: usize, axis: String, is: u8, asked: u8, meaning: &'static str } => Disagreement, "3605#{bit} of axis {axis} is {is}, the job is for {asked} (1 = {meaning})";
         RapidDiffers { axis: String, rapid: String, cutting: String } => Doubt, "1852 of axis {axis} is {rapid}, 1851 is {cutting}, and the job asks for the same in both: where the control takes 1852 in rapid traverse, the axis stands elsewhere than forecast after it";
@@ -110,6 +111,9 @@ impl InControl {
             }
             Self::Reference { .. } | Self::HomeOffset { .. } => {
                 "correct `reference_mm`; tables of another reference cannot be added"
+            }
+            Self::HomeDirection { .. } => {
+                "correct `reference_direction`: the column of this direction is zero at the reference"
             }
             Self::GantryDiffers { .. } => "bring the axes of the gantry to one value first",
             _ => "measure with these tables switched off",

@@ -22,7 +22,7 @@ impl Family for GenericFacts {
         let mut problems = Problems::none();
         let mut tables = Vec::new();
         for (name, text) in texts {
-            tables.extend(problems.take(generic::read(name, text)));
+            tables.extend(problems.take(generic::read_out(name, text)));
         }
         let mut table = generic::merge(problems.or_ok(tables)?)?;
         let held = Held::plain(Tables::Generic(table.clone()));

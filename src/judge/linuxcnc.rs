@@ -9,10 +9,10 @@ use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
 use crate::judge::family::Family;
 use crate::judge::findings::InControl;
-use crate::quantity::axis::PerAxis;
+use crate::quantity::axis::{Direction, PerAxis};
 use crate::quantity::units::UM_PER_MM;
 use crate::read::Text;
-use crate::read::linuxcnc::{Contents, read};
+use crate::read::linuxcnc::{Contents, Joint, read};
 use crate::text::problem::Problems;
 
 impl Family for LinuxcncFacts {
@@ -140,27 +140,39 @@ fn backlash(names: &[String], reading: &ReadOutReader<'_>, found: &Contents) -> 
     named.collect()
 }
 
-/// Where homing sets the position, against the reference of the job: a table has to be zero there.
+/// Where homing sets the position and in which direction, against the reference of the job: a table has to be zero there.
 fn check_homes(reading: &mut ReadOutReader<'_>, found: &Contents) {
     const SAME_MM: f64 = 1e-3;
     let unit = unit(reading, found);
-    for (joint, settings) in found
-        .joints
-        .iter()
-        .filter(|(_, joint)| joint.comp_file.is_some())
-    {
+    let with_table = |(_, settings): &(&u32, &Joint)| settings.comp_file.is_some();
+    for (joint, settings) in found.joints.iter().filter(with_table) {
         let axis = reading.axis(&joint.to_string());
-        let machine = axis.and_then(|axis| reading.job.machine.axes[axis]);
-        let (Some(machine), Some(position)) = (machine, settings.home_offset) else {
+        let Some(machine) = axis.and_then(|axis| reading.job.machine.axes[axis]) else {
             continue;
         };
         let own_mm = machine.reference.mm();
-        if (position * unit.in_mm() - own_mm).abs() > SAME_MM {
+        let default = found.is_whole.then_some(0.0);
+        if let Some(position) = settings.home_offset.or(default)
+            && (position * unit.in_mm() - own_mm).abs() > SAME_MM
+        {
+            let (joint, unit) = (*joint, unit.word());
             reading.tell(InControl::HomeOffset {
-                joint: *joint,
+                joint,
                 position,
-                unit: unit.word(),
+                unit,
                 own_mm,
+            });
+        }
+        let latch = settings.home_latch.filter(|speed| speed.abs() > 0.0);
+        let is_up = machine.homing() == Direction::Plus;
+        if let Some(speed) = latch
+            && (speed > 0.0) != is_up
+        {
+            let own = machine.homing();
+            reading.tell(InControl::HomeDirection {
+                joint: *joint,
+                speed,
+                own,
             });
         }
     }

@@ -60,6 +60,8 @@ pub struct Visit {
     pub doubts: Vec<String>,
     /// Whether the tables were measured.
     pub is_measured: bool,
+    /// When that was, as the second job says.
+    pub date_after: Option<String>,
     /// The limits, and all that the verdict rests on and does not count: a sentence of `verify`.
     pub asked: String,
     /// Every file that was read, with its hash.
@@ -86,6 +88,7 @@ impl Visit {
             is_rehearsal: false,
             doubts: Vec::new(),
             is_measured: false,
+            date_after: None,
             asked: String::new(),
             inputs: Vec::new(),
             documents: Vec::new(),
@@ -195,6 +198,15 @@ impl Report<'_> {
         )
     }
 
+    /// When it was measured; with a second measurement whose date is stated, both days by name.
+    fn dates(&self) -> String {
+        let first = self.visit.job.measurement.date.clone().unwrap_or_default();
+        match &self.visit.date_after {
+            None => first,
+            Some(after) => format!("{}: {first}; {}: {after}", self.t("found"), self.t("left")),
+        }
+    }
+
     /// What stands at the head: known keys of the protocol under their names, an empty line for those
     /// that every visit has, then all others as they are stated.
     fn visit(&self) -> Vec<Value> {
@@ -213,10 +225,7 @@ impl Report<'_> {
             line(self.t("machine"), machine.name.clone()),
             line(self.t("serial"), machine.serial.clone().unwrap_or_default()),
             line(self.t("control"), self.visit.control.clone()),
-            line(
-                self.t("date"),
-                self.visit.job.measurement.date.clone().unwrap_or_default(),
-            ),
+            line(self.t("date"), self.dates()),
         ];
         lines.extend(ALWAYS.map(|key| line(self.t(key), stated(key).unwrap_or_default())));
         let others = protocol

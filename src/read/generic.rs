@@ -77,11 +77,24 @@ impl Family for GenericFacts {
 /// assert_eq!(nonius::read::generic::read("table.json", json), Ok(table));
 /// ```
 pub fn read(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
+    read_with(typed::read, file_name, text)
+}
+
+/// Reads a file as the control shows it: of a typed list what was seen counts, nothing else.
+pub(crate) fn read_out(file_name: &str, text: &str) -> Result<GenericTable, Problems> {
+    read_with(typed::read_seen, file_name, text)
+}
+
+fn read_with(
+    list: fn(&str, &str) -> Result<GenericTable, Problems>,
+    file_name: &str,
+    text: &str,
+) -> Result<GenericTable, Problems> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim_start().starts_with('{') {
         rows::read_json(file_name, text)
     } else if typed::is_list(text) {
-        typed::read(file_name, text)
+        list(file_name, text)
     } else {
         rows::read_csv(file_name, text)
     }

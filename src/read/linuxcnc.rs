@@ -1,4 +1,4 @@
-//! Reader of LinuxCNC: the ini file (or lines of it) and the tables that its `COMP_FILE` name.
+//! Reader of LinuxCNC: the ini file (or lines for it, never both) and the tables that its `COMP_FILE` name.
 //!
 //! ```text
 //!   texts ─┬ with [SECTION] lines ── ini ──→ joints: COMP_FILE, COMP_FILE_TYPE, BACKLASH, HOME_OFFSET; unit
@@ -72,9 +72,8 @@ impl Family for LinuxcncFacts {
         is_hal || ini::is_ini(text) || comp::begins_with_a_row(text)
     }
 
-    /// The ini file of a machine has its kinematics, which lines for its joints do not.
     fn is_whole(&self, text: &str) -> bool {
-        ini::sections(text).any(|section| section == "KINS" || section == "EMC")
+        is_machines(text)
     }
 }
 
@@ -87,6 +86,8 @@ pub(crate) struct Contents {
     pub(crate) joints: BTreeMap<u32, Joint>,
     /// `[TRAJ]LINEAR_UNITS`.
     pub(crate) unit: Option<ControlUnit>,
+    /// Whether it is the ini of a machine, in which a setting that is not stated has its default.
+    pub(crate) is_whole: bool,
     /// Files that nothing names.
     unnamed: Vec<String>,
 }
@@ -113,11 +114,12 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
     if inis.is_empty() && (hals.is_empty() || !others.is_empty()) {
         return Err(no_ini(&others).into());
     }
+    let (ini_name, text) = match inis.is_empty() {
+        true => ("", ""), // a HAL file alone
+        false => the_ini(&inis)?,
+    };
+    let ini = Ini::read(ini_name, text)?;
     let mut problems = Problems::none();
-    let mut ini = Ini::default();
-    for (name, text) in inis {
-        problems.take(ini.add(name, text));
-    }
     let mut tables = LinuxcncTables {
         cross: problems.take(cross(&hals, facts)).unwrap_or_default(),
         ..LinuxcncTables::default()
@@ -144,13 +146,18 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
             }
         }
     }
-    let names = others.iter().map(|(name, _)| *name);
-    let unnamed = names.filter(|name| !named.contains(name));
+    if let Some(problem) = ambiguous(&ini) {
+        problems.push(problem);
+    }
+    let names = texts.iter().map(|(name, _)| *name);
+    named.extend(hals.iter().map(|(name, _)| *name));
+    let unnamed = names.filter(|name| *name != ini_name && !named.contains(name));
     problems.or_ok(Contents {
         tables,
         unnamed: unnamed.map(str::to_string).collect(),
         joints: ini.joints,
         unit: ini.unit,
+        is_whole: is_machines(text),
     })
 }
 
@@ -166,6 +173,51 @@ fn cross(hals: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Vec<CrossTable>
         .help("name the file with the corrections alone; the machine's own HAL files are not read")
         .into()),
     }
+}
+
+/// The ini file of a machine has its kinematics, which lines for its joints do not.
+fn is_machines(text: &str) -> bool {
+    ini::sections(text).any(|section| section == "KINS" || section == "EMC")
+}
+
+/// The one ini that counts: that of the machine, which says by what it leaves out, too; else the only one.
+fn the_ini<'a>(inis: &[&(&'a str, &'a str)]) -> Result<(&'a str, &'a str), Problem> {
+    let machines: Vec<_> = inis.iter().filter(|(_, text)| is_machines(text)).collect();
+    match (&machines[..], inis) {
+        ([of_machine], _) => Ok(***of_machine),
+        ([], [only]) => Ok(**only),
+        _ => {
+            let names = inis.iter().map(|(name, _)| format!("`{}`", shown(name)));
+            let names: Vec<String> = names.collect();
+            Err(Problem::new(format!(
+                "several ini files, of which one can be that of the machine: {}",
+                names.join(", ")
+            ))
+            .help("name one of them: the ini file that LinuxCNC is started with"))
+        }
+    }
+}
+
+/// Two COMP_FILE of different folders with one name: which of them is meant is not seen here.
+fn ambiguous(ini: &Ini) -> Option<Problem> {
+    let paths: Vec<&str> = ini
+        .joints
+        .values()
+        .flat_map(|joint| joint.comp_file.as_deref())
+        .collect();
+    let twin = |path: &&&str| {
+        paths
+            .iter()
+            .any(|other| other != *path && file_name(other) == file_name(path))
+    };
+    let path = paths.iter().find(twin)?;
+    let message = format!(
+        "two COMP_FILE have the name `{}` in different folders",
+        shown(file_name(path))
+    );
+    Some(
+        Problem::new(message).help("give the tables different names in the ini file and beside it"),
+    )
 }
 
 /// The last part of a path.

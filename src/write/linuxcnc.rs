@@ -342,6 +342,20 @@ fn preconditions(task: Task<'_>, joints: &[CompTable], cross: &[CrossTable]) -> 
             SEEN,
         )
     }));
+    let has_step = |table: &&CompTable| {
+        table
+            .rows
+            .iter()
+            .any(|row| (row.forward - row.reverse).abs() > 0.0)
+    };
+    list.extend(joints.iter().filter(has_step).map(|table| {
+        Precondition::new(
+            format!("STEPGEN_MAXACCEL of [{}], where there is one", table.name()),
+            "1.5 to 2 times MAX_ACCELERATION",
+            "at a reversal the table is added to the move within a few milliseconds; without headroom a following error stops the machine",
+            "LinuxCNC documentation, INI Configuration (from memory)",
+        )
+    }));
     list.push(Precondition::new(
         "reference points: HOME_OFFSET of each joint",
         task.reference_text(),

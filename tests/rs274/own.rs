@@ -42,7 +42,7 @@ G80\nG0 Z60\nG91 G81 X5 Y1 Z-10 R-55 L3\nG90 G80\nG18 G81 X60 Z10 Y-5 R5\nG80 G1
     (
         "operators and functions",
         "#1=[1+2*3**2-8/4]\n#2=[SIN[30]+COS[60]*TAN[45]]\n#3=[SQRT[16]+ABS[-2.5]+ROUND[2.4]+FIX[2.9]+FUP[2.1]]
-#4=[ASIN[0.5]+ACOS[0.5]+ATAN[1]/[1]+LN[EXP[1]]]\n#5=[17 MOD 5]\n#6=[[#1 GT 5] AND [#2 LT 5]]\n#7=[2*[3+4]*5-6 MOD 4]
+#4=[ASIN[0.5]+ACOS[0.5]+ATAN[1]/[1]+LN[EXP[1]]]\n#5=[17 MOD 5]\n#6=[#1 GT 5]\n#7=[2*[3+4]*5-6 MOD 4]
 G54 G1 X#1 Y#2 Z#3 F100\nX#4 Y#5 Z#6\nX-#7 Y+#1 Z-[#1-#2]\n",
     ),
     (

@@ -29,6 +29,8 @@ pub(super) struct Second {
     /// What its errors were read from; absent = an error table alone, or straight runs.
     pub(super) errors: Option<ErrorSource>,
     pub(super) hashes: Vec<HashedFile>,
+    /// When it was measured, as its job says.
+    pub(super) date: Option<String>,
     /// What its job states or leaves open, one sentence each.
     pub(super) notes: Vec<Finding>,
     /// Its job, and the tables that were active as it names them, where they lie elsewhere.
@@ -85,6 +87,7 @@ impl Second {
                 measurement: of_table(first, source)?,
                 errors: None,
                 hashes: vec![own],
+                date: None,
                 notes: Vec::new(),
                 active: None,
             });
@@ -99,6 +102,7 @@ impl Second {
             measurement,
             errors,
             hashes: files.hashes,
+            date: job.measurement.date.clone(),
             notes: notes(&job, tables),
             active: active.map(|active| (job, active)),
         })

@@ -2,6 +2,20 @@
 
 use toml::de::{DeTable, DeValue};
 
+/// What was measured or noted on one day belongs to that day: a second job never takes it from the first.
+const OF_THE_DAY: [&str; 8] = [
+    "date",
+    "protocol",
+    "angles",
+    "squareness_um_per_m",
+    "active_while_measuring",
+    "active_terms_not_measured",
+    "active_reference",
+    "active_backlash_um",
+];
+/// Likewise in `[measurement.step_diagonal]`.
+const OF_THE_RUN: [&str; 3] = ["linear", "beam", "material"];
+
 /// Takes from the job below what a page does not state; a list is taken whole. Errors and readings exclude each
 /// other, so whoever states one takes nothing of the other.
 pub(super) fn lay_over<'a>(own: &mut DeTable<'a>, mut below: DeTable<'a>) {
@@ -10,10 +24,14 @@ pub(super) fn lay_over<'a>(own: &mut DeTable<'a>, mut below: DeTable<'a>) {
     {
         let others: &[&str] = match measured.contains_key("errors") {
             true => &["readings", "step_diagonal"],
-            false if measured.contains_key("readings") => &["errors", "squareness_um_per_m"],
+            false if measured.contains_key("readings") => &["errors"],
             false => &[],
         };
-        others.iter().for_each(|key| _ = first.remove(*key));
+        let all = others.iter().chain(&OF_THE_DAY);
+        all.for_each(|key| _ = first.remove(*key));
+        if let Some(DeValue::Table(run)) = first.get_mut("step_diagonal").map(|run| run.get_mut()) {
+            OF_THE_RUN.iter().for_each(|key| _ = run.remove(*key));
+        }
     }
     take_missing(own, below);
 }

@@ -31,8 +31,8 @@ pub(super) enum Operator {
     Rest,
     Power,
     Compare(Comparison),
-    Both,
-    Either,
+    /// AND, OR.
+    Logic,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,8 +105,8 @@ pub(super) const ISO: Grammar = Grammar {
         ("GE", 1, Operator::Compare(Comparison::AtLeast)),
         ("LT", 1, Operator::Compare(Comparison::Less)),
         ("LE", 1, Operator::Compare(Comparison::AtMost)),
-        ("AND", 0, Operator::Both),
-        ("OR", 0, Operator::Either),
+        ("AND", 0, Operator::Logic),
+        ("OR", 0, Operator::Logic),
     ],
     functions: &[
         ("SIN", Function::Sin),
@@ -169,6 +169,7 @@ pub(super) fn applied(operator: Operator, sign: &str, a: f64, b: f64) -> Evaluat
             format!("`{sign}` of {a} and {b}: controls differ in the sign of the rest"),
             "write it with positive numbers",
         )),
+        Operator::Rest if is_nearly_whole(a / b) => Err(undecided(sign)),
         Operator::Rest => finite(a % b),
         Operator::Power => power(a, b).and_then(finite),
         Operator::Compare(comparison) => {
@@ -181,12 +182,10 @@ pub(super) fn applied(operator: Operator, sign: &str, a: f64, b: f64) -> Evaluat
             }
             truth(comparison.holds(a, b))
         }
-        Operator::Both | Operator::Either if !is_truth(a) || !is_truth(b) => Err((
-            format!("`{sign}` of numbers: controls differ in it"),
-            "write conditions on both sides, e.g. `[#1 EQ 1] AND [#2 EQ 1]`",
+        Operator::Logic => Err((
+            format!("`{sign}` is not executed: controls differ in what it binds"),
+            "write one condition after the other",
         )),
-        Operator::Both => truth(a > 0.0 && b > 0.0),
-        Operator::Either => truth(a > 0.0 || b > 0.0),
     }
 }
 
@@ -208,8 +207,16 @@ fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= 0.0
 }
 
-fn is_truth(value: f64) -> bool {
-    same(value, 0.0) || same(value, 1.0)
+/// Whether a number is whole but for rounding: then rounding decides to which side it goes.
+fn is_nearly_whole(a: f64) -> bool {
+    let apart = (a - a.round()).abs();
+    apart > 0.0 && apart < ROUNDING
+}
+
+fn undecided(word: &str) -> (String, &'static str) {
+    let message =
+        format!("`{word}` of a number that rounding puts beside a whole one: controls differ");
+    (message, "add or take off half of the smallest step first")
 }
 
 fn finite(value: f64) -> Evaluated {
@@ -247,6 +254,10 @@ pub(super) fn evaluated(function: Function, word: &str, a: f64) -> Evaluated {
         Function::Sqrt => Ok(a.sqrt()),
         Function::Abs => Ok(a.abs()),
         Function::Fix | Function::Fup if a < 0.0 && !is_whole => Err(signed()),
+        Function::Fix | Function::Fup | Function::Truncate if is_nearly_whole(a) => {
+            Err(undecided(word))
+        }
+        Function::Round if is_nearly_whole(a - 0.5) => Err(undecided(word)),
         Function::Fix | Function::Truncate => Ok(a.trunc()),
         Function::Fup => Ok(a.ceil()),
         Function::Round => Ok(a.round()),

@@ -164,6 +164,9 @@ pub(super) struct Offsets {
     pub(super) tool: Option<f64>,
     /// What the tool length changed since Z was last positioned.
     pub(super) pending_z: f64,
+    /// The zero without the tool, and the axes that were not positioned absolutely since it changed.
+    zero: Option<Place>,
+    pub(super) moved: [bool; 3],
     /// Machine coordinates of the program's zero; `None` where that of the system is not known.
     pub(super) base: Option<Place>,
 }
@@ -178,18 +181,25 @@ impl Offsets {
             shift: [0.0; 3],
             tool: None,
             pending_z: 0.0,
+            zero: None,
+            moved: [false; 3],
             base: None,
         };
         offsets.update();
+        offsets.moved = [false; 3];
         offsets
     }
 
     fn update(&mut self) {
         let system = self.systems.get(&self.active);
-        self.base = system.map(|system| {
-            let tool = [0.0, 0.0, self.tool.unwrap_or(0.0)];
-            std::array::from_fn(|k| system[k] + self.local[k] + self.shift[k] + tool[k])
-        });
+        let zero: Option<Place> =
+            system.map(|system| std::array::from_fn(|k| system[k] + self.local[k] + self.shift[k]));
+        for axis in 0..3 {
+            self.moved[axis] |= self.zero.map(|zero| zero[axis]) != zero.map(|zero| zero[axis]);
+        }
+        self.zero = zero;
+        let tool = [0.0, 0.0, self.tool.unwrap_or(0.0)];
+        self.base = zero.map(|zero| std::array::from_fn(|k| zero[k] + tool[k]));
     }
 
     pub(super) fn select(&mut self, system: u32) {

@@ -27,7 +27,23 @@ pub(crate) fn ensure_same_machine(first: &Job, second: &Job) -> Result<(), Probl
             problems.push(first.problem_at(&key, format!("as found, {what} is {here}")));
         }
     }
+    problems.extend(same_kind_of_scale(first, second));
     problems.or_ok(())
+}
+
+/// Lengths that were brought to 20 °C cannot be compared with lengths that were not.
+fn same_kind_of_scale(first: &Job, second: &Job) -> Problems {
+    let stated = |job: &Job| match &job.measurement.data {
+        MeasuredData::Diagonals(measured) => Some(measured.material.is_some()),
+        MeasuredData::Errors(_) => None,
+    };
+    let mut problems = Problems::none();
+    if (stated(first), stated(second)) == (Some(true), Some(false)) {
+        let message = "the second job does not state [measurement.step_diagonal.material], the first one does";
+        let problem = second.problem_at("measurement.step_diagonal", message.to_string());
+        problems.push(problem.help("state it with the temperatures of the second measurement: they are never taken from the first"));
+    }
+    problems
 }
 
 /// Stated slopes of the linear axes that are all those of the first job, to the last digit.

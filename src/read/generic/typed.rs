@@ -63,6 +63,15 @@ pub(super) fn is_list(text: &str) -> bool {
 
 /// Reads a list: what was seen, where it is filled in, else what was to be typed.
 pub(super) fn read(file: &str, text: &str) -> Result<GenericTable, Problems> {
+    read_as(file, text, false)
+}
+
+/// Reads what was seen; a list in which nothing was filled in is refused.
+pub(super) fn read_seen(file: &str, text: &str) -> Result<GenericTable, Problems> {
+    read_as(file, text, true)
+}
+
+fn read_as(file: &str, text: &str, is_seen: bool) -> Result<GenericTable, Problems> {
     let source = Source::from_bytes(file, text.as_bytes())?;
     let Some((header, lines)) = header_and_rows(&source) else {
         return Err(Problem::new(format!("`{file}` is empty")).into());
@@ -80,13 +89,20 @@ pub(super) fn read(file: &str, text: &str) -> Result<GenericTable, Problems> {
     let (sums, mut points): (Vec<_>, Vec<_>) =
         problems.or_ok(rows)?.into_iter().partition(Row::is_sum);
     refuse_other_sums(&points, &sums, &columns)?;
-    take_seen(&mut points, &columns)?;
+    let was_seen = points.iter().any(|point| point.seen_um.is_some());
+    if was_seen {
+        take_seen(&mut points, &columns)?;
+    }
     let corrections = corrections(&points, &columns)?;
     let raw = points.iter().zip(&corrections);
-    table(raw.map(|(point, um)| point.raw(*um)), |flaw: &Flaw| {
+    let table = table(raw.map(|(point, um)| point.raw(*um)), |flaw: &Flaw| {
         let place = points[flaw.row].line.cell_place(columns.place(flaw.column));
         Problem::new(flaw.message.clone()).at(place)
-    })
+    })?;
+    if is_seen && !was_seen {
+        take_seen(&mut points, &columns)?;
+    }
+    Ok(table)
 }
 
 /// Where each column stands, and what the values are.
@@ -296,23 +312,24 @@ fn help_of_sum(page: &[&Row<'_>]) -> String {
     }
 }
 
-/// Once anything of a list was seen, all of it has to be: a missing value is no zero.
+/// Takes what was seen, all of it: a missing value is no zero.
 fn take_seen(points: &mut [Row<'_>], columns: &Columns) -> Result<(), Problems> {
-    if points.iter().all(|point| point.seen_um.is_none()) {
-        return Ok(());
+    let missing = points.iter().filter(|point| point.seen_um.is_none());
+    if let Some(first) = missing.clone().next() {
+        let message = format!(
+            "`seen` is empty in {} of {} lines",
+            missing.count(),
+            points.len()
+        );
+        return Err(Problem::new(message)
+            .at(first.line.cell_place(columns.place("seen")))
+            .help("read every point on the control's screen and fill in what it shows")
+            .into());
     }
-    let mut problems = Problems::none();
     for point in points {
-        match point.seen_um {
-            Some(um) => point.um = um,
-            None => problems.push(
-                Problem::new("`seen` is empty, but filled in for other points")
-                    .at(point.line.cell_place(columns.place("seen")))
-                    .help("read this point on the control's screen too, or leave the whole column empty"),
-            ),
-        }
+        point.um = point.seen_um.unwrap_or(point.um);
     }
-    problems.or_ok(())
+    Ok(())
 }
 
 /// Of each point the correction before it in its block, and its own, µm.

@@ -6,7 +6,7 @@
 use crate::control::controller::ControlUnit;
 use crate::control::table::linuxcnc::{Columns, MOST_JOINTS};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
-use crate::text::problem::{Problem, Problems, shown};
+use crate::text::problem::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
@@ -21,26 +21,11 @@ pub(crate) struct Joint {
     pub(crate) backlash: Option<f64>,
     /// Where homing sets the position; not stated is 0.
     pub(crate) home_offset: Option<f64>,
+    /// Speed of the move in which homing sets the position; not stated or 0: it is set without a move.
+    pub(crate) home_latch: Option<f64>,
 }
 
-impl Joint {
-    /// What two texts say of a joint; `None` where they contradict each other.
-    fn with(&self, other: &Joint) -> Option<Joint> {
-        Some(Joint {
-            comp_file: one(&self.comp_file, &other.comp_file)?,
-            columns: one(&self.columns, &other.columns)?,
-            backlash: one(&self.backlash, &other.backlash)?,
-            home_offset: one(&self.home_offset, &other.home_offset)?,
-        })
-    }
-}
-
-fn one<T: Clone + PartialEq>(a: &Option<T>, b: &Option<T>) -> Option<Option<T>> {
-    let is_one = a.is_none() || b.is_none() || a == b;
-    is_one.then(|| a.clone().or(b.clone()))
-}
-
-/// What several texts say together.
+/// What one text says.
 #[derive(Default)]
 pub(super) struct Ini {
     pub(super) joints: BTreeMap<u32, Joint>,
@@ -71,7 +56,13 @@ fn section(line: &str) -> Option<&str> {
     Some(name)
 }
 
-const OF_JOINT: [&str; 4] = ["COMP_FILE", "COMP_FILE_TYPE", "BACKLASH", "HOME_OFFSET"];
+const OF_JOINT: [&str; 5] = [
+    "COMP_FILE",
+    "COMP_FILE_TYPE",
+    "BACKLASH",
+    "HOME_OFFSET",
+    "HOME_LATCH_VEL",
+];
 
 fn is_read(setting: &Setting<'_>) -> bool {
     let of_joint = setting.section.starts_with("JOINT_") && OF_JOINT.contains(&setting.key);
@@ -131,26 +122,22 @@ fn setting<'a>(section: &'a str, line: &'a str, span: Range<usize>) -> Option<Se
 }
 
 impl Ini {
-    /// Adds what a text says; another text may not say otherwise of a joint.
-    pub(super) fn add(&mut self, file: &str, text: &str) -> Result<(), Problems> {
+    /// Reads a text.
+    pub(super) fn read(file: &str, text: &str) -> Result<Ini, Problems> {
         let (settings, mut complaints) = settings(text);
-        let mut joints: BTreeMap<u32, Joint> = BTreeMap::new();
+        let mut ini = Ini::default();
         for setting in &settings {
             let taken = match setting.section.strip_prefix("JOINT_") {
-                Some(number) => take(&mut joints, number, setting),
-                None => unit(setting.value).map(|unit| self.unit = Some(unit)),
+                Some(number) => take(&mut ini.joints, number, setting),
+                None => unit(setting.value).map(|unit| ini.unit = Some(unit)),
             };
             let wrong = |expected| wrong(setting, expected);
             complaints.extend(taken.err().map(wrong));
         }
-        if !complaints.is_empty() {
-            return Err(located(file, text, complaints));
+        match complaints.is_empty() {
+            true => Ok(ini),
+            false => Err(located(file, text, complaints)),
         }
-        for (number, joint) in joints {
-            let known = self.joints.entry(number).or_default();
-            *known = known.with(&joint).ok_or_else(|| two(number, file))?;
-        }
-        Ok(())
     }
 }
 
@@ -167,6 +154,7 @@ fn take(
         "COMP_FILE" => joint.comp_file = Some(setting.value.to_string()),
         "COMP_FILE_TYPE" => joint.columns = Some(columns(setting.value)?),
         "BACKLASH" => joint.backlash = Some(length(setting.value)?),
+        "HOME_LATCH_VEL" => joint.home_latch = Some(length(setting.value)?),
         _ => joint.home_offset = Some(length(setting.value)?),
     }
     Ok(())
@@ -180,13 +168,13 @@ fn columns(value: &str) -> Result<Columns, &'static str> {
     }
 }
 
-/// No joint is longer, in mm or inch.
+/// No joint is longer and none is faster, in mm or inch, in a second.
 const LONGEST: f64 = 1e6;
 
 fn length(value: &str) -> Result<f64, &'static str> {
     let number = value.parse().ok();
     let number = number.filter(|number: &f64| number.abs() <= LONGEST);
-    number.ok_or("a length in the machine unit and nothing else")
+    number.ok_or("a number in the machine unit and nothing else")
 }
 
 fn unit(value: &str) -> Result<ControlUnit, &'static str> {
@@ -215,12 +203,4 @@ fn wrong(setting: &Setting<'_>, expected: &str) -> Complaint {
         message,
         "a value goes to the end of its line, comments too",
     )
-}
-
-fn two(joint: u32, file: &str) -> Problem {
-    let message = format!(
-        "[JOINT_{joint}] of `{}` says otherwise than that of another ini file",
-        shown(file)
-    );
-    Problem::new(message).help("name the ini file of one machine, or the lines of a kit without it")
 }

@@ -118,7 +118,7 @@ fn an_ini_that_linuxcnc_takes_otherwise_is_refused() {
             "[JOINT_0]\nCOMP_FILE_TYPE = 1 # trims\n",
             "expected 0 (positions reached)",
         ),
-        ("[JOINT_0]\nBACKLASH = nan\n", "expected a length"),
+        ("[JOINT_0]\nBACKLASH = nan\n", "expected a number"),
         ("[JOINT_16]\nBACKLASH = 0\n", "from [JOINT_0] to [JOINT_15]"),
         ("[TRAJ]\nLINEAR_UNITS = cm\n", "expected mm or inch"),
         (
@@ -143,18 +143,18 @@ fn a_table_without_its_ini_says_nothing() {
 }
 
 #[test]
-fn an_ini_and_the_lines_for_it_are_one_where_they_agree() {
-    let machine = "[JOINT_0]\nHOME_OFFSET = 5\nCOMP_FILE = comp/x.comp\nCOMP_FILE_TYPE = 1\n";
+fn the_ini_of_the_machine_counts_alone() {
+    let machine = "[EMC]\n[JOINT_0]\nHOME_OFFSET = 5\nCOMP_FILE = comp/x.comp\n";
     let table = ("at/x.comp", "0 0 0\n");
     let other = ("y.comp", "0 0 0\n");
-    let lines = INI.replace("x.comp", "comp/x.comp");
-    let both = found(&[("m.ini", machine), ("joints.ini", &lines), table, other]);
-    assert_eq!(both.joints[&0].home_offset, Some(5.0));
-    assert_eq!(both.unnamed, ["y.comp"]);
-    let said = refused(&[
-        ("m.ini", machine),
-        ("joints.ini", "[JOINT_0]\nCOMP_FILE_TYPE = 0\n"),
-        table,
-    ]);
-    assert!(said.contains("says otherwise"), "{said}");
+    let lines = ("joints.ini", INI);
+    let found = found(&[("m.ini", machine), lines, table, other]);
+    assert_eq!(found.joints[&0].home_offset, Some(5.0));
+    assert_eq!(found.tables.joints[0].columns, Columns::Reached);
+    assert_eq!(found.unnamed, ["joints.ini", "y.comp"]);
+    for second in [("n.ini", machine), ("n.ini", INI)] {
+        let first = if second.1 == INI { INI } else { machine };
+        let said = refused(&[("m.ini", first), second, table, ("x.comp", "0 0 0\n")]);
+        assert!(said.contains("several ini files"), "{said}");
+    }
 }

@@ -70,6 +70,7 @@ impl Interpreter<'_> {
         let mut to = self.at;
         for axis in 0..3 {
             let Some(value) = words[axis] else { continue };
+            self.ensure_settled(axis, incremental[axis] && reach == Reach::Program)?;
             to[axis] = if incremental[axis] {
                 self.at[axis] + value
             } else {
@@ -90,6 +91,23 @@ impl Interpreter<'_> {
             "the move leads farther than a kilometre",
             "check the coordinate and its decimal point",
         ))
+    }
+
+    /// Whether an incremental move takes a change of the zero in depends on a setting of a Siemens control.
+    fn ensure_settled(&mut self, axis: usize, is_incremental: bool) -> Result<(), Wrong> {
+        let is_open = self.setup.language == Language::Siemens && self.offsets.moved[axis];
+        if is_incremental && is_open {
+            let letter = char::from(AXES[axis]);
+            return Err(Wrong::new(
+                self.span,
+                format!(
+                    "an incremental {letter} after the zero changed: setting data 42440 decides whether the change is moved too"
+                ),
+                "position the axis absolutely first",
+            ));
+        }
+        self.offsets.moved[axis] = false;
+        Ok(())
     }
 
     /// G53 leaves out the tool length too; that of Siemens does not.

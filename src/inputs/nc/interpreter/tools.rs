@@ -69,7 +69,8 @@ impl Interpreter<'_> {
             return Err(self.no_length(*span, &format!("`{name}`"), &format!("name = \"{name}\"")));
         }
         let has_length = self.offsets.tool.is_some_and(|mm| mm.abs() > 0.0);
-        if has_length && self.plane != Plane::Xy && block.has_any(&AXES) {
+        let moves = block.has_any(&AXES) || block.cycle.is_some();
+        if has_length && self.plane != Plane::Xy && moves {
             return Err(Wrong::new(
                 self.span,
                 "a tool length with G18 or G19 is not executed: it acts along Y or X there",

@@ -58,8 +58,7 @@ fn expressions_have_the_values_that_are_calculated_by_hand() {
         ("[ROUND[2.5]]", 3.0),
         ("[1 LT 2]", 1.0),
         ("[1 EQ 2]", 0.0),
-        ("[[1 GE 1] AND [2 LE 1]]", 0.0),
-        ("[[1 NE 1] OR [2 GT 1]]", 1.0),
+        ("[7 MOD 4]", 3.0),
     ] {
         let program = format!("#1 = {expression}\nG1 X1 Y#1 Z1");
         assert_eq!(last(&program), format!("1 {value} 1"), "{expression}");
@@ -98,7 +97,26 @@ fn what_has_no_value_is_refused_with_its_place() {
         ),
         ("#1=FIX[-2.5]", "`FIX` of the negative number -2.5", (1, 4)),
         ("#1=ATAN[-1]/[1]", "`ATAN` is -45° or 315°", (1, 4)),
-        ("#1=[3 AND 2]", "`AND` of numbers", (1, 7)),
+        (
+            "#1=[[1 EQ 1] AND [2 EQ 2]]",
+            "`AND` is not executed",
+            (1, 14),
+        ),
+        (
+            "#1=0.3\n#2=FIX[#1/0.1]",
+            "`FIX` of a number that rounding",
+            (2, 4),
+        ),
+        (
+            "#1=FUP[0.28*100]",
+            "`FUP` of a number that rounding",
+            (1, 4),
+        ),
+        (
+            "#1=[0.3 MOD 0.1]",
+            "`MOD` of a number that rounding",
+            (1, 9),
+        ),
         ("#1=[0.1+0.2]\n#2=[#1 LT 0.3]", "rounding decides", (2, 8)),
         ("#1=[1.00001 EQ 1]", "rounding decides", (1, 13)),
         ("#1=1\nG1 X[ROUND[#1]]", "`ROUND` in a word", (2, 6)),

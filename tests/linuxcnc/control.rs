@@ -1,0 +1,225 @@
+//! LinuxCNC, a real control, without a machine: started on files of a kit, homed, led through a part program, every servo
+//! cycle recorded. Stops by itself and leaves no process behind.
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// Name of a joint in the part program.
+pub(crate) const LETTERS: [&str; 3] = ["X", "Y", "Z"];
+
+/// Speed of the joints, mm/s.
+const SPEED_MM: f64 = 500.0;
+
+/// A servo cycle, s.
+pub(crate) const CYCLE_S: f64 = 1e-3;
+
+/// Longest time for one start, a minute more than any program here takes.
+const LIMIT: Duration = Duration::from_secs(300);
+
+/// The unprivileged user that the control runs as where the test is root: it refuses to run as root.
+const NOBODY: &str = "65534";
+
+/// What the control is started with.
+pub(crate) struct Setup<'a> {
+    /// `mm` or `inch`.
+    pub(crate) unit: &'a str,
+    /// Travel of each joint, in that unit; homing is at 0, without a move.
+    pub(crate) travel: [[f64; 2]; 3],
+    /// Acceleration of the joints, mm/s². The reversal of a table is ramped at half of it.
+    pub(crate) acceleration_mm: f64,
+    /// What stands in the section of each joint besides: the lines of the kit.
+    pub(crate) joints: [String; 3],
+    /// Files beside the configuration: name and bytes.
+    pub(crate) files: Vec<(String, Vec<u8>)>,
+    /// More lines of the HAL file.
+    pub(crate) hal: String,
+    /// The part programs, one after the other.
+    pub(crate) programs: Vec<String>,
+}
+
+/// One joint in one servo cycle, machine units.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Joint {
+    /// Commanded position, as the part program says.
+    pub(crate) command: f64,
+    /// Commanded position of the drive, without the offset of homing.
+    pub(crate) drive: f64,
+    /// Commanded speed, in machine units each second.
+    pub(crate) speed: f64,
+    /// What the table says, before a change of direction is ramped.
+    pub(crate) table: f64,
+}
+
+/// All joints in one servo cycle.
+pub(crate) type Cycle = [Joint; 3];
+
+/// What was seen of one run.
+pub(crate) struct Run {
+    /// Every servo cycle of each part program, in order.
+    pub(crate) cycles: Vec<Vec<Cycle>>,
+    /// What the control told its operator.
+    pub(crate) messages: String,
+}
+
+/// The version of the installed control; where there is none, that is said and the test is to be skipped.
+pub(crate) fn installed() -> Option<String> {
+    let package = Command::new("dpkg-query")
+        .args(["--show", "--showformat=${Version}", "linuxcnc-uspace"])
+        .output();
+    let version = package.ok().filter(|output| output.status.success());
+    if version.is_none() {
+        eprintln!(
+            "skipped: LinuxCNC is not installed (Debian 12 and later: apt-get install --no-install-recommends linuxcnc-uspace)"
+        );
+    }
+    version.map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Starts the control, runs the part program and ends the control. One at a time on one computer.
+pub(crate) fn run(setup: &Setup<'_>) -> Run {
+    let folder = tempfile::Builder::new()
+        .prefix("linuxcnc-")
+        .tempdir()
+        .unwrap();
+    lay_out(setup, folder.path());
+    let log = start(folder.path());
+    assert_eq!(processes_in(folder.path()), Vec::<String>::new(), "left");
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap_or_default();
+    let messages = read("messages.txt");
+    let recorded = |number: usize| {
+        let cycles = cycles(&read(&format!("cycles-{number}.txt")));
+        assert!(!cycles.is_empty(), "nothing recorded\n{messages}\n{log}");
+        cycles
+    };
+    let cycles = (0..setup.programs.len()).map(recorded).collect();
+    Run { cycles, messages }
+}
+
+fn lay_out(setup: &Setup<'_>, folder: &Path) {
+    let write = |name: &str, bytes: &[u8]| fs::write(folder.join(name), bytes).unwrap();
+    for (name, bytes) in &setup.files {
+        write(name, bytes);
+    }
+    let hal = format!("{}{}", include_str!("machine.hal"), setup.hal);
+    write("machine.hal", hal.as_bytes());
+    write("machine.ini", configuration(setup).as_bytes());
+    for (number, program) in setup.programs.iter().enumerate() {
+        write(&format!("run-{number}.ngc"), program.as_bytes());
+    }
+    write("ui.py", include_bytes!("ui.py"));
+    let runs = fs::Permissions::from_mode(0o755);
+    fs::set_permissions(folder.join("ui.py"), runs.clone()).unwrap();
+    fs::set_permissions(folder, runs).unwrap();
+}
+
+fn configuration(setup: &Setup<'_>) -> String {
+    let unit_mm = if setup.unit == "inch" { 25.4 } else { 1.0 };
+    let (speed, acceleration) = (SPEED_MM / unit_mm, setup.acceleration_mm / unit_mm);
+    let mut ini = format!(
+        "[EMC]\nVERSION = 1.1\nMACHINE = nonius\nDEBUG = 0\n\
+         [DISPLAY]\nDISPLAY = ./ui.py\nCYCLE_TIME = 0.1\n\
+         [TASK]\nTASK = milltask\nCYCLE_TIME = 0.005\n\
+         [RS274NGC]\nPARAMETER_FILE = machine.var\n\
+         [EMCMOT]\nEMCMOT = motmod\nCOMM_TIMEOUT = 4.0\nBASE_PERIOD = 0\nSERVO_PERIOD = 1000000\n\
+         [EMCIO]\nEMCIO = io\nCYCLE_TIME = 0.1\n\
+         [HAL]\nHALFILE = machine.hal\n\
+         [KINS]\nKINEMATICS = trivkins\nJOINTS = 3\n\
+         [TRAJ]\nCOORDINATES = X Y Z\nLINEAR_UNITS = {}\nANGULAR_UNITS = degree\n\
+         DEFAULT_LINEAR_VELOCITY = {speed}\nMAX_LINEAR_VELOCITY = {}\n",
+        setup.unit,
+        2.0 * speed
+    );
+    for (joint, letter) in LETTERS.into_iter().enumerate() {
+        let travel = &setup.travel[joint];
+        let limits = format!(
+            "MIN_LIMIT = {}\nMAX_LIMIT = {}\nMAX_VELOCITY = {speed}\nMAX_ACCELERATION = {acceleration}\n",
+            travel[0], travel[1]
+        );
+        ini += &format!(
+            "[AXIS_{letter}]\n{limits}[JOINT_{joint}]\nTYPE = LINEAR\n{limits}\
+             HOME = 0\nHOME_OFFSET = 0\nHOME_SEQUENCE = 0\nFERROR = 1\nMIN_FERROR = 0.5\n{}\n",
+            setup.joints[joint]
+        );
+    }
+    ini
+}
+
+/// Runs it to its end and returns what it printed.
+fn start(folder: &Path) -> String {
+    // One at a time: the shared memory of the control is the computer's.
+    let lock = fs::File::create(std::env::temp_dir().join("linuxcnc.lock")).unwrap();
+    lock.lock().unwrap();
+    let root =
+        fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0);
+    let seconds = LIMIT.as_secs().to_string();
+    let mut words = vec!["timeout", "--kill-after=10", &seconds];
+    if root {
+        let whose = format!("{NOBODY}:{NOBODY}");
+        let given = Command::new("chown")
+            .arg("-R")
+            .arg(whose)
+            .arg(folder)
+            .status();
+        assert!(given.unwrap().success());
+        words.extend([
+            "setpriv",
+            "--reuid",
+            NOBODY,
+            "--regid",
+            NOBODY,
+            "--clear-groups",
+        ]);
+    }
+    words.extend(["linuxcnc", "-r", "machine.ini"]);
+    let output = Command::new(words[0])
+        .args(&words[1..])
+        .current_dir(folder)
+        .env("HOME", folder)
+        .env_remove("DISPLAY")
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned()
+}
+
+/// Processes that still work in the folder.
+fn processes_in(folder: &Path) -> Vec<String> {
+    let all = fs::read_dir("/proc").unwrap().flatten();
+    let here = all.filter(|process| {
+        fs::read_link(process.path().join("cwd")).is_ok_and(|place| place.starts_with(folder))
+    });
+    here.map(|process| process.file_name().to_string_lossy().into_owned())
+        .collect()
+}
+
+/// The lines of `halsampler -t`: number of the cycle, then five figures for each joint. Cycles may be missing before the first
+/// move only: the recorder starts while the control waits.
+fn cycles(text: &str) -> Vec<Cycle> {
+    let numbered = |line: &str| {
+        let figures: Vec<f64> = line.split(' ').flat_map(str::parse).collect();
+        assert_eq!(figures.len(), 16, "{line}");
+        figures
+    };
+    let lines: Vec<Vec<f64>> = text
+        .lines()
+        .filter(|line| *line != "overrun")
+        .map(numbered)
+        .collect();
+    let lost = |two: &[Vec<f64>]| (two[1][0] - two[0][0] - 1.0).abs() > 0.5;
+    let from = lines.windows(2).rposition(lost).map_or(0, |last| last + 1);
+    let joint = |of: &[f64]| Joint {
+        command: of[0],
+        drive: of[1] - of[2],
+        speed: of[3],
+        table: of[4],
+    };
+    let cycle = |of: &Vec<f64>| [1, 6, 11].map(|from| joint(&of[from..from + 5]));
+    let cycles: Vec<Cycle> = lines.iter().map(cycle).collect();
+    let (waiting, recorded) = cycles.split_at(from);
+    let rests = |cycle: &Cycle| cycle.iter().all(|joint| joint.speed == 0.0);
+    assert!(waiting.iter().all(rests), "a cycle is missing");
+    recorded.to_vec()
+}
