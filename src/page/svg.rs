@@ -240,7 +240,7 @@ fn axes(out: &mut Drawing, map: &Map<'_>) {
         // A long label at the end of an axis stays inside the picture.
         let half = width(&label) / 2.0;
         let most = plot.left + plot.width + RIGHT - half;
-        out.text("m", smaller(x, most), bottom + 13.0, &label);
+        out.text("m", smaller(x, most), bottom + 14.5, &label);
     }
     let middle = plot.left + plot.width / 2.0;
     out.text("m", middle, bottom + 26.0, &map.across.label);
