@@ -154,7 +154,11 @@ fn machine(at: &Path, more: &str, box_ends: &[[f64; 2]; 3]) {
         let cells: Vec<&str> = row.split(',').collect();
         let mm: f64 = cells[1].parse().expect("a position");
         let direction = cells.get(5).copied().unwrap_or("").to_string();
-        (cells[0].to_string(), direction, (1e6 * (mm + 1e4)) as u64)
+        (
+            cells[0].to_string(),
+            direction,
+            (1e6 * (mm + 1e4)).round().to_bits(),
+        )
     };
     rows.sort_by_key(key);
     rows.dedup_by_key(|row| key(row));

@@ -19,7 +19,7 @@ const NOTE: f64 = 20.0;
 const LETTER: f64 = 0.56;
 const SMALL: f64 = 10.0;
 /// Letters of a title to small ones.
-const LARGER: f64 = 1.1;
+const LARGER: f64 = 1.2;
 /// From here on a letter is as wide as its size (Chinese, Japanese, Korean).
 const WIDE: char = '\u{2e80}';
 
@@ -243,7 +243,7 @@ fn axes(out: &mut Drawing, map: &Map<'_>) {
         out.text("m", smaller(x, most), bottom + 14.5, &label);
     }
     let middle = plot.left + plot.width / 2.0;
-    out.text("m", middle, bottom + 26.0, &map.across.label);
+    out.text("m", middle, bottom + 27.5, &map.across.label);
     let (x, y) = (plot.left - 34.0, plot.top + plot.height / 2.0);
     let place = format!("{},{}", short(x), short(y));
     out.put(format_args!(
