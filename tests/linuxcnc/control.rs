@@ -150,7 +150,7 @@ fn configuration(setup: &Setup<'_>) -> String {
 /// Runs it to its end and returns what it printed.
 fn start(folder: &Path) -> String {
     // One at a time: the shared memory of the control is the computer's.
-    let lock = fs::File::create(std::env::temp_dir().join("linuxcnc.lock")).unwrap();
+    let lock = fs::File::create(std::env::temp_dir().join("one-linuxcnc-at-a-time")).unwrap();
     lock.lock().unwrap();
     let root =
         fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0);
