@@ -12,7 +12,9 @@ use nonius::inputs::import::{
     Component, Measurement, encoding_word, import as import_file, measured_runs,
 };
 use nonius::inputs::job::{Job, UseOf};
-use nonius::inputs::nc::{G43WithoutH, Language, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
+use nonius::inputs::nc::{
+    G43WithoutH, Language, Line, Mark, Refused, Setup, Text, WithoutPoint, run,
+};
 use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
