@@ -164,10 +164,8 @@ x,-9000,-90,0,0\nx,9000,90,0,0\ny,-9000,0,-90,0\ny,9000,0,90,0\nz,-9000,0,0,-90\
 fn kind(said: &str) -> &'static str {
     let kinds = [
         ("turning programs", "turning"),
-        (
-            "not executed: let the CAM system write numbers",
-            "variables",
-        ),
+        ("is a variable of the control", "variable of the control"),
+        ("has no value", "variable that is not set"),
         ("write G90.1 before", "absolute centres"),
         ("the end of the arc lies", "arc misses its circle"),
         (
