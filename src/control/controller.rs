@@ -19,7 +19,8 @@ pub mod program;
 mod siemens;
 
 pub use self::fact::{
-    ControlUnit, Evidence, Fact, Mechanism, NumberRange, Role, Statement, TableForm, TableSign,
+    Comments, ControlUnit, Evidence, Fact, Mechanism, NumberRange, Outside, Role, Statement,
+    TableForm, TableSign,
 };
 pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
@@ -37,7 +38,7 @@ facts! {
         /// Line end of the emitted files.
         line_end: LineEnd,
         /// Whether the control's files may carry comments.
-        comments: bool,
+        comments: Comments,
         /// Names of the axes X, Y, Z where the job does not state them.
         axis_names: Vec<String>,
         /// Whether the job must state a detection unit for each axis.
@@ -170,7 +171,7 @@ pub struct Profile {
     /// Line end of the emitted files.
     pub line_end: Fact<LineEnd>,
     /// Whether the control's files may carry comments.
-    pub comments: Fact<bool>,
+    pub comments: Fact<Comments>,
     /// Names of the axes X, Y, Z where the job does not state them.
     pub axis_names: Fact<Vec<String>>,
     /// Whether the job must state a detection unit for each axis.

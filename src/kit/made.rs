@@ -50,7 +50,7 @@ impl Made<'_> {
         ensure_same(inputs, &plan, &compiled, &read)?;
         let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
         compiled.notes.extend(absent);
-        if inputs.profile.comments.value {
+        if inputs.profile.comments.value.are_allowed() {
             let names = emit::other_letters(&inputs.job, &inputs.profile.name);
             compiled.notes.extend(names);
         }

@@ -211,6 +211,26 @@ impl Response {
         }
     }
 
+    /// Straight lines between places, the ends held. Places at equal distances are one table of nodes; others
+    /// are a sum of ramps, one for each section, each held at both ends. None without a place.
+    pub(crate) fn straight(mm: &[f64], values: &[Correction]) -> Option<Response> {
+        let (low, first) = (mm.first()?, values.first()?);
+        let nodes = |low: f64, step: f64, values: &[Correction]| {
+            let [low, step] = [low, step].map(Millimetres::new);
+            NodeTable::new(low, step, values, Between::Linear)
+        };
+        let step = step_of(mm);
+        if let Some(equal) = step.and_then(|step| nodes(*low, step, values)) {
+            return Some(Response::new(vec![equal], Correction::ZERO));
+        }
+        let sections = mm.windows(2).zip(values.windows(2));
+        let ramps = sections.filter_map(|(mm, um)| {
+            let rise = Correction::from_um(um[1].um() - um[0].um());
+            nodes(mm[0], mm[1] - mm[0], &[Correction::ZERO, rise])
+        });
+        Some(Response::new(ramps.collect(), *first))
+    }
+
     /// Adds a table.
     pub(crate) fn push(&mut self, table: NodeTable) {
         self.tables.push(table);
@@ -284,6 +304,16 @@ impl Response {
             at_to: Correction::from_um(b + half),
         }
     }
+}
+
+/// The distance of places that lie at equal distances.
+fn step_of(mm: &[f64]) -> Option<f64> {
+    const OFF_GRID_MM: f64 = 1e-6;
+    let (first, last) = (mm.first()?, mm.last()?);
+    let step = (last - first) / (mm.len().checked_sub(1)?) as f64;
+    let is_equal =
+        |(index, at): (usize, &f64)| (first + step * index as f64 - at).abs() <= OFF_GRID_MM;
+    mm.iter().enumerate().all(is_equal).then_some(step)
 }
 
 /// An emulated control, loaded with tables.

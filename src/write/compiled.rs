@@ -95,6 +95,33 @@ pub(crate) fn control_state(
     }
 }
 
+/// The deviations that a column for one direction cancels: the table for its direction, and for an axis whose
+/// table stands in place of its backlash parameter the reversal that the policy leaves to that.
+pub(crate) fn column(
+    plan: &Plan,
+    term: ErrorTerm,
+    replaced: Option<&AxisState>,
+    direction: Direction,
+) -> Vec<Deviation> {
+    let acts = |table: &&PlannedTable| {
+        table.term == term && table.direction.is_none_or(|own| own == direction)
+    };
+    let parameter = replaced.map(|axis| AxisState {
+        backlash_um: plan.backlash_um[term.of].unwrap_or(0.0),
+        ..axis.clone()
+    });
+    let by_parameter = parameter.map_or(Deviation::ZERO, |axis| -axis.backlash(direction));
+    let values = plan
+        .tables
+        .iter()
+        .find(acts)
+        .map(|table| table.values.iter());
+    let values = values.into_iter().flatten();
+    values
+        .map(|value| Deviation::from_um(value.um() + by_parameter.um()))
+        .collect()
+}
+
 /// What the backlash parameter of an axis has to be: −B as `named`, 0 beside two tables, or as it was.
 pub(crate) fn backlash_parameter(
     task: Task<'_>,

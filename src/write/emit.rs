@@ -81,7 +81,7 @@ pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems>
         ..Instead::default()
     };
     let context = context_of(task, compiled, &compiled.tables, &own)?;
-    if task.profile.comments.value {
+    if task.profile.comments.value.are_allowed() {
         refuse_unsafe_text(task)?;
     }
     Ok(context)
@@ -101,7 +101,7 @@ fn context_of(
     let mut tables =
         tables.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
     let machine = &task.job.machine;
-    let said = |text: &str| match task.profile.comments.value {
+    let said = |text: &str| match task.profile.comments.value.are_allowed() {
         true => ascii(text).into_owned(),
         false => text.to_string(),
     };

@@ -25,6 +25,11 @@ pub(crate) trait Family {
     /// Whether there can be a table for each direction of a term.
     fn takes_directions(&self, term: ErrorTerm) -> bool;
 
+    /// Whether a table stands in place of the backlash parameter of its axis, which then does nothing.
+    fn replaces_backlash(&self) -> bool {
+        false
+    }
+
     /// The tables that the control has few of; `None` where it has enough for everything.
     fn budget(&self, compensation: &Compensation) -> Option<TableStock>;
 

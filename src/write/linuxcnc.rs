@@ -21,7 +21,7 @@ use crate::inputs::job::Compensation;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{Deviation, power_of_ten, rounded};
 use crate::text::problem::Problems;
-use crate::write::compiled::{Bump, Compiled, Placement, control_state};
+use crate::write::compiled::{Bump, Compiled, Placement, column, control_state};
 use crate::write::control_text::{Instead, fixed, trimmed};
 use crate::write::family::Family;
 use crate::write::grid::LengthDigit;
@@ -43,6 +43,10 @@ impl Family for LinuxcncFacts {
 
     fn takes_directions(&self, term: ErrorTerm) -> bool {
         term.is_positioning()
+    }
+
+    fn replaces_backlash(&self) -> bool {
+        true
     }
 
     fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
@@ -274,33 +278,6 @@ impl LinuxcncFacts {
             "joint.{joint}.backlash-corr: {value} {unit} at {place} {unit}, having come there moving up; 0 at the reference point, having come there as homing does"
         )
     }
-}
-
-/// The deviations that a column cancels: the table for its direction, and the reversal that the policy of the
-/// axis leaves to the backlash parameter.
-fn column(
-    plan: &Plan,
-    term: ErrorTerm,
-    axis: Option<&AxisState>,
-    direction: Direction,
-) -> Vec<Deviation> {
-    let acts = |table: &&PlannedTable| {
-        table.term == term && table.direction.is_none_or(|own| own == direction)
-    };
-    let parameter = axis.map(|axis| AxisState {
-        backlash_um: plan.backlash_um[term.of].unwrap_or(0.0),
-        ..axis.clone()
-    });
-    let by_parameter = parameter.map_or(Deviation::ZERO, |axis| -axis.backlash(direction));
-    let values = plan
-        .tables
-        .iter()
-        .find(acts)
-        .map(|table| table.values.iter());
-    let values = values.into_iter().flatten();
-    values
-        .map(|value| Deviation::from_um(value.um() + by_parameter.um()))
-        .collect()
 }
 
 /// `JOINT_0`, or `JOINT_0, JOINT_3 moving up`; of a cross term `HAL: joint 1 by joint 0`.

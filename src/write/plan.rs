@@ -248,7 +248,7 @@ fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {
         let term = ErrorTerm::positioning(axis);
         let own = targets.iter().find(|t| t.term == term)?;
         let measured = task.model.terms[term].as_ref()?;
-        let replaced = task.profile.family.replaces_backlash.then_some(0.0);
+        let replaced = replaces_backlash(task.profile).then_some(0.0);
         match task.job.compensation.backlash[axis] {
             Some(BacklashPolicy::CurveAndParameter) => {
                 let reversal = measured.reversal();
@@ -263,6 +263,11 @@ fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {
             _ => replaced,
         }
     })
+}
+
+/// Whether a table stands in place of the backlash parameter of its axis.
+pub(crate) fn replaces_backlash(profile: &Profile) -> bool {
+    family(profile).replaces_backlash()
 }
 
 /// How the control names the physical axes: as the job states, else the profile's default. An axis

@@ -34,6 +34,17 @@ impl Evidence {
     pub fn word(self) -> &'static str {
         self.word_of()
     }
+
+    /// How well the sense of a table is known, as a line for the person who loads the file.
+    pub(crate) const fn of_sense(self) -> &'static str {
+        match self {
+            Evidence::Manual => "sense of the values as in the manual",
+            Evidence::Executed => "sense of the values as seen on a control",
+            Evidence::Assumed => {
+                "sense of the values ASSUMED: prove it with one small bump before use"
+            }
+        }
+    }
 }
 
 impl Word for Evidence {
@@ -61,6 +72,14 @@ impl Word for TableSign {
 }
 
 impl TableSign {
+    /// What the numbers of a table mean, in words.
+    pub(crate) const fn words(self) -> &'static str {
+        match self {
+            TableSign::AsError => "error (measured - nominal)",
+            TableSign::AsCorrection => "correction (added to the command)",
+        }
+    }
+
     /// The number (µm) that a table of this sense holds for a deviation.
     pub(crate) fn table_um(self, deviation: Deviation) -> f64 {
         match self {
@@ -115,6 +134,10 @@ pub enum Mechanism {
     Comp,
     /// LinuxCNC: the HAL file for cross terms.
     Hal,
+    /// Declared: the table of an axis for itself.
+    OwnTable,
+    /// Declared: the table of an axis that follows another.
+    CrossTable,
     /// Basic system mm.
     Metric,
     /// Basic system inch.
@@ -135,6 +158,8 @@ impl Word for Mechanism {
         ("per-point", Mechanism::PerPoint),
         ("comp", Mechanism::Comp),
         ("hal", Mechanism::Hal),
+        ("own-table", Mechanism::OwnTable),
+        ("cross-table", Mechanism::CrossTable),
         ("metric", Mechanism::Metric),
         ("inch", Mechanism::Inch),
         ("none", Mechanism::Nothing),
@@ -155,9 +180,58 @@ impl Mechanism {
             Mechanism::PerPoint => "this kit holds no 128-point straightness",
             Mechanism::Comp => "this kit holds no table of a joint",
             Mechanism::Hal => "this kit holds no HAL file",
+            Mechanism::OwnTable => "this kit holds no table of an axis for itself",
+            Mechanism::CrossTable => "this kit holds no table that follows another axis",
             Mechanism::Metric => "this kit is in inch",
             Mechanism::Inch => "this kit is in mm",
             Mechanism::Nothing => "a wrong value has no consequence",
+        }
+    }
+}
+
+/// What a control adds outside a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outside {
+    /// The value at the end.
+    Hold,
+    /// Nothing.
+    Zero,
+    /// Not known: tables have to cover the travel.
+    Unknown,
+}
+
+impl Word for Outside {
+    const WORDS: &'static [(&'static str, Outside)] = &[
+        ("hold", Outside::Hold),
+        ("zero", Outside::Zero),
+        ("unknown", Outside::Unknown),
+    ];
+}
+
+/// Whether the files of a control may carry comments.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Comments {
+    /// No.
+    None,
+    /// Yes, in the form that the reader of its family knows.
+    OfFamily,
+    /// Lines that begin with this sign.
+    From(String),
+}
+
+impl Comments {
+    /// Whether there are any.
+    pub(crate) fn are_allowed(&self) -> bool {
+        *self != Comments::None
+    }
+}
+
+impl Stated for Comments {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        match fact.as_written("value") {
+            Some("true") => fact.flag("value").map(|_| Comments::OfFamily),
+            Some("false") => fact.flag("value").map(|_| Comments::None),
+            _ => fact.text("value").map(Comments::From),
         }
     }
 }
@@ -437,7 +511,7 @@ impl<'a> Facts<'a> {
         self.expect(name, decimals.value <= 9, "0 … 9");
     }
 
-    /// A fact whose value `value` reads.
+    /// A fact whose value `value` reads. One that a family reads besides is stated once.
     pub(super) fn read<T>(
         &self,
         name: &'static str,
@@ -453,14 +527,16 @@ impl<'a> Facts<'a> {
         section.refuse_unknown_keys();
         let written = section.as_written("value").unwrap_or_default();
         let fact = origin?.with(value?);
-        self.statements.borrow_mut().push(Statement {
-            fact: name.to_string(),
-            value: written.trim_matches('"').to_string(),
-            evidence: fact.evidence,
-            source: fact.source.clone(),
-            consequence: fact.consequence.clone(),
-            mechanism,
-        });
+        if self.written(name).is_none() {
+            self.statements.borrow_mut().push(Statement {
+                fact: name.to_string(),
+                value: written.trim_matches('"').to_string(),
+                evidence: fact.evidence,
+                source: fact.source.clone(),
+                consequence: fact.consequence.clone(),
+                mechanism,
+            });
+        }
         Some(fact)
     }
 }

@@ -1,6 +1,6 @@
 //! What all controls of a family have in common, and all part programs of a language, whichever profile names them.
 
-use crate::control::controller::fact::{ControlUnit, Mechanism};
+use crate::control::controller::fact::{ControlUnit, Mechanism, Outside};
 use crate::control::table::Tables;
 
 /// A family of controls: what is known of it and stands in no profile.
@@ -10,10 +10,10 @@ pub struct Family {
     pub word: &'static str,
     /// What its manuals call the backlash parameter.
     pub(crate) backlash_parameter: &'static str,
-    /// Whether a table stands in place of the backlash parameter of its axis, which then does nothing.
-    pub(crate) replaces_backlash: bool,
     /// What its emulator does between two points; a profile has to state it.
     pub(crate) between: &'static str,
+    /// What its emulator can do outside a table; a profile states one of them.
+    pub(crate) outside: &'static [Outside],
     /// The tables of a control that holds none.
     pub(crate) no_tables: Tables,
     /// What an old table is set to that new files leave in the control.

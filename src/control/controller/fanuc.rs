@@ -1,6 +1,6 @@
 //! FANUC: facts of the stored pitch error compensation and of straightness (docs/fanuc.md).
 
-use super::fact::{Facts, Mechanism, NumberRange, TableSign, Word, facts};
+use super::fact::{Facts, Mechanism, NumberRange, Outside, TableSign, Word, facts};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 pub(super) static FAMILY: Family = Family {
     word: "fanuc",
     backlash_parameter: "backlash parameter (1851)",
-    replaces_backlash: false,
     between: "step",
+    outside: &[Outside::Hold],
     no_tables: Tables::Fanuc(FanucMemory {
         parameters: BTreeMap::new(),
         points: BTreeMap::new(),

@@ -1,6 +1,6 @@
 //! No particular control: facts of the generic table (docs/interface.md §4.1).
 
-use super::fact::{Word, facts};
+use super::fact::{Outside, Word, facts};
 use super::family::Family;
 use crate::control::table::Tables;
 use crate::control::table::generic::GenericTable;
@@ -9,8 +9,8 @@ use crate::text::delimited::LengthUnit;
 pub(super) static FAMILY: Family = Family {
     word: "generic",
     backlash_parameter: "backlash parameter",
-    replaces_backlash: false,
     between: "linear",
+    outside: &[Outside::Hold],
     no_tables: Tables::Generic(GenericTable { rows: Vec::new() }),
     off: "removed",
     restarts: true,

@@ -1,6 +1,6 @@
 //! LinuxCNC: facts of the tables that `COMP_FILE` names, and of the HAL file for cross terms (docs/linuxcnc.md).
 
-use super::fact::{Facts, Mechanism, TableSign, Word, facts};
+use super::fact::{Facts, Mechanism, Outside, TableSign, Word, facts};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::linuxcnc::{Columns, LinuxcncTables};
@@ -8,8 +8,8 @@ use crate::control::table::linuxcnc::{Columns, LinuxcncTables};
 pub(super) static FAMILY: Family = Family {
     word: "linuxcnc",
     backlash_parameter: "BACKLASH of the ini file",
-    replaces_backlash: true,
     between: "linear",
+    outside: &[Outside::Hold],
     no_tables: Tables::Linuxcnc(LinuxcncTables {
         joints: Vec::new(),
         cross: Vec::new(),

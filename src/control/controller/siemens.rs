@@ -1,6 +1,6 @@
 //! SINUMERIK: facts of ENC_COMP and CEC tables (docs/siemens.md).
 
-use super::fact::{Facts, Mechanism, TableForm, TableSign, Word, facts};
+use super::fact::{Facts, Mechanism, Outside, TableForm, TableSign, Word, facts};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::siemens::SiemensTables;
@@ -8,8 +8,8 @@ use crate::control::table::siemens::SiemensTables;
 pub(super) static FAMILY: Family = Family {
     word: "siemens",
     backlash_parameter: "backlash parameter (MD32450)",
-    replaces_backlash: false,
     between: "linear",
+    outside: &[Outside::Hold],
     no_tables: Tables::Siemens(SiemensTables {
         lec: Vec::new(),
         cec: Vec::new(),

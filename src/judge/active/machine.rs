@@ -20,7 +20,7 @@ use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
 use crate::read::emulator;
 use crate::text::problem::{Problem, Problems};
-use crate::write::plan::{axis_names, axis_pairs};
+use crate::write::plan::{axis_names, axis_pairs, replaces_backlash};
 use crate::write::target::wants;
 
 /// Corrections below it are none, µm.
@@ -109,7 +109,7 @@ fn sets_backlash(job: &Job, profile: &Profile, measured: &ErrorModel, axis: Axis
     let term = ErrorTerm::positioning(axis);
     let policy = job.compensation.backlash[axis];
     let by_policy = matches!(policy, Some(TwoTables | CurveAndParameter));
-    let is_set = by_policy || profile.family.replaces_backlash;
+    let is_set = by_policy || replaces_backlash(profile);
     is_set && measured.terms[term].is_some() && wants(job, term)
 }
 

@@ -14,8 +14,8 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::LinuxcncFacts;
 use crate::control::table::linuxcnc::{Columns, CompTable, CrossTable, LinuxcncTables, Point, Row};
 use crate::quantity::axis::Direction;
-use crate::quantity::units::{Correction, Millimetres, UM_PER_MM};
-use crate::read::emulate::{Between, CannotEmulate, Emulator, NodeTable, Response};
+use crate::quantity::units::{Correction, UM_PER_MM};
+use crate::read::emulate::{CannotEmulate, Emulator, Response};
 
 /// A control with its tables in memory.
 #[derive(Clone, Debug)]
@@ -135,7 +135,7 @@ fn response(
     let mm: Vec<f64> = table.rows.iter().map(|row| row.nominal * unit_mm).collect();
     let values: Vec<Correction> = table.rows.iter().map(correction).collect();
     let none = || CannotEmulate(format!("the table of {} has no row", table.name()));
-    straight(&mm, &values).ok_or_else(none)
+    Response::straight(&mm, &values).ok_or_else(none)
 }
 
 /// The curves of one joint by another, which add up.
@@ -155,7 +155,7 @@ fn cross_response(
     let mm: Vec<f64> = places.iter().map(|place| place * unit_mm).collect();
     let values: Vec<Correction> = places.iter().map(correction).collect();
     let none = || CannotEmulate(format!("the curves of {} have no point", table.name()));
-    straight(&mm, &values).ok_or_else(none)
+    Response::straight(&mm, &values).ok_or_else(none)
 }
 
 /// The value of a curve: straight between its points, held outside.
@@ -173,36 +173,6 @@ fn at(points: &[Point], place: f64) -> f64 {
         (Some(end), None) => end.value,
         (None, first) => first.map_or(0.0, |first| first.value),
     }
-}
-
-/// Straight lines between places, the ends held. Places at equal distances are one table of nodes; others are a
-/// sum of ramps, one for each section, each held at both ends. None without a place.
-fn straight(mm: &[f64], values: &[Correction]) -> Option<Response> {
-    let (low, first) = (mm.first()?, values.first()?);
-    let nodes = |low: f64, step: f64, values: &[Correction]| {
-        let [low, step] = [low, step].map(Millimetres::new);
-        NodeTable::new(low, step, values, Between::Linear)
-    };
-    let step = step_of(mm);
-    if let Some(equal) = step.and_then(|step| nodes(*low, step, values)) {
-        return Some(Response::new(vec![equal], Correction::ZERO));
-    }
-    let sections = mm.windows(2).zip(values.windows(2));
-    let ramps = sections.filter_map(|(mm, um)| {
-        let rise = Correction::from_um(um[1].um() - um[0].um());
-        nodes(mm[0], mm[1] - mm[0], &[Correction::ZERO, rise])
-    });
-    Some(Response::new(ramps.collect(), *first))
-}
-
-/// The distance of rows that lie at equal distances.
-fn step_of(mm: &[f64]) -> Option<f64> {
-    const OFF_GRID_MM: f64 = 1e-6;
-    let (first, last) = (mm.first()?, mm.last()?);
-    let step = (last - first) / (mm.len().checked_sub(1)?) as f64;
-    let is_equal =
-        |(index, at): (usize, &f64)| (first + step * index as f64 - at).abs() <= OFF_GRID_MM;
-    mm.iter().enumerate().all(is_equal).then_some(step)
 }
 
 #[cfg(test)]

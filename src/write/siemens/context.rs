@@ -1,7 +1,7 @@
 //! What Siemens templates see: `lec`, `cec`, and the switches of both.
 
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Evidence, SiemensFacts, TableSign};
+use crate::control::controller::SiemensFacts;
 use crate::control::table::siemens::{
     CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
 };
@@ -32,10 +32,10 @@ pub(super) fn context(
     json!({
         "lec": lecs.clone().map(|t| lec(t, placements, digits)).collect::<Vec<Value>>(),
         "cec": cecs.clone().map(|t| cec(t, placements, digits)).collect::<Vec<Value>>(),
-        "lec_sense": sense(facts.lec_sign.value),
-        "cec_sense": sense(facts.cec_sign.value),
-        "lec_sense_evidence": evidence(facts.lec_sign.evidence),
-        "cec_sense_evidence": evidence(facts.cec_sign.evidence),
+        "lec_sense": facts.lec_sign.value.words(),
+        "cec_sense": facts.cec_sign.value.words(),
+        "lec_sense_evidence": facts.lec_sign.evidence.of_sense(),
+        "cec_sense_evidence": facts.cec_sign.evidence.of_sense(),
         "cec_outputs": tables.cec_outputs(),
         "cec_memory_fixed": if facts.cec_memory_fixed.value { "yes" } else { "no" },
         "controller_reference": task.reference_text(),
@@ -113,23 +113,6 @@ fn cec(table: &CecTable, placements: &[Placement], digits: Digits<'_>) -> Value 
         "memory": table.values.len().to_string(),
         "points": digits.points(&table.values, &table.grid),
     })
-}
-
-/// What the numbers of a table mean, in words.
-fn sense(sign: TableSign) -> &'static str {
-    match sign {
-        TableSign::AsError => "error (measured - nominal)",
-        TableSign::AsCorrection => "correction (added to the command)",
-    }
-}
-
-/// How well that is known, as a line for the person who loads the file.
-fn evidence(evidence: Evidence) -> &'static str {
-    match evidence {
-        Evidence::Manual => "sense of the values as in the manual",
-        Evidence::Executed => "sense of the values as seen on a control",
-        Evidence::Assumed => "sense of the values ASSUMED: prove it with one small bump before use",
-    }
 }
 
 /// The term of a table in words, by the place it was put.

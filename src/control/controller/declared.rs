@@ -1,0 +1,278 @@
+//! A control whose profile declares how its file is written and read back: the switches by which tables of
+//! controls differ, each a fact of its own (docs/controllers.md §3).
+//!
+//! ```text
+//!   what a number is    value_form, own_sign, cross_sign, value_size, value_decimals, largest_value
+//!   where it stands     nodes, position_size, position_decimals, order, first_point, points
+//!   which tables        directions, cross_terms, backlash
+//!   how a line is read  lines, file_name, comments
+//! ```
+
+use super::fact::{Comments, Fact, Facts, Mechanism, Outside, Stated, TableSign, Word, facts};
+use super::family::{Family, Proof};
+use super::pattern::{Field, Pattern};
+use crate::control::table::Tables;
+use crate::control::table::declared::DeclaredTables;
+use crate::text::delimited::LengthUnit;
+use crate::text::document::Section;
+
+pub(super) static FAMILY: Family = Family {
+    word: "declared",
+    backlash_parameter: "backlash parameter",
+    between: "linear",
+    outside: &[Outside::Hold, Outside::Zero, Outside::Unknown],
+    no_tables: Tables::Declared(DeclaredTables { tables: Vec::new() }),
+    off: "removed",
+    restarts: true,
+    off_by_hand: ", see to it by hand",
+    page: Some("docs/controllers.md §3"),
+    proofs: &[
+        Proof {
+            mechanism: Mechanism::OwnTable,
+            name: "tables of axes for themselves",
+            sign_fact: "own_sign",
+            beside: None,
+        },
+        Proof {
+            mechanism: Mechanism::CrossTable,
+            name: "tables that follow another axis",
+            sign_fact: "cross_sign",
+            beside: None,
+        },
+    ],
+};
+
+/// In which form a number of a table says what it says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ValueForm {
+    /// Error or correction itself.
+    Amount,
+    /// The position that error or correction leads to.
+    Position,
+    /// Its change from the point before.
+    Increment,
+}
+
+impl Word for ValueForm {
+    const WORDS: &'static [(&'static str, ValueForm)] = &[
+        ("amount", ValueForm::Amount),
+        ("position", ValueForm::Position),
+        ("increment", ValueForm::Increment),
+    ];
+}
+
+/// How a file says where a point lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Nodes {
+    /// Each point with its position.
+    Free,
+    /// The first position and the distance.
+    Spaced,
+}
+
+impl Word for Nodes {
+    const WORDS: &'static [(&'static str, Nodes)] =
+        &[("free", Nodes::Free), ("spaced", Nodes::Spaced)];
+}
+
+/// The order of the points in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// From − to +.
+    Ascending,
+    /// From + to −.
+    Descending,
+}
+
+impl Word for Order {
+    const WORDS: &'static [(&'static str, Order)] = &[
+        ("ascending", Order::Ascending),
+        ("descending", Order::Descending),
+    ];
+}
+
+/// Columns of values for the directions of travel of an axis that corrects itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Columns {
+    /// One for both.
+    One,
+    /// One for each.
+    Two,
+}
+
+impl Word for Columns {
+    const WORDS: &'static [(&'static str, Columns)] =
+        &[("one", Columns::One), ("two", Columns::Two)];
+}
+
+/// What the backlash parameter of an axis does beside a table of the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BesideTable {
+    /// It acts in addition.
+    Adds,
+    /// Nothing: the table stands in its place.
+    Replaced,
+}
+
+impl Word for BesideTable {
+    const WORDS: &'static [(&'static str, BesideTable)] = &[
+        ("adds", BesideTable::Adds),
+        ("replaced", BesideTable::Replaced),
+    ];
+}
+
+/// Size of 1 in a file, µm: a unit of length, or counts of any size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    /// Micrometres.
+    pub um: f64,
+}
+
+impl Stated for Size {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        let is_text = fact.as_written("value").is_some_and(|v| v.starts_with(['"', '\'']));
+        let um = match is_text {
+            true => fact.choice("value", SIZES)?.um(),
+            false => fact.positive("value")?,
+        };
+        Some(Size { um })
+    }
+}
+
+const SIZES: &[(&str, LengthUnit)] = &[
+    ("mm", LengthUnit::Mm),
+    ("um", LengthUnit::Um),
+    ("inch", LengthUnit::In),
+];
+
+facts! {
+    /// Facts of a declared control.
+    DeclaredFacts {
+        /// Sense of the table of an axis for itself.
+        own_sign: TableSign,
+        /// Whether an axis can follow another one.
+        cross_terms: bool,
+        /// Sense of the table of an axis that follows another.
+        cross_sign: TableSign,
+        /// In which form a number says it.
+        value_form: ValueForm,
+        /// Size of 1 of a value.
+        value_size: Size,
+        /// Decimals of values; one count is the last decimal.
+        value_decimals: u32,
+        /// Largest value that the control takes, either sign, as in the file.
+        largest_value: f64,
+        /// Size of 1 of a position.
+        position_size: Size,
+        /// Decimals of positions.
+        position_decimals: u32,
+        /// How a file says where a point lies.
+        nodes: Nodes,
+        /// Order of the points.
+        order: Order,
+        /// Number of the first point of a table.
+        first_point: u32,
+        /// Most points of a table.
+        points: u32,
+        /// Columns of a table of an axis for itself; one that follows another has one.
+        directions: Columns,
+        /// What the backlash parameter does beside a table.
+        backlash: BesideTable,
+        /// What a control adds outside a table.
+        outside: Outside,
+        /// What begins a comment.
+        comments: Comments,
+        /// What a line of a file can be, in this order.
+        lines: Vec<Pattern>,
+        /// What the name of a file says; a pattern that takes none says nothing.
+        file_name: Vec<Pattern>,
+    }
+}
+
+impl DeclaredFacts {
+    /// Reads and checks them.
+    pub(super) fn checked(facts: &Facts<'_>) -> Option<DeclaredFacts> {
+        let own = DeclaredFacts::read(facts)?;
+        facts.expect_decimals("value_decimals", &own.value_decimals);
+        facts.expect_decimals("position_decimals", &own.position_decimals);
+        facts.expect("points", own.points.value > 1, "at least 2");
+        for (name, is_right, expected) in own.rules() {
+            facts.expect(name, is_right, expected);
+        }
+        own.check_lines(facts);
+        Some(own)
+    }
+
+    /// What the switches have to be together: fact, whether it is so, what is expected.
+    fn rules(&self) -> [(&'static str, bool, &'static str); 6] {
+        let is_increment = self.value_form.value == ValueForm::Increment;
+        let has_two = self.directions.value == Columns::Two;
+        let is_ascending = self.order.value == Order::Ascending;
+        let is_spaced = self.nodes.value == Nodes::Spaced;
+        let sizes = [&self.value_size, &self.position_size].map(|size| size.value.um);
+        [
+            ("position_size", self.millimetre_decimals().is_some() || self.is_inch(), "`mm`, `um`, `inch`, or a power of ten of a micrometre"),
+            ("directions", !(is_increment && has_two), "`one`: increments do not say what a second column holds at the reference"),
+            ("order", is_ascending || !(is_increment || is_spaced), "`ascending` with increments, or with a start and a spacing"),
+            ("backlash", has_two || self.backlash.value == BesideTable::Adds, "`adds`: one column cannot hold the reversal"),
+            ("value_size", self.value_form.value != ValueForm::Position || sizes[0].total_cmp(&sizes[1]).is_eq(), "the size of positions: the values are positions"),
+            ("comments", self.comments.value != Comments::OfFamily, "`false`, or the sign that begins a comment in quotes"),
+        ]
+    }
+
+    /// Positions are in inch.
+    pub(crate) fn is_inch(&self) -> bool {
+        (self.position_size.value.um - LengthUnit::In.um()).abs() < f64::EPSILON
+    }
+
+    /// The decimals of a millimetre that positions have; `None` where they are no such fractions.
+    pub(crate) fn millimetre_decimals(&self) -> Option<u32> {
+        let decimals = self.position_decimals.value;
+        (0..=9).find(|more| {
+            let um = LengthUnit::Mm.um() / crate::quantity::units::power_of_ten(*more);
+            (um / self.position_size.value.um - 1.0).abs() < 1e-12
+        })
+        .map(|more| more + decimals)
+    }
+
+    /// What a table of these axes means.
+    pub(crate) fn sign(&self, is_own: bool) -> &Fact<TableSign> {
+        match is_own {
+            true => &self.own_sign,
+            false => &self.cross_sign,
+        }
+    }
+
+    /// Fields of values in a table, by the field of the file.
+    pub(crate) fn values(&self, is_own: bool) -> &'static [Field] {
+        match is_own && self.directions.value == Columns::Two {
+            true => &[Field::Forward, Field::Reverse],
+            false => &[Field::Value],
+        }
+    }
+
+    /// The patterns together have a field for all that a table holds.
+    fn check_lines(&self, facts: &Facts<'_>) {
+        let all = || self.lines.value.iter().chain(&self.file_name.value);
+        let has = |field: &Field| all().any(|pattern| pattern.fields().any(|own| own == *field));
+        let places: &[Field] = match self.nodes.value {
+            Nodes::Free => &[Field::Position],
+            Nodes::Spaced => &[Field::Start, Field::Spacing],
+        };
+        let cross: &[Field] = match self.cross_terms.value {
+            true => &[Field::Base, Field::Value],
+            false => &[],
+        };
+        let wanted = [self.values(true), places, cross].concat();
+        for field in wanted.iter().filter(|field| !has(field)) {
+            let message = format!("no pattern has the field `{}`", field.word_of());
+            let help = format!("write `(?<{}>…)` where it stands in a line", field.word_of());
+            facts.section.problem("lines", message, help);
+        }
+        if ![Field::Axis, Field::Output].iter().any(has) {
+            let message = "no pattern has the field `axis`, so no table says whose it is";
+            let help = "`axis` in a line before the values, in each line, or in `file_name`";
+            facts.section.problem("lines", message, help);
+        }
+    }
+}
