@@ -80,6 +80,10 @@ fn turned(profile: &Profile) -> Profile {
             turn(&mut facts.straightness_sign.value);
         }
         Dialect::Generic(_) => {}
+        Dialect::Declared(facts) => {
+            turn(&mut facts.own_sign.value);
+            turn(&mut facts.cross_sign.value);
+        }
         Dialect::Linuxcnc(facts) => {
             turn(&mut facts.trim_sign.value);
             turn(&mut facts.sum_sign.value);
@@ -241,6 +245,16 @@ fn sign_proofs_of_fanuc() {
     contract_of("fanuc-30i");
     contract_of("fanuc-0i-f");
     contract_of("fanuc-16i");
+}
+
+#[test]
+fn sign_proofs_of_declared_controls() {
+    for id in builtin::ids() {
+        let profile = builtin::profile(id).unwrap();
+        if matches!(profile.dialect, Dialect::Declared(_)) {
+            contract_of(id);
+        }
+    }
 }
 
 #[test]

@@ -12,6 +12,8 @@ pub enum Family {
     Generic,
     /// Three numbers in a row, lines of an ini file, statements of a HAL file.
     Linuxcnc,
+    /// Lines as a profile declares them.
+    Declared,
 }
 
 /// What is wrong with a file that a control loads.
@@ -28,6 +30,7 @@ pub fn judge(family: Family, name: &str, bytes: &[u8]) -> Result<(), String> {
         Family::Linuxcnc if name.ends_with(".ini") => ini(text),
         Family::Linuxcnc if name.ends_with(".hal") => hal(text),
         Family::Linuxcnc => comp(text),
+        Family::Declared => declared(text),
     };
     wrong.map_err(|line| format!("{name}: foreign line {line:?}"))
 }
@@ -54,6 +57,22 @@ fn siemens(text: &str) -> Wrong {
         Ok(())
     } else {
         Err("no M30 or M17 at the end".to_string())
+    }
+}
+
+/// Words and numbers of any layout, and no number that is none.
+fn declared(text: &str) -> Wrong {
+    let is_none = |word: &str| {
+        let word = word.trim_start_matches('-').to_ascii_lowercase();
+        matches!(word.as_str(), "nan" | "inf" | "infinity" | "none" | "null")
+    };
+    let is_plain = |line: &&str| {
+        let mut words = line.split([' ', ',', '=', '[', ']']);
+        !line.contains("{{") && !line.chars().any(char::is_control) && !words.any(is_none)
+    };
+    match text.lines().find(|line| !is_plain(line)) {
+        Some(line) => Err(line.to_string()),
+        None => Ok(()),
     }
 }
 

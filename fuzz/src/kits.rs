@@ -166,6 +166,7 @@ fn family(profile: &Profile) -> Family {
         Dialect::Siemens(_) => Family::Siemens,
         Dialect::Fanuc(_) => Family::Fanuc,
         Dialect::Generic(_) => Family::Generic,
+        Dialect::Declared(_) => Family::Declared,
         Dialect::Linuxcnc(_) => Family::Linuxcnc,
     }
 }

@@ -230,6 +230,14 @@ pub fn linuxcnc(input: &[u8]) -> Answer {
     Ok(format!("{read:?}"))
 }
 
+/// A file of a control whose profile declares it.
+pub fn declared(input: &[u8]) -> Answer {
+    let bytes = input;
+    let file = KitFile { path: "axeserr.dat", role: Role::Table, bytes };
+    let read = nonius::read::read(&built_in("weihong")?, &[file])?;
+    Ok(format!("{read:?}"))
+}
+
 /// The generic table.
 pub fn generic_table(input: &[u8]) -> Answer {
     let source = Source::from_bytes("x", input)?;

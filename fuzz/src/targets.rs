@@ -118,6 +118,7 @@ pub fn all() -> Vec<Target> {
             readers::fanuc,
             f.files(|name| name.ends_with(".TXT")),
         ),
+        read("declared", readers::declared, f.files(|name| name.ends_with(".dat"))),
         read("linuxcnc", readers::linuxcnc, f.kits_with(".comp")),
         read(
             "generic-csv",

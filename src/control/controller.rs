@@ -6,6 +6,7 @@
 //! [`Evidence::Assumed`]; `generate` prints each of them with its consequence.
 
 pub mod builtin;
+mod declared;
 pub(crate) mod fact;
 mod families;
 mod family;
@@ -15,9 +16,11 @@ mod job_keys;
 mod linuxcnc;
 pub mod load;
 mod load_parts;
+mod pattern;
 pub mod program;
 mod siemens;
 
+pub use self::declared::{BesideTable, Columns, DeclaredFacts, Nodes, Order, Size, ValueForm};
 pub use self::fact::{
     Comments, ControlUnit, Evidence, Fact, Mechanism, NumberRange, Outside, Role, Statement,
     TableForm, TableSign,
@@ -27,6 +30,8 @@ pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::generic::{GenericFacts, TypedValue};
 pub use self::job_keys::{JobKey, JobSection};
 pub use self::linuxcnc::{CrossTerms, LinuxcncFacts};
+pub(crate) use self::pattern::Field;
+pub use self::pattern::Pattern;
 pub use self::siemens::{MultiplyMode, SiemensFacts};
 
 use self::fact::{Word, facts};
@@ -59,6 +64,8 @@ pub enum Dialect {
     Fanuc(FanucFacts),
     /// One CSV and its JSON twin.
     Generic(GenericFacts),
+    /// Lines and tables as the profile declares them.
+    Declared(DeclaredFacts),
     /// Tables of joints, named in the ini file, and curves of a HAL file.
     Linuxcnc(LinuxcncFacts),
 }

@@ -4,6 +4,7 @@
 //! (`read`) have in common. Values stand here exactly as in the file: in the
 //! control's own unit, sense and numbering. A point that no file writes is missing (`None`).
 
+pub mod declared;
 pub mod fanuc;
 pub mod generic;
 pub mod linuxcnc;
@@ -18,6 +19,8 @@ pub enum Tables {
     Fanuc(fanuc::FanucMemory),
     /// The rows of the generic table.
     Generic(generic::GenericTable),
+    /// Tables of a control whose profile declares its files.
+    Declared(declared::DeclaredTables),
     /// LinuxCNC tables of joints.
     Linuxcnc(linuxcnc::LinuxcncTables),
 }

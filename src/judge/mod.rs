@@ -2,6 +2,7 @@
 //!
 //! `family` is the trait by which each family of controls, in its own folder, judges what was read out.
 
+mod declared;
 mod fanuc;
 mod generic;
 mod linuxcnc;

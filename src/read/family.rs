@@ -49,6 +49,7 @@ pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
         Dialect::Siemens(facts) => facts,
         Dialect::Fanuc(facts) => facts,
         Dialect::Generic(facts) => facts,
+        Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
     }
 }

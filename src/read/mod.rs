@@ -7,6 +7,7 @@
 //! formats, and an emulator of its control. A reader shares only the table type ([`crate::control::table`])
 //! with the templates; it accepts what a control accepts, and names line and column where a control would stop.
 
+pub mod declared;
 pub mod emulate;
 mod family;
 pub mod fanuc;

@@ -108,6 +108,7 @@ pub(crate) fn family(profile: &Profile) -> &dyn Family {
         Dialect::Siemens(facts) => facts,
         Dialect::Fanuc(facts) => facts,
         Dialect::Generic(facts) => facts,
+        Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
     }
 }

@@ -8,6 +8,7 @@ mod control_text;
 mod family;
 mod task;
 
+mod declared;
 pub mod fanuc;
 mod generic;
 mod linuxcnc;

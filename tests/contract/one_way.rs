@@ -326,7 +326,10 @@ impl<'a> OneWay<'a> {
     fn parameter_digit_um(&self) -> f64 {
         match self.case.profile.dialect {
             Dialect::Siemens(_) if self.case.machine.inch => 0.254,
-            Dialect::Siemens(_) | Dialect::Generic(_) | Dialect::Linuxcnc(_) => 0.1,
+            Dialect::Siemens(_)
+            | Dialect::Generic(_)
+            | Dialect::Declared(_)
+            | Dialect::Linuxcnc(_) => 0.1,
             Dialect::Fanuc(_) => self.case.machine.axis(self.term.term.of).unit_um.unwrap(),
         }
     }

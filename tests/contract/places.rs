@@ -14,7 +14,11 @@ pub(crate) const NEAR_UM: f64 = 1e-5;
 
 /// Half the last digit of positions in the control's files, mm.
 pub(crate) fn half_position_digit(case: &Case<'_>) -> f64 {
-    match case.profile.dialect {
+    match &case.profile.dialect {
+        Dialect::Declared(facts) => {
+            let digit = 0.1_f64.powi(facts.position_decimals.value.cast_signed());
+            0.5e-3 * facts.position_size.value.um * digit
+        }
         Dialect::Siemens(_) | Dialect::Linuxcnc(_) if case.machine.inch => 0.5e-6 * 25.4,
         Dialect::Siemens(_) | Dialect::Generic(_) | Dialect::Linuxcnc(_) => 0.5e-6,
         Dialect::Fanuc(_) => 0.0,

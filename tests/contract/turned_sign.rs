@@ -94,6 +94,10 @@ pub(crate) fn with_signs_turned(profile: &Profile) -> Profile {
             turn(&mut facts.straightness_sign.value);
         }
         Dialect::Generic(_) => {}
+        Dialect::Declared(facts) => {
+            turn(&mut facts.own_sign.value);
+            turn(&mut facts.cross_sign.value);
+        }
         Dialect::Linuxcnc(facts) => {
             turn(&mut facts.trim_sign.value);
             turn(&mut facts.sum_sign.value);

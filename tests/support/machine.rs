@@ -4,7 +4,7 @@
 //! zero, the mean of both directions and the reversal are computed here once more.
 
 use super::{Lines, Random};
-use nonius::control::controller::{Dialect, Profile};
+use nonius::control::controller::{BesideTable, Columns, Dialect, Profile};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::curve::{ErrorCurve, Interpolation};
 use nonius::quantity::units::{Deviation, Millimetres};
@@ -165,7 +165,8 @@ impl Term {
 
     pub(crate) fn takes_directions(&self, profile: &Profile) -> bool {
         let two_of_any = matches!(profile.dialect, Dialect::Siemens(_) | Dialect::Generic(_));
-        two_of_any || self.term.is_positioning()
+        let one = matches!(&profile.dialect, Dialect::Declared(facts) if facts.directions.value == Columns::One);
+        two_of_any || self.term.is_positioning() && !one
     }
 
     /// Every place where a measured curve bends.
@@ -230,6 +231,14 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let fanuc = matches!(profile.dialect, Dialect::Fanuc(_));
     let siemens = matches!(profile.dialect, Dialect::Siemens(_));
     let linuxcnc = matches!(profile.dialect, Dialect::Linuxcnc(_));
+    let declared = match &profile.dialect {
+        Dialect::Declared(facts) => Some(facts),
+        _ => None,
+    };
+    // No table moves another axis.
+    let own_only = linuxcnc || declared.is_some_and(|facts| !facts.cross_terms.value);
+    let replaces_backlash =
+        linuxcnc || declared.is_some_and(|facts| facts.backlash.value == BesideTable::Replaced);
     let mut features = Vec::new();
     // Cycled, so that every value meets the others; the rest is drawn.
     let directions = seed % 7; // 0, 1: undirected · 2 … 5: both, one policy each · 6: one way
@@ -262,12 +271,15 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     features.push(if nine { "nine terms" } else { "fewer terms" });
 
     let unit_um = random.of(&[1.0, 0.1, 2.5]);
-    let stated_unit = (fanuc || (!siemens && !linuxcnc && random.once_in(3))).then_some(unit_um);
-    let gantry = random.once_in(4);
+    let stated_unit = (fanuc || (!siemens && !linuxcnc && declared.is_none() && random.once_in(3)))
+        .then_some(unit_um);
+    // A file that takes X, Y and Z alone has no name for the second axis.
+    let numbered = profile.axis_names.value[0].parse::<u32>().is_ok();
+    let gantry = random.once_in(4) && (declared.is_none() || numbered);
     features.extend(gantry.then_some("gantry"));
     let measured: Vec<ErrorTerm> = ErrorTerm::ALL
         .into_iter()
-        .filter(|term| nine || !random.once_in(2) || (linuxcnc && *term == ErrorTerm::ALL[0]))
+        .filter(|term| nine || !random.once_in(2) || (own_only && *term == ErrorTerm::ALL[0]))
         .collect();
     let measured = if measured.is_empty() {
         vec![ErrorTerm::ALL[random.below(9)]]
@@ -324,7 +336,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
 
         let default_name = &profile.axis_names.value[index];
         let names = if gantry && index == 0 {
-            let second = if fanuc || linuxcnc {
+            let second = if numbered {
                 "4"
             } else if siemens {
                 "AX4"
@@ -466,7 +478,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
             .enumerate()
             .filter(|(index, term)| {
                 index % 2 == 0
-                    || (linuxcnc && term.term.is_positioning())
+                    || (own_only && term.term.is_positioning())
                     || (matches!(policy, Some("two-tables" | "curve-and-parameter"))
                         && term.both_ways())
             })
@@ -487,7 +499,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         fit,
         kind,
         inch,
-        replaces_backlash: linuxcnc,
+        replaces_backlash,
         reserved,
         job,
         csv,

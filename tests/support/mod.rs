@@ -9,7 +9,7 @@
 
 pub(crate) mod machine;
 
-use nonius::control::controller::{Profile, builtin};
+use nonius::control::controller::{Columns, CrossTerms, DeclaredFacts, Dialect, Profile, builtin};
 use nonius::control::table::Tables;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
@@ -38,6 +38,28 @@ pub(crate) fn inputs(job: &str, errors: &str) -> Inputs {
     ];
     Inputs::new(read_job, profile, &table, hashes)
         .unwrap_or_else(|p| panic!("{}\n{job}", p.render()))
+}
+
+/// The last decimal of a value of a declared control, µm.
+pub(crate) fn count_um(facts: &DeclaredFacts) -> f64 {
+    facts.value_size.value.um * 0.1_f64.powi(facts.value_decimals.value.cast_signed())
+}
+
+/// Whether the table of an axis for itself holds both directions.
+pub(crate) fn has_two_directions(profile: &Profile) -> bool {
+    match &profile.dialect {
+        Dialect::Declared(facts) => facts.directions.value == Columns::Two,
+        _ => true,
+    }
+}
+
+/// Whether a table of the control can follow another axis.
+pub(crate) fn has_cross_terms(profile: &Profile) -> bool {
+    match &profile.dialect {
+        Dialect::Linuxcnc(facts) => facts.cross_terms.value == CrossTerms::Hal,
+        Dialect::Declared(facts) => facts.cross_terms.value,
+        _ => true,
+    }
 }
 
 /// The kit of a job.

@@ -20,8 +20,12 @@ const PROFILES: &[(&str, &str)] = embed!(
     "fanuc-16i.toml",
     "linuxcnc.toml",
     "linuxcnc-hal.toml",
+    "weihong.toml",
     "generic.toml",
 );
+
+/// Pages that profiles build on and that are no control by themselves.
+const BASES: &[(&str, &str)] = embed!("controllers/base", "declared.toml");
 
 const TEMPLATES: &[(&str, &str)] = embed!(
     "templates",
@@ -42,6 +46,7 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "linuxcnc-sign.ini.tera",
     "linuxcnc.hal.tera",
     "linuxcnc-program.ngc.tera",
+    "weihong.dat.tera",
     "checklist.md.tera",
     "checklist.html.tera",
     "job.toml.tera",
@@ -60,10 +65,11 @@ pub fn ids() -> Vec<&'static str> {
         .collect()
 }
 
-/// The TOML page of a built-in profile.
+/// The TOML page of a built-in profile, or of one that others build on.
 pub fn page(id: &str) -> Option<&'static str> {
-    PROFILES
-        .iter()
+    let pages = PROFILES.iter().chain(BASES);
+    pages
+        .into_iter()
         .find(|(file, _)| file.trim_end_matches(".toml") == id)
         .map(|(_, text)| *text)
 }

@@ -1,5 +1,5 @@
 //! A control whose profile declares how its file is written and read back: the switches by which tables of
-//! controls differ, each a fact of its own (docs/controllers.md §3).
+//! controls differ, each a fact of its own (docs/declared.md).
 //!
 //! ```text
 //!   what a number is    value_form, own_sign, cross_sign, value_size, value_decimals, largest_value
@@ -25,7 +25,7 @@ pub(super) static FAMILY: Family = Family {
     off: "removed",
     restarts: true,
     off_by_hand: ", see to it by hand",
-    page: Some("docs/controllers.md §3"),
+    page: None,
     proofs: &[
         Proof {
             mechanism: Mechanism::OwnTable,
@@ -130,7 +130,9 @@ pub struct Size {
 
 impl Stated for Size {
     fn read(fact: &Section<'_>) -> Option<Self> {
-        let is_text = fact.as_written("value").is_some_and(|v| v.starts_with(['"', '\'']));
+        let is_text = fact
+            .as_written("value")
+            .is_some_and(|v| v.starts_with(['"', '\'']));
         let um = match is_text {
             true => fact.choice("value", SIZES)?.um(),
             false => fact.positive("value")?,
@@ -211,12 +213,37 @@ impl DeclaredFacts {
         let is_spaced = self.nodes.value == Nodes::Spaced;
         let sizes = [&self.value_size, &self.position_size].map(|size| size.value.um);
         [
-            ("position_size", self.millimetre_decimals().is_some() || self.is_inch(), "`mm`, `um`, `inch`, or a power of ten of a micrometre"),
-            ("directions", !(is_increment && has_two), "`one`: increments do not say what a second column holds at the reference"),
-            ("order", is_ascending || !(is_increment || is_spaced), "`ascending` with increments, or with a start and a spacing"),
-            ("backlash", has_two || self.backlash.value == BesideTable::Adds, "`adds`: one column cannot hold the reversal"),
-            ("value_size", self.value_form.value != ValueForm::Position || sizes[0].total_cmp(&sizes[1]).is_eq(), "the size of positions: the values are positions"),
-            ("comments", self.comments.value != Comments::OfFamily, "`false`, or the sign that begins a comment in quotes"),
+            (
+                "position_size",
+                self.millimetre_decimals().is_some() || self.is_inch(),
+                "`mm`, `um`, `inch`, or a power of ten of a micrometre",
+            ),
+            (
+                "directions",
+                !(is_increment && has_two),
+                "`one`: increments do not say what a second column holds at the reference",
+            ),
+            (
+                "order",
+                is_ascending || !(is_increment || is_spaced),
+                "`ascending` with increments, or with a start and a spacing",
+            ),
+            (
+                "backlash",
+                has_two || self.backlash.value == BesideTable::Adds,
+                "`adds`: one column cannot hold the reversal",
+            ),
+            (
+                "value_size",
+                self.value_form.value != ValueForm::Position
+                    || sizes[0].total_cmp(&sizes[1]).is_eq(),
+                "the size of positions: the values are positions",
+            ),
+            (
+                "comments",
+                self.comments.value != Comments::OfFamily,
+                "`false`, or the sign that begins a comment in quotes",
+            ),
         ]
     }
 
@@ -228,11 +255,12 @@ impl DeclaredFacts {
     /// The decimals of a millimetre that positions have; `None` where they are no such fractions.
     pub(crate) fn millimetre_decimals(&self) -> Option<u32> {
         let decimals = self.position_decimals.value;
-        (0..=9).find(|more| {
-            let um = LengthUnit::Mm.um() / crate::quantity::units::power_of_ten(*more);
-            (um / self.position_size.value.um - 1.0).abs() < 1e-12
-        })
-        .map(|more| more + decimals)
+        (0..=9)
+            .find(|more| {
+                let um = LengthUnit::Mm.um() / crate::quantity::units::power_of_ten(*more);
+                (um / self.position_size.value.um - 1.0).abs() < 1e-12
+            })
+            .map(|more| more + decimals)
     }
 
     /// What a table of these axes means.
@@ -244,7 +272,7 @@ impl DeclaredFacts {
     }
 
     /// Fields of values in a table, by the field of the file.
-    pub(crate) fn values(&self, is_own: bool) -> &'static [Field] {
+    pub(crate) fn value_fields(&self, is_own: bool) -> &'static [Field] {
         match is_own && self.directions.value == Columns::Two {
             true => &[Field::Forward, Field::Reverse],
             false => &[Field::Value],
@@ -263,10 +291,13 @@ impl DeclaredFacts {
             true => &[Field::Base, Field::Value],
             false => &[],
         };
-        let wanted = [self.values(true), places, cross].concat();
+        let wanted = [self.value_fields(true), places, cross].concat();
         for field in wanted.iter().filter(|field| !has(field)) {
             let message = format!("no pattern has the field `{}`", field.word_of());
-            let help = format!("write `(?<{}>…)` where it stands in a line", field.word_of());
+            let help = format!(
+                "write `(?<{}>…)` where it stands in a line",
+                field.word_of()
+            );
             facts.section.problem("lines", message, help);
         }
         if ![Field::Axis, Field::Output].iter().any(has) {

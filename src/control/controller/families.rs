@@ -2,15 +2,15 @@
 
 use crate::control::controller::fact::{Facts, Mechanism, Word};
 use crate::control::controller::{
-    Dialect, Family, FanucFacts, GenericFacts, LinuxcncFacts, SiemensFacts,
+    DeclaredFacts, Dialect, Family, FanucFacts, GenericFacts, LinuxcncFacts, SiemensFacts,
 };
-use crate::control::controller::{fanuc, generic, linuxcnc, siemens};
+use crate::control::controller::{declared, fanuc, generic, linuxcnc, siemens};
 
 /// A family, and how the facts of its controls are read.
 pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 
 /// All of them, in the order in which they are named.
-pub(super) const FAMILIES: [Known; 4] = [
+pub(super) const FAMILIES: [Known; 5] = [
     (&siemens::FAMILY, |facts| {
         SiemensFacts::checked(facts).map(Dialect::Siemens)
     }),
@@ -19,6 +19,9 @@ pub(super) const FAMILIES: [Known; 4] = [
     }),
     (&generic::FAMILY, |facts| {
         GenericFacts::read(facts).map(Dialect::Generic)
+    }),
+    (&declared::FAMILY, |facts| {
+        DeclaredFacts::checked(facts).map(Dialect::Declared)
     }),
     (&linuxcnc::FAMILY, |facts| {
         LinuxcncFacts::checked(facts).map(Dialect::Linuxcnc)

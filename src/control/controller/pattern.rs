@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// What a part of a line says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Field {
+pub(crate) enum Field {
     /// The axis that the lines below are for, base and output in one.
     Axis,
     /// The axis that is looked up.
@@ -33,6 +33,13 @@ pub enum Field {
     Count,
     /// The number of the last one.
     Last,
+}
+
+impl Field {
+    /// The word of profiles.
+    pub(crate) fn word(self) -> &'static str {
+        self.word_of()
+    }
 }
 
 impl Word for Field {
@@ -163,7 +170,10 @@ mod tests {
     #[test]
     fn a_pattern_that_cannot_be_meant_is_refused() {
         for (text, says) in [
-            (r"(?<postion>\S+)", "unknown field `postion`, did you mean `position`?"),
+            (
+                r"(?<postion>\S+)",
+                "unknown field `postion`, did you mean `position`?",
+            ),
             (r"(?<value>\S+", "is no regular expression"),
             (r"(?<value>\S*)", "takes an empty line"),
             (r"a\n(?<value>\S+)", "can take no line"),

@@ -64,6 +64,25 @@ impl<'a> Section<'a> {
         });
     }
 
+    /// The same at an entry of a list.
+    pub(crate) fn problem_in(
+        &self,
+        key: &str,
+        index: usize,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let list = self.table.get(key).map(Spanned::get_ref);
+        let entry = list.and_then(|list| list.as_array()?.get(index).map(Spanned::span));
+        match entry {
+            None => self.problem(key, message, help),
+            Some(span) => {
+                let place = self.source.place(&span);
+                self.note(|| Problem::new(message).at(place).help(help));
+            }
+        }
+    }
+
     fn note(&self, make: impl FnOnce() -> Problem) {
         self.notes.problems.borrow_mut().push_with(make);
     }

@@ -1,0 +1,106 @@
+//! Files that were read out of a declared control, against a job and against a kit.
+
+use crate::control::controller::DeclaredFacts;
+use crate::control::table::Tables;
+use crate::control::table::declared::{DeclaredTable, DeclaredTables, Point};
+use crate::judge::active::{Found, Held, Others, ReadOutReader};
+use crate::judge::before::{Before, Old};
+use crate::judge::disagreement::Disagreements;
+use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
+use crate::judge::family::Family;
+use crate::judge::findings::InControl;
+use crate::quantity::axis::PerAxis;
+use crate::read::Text;
+use crate::read::declared::read;
+use crate::text::problem::Problems;
+
+impl Family for DeclaredFacts {
+    fn read_out(
+        &self,
+        reading: &mut ReadOutReader<'_>,
+        texts: &[Text<'_>],
+    ) -> Result<Found, Problems> {
+        let texts = texts.iter().map(|(name, text)| (&**name, &**text));
+        let mut found = read(&texts.collect::<Vec<_>>(), self)?;
+        let held = Held::plain(Tables::Declared(found.clone()));
+        take_others(reading, &mut found);
+        Ok(Found {
+            held,
+            tables: Tables::Declared(found),
+            backlash: PerAxis::default(),
+            unit: None,
+        })
+    }
+
+    /// A table of axes that the job does not have stays beside those of the kit.
+    fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
+        Vec::new()
+    }
+
+    fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
+        let (old, new) = (own(old), own(new));
+        let stays = |table: &&DeclaredTable| {
+            let mut new = new.iter();
+            !new.any(|new| new.is_for(&table.base, &table.output))
+        };
+        old.iter()
+            .filter(stays)
+            .map(|table| format!("the old {}", table.name()))
+            .collect()
+    }
+
+    fn entries(
+        &self,
+        tables: &Tables,
+        _others: &Tables,
+        diagnosis: Option<&Disagreements>,
+    ) -> Entries {
+        let of_table = |table: &DeclaredTable| {
+            let told = !diagnosis.is_some_and(|d| d.explains(&table.base, &table.output));
+            let name = table.name();
+            let entry = move |(index, point): (u32, &Point)| {
+                let numbers = vec![Some(point.position), Some(point.forward), point.reverse];
+                let key = (name.clone(), Item::Point(index));
+                (key, Entry::of(Value::Numbers(numbers), told, told))
+            };
+            let points = (self.first_point.value..).zip(&table.points);
+            points.map(entry).collect::<Vec<_>>()
+        };
+        own(tables).iter().flat_map(of_table).collect()
+    }
+
+    /// The files hold tables and nothing around them.
+    fn surroundings(&self, _before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
+        (Vec::new(), Vec::new())
+    }
+
+    /// The files that were read out are the rollback.
+    fn old(&self, _before: &Before<'_>) -> Result<Old, Vec<String>> {
+        Err(vec!["tables of this format".to_string()])
+    }
+}
+
+/// The tables of a memory; a memory of another family holds none.
+fn own(tables: &Tables) -> &[DeclaredTable] {
+    match tables {
+        Tables::Declared(own) => &own.tables,
+        _ => &[],
+    }
+}
+
+/// Tables of axes that the job does not have; one that moves an axis of the job is told as such.
+fn take_others(reading: &mut ReadOutReader<'_>, found: &mut DeclaredTables) {
+    let is_other = |table: &DeclaredTable| !reading.has(&table.base) || !reading.has(&table.output);
+    let others: Vec<DeclaredTable> = found
+        .tables
+        .extract_if(.., |table| is_other(table))
+        .collect();
+    for table in others {
+        let what = format!("the {}", table.name());
+        let moving = table.base.clone();
+        reading.tell(match reading.has(&table.output) {
+            true => InControl::Follows { what, moving },
+            false => InControl::OfOthers { what, axes: "axes" },
+        });
+    }
+}

@@ -1,0 +1,233 @@
+//! Reader of files as a profile declares them: each line by the first pattern that takes it.
+//!
+//! ```text
+//!   line ─┬ blank, comment ──────────────────────────→ nothing
+//!         ├ axis, base, output ──→ the pair of axes that the lines below are for
+//!         ├ start, spacing, count, last ──→ of the table of that pair
+//!         └ point, position, value, forward, reverse ──→ a point of it
+//! ```
+//! With `point` the fields of one point may stand in several lines; without it each line is a point. A line that
+//! no pattern takes is refused: what the control makes of it is not known.
+
+pub mod control;
+mod table;
+
+use self::control::DeclaredControl;
+use self::table::Draft;
+use crate::control::control_state::ControlState;
+use crate::control::controller::{Comments, DeclaredFacts, Field};
+use crate::control::table::Tables;
+use crate::control::table::declared::{DeclaredTable, DeclaredTables};
+use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::family::{Family, KitText, ReadBack, other_family};
+use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
+use crate::text::problem::{Problem, Problems, shown};
+use std::ops::Range;
+
+impl Family for DeclaredFacts {
+    fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
+        let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
+        Ok(Tables::Declared(read(&texts, self)?).into())
+    }
+
+    fn control(
+        &self,
+        tables: &Tables,
+        state: &ControlState,
+    ) -> Result<Box<dyn Emulator>, CannotEmulate> {
+        let Tables::Declared(tables) = tables else {
+            return Err(other_family());
+        };
+        Ok(Box::new(DeclaredControl::new(tables, self, state)?))
+    }
+
+    /// A pair of axes has one table.
+    fn load(&self, held: &mut Tables, file: Tables) {
+        match (held, file) {
+            (Tables::Declared(held), Tables::Declared(file)) => {
+                let is_new = |own: &DeclaredTable| {
+                    let mut new = file.tables.iter();
+                    new.any(|new| new.is_for(&own.base, &own.output))
+                };
+                held.tables.retain(|table| !is_new(table));
+                held.tables.extend(file.tables);
+            }
+            (held, file) => *held = file,
+        }
+    }
+
+    fn may_obey(&self, text: &str) -> bool {
+        let patterns = self.lines.value.iter().filter(|own| own.has_fields());
+        let patterns: Vec<_> = patterns.collect();
+        let is_taken = |line: &str| patterns.iter().any(|own| own.take(line).is_some());
+        lines(text).any(|span| is_taken(&text[span]))
+    }
+
+    fn is_whole(&self, _text: &str) -> bool {
+        false
+    }
+}
+
+/// Reads files of a control, names and texts in any order; no two of them hold a table for the same axes.
+pub(crate) fn read(
+    texts: &[(&str, &str)],
+    facts: &DeclaredFacts,
+) -> Result<DeclaredTables, Problems> {
+    let mut problems = Problems::none();
+    let mut all = DeclaredTables::default();
+    for (name, text) in texts {
+        for table in problems.take(file(name, text, facts)).into_iter().flatten() {
+            if all
+                .tables
+                .iter()
+                .any(|own| own.is_for(&table.base, &table.output))
+            {
+                let message = format!("`{}` holds another {}", shown(name), table.name());
+                problems.push(
+                    Problem::new(message).help("name the files that the control holds together"),
+                );
+            }
+            all.tables.push(table);
+        }
+    }
+    problems.or_ok(all)
+}
+
+/// The tables of one file.
+fn file(name: &str, text: &str, facts: &DeclaredFacts) -> Result<Vec<DeclaredTable>, Problems> {
+    let mut reading = Reading {
+        facts,
+        axes: Axes::of_name(name, facts),
+        drafts: Vec::new(),
+        complaints: Vec::new(),
+    };
+    for span in lines(text) {
+        reading.line(text, span);
+        if reading.complaints.len() >= MOST_COMPLAINTS {
+            break;
+        }
+    }
+    if reading.complaints.is_empty() && reading.drafts.is_empty() {
+        let message = "no line of the file holds a value";
+        let help = "compare the file with the patterns of the profile";
+        reading.complaints.push(Complaint::new(0..0, message, help));
+    }
+    let drafts = std::mem::take(&mut reading.drafts);
+    let mut tables = Vec::new();
+    for draft in drafts {
+        match draft.table(facts) {
+            Ok(table) => tables.push(table),
+            Err(complaint) => reading.complaints.push(complaint),
+        }
+    }
+    match reading.complaints.is_empty() {
+        true => Ok(tables),
+        false => Err(located(name, text, reading.complaints)),
+    }
+}
+
+/// The axes that the lines are for.
+#[derive(Clone, Default)]
+struct Axes {
+    axis: Option<String>,
+    base: Option<String>,
+    output: Option<String>,
+}
+
+impl Axes {
+    /// What the name of a file says.
+    fn of_name(name: &str, facts: &DeclaredFacts) -> Axes {
+        let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+        let mut axes = Axes::default();
+        let found = facts.file_name.value.iter().find_map(|own| own.take(name));
+        for (field, span) in found.into_iter().flatten() {
+            axes.set(field, &name[span]);
+        }
+        axes
+    }
+
+    /// Takes the name of an axis; a line for another axis leaves nothing of the lines before.
+    fn set(&mut self, field: Field, name: &str) {
+        let name = Some(name.to_string());
+        match field {
+            Field::Axis => {
+                *self = Axes {
+                    axis: name,
+                    ..Axes::default()
+                }
+            }
+            Field::Base => self.base = name,
+            Field::Output => self.output = name,
+            _ => {}
+        }
+    }
+
+    fn pair(&self) -> Option<[&String; 2]> {
+        let base = self.base.as_ref().or(self.axis.as_ref())?;
+        Some([base, self.output.as_ref().or(self.axis.as_ref())?])
+    }
+}
+
+/// A file while it is read.
+struct Reading<'a> {
+    facts: &'a DeclaredFacts,
+    axes: Axes,
+    drafts: Vec<Draft>,
+    complaints: Vec<Complaint>,
+}
+
+impl Reading<'_> {
+    fn complain(&mut self, span: Range<usize>, message: impl Into<String>, help: &str) {
+        self.complaints.push(Complaint::new(span, message, help));
+    }
+
+    fn line(&mut self, text: &str, span: Range<usize>) {
+        let line = &text[span.clone()];
+        let is_comment = match &self.facts.comments.value {
+            Comments::From(sign) => line.trim_start().starts_with(sign.as_str()),
+            _ => false,
+        };
+        if line.trim().is_empty() || is_comment {
+            return;
+        }
+        let patterns = self.facts.lines.value.iter();
+        let Some(found) = patterns.clone().find_map(|own| own.take(line)) else {
+            let help = "the patterns of the profile (`lines`) say what a line can be; what the control makes of another one is not known";
+            return self.complain(span, "no pattern of the profile takes this line", help);
+        };
+        let mut fields = Vec::new();
+        for (field, part) in found {
+            let part = span.start + part.start..span.start + part.end;
+            match field {
+                Field::Axis | Field::Base | Field::Output => {
+                    self.axes
+                        .set(field, text.get(part).unwrap_or_default().trim());
+                }
+                _ => fields.push((field, part)),
+            }
+        }
+        if !fields.is_empty() {
+            self.take(text, span, fields);
+        }
+    }
+
+    /// Takes the numbers of a line into the table of its axes.
+    fn take(&mut self, text: &str, line: Range<usize>, fields: Vec<(Field, Range<usize>)>) {
+        let Some([base, output]) = self.axes.pair() else {
+            let help = "a line before it, or the line itself, has to name the axis";
+            return self.complain(line, "a value, and no line says of which axis", help);
+        };
+        let at = self.drafts.iter().position(|own| own.is_for(base, output));
+        let at = at.unwrap_or_else(|| {
+            let draft = Draft::new(base, output, line.clone());
+            self.drafts.push(draft);
+            self.drafts.len() - 1
+        });
+        if let Err(complaint) = self.drafts[at].take(text, line, fields) {
+            self.complaints.push(complaint);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,110 @@
+use super::*;
+use crate::control::controller::{Columns, ControlUnit, Dialect, Fact, Size, TableSign, builtin};
+
+fn weihong() -> DeclaredFacts {
+    match builtin::profile("weihong").unwrap().dialect {
+        Dialect::Declared(facts) => facts,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn set<T>(fact: &mut Fact<T>, value: T) {
+    fact.value = value;
+}
+
+fn table(points: &[(f64, f64, Option<f64>)]) -> DeclaredTables {
+    let point = |(position, forward, reverse): &(f64, f64, Option<f64>)| Point {
+        position: *position,
+        forward: *forward,
+        reverse: *reverse,
+    };
+    let points = points.iter().map(point).collect();
+    let (base, output) = ("X".to_string(), "X".to_string());
+    DeclaredTables {
+        tables: vec![DeclaredTable {
+            base,
+            output,
+            points,
+        }],
+    }
+}
+
+/// What X gets at places while it moves in + and in −, its reference at 10 mm, 4 µm in the backlash parameter.
+fn um(facts: &DeclaredFacts, tables: &DeclaredTables, places: &[f64]) -> Vec<[f64; 2]> {
+    let state = ControlState {
+        unit: ControlUnit::Millimetre,
+        axes: vec![AxisState {
+            name: "X".to_string(),
+            reference: Millimetres::new(10.0),
+            reference_direction: Direction::Plus,
+            detection_unit_um: None,
+            backlash_um: 4.0,
+            bidirectional: false,
+            interpolated: false,
+        }],
+    };
+    let control = DeclaredControl::new(tables, facts, &state).unwrap();
+    let ways = Direction::BOTH.map(|way| control.response("x", "X", way).unwrap());
+    let at = |place: &f64| {
+        ways.each_ref()
+            .map(|way| (way.correction(Millimetres::new(*place)).um() * 1e6).round() / 1e6)
+    };
+    places.iter().map(at).collect()
+}
+
+/// NK200 manual, p. 65: 0.03 mm of backlash alone; e = reached − commanded, so the control adds −0.03 mm.
+#[test]
+fn the_error_of_a_direction_is_taken_off_and_the_parameter_does_nothing() {
+    let tables = table(&[(0.0, 0.0, Some(0.03)), (1000.0, 0.0, Some(0.03))]);
+    let mut facts = weihong();
+    assert_eq!(um(&facts, &tables, &[-5.0, 500.0]), [[0.0, -30.0]; 2]);
+    set(&mut facts.own_sign, TableSign::AsCorrection);
+    assert_eq!(um(&facts, &tables, &[500.0]), [[0.0, 30.0]]);
+    set(&mut facts.backlash, BesideTable::Adds);
+    assert_eq!(um(&facts, &tables, &[500.0]), [[0.0, 26.0]]);
+}
+
+#[test]
+fn positions_and_increments_say_the_same_as_amounts() {
+    let mut facts = weihong();
+    set(&mut facts.directions, Columns::One);
+    set(&mut facts.backlash, BesideTable::Adds);
+    let expected = [[2.0, -2.0], [0.0, -4.0], [-5.0, -9.0], [-10.0, -14.0]];
+    let places = [0.0, 10.0, 15.0, 20.0];
+    let amounts = table(&[(0.0, -0.002, None), (10.0, 0.0, None), (20.0, 0.01, None)]);
+    assert_eq!(um(&facts, &amounts, &places), expected);
+    set(&mut facts.value_form, ValueForm::Position);
+    let reached = table(&[(0.0, -0.002, None), (10.0, 10.0, None), (20.0, 20.01, None)]);
+    assert_eq!(um(&facts, &reached, &places), expected);
+    // Counts of 0.5 µm, the change from the point before, zero at the reference.
+    set(&mut facts.value_form, ValueForm::Increment);
+    set(&mut facts.value_size, Size { um: 0.5 });
+    let changes = table(&[(0.0, 0.0, None), (10.0, 4.0, None), (20.0, 20.0, None)]);
+    assert_eq!(um(&facts, &changes, &places), expected);
+}
+
+#[test]
+fn outside_a_table_there_is_nothing_where_the_profile_says_so() {
+    let mut facts = weihong();
+    let tables = table(&[(0.0, 0.002, Some(0.004)), (10.0, -0.006, Some(0.0))]);
+    let places = [-1.0, 0.0, 5.0, 10.0, 10.1, 500.0];
+    let held = [
+        [-2.0, -4.0],
+        [-2.0, -4.0],
+        [2.0, -2.0],
+        [6.0, 0.0],
+        [6.0, 0.0],
+        [6.0, 0.0],
+    ];
+    assert_eq!(um(&facts, &tables, &places), held);
+    set(&mut facts.outside, Outside::Zero);
+    let zero = [
+        [0.0, 0.0],
+        [-2.0, -4.0],
+        [2.0, -2.0],
+        [6.0, 0.0],
+        [0.0, 0.0],
+        [0.0, 0.0],
+    ];
+    assert_eq!(um(&facts, &tables, &places), zero);
+}

@@ -1,0 +1,277 @@
+//! A table while its lines are read, and what it has to hold in the end.
+
+use crate::control::controller::{DeclaredFacts, Field, Nodes, Order};
+use crate::control::table::declared::{DeclaredTable, Point, name};
+use crate::quantity::units::rounded;
+use crate::read::lexer::Complaint;
+use crate::text::problem::shown;
+use std::ops::Range;
+
+/// Numbers of files lie below it.
+const LARGEST: f64 = 1e9;
+
+/// A number, and where it stands.
+type Placed = (f64, Range<usize>);
+
+/// A point while its lines are read.
+struct Row {
+    line: Range<usize>,
+    number: Option<f64>,
+    /// Position, value, forward, reverse.
+    fields: Vec<(Field, Placed)>,
+}
+
+impl Row {
+    fn of(&self, field: Field) -> Option<f64> {
+        let own = self.fields.iter().find(|(own, _)| *own == field)?;
+        Some(own.1.0)
+    }
+}
+
+/// A table while its lines are read.
+pub(super) struct Draft {
+    base: String,
+    output: String,
+    line: Range<usize>,
+    /// Start, spacing, count, last.
+    header: Vec<(Field, Placed)>,
+    rows: Vec<Row>,
+}
+
+impl Draft {
+    pub(super) fn new(base: &str, output: &str, line: Range<usize>) -> Draft {
+        Draft {
+            base: base.to_string(),
+            output: output.to_string(),
+            line,
+            header: Vec::new(),
+            rows: Vec::new(),
+        }
+    }
+
+    pub(super) fn is_for(&self, base: &str, output: &str) -> bool {
+        self.base.eq_ignore_ascii_case(base) && self.output.eq_ignore_ascii_case(output)
+    }
+
+    /// Takes the fields of a line.
+    pub(super) fn take(
+        &mut self,
+        text: &str,
+        line: Range<usize>,
+        fields: Vec<(Field, Range<usize>)>,
+    ) -> Result<(), Complaint> {
+        let mut number = None;
+        let mut of_point = Vec::new();
+        for (field, span) in fields {
+            let placed = (number_in(text, field, &span)?, span);
+            match field {
+                Field::Point => number = Some(placed.0),
+                Field::Start | Field::Spacing | Field::Count | Field::Last => {
+                    put(&mut self.header, field, placed)?;
+                }
+                _ => of_point.push((field, placed)),
+            }
+        }
+        if of_point.is_empty() {
+            return Ok(());
+        }
+        let is_known = |row: &Row| number.is_some_and(|own| row.number == Some(own));
+        let at = self
+            .rows
+            .iter()
+            .rposition(is_known)
+            .unwrap_or(self.rows.len());
+        if at == self.rows.len() {
+            self.rows.push(Row {
+                line,
+                number,
+                fields: Vec::new(),
+            });
+        }
+        for (field, placed) in of_point {
+            put(&mut self.rows[at].fields, field, placed)?;
+        }
+        Ok(())
+    }
+
+    fn head(&self, field: Field) -> Option<&Placed> {
+        let own = self.header.iter().find(|(own, _)| *own == field);
+        own.map(|(_, placed)| placed)
+    }
+
+    /// The table, once all lines are read.
+    pub(super) fn table(self, facts: &DeclaredFacts) -> Result<DeclaredTable, Complaint> {
+        let is_own = self.base.eq_ignore_ascii_case(&self.output);
+        self.check_size(facts, is_own)?;
+        let mut points: Vec<Point> = Vec::new();
+        for (index, row) in self.rows.iter().enumerate() {
+            self.check_number(facts, index, row)?;
+            let position = self.position(facts, index, row)?;
+            check_order(
+                facts,
+                points.last().map(|last| last.position),
+                position,
+                row,
+            )?;
+            points.push(point(facts.value_fields(is_own), position, row)?);
+        }
+        Ok(DeclaredTable {
+            base: self.base,
+            output: self.output,
+            points,
+        })
+    }
+
+    /// As many points as the file and the control say.
+    fn check_size(&self, facts: &DeclaredFacts, is_own: bool) -> Result<(), Complaint> {
+        let (rows, most) = (self.rows.len(), facts.points.value as usize);
+        let wrong = |span: &Range<usize>, message: String, help: &str| {
+            Err(Complaint::new(span.clone(), message, help))
+        };
+        if !is_own && !facts.cross_terms.value {
+            let message = format!(
+                "a {}, and this control corrects an axis by itself only",
+                name(&self.base, &self.output)
+            );
+            return wrong(&self.line, message, "`cross_terms` of the profile says so");
+        }
+        if rows > most {
+            let message = format!("a point behind the {most} that the control takes");
+            return wrong(&self.rows[most].line, message, "use a larger spacing");
+        }
+        if rows < 2 {
+            let message = format!(
+                "the {} has {rows} points, expected at least 2",
+                name(&self.base, &self.output)
+            );
+            return wrong(&self.line, message, "take the whole file");
+        }
+        let last = facts.first_point.value as usize + rows - 1;
+        for (field, is) in [(Field::Count, rows), (Field::Last, last)] {
+            let Some((said, span)) = self.head(field) else {
+                continue;
+            };
+            if (said - is as f64).abs() > 0.0 {
+                let message = format!("the file says {said} here, its points make it {is}");
+                return wrong(span, message, "points are missing, or there are too many");
+            }
+        }
+        Ok(())
+    }
+
+    /// The numbers of the points follow each other.
+    fn check_number(
+        &self,
+        facts: &DeclaredFacts,
+        index: usize,
+        row: &Row,
+    ) -> Result<(), Complaint> {
+        let expected = f64::from(facts.first_point.value) + index as f64;
+        let is_numbered = self.rows[0].number.is_some();
+        match row.number {
+            None if !is_numbered => Ok(()),
+            Some(number) if (number - expected).abs() < 0.5 => Ok(()),
+            _ => Err(Complaint::new(
+                row.line.clone(),
+                format!(
+                    "the point {expected} of the {} was expected here",
+                    name(&self.base, &self.output)
+                ),
+                "points follow each other without a gap",
+            )),
+        }
+    }
+
+    /// Where a point lies, in the unit of the file.
+    fn position(&self, facts: &DeclaredFacts, index: usize, row: &Row) -> Result<f64, Complaint> {
+        let missing = |field: &str| {
+            let message = format!("a point without `{field}`");
+            Complaint::new(row.line.clone(), message, "take the whole file")
+        };
+        match facts.nodes.value {
+            Nodes::Free => row.of(Field::Position).ok_or_else(|| missing("position")),
+            Nodes::Spaced => {
+                let head = |field| self.head(field).map(|placed| placed.0);
+                let start = head(Field::Start).ok_or_else(|| missing("start"))?;
+                let spacing = head(Field::Spacing).ok_or_else(|| missing("spacing"))?;
+                let decimals = facts.position_decimals.value;
+                Ok(rounded(start + index as f64 * spacing, decimals))
+            }
+        }
+    }
+}
+
+/// Each point lies behind the one before.
+fn check_order(
+    facts: &DeclaredFacts,
+    before: Option<f64>,
+    position: f64,
+    row: &Row,
+) -> Result<(), Complaint> {
+    let (is_behind, word) = match facts.order.value {
+        Order::Ascending => (before.is_none_or(|before| position > before), "above"),
+        Order::Descending => (before.is_none_or(|before| position < before), "below"),
+    };
+    match before {
+        Some(before) if !is_behind => Err(Complaint::new(
+            row.line.clone(),
+            format!("position {position} does not lie {word} {before} of the point before"),
+            "`order` of the profile says how points follow each other; each position once",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// A point with the values that it has to have.
+fn point(wanted: &[Field], position: f64, row: &Row) -> Result<Point, Complaint> {
+    let all = [Field::Value, Field::Forward, Field::Reverse];
+    if let Some(field) = all
+        .iter()
+        .find(|own| row.of(**own).is_some() != wanted.contains(own))
+    {
+        let is_there = row.of(*field).is_some();
+        let message = format!(
+            "a point with{} `{}`",
+            if is_there { "" } else { "out" },
+            field.word()
+        );
+        let help = "`directions` of the profile says which values a point has";
+        return Err(Complaint::new(row.line.clone(), message, help));
+    }
+    let mut values = wanted.iter().filter_map(|field| row.of(*field));
+    Ok(Point {
+        position,
+        forward: values.next().unwrap_or_default(),
+        reverse: values.next(),
+    })
+}
+
+/// Takes a field that was not there yet.
+fn put(fields: &mut Vec<(Field, Placed)>, field: Field, placed: Placed) -> Result<(), Complaint> {
+    if fields.iter().any(|(own, _)| *own == field) {
+        let message = format!("a second `{}` here", field.word());
+        let help = "of two values nobody knows which one the control takes";
+        return Err(Complaint::new(placed.1, message, help));
+    }
+    fields.push((field, placed));
+    Ok(())
+}
+
+/// The number of a field: digits with a decimal point.
+fn number_in(text: &str, field: Field, span: &Range<usize>) -> Result<f64, Complaint> {
+    let written = text.get(span.clone()).unwrap_or_default().trim();
+    let plain = |c: char| c.is_ascii_digit() || "+-.eE".contains(c);
+    let number = written.parse::<f64>().ok();
+    let number = number.filter(|number| written.chars().all(plain) && number.abs() < LARGEST);
+    let whole = matches!(field, Field::Point | Field::Count | Field::Last);
+    let number = number.filter(|number| !whole || number.fract().abs() <= 0.0);
+    number.map(|number| number + 0.0).ok_or_else(|| {
+        let kind = if whole { "a whole number" } else { "a number" };
+        let message = format!(
+            "`{}` is `{}`, expected {kind}",
+            field.word(),
+            shown(written)
+        );
+        Complaint::new(span.clone(), message, "write digits with a decimal point")
+    })
+}
