@@ -190,6 +190,32 @@ fn a_job_with_readings_gives_what_its_separated_table_gives() {
     );
 }
 
+/// Lengths that were brought to 20 °C are not compared with lengths that were not.
+#[test]
+fn a_second_job_states_the_material_where_the_first_does() {
+    let start = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/start/readings");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    fs::copy(start.join("readings.csv"), path.join("readings.csv")).unwrap();
+    let job = fs::read_to_string(start.join("job.toml")).unwrap();
+    let material = "[measurement.step_diagonal.material]\nmaterial_corrected = false\nair_corrected = true\nx = { alpha_per_k = 11.5e-6, temperature_c = 22.0 }\n\n";
+    let first = job.replace("[compensation]\n", &format!("{material}[compensation]\n"));
+    fs::write(path.join("job.toml"), first).unwrap();
+    ended(path, "generate job.toml -o kit");
+    let (_, _, said) = {
+        fs::write(
+            path.join("after.toml"),
+            job.replace(NONE_ACTIVE, KIT_ACTIVE),
+        )
+        .unwrap();
+        ended(path, "verify job.toml --tables kit --after after.toml")
+    };
+    assert!(
+        said.contains("does not state [measurement.step_diagonal.material]"),
+        "{said}"
+    );
+}
+
 /// Rows of an error table in X and Y without uncertainty.
 const LEFT: &str = "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,0.2,0.1\nx,100,0.3,0\n";
 

@@ -14,13 +14,14 @@ use crate::control::claims::Assumption;
 use crate::control::controller::{ControlUnit, Evidence, Mechanism};
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MachineAxis};
-use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::axis::Axis;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compiled::counts_as_zero;
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
 use crate::write::grid::EDGE_MM;
+use crate::write::slips::slips;
 use crate::write::task::{Plan, Task};
 
 /// Puts a plan into the numbers of the task's control; all problems are given at once.
@@ -35,7 +36,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(task.job.measurement.notes());
     notes.extend(task.model.remarks.notes.iter().cloned());
     notes.extend(task.model.unused.iter().cloned());
-    notes.extend(unlikely_reversals(task).map(Finding::from));
+    notes.extend(slips(task.model).into_iter().map(Finding::from));
     notes.extend(references_off_the_travel(task.job, plan).map(Finding::from));
     notes.append(&mut compiled.notes);
     notes.extend(active_note(&task.job.measurement.active).map(Finding::from));
@@ -84,17 +85,6 @@ fn parameter_note(task: Task<'_>, plan: &Plan) -> Option<TableFinding> {
     let parameter = task.profile.family.backlash_parameter;
     let is_noted = !axes.is_empty() && job.measurement.active == ActiveTables::None;
     is_noted.then_some(TableFinding::ParameterReplaced { parameter, axes })
-}
-
-/// Ordinary lost motion gives B < 0 (contract §1); the other sign is more often a slip.
-fn unlikely_reversals(task: Task<'_>) -> impl Iterator<Item = TableFinding> {
-    const NOISE_UM: f64 = 0.5; // below it the sign of B says nothing
-    let unlikely = |term: ErrorTerm, um: f64| term.is_positioning() && um > NOISE_UM;
-    task.model
-        .measured()
-        .filter_map(|(term, measured)| Some((term, measured.reversal()?.um())))
-        .filter(move |(term, um)| unlikely(*term, *um))
-        .map(|(term, um)| TableFinding::UnlikelyReversal { term, um })
 }
 
 /// Whether a kit uses what a fact belongs to; what cannot be judged counts as used.

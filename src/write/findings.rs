@@ -1,6 +1,6 @@
 //! What there is to know of tables and programs before they are loaded.
 
-use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::text::finding::{findings, joined};
 
 findings! {
@@ -14,6 +14,7 @@ findings! {
         OldAndResidual { path: String } => Note, "the tables of `{path}` were active during the measurement: these tables are old + residual and replace them";
         ParameterReplaced { parameter: &'static str, axes: Vec<Axis> } => Note, "the tables replace the {parameter} of {}, which is counted as 0 while measuring; a machine normally holds one even with its tables off: look, and if it was on, state `active_backlash_um = {{ … }}` beside `active_while_measuring = \"none\"`", joined(axes);
         UnlikelyReversal { term: ErrorTerm, um: f64 } => Note, "{term}: B = {um:+.3} µm is above 0, ordinary lost motion gives B < 0: are the directions + and - exchanged?";
+        LoneValue { term: ErrorTerm, direction: Option<Direction>, at_mm: f64, off_um: f64, rest_um: f64 } => Note, "{term} at {at_mm} mm{} stands {off_um:+.1} µm off the line through its neighbours, no other value more than {rest_um:.1} µm: a slip of sign or digit?", direction.map_or_else(String::new, |way| format!(" moving {way}"));
         NoSignProof { mechanism: &'static str, least_um: f64, slope_um_per_mm: f64 } => Note, "no sign proof of {mechanism}: no axis has a stretch, at least one section away from its reference and inside its travel, on which a bump rises to {least_um} µm with at most {slope_um_per_mm} µm/mm; measure after loading instead, one axis first";
         OtherLetters { key: &'static str, text: String, written: String } => Note, "{key} `{text}` stands as `{written}` in the control's files, which are ASCII";
     }

@@ -50,3 +50,33 @@ fn take_missing<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A second job that states nothing but its readings takes the set-up of the first, nothing of its day.
+    #[test]
+    fn what_belongs_to_a_day_is_not_taken_over() {
+        let day = OF_THE_DAY.map(|key| format!("{key} = 1\n")).concat();
+        let run = OF_THE_RUN.map(|key| format!("{key} = 1\n")).concat();
+        let first =
+            format!("[measurement]\nnoise = 1\n{day}[measurement.step_diagonal]\nsteps = 4\n{run}");
+        let below = DeTable::parse(&first).unwrap().into_inner();
+        let mut own = DeTable::parse("[measurement]\nreadings = 'b.csv'")
+            .unwrap()
+            .into_inner();
+        lay_over(&mut own, below);
+        let measured = own
+            .get("measurement")
+            .unwrap()
+            .get_ref()
+            .as_table()
+            .unwrap();
+        let mut keys: Vec<&str> = measured.keys().map(|key| key.get_ref().as_ref()).collect();
+        keys.sort_unstable();
+        assert_eq!(keys, ["noise", "readings", "step_diagonal"]);
+        let run = measured["step_diagonal"].get_ref().as_table().unwrap();
+        assert_eq!(run.len(), 1, "only `steps` is taken over: {run:?}");
+    }
+}

@@ -86,8 +86,8 @@ findings! {
         Unchecked => Label, "nothing checks the linear axes and beams: with no redundancy a slope of the wrong sign or unit goes unnoticed; measure the third axis along its length";
         Leak { by_plane: String } => Label, "the uncertainty of the squareness leaves out what is not determined of the scales: through the tilts of the mirror each 10 µm/m of it moves the squareness by up to (µm/m) {by_plane}";
         RotationOfCrossTerms => Label, "uncertainties of the cross terms hold the noise of their rotation, not the tilt of the mirror that is in it";
-        HardlyShown { pairs: String, orders: String } => Label, "these readings would hardly show {}", hardly(pairs, orders);
-        NothingShown => Label, "these readings would hardly show diagonals under each other's name, nor steps in another order: check the file names and the order of the steps";
+        HardlyShown { pairs: String, orders: String } => Note, "these readings would hardly show {}", hardly(pairs, orders);
+        NothingShown => Note, "these readings would hardly show diagonals under each other's name, nor steps in another order: check the file names and the order of the steps";
     }
 }
 

@@ -13,6 +13,7 @@ use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use std::borrow::Cow;
+use std::cmp::Reverse;
 use std::sync::Arc;
 
 /// Where the errors of a job come from. Of readings the table depends on the policy that the job has for the
@@ -110,7 +111,9 @@ pub fn remarks(separation: &Separation) -> Remarks {
             Some(SeparationFinding::FrameOf { frame }) => Some(*frame),
             _ => None,
         });
-    let notes = other.chain(separation.labels.iter().cloned()).collect();
+    let mut labels = separation.labels.clone();
+    labels.sort_by_key(|label| Reverse(label.severity())); // what the readings say of themselves first
+    let notes = other.chain(labels).collect();
     Remarks {
         doubts: separation.doubts.clone(),
         not_determined: missing
