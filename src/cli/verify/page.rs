@@ -9,6 +9,7 @@ use crate::control::claims::Assumption;
 use crate::judge::after::{AfterMeasurement, Comparison, Line};
 use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
+use crate::judge::findings::OfTerm;
 use crate::judge::forecast::{Forecast, TermForecast};
 use crate::kit::manifest::{HashedFile, change, diagonals};
 use crate::kit::second_look::SecondLook;
@@ -291,8 +292,10 @@ fn explanation(look: &SecondLook) -> Vec<String> {
     };
     let mut lines = vec![format!("NOT AS FORECAST: {off}")];
     lines.extend(likely.lines().map(str::to_string));
-    let by_term = found.by_term.iter().filter(|_| look.lost_motion.is_none());
-    lines.extend(by_term.map(|words| format!("  {words}")));
+    let is_off = |term: &&Finding| !matches!(term.kind(), Some(OfTerm::AsForecast { .. }));
+    let off = found.by_term.iter().filter(is_off);
+    let off = off.filter(|_| look.lost_motion.is_none());
+    lines.extend(off.map(|words| format!("  {words}")));
     lines.extend(
         found
             .decides
