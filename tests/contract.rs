@@ -249,6 +249,11 @@ fn weihong() {
 }
 
 #[test]
+fn isg_volcomp() {
+    contract_of("isg-volcomp");
+}
+
+#[test]
 fn generic() {
     contract_of("generic");
 }
@@ -264,6 +269,7 @@ fn no_profile_is_left_out() {
         "linuxcnc",
         "linuxcnc-hal",
         "weihong",
+        "isg-volcomp",
         "generic",
     ];
     assert_eq!(builtin::ids(), tested);

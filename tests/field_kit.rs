@@ -88,6 +88,7 @@ fn turned(profile: &Profile) -> Profile {
             turn(&mut facts.trim_sign.value);
             turn(&mut facts.sum_sign.value);
         }
+        Dialect::Isg(facts) => turn(&mut facts.error_sign.value),
     }
     profile
 }
@@ -224,7 +225,8 @@ fn contract_of(id: &str) {
             let page = std::str::from_utf8(page).unwrap();
             assert!(page.contains(&words), "{name}: {words}");
             let gauge = format!("µm towards −{}, or", term.of);
-            assert_eq!(page.contains(&gauge), id.starts_with("siemens"), "{name}");
+            let restarts = !id.starts_with("siemens") && !id.starts_with("isg");
+            assert_eq!(page.contains(&gauge), !restarts, "{name}");
             proved += 1;
         }
         if kit.compiled.notes.iter().all(|n| !has_no_proof(&n)) {
@@ -265,6 +267,11 @@ fn sign_proofs_of_linuxcnc() {
 #[test]
 fn sign_proofs_of_linuxcnc_hal() {
     contract_of("linuxcnc-hal");
+}
+
+#[test]
+fn sign_proofs_of_isg() {
+    contract_of("isg-volcomp");
 }
 
 #[test]

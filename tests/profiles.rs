@@ -9,8 +9,8 @@
 mod support;
 
 use nonius::control::controller::{
-    Dialect, EmittedFile, Evidence, Mechanism, Profile, ProfileSource, Role, StraightnessForm,
-    builtin, load,
+    Dialect, EmittedFile, Evidence, FileFormat, Mechanism, Profile, ProfileSource, Role,
+    StraightnessForm, builtin, load,
 };
 use nonius::text::document::Source;
 use std::collections::BTreeSet;
@@ -176,6 +176,13 @@ fn is_of_its_form(profile: &Profile, file: &EmittedFile) -> bool {
         }
         (Dialect::Fanuc(facts), Some(Mechanism::PerPoint)) => {
             facts.straightness_form.value == StraightnessForm::PerPoint
+        }
+        (Dialect::Isg(facts), _) => {
+            let other = match facts.file_format.value {
+                FileFormat::IsgCsv => "curves",
+                FileFormat::EtalonExchange => "blocks",
+            };
+            file.when.as_deref() != Some(other)
         }
         _ => true,
     }

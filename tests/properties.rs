@@ -430,7 +430,8 @@ proptest! {
             }
         }
         let at = 100 * reference;
-        for id in builtin::ids() {
+        // A machine of one axis has no volumetric compensation.
+        for id in builtin::ids().into_iter().filter(|id| *id != "isg-volcomp") {
             let text = format!(
                 "schema = 1\n[machine]\nname = \"reversal\"\n[machine.axes.x]\ntravel_mm = [0.0, 400.0]\n\
                  reference_mm = {at}.0\nreference_direction = \"{homing}\"\n[measurement]\n\

@@ -182,7 +182,7 @@ fn told(active: &ActiveControl) -> String {
             )
             .unwrap();
         }
-        Tables::Generic(_) | Tables::Declared(_) | Tables::Linuxcnc(_) => {}
+        Tables::Generic(_) | Tables::Declared(_) | Tables::Linuxcnc(_) | Tables::Isg(_) => {}
     }
     said
 }

@@ -259,7 +259,7 @@ fn check_stages(policy: &str) {
                 (Dialect::Declared(facts), _) => {
                     (ideal, support::count_um(facts) / 2.0 + FIGURE_UM)
                 }
-                (Dialect::Siemens(_) | Dialect::Linuxcnc(_), _) => {
+                (Dialect::Siemens(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_), _) => {
                     (ideal, HALF_COUNT_UM + FIGURE_UM)
                 }
                 (Dialect::Fanuc(_), Tables::Fanuc(memory)) => {

@@ -65,6 +65,17 @@ fn by_hand(profile: &str, path: &str, role: Role) -> &'static str {
             "position, deviation moving in +, deviation moving in -, in mm: as in errors.csv less that at the \
              reference (X+ at 400 mm 8 um = 0.008, X- at 0 mm 3 um = 0.003)"
         }
+        ("isg", Role::Parameters) => {
+            "logical axis numbers, chain from the workpiece to the tool, one parameter file"
+        }
+        ("isg", Role::SignProof) => {
+            "the parameters of the kit, zero but for one value of 0.020 mm; the list names this file"
+        }
+        ("isg", _) => {
+            "deviation of errors.csv in mm less that at the reference, of X the mean of both \
+             directions (at 400 mm (8 + 8) / 2 = 8 um = 0.008); no angle was measured, and no C0Y is \
+             written: squareness stands in the slopes"
+        }
         ("siemens", Role::SignProof) => {
             "the tables of the kit, zero but for one value of 0.020 = 20 um (100 mm at 1 um/mm \
              would allow more), at least one section away from the reference, zero at both ends"
@@ -161,6 +172,11 @@ fn linuxcnc_hal() {
 #[test]
 fn weihong() {
     files_of("weihong");
+}
+
+#[test]
+fn isg_volcomp() {
+    files_of("isg-volcomp");
 }
 
 #[test]

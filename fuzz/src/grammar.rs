@@ -1,5 +1,5 @@
 //! What a line of a control's file may look like, written from the formats' descriptions (docs/siemens.md §2,
-//! docs/fanuc.md §2, docs/interface.md §4.1, docs/linuxcnc.md §1). It knows nothing of templates, of `src/write/emit` or of `src/read`.
+//! docs/fanuc.md §2, docs/interface.md §4.1, docs/linuxcnc.md §1, docs/isg.md §1). It knows nothing of templates, of `src/write/emit` or of `src/read`.
 
 /// A family of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +12,8 @@ pub enum Family {
     Generic,
     /// Three numbers in a row, lines of an ini file, statements of a HAL file.
     Linuxcnc,
+    /// Keys of a list, headers and rows of parameters.
+    Isg,
     /// Lines as a profile declares them.
     Declared,
 }
@@ -30,6 +32,8 @@ pub fn judge(family: Family, name: &str, bytes: &[u8]) -> Result<(), String> {
         Family::Linuxcnc if name.ends_with(".ini") => ini(text),
         Family::Linuxcnc if name.ends_with(".hal") => hal(text),
         Family::Linuxcnc => comp(text),
+        Family::Isg if name.ends_with(".lis") => list(text),
+        Family::Isg => parameters(text),
         Family::Declared => declared(text),
     };
     wrong.map_err(|line| format!("{name}: foreign line {line:?}"))
@@ -73,6 +77,54 @@ fn declared(text: &str) -> Wrong {
     match text.lines().find(|line| !is_plain(line)) {
         Some(line) => Err(line.to_string()),
         None => Ok(()),
+    }
+}
+
+/// Comments, and keys with their values, each once.
+fn list(text: &str) -> Wrong {
+    let mut seen = Vec::new();
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
+        let (key, value) = line.split_once(' ').unwrap_or((line, ""));
+        let is_right = match key {
+            "X" | "Y" | "Z" => value.parse::<u16>().is_ok(),
+            "chain" => value.len() == 3 && ["X", "Y", "Z"].iter().all(|axis| value.contains(axis)),
+            "workpiece_axes" | "alternative_model" => value == "0",
+            "interpolation" => value == "GRID",
+            "file[0]" => value.ends_with("volcomp.csv"),
+            "file_format[0]" => value == "ISG_CSV",
+            _ => false,
+        };
+        if !is_right || seen.contains(&key) {
+            return Err(line.to_string());
+        }
+        seen.push(key);
+    }
+    Ok(())
+}
+
+/// Comments, headers of parameters and rows of as many numbers, `#` behind each block.
+fn parameters(text: &str) -> Wrong {
+    let mut columns = 0;
+    for line in text.lines().filter(|line| !line.starts_with("//")) {
+        let words: Vec<&str> = line.split(' ').collect();
+        let is_name = |word: &&str| word.len() == 3 && word.starts_with('E');
+        let is_header = columns == 0 && matches!(words[0], "X" | "Y" | "Z");
+        let is_right = match line {
+            "#" => columns > 1,
+            _ if is_header => words[1..].iter().all(is_name),
+            _ => words.len() == columns && words.iter().all(|word| is_number(word)),
+        };
+        if !is_right {
+            return Err(line.to_string());
+        }
+        columns = match line {
+            "#" => 0,
+            _ => words.len(),
+        };
+    }
+    match columns {
+        0 => Ok(()),
+        _ => Err("no # at the end".to_string()),
     }
 }
 
@@ -350,6 +402,16 @@ mod tests {
                 Family::Linuxcnc,
                 "a.ini",
                 "# A\n[JOINT_0]\nCOMP_FILE = a.comp\nCOMP_FILE_TYPE = 1\n",
+            ),
+            (
+                Family::Isg,
+                "a.lis",
+                "# A\nX 1\nchain XYZ\nfile[0] volcomp.csv\n",
+            ),
+            (
+                Family::Isg,
+                "a.csv",
+                "// A\nX EXX EAX\n0.000000 0.000000 0.000000000\n#\n",
             ),
             (
                 Family::Linuxcnc,

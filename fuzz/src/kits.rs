@@ -168,6 +168,7 @@ fn family(profile: &Profile) -> Family {
         Dialect::Generic(_) => Family::Generic,
         Dialect::Declared(_) => Family::Declared,
         Dialect::Linuxcnc(_) => Family::Linuxcnc,
+        Dialect::Isg(_) => Family::Isg,
     }
 }
 

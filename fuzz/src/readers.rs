@@ -233,8 +233,26 @@ pub fn linuxcnc(input: &[u8]) -> Answer {
 /// A file of a control whose profile declares it.
 pub fn declared(input: &[u8]) -> Answer {
     let bytes = input;
-    let file = KitFile { path: "axeserr.dat", role: Role::Table, bytes };
+    let file = KitFile {
+        path: "axeserr.dat",
+        role: Role::Table,
+        bytes,
+    };
     let read = nonius::read::read(&built_in("weihong")?, &[file])?;
+    Ok(format!("{read:?}"))
+}
+
+/// The list of a volumetric compensation and its parameter files: the parts of a bundle.
+pub fn isg(input: &[u8]) -> Answer {
+    let profile = built_in("isg-volcomp")?;
+    let bundle = Bundle::read(input);
+    let files = bundle.0.iter().map(|(path, bytes)| KitFile {
+        path,
+        role: Role::Table,
+        bytes,
+    });
+    let files: Vec<KitFile<'_>> = files.collect();
+    let read = nonius::read::read(&profile, &files)?;
     Ok(format!("{read:?}"))
 }
 

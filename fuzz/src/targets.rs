@@ -118,8 +118,13 @@ pub fn all() -> Vec<Target> {
             readers::fanuc,
             f.files(|name| name.ends_with(".TXT")),
         ),
-        read("declared", readers::declared, f.files(|name| name.ends_with(".dat"))),
+        read(
+            "declared",
+            readers::declared,
+            f.files(|name| name.ends_with(".dat")),
+        ),
         read("linuxcnc", readers::linuxcnc, f.kits_with(".comp")),
+        read("isg", readers::isg, f.kits_with(".lis")),
         read(
             "generic-csv",
             readers::generic_table,
@@ -205,8 +210,11 @@ impl Fixtures {
     /// The files of a control alone, of the kits that have one with this ending.
     fn kits_with(&self, ending: &str) -> Vec<Vec<u8>> {
         let has = |bundle: &&Bundle| bundle.0.iter().any(|(name, _)| name.ends_with(ending));
-        let of_control =
-            |(name, _): &&(String, Vec<u8>)| name.ends_with(ending) || name.ends_with(".ini");
+        let of_control = |(name, _): &&(String, Vec<u8>)| {
+            [ending, ".ini", "volcomp.csv"]
+                .iter()
+                .any(|end| name.ends_with(end))
+        };
         let alone = |bundle: &Bundle| {
             let files = bundle.0.iter().filter(of_control).cloned();
             Bundle(files.collect()).bytes()

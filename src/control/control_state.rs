@@ -23,6 +23,10 @@ pub struct AxisState {
     pub bidirectional: bool,
     /// Interpolated pitch compensation is switched on (Fanuc 3605#1), where no file says so.
     pub interpolated: bool,
+    /// Both ends of its travel, with the reference.
+    pub travel: (Millimetres, Millimetres),
+    /// Where it rests while other axes are measured.
+    pub rest: Millimetres,
 }
 
 impl AxisState {

@@ -12,6 +12,7 @@ mod families;
 mod family;
 mod fanuc;
 mod generic;
+mod isg;
 mod job_keys;
 mod linuxcnc;
 pub mod load;
@@ -28,6 +29,7 @@ pub use self::fact::{
 pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::generic::{GenericFacts, TypedValue};
+pub use self::isg::{FileFormat, IsgFacts, LeverOrigin};
 pub use self::job_keys::{JobKey, JobSection};
 pub use self::linuxcnc::{CrossTerms, LinuxcncFacts};
 pub(crate) use self::pattern::Field;
@@ -68,6 +70,8 @@ pub enum Dialect {
     Declared(DeclaredFacts),
     /// Tables of joints, named in the ini file, and curves of a HAL file.
     Linuxcnc(LinuxcncFacts),
+    /// Volumetric compensation of the ISG kernel.
+    Isg(IsgFacts),
 }
 
 /// End of a line in the files of a control.

@@ -7,6 +7,7 @@
 pub mod declared;
 pub mod fanuc;
 pub mod generic;
+pub mod isg;
 pub mod linuxcnc;
 pub mod siemens;
 
@@ -23,4 +24,6 @@ pub enum Tables {
     Declared(declared::DeclaredTables),
     /// LinuxCNC tables of joints.
     Linuxcnc(linuxcnc::LinuxcncTables),
+    /// Parameters of an ISG volumetric compensation.
+    Isg(isg::IsgTables),
 }

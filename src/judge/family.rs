@@ -80,5 +80,6 @@ pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
         Dialect::Generic(facts) => facts,
         Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
+        Dialect::Isg(facts) => facts,
     }
 }

@@ -5,6 +5,7 @@
 mod declared;
 mod fanuc;
 mod generic;
+mod isg;
 mod linuxcnc;
 mod siemens;
 

@@ -10,7 +10,7 @@
 //! is common to all controls. Controls follow the formal semantics of the references
 //! (docs/siemens.md §5, docs/fanuc.md §5) and know nothing of how a table was made.
 
-use crate::quantity::axis::Direction;
+use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::{Correction, Millimetres, SAME_PLACE_MM};
 
 /// Why an emulator cannot tell what a control would do with these tables, in words.
@@ -236,6 +236,12 @@ impl Response {
         self.tables.push(table);
     }
 
+    /// Adds what another response adds.
+    pub(crate) fn add(&mut self, other: Response) {
+        self.tables.extend(other.tables);
+        self.constant_um += other.constant_um;
+    }
+
     /// Adds a constant.
     pub(crate) fn shift(&mut self, by: Correction) {
         self.constant_um += by.um();
@@ -329,4 +335,11 @@ pub trait Emulator {
         output: &str,
         direction: Direction,
     ) -> Result<Response, CannotEmulate>;
+
+    /// What the control takes off a rotation about `about` while `base` stands somewhere, µrad in place of µm:
+    /// it acts through the positions of the axes that `base` carries, without a tool. Zero where `base` rests
+    /// while others are measured. None where the control holds no angles.
+    fn rotation(&self, _base: &str, _about: Axis) -> Option<Response> {
+        None
+    }
 }

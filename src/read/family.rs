@@ -51,6 +51,7 @@ pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
         Dialect::Generic(facts) => facts,
         Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
+        Dialect::Isg(facts) => facts,
     }
 }
 

@@ -8,6 +8,7 @@ findings! {
         Stops { file: String } => Note, "`{file}`: M0 waits for cycle start before the program goes on";
         ActsLater { file: String, variable: String } => Note, "`{file}` sets {variable} and no NEWCONF follows: it acts from the next NEWCONF or reset on, wherever the axes stand then";
         NotNamed { file: String } => Note, "`{file}`: the ini file of the machine does not name it, so it does nothing";
+        NotListed { file: String } => Note, "`{file}`: the list does not name it, so it does nothing";
         Unread { files: Vec<String> } => Doubt, "{}", unread(files);
     }
 }

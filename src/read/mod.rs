@@ -13,6 +13,7 @@ mod family;
 pub mod fanuc;
 mod findings;
 pub mod generic;
+pub mod isg;
 mod lexer;
 pub mod linuxcnc;
 pub mod program;

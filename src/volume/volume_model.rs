@@ -53,6 +53,8 @@ pub struct VolumeModel {
     optics: PerTerm<Option<ErrorCurve>>,
     /// The nine rotations, µrad; mean of the directions.
     rotations: PerTerm<Option<ErrorCurve>>,
+    /// The same as they act through the positions of other axes: less what a control takes off there.
+    swings: PerTerm<Option<ErrorCurve>>,
     /// Stated squareness.
     squareness: Vec<Squareness>,
     levers: Levers,
@@ -83,7 +85,7 @@ pub struct AxisState {
     pub position_mm: f64,
     /// Its deviation with squareness, and its rotation × tool offset, µm.
     pub deviation_um: PerAxis<f64>,
-    /// Its rotation, µrad.
+    /// Its rotation as it acts through the positions of other axes, µrad.
     pub rotation_urad: PerAxis<f64>,
     /// Its position less the offset along its own direction, mm.
     pub arm_mm: PerAxis<f64>,
@@ -111,6 +113,9 @@ impl VolumeModel {
             deviations: PerTerm::from_fn(|_| None),
             optics: PerTerm::from_fn(|_| None),
             rotations: PerTerm::from_fn(|term: ErrorTerm| {
+                model.rotations[term].as_ref().map(Measured::mean)
+            }),
+            swings: PerTerm::from_fn(|term: ErrorTerm| {
                 model.rotations[term].as_ref().map(Measured::mean)
             }),
             squareness: squareness(job, model),
@@ -157,7 +162,10 @@ impl VolumeModel {
     /// Every position where a curve of an axis bends or ends, mm, ascending; where it has none, the
     /// ends of its range.
     pub fn bends(&self, axis: Axis) -> Vec<f64> {
-        let knots = self.curves_along(axis).flat_map(ErrorCurve::knots);
+        let swings = Axis::ALL.map(|about| self.swings[Rotation { about, along: axis }].as_ref());
+        let swings = swings.into_iter().flatten();
+        let knots = self.curves_along(axis).chain(swings);
+        let knots = knots.flat_map(ErrorCurve::knots);
         let mut bends: Vec<f64> = knots.map(|knot| knot.mm()).collect();
         if bends.is_empty() {
             bends.extend([self.ranges[axis].0, self.ranges[axis].1]);
@@ -191,12 +199,14 @@ impl VolumeModel {
     ) -> AxisState {
         let at = Millimetres::new(position_mm);
         let tool = PerAxis::from_fn(|axis| self.levers.tool.map_or(0.0, |tool| tool[axis].mm()));
-        let rotation_urad = PerAxis::from_fn(|about| {
-            let rotation = Rotation { about, along: axis };
-            let curve = self.rotations[rotation].as_ref();
-            let kept = curve.filter(|_| keep(Component::Rotation(rotation)));
-            kept.map_or(0.0, |curve| curve.at(at).um())
-        });
+        let rotation_of = |curves: &PerTerm<Option<ErrorCurve>>| {
+            PerAxis::from_fn(|about| {
+                let rotation = Rotation { about, along: axis };
+                let curve = curves[rotation].as_ref();
+                let kept = curve.filter(|_| keep(Component::Rotation(rotation)));
+                kept.map_or(0.0, |curve| curve.at(at).um())
+            })
+        };
         let deviation = PerAxis::from_fn(|of| {
             let term = ErrorTerm { of, along: axis };
             let curve = self.deviations[term].as_ref();
@@ -211,8 +221,12 @@ impl VolumeModel {
         });
         AxisState {
             position_mm,
-            deviation_um: deviation.plus(rotation_urad.cross(tool).times(1.0 / MM_PER_M)),
-            rotation_urad,
+            deviation_um: deviation.plus(
+                rotation_of(&self.rotations)
+                    .cross(tool)
+                    .times(1.0 / MM_PER_M),
+            ),
+            rotation_urad: rotation_of(&self.swings),
             arm_mm: unit(axis).times(position_mm - self.origin[axis]),
         }
     }
@@ -270,6 +284,12 @@ impl VolumeModel {
         let mean = reversal.map_or(correction.clone(), |um| correction.less(um));
         self.deviations[term] = Some(curve.plus(&mean));
         self.squareness.retain(|stated| stated.term != term);
+    }
+
+    /// Takes off what a rotation does through the positions of other axes; what it does at a tool stays.
+    pub(crate) fn correct_rotation(&mut self, rotation: Rotation, correction: &ErrorCurve) {
+        let own = self.swings[rotation].as_ref();
+        self.swings[rotation] = own.map(|own| own.plus(correction));
     }
 
     /// The reference of an axis, and the direction in which it comes there.

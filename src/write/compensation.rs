@@ -14,6 +14,7 @@ use crate::control::claims::Assumption;
 use crate::control::controller::{ControlUnit, Evidence, Mechanism};
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MachineAxis};
+use crate::machine::findings::ModelFinding;
 use crate::quantity::axis::Axis;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
@@ -35,7 +36,12 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     let mut notes = plan.notes.clone();
     notes.extend(task.job.measurement.notes());
     notes.extend(task.model.remarks.notes.iter().cloned());
-    notes.extend(task.model.unused.iter().cloned());
+    let takes_angles = family(task.profile).takes_angles(task);
+    let is_said = |note: &&Finding| {
+        let is_of_angles = note.kind() == Some(&ModelFinding::AnglesNotCompensated);
+        !(takes_angles && is_of_angles)
+    };
+    notes.extend(task.model.unused.iter().filter(is_said).cloned());
     notes.extend(slips(task.model).into_iter().map(Finding::from));
     notes.extend(references_off_the_travel(task.job, plan).map(Finding::from));
     notes.append(&mut compiled.notes);

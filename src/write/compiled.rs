@@ -72,6 +72,7 @@ pub(crate) fn control_state(
     backlash_um: impl Fn(Axis) -> f64,
 ) -> ControlState {
     let mut axes = Vec::new();
+    let rest = task.job.measurement.levers.origin(&task.job.machine.axes);
     for (axis, names) in plan.names.iter() {
         let Some(machine) = task.job.machine.axes[axis] else {
             continue;
@@ -86,6 +87,8 @@ pub(crate) fn control_state(
                 backlash_um: backlash_um(axis),
                 bidirectional: plan.has_two_tables(axis),
                 interpolated: settings.is_some_and(AxisSettings::is_interpolated),
+                travel: machine.reach(),
+                rest: Millimetres::new(rest[axis]),
             });
         }
     }

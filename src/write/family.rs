@@ -46,6 +46,11 @@ pub(crate) trait Family {
         usize::MAX
     }
 
+    /// Whether measured angles go into the files of this job.
+    fn takes_angles(&self, _task: Task<'_>) -> bool {
+        false
+    }
+
     /// Puts a plan into the control's numbers.
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems>;
 
@@ -110,5 +115,6 @@ pub(crate) fn family(profile: &Profile) -> &dyn Family {
         Dialect::Generic(facts) => facts,
         Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
+        Dialect::Isg(facts) => facts,
     }
 }

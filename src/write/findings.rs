@@ -1,6 +1,6 @@
 //! What there is to know of tables and programs before they are loaded.
 
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, Rotation};
 use crate::text::finding::{findings, joined};
 
 findings! {
@@ -15,6 +15,8 @@ findings! {
         ParameterReplaced { parameter: &'static str, axes: Vec<Axis> } => Note, "the tables replace the {parameter} of {}, which is counted as 0 while measuring; a machine normally holds one even with its tables off: look, and if it was on, state `active_backlash_um = {{ … }}` beside `active_while_measuring = \"none\"`", joined(axes);
         UnlikelyReversal { term: ErrorTerm, um: f64 } => Note, "{term}: B = {um:+.3} µm is above 0, ordinary lost motion gives B < 0: are the directions + and - exchanged?";
         LoneValue { term: ErrorTerm, direction: Option<Direction>, at_mm: f64, off_um: f64, rest_um: f64 } => Note, "{term} at {at_mm} mm{} stands {off_um:+.1} µm off the line through its neighbours, no other value more than {rest_um:.1} µm: a slip of sign or digit?", direction.map_or_else(String::new, |way| format!(" moving {way}"));
+        AnglesWritten { angles: Vec<Rotation> } => Note, "{}: also in the files. The control takes off what these angles do through the positions of the axes behind theirs, without a tool; no sign proof shows their sense", joined(angles);
+        AnglesLeft { angles: Vec<Rotation> } => Note, "{}: not in the files, for no deviation along this axis has a table", joined(angles);
         NoSignProof { mechanism: &'static str, least_um: f64, slope_um_per_mm: f64 } => Note, "no sign proof of {mechanism}: no axis has a stretch, at least one section away from its reference and inside its travel, on which a bump rises to {least_um} µm with at most {slope_um_per_mm} µm/mm; measure after loading instead, one axis first";
         OtherLetters { key: &'static str, text: String, written: String } => Note, "{key} `{text}` stands as `{written}` in the control's files, which are ASCII";
     }

@@ -12,6 +12,7 @@ mod task;
 mod declared;
 pub mod fanuc;
 mod generic;
+mod isg;
 mod linuxcnc;
 pub mod siemens;
 

@@ -63,7 +63,7 @@ pub(crate) fn count_um(case: &Case<'_>, term: ErrorTerm, output: &str) -> f64 {
     match (&case.profile.dialect, case.tables) {
         // The sixth decimal of an inch, of a millimetre.
         (Dialect::Siemens(_) | Dialect::Linuxcnc(_), _) if case.machine.inch => 0.0254,
-        (Dialect::Siemens(_) | Dialect::Linuxcnc(_), _) => 0.001,
+        (Dialect::Siemens(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_), _) => 0.001,
         (Dialect::Declared(facts), _) => crate::support::count_um(facts),
         (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
             let unit = case.machine.axis(term.of).unit_um.unwrap();

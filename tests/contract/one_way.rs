@@ -329,6 +329,7 @@ impl<'a> OneWay<'a> {
             Dialect::Siemens(_)
             | Dialect::Generic(_)
             | Dialect::Declared(_)
+            | Dialect::Isg(_)
             | Dialect::Linuxcnc(_) => 0.1,
             Dialect::Fanuc(_) => self.case.machine.axis(self.term.term.of).unit_um.unwrap(),
         }

@@ -20,7 +20,9 @@ pub(crate) fn half_position_digit(case: &Case<'_>) -> f64 {
             0.5e-3 * facts.position_size.value.um * digit
         }
         Dialect::Siemens(_) | Dialect::Linuxcnc(_) if case.machine.inch => 0.5e-6 * 25.4,
-        Dialect::Siemens(_) | Dialect::Generic(_) | Dialect::Linuxcnc(_) => 0.5e-6,
+        Dialect::Siemens(_) | Dialect::Generic(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_) => {
+            0.5e-6
+        }
         Dialect::Fanuc(_) => 0.0,
     }
 }

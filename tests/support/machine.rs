@@ -164,9 +164,12 @@ impl Term {
     }
 
     pub(crate) fn takes_directions(&self, profile: &Profile) -> bool {
-        let two_of_any = matches!(profile.dialect, Dialect::Siemens(_) | Dialect::Generic(_));
         let one = matches!(&profile.dialect, Dialect::Declared(facts) if facts.directions.value == Columns::One);
-        two_of_any || self.term.is_positioning() && !one
+        match profile.dialect {
+            Dialect::Siemens(_) | Dialect::Generic(_) => true,
+            Dialect::Isg(_) => false,
+            _ => self.term.is_positioning() && !one,
+        }
     }
 
     /// Every place where a measured curve bends.
@@ -239,6 +242,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let own_only = linuxcnc || declared.is_some_and(|facts| !facts.cross_terms.value);
     let replaces_backlash =
         linuxcnc || declared.is_some_and(|facts| facts.backlash.value == BesideTable::Replaced);
+    let isg = matches!(profile.dialect, Dialect::Isg(_));
     let mut features = Vec::new();
     // Cycled, so that every value meets the others; the rest is drawn.
     let directions = seed % 7; // 0, 1: undirected · 2 … 5: both, one policy each · 6: one way
@@ -271,11 +275,11 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     features.push(if nine { "nine terms" } else { "fewer terms" });
 
     let unit_um = random.of(&[1.0, 0.1, 2.5]);
-    let stated_unit = (fanuc || (!siemens && !linuxcnc && declared.is_none() && random.once_in(3)))
-        .then_some(unit_um);
+    let is_plain = !siemens && !linuxcnc && !isg && declared.is_none();
+    let stated_unit = (fanuc || (is_plain && random.once_in(3))).then_some(unit_um);
     // A file that takes X, Y and Z alone has no name for the second axis.
     let numbered = profile.axis_names.value[0].parse::<u32>().is_ok();
-    let gantry = random.once_in(4) && (declared.is_none() || numbered);
+    let gantry = random.once_in(4) && !isg && (declared.is_none() || numbered);
     features.extend(gantry.then_some("gantry"));
     let measured: Vec<ErrorTerm> = ErrorTerm::ALL
         .into_iter()

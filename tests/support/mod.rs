@@ -49,6 +49,7 @@ pub(crate) fn count_um(facts: &DeclaredFacts) -> f64 {
 pub(crate) fn has_two_directions(profile: &Profile) -> bool {
     match &profile.dialect {
         Dialect::Declared(facts) => facts.directions.value == Columns::Two,
+        Dialect::Isg(_) => false,
         _ => true,
     }
 }

@@ -21,6 +21,7 @@ const PROFILES: &[(&str, &str)] = embed!(
     "linuxcnc.toml",
     "linuxcnc-hal.toml",
     "weihong.toml",
+    "isg-volcomp.toml",
     "generic.toml",
 );
 
@@ -47,6 +48,10 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "linuxcnc.hal.tera",
     "linuxcnc-program.ngc.tera",
     "weihong.dat.tera",
+    "isg.lis.tera",
+    "isg-sign.lis.tera",
+    "isg.csv.tera",
+    "isg-exchange.txt.tera",
     "checklist.md.tera",
     "checklist.html.tera",
     "job.toml.tera",

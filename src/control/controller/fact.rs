@@ -88,6 +88,14 @@ impl TableSign {
         }
     }
 
+    /// The other sense.
+    pub(crate) const fn turned(self) -> TableSign {
+        match self {
+            TableSign::AsError => TableSign::AsCorrection,
+            TableSign::AsCorrection => TableSign::AsError,
+        }
+    }
+
     /// What the control adds when its table holds `um` micrometres.
     pub fn correction(self, um: f64) -> Correction {
         match self {
@@ -138,6 +146,10 @@ pub enum Mechanism {
     OwnTable,
     /// Declared: the table of an axis that follows another.
     CrossTable,
+    /// ISG: volumetric compensation.
+    Volcomp,
+    /// ISG: its angles.
+    VolcompAngles,
     /// Basic system mm.
     Metric,
     /// Basic system inch.
@@ -160,6 +172,8 @@ impl Word for Mechanism {
         ("hal", Mechanism::Hal),
         ("own-table", Mechanism::OwnTable),
         ("cross-table", Mechanism::CrossTable),
+        ("volcomp", Mechanism::Volcomp),
+        ("volcomp-angles", Mechanism::VolcompAngles),
         ("metric", Mechanism::Metric),
         ("inch", Mechanism::Inch),
         ("none", Mechanism::Nothing),
@@ -182,6 +196,8 @@ impl Mechanism {
             Mechanism::Hal => "this kit holds no HAL file",
             Mechanism::OwnTable => "this kit holds no table of an axis for itself",
             Mechanism::CrossTable => "this kit holds no table that follows another axis",
+            Mechanism::Volcomp => "this kit holds no volumetric compensation",
+            Mechanism::VolcompAngles => "this kit holds no angles",
             Mechanism::Metric => "this kit is in inch",
             Mechanism::Inch => "this kit is in mm",
             Mechanism::Nothing => "a wrong value has no consequence",

@@ -2,15 +2,15 @@
 
 use crate::control::controller::fact::{Facts, Mechanism, Word};
 use crate::control::controller::{
-    DeclaredFacts, Dialect, Family, FanucFacts, GenericFacts, LinuxcncFacts, SiemensFacts,
+    DeclaredFacts, Dialect, Family, FanucFacts, GenericFacts, IsgFacts, LinuxcncFacts, SiemensFacts,
 };
-use crate::control::controller::{declared, fanuc, generic, linuxcnc, siemens};
+use crate::control::controller::{declared, fanuc, generic, isg, linuxcnc, siemens};
 
 /// A family, and how the facts of its controls are read.
 pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 
 /// All of them, in the order in which they are named.
-pub(super) const FAMILIES: [Known; 5] = [
+pub(super) const FAMILIES: [Known; 6] = [
     (&siemens::FAMILY, |facts| {
         SiemensFacts::checked(facts).map(Dialect::Siemens)
     }),
@@ -25,6 +25,9 @@ pub(super) const FAMILIES: [Known; 5] = [
     }),
     (&linuxcnc::FAMILY, |facts| {
         LinuxcncFacts::checked(facts).map(Dialect::Linuxcnc)
+    }),
+    (&isg::FAMILY, |facts| {
+        IsgFacts::checked(facts).map(Dialect::Isg)
     }),
 ];
 

@@ -43,6 +43,16 @@ impl MachineAxis {
     pub fn homing(&self) -> Direction {
         self.reference_direction.unwrap_or(Direction::Plus)
     }
+
+    /// Both ends of the travel, with the reference where it lies outside.
+    pub(crate) fn reach(&self) -> (Millimetres, Millimetres) {
+        let mm = |place: Millimetres| place.mm();
+        let (low, high, reference) = (mm(self.low), mm(self.high), mm(self.reference));
+        (
+            Millimetres::new(low.min(reference)),
+            Millimetres::new(high.max(reference)),
+        )
+    }
 }
 
 /// `[limits]`: refuse rather than emit nonsense.

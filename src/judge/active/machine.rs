@@ -14,7 +14,7 @@ use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job, NotMeasured};
 use crate::judge::findings::{InControl, InSum, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
 use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
@@ -32,8 +32,8 @@ const ZERO_UM: f64 = 1e-3;
 ///
 /// unit   as the measured model: µm, zero at the reference
 /// limits refused where the old tables correct what was not measured or is not asked for, are not
-///        zero at the reference, repeat, differ between the axes of a gantry, or where a backlash
-///        parameter that is replaced is not known
+///        zero at the reference, hold angles, repeat, differ between the axes of a gantry, or where a
+///        backlash parameter that is replaced is not known
 pub(crate) fn uncompensated(
     job: &Job,
     profile: &Profile,
@@ -46,6 +46,9 @@ pub(crate) fn uncompensated(
     let state = acting_state(&names, active, sets);
     let control = emulator(profile, &active.tables, &state).map_err(|e| cannot(job, &e))?;
     let mut problems = Problems::none();
+    if let Some(rotation) = held_rotation(&names, control.as_ref()) {
+        problems.push(angles_active(job, rotation));
+    }
     let mut sum = Sum {
         job,
         model: measured.clone(),
@@ -69,6 +72,24 @@ pub(crate) fn uncompensated(
         problems.push(nothing(job, active));
     }
     problems.or_ok((sum.model, sum.notes))
+}
+
+/// An angle that the old tables take off.
+fn held_rotation(names: &PerAxis<Vec<String>>, control: &dyn Emulator) -> Option<Rotation> {
+    Rotation::all().find(|rotation| {
+        let name = names[rotation.along].first();
+        name.is_some_and(|name| control.rotation(name, rotation.about).is_some())
+    })
+}
+
+fn angles_active(job: &Job, rotation: Rotation) -> Problem {
+    problem(
+        job,
+        format!(
+            "the active tables hold angles ({rotation}): what they did at the levers cannot be added to the new ones"
+        ),
+        "measure with this compensation switched off, and write `active_while_measuring = \"none\"`",
+    )
 }
 
 fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {

@@ -7,6 +7,7 @@ use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, AxisSettings, Job};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::units::Millimetres;
 use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
@@ -241,6 +242,7 @@ pub(super) fn stated(
 ) -> Result<ControlState, Problems> {
     let names = axis_names(job, profile)?;
     let mut axes = Vec::new();
+    let rest = job.measurement.levers.origin(&job.machine.axes);
     for (axis, names) in names.iter() {
         let Some(machine) = job.machine.axes[axis] else {
             continue;
@@ -255,6 +257,8 @@ pub(super) fn stated(
             backlash_um: backlash_um[axis].unwrap_or(0.0),
             bidirectional: bits & 1 != 0,
             interpolated: settings.is_some_and(AxisSettings::is_interpolated),
+            travel: machine.reach(),
+            rest: Millimetres::new(rest[axis]),
         }));
     }
     Ok(ControlState {

@@ -1,7 +1,7 @@
 //! The machine as the tables of a control leave it.
 
 use crate::machine::model::{ErrorModel, Measured};
-use crate::quantity::axis::Direction;
+use crate::quantity::axis::{Direction, Rotation};
 use crate::quantity::curve::{ErrorCurve, Interpolation, JUMP_MM};
 use crate::quantity::units::{Deviation, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response, Stretch};
@@ -14,7 +14,8 @@ const PER_MM: f64 = 1e9;
 const NOTHING_UM: f64 = 1e-9;
 
 /// The machine as the tables of a control leave it: each deviation with what the emulated control
-/// adds, everywhere. Angles stay.
+/// adds, everywhere. Angles stay, unless the control takes off what they do through the positions of
+/// the axes; what they do at a tool stays.
 ///
 /// `volume`: the machine as it was measured. `uncompensated`: its errors without the tables that
 /// were active meanwhile, which is what the new corrections are added to; the measured errors
@@ -41,6 +42,20 @@ pub(crate) fn with_tables(
             let homing = left.homing(term.along);
             let there = homing.and_then(|homing| at_reference(&responses, homing));
             left.correct(term, &mean, there);
+        }
+    }
+    for rotation in Rotation::all() {
+        let base = plan.names[rotation.along].first();
+        let own = base.and_then(|base| control.rotation(base, rotation.about));
+        if let Some(response) = own {
+            let nodes = response.tables().iter().flat_map(NodeTable::nodes);
+            let mut places: Vec<f64> = nodes.map(|(at, _)| at.mm()).collect();
+            places.sort_by(f64::total_cmp);
+            let ends = places.first().zip(places.last());
+            let ends = ends.map(|(from, to)| (Millimetres::new(*from), Millimetres::new(*to)));
+            if let Some((from, to)) = ends {
+                left.correct_rotation(rotation, &correction(&response.stretches(from, to)));
+            }
         }
     }
     Ok(left)

@@ -41,6 +41,8 @@ fn um(facts: &DeclaredFacts, tables: &DeclaredTables, places: &[f64]) -> Vec<[f6
             backlash_um: 4.0,
             bidirectional: false,
             interpolated: false,
+            travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
+            rest: Millimetres::new(0.0),
         }],
     };
     let control = DeclaredControl::new(tables, facts, &state).unwrap();

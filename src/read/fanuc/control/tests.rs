@@ -30,6 +30,8 @@ fn axis_state(name: &str) -> AxisState {
         backlash_um: 0.0,
         bidirectional: false,
         interpolated: false,
+        travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
+        rest: Millimetres::new(0.0),
     }
 }
 

@@ -32,6 +32,8 @@ fn state() -> ControlState {
         backlash_um: 0.0,
         bidirectional: false,
         interpolated: false,
+        travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
+        rest: Millimetres::new(0.0),
     };
     ControlState {
         unit: ControlUnit::Inch, // has no say

@@ -32,6 +32,8 @@ fn control(comp: &str, kind: &str, unit: ControlUnit, backlash_um: f64) -> Linux
         backlash_um,
         bidirectional: false,
         interpolated: false,
+        travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
+        rest: Millimetres::new(0.0),
     }];
     let state = ControlState { unit, axes };
     LinuxcncControl::new(&tables, &facts, &state).unwrap()

@@ -1,0 +1,104 @@
+//! ISG kernel, TwinCAT CNC: facts of the volumetric compensation (docs/isg.md).
+
+use super::fact::{Facts, Mechanism, Outside, TableSign, Word, facts};
+use super::family::{Family, Proof};
+use crate::control::table::Tables;
+use crate::control::table::isg::IsgTables;
+
+pub(super) static FAMILY: Family = Family {
+    word: "isg",
+    backlash_parameter: "backlash compensation of the axis list",
+    between: "linear",
+    outside: &[Outside::Hold],
+    no_tables: Tables::Isg(IsgTables::NONE),
+    off: "removed",
+    restarts: false,
+    off_by_hand: ": `#VOLCOMP OFF`",
+    page: Some("docs/isg.md §3"),
+    proofs: &[Proof {
+        mechanism: Mechanism::Volcomp,
+        name: "volumetric compensation",
+        sign_fact: "error_sign",
+        beside: None,
+    }],
+};
+
+/// How the parameters are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileFormat {
+    /// A header and rows, one block for each axis.
+    IsgCsv,
+    /// A section for each parameter.
+    EtalonExchange,
+}
+
+impl Word for FileFormat {
+    const WORDS: &'static [(&'static str, FileFormat)] = &[
+        ("ISG_CSV", FileFormat::IsgCsv),
+        ("ETALON_EXCHANGE", FileFormat::EtalonExchange),
+    ];
+}
+
+impl FileFormat {
+    /// The word of `file_format`.
+    pub(crate) fn word(self) -> &'static str {
+        self.word_of()
+    }
+
+    /// The format of a word, in capitals or not.
+    pub(crate) fn of_word(word: &str) -> Option<FileFormat> {
+        let mut words = Self::WORDS.iter();
+        let own = words.find(|(own, _)| own.eq_ignore_ascii_case(word));
+        own.map(|(_, format)| *format)
+    }
+}
+
+/// Where the control counts levers from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeverOrigin {
+    /// Position 0 of each axis.
+    MachineZero,
+    /// The reference point.
+    Reference,
+}
+
+impl Word for LeverOrigin {
+    const WORDS: &'static [(&'static str, LeverOrigin)] = &[
+        ("machine_zero", LeverOrigin::MachineZero),
+        ("reference", LeverOrigin::Reference),
+    ];
+}
+
+facts! {
+    /// Facts of the ISG dialect.
+    IsgFacts {
+        /// Sense of the deviations.
+        error_sign: TableSign,
+        /// Sense of the angles: `as_error` = right-handed, as ISO 230-1 has them.
+        angle_sign: TableSign,
+        /// Which form is written.
+        file_format: FileFormat,
+        /// Where levers count from.
+        lever_origin: LeverOrigin,
+        /// Most records of a compensation (`max_records` as it is set).
+        records: u32,
+        /// Decimals of deviations in mm; one count is the last decimal.
+        value_decimals: u32,
+        /// Decimals of angles in rad.
+        angle_decimals: u32,
+        /// Decimals of positions in mm.
+        position_decimals: u32,
+    }
+}
+
+impl IsgFacts {
+    /// Reads and checks them.
+    pub(super) fn checked(facts: &Facts<'_>) -> Option<IsgFacts> {
+        let own = IsgFacts::read(facts)?;
+        facts.expect_decimals("value_decimals", &own.value_decimals);
+        facts.expect_decimals("angle_decimals", &own.angle_decimals);
+        facts.expect_decimals("position_decimals", &own.position_decimals);
+        facts.expect("records", own.records.value > 1, "at least 2");
+        Some(own)
+    }
+}

@@ -1,0 +1,113 @@
+//! ISG kernel: what was read out of it, against a job and against a kit.
+
+use crate::control::controller::IsgFacts;
+use crate::control::table::Tables;
+use crate::control::table::isg::{Curve, IsgTables};
+use crate::judge::active::{Found, Held, Others, ReadOutReader};
+use crate::judge::before::{Before, Old};
+use crate::judge::disagreement::Disagreements;
+use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
+use crate::judge::family::Family;
+use crate::judge::findings::InControl;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::read::{Text, isg};
+use crate::text::problem::Problems;
+
+impl Family for IsgFacts {
+    fn read_out(
+        &self,
+        reading: &mut ReadOutReader<'_>,
+        texts: &[Text<'_>],
+    ) -> Result<Found, Problems> {
+        let texts: Vec<(&str, &str)> = texts
+            .iter()
+            .map(|(name, text)| (&**name, &**text))
+            .collect();
+        let (tables, findings) = isg::read(&texts)?;
+        reading.findings.extend(findings);
+        Ok(Found {
+            held: Held::plain(Tables::Isg(tables.clone())),
+            tables: Tables::Isg(tables),
+            backlash: PerAxis::default(),
+            unit: None,
+        })
+    }
+
+    /// The kit writes files of its own.
+    fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
+        Vec::new()
+    }
+
+    /// A new list takes the place of the old one, whole.
+    fn left_over(&self, _old: &Tables, _new: &Tables) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn entries(
+        &self,
+        tables: &Tables,
+        _others: &Tables,
+        diagnosis: Option<&Disagreements>,
+    ) -> Entries {
+        let tables = own(tables);
+        let name = |axis: Axis| {
+            let number = tables.axes[axis];
+            number.map_or(String::new(), |number| number.to_string())
+        };
+        let letters = |chosen: PerAxis<bool>| {
+            let chosen = Axis::ALL.into_iter().filter(|axis| chosen[*axis]);
+            Axis::letters(&chosen.collect::<Vec<Axis>>())
+        };
+        let axes = Axis::ALL.map(|axis| (axis.to_string(), name(axis)));
+        let settings = [
+            ("chain", Axis::letters(&tables.chain)),
+            ("negate", letters(tables.negated)),
+            ("set_to_zero", letters(tables.zeroed)),
+        ];
+        let settings = settings.map(|(key, value)| (key.to_string(), value));
+        let stated = axes.into_iter().chain(settings);
+        let stated = stated.map(|(key, value)| {
+            let item = ("list".to_string(), Item::Name(key));
+            (item, Entry::of(Value::Text(value), true, true))
+        });
+        let of_curve = |curve: &Curve| {
+            let block = curve.parameter.to_string();
+            let told = match curve.parameter.pair() {
+                Some((base, output)) => {
+                    !diagnosis.is_some_and(|d| d.explains(&name(base), &name(output)))
+                }
+                None => true,
+            };
+            let points = (0_u32..).zip(curve.points.clone());
+            points.map(move |(index, point)| {
+                let numbers = [point.position, point.value].map(Some).to_vec();
+                let item = (block.clone(), Item::Point(index));
+                (item, Entry::of(Value::Numbers(numbers), told, told))
+            })
+        };
+        stated
+            .chain(tables.curves.iter().flat_map(of_curve))
+            .collect()
+    }
+
+    /// The list says everything itself.
+    fn surroundings(&self, _before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
+        (Vec::new(), Vec::new())
+    }
+
+    /// The files that were kept are the rollback.
+    fn old(&self, _before: &Before<'_>) -> Result<Old, Vec<String>> {
+        Err(vec![
+            "the list and the parameter files of the control".to_string(),
+        ])
+    }
+}
+
+/// The tables of a memory; a memory of another family holds none.
+fn own(tables: &Tables) -> &IsgTables {
+    const NONE: &IsgTables = &IsgTables::NONE;
+    match tables {
+        Tables::Isg(own) => own,
+        _ => NONE,
+    }
+}

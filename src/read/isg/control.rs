@@ -1,0 +1,241 @@
+//! What the ISG kernel adds to an axis for its volumetric compensation (docs/isg.md §2).
+//!
+//! ```text
+//!   e(p) = Σ dᵢ(pᵢ) + Σ rᵢ(pᵢ) × (positions of the axes behind i) + Σ cᵢ × (positions of i and the axes behind it)
+//!
+//!   d, r, c    deviations, angles, constants of the files; straight between points, ends held
+//!   behind i   nearer to the tool, by `chain`; positions from where levers count; no tool
+//! ```
+//! The control adds −e. The response to an axis is that along the line on which it was measured: the others at
+//! rest. What the angles do besides, away from that line, is [`Emulator::rotation`].
+
+use crate::control::control_state::{AxisState, ControlState};
+use crate::control::controller::{IsgFacts, LeverOrigin, TableSign};
+use crate::control::table::isg::{Curve, IsgTables, Parameter};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
+use crate::quantity::chain::unit;
+use crate::quantity::units::{Correction, Millimetres};
+use crate::read::emulate::{CannotEmulate, Emulator, Response};
+
+/// A control with a compensation in memory.
+#[derive(Clone, Debug)]
+pub struct IsgControl {
+    tables: IsgTables,
+    state: ControlState,
+    axes: PerAxis<Option<AxisState>>,
+    /// What is added for each deviation, µm.
+    deviations: PerTerm<Option<Response>>,
+    /// What is taken off each angle, µrad.
+    angles: PerTerm<Option<Response>>,
+    /// What is taken off each constant, µrad.
+    turned: PerTerm<f64>,
+    /// Where levers count from, mm.
+    origin: PerAxis<f64>,
+}
+
+/// mm in a metre: µrad × mm = 10⁻³ µm.
+const MM_PER_M: f64 = 1000.0;
+
+impl IsgControl {
+    /// A control that holds these tables.
+    ///
+    /// **unit** `state.unit` has no say: the files are in mm · **limits** fails if an axis is not one of the
+    /// control, and where angles act on axes whose correction is turned round or left out
+    pub fn new(
+        tables: &IsgTables,
+        facts: &IsgFacts,
+        state: &ControlState,
+    ) -> Result<IsgControl, CannotEmulate> {
+        let mut axes = PerAxis::default();
+        for (axis, number) in tables.axes.iter() {
+            axes[axis] = number.map(|number| known_axis(state, &number.to_string()).cloned());
+        }
+        let is_changed = |axis: &Axis| tables.negated[*axis] || tables.zeroed[*axis];
+        if tables.has_angles() && Axis::ALL.iter().any(is_changed) {
+            let words = "`negate` and `set_to_zero` beside angles are not emulated";
+            return Err(CannotEmulate(words.to_string()));
+        }
+        let PerAxis { x, y, z } = axes;
+        let (x, y, z) = (x.transpose()?, y.transpose()?, z.transpose()?);
+        let axes = PerAxis { x, y, z };
+        let response = |parameter: Parameter, sign: TableSign| {
+            let curve = tables.curve(parameter)?;
+            response(curve, sign)
+        };
+        let origin = |axis: Axis| match (facts.lever_origin.value, &axes[axis]) {
+            (LeverOrigin::Reference, Some(own)) => own.reference.mm(),
+            _ => 0.0,
+        };
+        let origin = PerAxis::from_fn(origin);
+        let (error, angle) = (facts.error_sign.value, facts.angle_sign.value);
+        let rotation = |term: ErrorTerm| Rotation {
+            about: term.of,
+            along: term.along,
+        };
+        Ok(IsgControl {
+            deviations: PerTerm::from_fn(|term| {
+                let sign = if tables.negated[term.of] {
+                    error.turned()
+                } else {
+                    error
+                };
+                response(Parameter::Deviation(term), sign)
+            }),
+            angles: PerTerm::from_fn(|term| response(Parameter::Angle(rotation(term)), angle)),
+            turned: PerTerm::from_fn(|term| {
+                let own = response(Parameter::Turned(rotation(term)), angle);
+                own.map_or(0.0, |own| own.correction(Millimetres::new(0.0)).um())
+            }),
+            tables: tables.clone(),
+            state: state.clone(),
+            axes,
+            origin,
+        })
+    }
+
+    /// What is taken off the angles of an axis where it stands, µrad.
+    fn angles_at(&self, along: Axis, at: f64) -> PerAxis<f64> {
+        let at = Millimetres::new(at);
+        PerAxis::from_fn(|about| {
+            let own = self.angles[Rotation { about, along }].as_ref();
+            own.map_or(0.0, |own| own.correction(at).um())
+        })
+    }
+
+    /// Where an axis rests, mm.
+    fn rest(&self, axis: Axis) -> f64 {
+        self.axes[axis].as_ref().map_or(0.0, |own| own.rest.mm())
+    }
+
+    /// The axes behind one, or before it.
+    fn beside(&self, axis: Axis, behind: bool) -> impl Iterator<Item = Axis> {
+        let place = |axis: Axis| self.tables.chain.iter().position(|other| *other == axis);
+        let own = place(axis);
+        let is_it = move |other: &&Axis| match behind {
+            true => place(**other) > own,
+            false => place(**other) < own,
+        };
+        self.tables.chain.iter().filter(is_it).copied()
+    }
+
+    /// The lever of an axis's angles while the others rest, mm.
+    fn arm(&self, along: Axis) -> PerAxis<f64> {
+        let arms = self.beside(along, true);
+        let arms = arms.map(|axis| unit(axis).times(self.rest(axis) - self.origin[axis]));
+        arms.fold(PerAxis::default(), PerAxis::plus)
+    }
+
+    /// What turns the way of an axis: the angles of the axes before it where they rest; and constants.
+    fn tilts(&self, along: Axis) -> [PerAxis<f64>; 2] {
+        let at_rest = self.beside(along, false);
+        let at_rest = at_rest.map(|axis| self.angles_at(axis, self.rest(axis)));
+        let before = self.beside(along, false).chain([along]);
+        let turned = before
+            .map(|axis| PerAxis::from_fn(|about| self.turned[Rotation { about, along: axis }]));
+        let sum = |all: Vec<PerAxis<f64>>| all.into_iter().fold(PerAxis::default(), PerAxis::plus);
+        [sum(at_rest.collect()), sum(turned.collect())]
+    }
+
+    /// What `of` gets for angles and constants while `along` stands at a place, the others at rest, µm.
+    fn swung(&self, of: Axis, along: Axis, at: f64) -> f64 {
+        let swung = self.angles_at(along, at).cross(self.arm(along));
+        let [at_rest, turned] = self.tilts(along);
+        let way = |from: f64| unit(along).times(at - from);
+        let tilted = at_rest.cross(way(self.rest(along)));
+        let tilted = tilted.plus(turned.cross(way(self.origin[along])));
+        let um = swung.plus(tilted)[of] / MM_PER_M;
+        match self.tables.negated[of] {
+            true => -um,
+            false => um,
+        }
+    }
+
+    /// Every place where what angles and constants do while an axis moves bends; none where they do nothing.
+    fn bends(&self, along: Axis) -> Vec<f64> {
+        let swings = self.arm(along).length() > 0.0;
+        let angle = |about| {
+            self.tables
+                .curve(Parameter::Angle(Rotation { about, along }))
+        };
+        let angles = Axis::ALL.into_iter().filter_map(angle).filter(|_| swings);
+        let points = angles.flat_map(|curve| &curve.points);
+        let mut places: Vec<f64> = points.map(|point| point.position).collect();
+        let is_tilted = self.tilts(along).iter().any(|tilt| tilt.length() > 0.0);
+        if let (true, Some(own)) = (is_tilted, &self.axes[along]) {
+            places.extend([own.travel.0.mm(), own.travel.1.mm()]);
+        }
+        places.sort_by(f64::total_cmp);
+        places.dedup_by(|a, b| a.total_cmp(b).is_eq());
+        places
+    }
+}
+
+impl Emulator for IsgControl {
+    /// Those of deviations: what an angle does to an axis depends on where the others rest.
+    fn connected_axes(&self) -> Vec<(String, String)> {
+        let name = |axis: Axis| self.tables.axes[axis].map(|number| number.to_string());
+        let pair =
+            |(term, _): (ErrorTerm, &Option<Response>)| Some((name(term.along)?, name(term.of)?));
+        let deviations = self.deviations.iter().filter(|(_, own)| own.is_some());
+        deviations.filter_map(pair).collect()
+    }
+
+    fn response(
+        &self,
+        base: &str,
+        output: &str,
+        direction: Direction,
+    ) -> Result<Response, CannotEmulate> {
+        let (known, other) = (
+            known_axis(&self.state, base)?,
+            known_axis(&self.state, output)?,
+        );
+        let backlash = match known.name == other.name {
+            true => known.backlash(direction),
+            false => Correction::ZERO,
+        };
+        let pair = self
+            .tables
+            .axis(&known.name)
+            .zip(self.tables.axis(&other.name));
+        let pair = pair.filter(|(_, of)| !self.tables.zeroed[*of]);
+        let mut response = Response::new(Vec::new(), backlash);
+        if let Some((along, of)) = pair {
+            let places = self.bends(along);
+            let swung = |at: &f64| Correction::from_um(self.swung(of, along, *at));
+            let values: Vec<Correction> = places.iter().map(swung).collect();
+            let deviation = self.deviations[ErrorTerm { of, along }].clone();
+            let swung = Response::straight(&places, &values);
+            deviation
+                .into_iter()
+                .chain(swung)
+                .for_each(|own| response.add(own));
+        }
+        Ok(response)
+    }
+
+    fn rotation(&self, base: &str, about: Axis) -> Option<Response> {
+        let along = self.tables.axis(base)?;
+        let mut own = self.angles[Rotation { about, along }].clone()?;
+        let at_rest = own.correction(Millimetres::new(self.rest(along)));
+        own.shift(Correction::from_um(-at_rest.um()));
+        Some(own)
+    }
+}
+
+fn known_axis<'a>(state: &'a ControlState, name: &str) -> Result<&'a AxisState, CannotEmulate> {
+    let axis = state.axis(name);
+    axis.ok_or_else(|| CannotEmulate(format!("foreign axis: the job has no axis `{name}`")))
+}
+
+/// What is added for a curve, µm or µrad.
+fn response(curve: &Curve, sign: TableSign) -> Option<Response> {
+    let points = curve.points.iter();
+    let mm: Vec<f64> = points.clone().map(|point| point.position).collect();
+    let per_unit = curve.parameter.per_unit();
+    let values = points.map(|point| sign.correction(point.value * per_unit));
+    Response::straight(&mm, &values.collect::<Vec<Correction>>())
+}
+
+#[cfg(test)]
+mod tests;

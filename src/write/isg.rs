@@ -1,0 +1,400 @@
+//! ISG kernel, TwinCAT CNC: all errors into the parameters of one volumetric compensation.
+//!
+//! * The file holds errors, not corrections: deviations in mm, angles in rad (docs/isg.md §1).
+//! * Squareness stands in the slopes of the deviations, as in the job; no constant `C0Y` is written beside them.
+//! * Angles are written where they were measured. Deviations then hold what was measured less what the control
+//!   takes off for the angles on the line of measurement, so nothing is taken off twice.
+//! * One curve for both directions.
+
+use crate::control::claims::Precondition;
+use crate::control::controller::{ControlUnit, FileFormat, IsgFacts, LeverOrigin, Mechanism};
+use crate::control::table::Tables;
+use crate::control::table::isg::{Curve, IsgTables, Parameter, Point};
+use crate::inputs::job::{Compensation, WantedTerms};
+use crate::machine::model::Measured;
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
+use crate::quantity::chain::{Chain, unit};
+use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, power_of_ten, rounded};
+use crate::text::problem::{Problem, Problems};
+use crate::write::compiled::{Bump, Compiled, Placement, backlash_parameter, control_state};
+use crate::write::control_text::{Instead, fixed};
+use crate::write::family::Family;
+use crate::write::findings::TableFinding;
+use crate::write::grid::LengthDigit;
+use crate::write::selection::TableStock;
+use crate::write::task::{Plan, PlannedTable, Target, Task};
+use serde_json::{Value, json};
+
+/// The backlash parameter is named to a tenth of a micrometre.
+const BACKLASH_DECIMALS: u32 = 1;
+
+impl Family for IsgFacts {
+    fn expected_name(&self, name: &str) -> Option<&'static str> {
+        let number = name.parse::<u16>().ok().filter(|n| *n > 0);
+        let is_logical = number.is_some_and(|number| number.to_string() == name);
+        (!is_logical).then_some("a logical axis number, \"1\" to \"65535\"")
+    }
+
+    /// Positions are in mm whatever the control is in.
+    fn length_digit(&self, _unit: ControlUnit) -> LengthDigit {
+        LengthDigit {
+            unit: ControlUnit::Millimetre,
+            decimals: self.position_decimals.value,
+        }
+    }
+
+    fn takes_directions(&self, _term: ErrorTerm) -> bool {
+        false
+    }
+
+    fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
+        None
+    }
+
+    fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
+        (self.records.value, "a compensation")
+    }
+
+    fn takes_angles(&self, task: Task<'_>) -> bool {
+        task.job.compensation.terms == WantedTerms::All
+    }
+
+    fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
+        let axes = logical_axes(task, plan)?;
+        let angles = self.angles(task, plan)?;
+        let deviation = |planned: &PlannedTable| self.deviations(task, planned, &angles);
+        let mut curves: Vec<Curve> = plan.tables.iter().map(deviation).collect();
+        let notes = self.notes(task, &angles).map(Into::into).collect();
+        curves.extend(angles);
+        curves.sort_by_key(|curve| curve.parameter);
+        let tables = IsgTables {
+            axes,
+            chain: chain(task).order(),
+            curves,
+            ..IsgTables::NONE
+        };
+        let count_um = UM_PER_MM / power_of_ten(self.value_decimals.value);
+        let placed = plan.tables.iter();
+        let placed = placed.map(|planned| Placement::of(planned, place(planned), count_um));
+        let named = |axis| plan.backlash_um[axis].map_or(0.0, |um| rounded(um, BACKLASH_DECIMALS));
+        Ok(Compiled {
+            placements: placed.collect(),
+            preconditions: preconditions(task, plan, &tables),
+            tables: Tables::Isg(tables),
+            state: control_state(task, plan, named),
+            assumptions: Vec::new(),
+            notes,
+        })
+    }
+
+    fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
+        match (mechanism, tables) {
+            (Mechanism::VolcompAngles, Tables::Isg(tables)) => tables.has_angles(),
+            _ => true,
+        }
+    }
+
+    fn context(
+        &self,
+        _task: Task<'_>,
+        _compiled: &Compiled,
+        tables: &Tables,
+        _instead: &Instead<'_>,
+    ) -> Option<Value> {
+        let Tables::Isg(tables) = tables else {
+            return None;
+        };
+        let axis = |(axis, number): (Axis, &Option<u32>)| {
+            let number = number.map_or(String::new(), |number| number.to_string());
+            json!({ "letter": axis.to_string(), "number": number })
+        };
+        let (blocks, curves, extension) = match self.file_format.value {
+            FileFormat::IsgCsv => (self.blocks(tables), Vec::new(), "csv"),
+            FileFormat::EtalonExchange => (Vec::new(), self.sections(tables), "txt"),
+        };
+        Some(json!({
+            "axes": tables.axes.iter().map(axis).collect::<Vec<Value>>(),
+            "chain": Axis::letters(&tables.chain),
+            "file_format": self.file_format.value.word(),
+            "extension": extension,
+            "blocks": blocks,
+            "curves": curves,
+        }))
+    }
+
+    fn belongs(&self, _mechanism: Mechanism, _table: &PlannedTable) -> bool {
+        true
+    }
+
+    /// Angles are 0 too, so nothing but the bump acts.
+    fn proof_tables(
+        &self,
+        _task: Task<'_>,
+        _plan: &Plan,
+        kit: &Tables,
+        (_, term, bump): (Mechanism, ErrorTerm, &Bump),
+    ) -> Option<Tables> {
+        let Tables::Isg(kit) = kit else {
+            return None;
+        };
+        let of_kit = kit.curves.iter().map(|curve| {
+            let deviations = match curve.parameter == Parameter::Deviation(term) {
+                true => bump.deviations(),
+                false => vec![Deviation::ZERO; curve.points.len()],
+            };
+            let points = curve.points.iter().zip(deviations);
+            let point = |(point, d): (&Point, Deviation)| Point {
+                value: self.value(d),
+                ..*point
+            };
+            Curve {
+                points: points.map(point).collect(),
+                ..curve.clone()
+            }
+        });
+        let curves = of_kit.collect();
+        Some(Tables::Isg(IsgTables {
+            curves,
+            ..kit.clone()
+        }))
+    }
+}
+
+impl IsgFacts {
+    /// A deviation as it stands in the file, mm; rounded here, once.
+    fn value(&self, deviation: Deviation) -> f64 {
+        let mm = self.error_sign.value.table_um(deviation) / UM_PER_MM;
+        rounded(mm, self.value_decimals.value) + 0.0 // −0 is 0
+    }
+
+    /// The deviations of a term, less what the control takes off there for the angles of its axis.
+    fn deviations(&self, task: Task<'_>, planned: &PlannedTable, angles: &[Curve]) -> Curve {
+        let ErrorTerm { of, along } = planned.term;
+        let grid = &planned.grid;
+        let arm = self.arm(task, along);
+        let of_rotation = |about| {
+            let parameter = Parameter::Angle(Rotation { about, along });
+            angles
+                .iter()
+                .find(move |curve| curve.parameter == parameter)
+        };
+        let curves = PerAxis::from_fn(of_rotation);
+        let swung = |index: usize| {
+            let urad = PerAxis::from_fn(|about| {
+                let point = curves[about].and_then(|curve| curve.points.get(index));
+                let urad = point.map_or(0.0, |point| point.value * Parameter::PER_RAD);
+                -self.angle_sign.value.correction(urad).um()
+            });
+            urad.cross(arm)[of] / UM_PER_MM
+        };
+        let points = (grid.first..=grid.last).zip(&planned.values).enumerate();
+        let points = points.map(|(index, (at, value))| Point {
+            position: grid.written(at),
+            value: self.value(Deviation::from_um(value.um() - swung(index))),
+        });
+        Curve {
+            parameter: Parameter::Deviation(planned.term),
+            points: points.collect(),
+        }
+    }
+
+    /// The lever of the angles of an axis while the others rest, as the control counts it, mm.
+    fn arm(&self, task: Task<'_>, along: Axis) -> PerAxis<f64> {
+        let axes = &task.job.machine.axes;
+        let rest = task.job.measurement.levers.origin(axes);
+        let origin = |axis: Axis| match (self.lever_origin.value, axes[axis]) {
+            (LeverOrigin::Reference, Some(machine)) => machine.reference.mm(),
+            _ => 0.0,
+        };
+        let carried = chain(task).carried_by(along).into_iter();
+        let arms = carried.map(|axis| unit(axis).times(rest[axis] - origin(axis)));
+        arms.fold(PerAxis::default(), PerAxis::plus)
+    }
+
+    /// The measured angles of the axes that have a grid; zero where the axis rests while others are measured, for
+    /// what they do there is part of the deviations of the others.
+    fn angles(&self, task: Task<'_>, plan: &Plan) -> Result<Vec<Curve>, Problem> {
+        if !self.takes_angles(task) {
+            return Ok(Vec::new());
+        }
+        let levers = &task.job.measurement.levers;
+        let rest = levers.origin(&task.job.machine.axes);
+        let mut angles = Vec::new();
+        for rotation in Rotation::all() {
+            let along = rotation.along;
+            let measured = task.model.rotations[rotation].as_ref().map(Measured::mean);
+            let Some((curve, grid)) = measured.zip(plan.grids[along]) else {
+                continue;
+            };
+            let zero = levers.angles_zero[along].unwrap_or(Millimetres::new(rest[along]));
+            let curve = curve.rezeroed_at(zero);
+            let points = (grid.first..=grid.last).map(|at| {
+                let urad = self.angle_sign.value.table_um(curve.at(grid.position(at)));
+                let value = rounded(urad / Parameter::PER_RAD, self.angle_decimals.value) + 0.0;
+                let position = grid.written(at);
+                Point { position, value }
+            });
+            angles.push(Curve {
+                parameter: Parameter::Angle(rotation),
+                points: points.collect(),
+            });
+        }
+        match angles.is_empty() || task.job.machine.chain.is_some() {
+            true => Ok(angles),
+            false => Err(task
+                .job
+                .problem_at("machine", "angles act through levers, which need the order of the axes: `machine.chain` is missing")
+                .help("state it, e.g. `chain = \"wXYZt\"`; or list `terms`, then no angles are written")),
+        }
+    }
+
+    /// What there is to know of angles that are written, and of those that are not.
+    fn notes(&self, task: Task<'_>, angles: &[Curve]) -> impl Iterator<Item = TableFinding> {
+        let is_written = |rotation: &Rotation| {
+            let parameter = Parameter::Angle(*rotation);
+            angles.iter().any(|curve| curve.parameter == parameter)
+        };
+        let measured = Rotation::all().filter(|rotation| task.model.rotations[*rotation].is_some());
+        let measured = measured.filter(|_| self.takes_angles(task));
+        let (written, left): (Vec<_>, Vec<_>) = measured.partition(is_written);
+        let written =
+            (!written.is_empty()).then_some(TableFinding::AnglesWritten { angles: written });
+        let left = (!left.is_empty()).then_some(TableFinding::AnglesLeft { angles: left });
+        written.into_iter().chain(left)
+    }
+
+    /// `ISG_CSV`: of each axis that moves its parameters, row by row.
+    fn blocks(&self, tables: &IsgTables) -> Vec<Value> {
+        let along = |axis: Axis| {
+            let own = tables.curves.iter();
+            own.filter(move |curve| curve.parameter.along() == Some(axis))
+        };
+        let block = |axis: Axis| {
+            let first = along(axis).next()?;
+            let row = |index: usize| {
+                let values = along(axis).filter_map(|curve| self.text(curve, index));
+                json!({
+                    "position": self.position(first.points.get(index)?),
+                    "values": values.collect::<Vec<String>>(),
+                })
+                .into()
+            };
+            let rows = (0..first.points.len()).filter_map(|index| row(index));
+            let rows: Vec<Value> = rows.collect();
+            let names = along(axis).map(|curve| curve.parameter.to_string());
+            Some(json!({
+                "axis": axis.to_string(),
+                "parameters": names.collect::<Vec<String>>(),
+                "rows": rows,
+            }))
+        };
+        Axis::ALL.into_iter().filter_map(block).collect()
+    }
+
+    /// `ETALON_EXCHANGE`: the points of each parameter.
+    fn sections(&self, tables: &IsgTables) -> Vec<Value> {
+        let section = |curve: &Curve| {
+            let point = |(index, point): (usize, &Point)| {
+                let value = self.text(curve, index).unwrap_or_default();
+                json!({ "position": self.position(point), "value": value })
+            };
+            let points = curve.points.iter().enumerate().map(point);
+            json!({
+                "name": curve.parameter.to_string(),
+                "points": points.collect::<Vec<Value>>(),
+            })
+        };
+        tables.curves.iter().map(section).collect()
+    }
+
+    fn position(&self, point: &Point) -> String {
+        fixed(point.position, self.position_decimals.value)
+    }
+
+    fn text(&self, curve: &Curve, index: usize) -> Option<String> {
+        let decimals = match curve.parameter {
+            Parameter::Deviation(_) => self.value_decimals.value,
+            Parameter::Angle(_) | Parameter::Turned(_) => self.angle_decimals.value,
+        };
+        Some(fixed(curve.points.get(index)?.value, decimals))
+    }
+}
+
+/// The chain of the job; without angles its order has no effect.
+fn chain(task: Task<'_>) -> Chain {
+    let stated = task.job.machine.chain;
+    stated.unwrap_or(Chain::ALL_AXES_MOVE_THE_TOOL)
+}
+
+/// One logical axis for each of X, Y, Z.
+fn logical_axes(task: Task<'_>, plan: &Plan) -> Result<PerAxis<Option<u32>>, Problems> {
+    let mut problems = Problems::none();
+    for (axis, names) in plan.names.iter() {
+        let (key, message, help) = match names.len() {
+            1 => continue,
+            0 => (
+                "machine.axes".to_string(),
+                format!(
+                    "the volumetric compensation needs X, Y and Z, and [machine.axes.{}] is missing",
+                    axis.key()
+                ),
+                "add `travel_mm` and `reference_mm` of this axis, and its `id` in [compensation.axes]",
+            ),
+            _ => (
+                format!("compensation.axes.{}.ids", axis.key()),
+                format!(
+                    "`ids` names {} axes for {axis}, the volumetric compensation takes one",
+                    names.len()
+                ),
+                "name the master: the control gives the slaves of a gantry what it gets",
+            ),
+        };
+        problems.push(task.job.problem_at(&key, message).help(help));
+    }
+    let number = |axis: Axis| plan.names[axis].first()?.parse().ok();
+    problems.or_ok(PerAxis::from_fn(number))
+}
+
+/// `by X`: a block, or a section, of the parameter file.
+fn place(planned: &PlannedTable) -> String {
+    format!("by {}", planned.term.along)
+}
+
+/// Where the pages of the maker are named.
+const PAGES: &str = "docs/isg.md";
+
+fn preconditions(task: Task<'_>, plan: &Plan, tables: &IsgTables) -> Vec<Precondition> {
+    let along = |axis: Axis| {
+        let own = |curve: &&Curve| curve.parameter.along() == Some(axis);
+        let first = tables.curves.iter().find(own);
+        first.map_or(0, |curve| curve.points.len())
+    };
+    let records: usize = Axis::ALL.into_iter().map(along).sum();
+    let mut list = vec![
+        Precondition::new(
+            "vol_comp[0].max_records of the start-up list",
+            format!("at least {records}"),
+            "the control reports an error when a parameter file has more records",
+            format!("{PAGES} §1"),
+        ),
+        Precondition::new(
+            "lr_param.vol_comp.v_limit of X, Y and Z",
+            "above 0",
+            "the correction is never changed faster; 0, the default, gives a warning when the control starts",
+            format!("{PAGES} §2"),
+        ),
+        Precondition::new(
+            "N0X, N0Y, N0Z in other parameter files of this compensation",
+            "absent",
+            "the forecast counts without a tool, as the control does unless these are set",
+            format!("{PAGES} §2"),
+        ),
+    ];
+    let named = |um| format!("{:.1} µm", rounded(um, BACKLASH_DECIMALS));
+    let axes = plan.backlash_um.iter().filter(|(_, um)| um.is_some());
+    list.extend(axes.map(|(axis, _)| {
+        let what = format!("{} of {axis}", task.profile.family.backlash_parameter);
+        backlash_parameter(task, plan, axis, what, named, PAGES)
+    }));
+    list
+}
