@@ -1,11 +1,13 @@
 //! What the inputs have to say of how they were understood.
 
+use crate::inputs::job::Frame;
 use crate::text::finding::findings;
 
 findings! {
     /// What an error table or a file of readings says of itself, and what a job states for nothing.
     Remark {
         Doubtful { words: String } => Doubt, "{words}";
+        OtherFrames { first: Frame, second: Frame } => Doubt, "the joined tables count from different frames ({} and {}): the slopes of their cross terms differ by a rotation that none of them measured; separate all axes from one measurement", first.word(), second.word();
         Simulated { words: String } => Note, "{words}";
         Said { words: String } => Note, "{words}";
         NotUsed { key: &'static str } => Note, "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column, `noise_um` and `laser_ppm` state";

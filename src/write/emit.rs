@@ -20,7 +20,7 @@ use crate::quantity::axis::Direction;
 use crate::text::finding::Finding;
 use crate::text::html::{each_text, escaped, marked};
 use crate::text::plain;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::{Problem, Problems, shown};
 use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, ascii, is_comment_text};
 use crate::write::family::family;
@@ -66,6 +66,27 @@ fn items<'a>(context: &'a Value, file: &EmittedFile) -> Vec<(String, &'a Value)>
     let items = context.get(list).and_then(Value::as_array);
     let named = |item| Some((path_of(file, item)?, item));
     items.into_iter().flatten().filter_map(named).collect()
+}
+
+/// Lists that a profile asks for and this control does not have: its file would never be written.
+fn unknown_lists(context: &Context, file: &EmittedFile) -> impl Iterator<Item = Problem> {
+    let asked = [("each", &file.each), ("when", &file.when)].into_iter();
+    let asked = asked.filter_map(|(key, list)| Some((key, list.as_deref()?)));
+    asked
+        .filter(|(_, list)| !context.0[list].is_array())
+        .map(|(key, list)| {
+            let message = format!(
+                "`{key} = \"{}\"` of `{}`: this control has no such list",
+                shown(list),
+                shown(&file.path)
+            );
+            let lists = context.0.as_object().into_iter().flatten();
+            let lists: Vec<&str> = lists
+                .filter(|(_, value)| value.is_array())
+                .map(|(name, _)| name.as_str())
+                .collect();
+            Problem::new(message).help(format!("its lists: {}", lists.join(", ")))
+        })
 }
 
 /// The name of the file of an item.
@@ -300,8 +321,10 @@ fn render_those(
     let mut files = Vec::new();
     let is_wanted =
         |file: &EmittedFile| file.when.as_deref().is_none_or(|list| context.holds(list));
-    let files_of_profile = task.profile.files.iter();
-    for file in files_of_profile.filter(|file| is_own(file) && is_wanted(file)) {
+    let files_of_profile = || task.profile.files.iter().filter(|file| is_own(file));
+    let unknown = files_of_profile().flat_map(|file| unknown_lists(context, file));
+    unknown.for_each(|problem| problems.push(problem));
+    for file in files_of_profile().filter(|file| is_wanted(file)) {
         let (values, seen) = match file.is_page() {
             true => (&escaped, &mut page),
             false => (&context.0, &mut seen),

@@ -78,6 +78,12 @@ impl Remarks {
         self.doubts.extend(other.doubts);
         self.not_determined.extend(other.not_determined);
         self.notes.extend(other.notes);
+        if let (Some(first), Some(second)) = (self.frame, other.frame)
+            && first != second
+        {
+            self.doubts
+                .push(Remark::OtherFrames { first, second }.into());
+        }
         self.frame = self.frame.or(other.frame);
         let both = [self.hidden_reversal_um, other.hidden_reversal_um];
         self.hidden_reversal_um = both.into_iter().flatten().reduce(f64::max);
@@ -217,6 +223,20 @@ mod tests {
         assert_eq!(read, remarks);
         assert_eq!(read.simulated().count(), 1);
         assert_eq!(Remarks::read("# made by hand\n"), Remarks::default());
+    }
+
+    #[test]
+    fn tables_of_different_frames_are_doubtful_together() {
+        let of = |frame: &str| Remarks::read(&format!("# frame: {frame}\n"));
+        let mut same = of("x-primary");
+        same.extend(of("x-primary"));
+        same.extend(Remarks::default());
+        assert_eq!(same.doubts, []);
+        same.extend(of("as-measured"));
+        let [doubt] = same.doubts.as_slice() else {
+            panic!("{:?}", same.doubts)
+        };
+        assert!(doubt.to_string().contains("different frames"), "{doubt}");
     }
 
     #[test]
