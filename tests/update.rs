@@ -47,17 +47,26 @@ impl Case {
         self.controller.starts_with("fanuc")
     }
 
+    fn is_linuxcnc(&self) -> bool {
+        self.controller.starts_with("linuxcnc")
+    }
+
+    /// The name of an axis, counted from 1.
+    fn name(&self, n: u32) -> String {
+        match self.controller {
+            c if c.starts_with("fanuc") => n.to_string(),
+            c if c.starts_with("siemens") => format!("AX{n}"),
+            c if c.starts_with("linuxcnc") => (n - 1).to_string(),
+            _ => format!("A{n}"),
+        }
+    }
+
     fn id(&self, axis: char) -> String {
         let number = u32::from(axis) - u32::from('x') + 1;
-        let name = |n: u32| match self.controller {
-            c if c.starts_with("fanuc") => format!("\"{n}\""),
-            c if c.starts_with("siemens") => format!("\"AX{n}\""),
-            _ => format!("\"A{n}\""),
-        };
         if self.gantry && axis == 'x' {
-            format!("ids = [{}, {}]", name(1), name(4))
+            format!("ids = [\"{}\", \"{}\"]", self.name(1), self.name(4))
         } else {
-            format!("id = {}", name(number))
+            format!("id = \"{}\"", self.name(number))
         }
     }
 
@@ -172,11 +181,7 @@ fn active_of(case: &Case, inputs: &Inputs, old: &Kit) -> ActiveControl {
 
 /// What a control gives a term of X or Y: base, output.
 fn pairs(case: &Case) -> Vec<(String, String)> {
-    let name = |n: u32| match case.controller {
-        c if c.starts_with("fanuc") => n.to_string(),
-        c if c.starts_with("siemens") => format!("AX{n}"),
-        _ => format!("A{n}"),
-    };
+    let name = |n| case.name(n);
     let mut all = vec![
         (name(1), name(1)),
         (name(1), name(2)),
@@ -220,7 +225,14 @@ fn measured(inputs: &Inputs, pair: usize, direction: Direction, x: f64) -> f64 {
 
 fn all_cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    for controller in ["siemens-840d-sl", "fanuc-30i", "fanuc-0i-f", "generic"] {
+    for controller in [
+        "siemens-840d-sl",
+        "fanuc-30i",
+        "fanuc-0i-f",
+        "linuxcnc",
+        "linuxcnc-hal",
+        "generic",
+    ] {
         for policy in [
             None,
             Some("mean"),
@@ -253,6 +265,8 @@ fn half_count(case: &Case) -> f64 {
     match case.controller {
         c if c.starts_with("fanuc") => 0.5,
         c if c.starts_with("siemens") => 0.000_5,
+        // Old and new trim of a joint are C floats.
+        c if c.starts_with("linuxcnc") => 0.000_5 + 2e-6,
         _ => 1e-6,
     }
 }
@@ -273,9 +287,9 @@ fn new_is_old_plus_residual_at_every_point_of_the_new_tables() {
         let plain = case.policy.is_none();
         for (index, (base, output)) in pairs(&case).iter().enumerate() {
             let own = base == output;
-            // Fanuc has no two tables for a straightness, and four points hold no more than they do.
-            let cross_fanuc = case.is_fanuc() && !own;
-            if cross_fanuc && (two || case.controller != "fanuc-30i") {
+            // Neither has two tables for a straightness, and four points hold no more than they do.
+            let cross = (case.is_fanuc() || case.is_linuxcnc()) && !own;
+            if cross && (two || case.controller == "fanuc-0i-f") {
                 continue;
             }
             if !(plain || two) {
@@ -325,7 +339,7 @@ fn before_is_what_was_measured_and_after_is_small() {
                 term.term
             );
         }
-        if case.controller != "fanuc-0i-f"
+        if case.controller != "linuxcnc"
             && case.policy == Some("two-tables")
             && case.old_spacing > 49.0
             && !case.is_fanuc()

@@ -28,6 +28,7 @@ pub fn judge(family: Family, name: &str, bytes: &[u8]) -> Result<(), String> {
         Family::Siemens => siemens(text),
         Family::Fanuc => fanuc(text),
         Family::Generic if name.ends_with(".json") => json(text),
+        Family::Generic if name == "typed.csv" => typed(text),
         Family::Generic => csv(text),
         Family::Linuxcnc if name.ends_with(".ini") => ini(text),
         Family::Linuxcnc if name.ends_with(".hal") => hal(text),
@@ -320,6 +321,33 @@ fn csv(text: &str) -> Wrong {
         .map_or(Ok(()), |line| Err(line.to_string()))
 }
 
+/// Points of tables on pages, each page with its sum; the values in one unit of length, the column `seen` empty.
+fn typed(text: &str) -> Wrong {
+    let (head, rows) = text.split_once('\n').unwrap_or_default();
+    let value = head
+        .strip_prefix("term,base_axis,output_axis,direction,zero_mm,page,point,position_mm,")
+        .and_then(|rest| rest.strip_suffix(",seen"));
+    let kind = value.and_then(|value| value.strip_suffix("_um").or(value.strip_suffix("_mm")));
+    if !matches!(kind, Some("deviation" | "correction" | "increment")) {
+        return Err(head.to_string());
+    }
+    let is_row = |line: &&str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let [term, base, output, direction, zero, page, point, position, value, ""] = cells[..]
+        else {
+            return false;
+        };
+        let place = match point {
+            "sum" => zero.is_empty() && position.is_empty(),
+            _ => is_whole(point) && is_number(zero) && is_number(position),
+        };
+        let names = [term, base, output].into_iter().all(is_name);
+        names && ["", "+", "-"].contains(&direction) && is_whole(page) && place && is_number(value)
+    };
+    let foreign = rows.lines().find(|line| !is_row(line));
+    foreign.map_or(Ok(()), |line| Err(line.to_string()))
+}
+
 fn json(text: &str) -> Wrong {
     let Some(rows) = text
         .strip_prefix("{\"schema\":1,\"rows\":[\n")
@@ -392,6 +420,11 @@ mod tests {
                 Family::Generic,
                 "a.json",
                 "{\"schema\":1,\"rows\":[\n{\"term\":\"EXX\",\"base_axis\":\"x\",\"output_axis\":\"x\",\"direction\":null,\"index\":0,\"position_mm\":0,\"deviation_um\":0,\"correction_um\":0,\"increment_um\":null}\n]}\n",
+            ),
+            (
+                Family::Generic,
+                "typed.csv",
+                "term,base_axis,output_axis,direction,zero_mm,page,point,position_mm,correction_um,seen\nEYY,y,y,,0,4,0,-200,-4,\nEYY,y,y,+,,4,sum,,-4,\n",
             ),
             (
                 Family::Linuxcnc,
