@@ -17,6 +17,7 @@ use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, compile};
 use crate::write::plan::{Plan, Task};
+use crate::write::target::Omission;
 
 /// The inputs of a kit, read and checked.
 #[derive(Clone, Debug)]
@@ -177,17 +178,31 @@ pub(crate) fn cannot_emulate(reason: &CannotEmulate) -> Problems {
 /// Terms without a table, parts of the travel that were not measured, figures that become worse,
 /// and the notes.
 pub fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Forecast>) -> Vec<String> {
-    let omitted = plan.omitted.iter();
-    let omitted = omitted.map(|o| format!("no table for {}: {}", o.term, o.reason));
     let unmeasured = forecast.map(not_measured).unwrap_or_default();
     let worsened = forecast.map(Forecast::worsened).unwrap_or_default();
     let worsened = worsened.iter().map(|words| format!("WARNING: {words}"));
     let notes = compiled.notes.iter().map(|note| format!("note: {note}"));
-    omitted
+    without_table(plan)
+        .into_iter()
         .chain(unmeasured)
         .chain(worsened)
         .chain(notes)
         .collect()
+}
+
+/// One line for each reason, with all terms that it holds for.
+fn without_table(plan: &Plan) -> Vec<String> {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+    for Omission { term, reason } in &plan.omitted {
+        match reasons.iter_mut().find(|(known, _)| known == reason) {
+            Some((_, terms)) => terms.push(term.to_string()),
+            None => reasons.push((reason, vec![term.to_string()])),
+        }
+    }
+    let line = |(reason, terms): &(&str, Vec<String>)| {
+        format!("no table for {}: {reason}", terms.join(", "))
+    };
+    reasons.iter().map(line).collect()
 }
 
 fn not_measured(forecast: &Forecast) -> Vec<String> {
