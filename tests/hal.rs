@@ -176,8 +176,8 @@ const REFUSED: &[(&str, &str, &str)] = &[
     ),
     (
         "count=2 personality=3,2",
-        "count=241 personality=3,2",
-        "241 curves, more than the 240",
+        "count=129 personality=3,2",
+        "129 curves, more than the 128",
     ),
     (
         "loadrt sum2 count=3",
@@ -320,7 +320,7 @@ fn more_curves_than_hal_holds_are_refused() {
         .expect_err("402 curves")
         .render();
     assert!(
-        said.contains("402 curves of 16 points, more than the 240"),
+        said.contains("402 curves of 16 points, more than the 128"),
         "{said}"
     );
     assert!(said.contains("use a larger spacing"), "{said}");

@@ -6,6 +6,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
+use tempfile::TempDir;
 
 /// Name of a joint in the part program.
 pub(crate) const LETTERS: [&str; 3] = ["X", "Y", "Z"];
@@ -23,6 +24,7 @@ const LIMIT: Duration = Duration::from_secs(300);
 const NOBODY: &str = "65534";
 
 /// What the control is started with.
+#[derive(Clone)]
 pub(crate) struct Setup<'a> {
     /// `mm` or `inch`.
     pub(crate) unit: &'a str,
@@ -30,12 +32,14 @@ pub(crate) struct Setup<'a> {
     pub(crate) travel: [[f64; 2]; 3],
     /// Acceleration of the joints, mm/s². The reversal of a table is ramped at half of it.
     pub(crate) acceleration_mm: f64,
-    /// What stands in the section of each joint besides: the lines of the kit.
+    /// What stands first in the section of each joint: the lines of the kit.
     pub(crate) joints: [String; 3],
-    /// Files beside the configuration: name and bytes.
+    /// Files beside the configuration: name and bytes. One that ends in `.hal` is that of a kit, and is sourced.
     pub(crate) files: Vec<(String, Vec<u8>)>,
     /// More lines of the HAL file.
     pub(crate) hal: String,
+    /// How far the joints are jogged before homing.
+    pub(crate) jog: Option<f64>,
     /// The part programs, one after the other.
     pub(crate) programs: Vec<String>,
 }
@@ -49,8 +53,12 @@ pub(crate) struct Joint {
     pub(crate) drive: f64,
     /// Commanded speed, in machine units each second.
     pub(crate) speed: f64,
+    /// Offset of homing: what the drive is told is this much more.
+    pub(crate) offset: f64,
     /// What the table says, before a change of direction is ramped.
     pub(crate) table: f64,
+    /// What is added of that.
+    pub(crate) added: f64,
 }
 
 /// All joints in one servo cycle.
@@ -58,6 +66,8 @@ pub(crate) type Cycle = [Joint; 3];
 
 /// What was seen of one run.
 pub(crate) struct Run {
+    /// Every servo cycle of jogging before homing.
+    pub(crate) jog: Vec<Cycle>,
     /// Every servo cycle of each part program, in order.
     pub(crate) cycles: Vec<Vec<Cycle>>,
     /// What the control told its operator.
@@ -78,15 +88,9 @@ pub(crate) fn installed() -> Option<String> {
     version.map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Starts the control, runs the part program and ends the control. One at a time on one computer.
+/// Starts the control, runs the part programs and ends the control. One at a time on one computer.
 pub(crate) fn run(setup: &Setup<'_>) -> Run {
-    let folder = tempfile::Builder::new()
-        .prefix("linuxcnc-")
-        .tempdir()
-        .unwrap();
-    lay_out(setup, folder.path());
-    let log = start(folder.path());
-    assert_eq!(processes_in(folder.path()), Vec::<String>::new(), "left");
+    let (folder, log) = started(setup);
     let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap_or_default();
     let messages = read("messages.txt");
     let recorded = |number: usize| {
@@ -94,8 +98,31 @@ pub(crate) fn run(setup: &Setup<'_>) -> Run {
         assert!(!cycles.is_empty(), "nothing recorded\n{messages}\n{log}");
         cycles
     };
-    let cycles = (0..setup.programs.len()).map(recorded).collect();
-    Run { cycles, messages }
+    Run {
+        jog: cycles(&read("cycles-jog.txt")),
+        cycles: (0..setup.programs.len()).map(recorded).collect(),
+        messages,
+    }
+}
+
+/// What a control that does not start prints; it must not run a part program.
+pub(crate) fn refusal(setup: &Setup<'_>) -> String {
+    let (folder, log) = started(setup);
+    let ran = folder.path().join("cycles-0.txt").exists();
+    assert!(!ran, "it started\n{log}");
+    log
+}
+
+/// The folder in which the control ran, and what it printed.
+fn started(setup: &Setup<'_>) -> (TempDir, String) {
+    let folder = tempfile::Builder::new()
+        .prefix("linuxcnc-")
+        .tempdir()
+        .unwrap();
+    lay_out(setup, folder.path());
+    let log = start(folder.path());
+    assert_eq!(processes_in(folder.path()), Vec::<String>::new(), "left");
+    (folder, log)
 }
 
 fn lay_out(setup: &Setup<'_>, folder: &Path) {
@@ -105,14 +132,33 @@ fn lay_out(setup: &Setup<'_>, folder: &Path) {
     }
     let hal = format!("{}{}", include_str!("machine.hal"), setup.hal);
     write("machine.hal", hal.as_bytes());
+    write("drives.hal", drives(setup).as_bytes());
     write("machine.ini", configuration(setup).as_bytes());
     for (number, program) in setup.programs.iter().enumerate() {
         write(&format!("run-{number}.ngc"), program.as_bytes());
+    }
+    if let Some(distance) = setup.jog {
+        write("jog.txt", distance.to_string().as_bytes());
     }
     write("ui.py", include_bytes!("ui.py"));
     let runs = fs::Permissions::from_mode(0o755);
     fs::set_permissions(folder.join("ui.py"), runs.clone()).unwrap();
     fs::set_permissions(folder, runs).unwrap();
+}
+
+/// The HAL file of the kit, and the joints that it does not correct: their drives and encoders as in a machine without it.
+fn drives(setup: &Setup<'_>) -> String {
+    let kit = setup.files.iter().find(|(name, _)| name.ends_with(".hal"));
+    let corrections = kit.map_or("", |(_, bytes)| std::str::from_utf8(bytes).unwrap());
+    let source = kit.map_or(String::new(), |(name, _)| format!("source {name}\n"));
+    let own = (0..3).filter(|joint| !corrections.contains(&format!("joint.{joint}.motor-pos-cmd")));
+    let nets = own.map(|joint| {
+        format!(
+            "net nonius-{joint}-drive joint.{joint}.motor-pos-cmd\n\
+             net nonius-{joint}-encoder joint.{joint}.motor-pos-fb\n"
+        )
+    });
+    source + &nets.collect::<String>()
 }
 
 fn configuration(setup: &Setup<'_>) -> String {
@@ -139,8 +185,8 @@ fn configuration(setup: &Setup<'_>) -> String {
             travel[0], travel[1]
         );
         ini += &format!(
-            "[AXIS_{letter}]\n{limits}[JOINT_{joint}]\nTYPE = LINEAR\n{limits}\
-             HOME = 0\nHOME_OFFSET = 0\nHOME_SEQUENCE = 0\nFERROR = 1\nMIN_FERROR = 0.5\n{}\n",
+            "[AXIS_{letter}]\n{limits}[JOINT_{joint}]\n{}\nTYPE = LINEAR\n{limits}\
+             HOME = 0\nHOME_OFFSET = 0\nHOME_SEQUENCE = 0\nFERROR = 1\nMIN_FERROR = 0.5\n",
             setup.joints[joint]
         );
     }
@@ -195,12 +241,12 @@ fn processes_in(folder: &Path) -> Vec<String> {
         .collect()
 }
 
-/// The lines of `halsampler -t`: number of the cycle, then five figures for each joint. Cycles may be missing before the first
+/// The lines of `halsampler -t`: number of the cycle, then six figures for each joint. Cycles may be missing before the first
 /// move only: the recorder starts while the control waits.
 fn cycles(text: &str) -> Vec<Cycle> {
     let numbered = |line: &str| {
         let figures: Vec<f64> = line.split(' ').flat_map(str::parse).collect();
-        assert_eq!(figures.len(), 16, "{line}");
+        assert_eq!(figures.len(), 19, "{line}");
         figures
     };
     let lines: Vec<Vec<f64>> = text
@@ -213,10 +259,12 @@ fn cycles(text: &str) -> Vec<Cycle> {
     let joint = |of: &[f64]| Joint {
         command: of[0],
         drive: of[1] - of[2],
+        offset: of[2],
         speed: of[3],
         table: of[4],
+        added: of[5],
     };
-    let cycle = |of: &Vec<f64>| [1, 6, 11].map(|from| joint(&of[from..from + 5]));
+    let cycle = |of: &Vec<f64>| [1, 7, 13].map(|from| joint(&of[from..from + 6]));
     let cycles: Vec<Cycle> = lines.iter().map(cycle).collect();
     let (waiting, recorded) = cycles.split_at(from);
     let rests = |cycle: &Cycle| cycle.iter().all(|joint| joint.speed == 0.0);

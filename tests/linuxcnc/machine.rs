@@ -69,6 +69,8 @@ impl Machine {
 pub(crate) struct Stand {
     pub(crate) command: [f64; 3],
     pub(crate) drive: [f64; 3],
+    /// What the own table of each joint adds.
+    pub(crate) added: [f64; 3],
     pub(crate) upwards: [bool; 3],
 }
 
@@ -88,6 +90,7 @@ pub(crate) fn stands(run: &[Cycle], cycles: usize) -> Vec<Stand> {
             found.push(Stand {
                 command: cycle.map(|joint| joint.command),
                 drive: cycle.map(|joint| joint.drive),
+                added: cycle.map(|joint| joint.added),
                 upwards,
             });
         }

@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 """What LinuxCNC starts as its screen: switches the machine on, homes it, runs run-0.ngc, run-1.ngc … and records every servo cycle.
 
-LinuxCNC shuts down when this ends. Leaves cycles-0.txt … (halsampler) and messages.txt (the operator's messages).
+With a file jog.txt all joints are jogged by the distance in it before homing. LinuxCNC shuts down when this ends. Leaves
+cycles-0.txt … (halsampler), cycles-jog.txt and messages.txt (the operator's messages).
 """
 import os
 import signal
 import subprocess
+import sys
 import time
 
 import linuxcnc
@@ -43,20 +45,37 @@ def ended():
     return status.inpos and status.interp_state == linuxcnc.INTERP_IDLE and status.queue == 0
 
 
-def record(number):
-    """Leads the machine through one part program."""
-    mode(linuxcnc.MODE_AUTO)
-    command.program_open("run-%d.ngc" % number)
-    command.wait_complete()
-    recorder = subprocess.Popen(["halsampler", "-t"], stdout=open("cycles-%d.txt" % number, "w"))
+def recorded(name, action):
+    """Every servo cycle of what is done."""
+    recorder = subprocess.Popen(["halsampler", "-t"], stdout=open("cycles-%s.txt" % name, "w"))
     time.sleep(0.3)
-    command.auto(linuxcnc.AUTO_RUN, 0)
-    time.sleep(0.2)
-    over = wait(ended, 250)
+    over = action()
     time.sleep(0.3)
     recorder.send_signal(signal.SIGINT)
     recorder.wait(10)
     return over
+
+
+def run(number):
+    """Leads the machine through one part program."""
+    mode(linuxcnc.MODE_AUTO)
+    command.program_open("run-%d.ngc" % number)
+    command.wait_complete()
+
+    def through():
+        command.auto(linuxcnc.AUTO_RUN, 0)
+        time.sleep(0.2)
+        return wait(ended, 250)
+
+    return recorded(number, through)
+
+
+def jog(distance):
+    """All joints by a distance, not homed."""
+    joints = range(status.joints)
+    for joint in joints:
+        command.jog(linuxcnc.JOG_INCREMENT, True, joint, 50, distance)
+    return wait(lambda: all(abs(status.joint_position[joint] - distance) < 1e-6 for joint in joints), 10)
 
 
 def mode(wanted):
@@ -65,15 +84,19 @@ def mode(wanted):
 
 
 command.state(linuxcnc.STATE_ESTOP_RESET)
-command.wait_complete()
+if command.wait_complete() < 0:
+    sys.exit("nothing answers: the task did not start")
 command.state(linuxcnc.STATE_ON)
 command.wait_complete()
 mode(linuxcnc.MODE_MANUAL)
 command.teleop_enable(0)
 command.wait_complete()
+status.poll()
+if os.path.exists("jog.txt"):
+    recorded("jog", lambda: jog(float(open("jog.txt").read())))
 command.home(-1)
 if wait(lambda: all(status.homed[: status.joints]), 30):
     number = 0
-    while os.path.exists("run-%d.ngc" % number) and record(number):
+    while os.path.exists("run-%d.ngc" % number) and run(number):
         number += 1
 note_messages()

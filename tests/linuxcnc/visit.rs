@@ -1,29 +1,16 @@
 //! A whole visit on a real control: measuring program → control → a simulated laser on the moving machine → `separate` →
 //! `generate` → the control with the kit → measured again → `verify --after`; then the update and the rollback.
 
-use crate::control::{Run, Setup, run};
-use crate::loops::{ACCELERATION_MM, path, sections};
+use crate::control::Run;
+use crate::loops::path;
 use crate::machine::{Machine, Stand, stands};
-use serde_json::Value;
+use crate::proof::{Tables, drive, nonius, signs_are_proved};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 /// The diagonals in the order of the programs.
 const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
-
-/// Calls the program in the folder of the visit and expects its exit status.
-fn nonius(folder: &Path, words: &str, status: i32) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .current_dir(folder)
-        .args(words.split(' '))
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
-    assert_eq!(output.status.code(), Some(status), "nonius {words}\n{said}");
-    said
-}
 
 /// What the laser shows: rows of `positions.csv` with the displacement of the mirror along the diagonal, mm.
 pub(crate) struct Laser<'a> {
@@ -96,85 +83,6 @@ fn displacements(nominal: &[[f64; 3]], reached: &[[f64; 3]]) -> Vec<f64> {
     all.map(|n| along(from(reached, n))).collect()
 }
 
-/// What a control is started with: tables of a directory, none, or those of the sign proof.
-#[derive(Clone, Copy)]
-enum Tables<'a> {
-    None,
-    Kit(&'a str),
-    /// Those of the sign proof, `true` with every sign turned.
-    SignProof(&'a str, bool),
-}
-
-impl Tables<'_> {
-    /// The lines of the joints and the tables.
-    fn files(self, folder: &Path) -> ([String; 3], Vec<(String, Vec<u8>)>) {
-        let (kit, prefix, turned) = match self {
-            Tables::None => return Default::default(),
-            Tables::Kit(kit) => (kit, "", false),
-            Tables::SignProof(kit, turned) => (kit, "sign-", turned),
-        };
-        let read = |name: &str| fs::read_to_string(folder.join(kit).join(name)).unwrap();
-        let names = [0, 1, 2].map(|joint| format!("{prefix}joint-{joint}.comp"));
-        let tables = names.map(|name| {
-            let text = read(&name);
-            let bytes = if turned {
-                with_signs_turned(&text)
-            } else {
-                text
-            };
-            (name, bytes.into_bytes())
-        });
-        (
-            sections(&read(&format!("{prefix}joints.ini"))),
-            tables.to_vec(),
-        )
-    }
-}
-
-/// A table of type 1 with both columns of values negated.
-fn with_signs_turned(table: &str) -> String {
-    let row = |line: &str| {
-        let words: Vec<f64> = line.split(' ').map(|word| word.parse().unwrap()).collect();
-        format!("{} {} {}\n", words[0], -words[1], -words[2])
-    };
-    table.lines().map(row).collect()
-}
-
-/// The control with these tables, led through part programs.
-fn drive(folder: &Path, machine: &Machine, tables: Tables<'_>, programs: Vec<String>) -> Run {
-    let (joints, files) = tables.files(folder);
-    run(&Setup {
-        unit: "mm",
-        travel: machine.travel,
-        acceleration_mm: ACCELERATION_MM,
-        joints,
-        files,
-        hal: String::new(),
-        programs,
-    })
-}
-
-/// The sign proof as the checklist tells it: X at two places, arriving the same way; difference with the tables less the same
-/// without, µm.
-fn sign_proof(folder: &Path, machine: &Machine, proof: &Value, tables: Tables<'_>) -> f64 {
-    let place = |key: &str| proof[key].as_f64().unwrap();
-    let (from, peak) = (place("from_mm"), place("peak_mm"));
-    let back = from + (from - peak).signum() * 5.0;
-    let program =
-        format!("G21 G90 G0 X{back}\nG1 F20000 X{from}\nG4 P0.2\nX{peak}\nG4 P0.2\nX{from}\nM2\n");
-    let difference = |tables| {
-        let seen = drive(folder, machine, tables, vec![program.clone()]);
-        let places = stands(&seen.cycles[0], 150);
-        let at = |mm: f64| {
-            let is_there = |stand: &&Stand| (stand.command[0] - mm).abs() < 1e-6;
-            let stand = places.iter().find(is_there).unwrap();
-            (stand.drive[0] - mm) * 1000.0 + machine.errors_um(stand.drive, stand.upwards)[0]
-        };
-        at(peak) - at(from)
-    };
-    difference(tables) - difference(Tables::None)
-}
-
 fn job(machine: &Machine, readings: &str, active: &str) -> String {
     let mut job = format!(
         "schema = 1\n[machine]\nname = \"{}\"\n[measurement]\nreadings = \"{readings}\"\n\
@@ -215,29 +123,12 @@ pub(crate) fn visit(machine: &Machine) -> String {
     write("readings.csv", &measure(Tables::None));
     nonius(folder, "separate job.toml", 0);
     nonius(folder, "generate job.toml -o kit", 0);
-    signs_are_proved(folder, machine, &read("kit/manifest.json"));
+    signs_are_proved(folder, machine, &["EXX"]);
     write("after.csv", &measure(Tables::Kit("kit")));
     write("after.toml", &job(machine, "after.csv", "kit"));
     let said = nonius(folder, "verify job.toml --tables kit --after after.toml", 0);
     updated_and_rolled_back(folder, machine);
     said
-}
-
-/// The sign proof of the kit shows what its checklist says, and the opposite with the signs turned.
-fn signs_are_proved(folder: &Path, machine: &Machine, manifest: &str) {
-    let manifest: Value = serde_json::from_str(manifest).unwrap();
-    let proof = &manifest["sign_proofs"][0];
-    assert_eq!(proof["term"], "EXX");
-    let shows = |key: &str| proof[key].as_f64().unwrap();
-    for (turned, key) in [(false, "shows_um"), (true, "other_sign_um")] {
-        let seen = sign_proof(folder, machine, proof, Tables::SignProof("kit", turned));
-        println!(
-            "sign proof, turned: {turned}: {seen:.3} µm, checklist {}",
-            shows(key)
-        );
-        // The machine's own error changes a little over a move of 20 µm.
-        assert!((seen - shows(key)).abs() < 0.01, "{key}: {seen} µm");
-    }
 }
 
 /// New tables from the second measurement leave less than the first ones; after the rollback the machine is as it was.
