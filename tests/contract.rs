@@ -254,6 +254,31 @@ fn isg_volcomp() {
 }
 
 #[test]
+fn aerotech() {
+    contract_of("aerotech");
+}
+
+#[test]
+fn isg_axis() {
+    contract_of("isg-axis");
+}
+
+#[test]
+fn fagor_8055() {
+    contract_of("fagor-8055");
+}
+
+#[test]
+fn heidenhain_com() {
+    contract_of("heidenhain-com");
+}
+
+#[test]
+fn gsk() {
+    contract_of("gsk");
+}
+
+#[test]
 fn generic() {
     contract_of("generic");
 }
@@ -270,6 +295,11 @@ fn no_profile_is_left_out() {
         "linuxcnc-hal",
         "weihong",
         "isg-volcomp",
+        "aerotech",
+        "isg-axis",
+        "fagor-8055",
+        "heidenhain-com",
+        "gsk",
         "generic",
     ];
     assert_eq!(builtin::ids(), tested);

@@ -8,7 +8,7 @@
 #[path = "support/run.rs"]
 mod run;
 
-use nonius::control::controller::builtin;
+use nonius::control::controller::{Dialect, builtin};
 use run::ended;
 use serde_json::Value;
 use std::fs::{read_to_string, write};
@@ -47,6 +47,12 @@ const MEASURED: [&str; 4] = [
 /// Fills in the `""` of a job but those of `later`, and changes nothing else.
 fn fill_in_job(job: &Path, is_siemens: bool, slopes: [f64; 3], later: &[&str]) {
     let page = read_to_string(job).expect("a job");
+    let named = |id: &&str| page.contains(&format!("controller = \"{id}\""));
+    let own = builtin::ids()
+        .into_iter()
+        .find(named)
+        .map(|id| builtin::profile(id).expect("it is built in"));
+    let own = own.filter(|own| matches!(own.dialect, Dialect::Declared(_)));
     let mut axis = 0;
     let filled = page.lines().map(|line| {
         let found = |key: &str| line.starts_with('[') && line.contains(key);
@@ -61,6 +67,11 @@ fn fill_in_job(job: &Path, is_siemens: bool, slopes: [f64; 3], later: &[&str]) {
         match key {
             key if !is_empty || later.contains(&key) => line.to_string(),
             "slope_um_per_m" => line.replacen("\"\"", &slopes[axis].to_string(), 1),
+            "id" if own.is_some() => {
+                let names = own.as_ref().map(|own| own.axis_names.value.clone());
+                let name = names.expect("a declared control")[axis].clone();
+                line.replacen("\"\"", &format!("\"{name}\""), 1)
+            }
             key => line.replacen("\"\"", &value_of(key, axis, is_siemens), 1),
         }
     });

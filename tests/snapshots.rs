@@ -57,6 +57,28 @@ fn by_hand(profile: &str, path: &str, role: Role) -> &'static str {
              of errors.csv, less that at the reference (X+ at 400 mm 8 um = -0.008, X- at 0 mm \
              3 um = -0.003)"
         }
+        ("isg", Role::SignProof) if profile == "isg-axis" => {
+            "0.1 um: a table of an axis for itself has one bump of 200 (as_error), or one that follows another axis one \
+             of -200 (as_correction); the other tables of that kind are zero"
+        }
+        ("isg", _) if profile == "isg-axis" => {
+            "0.1 um: ssfk as in errors.csv less that at the reference (pos of axis 1 at 400 mm 8 um = 80, neg 11 um = \
+             110); crosscomp minus the mean of both directions, one master for each axis"
+        }
+        ("fagor" | "heidenhain", Role::SignProof) => {
+            "the tables of the kit, zero but for 0.0200 mm in both columns of one point (as_error)"
+        }
+        ("fagor" | "heidenhain", _) => {
+            "the deviation of errors.csv less that at the reference, mm: Fagor moving in + and then in -, HEIDENHAIN \
+             moving in - (BACKLASH) and then in + (X at 400 mm + 0.0080, - 0.0110)"
+        }
+        ("aerotech", Role::SignProof) => {
+            "the tables of the kit, zero but for one value of -0.020 mm (as_correction: the axis is pulled back by 20 um)"
+        }
+        ("aerotech", _) => {
+            "HOMEOFFSET is the first point; values are minus the mean of both directions of errors.csv less that at the \
+             reference, mm (X at 400 mm 9.5 less 1.5 um = -0.008)"
+        }
         ("weihong", Role::SignProof) => {
             "the tables of the kit, zero but for +0.020 mm in both columns of one point (as_error: the axis is \
              pulled back by 20 um)"
@@ -177,6 +199,31 @@ fn weihong() {
 #[test]
 fn isg_volcomp() {
     files_of("isg-volcomp");
+}
+
+#[test]
+fn aerotech() {
+    files_of("aerotech");
+}
+
+#[test]
+fn isg_axis() {
+    files_of("isg-axis");
+}
+
+#[test]
+fn fagor_8055() {
+    files_of("fagor-8055");
+}
+
+#[test]
+fn heidenhain_com() {
+    files_of("heidenhain-com");
+}
+
+#[test]
+fn gsk() {
+    files_of("gsk");
 }
 
 #[test]

@@ -50,7 +50,8 @@ impl Family for DeclaredFacts {
                     new.any(|new| new.is_for(&own.base, &own.output))
                 };
                 held.tables.retain(|table| !is_new(table));
-                held.tables.extend(file.tables);
+                let kept = std::mem::take(&mut held.tables);
+                *held = DeclaredTables::of([kept, file.tables].concat());
             }
             (held, file) => *held = file,
         }
@@ -74,23 +75,24 @@ pub(crate) fn read(
     facts: &DeclaredFacts,
 ) -> Result<DeclaredTables, Problems> {
     let mut problems = Problems::none();
-    let mut all = DeclaredTables::default();
+    let mut all: Vec<DeclaredTable> = Vec::new();
     for (name, text) in texts {
         for table in problems.take(file(name, text, facts)).into_iter().flatten() {
-            if all
-                .tables
-                .iter()
-                .any(|own| own.is_for(&table.base, &table.output))
-            {
+            if all.iter().any(|own| own.is_for(&table.base, &table.output)) {
                 let message = format!("`{}` holds another {}", shown(name), table.name());
                 problems.push(
                     Problem::new(message).help("name the files that the control holds together"),
                 );
             }
-            all.tables.push(table);
+            all.push(table);
         }
     }
-    problems.or_ok(all)
+    if problems.is_empty() && all.is_empty() {
+        let message = "no line of the files holds a value";
+        let help = "compare the files with the patterns of the profile (`lines`)";
+        problems.push(Problem::new(message).help(help));
+    }
+    problems.or_ok(DeclaredTables::of(all))
 }
 
 /// The tables of one file.
@@ -106,11 +108,6 @@ fn file(name: &str, text: &str, facts: &DeclaredFacts) -> Result<Vec<DeclaredTab
         if reading.complaints.len() >= MOST_COMPLAINTS {
             break;
         }
-    }
-    if reading.complaints.is_empty() && reading.drafts.is_empty() {
-        let message = "no line of the file holds a value";
-        let help = "compare the file with the patterns of the profile";
-        reading.complaints.push(Complaint::new(0..0, message, help));
     }
     let drafts = std::mem::take(&mut reading.drafts);
     let mut tables = Vec::new();

@@ -55,13 +55,7 @@ impl Family for DeclaredFacts {
     }
 
     fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
-        (!self.cross_terms.value).then_some(TableStock {
-            tables: 0,
-            used: 0,
-            resource: "tables for cross terms",
-            key: "terms",
-            takes_pairs: false,
-        })
+        TableStock::of_cross_terms(self.cross_terms.value)
     }
 
     fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
@@ -88,7 +82,7 @@ impl Family for DeclaredFacts {
         Ok(Compiled {
             placements: placed.collect(),
             preconditions: self.preconditions(task, plan),
-            tables: Tables::Declared(DeclaredTables { tables }),
+            tables: Tables::Declared(DeclaredTables::of(tables)),
             state,
             assumptions: Vec::new(),
             notes: Vec::new(),
@@ -120,7 +114,7 @@ impl Family for DeclaredFacts {
     }
 
     fn has(&self, mechanism: Mechanism) -> bool {
-        mechanism != Mechanism::CrossTable || self.cross_terms.value
+        mechanism != Mechanism::CrossTable || self.cross_terms.value > 0
     }
 
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
@@ -154,7 +148,7 @@ impl Family for DeclaredFacts {
             true => bump.deviations(),
             false => vec![Deviation::ZERO; planned.values.len()],
         });
-        Some(Tables::Declared(DeclaredTables { tables }))
+        Some(Tables::Declared(DeclaredTables::of(tables)))
     }
 }
 
@@ -353,6 +347,7 @@ impl DeclaredFacts {
         let sense = |is_own: bool| self.sign(is_own).value.words();
         let evidence = |is_own: bool| self.sign(is_own).evidence.of_sense();
         json!({
+            "tables": tables.iter().map(|table| self.seen_table(table)).collect::<Vec<Value>>(),
             "own": listed(true),
             "cross": listed(false),
             "axes": axes.iter().map(axis).collect::<Vec<Value>>(),
@@ -371,6 +366,7 @@ impl DeclaredFacts {
         let point = |(index, point): (usize, &Point)| {
             json!({
                 "number": (first + index).to_string(),
+                "padded": format!("{:03}", first + index),
                 "position": position(point.position),
                 "value": value(point.forward),
                 "forward": value(point.forward),

@@ -51,6 +51,7 @@ impl Family for FanucFacts {
             resource: "straightness sets",
             key: "first_set",
             takes_pairs: false,
+            masters: None,
         })
     }
 

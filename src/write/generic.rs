@@ -44,7 +44,7 @@ impl Family for GenericFacts {
     }
 
     fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
-        None
+        TableStock::of_cross_terms(self.cross_terms.value)
     }
 
     fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {

@@ -56,6 +56,7 @@ impl Family for LinuxcncFacts {
             resource: "tables for cross terms (COMP_FILE corrects its own joint only)",
             key: "terms",
             takes_pairs: false,
+            masters: None,
         })
     }
 

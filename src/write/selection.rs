@@ -48,9 +48,41 @@ pub struct TableStock {
     pub key: &'static str,
     /// Whether the two tables of an axis that corrects itself are of this kind.
     pub takes_pairs: bool,
+    /// How many other axes an axis can follow; `None` = all that there are.
+    pub masters: Option<u32>,
 }
 
 impl TableStock {
+    /// That of a control on which an axis can follow so many others; `None` = all that there are.
+    pub(crate) fn of_cross_terms(masters: u32) -> Option<TableStock> {
+        let resource = match masters {
+            0 => "tables for cross terms",
+            1 => "tables for cross terms, one for each axis that is corrected,",
+            _ => return None,
+        };
+        Some(TableStock {
+            tables: if masters == 0 { 0 } else { u32::MAX },
+            used: 0,
+            resource,
+            key: "terms",
+            takes_pairs: false,
+            masters: Some(masters),
+        })
+    }
+
+    /// Whether costs of these forms are within it.
+    fn holds(&self, costs: &[Cost], forms: &[Form]) -> bool {
+        let pairs = || costs.iter().zip(forms);
+        let used: u32 = pairs().map(|(cost, form)| cost.of_form(*form)).sum();
+        let followed = |axis: Axis| {
+            let of_axis =
+                pairs().filter(|(cost, form)| cost.term.of == axis && **form > Form::Nothing);
+            of_axis.filter(|(cost, _)| cost.term.is_cross()).count()
+        };
+        let most = self.masters.map_or(usize::MAX, |most| most as usize);
+        used <= self.free() && Axis::ALL.into_iter().all(|axis| followed(axis) <= most)
+    }
+
     fn free(&self) -> u32 {
         self.tables.saturating_sub(self.used)
     }
@@ -65,6 +97,8 @@ impl TableStock {
         } = self;
         if *tables == 0 {
             format!("the control has no {resource}")
+        } else if *tables == u32::MAX {
+            format!("the control has {resource} and {wanted} are asked for")
         } else if *used == 0 {
             format!("the control has {tables} {resource} for {wanted}")
         } else {
@@ -120,12 +154,12 @@ pub(crate) fn choose(
     budget: TableStock,
 ) -> Option<Choice> {
     let wanted: u32 = costs.iter().map(|cost| cost.tables).sum();
-    if wanted <= budget.free() {
+    if budget.holds(costs, &vec![Form::Whole; costs.len()]) {
         return None;
     }
     let parts = Parts::of(model, targets, costs);
     let mut best: Option<(f64, Vec<Form>)> = None;
-    for forms in maximal(costs, budget.free()) {
+    for forms in maximal(costs, &budget) {
         let limit = best.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
         let left = parts.largest(&forms, limit + TIE_UM);
         // A hair's breadth of a difference is no reason to prefer a combination of fewer terms.
@@ -149,31 +183,30 @@ fn weight(forms: &[Form]) -> (usize, usize) {
     (count(Form::Mean), count(Form::Whole))
 }
 
-/// All combinations within `free` tables of which no term can get more.
-fn maximal(costs: &[Cost], free: u32) -> Vec<Vec<Form>> {
-    let mut combinations: Vec<(Vec<Form>, u32)> = vec![(Vec::new(), 0)];
+/// All combinations within a stock of which no term can get more.
+fn maximal(costs: &[Cost], stock: &TableStock) -> Vec<Vec<Form>> {
+    let mut combinations: Vec<Vec<Form>> = vec![Vec::new()];
     for cost in costs {
-        let longer = |(forms, used): &(Vec<Form>, u32)| {
-            let (forms, used) = (forms.clone(), *used);
-            cost.forms().into_iter().filter_map(move |(form, tables)| {
-                let used = used + tables;
-                let with = || forms.iter().copied().chain([form]).collect();
-                (used <= free).then(|| (with(), used))
-            })
+        let longer = |forms: &Vec<Form>| {
+            let forms = forms.clone();
+            let with = move |(form, _)| forms.iter().copied().chain([form]).collect();
+            let longer = cost.forms().into_iter().map(with);
+            longer.filter(|forms: &Vec<Form>| stock.holds(costs, forms))
         };
         combinations = combinations.iter().flat_map(longer).collect();
     }
-    combinations
-        .into_iter()
-        .filter(|(forms, used)| {
-            costs.iter().zip(forms).all(|(cost, form)| {
-                let more = cost.forms().into_iter().filter(|(other, _)| other > form);
-                more.into_iter()
-                    .all(|(_, tables)| used - cost.of_form(*form) + tables > free)
+    let can_get_more = |forms: &Vec<Form>| {
+        let more = |(index, cost): (usize, &Cost)| {
+            let mut fuller = forms.clone();
+            cost.forms().into_iter().any(|(form, _)| {
+                fuller[index] = form;
+                form > forms[index] && stock.holds(costs, &fuller)
             })
-        })
-        .map(|(forms, _)| forms)
-        .collect()
+        };
+        costs.iter().enumerate().any(more)
+    };
+    combinations.retain(|forms| !can_get_more(forms));
+    combinations
 }
 
 fn explain(

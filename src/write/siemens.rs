@@ -56,6 +56,7 @@ impl Family for SiemensFacts {
             resource: "CEC tables",
             key: "first_table",
             takes_pairs: true,
+            masters: None,
         })
     }
 

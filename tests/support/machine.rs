@@ -4,7 +4,7 @@
 //! zero, the mean of both directions and the reversal are computed here once more.
 
 use super::{Lines, Random};
-use nonius::control::controller::{BesideTable, Columns, Dialect, Profile};
+use nonius::control::controller::{BesideTable, Dialect, Profile};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::curve::{ErrorCurve, Interpolation};
 use nonius::quantity::units::{Deviation, Millimetres};
@@ -164,12 +164,11 @@ impl Term {
     }
 
     pub(crate) fn takes_directions(&self, profile: &Profile) -> bool {
-        let one = matches!(&profile.dialect, Dialect::Declared(facts) if facts.directions.value == Columns::One);
-        match profile.dialect {
+        let takes = match profile.dialect {
             Dialect::Siemens(_) | Dialect::Generic(_) => true,
-            Dialect::Isg(_) => false,
-            _ => self.term.is_positioning() && !one,
-        }
+            _ => self.term.is_positioning(),
+        };
+        takes && super::has_two_directions(profile)
     }
 
     /// Every place where a measured curve bends.
@@ -239,7 +238,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         _ => None,
     };
     // No table moves another axis.
-    let own_only = linuxcnc || declared.is_some_and(|facts| !facts.cross_terms.value);
+    let own_only = linuxcnc || !super::has_cross_terms(profile);
     let replaces_backlash =
         linuxcnc || declared.is_some_and(|facts| facts.backlash.value == BesideTable::Replaced);
     let isg = matches!(profile.dialect, Dialect::Isg(_));
@@ -276,7 +275,8 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
 
     let unit_um = random.of(&[1.0, 0.1, 2.5]);
     let is_plain = !siemens && !linuxcnc && !isg && declared.is_none();
-    let stated_unit = (fanuc || (is_plain && random.once_in(3))).then_some(unit_um);
+    let stated_unit = (profile.detection_unit_required.value || (is_plain && random.once_in(3)))
+        .then_some(unit_um);
     // A file that takes X, Y and Z alone has no name for the second axis.
     let numbered = profile.axis_names.value[0].parse::<u32>().is_ok();
     let gantry = random.once_in(4) && !isg && (declared.is_none() || numbered);

@@ -9,7 +9,9 @@
 
 pub(crate) mod machine;
 
-use nonius::control::controller::{Columns, CrossTerms, DeclaredFacts, Dialect, Profile, builtin};
+use nonius::control::controller::{
+    Columns, CrossTerms, DeclaredFacts, Dialect, Profile, TypedValue, builtin,
+};
 use nonius::control::table::Tables;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
@@ -50,6 +52,7 @@ pub(crate) fn has_two_directions(profile: &Profile) -> bool {
     match &profile.dialect {
         Dialect::Declared(facts) => facts.directions.value == Columns::Two,
         Dialect::Isg(_) => false,
+        Dialect::Generic(facts) => facts.typed_value.value != TypedValue::Increment,
         _ => true,
     }
 }
@@ -58,7 +61,8 @@ pub(crate) fn has_two_directions(profile: &Profile) -> bool {
 pub(crate) fn has_cross_terms(profile: &Profile) -> bool {
     match &profile.dialect {
         Dialect::Linuxcnc(facts) => facts.cross_terms.value == CrossTerms::Hal,
-        Dialect::Declared(facts) => facts.cross_terms.value,
+        Dialect::Declared(facts) => facts.cross_terms.value > 0,
+        Dialect::Generic(facts) => facts.cross_terms.value > 0,
         _ => true,
     }
 }

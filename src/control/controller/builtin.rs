@@ -22,6 +22,11 @@ const PROFILES: &[(&str, &str)] = embed!(
     "linuxcnc-hal.toml",
     "weihong.toml",
     "isg-volcomp.toml",
+    "aerotech.toml",
+    "isg-axis.toml",
+    "fagor-8055.toml",
+    "heidenhain-com.toml",
+    "gsk.toml",
     "generic.toml",
 );
 
@@ -52,6 +57,11 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "isg-sign.lis.tera",
     "isg.csv.tera",
     "isg-exchange.txt.tera",
+    "aerotech.cal.tera",
+    "isg-axis.lis.tera",
+    "fagor-8055.txt.tera",
+    "heidenhain.com.tera",
+    "heidenhain.cma.tera",
     "checklist.md.tera",
     "checklist.html.tera",
     "job.toml.tera",

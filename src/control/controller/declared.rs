@@ -152,8 +152,8 @@ facts! {
     DeclaredFacts {
         /// Sense of the table of an axis for itself.
         own_sign: TableSign,
-        /// Whether an axis can follow another one.
-        cross_terms: bool,
+        /// How many other axes an axis can follow.
+        cross_terms: u32,
         /// Sense of the table of an axis that follows another.
         cross_sign: TableSign,
         /// In which form a number says it.
@@ -191,12 +191,20 @@ facts! {
     }
 }
 
+/// Axes that one axis can follow.
+const OTHER_AXES: u32 = 2;
+
 impl DeclaredFacts {
     /// Reads and checks them.
     pub(super) fn checked(facts: &Facts<'_>) -> Option<DeclaredFacts> {
         let own = DeclaredFacts::read(facts)?;
         facts.expect_decimals("value_decimals", &own.value_decimals);
         facts.expect_decimals("position_decimals", &own.position_decimals);
+        facts.expect(
+            "cross_terms",
+            own.cross_terms.value <= OTHER_AXES,
+            "0, 1 or 2",
+        );
         facts.expect("points", own.points.value > 1, "at least 2");
         for (name, is_right, expected) in own.rules() {
             facts.expect(name, is_right, expected);
@@ -288,8 +296,8 @@ impl DeclaredFacts {
             Nodes::Spaced => &[Field::Start, Field::Spacing],
         };
         let cross: &[Field] = match self.cross_terms.value {
-            true => &[Field::Base, Field::Value],
-            false => &[],
+            0 => &[],
+            _ => &[Field::Base, Field::Value],
         };
         let wanted = [self.value_fields(true), places, cross].concat();
         for field in wanted.iter().filter(|field| !has(field)) {

@@ -25,6 +25,8 @@ facts! {
     GenericFacts {
         /// Most points of one table, if the control has a limit.
         points: u32,
+        /// How many other axes an axis can follow.
+        cross_terms: u32,
         /// What a person types into the control.
         typed_value: TypedValue,
         /// In which unit its screen takes it.

@@ -52,6 +52,14 @@ pub(crate) fn name(base: &str, output: &str) -> String {
 /// All tables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeclaredTables {
-    /// In the order of the files.
+    /// Ascending by corrected axis, then by the axis that is looked up.
     pub tables: Vec<DeclaredTable>,
+}
+
+impl DeclaredTables {
+    /// Tables in any order.
+    pub(crate) fn of(mut tables: Vec<DeclaredTable>) -> DeclaredTables {
+        tables.sort_by(|a, b| (&a.output, &a.base).cmp(&(&b.output, &b.base)));
+        DeclaredTables { tables }
+    }
 }

@@ -128,7 +128,7 @@ impl Draft {
         let wrong = |span: &Range<usize>, message: String, help: &str| {
             Err(Complaint::new(span.clone(), message, help))
         };
-        if !is_own && !facts.cross_terms.value {
+        if !is_own && facts.cross_terms.value == 0 {
             let message = format!(
                 "a {}, and this control corrects an axis by itself only",
                 name(&self.base, &self.output)

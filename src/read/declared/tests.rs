@@ -65,7 +65,7 @@ fn what_is_lost_doubled_or_foreign_is_refused_at_its_place() {
             "[X]\n0, 0, 0\n1, 0, 1.2.3\n",
             "`reverse` is `1.2.3`, expected a number",
         ),
-        ("; nothing\n", "no line of the file holds a value"),
+        ("; nothing\n", "no line of the files holds a value"),
         (
             "[X]\n0, 0, 0\n5, 0, 0\n[Y]\n0, 0, 0\n5, 0, 0\n[x]\n9, 0, 0\n8, 0, 0\n",
             "position 8 does not lie above 9",
@@ -91,7 +91,7 @@ fn fields_of_a_point_stand_in_several_lines() {
     let lines = r"['axis (?<axis>\d)', 'count (?<count>\d+)', 'master (?<base>\d)', 't.(?<point>\d+). at (?<position>\S+)', 't.(?<point>\d+). up (?<forward>\S+)', 't.(?<point>\d+). down (?<reverse>\S+)', 't.(?<point>\d+). v (?<value>\S+)']";
     let facts = own(&[
         ("lines", lines),
-        ("cross_terms", "true"),
+        ("cross_terms", "2"),
         ("comments", "false"),
     ])
     .unwrap();

@@ -1,0 +1,228 @@
+//! The control of docs/controllers.md §3, added without Rust: the page's own files, from the profile to the second visit.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test may stop at what it did not expect"
+)]
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use tempfile::TempDir;
+
+/// The fenced block behind a marker of the page, without its indent.
+fn block(page: &str, marker: &str) -> String {
+    let rest = page.split(marker).nth(1).expect(marker);
+    let lines = rest
+        .lines()
+        .skip_while(|line| !line.trim_start().starts_with("```"));
+    let lines = lines.skip(1).take_while(|line| line.trim() != "```");
+    let lines = lines.map(|line| line.strip_prefix("   ").unwrap_or(line));
+    lines.map(|line| format!("{line}\n")).collect()
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn page() -> String {
+    let page = fs::read_to_string(root().join("docs/controllers.md")).unwrap();
+    page.replace("\r\n", "\n")
+}
+
+/// A folder with the page's profile and template, and a job with its errors.
+fn visit() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    put("norden.toml", &block(&page(), "as `norden.toml`:"));
+    put(
+        "n5.txt.tera",
+        &block(&page(), "the template `n5.txt.tera` beside it."),
+    );
+    let machine = root().join("fixtures/machines/five_points");
+    let read = |name: &str| fs::read_to_string(machine.join(name)).unwrap();
+    put("errors.csv", &read("errors.csv"));
+    let job = read("generic.toml").replace("\"generic\"", "\"norden.toml\"");
+    put("job.toml", &job.replace("\"two-tables\"", "\"mean\""));
+    folder
+}
+
+/// Status and all that is printed.
+fn nonius(folder: &TempDir, line: &str) -> (Option<i32>, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
+        .current_dir(folder.path())
+        .args(line.split(' '))
+        .output()
+        .unwrap();
+    let said = [output.stdout, output.stderr].concat();
+    (output.status.code(), String::from_utf8(said).unwrap())
+}
+
+/// The value of a point in a file.
+fn value(text: &str, table: &str, point: u32) -> i64 {
+    let rest = text
+        .split(&format!("TABLE {table}\r\n"))
+        .nth(1)
+        .expect(table);
+    let begin = format!("{point} ");
+    let line = rest.lines().find(|line| line.starts_with(&begin)).unwrap();
+    line[begin.len()..].parse().unwrap()
+}
+
+/// A directory with one file, as read out of the control.
+fn read_out(folder: &TempDir, name: &str, text: &str) {
+    fs::create_dir_all(folder.path().join(name)).unwrap();
+    fs::write(folder.path().join(name).join("READ.TXT"), text).unwrap();
+}
+
+fn kit_file(folder: &TempDir, name: &str) -> String {
+    fs::read_to_string(folder.path().join(name)).unwrap()
+}
+
+#[test]
+fn the_profile_of_the_page_makes_files_that_read_back() {
+    let folder = visit();
+    let (status, said) = nonius(&folder, "controllers check norden.toml");
+    assert_eq!(status, Some(0), "{said}");
+    let (status, said) = nonius(&folder, "generate job.toml -o kit");
+    assert!(matches!(status, Some(0 | 1)), "{said}");
+    let text = kit_file(&folder, "kit/N5.TXT");
+    // errors.csv: Y at 200 mm has -6 µm = +120 counts of 0.05 µm; X at 400 mm the mean 9.5 less 1.5 µm = -160.
+    assert_eq!(value(&text, "Y BY Y", 5), 120, "{text}");
+    assert_eq!(value(&text, "X BY X", 5), -160, "{text}");
+    assert_eq!(value(&text, "Z BY Y", 5), -20, "{text}");
+    assert!(
+        text.contains("FIRST -200.000 STEP 100.000 POINTS 5\r\n1 "),
+        "{text}"
+    );
+    // The sample of the manual is a file of this control.
+    let sample = block(&page(), "says on pages 88 and 89:");
+    read_out(&folder, "sample", &sample);
+    let (status, said) = nonius(&folder, "verify job.toml --tables sample");
+    assert_eq!(status, Some(1), "{said}");
+    assert!(!said.contains("no pattern"), "{said}");
+}
+
+#[test]
+fn what_was_read_out_is_judged() {
+    let folder = visit();
+    nonius(&folder, "generate job.toml -o kit");
+    let text = kit_file(&folder, "kit/N5.TXT");
+    read_out(&folder, "right", &text);
+    let (_, made) = nonius(&folder, "verify job.toml --tables kit");
+    let (status, said) = nonius(&folder, "verify job.toml --tables right");
+    assert_eq!(status, Some(0), "{said}\n{made}");
+    read_out(&folder, "turned", &text.replace("\n5 120\r", "\n5 -120\r"));
+    let (status, said) = nonius(&folder, "verify job.toml --tables turned");
+    assert_eq!(status, Some(1), "{said}");
+    assert!(
+        said.contains("EYY") && said.contains("200.0000 mm"),
+        "{said}"
+    );
+    read_out(
+        &folder,
+        "foreign",
+        &text.replace("\r\nEND", "\r\nWEIGHT 2\r\nEND"),
+    );
+    let (status, said) = nonius(&folder, "verify job.toml --tables foreign");
+    assert_eq!(status, Some(2), "{said}");
+    assert!(
+        said.contains("no pattern of the profile takes this line"),
+        "{said}"
+    );
+    assert!(said.contains("READ.TXT:9:1"), "{said}");
+}
+
+#[test]
+fn a_second_measurement_builds_on_what_was_active() {
+    let folder = visit();
+    nonius(&folder, "generate job.toml -o kit");
+    let old = kit_file(&folder, "kit/N5.TXT");
+    read_out(&folder, "active", &old);
+    let job = kit_file(&folder, "job.toml");
+    let second = job.replace("errors.csv", "second.csv");
+    let second = second.replace(
+        "= \"none\"",
+        "= \"active\"\nactive_terms_not_measured = \"keep\"",
+    );
+    fs::write(folder.path().join("second.toml"), second).unwrap();
+    // What the tables left: 1 µm more at each end of Y.
+    let left = "axis,position_mm,ey_um\ny,-200,1\ny,0,0\ny,200,1\n";
+    fs::write(folder.path().join("second.csv"), left).unwrap();
+    let (status, said) = nonius(&folder, "generate second.toml -o second");
+    assert!(matches!(status, Some(0 | 1)), "{said}");
+    let new = kit_file(&folder, "second/N5.TXT");
+    assert_eq!(
+        value(&new, "Y BY Y", 5),
+        value(&old, "Y BY Y", 5) - 20,
+        "{new}"
+    );
+    assert_eq!(
+        value(&new, "Y BY Y", 1),
+        value(&old, "Y BY Y", 1) - 20,
+        "{new}"
+    );
+    assert_eq!(
+        value(&new, "X BY X", 5),
+        value(&old, "X BY X", 5),
+        "not measured: kept\n{new}"
+    );
+}
+
+#[test]
+fn each_sign_proof_is_one_bump() {
+    let folder = visit();
+    nonius(&folder, "generate job.toml -o kit");
+    for (name, tables) in [("SIGN-OWN.TXT", 3), ("SIGN-CROSS.TXT", 6)] {
+        let text = kit_file(&folder, &format!("kit/{name}"));
+        assert_eq!(text.matches("TABLE").count(), tables, "{text}");
+        let points = text.lines().filter_map(|line| line.split_once(' '));
+        let is_point = |(number, _): &(&str, &str)| number.parse::<u32>().is_ok();
+        let values = points
+            .filter(is_point)
+            .map(|(_, value)| value.parse::<i64>().unwrap());
+        let bump: Vec<i64> = values.filter(|value| *value != 0).collect();
+        assert_eq!(bump, [-400], "20 um, as correction\n{text}");
+    }
+    let checklist = kit_file(&folder, "kit/checklist.html");
+    assert!(checklist.contains("SIGN-CROSS.TXT") && checklist.contains("20.0 µm"));
+}
+
+#[test]
+fn a_mistake_in_the_profile_has_its_line() {
+    let folder = visit();
+    let profile = kit_file(&folder, "norden.toml");
+    for (right, wrong, says) in [
+        ("(?<value>", "(?<vaule>", "did you mean `value`?"),
+        (
+            "nodes = { value = \"spaced\"",
+            "nodes = { value = \"equal\"",
+            "expected one of `free`, `spaced`",
+        ),
+        (
+            "(?<point>\\d+) (?<value>",
+            "(?<point>\\d+),(?<value>",
+            "no pattern of the profile takes this line",
+        ),
+        (
+            "value_size = { value = 0.05",
+            "value_size = { value = 0.1",
+            "",
+        ),
+    ] {
+        assert!(profile.contains(right), "{right}");
+        fs::write(
+            folder.path().join("norden.toml"),
+            profile.replace(right, wrong),
+        )
+        .unwrap();
+        let (status, said) = nonius(&folder, "controllers check norden.toml");
+        assert_eq!(
+            status,
+            Some(if says.is_empty() { 0 } else { 2 }),
+            "{wrong}: {said}"
+        );
+        assert!(said.contains(says), "{wrong}: {said}");
+        assert!(says.is_empty() || said.contains("-->"), "{wrong}: {said}");
+    }
+}
