@@ -78,7 +78,7 @@ fn job(
     grid: impl Fn(&Rail) -> String,
     squareness: &str,
 ) -> String {
-    let fanuc = controller.starts_with("fanuc");
+    let needs_unit = support::needs_unit(controller);
     let mut text = format!(
         "schema = 1\n[machine]\nname = \"laws\"\n[measurement]\nerrors = \"errors.csv\"\n\
          active_while_measuring = \"none\"\n{squareness}\
@@ -95,7 +95,7 @@ fn job(
             grid(rail)
         )
         .unwrap();
-        if fanuc {
+        if needs_unit {
             text.push_str("detection_unit_um = 1.0\n");
         }
     }
@@ -438,7 +438,7 @@ proptest! {
                  errors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[compensation]\n\
                  controller = \"{id}\"\nbacklash = \"curve-and-parameter\"\n[compensation.axes.x]\n\
                  spacing_mm = 100.0\n{}",
-                if id.starts_with("fanuc") { "detection_unit_um = 0.1\n" } else { "" }
+                if support::needs_unit(id) { "detection_unit_um = 0.1\n" } else { "" }
             );
             let (inputs, kit) = support::generate(&text, &errors);
             let name = &inputs.profile.axis_names.value[0];

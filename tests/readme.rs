@@ -114,7 +114,8 @@ fn the_jobs_to_start_from_work_for_every_control() {
                     .expect("a file can be copied");
             }
             let mut own = job.replace("siemens-840d-sl", id);
-            if id.starts_with("fanuc") {
+            let profile = builtin::profile(id).expect("a built-in profile");
+            if profile.detection_unit_required.value {
                 own = own.replace("# detection_unit_um", "detection_unit_um");
             }
             std::fs::write(folder.path().join("job.toml"), own).expect("the job can be written");

@@ -47,6 +47,11 @@ pub(crate) fn count_um(facts: &DeclaredFacts) -> f64 {
     facts.value_size.value.um * 0.1_f64.powi(facts.value_decimals.value.cast_signed())
 }
 
+/// Whether a job for a built-in control has to state detection units.
+pub(crate) fn needs_unit(id: &str) -> bool {
+    builtin::profile(id).unwrap().detection_unit_required.value
+}
+
 /// Whether the table of an axis for itself holds both directions.
 pub(crate) fn has_two_directions(profile: &Profile) -> bool {
     match &profile.dialect {
