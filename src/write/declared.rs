@@ -7,19 +7,22 @@
 
 use crate::control::claims::Precondition;
 use crate::control::controller::{
-    BesideTable, Columns, ControlUnit, DeclaredFacts, Mechanism, Order, Outside, ValueForm,
+    BesideTable, Columns, ControlUnit, DeclaredFacts, Evidence, Mechanism, Order, Outside,
+    ValueForm,
 };
 use crate::control::table::Tables;
 use crate::control::table::declared::{DeclaredTable, DeclaredTables, Point, name};
 use crate::inputs::job::Compensation;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::{Deviation, UM_PER_MM, power_of_ten, rounded};
+use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compiled::{
     Bump, Compiled, Placement, backlash_parameter, column, control_state, whole_below,
 };
 use crate::write::control_text::{Instead, fixed};
 use crate::write::family::Family;
+use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
@@ -85,7 +88,7 @@ impl Family for DeclaredFacts {
             tables: Tables::Declared(DeclaredTables::of(tables)),
             state,
             assumptions: Vec::new(),
-            notes: Vec::new(),
+            notes: self.form().into_iter().map(Finding::from).collect(),
         })
     }
 
@@ -156,6 +159,14 @@ impl Family for DeclaredFacts {
 const BACKLASH_DECIMALS: u32 = 1;
 
 impl DeclaredFacts {
+    /// What is to be known of files whose form no manual states.
+    fn form(&self) -> Option<TableFinding> {
+        (self.lines.evidence == Evidence::Assumed).then(|| TableFinding::FormAssumed {
+            source: self.lines.source.clone(),
+            if_wrong: self.lines.consequence.clone().unwrap_or_default(),
+        })
+    }
+
     /// The last decimal of a value, µm.
     fn count_um(&self) -> f64 {
         self.value_size.value.um / power_of_ten(self.value_decimals.value)

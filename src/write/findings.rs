@@ -18,6 +18,7 @@ findings! {
         AnglesWritten { angles: Vec<Rotation> } => Note, "{}: also in the files. The control takes off what these angles do through the positions of the axes behind theirs, without a tool; no sign proof shows their sense", joined(angles);
         AnglesLeft { angles: Vec<Rotation> } => Note, "{}: not in the files, for no deviation along this axis has a table", joined(angles);
         NoSignProof { mechanism: &'static str, least_um: f64, slope_um_per_mm: f64 } => Note, "no sign proof of {mechanism}: no axis has a stretch, at least one section away from its reference and inside its travel, on which a bump rises to {least_um} µm with at most {slope_um_per_mm} µm/mm; measure after loading instead, one axis first";
+        FormAssumed { source: String, if_wrong: String } => Note, "DRAFT: the form of the files is assumed, not read in a manual ({source}): compare them with a file that the control has written; if it is wrong: {if_wrong}";
         OtherLetters { key: &'static str, text: String, written: String } => Note, "{key} `{text}` stands as `{written}` in the control's files, which are ASCII";
     }
 }

@@ -4,6 +4,7 @@ use crate::case::{Case, Held};
 use crate::support::machine::Term;
 use nonius::control::controller::{Dialect, StraightnessForm};
 use nonius::quantity::curve::Interpolation;
+use nonius::quantity::units::power_of_ten;
 
 /// Positions of a dense look along an axis: straight lines bend at known places, cubics peak.
 const DENSE: [usize; 2] = [240, 2000];
@@ -16,8 +17,7 @@ pub(crate) const NEAR_UM: f64 = 1e-5;
 pub(crate) fn half_position_digit(case: &Case<'_>) -> f64 {
     match &case.profile.dialect {
         Dialect::Declared(facts) => {
-            let digit = 0.1_f64.powi(facts.position_decimals.value.cast_signed());
-            0.5e-3 * facts.position_size.value.um * digit
+            0.5e-3 * facts.position_size.value.um / power_of_ten(facts.position_decimals.value)
         }
         Dialect::Siemens(_) | Dialect::Linuxcnc(_) if case.machine.inch => 0.5e-6 * 25.4,
         Dialect::Siemens(_) | Dialect::Generic(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_) => {

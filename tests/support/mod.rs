@@ -17,7 +17,7 @@ use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::Direction;
-use nonius::quantity::units::Millimetres;
+use nonius::quantity::units::{Millimetres, power_of_ten};
 use nonius::read::emulate::{Emulator, Response};
 use nonius::read::{KitFile, read};
 use nonius::text::document::Source;
@@ -44,7 +44,7 @@ pub(crate) fn inputs(job: &str, errors: &str) -> Inputs {
 
 /// The last decimal of a value of a declared control, µm.
 pub(crate) fn count_um(facts: &DeclaredFacts) -> f64 {
-    facts.value_size.value.um * 0.1_f64.powi(facts.value_decimals.value.cast_signed())
+    facts.value_size.value.um / power_of_ten(facts.value_decimals.value)
 }
 
 /// Whether a job for a built-in control has to state detection units.
