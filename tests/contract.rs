@@ -300,6 +300,7 @@ fn no_profile_is_left_out() {
         "fagor-8055",
         "heidenhain-com",
         "gsk",
+        "klipper-skew", // lines alone: tests/skew.rs
         "generic",
     ];
     assert_eq!(builtin::ids(), tested);

@@ -88,6 +88,7 @@ fn turned(profile: &Profile) -> Profile {
             turn(&mut facts.trim_sign.value);
             turn(&mut facts.sum_sign.value);
         }
+        Dialect::Klipper(facts) => turn(&mut facts.skew_sign.value),
         Dialect::Isg(facts) => turn(&mut facts.error_sign.value),
     }
     profile
@@ -614,7 +615,7 @@ fn how_to_switch_off_by_hand_stands_there_without_a_sign_proof() {
 #[test]
 fn a_reference_point_off_the_travel_is_noted() {
     let words = "mm outside the travel of the job";
-    for id in builtin::ids() {
+    for id in support::positioning_ids() {
         let (job, errors) = five_points(id);
         for (reference, beyond) in [
             ("460.0", Some("460 mm, lies 60.00")),

@@ -7,7 +7,6 @@
 
 mod support;
 
-use nonius::control::controller::builtin;
 use nonius::control::table::Tables;
 use nonius::control::table::generic::GenericRow;
 use nonius::inputs::error_table::ErrorTable;
@@ -270,7 +269,7 @@ proptest! {
     ) {
         // The same everywhere is no error: all that counts is relative to the reference.
         let rails = rails.map(|rail| rail.with_errors(|_, _, _| offset));
-        for id in builtin::ids() {
+        for id in support::positioning_ids() {
             let (inputs, kit) =
                 support::generate(&job(&rails, id, &ways, spacing, ""), &csv(&rails, Unit::Metric));
             let control = support::control(&inputs.profile, &kit);
@@ -332,7 +331,7 @@ proptest! {
 
     #[test]
     fn so_many_points_cover_the_travel_with_the_smallest_spacing(rails in rails(), points in 3..100_u32) {
-        for id in builtin::ids() {
+        for id in support::positioning_ids() {
             let text = job(&rails, id, "", |_| format!("points = {points}"), "");
             let (_, kit) = support::generate(&text, &csv(&rails, Unit::Metric));
             for (axis, rail) in Axis::ALL.into_iter().zip(&rails) {
@@ -431,7 +430,7 @@ proptest! {
         }
         let at = 100 * reference;
         // A machine of one axis has no volumetric compensation.
-        for id in builtin::ids().into_iter().filter(|id| *id != "isg-volcomp") {
+        for id in support::positioning_ids().filter(|id| *id != "isg-volcomp") {
             let text = format!(
                 "schema = 1\n[machine]\nname = \"reversal\"\n[machine.axes.x]\ntravel_mm = [0.0, 400.0]\n\
                  reference_mm = {at}.0\nreference_direction = \"{homing}\"\n[measurement]\n\

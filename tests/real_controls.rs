@@ -182,7 +182,11 @@ fn told(active: &ActiveControl) -> String {
             )
             .unwrap();
         }
-        Tables::Generic(_) | Tables::Declared(_) | Tables::Linuxcnc(_) | Tables::Isg(_) => {}
+        Tables::Generic(_)
+        | Tables::Declared(_)
+        | Tables::Linuxcnc(_)
+        | Tables::Isg(_)
+        | Tables::Klipper(_) => {}
     }
     said
 }

@@ -217,7 +217,7 @@ fn check_stages(policy: &str) {
     let Some(stages) = stages() else {
         return;
     };
-    for id in builtin::ids() {
+    for id in support::positioning_ids() {
         let profile = builtin::profile(id).unwrap();
         let (_, kit) = support::generate(&job(&stages, id, policy), &errors_csv(&stages));
         let tables = support::loaded(&profile, &kit);
@@ -333,10 +333,7 @@ fn the_emulated_stages_stand_where_they_should() {
     let Some(stages) = stages() else {
         return;
     };
-    for id in builtin::ids()
-        .into_iter()
-        .filter(|id| !id.starts_with("fanuc"))
-    {
+    for id in support::positioning_ids().filter(|id| !id.starts_with("fanuc")) {
         let profile = builtin::profile(id).unwrap();
         if !support::has_two_directions(&profile) {
             continue; // what the mean leaves stands above
@@ -391,7 +388,7 @@ const GOLDEN_ERRORS: &str = include_str!("../fixtures/nine_errors_900/errors.csv
 
 #[test]
 fn nine_errors_of_the_900_mm_machine_on_every_control() {
-    for id in builtin::ids() {
+    for id in support::positioning_ids() {
         let job = if support::needs_unit(id) {
             GOLDEN_FANUC.replace("\"fanuc-30i\"", &format!("\"{id}\""))
         } else {

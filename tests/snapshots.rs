@@ -87,6 +87,11 @@ fn by_hand(profile: &str, path: &str, role: Role) -> &'static str {
             "position, deviation moving in +, deviation moving in -, in mm: as in errors.csv less that at the \
              reference (X+ at 400 mm 8 um = 0.008, X- at 0 mm 3 um = 0.003)"
         }
+        ("klipper", Role::SignProof) => "one factor: 20 um at the end of the travel, in mm in a mm",
+        ("klipper", _) => {
+            "slopes of errors.csv between the ends in mm in a mm: EXY (2 + 2) um in 400 mm = 0.000010, EXZ \
+             (0 - 4) um in 400 mm = -0.000010, EYZ (0 - 1) um in 400 mm = -0.0000025"
+        }
         ("isg", Role::Parameters) => {
             "logical axis numbers, chain from the workpiece to the tool, one parameter file"
         }
@@ -194,6 +199,11 @@ fn linuxcnc_hal() {
 #[test]
 fn weihong() {
     files_of("weihong");
+}
+
+#[test]
+fn klipper_skew() {
+    files_of("klipper-skew");
 }
 
 #[test]

@@ -14,6 +14,8 @@ pub enum Family {
     Linuxcnc,
     /// Keys of a list, headers and rows of parameters.
     Isg,
+    /// Sections of a configuration.
+    Klipper,
     /// Lines as a profile declares them.
     Declared,
 }
@@ -35,6 +37,7 @@ pub fn judge(family: Family, name: &str, bytes: &[u8]) -> Result<(), String> {
         Family::Linuxcnc => comp(text),
         Family::Isg if name.ends_with(".lis") => list(text),
         Family::Isg => parameters(text),
+        Family::Klipper => skew(text),
         Family::Declared => declared(text),
     };
     wrong.map_err(|line| format!("{name}: foreign line {line:?}"))
@@ -95,6 +98,26 @@ fn list(text: &str) -> Wrong {
             "file_format[0]" => value == "ISG_CSV",
             _ => false,
         };
+        if !is_right || seen.contains(&key) {
+            return Err(line.to_string());
+        }
+        seen.push(key);
+    }
+    Ok(())
+}
+
+/// Comments, two sections and three factors, each once.
+fn skew(text: &str) -> Wrong {
+    let mut seen = Vec::new();
+    for line in text
+        .lines()
+        .filter(|line| !line.starts_with('#') && !line.is_empty())
+    {
+        let is_right = match line.split_once(" = ") {
+            Some(("xy_skew" | "xz_skew" | "yz_skew", value)) => is_number(value),
+            _ => line.starts_with("[skew_correction"),
+        };
+        let key = line.split(" = ").next().unwrap_or(line);
         if !is_right || seen.contains(&key) {
             return Err(line.to_string());
         }

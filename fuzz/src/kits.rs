@@ -169,6 +169,7 @@ fn family(profile: &Profile) -> Family {
         Dialect::Declared(_) => Family::Declared,
         Dialect::Linuxcnc(_) => Family::Linuxcnc,
         Dialect::Isg(_) => Family::Isg,
+        Dialect::Klipper(_) => Family::Klipper,
     }
 }
 

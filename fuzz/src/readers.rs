@@ -256,6 +256,17 @@ pub fn isg(input: &[u8]) -> Answer {
     Ok(format!("{read:?}"))
 }
 
+/// A configuration of Klipper.
+pub fn klipper(input: &[u8]) -> Answer {
+    let file = KitFile {
+        path: "printer.cfg",
+        role: Role::Table,
+        bytes: input,
+    };
+    let read = nonius::read::read(&built_in("klipper-skew")?, &[file])?;
+    Ok(format!("{read:?}"))
+}
+
 /// The generic table.
 pub fn generic_table(input: &[u8]) -> Answer {
     let source = Source::from_bytes("x", input)?;

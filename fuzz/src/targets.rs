@@ -124,6 +124,11 @@ pub fn all() -> Vec<Target> {
             f.files(|name| name.ends_with(".dat")),
         ),
         read("linuxcnc", readers::linuxcnc, f.kits_with(".comp")),
+        read(
+            "klipper",
+            readers::klipper,
+            f.files(|name| name.ends_with("skew.cfg")),
+        ),
         read("isg", readers::isg, f.kits_with(".lis")),
         read(
             "generic-csv",

@@ -14,6 +14,7 @@ mod fanuc;
 mod generic;
 mod isg;
 mod job_keys;
+mod klipper;
 mod linuxcnc;
 pub mod load;
 mod load_parts;
@@ -31,6 +32,7 @@ pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::generic::{GenericFacts, TypedValue};
 pub use self::isg::{FileFormat, IsgFacts, LeverOrigin};
 pub use self::job_keys::{JobKey, JobSection};
+pub use self::klipper::KlipperFacts;
 pub use self::linuxcnc::{CrossTerms, LinuxcncFacts};
 pub(crate) use self::pattern::Field;
 pub use self::pattern::Pattern;
@@ -72,6 +74,8 @@ pub enum Dialect {
     Linuxcnc(LinuxcncFacts),
     /// Volumetric compensation of the ISG kernel.
     Isg(IsgFacts),
+    /// Skew correction of Klipper.
+    Klipper(KlipperFacts),
 }
 
 /// End of a line in the files of a control.

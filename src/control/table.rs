@@ -8,6 +8,7 @@ pub mod declared;
 pub mod fanuc;
 pub mod generic;
 pub mod isg;
+pub mod klipper;
 pub mod linuxcnc;
 pub mod siemens;
 
@@ -26,4 +27,6 @@ pub enum Tables {
     Linuxcnc(linuxcnc::LinuxcncTables),
     /// Parameters of an ISG volumetric compensation.
     Isg(isg::IsgTables),
+    /// The factors of a Klipper skew correction.
+    Klipper(klipper::KlipperTables),
 }

@@ -6,6 +6,7 @@ mod declared;
 mod fanuc;
 mod generic;
 mod isg;
+mod klipper;
 mod linuxcnc;
 mod siemens;
 

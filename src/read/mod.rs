@@ -14,6 +14,7 @@ pub mod fanuc;
 mod findings;
 pub mod generic;
 pub mod isg;
+pub mod klipper;
 mod lexer;
 pub mod linuxcnc;
 pub mod program;

@@ -212,12 +212,18 @@ pub struct Bump {
     pub(crate) rise: i64,
     pub(crate) counts: i64,
     pub(crate) count_um: f64,
+    /// A straight line from the reference through its peak.
+    pub(crate) is_slope: bool,
 }
 
 impl Bump {
-    /// Where it begins, is highest, and ends, machine coordinates.
+    /// Where it begins, is highest, and ends, machine coordinates; a slope has no end, only its beginning.
     pub fn places(&self) -> [Millimetres; 3] {
-        [self.peak - self.rise, self.peak, self.peak + self.rise].map(|n| self.grid.position(n))
+        let (from, to) = match self.is_slope {
+            true => (0, 0),
+            false => (self.peak - self.rise, self.peak + self.rise),
+        };
+        [from, self.peak, to].map(|n| self.grid.position(n))
     }
 
     /// The deviation that the table pretends at the peak.

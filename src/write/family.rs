@@ -46,6 +46,11 @@ pub(crate) trait Family {
         usize::MAX
     }
 
+    /// Why the control cannot take a term at all; `None` = it can.
+    fn refuses(&self, _term: ErrorTerm) -> Option<&'static str> {
+        None
+    }
+
     /// Whether measured angles go into the files of this job.
     fn takes_angles(&self, _task: Task<'_>) -> bool {
         false
@@ -89,6 +94,11 @@ pub(crate) trait Family {
         vec![None]
     }
 
+    /// Whether a proof is a slope from the reference to the far end of the travel in place of a bump.
+    fn proves_by_slope(&self) -> bool {
+        false
+    }
+
     /// Height above which the control cuts a table off, µm.
     fn cut_off_um(&self, _table: &PlannedTable) -> f64 {
         f64::INFINITY
@@ -116,5 +126,6 @@ pub(crate) fn family(profile: &Profile) -> &dyn Family {
         Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
         Dialect::Isg(facts) => facts,
+        Dialect::Klipper(facts) => facts,
     }
 }

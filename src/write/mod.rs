@@ -13,6 +13,7 @@ mod declared;
 pub mod fanuc;
 mod generic;
 mod isg;
+mod klipper;
 mod linuxcnc;
 pub mod siemens;
 

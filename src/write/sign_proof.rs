@@ -102,6 +102,9 @@ fn bump(
     count_um: f64,
     section_limit: Option<i64>,
 ) -> Option<Bump> {
+    if family(task.profile).proves_by_slope() {
+        return slope(task, planned, count_um);
+    }
     let grid = planned.grid;
     let most = whole_below(most_um(task, planned) / count_um);
     let slope_um = task.job.limits.max_slope_um_per_mm * grid.spacing().mm();
@@ -121,8 +124,28 @@ fn bump(
         rise,
         counts,
         count_um,
+        is_slope: false,
     };
     (bump.height().um() >= LEAST_BUMP_UM).then_some(bump)
+}
+
+/// The highest legal slope to the end of the travel that lies farther from the reference; `None` below
+/// [`LEAST_BUMP_UM`].
+fn slope(task: Task<'_>, planned: &PlannedTable, count_um: f64) -> Option<Bump> {
+    let grid = planned.grid;
+    let [(low, _), (_, high)] = stretches(task, planned.term.along, &grid)?;
+    let peak = if -low > high { low } else { high };
+    let far = (grid.position(peak) - grid.reference).mm().abs();
+    let most_um = most_um(task, planned).min(task.job.limits.max_slope_um_per_mm * far);
+    let bump = Bump {
+        grid,
+        peak,
+        rise: peak.abs(),
+        counts: whole_below(most_um / count_um),
+        count_um,
+        is_slope: true,
+    };
+    (bump.rise > 0 && bump.height().um() >= LEAST_BUMP_UM).then_some(bump)
 }
 
 /// Nodes on both sides of the reference that a bump may use: inside table and travel, at least

@@ -330,6 +330,7 @@ impl<'a> OneWay<'a> {
             | Dialect::Generic(_)
             | Dialect::Declared(_)
             | Dialect::Isg(_)
+            | Dialect::Klipper(_)
             | Dialect::Linuxcnc(_) => 0.1,
             Dialect::Fanuc(_) => self.case.machine.axis(self.term.term.of).unit_um.unwrap(),
         }

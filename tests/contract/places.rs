@@ -20,9 +20,11 @@ pub(crate) fn half_position_digit(case: &Case<'_>) -> f64 {
             0.5e-3 * facts.position_size.value.um / power_of_ten(facts.position_decimals.value)
         }
         Dialect::Siemens(_) | Dialect::Linuxcnc(_) if case.machine.inch => 0.5e-6 * 25.4,
-        Dialect::Siemens(_) | Dialect::Generic(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_) => {
-            0.5e-6
-        }
+        Dialect::Siemens(_)
+        | Dialect::Generic(_)
+        | Dialect::Linuxcnc(_)
+        | Dialect::Isg(_)
+        | Dialect::Klipper(_) => 0.5e-6,
         Dialect::Fanuc(_) => 0.0,
     }
 }

@@ -102,6 +102,7 @@ pub(crate) fn with_signs_turned(profile: &Profile) -> Profile {
             turn(&mut facts.trim_sign.value);
             turn(&mut facts.sum_sign.value);
         }
+        Dialect::Klipper(facts) => turn(&mut facts.skew_sign.value),
         Dialect::Isg(facts) => {
             turn(&mut facts.error_sign.value);
             turn(&mut facts.angle_sign.value);

@@ -56,7 +56,7 @@ pub(crate) fn needs_unit(id: &str) -> bool {
 pub(crate) fn has_two_directions(profile: &Profile) -> bool {
     match &profile.dialect {
         Dialect::Declared(facts) => facts.directions.value == Columns::Two,
-        Dialect::Isg(_) => false,
+        Dialect::Isg(_) | Dialect::Klipper(_) => false,
         Dialect::Generic(facts) => facts.typed_value.value != TypedValue::Increment,
         _ => true,
     }
@@ -70,6 +70,12 @@ pub(crate) fn has_cross_terms(profile: &Profile) -> bool {
         Dialect::Generic(facts) => facts.cross_terms.value > 0,
         _ => true,
     }
+}
+
+/// The controls that take the positioning of their axes.
+pub(crate) fn positioning_ids() -> impl Iterator<Item = &'static str> {
+    let ids = nonius::control::controller::builtin::ids().into_iter();
+    ids.filter(|id| *id != "klipper-skew")
 }
 
 /// The kit of a job.

@@ -27,6 +27,7 @@ const PROFILES: &[(&str, &str)] = embed!(
     "fagor-8055.toml",
     "heidenhain-com.toml",
     "gsk.toml",
+    "klipper-skew.toml",
     "generic.toml",
 );
 
@@ -62,6 +63,7 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "fagor-8055.txt.tera",
     "heidenhain.com.tera",
     "heidenhain.cma.tera",
+    "klipper.cfg.tera",
     "checklist.md.tera",
     "checklist.html.tera",
     "job.toml.tera",

@@ -150,6 +150,8 @@ pub enum Mechanism {
     Volcomp,
     /// ISG: its angles.
     VolcompAngles,
+    /// Klipper: skew correction.
+    Skew,
     /// Basic system mm.
     Metric,
     /// Basic system inch.
@@ -174,6 +176,7 @@ impl Word for Mechanism {
         ("cross-table", Mechanism::CrossTable),
         ("volcomp", Mechanism::Volcomp),
         ("volcomp-angles", Mechanism::VolcompAngles),
+        ("skew", Mechanism::Skew),
         ("metric", Mechanism::Metric),
         ("inch", Mechanism::Inch),
         ("none", Mechanism::Nothing),
@@ -198,6 +201,7 @@ impl Mechanism {
             Mechanism::CrossTable => "this kit holds no table that follows another axis",
             Mechanism::Volcomp => "this kit holds no volumetric compensation",
             Mechanism::VolcompAngles => "this kit holds no angles",
+            Mechanism::Skew => "this kit holds no skew correction",
             Mechanism::Metric => "this kit is in inch",
             Mechanism::Inch => "this kit is in mm",
             Mechanism::Nothing => "a wrong value has no consequence",

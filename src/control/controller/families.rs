@@ -2,15 +2,16 @@
 
 use crate::control::controller::fact::{Facts, Mechanism, Word};
 use crate::control::controller::{
-    DeclaredFacts, Dialect, Family, FanucFacts, GenericFacts, IsgFacts, LinuxcncFacts, SiemensFacts,
+    DeclaredFacts, Dialect, Family, FanucFacts, GenericFacts, IsgFacts, KlipperFacts,
+    LinuxcncFacts, SiemensFacts,
 };
-use crate::control::controller::{declared, fanuc, generic, isg, linuxcnc, siemens};
+use crate::control::controller::{declared, fanuc, generic, isg, klipper, linuxcnc, siemens};
 
 /// A family, and how the facts of its controls are read.
 pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 
 /// All of them, in the order in which they are named.
-pub(super) const FAMILIES: [Known; 6] = [
+pub(super) const FAMILIES: [Known; 7] = [
     (&siemens::FAMILY, |facts| {
         SiemensFacts::checked(facts).map(Dialect::Siemens)
     }),
@@ -25,6 +26,9 @@ pub(super) const FAMILIES: [Known; 6] = [
     }),
     (&linuxcnc::FAMILY, |facts| {
         LinuxcncFacts::checked(facts).map(Dialect::Linuxcnc)
+    }),
+    (&klipper::FAMILY, |facts| {
+        KlipperFacts::checked(facts).map(Dialect::Klipper)
     }),
     (&isg::FAMILY, |facts| {
         IsgFacts::checked(facts).map(Dialect::Isg)

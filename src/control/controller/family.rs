@@ -18,7 +18,8 @@ pub struct Family {
     pub(crate) no_tables: Tables,
     /// What an old table is set to that new files leave in the control.
     pub(crate) off: &'static str,
-    /// Whether the power goes off between compensation off and on, so that the reference point is found anew.
+    /// Whether compensation off and on have no common zero: the power goes off between them, so that the reference
+    /// point is found anew, or the correction is not zero at the reference.
     pub(crate) restarts: bool,
     /// What switches old tables off where a kit has no file for it, as a remark on that.
     pub(crate) off_by_hand: &'static str,

@@ -80,8 +80,10 @@ impl Proofs {
 }
 
 fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, Problems> {
+    let slope = "SIGN PROOF: zero but for one slope; load the values of the kit again after it";
+    let bump = "SIGN PROOF: zero but for one bump; load the table of the kit again after it";
     let instead = Instead {
-        notice: "SIGN PROOF: zero but for one bump; load the table of the kit again after it",
+        notice: if proof.bump.is_slope { slope } else { bump },
         names_terms: true,
         ..Instead::default()
     };

@@ -43,6 +43,13 @@ fn places(shown: &Shown) -> [String; 3] {
 fn bump(made: &Made<'_>, shown: &Shown) -> String {
     let (proof, [from, peak, to]) = (&shown.proof, places(shown));
     let files: Vec<String> = shown.paths.iter().map(|path| format!("`{path}`")).collect();
+    if proof.bump.is_slope {
+        let (name, term) = (proof.of.name, proof.term);
+        let (files, along) = (files.join(", "), made.axes(term.along));
+        return format!(
+            "{name}, {files}: {term} is a straight line, zero at {along} = {from} mm and full at {peak} mm; everything else is zero"
+        );
+    }
     format!(
         "{}, {}: the table of {} holds one bump, zero up to {} = {from} mm, full at {peak} mm, zero from {to} mm on; zero everywhere else. The place is the legal bump that is highest and narrowest, nearest to the middle of the travel",
         proof.of.name,
@@ -66,8 +73,12 @@ fn two_places(made: &Made<'_>, shown: &Shown) -> String {
 
 fn expected(made: &Made<'_>, shown: &Shown) -> String {
     let [from, peak, to] = places(shown);
+    let behind = match shown.proof.bump.is_slope {
+        true => String::new(),
+        false => format!(" With {to} mm in place of {peak} mm: 0"),
+    };
     format!(
-        "**(reading at {peak} mm − reading at {from} mm) with the compensation on, less the same with it off: {} if the sign is {}; {} if it is the other way round.** With {to} mm in place of {peak} mm: 0",
+        "**(reading at {peak} mm − reading at {from} mm) with the compensation on, less the same with it off: {} if the sign is {}; {} if it is the other way round.**{behind}",
         signed(shown.shown_um),
         as_known(evidence(made, shown)),
         signed(-shown.shown_um),
@@ -83,7 +94,7 @@ fn with_a_gauge(made: &Made<'_>, shown: &Shown) -> String {
             towards(shown.shown_um, of),
             towards(-shown.shown_um, of),
         ),
-        true => "a dial gauge stays where it is through power off and on and is not set again; where one cannot reach both places, put one at each. One place alone proves nothing: the reference point is found anew at every power-on".to_string(),
+        true => "a dial gauge stays where it is between off and on and is not set again; where one cannot reach both places, put one at each. One place alone proves nothing: off and on need not have a common zero".to_string(),
     }
 }
 
