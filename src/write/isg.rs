@@ -279,7 +279,7 @@ impl IsgFacts {
                 })
                 .into()
             };
-            let rows = (0..first.points.len()).filter_map(|index| row(index));
+            let rows = (0..first.points.len()).filter_map(row);
             let rows: Vec<Value> = rows.collect();
             let names = along(axis).map(|curve| curve.parameter.to_string());
             Some(json!({

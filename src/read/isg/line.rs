@@ -15,7 +15,7 @@ pub(super) fn number(word: &str) -> Option<f64> {
 }
 
 /// The words of a piece of a line with their places.
-pub(super) fn words<'a>(text: &'a str, span: Range<usize>) -> Vec<(&'a str, Range<usize>)> {
+pub(super) fn words(text: &str, span: Range<usize>) -> Vec<(&str, Range<usize>)> {
     let mut cursor = Cursor::new(text, span, &[' ', '\t']);
     let mut words = Vec::new();
     while cursor.peek_word().is_some() {
