@@ -172,6 +172,112 @@ fn every_command_draws_and_replaces_nothing() {
     );
 }
 
+/// Machine 900 with a limit; U so large that nothing is decided, and a doubt, where it is `undecided`.
+fn judged(folder: &Path, verdict: &str) -> String {
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
+    let read = |name: &str| std::fs::read_to_string(from.join(name)).expect("a file");
+    let (job, table) = (read("siemens-840d-sl.toml"), read("errors.csv"));
+    let limits = |um: f64| format!("max_deviation_um = {um}\nmax_diagonal_um = {um}");
+    let with = |um: f64| job.replace("max_deviation_um = 10.0", &limits(um));
+    let (job, table) = match verdict {
+        "pass" => (with(10.0), table),
+        "fail" => (with(0.0001), table),
+        _ => {
+            let job = with(4.0).replace("active_while_measuring = \"none\"\n", "");
+            let rows = table.lines().map(|line| match line.as_bytes()[0] {
+                b'#' => line.to_string(),
+                b'a' => format!("{line},u_ex_um,u_ey_um,u_ez_um"),
+                _ => format!("{line},3.2,3.2,3.2"),
+            });
+            (job, rows.collect::<Vec<_>>().join("\n"))
+        }
+    };
+    let protocol = "[measurement.protocol]\nby = \"A. Person\"\ninstrument = \"laser 4711\"\ntemperature_c = 20.5\ntemperature_end_c = 20.9\ncustomer = \"A company\"\nlocation = \"hall 2\"\n";
+    let folder = folder.join(verdict);
+    std::fs::create_dir(&folder).expect("a folder");
+    std::fs::write(folder.join("errors.csv"), table).expect("a table");
+    let place = folder.join("job.toml");
+    std::fs::write(&place, format!("{job}\n{protocol}")).expect("a job");
+    place.to_str().expect("a name").to_string()
+}
+
+fn pages(print: &Path) -> usize {
+    let bytes = std::fs::read(print).expect("a print");
+    let text = String::from_utf8_lossy(&bytes);
+    let pages = text.lines();
+    pages
+        .filter(|line| line.trim_end().ends_with("/Type /Page"))
+        .count()
+}
+
+/// The first page alone, with the place for two signatures, is one sheet: as forecast and as left, however
+/// long its verdict is.
+#[test]
+fn signatures_stand_on_the_first_sheet() {
+    if !installed("chromium") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let place = |name: &str| {
+        folder
+            .path()
+            .join(name)
+            .to_str()
+            .expect("a name")
+            .to_string()
+    };
+    for verdict in ["pass", "undecided", "fail"] {
+        let job = judged(folder.path(), verdict);
+        let (kit, after) = (
+            place(&format!("{verdict}/kit")),
+            place(&format!("{verdict}.csv")),
+        );
+        let (page, sheet, print) = (place("page.html"), place("sheet.html"), place("print.pdf"));
+        let run = |arguments: &[&str]| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
+            let output = command.args(arguments).output().expect("the program runs");
+            let words = String::from_utf8_lossy(&output.stderr);
+            assert_ne!(output.status.code(), Some(2), "{arguments:?}: {words}");
+        };
+        run(&["generate", &job, "-q", "-o", &kit]);
+        run(&["simulate", &job, "--tables", &kit, "--errors", "-o", &after]);
+        let forecast = ["report", &job, "--tables", &kit, "--force", "-o", &page];
+        let left = [&forecast[..], &["--after", &after]].concat();
+        let cases = [
+            (&forecast[..], "en", "letter"),
+            (&forecast, "de", "letter"),
+            (&forecast, "zh", "A4"),
+            (&left, "en", "A4"),
+            (&left, "de", "letter"),
+            (&left, "de", "A4"),
+            (&left, "zh", "letter"),
+        ];
+        for (arguments, language, size) in cases {
+            run(&[arguments, &["--language", language]].concat());
+            let whole = std::fs::read_to_string(&page).expect("a page");
+            let (first, _) = whole.split_once("</section>").expect("the first page");
+            assert!(first.contains("class=\"sign\"") && first.contains("@page{size:auto"));
+            let first = first.replace("@page{size:auto", &format!("@page{{size:{size}"));
+            std::fs::write(&sheet, format!("{first}</section></body></html>")).expect("a page");
+            let url = format!("file://{sheet}");
+            chromium(
+                folder.path(),
+                &[
+                    "--no-pdf-header-footer",
+                    &format!("--print-to-pdf={print}"),
+                    &url,
+                ],
+            );
+            assert_eq!(
+                pages(Path::new(&print)),
+                1,
+                "{verdict} {language} {size}: {}",
+                arguments.len()
+            );
+        }
+    }
+}
+
 fn chromium(folder: &Path, arguments: &[&str]) -> Output {
     let data = format!("--user-data-dir={}", folder.join("browser").display());
     let output = Command::new("chromium")
@@ -267,12 +373,7 @@ fn the_print_has_its_pages() {
         let to = format!("--print-to-pdf={}", print.display());
         let url = format!("file://{}", report.display());
         chromium(folder.path(), &["--no-pdf-header-footer", &to, &url]);
-        let bytes = std::fs::read(&print).expect("a print");
-        let text = String::from_utf8_lossy(&bytes);
-        let pages = text
-            .lines()
-            .filter(|line| line.trim_end().ends_with("/Type /Page"))
-            .count();
+        let pages = pages(&print);
         assert!(
             (2..=8).contains(&pages),
             "{}: {pages} pages",

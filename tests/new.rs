@@ -278,6 +278,9 @@ fn visit(id: &str, more: &str) {
     let takes_all = ["generic", "siemens-840d-sl"].contains(&id);
     assert!(status == 0 || !takes_all || are_readings, "{id} {more}");
     done(at, "verify visit/job.toml --tables visit/kit", &[0, 1]);
+    let refused = done(at, "verify visit/job.toml --tables visit", &[2]);
+    assert!(refused.contains("it is no kit"), "{id}: {refused}");
+    assert_eq!(refused.matches("problem:").count(), 1, "{id}: {refused}");
     done(
         at,
         "report visit/job.toml --tables visit/kit -o first.html",
@@ -321,6 +324,7 @@ fn before(at: &Path, id: &str, is_siemens: bool) {
     if builtin::profile(id).expect("built in").program.is_some() {
         let said = done(at, "program visit/job.toml -o visit/programs", &[0]);
         assert!(said.contains("readings.csv, which the job names"), "{said}");
+        assert!(!said.contains("an end of the travel"), "{said}");
         assert!(!visit.join("programs/readings.csv").exists());
     }
     let refused = done(at, "separate visit/job.toml", &[2]);
@@ -407,6 +411,10 @@ fn what_is_there_stays_and_a_slip_of_the_options_is_refused() {
         (
             "--controller generic --travel 1,2,3:3 -o other",
             "the ends of the travel as LOW:HIGH",
+        ),
+        (
+            "--controller generic --travel -800,2,3 -o other",
+            "from -800 to 0 mm is `-800:0`",
         ),
         (
             "--controller generic --travel 5,400,400 --readings -o other",

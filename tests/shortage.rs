@@ -12,6 +12,7 @@
 mod support;
 
 use nonius::control::claims::Precondition;
+use nonius::control::claims::SeenTo;
 use nonius::control::controller::{BesideTable, Dialect, builtin};
 use nonius::quantity::axis::ErrorTerm;
 use nonius::text::finding::Finding;
@@ -173,7 +174,7 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
         let stated = kit.compiled.preconditions.iter().find(of_backlash);
         let stated = stated.unwrap_or_else(|| panic!("{id}: {:#?}", kit.compiled.preconditions));
         assert!(
-            stated.entered && stated.value.starts_with('0'),
+            stated.when == SeenTo::Entered && stated.value.starts_with('0'),
             "{stated:?}"
         );
         if id.starts_with("siemens") {

@@ -114,7 +114,7 @@ fn preconditions_are_sentences_and_axes_share_one() {
     let power = "the power of the control must be switched off and on after loading 3620 to 3627:";
     assert!(data.contains(power), "{data}");
     assert!(
-        talk.contains("checklist.md, why: docs/fanuc.md §4.2"),
+        talk.contains("checklist.html, why: docs/fanuc.md §4.2"),
         "{talk}"
     );
 }

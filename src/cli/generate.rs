@@ -105,7 +105,10 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
         more: vec![
             More::new(
                 compiled.placements.len(),
-                "tables with their points and counts",
+                [
+                    "table with its points and counts",
+                    "tables with their points and counts",
+                ],
                 [show::placements(&compiled.placements), show::slopes(model)].join("\n"),
             ),
             show::assumptions(&compiled.assumptions),
@@ -123,11 +126,10 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
         directory.display(),
         names.join(", ")
     )];
-    let checklist = kit.files.iter().find(|file| file.role == Role::Checklist);
-    lines.extend(checklist.map(|file| {
-        let path = directory.join(&file.path);
+    lines.extend(checklist(kit).map(|name| {
+        let path = directory.join(name);
         format!(
-            "read first: {}, step by step what to do at the machine",
+            "print first: {}, step by step what to do at the machine",
             path.display()
         )
     }));
@@ -141,6 +143,13 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
     wrapped.join("\n")
 }
 
+/// The checklist of a kit: of several that say the same the last one, which is the page to be printed.
+fn checklist(kit: &Kit) -> Option<&str> {
+    let mut files = kit.files.iter().rev();
+    let found = files.find(|file| file.role == Role::Checklist);
+    found.map(|file| file.path.as_str())
+}
+
 /// Archive, what switches off, and where the order of loading stands.
 fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
     let disable = kit.files.iter().find(|file| file.role == Role::Disable);
@@ -152,8 +161,7 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
             family.off_by_hand
         ),
     };
-    let checklist = kit.files.iter().find(|file| file.role == Role::Checklist);
-    let order = match (checklist.map(|file| &file.path), family.page) {
+    let order = match (checklist(kit), family.page) {
         (Some(file), Some(page)) => {
             format!("; order of loading and rollback: {file}, why: {page}")
         }

@@ -46,8 +46,14 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
     let is_travel =
         |(low, high): &(f64, f64)| low < high && low.abs().max(high.abs()) <= LONGEST_MM;
     ends.filter(is_travel).ok_or_else(|| {
-        "expected a length in mm, or the ends of the travel as LOW:HIGH, for each of X,Y,Z"
-            .to_string()
+        let expected =
+            "expected a length in mm, or the ends of the travel as LOW:HIGH, for each of X,Y,Z";
+        match ends {
+            Some((0.0, below)) if below < 0.0 => {
+                format!("{expected}: from {below} to 0 mm is `{below}:0`")
+            }
+            _ => expected.to_string(),
+        }
     })
 }
 

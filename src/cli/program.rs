@@ -115,11 +115,12 @@ fn motion(kit: &ProgramKit) -> String {
         (false, _) => format!("return pass not measured ({})", request.way_back.word()),
     };
     let minutes = kit.run.duration_s(request) / 60.0;
+    let runs = match request.runs {
+        1 => "1 run".to_string(),
+        runs => format!("{runs} runs"),
+    };
     let mut lines = vec![
-        format!(
-            "{} steps, {path}; {} run(s), {back}",
-            request.volume.steps, request.runs
-        ),
+        format!("{} steps, {path}; {runs}, {back}", request.volume.steps),
         format!(
             "feed {} mm/min, standstill {} s at every node, preload {} mm; {minutes:.0} min without set-up",
             request.feed_mm_per_min,

@@ -7,6 +7,7 @@ use crate::cli::screen::Screen;
 use crate::cli::tables::AskedTables;
 use crate::cli::verify::Judged;
 use crate::cli::{assess, inputs, standards};
+use crate::control::claims::Assumption;
 use crate::inputs::job::{Job, UseOf};
 use crate::inputs::kind::FileKind;
 use crate::judge::conformity::Verdict;
@@ -17,6 +18,7 @@ use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Report, Shown, Texts, Visit, linear_document, terms};
 use crate::text::document::Source;
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -158,9 +160,14 @@ fn with_tables(options: &Options, locale: Locale<'_>, inputs: &Inputs) -> Result
     visit.control.clone_from(&inputs.profile.name);
     visit.verdict = Some(page.verdict());
     visit.is_rehearsal = page.is_simulated();
-    visit.doubts = page.doubts().iter().map(ToString::to_string).collect();
+    let said = |findings: &[Finding]| findings.iter().map(ToString::to_string).collect();
+    visit.doubts = said(page.doubts());
+    visit.disagreements = said(&page.disagreements());
+    let matter = |assumed: &&Assumption| assumed.without_effect.is_none();
+    let assumed = page.assumptions().iter().filter(matter);
+    visit.assumptions = assumed.cloned().collect();
     visit.is_measured = options.after.is_some();
-    visit.asked = page.asked();
+    visit.grounds = page.grounds();
     visit.inputs.clone_from(&inputs.hashes);
     visit
         .documents

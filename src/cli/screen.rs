@@ -37,8 +37,9 @@ pub(super) struct More {
 }
 
 impl More {
-    /// So many of something, e.g. `assumptions`, and all of it for `--explain`.
-    pub(super) fn new(count: usize, what: &'static str, text: String) -> More {
+    /// So many of something, e.g. one `assumption` or several `assumptions`, and all of it for `--explain`.
+    pub(super) fn new(count: usize, [one, several]: [&'static str; 2], text: String) -> More {
+        let what = if count == 1 { one } else { several };
         let count = Some(count);
         More { count, what, text }
     }
@@ -94,7 +95,11 @@ impl Screen {
     /// What is not on the screen, in one line.
     fn announced(&self) -> String {
         let hidden = self.findings.len().saturating_sub(MOST_FINDINGS);
-        let findings = (hidden > 0).then(|| format!("{hidden} more findings"));
+        let findings = match hidden {
+            0 => None,
+            1 => Some("1 more finding".to_string()),
+            hidden => Some(format!("{hidden} more findings")),
+        };
         let more = self.more.iter().filter(|more| more.count != Some(0));
         let more = more.map(|more| match more.count {
             None => more.what.to_string(),
@@ -255,7 +260,11 @@ mod tests {
             figures: "table".to_string(),
             findings: (1..=7).map(|number| format!("finding {number}")).collect(),
             always: vec!["sign assumed".to_string()],
-            more: vec![More::new(3, "assumptions", "all of them".to_string())],
+            more: vec![More::new(
+                3,
+                ["assumption", "assumptions"],
+                "all of them".to_string(),
+            )],
         };
         let detail = |explain, quiet| Detail { explain, quiet };
         let page = screen.page(detail(false, false));

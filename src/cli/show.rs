@@ -5,7 +5,7 @@ use crate::cli::screen::{More, table};
 use crate::control::claims::{Assumption, Precondition, shared};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
-use crate::judge::forecast::{Change, Forecast};
+use crate::judge::forecast::{Change, Forecast, Grounds, terms_words};
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Figure;
@@ -154,18 +154,6 @@ pub(super) fn squareness_and_reversals(model: &ErrorModel) -> String {
     [squareness, reversals].join("\n").trim().to_string()
 }
 
-/// The terms whose uncertainty counts as 0 because nobody stated it.
-fn without_uncertainty(forecast: &Forecast) -> Option<String> {
-    let without = forecast.terms.iter().filter(|t| t.change.u_um.is_none());
-    let without: Vec<String> = without.map(|t| t.term.to_string()).collect();
-    let whose = match without.len() {
-        0 => return None,
-        all if all == forecast.terms.len() => String::new(),
-        _ => format!(" of {}", without.join(", ")),
-    };
-    Some(format!("U{whose} is not stated and counted as 0"))
-}
-
 /// Verdict with the limits it was judged by; below it stands what does not keep them.
 pub(super) fn verdict(
     verdict: Verdict,
@@ -174,8 +162,8 @@ pub(super) fn verdict(
     differs: bool,
     doubts: &[Finding],
 ) -> String {
-    let acceptance = job.acceptance;
-    let (limits, over) = (limits(job, forecast), judged_over(job, forecast));
+    let grounds = forecast.map_or_else(Grounds::default, |forecast| forecast.grounds(job));
+    let limits = limits(job, &grounds);
     let word = verdict.word();
     let words = match (limits.is_empty(), verdict) {
         (true, Verdict::Pass) => {
@@ -185,55 +173,24 @@ pub(super) fn verdict(
         (false, _) => format!("{word} (asked: {limits})"),
     };
     let mut lines = vec![format!("verdict: {words}")];
-    lines.extend(over.iter().map(|part| format!("  {part}")));
+    lines.extend(grounds.rests_on.iter().map(|part| format!("  {part}")));
     if differs {
         lines.push("  because the files differ from the job, or from their manifest".to_string());
     }
-    let misses = forecast.map(|f| f.misses(acceptance)).unwrap_or_default();
-    lines.extend(misses.iter().map(|miss| format!("  {miss}")));
+    lines.extend(grounds.misses.iter().map(|miss| format!("  {miss}")));
     lines.extend(doubts.iter().map(|doubt| format!("  DOUBTFUL: {doubt}")));
     lines.join("\n")
 }
 
-/// The limits of the job, and what they are judged over; empty without limits.
-pub(super) fn asked(job: &Job, forecast: Option<&Forecast>) -> String {
-    let mut parts = vec![limits(job, forecast)];
-    parts.extend(judged_over(job, forecast));
-    parts.join("; ")
-}
-
 /// The limits of the job; empty without any.
-fn limits(job: &Job, forecast: Option<&Forecast>) -> String {
+fn limits(job: &Job, grounds: &Grounds) -> String {
     let acceptance = job.acceptance;
-    let deviation = acceptance.max_deviation_um.map(|um| {
-        let terms = forecast.map_or_else(|| "every term".to_string(), Forecast::terms_words);
-        format!("{terms} within {um} µm")
-    });
+    let deviation = acceptance.max_deviation_um;
+    let deviation = deviation.map(|um| format!("{} within {um} µm", terms_words(&grounds.terms)));
     let diagonal = acceptance.max_diagonal_um;
     let diagonal = diagonal.map(|um| format!("max - min of every body diagonal within {um} µm"));
     let limits: Vec<String> = deviation.into_iter().chain(diagonal).collect();
     limits.join(", ")
-}
-
-/// What the limits are judged over, and what is not counted; nothing without limits.
-fn judged_over(job: &Job, forecast: Option<&Forecast>) -> Vec<String> {
-    let acceptance = job.acceptance;
-    let Some(forecast) = forecast.filter(|_| !acceptance.asks_nothing()) else {
-        return Vec::new();
-    };
-    let unused = job.measurement.unused_keys().join(", ");
-    let unused = (!unused.is_empty()).then(|| format!("stated and not counted: {unused}"));
-    let short = acceptance.max_diagonal_um.is_some() && forecast.diagonals.is_empty();
-    let short =
-        short.then_some("body diagonals need all nine errors, none measured in one direction only");
-    let silent = forecast.not_counted(acceptance).join("; ");
-    let mut parts = vec![forecast.range_words()];
-    parts.extend(forecast.directions_words());
-    parts.extend(without_uncertainty(forecast));
-    parts.extend((!silent.is_empty()).then_some(silent));
-    parts.extend(unused);
-    parts.extend(short.map(str::to_string));
-    parts
 }
 
 /// Assumed facts with their consequence; behind them those that cannot matter for this kit.
@@ -255,7 +212,11 @@ pub(super) fn assumptions(assumptions: &[Assumption]) -> More {
         let why = a.without_effect.unwrap_or_default();
         lines.push(format!("  {} = {}: {why}", a.fact, a.value));
     }
-    More::new(matter.len(), "assumptions", lines.join("\n"))
+    More::new(
+        matter.len(),
+        ["assumption", "assumptions"],
+        lines.join("\n"),
+    )
 }
 
 /// What a person has to see to, one sentence each; axes of which the same is asked share one.
@@ -268,7 +229,11 @@ pub(super) fn preconditions(preconditions: &[Precondition]) -> More {
         lines.push(format!("  {what} must be {}:", p.value));
         lines.push(format!("      {} [{}]", p.why, p.source));
     }
-    More::new(preconditions.len(), "preconditions", lines.join("\n"))
+    More::new(
+        preconditions.len(),
+        ["precondition", "preconditions"],
+        lines.join("\n"),
+    )
 }
 
 /// The signs that are only assumed, in one line, with what proves them.
@@ -279,7 +244,7 @@ pub(super) fn assumed_signs(assumptions: &[Assumption], proofs: &[&str]) -> Vec<
     let signs: Vec<String> = signs.map(|a| format!("{} = {}", a.fact, a.value)).collect();
     let proof = match proofs {
         [] => "prove it with one small bump before use".to_string(),
-        files => format!("prove it first: {} (checklist.md)", files.join(", ")),
+        files => format!("prove it first: {} (checklist)", files.join(", ")),
     };
     let line = format!(
         "SIGN ASSUMED, not seen on a control: {}; {proof}",

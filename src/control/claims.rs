@@ -47,9 +47,20 @@ pub struct Precondition {
     pub why: String,
     /// Where that is from.
     pub source: String,
-    /// Whether it is a value that a person enters after the tables, and puts back on rollback.
+    /// When a person sees to it.
     #[serde(skip)]
-    pub entered: bool,
+    pub when: SeenTo,
+}
+
+/// When a person sees to a precondition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SeenTo {
+    /// Before anything is loaded.
+    Before,
+    /// The value is entered after the tables, and put back on rollback.
+    Entered,
+    /// After loading: there is nothing to compare before.
+    After,
 }
 
 impl Precondition {
@@ -65,7 +76,15 @@ impl Precondition {
             value: value.into(),
             why: why.into(),
             source: source.into(),
-            entered: false,
+            when: SeenTo::Before,
+        }
+    }
+
+    /// The same, seen to after loading.
+    pub(crate) fn after_loading(self) -> Self {
+        Precondition {
+            when: SeenTo::After,
+            ..self
         }
     }
 }

@@ -12,13 +12,18 @@
 
 mod diagonals;
 mod figures;
+mod reasons;
 mod share;
-mod words;
+mod uncounted;
 
-pub use self::figures::{Basis, Change, DiagonalForecast, Forecast, Silent, TermForecast};
+pub use self::figures::{
+    Basis, Change, DiagonalForecast, Forecast, Silent, TermForecast, Uncounted,
+};
+pub(crate) use self::reasons::terms_words;
+pub use self::reasons::{Grounds, Hold, Miss, NotCounted, Of, RestsOn};
 use self::share::within;
 pub use self::share::{JudgedRange, Machine};
-pub(crate) use self::share::{judged_ranges, range_of};
+pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_gap_mm};
 
 use crate::judge::conformity::{Magnitude, Sigma, expanded_um, largest_um};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
@@ -94,7 +99,7 @@ pub fn forecast(
         basis: Basis::Forecast,
         sigma,
         ranges: ranges.to_vec(),
-        silent: words::silent(&model.remarks),
+        silent: uncounted::silent(&model.remarks),
         diagonals,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),

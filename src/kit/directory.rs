@@ -69,6 +69,7 @@ impl Directory {
             ..Directory::default()
         };
         let Some(manifest) = manifest else {
+            found.ensure_holds_no_input(inputs)?;
             return Ok(found);
         };
         let document: Value = json_page(manifest).map_err(|error| {
@@ -86,6 +87,25 @@ impl Directory {
                 .push(InDirectory::WholeControl { file }.into());
         }
         Ok(found)
+    }
+
+    /// The folder of a visit is no kit: with a file that the tables are made from among them, every file would be
+    /// complained of.
+    fn ensure_holds_no_input(&self, inputs: &Inputs) -> Result<(), Problem> {
+        let is_input = |bytes: &[u8]| {
+            let own = sha256(bytes);
+            inputs.hashes.iter().any(|input| input.sha256 == own)
+        };
+        let mut files = self.files.iter();
+        let Some((name, ..)) = files.find(|(_, _, bytes)| is_input(bytes)) else {
+            return Ok(());
+        };
+        let words = format!(
+            "`{}` holds `{}`, from which the tables are made, and no manifest.json: it is no kit",
+            self.path,
+            shown(name)
+        );
+        Err(Problem::new(words).help("name the directory that `nonius generate` wrote, or one that holds nothing but files read out of the control"))
     }
 
     /// A file that was left out, and why.

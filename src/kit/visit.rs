@@ -29,8 +29,8 @@ const LONGEST_STEP_MM: f64 = 50.0;
 /// Fewest and most steps that nobody asked for.
 const STEPS: [u32; 2] = [10, 30];
 /// What a box of diagonals leaves of the travel at each end at least, mm: the preload and the overrun of a
-/// measuring run have 2 mm.
-const MARGIN_MM: f64 = 2.5;
+/// measuring run have 2 mm, and software limits may lie a little before the ends.
+const MARGIN_MM: f64 = 4.0;
 /// Steps of a box are whole multiples of it, mm, so that every control reaches each node.
 const STEP_DIGIT_MM: f64 = 0.1;
 /// Column of a job in which comments begin.

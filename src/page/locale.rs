@@ -78,6 +78,20 @@ impl Locale<'_> {
         self.decimal(&number)
     }
 
+    /// A position or a distance with its unit: micrometres, or tenths of a thousandth of an inch.
+    pub(super) fn position(self, mm: f64) -> String {
+        let decimals = match self.shown {
+            Shown::Metric => 3,
+            Shown::Inch => 4,
+        };
+        let number = rounded(mm * self.mm().each, decimals).to_string();
+        format!(
+            "{} {}",
+            self.decimal(&number).replace('-', "\u{2212}"),
+            self.mm().sign
+        )
+    }
+
     /// Ends of a scale for several panels, µm: round numbers in the unit that is shown.
     pub(super) fn around(self, um: impl Iterator<Item = f64>) -> (f64, f64) {
         let each = self.um().each;

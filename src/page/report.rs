@@ -8,17 +8,21 @@
 //! A figure is `<span data-value="18" data-of="verify /terms/EXX/before_um">18.00</span>`: the number of
 //! the document, the command and the place in its JSON, and what a person reads. Nothing is computed here.
 
+mod grounds;
 mod parts;
 
 use super::locale::{Locale, Shown};
 use super::picture::Picture;
 use super::svg;
+use crate::control::claims::Assumption;
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
+use crate::judge::forecast::Grounds;
 use crate::kit::manifest::HashedFile;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Figure;
 use crate::text::html::escaped;
+use crate::text::plain;
 use crate::text::problem::Problems;
 use crate::write::emit::{TOOL, Templates};
 use serde_json::{Value, json};
@@ -28,6 +32,8 @@ use serde_json::{Value, json};
 enum Kind {
     /// µm in the document.
     Deviation,
+    /// The same with a decimal more, against a limit.
+    Reason,
     /// µm/m in the document and on the page.
     Slope,
     /// A whole number.
@@ -62,8 +68,12 @@ pub struct Visit {
     pub is_measured: bool,
     /// When that was, as the second job says.
     pub date_after: Option<String>,
-    /// The limits, and all that the verdict rests on and does not count: a sentence of `verify`.
-    pub asked: String,
+    /// What the verdict is made of.
+    pub grounds: Grounds,
+    /// How the files differ from the job, or from their manifest.
+    pub disagreements: Vec<String>,
+    /// What is assumed of the control and matters, until a measurement has shown it.
+    pub assumptions: Vec<Assumption>,
     /// Every file that was read, with its hash.
     pub inputs: Vec<HashedFile>,
     /// The JSON of each command, by its name.
@@ -89,7 +99,9 @@ impl Visit {
             doubts: Vec::new(),
             is_measured: false,
             date_after: None,
-            asked: String::new(),
+            grounds: Grounds::default(),
+            disagreements: Vec::new(),
+            assumptions: Vec::new(),
             inputs: Vec::new(),
             documents: Vec::new(),
             sizes: Vec::new(),
@@ -105,8 +117,6 @@ pub fn linear_document(number: usize) -> String {
     format!("standards:{number}")
 }
 
-/// What was found, on the first page; the part of findings has all.
-const MOST_CAUSES: usize = 3;
 /// In place of a figure that there is not.
 const NONE: &str = "\u{2013}";
 
@@ -114,6 +124,15 @@ const TEMPLATE: (&str, &str) = (
     "report.html.tera",
     include_str!("../../templates/report/report.html.tera"),
 );
+
+/// Text in a string of a style sheet: every mark as its number, so that none ends string or sheet.
+fn style_text(text: &str) -> String {
+    let one = |c: char| match c {
+        c if c == ' ' || c.is_alphanumeric() => c.to_string(),
+        c => format!("\\{:x} ", u32::from(c)),
+    };
+    plain::line(text).chars().map(one).collect()
+}
 
 impl Report<'_> {
     /// The page, self-contained: no script, nothing from elsewhere.
@@ -125,6 +144,8 @@ impl Report<'_> {
             "style": svg::STYLE,
             "logo": self.logo.as_deref().unwrap_or_default(),
             "unit": self.unit(),
+            "running": self.running(),
+            "in_english": if self.is_own_language() { String::new() } else { self.t("in_english") },
             "title": self.t(if self.is_found() { "title_found" } else { "title" }),
             "machine": { "name": escaped(&self.visit.job.machine.name) },
             "visit": self.visit(),
@@ -147,6 +168,19 @@ impl Report<'_> {
 
     fn t(&self, key: &str) -> String {
         escaped(self.locale.texts.of(key))
+    }
+
+    /// Whether the program's own sentences are in the language of the page.
+    fn is_own_language(&self) -> bool {
+        self.locale.texts.language.starts_with("en")
+    }
+
+    /// Machine and serial number, as the text of a style sheet.
+    fn running(&self) -> String {
+        let machine = &self.visit.job.machine;
+        let serial = machine.serial.iter();
+        let serial = serial.map(|own| format!(", {} {own}", self.locale.texts.of("serial")));
+        style_text(&format!("{}{}", machine.name, serial.collect::<String>()))
     }
 
     /// Whether there are no tables, only what was measured.
@@ -187,6 +221,7 @@ impl Report<'_> {
         };
         let words = match kind {
             Kind::Deviation => self.locale.deviation(number, 2),
+            Kind::Reason => self.locale.deviation(number, 3),
             Kind::Slope => self.locale.decimal(&format!("{:.2}", Figure(number))),
             Kind::Count => format!("{:.0}", Figure(number)),
         };
@@ -243,12 +278,7 @@ impl Report<'_> {
     }
 
     fn verdict(&self) -> Value {
-        let acceptance = self.visit.job.acceptance;
-        let limits = [
-            ("asked_deviation", acceptance.max_deviation_um),
-            ("asked_diagonal", acceptance.max_diagonal_um),
-        ];
-        let is_asked = limits.iter().any(|(_, um)| um.is_some());
+        let is_asked = !self.visit.job.acceptance.asks_nothing();
         let word = match self.visit.verdict.map(Verdict::word) {
             None => "as_found",
             Some("pass") if !is_asked => "nothing_asked",
@@ -259,47 +289,21 @@ impl Report<'_> {
             (false, true) => "of_measurement",
             (false, false) => "of_forecast",
         };
-        // As found nothing is judged: a limit beside the figures would read as a result.
-        let judged = limits.into_iter().filter(|_| !self.is_found());
-        let asked = judged.filter_map(|(key, um)| {
-            Some(format!("{}: \u{2264} {}", self.t(key), self.length(um?)))
-        });
-        let rests_on = Some(&self.visit.asked).filter(|words| !words.is_empty());
         json!({
             "kind": if self.visit.is_measured || word != "pass" { word } else { "forecast" },
             "word": self.t(word),
             "of": self.t(of),
-            "asked": asked.chain(rests_on.map(|words| escaped(words))).collect::<Vec<_>>(),
+            "asked": self.asked(),
             "because": self.because(),
         })
-    }
-
-    /// All doubts, then the first of what does not keep a limit and of what was found.
-    fn because(&self) -> Vec<String> {
-        let doubts: Vec<String> = self
-            .visit
-            .doubts
-            .iter()
-            .map(|words| escaped(words))
-            .collect();
-        let causes = self.sentences("verify", "/causes", usize::MAX);
-        let others = causes.into_iter().filter(|words| !doubts.contains(words));
-        let others: Vec<String> = others.take(MOST_CAUSES).collect();
-        [doubts, others].concat()
     }
 
     /// What never leaves the first page: a rehearsal, a sign that is only assumed.
     fn warnings(&self) -> Vec<String> {
         let simulated = self.visit.is_rehearsal.then(|| self.t("rehearsal"));
-        let signs = self.list("verify", "/assumptions").filter_map(|assumed| {
-            let fact = assumed["fact"].as_str()?;
-            let matters = assumed.get("without_effect").is_none_or(Value::is_null);
-            let value = assumed["value"].as_str()?;
-            (fact.ends_with("_sign") && matters).then(|| escaped(&format!("{fact} = {value}")))
-        });
-        let signs: Vec<String> = signs.collect();
-        let signs =
-            (!signs.is_empty()).then(|| format!("{} {}", self.t("sign_assumed"), signs.join(", ")));
+        let mut assumed = self.visit.assumptions.iter();
+        let is_sign = assumed.any(|assumed| assumed.fact.ends_with("_sign"));
+        let signs = is_sign.then(|| self.t("sign_assumed"));
         simulated.into_iter().chain(signs).collect()
     }
 

@@ -1,7 +1,7 @@
 //! The tables as they are written, what the control remembers with them and why it has to, and the bump of a
 //! sign proof.
 
-use crate::control::claims::{Assumption, Precondition};
+use crate::control::claims::{Assumption, Precondition, SeenTo};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::Proof;
 use crate::control::table::Tables;
@@ -134,20 +134,22 @@ pub(crate) fn backlash_parameter(
     named: impl Fn(f64) -> String,
     source: &str,
 ) -> Precondition {
-    let (value, why, entered) = match plan.backlash_um[axis] {
+    let (value, why, when) = match plan.backlash_um[axis] {
         Some(um) if task.job.compensation.backlash[axis] == Some(BacklashPolicy::TwoTables) => {
-            (named(um), equal_why(task.job, axis), true)
+            (named(um), equal_why(task.job, axis), SeenTo::Entered)
         }
-        Some(um) => (named(um), backlash_why(task.job, axis), true),
-        None if plan.has_two_tables(axis) => ("0".into(), two_tables_why(task.job, axis), true),
+        Some(um) => (named(um), backlash_why(task.job, axis), SeenTo::Entered),
+        None if plan.has_two_tables(axis) => {
+            ("0".into(), two_tables_why(task.job, axis), SeenTo::Entered)
+        }
         None => (
             "as during the measurement".into(),
             "backlash acts in addition to the table and adds to it",
-            false,
+            SeenTo::Before,
         ),
     };
     Precondition {
-        entered,
+        when,
         ..Precondition::new(what, value, why, source)
     }
 }

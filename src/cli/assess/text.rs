@@ -46,7 +46,11 @@ pub(super) fn screen(page: &Page) -> Screen {
             .map(ToString::to_string)
             .chain(show::notes(&page.basis.labels))
             .collect(),
-        more: vec![More::new(missing.len(), "errors not measured", left_out)],
+        more: vec![More::new(
+            missing.len(),
+            ["error not measured", "errors not measured"],
+            left_out,
+        )],
         ..Screen::default()
     }
 }

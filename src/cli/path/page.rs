@@ -148,7 +148,11 @@ impl Page {
             verdict: verdict.join("\n").trim_end().to_string(),
             figures: paragraphs(&figures),
             findings,
-            more: vec![More::new(self.holes.worst().len(), "holes", holes(self))],
+            more: vec![More::new(
+                self.holes.worst().len(),
+                ["hole", "holes"],
+                holes(self),
+            )],
             ..Screen::default()
         }
     }

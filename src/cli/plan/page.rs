@@ -38,7 +38,7 @@ impl Page<'_> {
             findings: described.shortcomings().iter().map(said).collect(),
             more: vec![More::new(
                 labels.len(),
-                "labels",
+                ["label", "labels"],
                 list("labels of the separation", &labels),
             )],
             ..Screen::default()
@@ -141,7 +141,10 @@ impl Page<'_> {
         };
         let rows = ErrorTerm::ALL.into_iter().map(term);
         table(
-            &format!("largest U (95 %)\t{}", letters.join("\t")),
+            &format!(
+                "largest U (95 %), mean of both directions\t{}",
+                letters.join("\t")
+            ),
             rows.chain(Plane::ALL.map(plane)),
         )
     }

@@ -57,7 +57,11 @@ pub(super) fn screen(
         .iter()
         .partition(|label| label.severity() == Severity::Note);
     let heading = "Assumed, and what the uncertainty holds:";
-    more.push(More::new(labels.len(), "labels", list(heading, &labels)));
+    more.push(More::new(
+        labels.len(),
+        ["label", "labels"],
+        list(heading, &labels),
+    ));
     Screen {
         verdict: paragraphs(&[
             list("DOUBTFUL, so the answer is no:", doubts),

@@ -228,7 +228,7 @@ pub(super) fn conditions(heading: &str, conditions: &[Condition]) -> More {
     let table = table("outcome\tasked\tfound\teditions", rows);
     More::new(
         conditions.len(),
-        "conditions",
+        ["condition", "conditions"],
         format!("{heading}\n{table}"),
     )
 }

@@ -10,7 +10,7 @@ use crate::judge::after::{AfterMeasurement, Comparison, Line};
 use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
 use crate::judge::findings::OfTerm;
-use crate::judge::forecast::{Forecast, TermForecast};
+use crate::judge::forecast::{Forecast, Grounds, Miss, TermForecast};
 use crate::kit::manifest::{HashedFile, change, diagonals};
 use crate::kit::second_look::SecondLook;
 use crate::kit::{Inputs, Verification, cannot_emulate, emulator, remarks};
@@ -121,9 +121,15 @@ impl Page<'_> {
         Ok(picture)
     }
 
-    /// The limits, and all that the verdict rests on and does not count.
-    pub(in crate::cli) fn asked(&self) -> String {
-        show::asked(&self.inputs.job, self.judged())
+    /// What the verdict is made of.
+    pub(in crate::cli) fn grounds(&self) -> Grounds {
+        let judged = self.judged();
+        judged.map_or_else(Grounds::default, |of| of.grounds(&self.inputs.job))
+    }
+
+    /// How the files differ from the job.
+    pub(in crate::cli) fn disagreements(&self) -> Vec<Finding> {
+        self.verification.disagreements()
     }
 
     /// Of each plane that is known as found, as found and as left; U of the last figure.
@@ -198,7 +204,7 @@ impl Page<'_> {
     }
 
     /// What was assumed of the control matters until a measurement has shown it.
-    fn assumptions(&self) -> &[Assumption] {
+    pub(in crate::cli) fn assumptions(&self) -> &[Assumption] {
         let diagnosis = self.look().and_then(|look| look.diagnosis.as_ref());
         let shown = diagnosis.is_some_and(|found| found.as_forecast);
         match shown && self.verdict() == Verdict::Pass {
@@ -210,12 +216,10 @@ impl Page<'_> {
     pub(in crate::cli) fn document(&self) -> Document<'_> {
         let compiled = &self.verification.compiled;
         let forecast = self.verification.forecast.as_ref();
-        let misses = self
-            .judged()
-            .map(|of| of.misses(self.inputs.job.acceptance));
+        let misses = self.grounds().misses;
         let stated = self.verification.disagreements();
         let causes = stated.iter().map(ToString::to_string);
-        let causes = causes.chain(misses.unwrap_or_default());
+        let causes = causes.chain(misses.iter().map(Miss::to_string));
         let causes = causes.chain(self.doubts().iter().map(ToString::to_string));
         let page = Document {
             schema: 1,

@@ -236,13 +236,29 @@ impl Forecast {
 /// Differences below the last digit that is shown are none, µm.
 const SHOWN_UM: f64 = 0.001;
 
+/// A cause that a job may leave without a bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Uncounted {
+    /// Angular errors, bound in µrad.
+    Angles,
+    /// The beam against the normal of the mirror, bound in mrad; the effect grows with its square.
+    Beam,
+}
+
+impl Uncounted {
+    /// Unit of its bound.
+    pub(crate) fn unit(self) -> &'static str {
+        match self {
+            Uncounted::Angles => "µrad",
+            Uncounted::Beam => "mrad",
+        }
+    }
+}
+
 /// One cause that is not counted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Silent {
-    pub(super) what: &'static str,
-    pub(super) unit: &'static str,
-    /// Whether the effect grows with the square of the bound.
-    pub(super) is_square: bool,
+    pub(super) what: Uncounted,
     /// Standard uncertainty (k = 1) that a bound of one unit makes where it moves a curve most, µm.
     pub(super) by_term: PerTerm<f64>,
 }

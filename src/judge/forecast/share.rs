@@ -81,7 +81,7 @@ impl JudgedRange {
         self.share >= COVERED
     }
 
-    /// Why the verdict is undecided, in a sentence; `None` = enough was measured.
+    /// Why a verdict is undecided, in a sentence; `None` = enough was measured.
     pub fn missing(&self) -> Option<String> {
         let (from, to) = (self.measured.0.mm(), self.measured.1.mm());
         let (low, high) = (self.judged.0.mm(), self.judged.1.mm());
@@ -98,11 +98,16 @@ impl JudgedRange {
         };
         (!self.is_known()).then(|| {
             format!(
-                "{axis} was measured from {from} to {to} mm at places up to {} mm apart, {} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}",
-                shown(self.gap_mm),
-                percent(self.share)
-            )
+            "{axis} was measured from {from} to {to} mm at places up to {} mm apart, {} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}",
+            shown(self.gap_mm),
+            percent(self.share)
+        )
         })
+    }
+
+    /// Whether the whole of it was measured.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.share >= WHOLE
     }
 }
 
@@ -118,18 +123,28 @@ fn percent(share: f64) -> String {
     }
 }
 
+/// Largest distance of two neighbouring places on any axis, mm.
+pub(crate) fn widest_gap_mm(ranges: &[JudgedRange]) -> f64 {
+    ranges.iter().map(|range| range.gap_mm).fold(0.0, larger)
+}
+
+/// Whether the whole travel of every axis was measured and is judged.
+pub(crate) fn is_whole_travel(ranges: &[JudgedRange]) -> bool {
+    ranges
+        .iter()
+        .all(|range| range.is_whole() && !range.is_stated)
+}
+
 /// On which part of the machine a verdict rests, for its line.
 pub(super) fn words(ranges: &[JudgedRange]) -> String {
-    let whole = |range: &JudgedRange| range.share >= WHOLE;
-    let gap = ranges.iter().map(|range| range.gap_mm).fold(0.0, larger);
-    let gap = format!(", places up to {} mm apart", shown(gap));
-    if ranges.iter().all(|range| whole(range) && !range.is_stated) {
+    let gap = format!(", places up to {} mm apart", shown(widest_gap_mm(ranges)));
+    if is_whole_travel(ranges) {
         return format!("over the whole travel{gap}");
     }
     let one = |range: &JudgedRange| {
         let (low, high) = (range.judged.0.mm(), range.judged.1.mm());
         let share = percent(range.share);
-        match (range.is_stated, whole(range)) {
+        match (range.is_stated, range.is_whole()) {
             (true, true) => format!("{} from {low} to {high} mm", range.axis),
             (true, false) => format!("{share} of {} from {low} to {high} mm", range.axis),
             (false, _) => format!("{share} of the travel of {}", range.axis),

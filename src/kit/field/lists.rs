@@ -2,7 +2,7 @@
 //! lists: what is overwritten, what has to be set, what the display shows.
 
 use crate::control::checklist::{Listed, Paragraph};
-use crate::control::claims::{Precondition, shared};
+use crate::control::claims::{Precondition, SeenTo, shared};
 use crate::judge::conformity::Verdict;
 use crate::kit::made::Made;
 use crate::kit::remarks;
@@ -49,7 +49,7 @@ fn verdict(made: &Made<'_>) -> Paragraph {
                 verdict.word()
             );
             let misses = made.forecast.misses(made.inputs.job.acceptance);
-            paragraph(sentence, misses)
+            paragraph(sentence, misses.iter().map(ToString::to_string).collect())
         }
     }
 }
@@ -64,10 +64,11 @@ pub(super) fn places(made: &Made<'_>) -> Listed {
 }
 
 pub(super) fn preconditions(compiled: &Compiled) -> Listed {
-    let list = shared(&compiled.preconditions);
-    let item = |(what, p): &(String, &Precondition)| match p.entered {
-        true => format!("{what}: found {BLANK}; {} is entered below", p.value),
-        false => format!("{what} must be {}; found: {BLANK}", p.value),
+    let mut list = shared(&compiled.preconditions);
+    list.retain(|(_, p)| p.when != SeenTo::After);
+    let item = |(what, p): &(String, &Precondition)| match p.when {
+        SeenTo::Entered => format!("{what}: found {BLANK}; {} is entered below", p.value),
+        _ => format!("{what} must be {}; found: {BLANK}", p.value),
     };
     let note = |(what, p): &(String, &Precondition)| format!("{what}: {} *({})*", p.why, p.source);
     Listed {
@@ -79,7 +80,7 @@ pub(super) fn preconditions(compiled: &Compiled) -> Listed {
 /// Values that belong to the tables and that no file holds.
 pub(super) fn entered(compiled: &Compiled, how: impl Fn(&Precondition) -> String) -> Vec<String> {
     let list = shared(&compiled.preconditions);
-    let list = list.iter().filter(|(_, p)| p.entered);
+    let list = list.iter().filter(|(_, p)| p.when == SeenTo::Entered);
     list.map(|(what, p)| format!("{what}: {}", how(p)))
         .collect()
 }

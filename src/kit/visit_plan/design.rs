@@ -259,7 +259,7 @@ fn no_run(job: &Job) -> Problem {
         None => "measurement",
     };
     job.problem_at(key, "the job describes no run of step diagonals, so there is no visit to plan")
-        .help("add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/program.md)")
+        .help("add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/program.md); `nonius new … --readings` writes them")
 }
 
 /// A measurement of which the job states nothing but the run.

@@ -32,6 +32,8 @@ pub(super) struct Part {
     pictures: Vec<String>,
     tables: Vec<Table>,
     items: Vec<String>,
+    /// Sentences of the program, in English.
+    said: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -39,11 +41,21 @@ struct Table {
     head: Vec<String>,
     rows: Vec<Row>,
     is_words: bool,
+    /// Whether its cells are words of the program.
+    is_english: bool,
 }
 
 #[derive(Serialize)]
 struct Row {
     cells: Vec<String>,
+}
+
+impl Part {
+    fn is_empty(&self) -> bool {
+        let rows = self.tables.iter().flat_map(|table| &table.rows);
+        let texts = [&self.words, &self.pictures, &self.items, &self.said];
+        rows.count() == 0 && texts.into_iter().all(Vec::is_empty)
+    }
 }
 
 impl Table {
@@ -57,6 +69,14 @@ impl Table {
             head,
             rows: rows.collect(),
             is_words,
+            is_english: false,
+        }
+    }
+
+    fn in_english(self) -> Table {
+        Table {
+            is_english: true,
+            ..self
         }
     }
 }
@@ -74,7 +94,7 @@ impl Report<'_> {
         }
     }
 
-    /// Behind the first page; parts that would be empty are left out.
+    /// Behind the first page; parts without anything are left out.
     pub(super) fn parts(&self) -> Vec<Part> {
         let drawn = [self.part("curves"), self.linear(), self.readings()];
         let drawn = drawn.into_iter().filter(|part| !part.pictures.is_empty());
@@ -82,7 +102,7 @@ impl Report<'_> {
             true => [Vec::new(), vec![self.missing(), self.found()], Vec::new()],
             false => [
                 vec![self.tables()],
-                vec![self.missing(), self.found()],
+                vec![self.missing(), self.reasons(), self.found()],
                 vec![self.assumed(), self.undo()],
             ],
         };
@@ -90,6 +110,7 @@ impl Report<'_> {
             .chain([self.volume()])
             .chain(of_tables.into_iter().flatten())
             .chain([self.provenance()])
+            .filter(|part| !part.is_empty())
             .collect()
     }
 
@@ -119,7 +140,7 @@ impl Report<'_> {
         });
         Part {
             tables: vec![Table::new(head.collect(), rows, false)],
-            items: said.collect(),
+            said: said.collect(),
             ..self.part("linear")
         }
     }
@@ -148,7 +169,7 @@ impl Report<'_> {
         let label = label.and_then(Value::as_str).map(escaped);
         Part {
             tables: vec![Table::new(head.chain(shown).collect(), rows, false)],
-            items: label.into_iter().collect(),
+            said: label.into_iter().collect(),
             ..self.part("readings")
         }
     }
@@ -160,7 +181,7 @@ impl Report<'_> {
             let words = vec![self.t("no_volume")];
             return Part {
                 words,
-                items: why.collect(),
+                said: why.collect(),
                 ..part
             };
         }
@@ -169,7 +190,7 @@ impl Report<'_> {
         let labels = self.sentences("assess", "/labels", usize::MAX).into_iter();
         Part {
             words: vec![format!("{}: {}", self.t("grid"), nodes.join(" × "))],
-            items: labels.filter(|words| !found.contains(words)).collect(),
+            said: labels.filter(|words| !found.contains(words)).collect(),
             ..part
         }
     }
@@ -214,7 +235,7 @@ impl Report<'_> {
         let head = head.chain(["Byte".to_string(), self.t("sha256")]);
         let files = Table::new(head.collect(), files, true);
         Part {
-            tables: vec![placed, files],
+            tables: vec![placed.in_english(), files],
             ..self.part("tables")
         }
     }
@@ -235,10 +256,18 @@ impl Report<'_> {
             let text = |key: &str| omitted[key].as_str().unwrap_or_default();
             escaped(&format!("{}: {}", text("term"), text("reason")))
         });
-        let items: Vec<String> = unmeasured.chain(omitted).collect();
-        match self.is_kit_known() {
-            true => self.listed("missing", items, "nothing_missing"),
-            false => self.listed("missing", items, "no_manifest"),
+        let without = match self.is_kit_known() {
+            true => "nothing_missing",
+            false => "no_manifest",
+        };
+        let items: Vec<String> = unmeasured.collect();
+        let said: Vec<String> = omitted.collect();
+        let is_none = items.is_empty() && said.is_empty();
+        Part {
+            words: is_none.then(|| self.t(without)).into_iter().collect(),
+            items,
+            said,
+            ..self.part("missing")
         }
     }
 
@@ -247,20 +276,30 @@ impl Report<'_> {
         !self.document("kit").is_null()
     }
 
+    /// All that does not keep a limit.
+    fn reasons(&self) -> Part {
+        Part {
+            items: self.misses(),
+            ..self.part("reasons")
+        }
+    }
+
     fn found(&self) -> Part {
         self.listed("findings", self.findings(), "no_findings")
     }
 
-    /// Every finding once: of two measurements both may have it.
+    /// Every finding once: of two measurements both may have it, and what misses a limit is a reason.
     fn findings(&self) -> Vec<String> {
         let places = match self.is_found() {
             true => ["/labels", ""],
             false => ["/causes", "/notes"],
         };
+        let misses = self.visit.grounds.misses.iter();
+        let misses: Vec<String> = misses.map(|miss| escaped(&miss.to_string())).collect();
         let all = places.map(|at| self.sentences(self.main(), at, usize::MAX));
         let mut once: Vec<String> = Vec::new();
         for words in all.into_iter().flatten() {
-            if !once.contains(&words) {
+            if !once.contains(&words) && !misses.contains(&words) {
                 once.push(words);
             }
         }
@@ -268,17 +307,14 @@ impl Report<'_> {
     }
 
     fn assumed(&self) -> Part {
-        let rows = self.list("verify", "/assumptions").map(|assumed| {
-            let text = |key: &str| assumed[key].as_str().map(escaped).unwrap_or_default();
-            vec![
-                format!("{} = {}", text("fact"), text("value")),
-                text("consequence"),
-            ]
+        let spaced = |words: &str| escaped(&words.replace('_', " "));
+        let rows = self.visit.assumptions.iter().map(|assumed| {
+            let fact = format!("{}: {}", spaced(&assumed.fact), spaced(&assumed.value));
+            vec![fact, escaped(&assumed.consequence)]
         });
         let head = vec![String::new(), self.t("if_wrong")];
-        let table = Table::new(head, rows, true);
         Part {
-            tables: vec![table],
+            tables: vec![Table::new(head, rows, true).in_english()],
             ..self.part("assumptions")
         }
     }
@@ -330,15 +366,12 @@ impl Report<'_> {
         }
     }
 
-    fn listed(&self, id: &'static str, items: Vec<String>, without: &str) -> Part {
-        let words = if items.is_empty() {
-            vec![self.t(without)]
-        } else {
-            Vec::new()
-        };
+    /// Sentences of the program, or the words of a key where there are none.
+    fn listed(&self, id: &'static str, said: Vec<String>, without: &str) -> Part {
+        let words = said.is_empty().then(|| self.t(without));
         Part {
-            words,
-            items,
+            words: words.into_iter().collect(),
+            said,
             ..self.part(id)
         }
     }

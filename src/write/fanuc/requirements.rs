@@ -103,18 +103,19 @@ pub(super) fn preconditions(
             "A-77810E/02",
         ));
     }
-    list.push(Precondition::new(
+    let power_on = Precondition::new(
         "the power of the control",
         "switched off and on after loading 3620 to 3627",
         "the parameters act only then (alarm PW0000 or P/S 000)",
         "cnc.wiki, FANUC pitch error compensation; alarm numbers from memory",
-    ));
-    list.push(Precondition::new(
+    );
+    let homed = Precondition::new(
         "every axis concerned",
         "returned to its reference point after power-on",
         "the compensation acts only after the reference return",
         "cnc.wiki, FANUC pitch error compensation",
-    ));
+    );
+    list.extend([power_on, homed].map(Precondition::after_loading));
     list.push(Precondition::new(
         "3602#0",
         "0",

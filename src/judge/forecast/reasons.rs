@@ -1,0 +1,345 @@
+//! What a verdict is made of, as facts: the errors that were judged, what that rests on, what does not keep a
+//! limit. In words they are the sentences of the command line and of the JSON; a page makes its own lines of them.
+
+use super::share::{self, JudgedRange};
+use super::{DiagonalForecast, Forecast, TermForecast, Uncounted};
+use crate::inputs::job::{Acceptance, Job};
+use crate::judge::conformity::{Verdict, expanded_um};
+use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::quantity::units::larger;
+use std::cmp::Ordering;
+use std::fmt;
+
+/// So many errors are named one by one.
+const FEW: usize = 3;
+
+/// What a verdict is made of; nothing where nothing was judged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Grounds {
+    /// The errors that the limit for errors was applied to: never more than were measured.
+    pub terms: Vec<ErrorTerm>,
+    /// What it rests on and does not count.
+    pub rests_on: Vec<RestsOn>,
+    /// What does not keep a limit for sure, errors and diagonals in their order.
+    pub misses: Vec<Miss>,
+}
+
+/// What a verdict rests on, or does not count.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RestsOn {
+    /// The part of each axis that was measured.
+    Ranges(Vec<JudgedRange>),
+    /// All was measured in this direction only.
+    OneWay(Direction),
+    /// No axis was measured in both directions.
+    NoReversal,
+    /// U of these counts as 0 because nobody stated it; empty = of all.
+    WithoutU(Vec<ErrorTerm>),
+    /// Causes without a stated bound.
+    NotCounted(Vec<NotCounted>),
+    /// Keys of the job that are stated and used in no figure.
+    Unused(Vec<&'static str>),
+    /// Body diagonals are asked for, and an error is missing or measured in one direction only.
+    NineNeeded,
+}
+
+/// A cause without a stated bound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotCounted {
+    /// Which.
+    pub what: Uncounted,
+    /// How large it may be; `None` where there is no pass to hold.
+    pub hold: Option<Hold>,
+}
+
+/// How large a cause may be before a pass is none.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Hold {
+    /// The pass holds only where there is none of it.
+    Without,
+    /// Below this bound, rounded down, in the unit of the cause.
+    Below(String),
+}
+
+/// What a figure is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// One error.
+    Term(ErrorTerm),
+    /// All errors.
+    Terms,
+    /// One body diagonal.
+    Diagonal(&'static str),
+    /// All of them.
+    Diagonals,
+}
+
+/// Why an acceptance is not kept for sure.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Miss {
+    /// A figure against its limit.
+    Figure {
+        /// What it is of.
+        of: Of,
+        /// What is left, µm.
+        um: f64,
+        /// U of it, µm; `None` = not stated.
+        expanded_um: Option<f64>,
+        /// The limit, µm.
+        limit_um: f64,
+        /// Fail or undecided.
+        verdict: Verdict,
+    },
+    /// Too little of an axis was measured.
+    Range(JudgedRange),
+}
+
+impl Miss {
+    /// The worst first: fails, then by figure + U in limits; what was not measured has no figure.
+    pub fn worst_first(&self, other: &Miss) -> Ordering {
+        let (own, others) = (self.rank(), other.rank());
+        others.0.cmp(&own.0).then(others.1.total_cmp(&own.1))
+    }
+
+    fn rank(&self) -> (Verdict, f64) {
+        match self {
+            Miss::Figure {
+                um,
+                expanded_um,
+                limit_um,
+                verdict,
+                ..
+            } => (*verdict, (um + expanded_um.unwrap_or(0.0)) / limit_um),
+            Miss::Range(_) => (Verdict::Undecided, 0.0),
+        }
+    }
+
+    fn is_kept(&self) -> bool {
+        match self {
+            Miss::Figure { verdict, .. } => *verdict == Verdict::Pass,
+            Miss::Range(range) => range.is_known(),
+        }
+    }
+}
+
+impl Forecast {
+    /// What its verdict against the acceptance of a job is made of.
+    pub(crate) fn grounds(&self, job: &Job) -> Grounds {
+        let acceptance = job.acceptance;
+        if acceptance.asks_nothing() {
+            return Grounds::default();
+        }
+        Grounds {
+            terms: self.terms.iter().map(|term| term.term).collect(),
+            rests_on: self.rests_on(job),
+            misses: self.misses(acceptance),
+        }
+    }
+
+    /// Why the acceptance is not kept for sure.
+    pub(crate) fn misses(&self, acceptance: Acceptance) -> Vec<Miss> {
+        let terms = acceptance.max_deviation_um.iter();
+        let terms = terms.flat_map(|limit| self.terms_missing(*limit));
+        let diagonals = acceptance.max_diagonal_um.iter();
+        let diagonals = diagonals.flat_map(|limit| self.diagonals_missing(*limit));
+        let asked = !acceptance.asks_nothing();
+        let ranges = self.ranges.iter().filter(|_| asked);
+        let ranges = ranges.cloned().map(Miss::Range);
+        let ranges = ranges.filter(|range| !range.is_kept());
+        terms.chain(diagonals).chain(ranges).collect()
+    }
+
+    fn terms_missing(&self, limit_um: f64) -> Vec<Miss> {
+        let one = |term: &TermForecast| Miss::Figure {
+            of: Of::Term(term.term),
+            um: term.change.after_um,
+            expanded_um: term.change.expanded_um,
+            limit_um,
+            verdict: self.judge(&term.figures, limit_um),
+        };
+        let all = Miss::Figure {
+            of: Of::Terms,
+            um: self.max_residual_um(),
+            expanded_um: self.max_expanded_um(),
+            limit_um,
+            verdict: self.judge(&self.figures(), limit_um),
+        };
+        singly_or_together(self.terms.iter().map(one), all)
+    }
+
+    fn diagonals_missing(&self, limit_um: f64) -> Vec<Miss> {
+        let one = |diagonal: &DiagonalForecast| Miss::Figure {
+            of: Of::Diagonal(diagonal.name),
+            um: diagonal.change.after_um,
+            expanded_um: diagonal.change.expanded_um,
+            limit_um,
+            verdict: self.judge_diagonals(&[diagonal], limit_um),
+        };
+        let diagonals: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
+        if diagonals.is_empty() {
+            return Vec::new();
+        }
+        let halves: Vec<_> = diagonals.iter().flat_map(|d| d.halves.clone()).collect();
+        let um = diagonals
+            .iter()
+            .map(|d| d.change.after_um)
+            .fold(0.0, larger);
+        let stated = diagonals.iter().any(|d| d.change.u_um.is_some());
+        let all = Miss::Figure {
+            of: Of::Diagonals,
+            um,
+            expanded_um: stated.then(|| 2.0 * expanded_um(&halves, self.sigma)),
+            limit_um,
+            verdict: self.judge_diagonals(&diagonals, limit_um),
+        };
+        singly_or_together(self.diagonals.iter().map(one), all)
+    }
+
+    /// What a verdict rests on, and what it does not count.
+    fn rests_on(&self, job: &Job) -> Vec<RestsOn> {
+        let unused = job.measurement.unused_keys();
+        let silent = self.not_counted(job.acceptance);
+        let asks_diagonals = job.acceptance.max_diagonal_um.is_some();
+        let nine_needed = asks_diagonals && self.diagonals.is_empty();
+        let parts = [
+            Some(RestsOn::Ranges(self.ranges.clone())),
+            self.directions(),
+            self.without_u(),
+            (!silent.is_empty()).then_some(RestsOn::NotCounted(silent)),
+            (!unused.is_empty()).then_some(RestsOn::Unused(unused)),
+            nine_needed.then_some(RestsOn::NineNeeded),
+        ];
+        parts.into_iter().flatten().collect()
+    }
+
+    /// On which part of the machine the verdict rests, e.g. `over the whole travel`.
+    pub(crate) fn range_words(&self) -> String {
+        share::words(&self.ranges)
+    }
+
+    /// What no figure holds because an axis was not measured both ways; `None` = all were.
+    fn directions(&self) -> Option<RestsOn> {
+        let ways: Vec<Option<Direction>> = self.terms.iter().filter_map(|t| t.one_way).collect();
+        let only = |way: Direction| !ways.is_empty() && ways.iter().all(|w| *w == Some(way));
+        match Direction::BOTH.into_iter().find(|way| only(*way)) {
+            Some(way) => Some(RestsOn::OneWay(way)),
+            None if ways.is_empty() => None,
+            None => Some(RestsOn::NoReversal),
+        }
+    }
+
+    /// The terms whose uncertainty counts as 0.
+    fn without_u(&self) -> Option<RestsOn> {
+        let without = self.terms.iter().filter(|t| t.change.u_um.is_none());
+        let without: Vec<ErrorTerm> = without.map(|t| t.term).collect();
+        match without.len() {
+            0 => None,
+            all if all == self.terms.len() => Some(RestsOn::WithoutU(Vec::new())),
+            _ => Some(RestsOn::WithoutU(without)),
+        }
+    }
+}
+
+/// The figures that miss a limit by themselves; where none does, whether all together do.
+fn singly_or_together(each: impl Iterator<Item = Miss>, all: Miss) -> Vec<Miss> {
+    let missing: Vec<Miss> = each.filter(|judged| !judged.is_kept()).collect();
+    match missing.is_empty() {
+        true => (!all.is_kept()).then_some(all).into_iter().collect(),
+        false => missing,
+    }
+}
+
+/// Which errors a verdict speaks of.
+pub(crate) fn terms_words(terms: &[ErrorTerm]) -> String {
+    let names: Vec<String> = terms.iter().map(ToString::to_string).collect();
+    match names.as_slice() {
+        [] => "every term".to_string(),
+        [one] => one.clone(),
+        few if few.len() <= FEW => format!("each of {}", few.join(", ")),
+        all if all.len() == ErrorTerm::ALL.len() => "every term".to_string(),
+        some => format!("each of the {} measured terms", some.len()),
+    }
+}
+
+impl fmt::Display for Of {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Of::Term(term) => write!(out, "{term} leaves"),
+            Of::Terms => out.write_str("all terms together leave"),
+            Of::Diagonal(name) => write!(out, "diagonal {name} leaves"),
+            Of::Diagonals => out.write_str("the diagonals together leave"),
+        }
+    }
+}
+
+impl fmt::Display for Miss {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (of, um, expanded_um, limit_um, verdict) = match self {
+            Miss::Range(range) => return out.write_str(&range.missing().unwrap_or_default()),
+            Miss::Figure {
+                of,
+                um,
+                expanded_um,
+                limit_um,
+                verdict,
+            } => (of, um, expanded_um, limit_um, verdict.word()),
+        };
+        let expanded = match expanded_um {
+            None => "U not stated".to_string(),
+            Some(um) => format!("U = {um:.3} µm"),
+        };
+        write!(
+            out,
+            "{of} {um:.3} µm ({expanded}), the limit is {limit_um} µm: {verdict}"
+        )
+    }
+}
+
+impl fmt::Display for RestsOn {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RestsOn::Ranges(ranges) => out.write_str(&share::words(ranges)),
+            RestsOn::OneWay(way) => write!(out, "moving {way} only"),
+            RestsOn::NoReversal => out.write_str("reversal not measured"),
+            RestsOn::WithoutU(terms) if terms.is_empty() => {
+                out.write_str("U is not stated and counted as 0")
+            }
+            RestsOn::WithoutU(terms) => {
+                let terms: Vec<String> = terms.iter().map(ToString::to_string).collect();
+                write!(
+                    out,
+                    "U of {} is not stated and counted as 0",
+                    terms.join(", ")
+                )
+            }
+            RestsOn::NotCounted(causes) => {
+                let mut parts: Vec<String> = causes.iter().map(ToString::to_string).collect();
+                if let [NotCounted { hold: Some(_), .. }, _, ..] = causes.as_slice() {
+                    parts.push("each by itself".to_string());
+                }
+                out.write_str(&parts.join("; "))
+            }
+            RestsOn::Unused(keys) => write!(out, "stated and not counted: {}", keys.join(", ")),
+            RestsOn::NineNeeded => out.write_str(
+                "body diagonals need all nine errors, none measured in one direction only",
+            ),
+        }
+    }
+}
+
+impl fmt::Display for NotCounted {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self.what {
+            Uncounted::Angles => "angles",
+            Uncounted::Beam => "beam against mirror normal",
+        };
+        let unit = self.what.unit();
+        match &self.hold {
+            None => write!(out, "{what} not counted"),
+            Some(Hold::Without) => write!(out, "{what} not counted, holds without any"),
+            Some(Hold::Below(bound)) => {
+                write!(out, "{what} not counted, holds below {bound} {unit}")
+            }
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! The verdict in the reader's language and unit, made from its facts: the limits, what it rests on, what does
+//! not keep a limit. Sentences of the program stand on the first page where its language is the reader's; elsewhere a
+//! line says how many there are, and in which part.
+
+use super::{Kind, Report};
+use crate::judge::conformity::Verdict;
+use crate::judge::forecast::{
+    Hold, JudgedRange, Miss, NotCounted, Of, RestsOn, Uncounted, is_whole_travel, widest_gap_mm,
+};
+use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::quantity::units::Millimetres;
+use crate::text::html::escaped;
+
+/// So many of a kind stand on the first page; the parts behind it have all.
+const MOST: usize = 3;
+/// So many errors are named one by one.
+const FEW: usize = 4;
+
+/// One of the facts in a text, and what stands for it.
+type Fact = (&'static str, String);
+
+impl Report<'_> {
+    /// The words of a key with its facts; `{error}` is the place of the fact `error`.
+    fn fill<const N: usize>(&self, key: &str, facts: [Fact; N]) -> String {
+        let fact = |text: String, (name, words): Fact| text.replace(&format!("{{{name}}}"), &words);
+        facts.into_iter().fold(self.t(key), fact)
+    }
+
+    /// A part behind the first page, by its title.
+    fn link(&self, part: &str) -> String {
+        format!("<a href=\"#{part}\">{}</a>", self.t(part))
+    }
+
+    /// A line of the limits, one of what the verdict rests on and does not count.
+    pub(super) fn asked(&self) -> Vec<String> {
+        // As found nothing is judged: a limit beside the figures would read as a result.
+        if self.is_found() {
+            return Vec::new();
+        }
+        let asked = self.visit.job.acceptance;
+        let limit = |what: String, um: f64| format!("{what}: \u{2264} {}", self.length(um));
+        let deviation = asked.max_deviation_um;
+        let deviation = deviation.map(|um| limit(self.asked_errors(), um));
+        let diagonal = asked.max_diagonal_um;
+        let diagonal = diagonal.map(|um| limit(self.t("asked_diagonal"), um));
+        let rests_on = self.visit.grounds.rests_on.iter();
+        let rests_on: Vec<String> = rests_on.map(|part| self.rests_on(part)).collect();
+        let rests_on = (!rests_on.is_empty()).then(|| rests_on.join("; "));
+        let limits: Vec<String> = deviation.into_iter().chain(diagonal).collect();
+        let limits = (!limits.is_empty()).then(|| limits.join("; "));
+        limits.into_iter().chain(rests_on).collect()
+    }
+
+    /// Never more than were measured.
+    fn asked_errors(&self) -> String {
+        let terms = &self.visit.grounds.terms;
+        match terms.len() {
+            0 => self.t("asked_deviation"),
+            all if all == ErrorTerm::ALL.len() => self.t("asked_deviation"),
+            few if few <= FEW => self.fill("asked_of", [("errors", names(terms))]),
+            some => self.fill("asked_of_some", [("count", some.to_string())]),
+        }
+    }
+
+    fn rests_on(&self, part: &RestsOn) -> String {
+        match part {
+            RestsOn::Ranges(ranges) => self.ranges(ranges),
+            RestsOn::OneWay(way) => {
+                let way = match way {
+                    Direction::Plus => "+",
+                    Direction::Minus => "\u{2212}",
+                };
+                self.fill("one_way", [("way", way.to_string())])
+            }
+            RestsOn::NoReversal => self.t("no_reversal"),
+            RestsOn::WithoutU(terms) if terms.is_empty() => self.t("without_u"),
+            RestsOn::WithoutU(terms) => self.fill("without_u_of", [("errors", names(terms))]),
+            RestsOn::NotCounted(causes) => self.not_counted(causes),
+            RestsOn::Unused(keys) => self.fill("unused", [("keys", keys.join(", "))]),
+            RestsOn::NineNeeded => self.t("nine_needed"),
+        }
+    }
+
+    fn ranges(&self, ranges: &[JudgedRange]) -> String {
+        let gap = ("gap", self.locale.position(widest_gap_mm(ranges)));
+        if is_whole_travel(ranges) {
+            return self.fill("over_travel", [gap]);
+        }
+        let one = |range: &JudgedRange| {
+            let [low, high] = self.ends(range.judged);
+            let share = self.share(range);
+            let [axis, low, high, share] = [
+                ("axis", range.axis.to_string()),
+                ("low", low),
+                ("high", high),
+                ("share", share),
+            ];
+            match (range.is_stated, range.is_whole()) {
+                (true, true) => self.fill("part_stated", [axis, low, high]),
+                (true, false) => self.fill("part_of_stated", [axis, low, high, share]),
+                (false, _) => self.fill("part_of_travel", [axis, share]),
+            }
+        };
+        let parts: Vec<String> = ranges.iter().map(one).collect();
+        self.fill("over_parts", [("parts", parts.join(", ")), gap])
+    }
+
+    fn ends(&self, (low, high): (Millimetres, Millimetres)) -> [String; 2] {
+        [low, high].map(|end| self.locale.position(end.mm()))
+    }
+
+    fn share(&self, range: &JudgedRange) -> String {
+        match range.share * 100.0 {
+            small if small > 0.0 && small < 1.0 => "&lt; 1 %".to_string(),
+            percent => format!("{percent:.0} %"),
+        }
+    }
+
+    fn not_counted(&self, causes: &[NotCounted]) -> String {
+        let one = |cause: &NotCounted| {
+            let what = self.t(match cause.what {
+                Uncounted::Angles => "angles_not_counted",
+                Uncounted::Beam => "beam_not_counted",
+            });
+            let bound = match &cause.hold {
+                None => return what,
+                Some(Hold::Without) => self.t("holds_without"),
+                Some(Hold::Below(bound)) => {
+                    let bound = self.locale.decimal(bound);
+                    let bound = format!("{bound} {}", cause.what.unit());
+                    self.fill("holds_below", [("bound", bound)])
+                }
+            };
+            format!("{what} ({bound})")
+        };
+        let parts: Vec<String> = causes.iter().map(one).collect();
+        parts.join("; ")
+    }
+
+    /// Why the verdict is no pass, the gravest first, short enough for the first page.
+    pub(super) fn because(&self) -> Vec<String> {
+        let visit = self.visit;
+        let off = self
+            .document("verify")
+            .pointer("/diagnosis/as_forecast")
+            .is_some_and(|value| value == false);
+        let off = off.then(|| self.fill("not_as_forecast", [("part", self.link("findings"))]));
+        let misses = self.misses();
+        let more = misses.len().saturating_sub(MOST);
+        let more = (more > 0).then(|| {
+            let facts = [("count", more.to_string()), ("part", self.link("reasons"))];
+            self.fill("more", facts)
+        });
+        let misses = misses.into_iter().take(MOST).chain(more);
+        let differences = self.said("files_differ", &visit.disagreements);
+        let doubts = self.said("doubts", &visit.doubts);
+        differences
+            .into_iter()
+            .chain(misses)
+            .chain(off)
+            .chain(doubts)
+            .collect()
+    }
+
+    /// Sentences of the program under the words of a key, or how many there are.
+    fn said(&self, key: &str, sentences: &[String]) -> Vec<String> {
+        if sentences.is_empty() {
+            return Vec::new();
+        }
+        let facts = [
+            ("count", sentences.len().to_string()),
+            ("part", self.link("findings")),
+        ];
+        let line = self.fill(key, facts);
+        match self.is_own_language() {
+            false => vec![line],
+            true => {
+                let shown = sentences.iter().take(MOST);
+                let shown = shown.map(|words| escaped(words)).collect();
+                match sentences.len() > MOST {
+                    true => [shown, vec![line]].concat(),
+                    false => shown,
+                }
+            }
+        }
+    }
+
+    /// What does not keep a limit, a line each, the worst first.
+    pub(super) fn misses(&self) -> Vec<String> {
+        let mut misses: Vec<&Miss> = self.visit.grounds.misses.iter().collect();
+        misses.sort_by(|a, b| a.worst_first(b));
+        misses.into_iter().map(|miss| self.miss(miss)).collect()
+    }
+
+    fn miss(&self, miss: &Miss) -> String {
+        let (of, um, expanded_um, limit_um, verdict) = match miss {
+            Miss::Range(range) => return self.too_little(range),
+            Miss::Figure {
+                of,
+                um,
+                expanded_um,
+                limit_um,
+                verdict,
+            } => (*of, *um, *expanded_um, *limit_um, *verdict),
+        };
+        let unit = self.unit();
+        let u = match expanded_um {
+            None => self.t("u_not_stated"),
+            Some(um) => format!("U = {} {unit}", self.reason(of, true, um)),
+        };
+        let facts = [
+            ("what", self.what(of)),
+            ("left", format!("{} {unit}", self.reason(of, false, um))),
+            ("u", u),
+            ("limit", self.length(limit_um)),
+            ("verdict", self.t(verdict.word())),
+        ];
+        self.fill("reason", facts)
+    }
+
+    fn what(&self, of: Of) -> String {
+        match of {
+            Of::Term(term) => term.to_string(),
+            Of::Terms => self.t("all_errors"),
+            Of::Diagonal(name) => format!("{} {name}", self.t("diagonal")),
+            Of::Diagonals => self.t("all_diagonals"),
+        }
+    }
+
+    /// What is left, or its U, with three decimals: two may hide that it lies beyond the limit. The document
+    /// has no figure of all diagonals together.
+    fn reason(&self, of: Of, is_expanded: bool, um: f64) -> String {
+        let key = match (is_expanded, self.visit.is_measured) {
+            (true, _) => "expanded_um",
+            (false, true) => "after_um",
+            (false, false) => "forecast_um",
+        };
+        let at = match of {
+            Of::Term(term) => format!("/terms/{term}/{key}"),
+            Of::Diagonal(name) => format!("/diagonals/{name}/{key}"),
+            Of::Terms if is_expanded => "/max_residual_expanded_um".to_string(),
+            Of::Terms => "/max_residual_um".to_string(),
+            Of::Diagonals => return self.locale.deviation(um, 3),
+        };
+        self.figure("verify", &at, Kind::Reason)
+    }
+
+    fn too_little(&self, range: &JudgedRange) -> String {
+        let [from, to] = self.ends(range.measured);
+        let [low, high] = self.ends(range.judged);
+        let facts = [
+            ("axis", range.axis.to_string()),
+            ("from", from),
+            ("to", to),
+            ("low", low),
+            ("high", high),
+            ("gap", self.locale.position(range.gap_mm)),
+            ("share", self.share(range)),
+            ("verdict", self.t(Verdict::Undecided.word())),
+        ];
+        self.fill("reason_range", facts)
+    }
+}
+
+fn names(terms: &[ErrorTerm]) -> String {
+    let names: Vec<String> = terms.iter().map(ToString::to_string).collect();
+    names.join(", ")
+}
