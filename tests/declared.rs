@@ -195,9 +195,9 @@ fn a_mistake_in_the_profile_has_its_line() {
     for (right, wrong, says) in [
         ("(?<value>", "(?<vaule>", "did you mean `value`?"),
         (
-            "nodes = { value = \"spaced\"",
-            "nodes = { value = \"equal\"",
-            "expected one of `free`, `spaced`",
+            "order = { value = \"ascending\"",
+            "order = { value = \"upwards\"",
+            "expected one of `ascending`, `descending`",
         ),
         (
             "(?<point>\\d+) (?<value>",

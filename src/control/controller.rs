@@ -22,7 +22,7 @@ mod pattern;
 pub mod program;
 mod siemens;
 
-pub use self::declared::{BesideTable, Columns, DeclaredFacts, Nodes, Order, Size, ValueForm};
+pub use self::declared::{BesideTable, DeclaredFacts, Order, Size, ValueForm};
 pub use self::fact::{
     Comments, ControlUnit, Evidence, Fact, Mechanism, NumberRange, Outside, Role, Statement,
     TableForm, TableSign,

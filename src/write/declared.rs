@@ -7,8 +7,7 @@
 
 use crate::control::claims::Precondition;
 use crate::control::controller::{
-    BesideTable, Columns, ControlUnit, DeclaredFacts, Evidence, Mechanism, Order, Outside,
-    ValueForm,
+    BesideTable, ControlUnit, DeclaredFacts, Evidence, Mechanism, Order, Outside, ValueForm,
 };
 use crate::control::table::Tables;
 use crate::control::table::declared::{DeclaredTable, DeclaredTables, Point, name};
@@ -50,7 +49,7 @@ impl Family for DeclaredFacts {
     }
 
     fn takes_directions(&self, term: ErrorTerm) -> bool {
-        term.is_positioning() && self.directions.value == Columns::Two
+        term.is_positioning() && self.has_two()
     }
 
     fn replaces_backlash(&self) -> bool {
@@ -213,7 +212,7 @@ impl DeclaredFacts {
         let place = |at: i64| self.place(grid.written(at));
         let places: Vec<f64> = (grid.first..=grid.last).map(place).collect();
         let [forward, reverse] = ways.map(|values| self.values(is_own, &places, &values));
-        let has_two = is_own && self.directions.value == Columns::Two;
+        let has_two = is_own && self.has_two();
         let rows = places.iter().zip(forward).zip(reverse);
         let point = |((position, forward), reverse): ((&f64, f64), f64)| Point {
             position: *position,

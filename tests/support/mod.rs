@@ -10,7 +10,7 @@
 pub(crate) mod machine;
 
 use nonius::control::controller::{
-    Columns, CrossTerms, DeclaredFacts, Dialect, Profile, TypedValue, builtin,
+    CrossTerms, DeclaredFacts, Dialect, Profile, TypedValue, builtin,
 };
 use nonius::control::table::Tables;
 use nonius::inputs::error_table::ErrorTable;
@@ -55,7 +55,7 @@ pub(crate) fn needs_unit(id: &str) -> bool {
 /// Whether the table of an axis for itself holds both directions.
 pub(crate) fn has_two_directions(profile: &Profile) -> bool {
     match &profile.dialect {
-        Dialect::Declared(facts) => facts.directions.value == Columns::Two,
+        Dialect::Declared(facts) => facts.has_two(),
         Dialect::Isg(_) | Dialect::Klipper(_) => false,
         Dialect::Generic(facts) => facts.typed_value.value != TypedValue::Increment,
         _ => true,

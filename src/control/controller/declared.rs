@@ -3,9 +3,9 @@
 //!
 //! ```text
 //!   what a number is    value_form, own_sign, cross_sign, value_size, value_decimals, largest_value
-//!   where it stands     nodes, position_size, position_decimals, order, first_point, points
-//!   which tables        directions, cross_terms, backlash
-//!   how a line is read  lines, file_name, comments
+//!   where it stands     position_size, position_decimals, order, first_point, points
+//!   which tables        cross_terms, backlash
+//!   how a line is read  lines, file_name, comments; their fields say how points lie, and whether a value has two directions
 //! ```
 
 use super::fact::{Comments, Fact, Facts, Mechanism, Outside, Stated, TableSign, Word, facts};
@@ -61,20 +61,6 @@ impl Word for ValueForm {
     ];
 }
 
-/// How a file says where a point lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Nodes {
-    /// Each point with its position.
-    Free,
-    /// The first position and the distance.
-    Spaced,
-}
-
-impl Word for Nodes {
-    const WORDS: &'static [(&'static str, Nodes)] =
-        &[("free", Nodes::Free), ("spaced", Nodes::Spaced)];
-}
-
 /// The order of the points in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
@@ -89,20 +75,6 @@ impl Word for Order {
         ("ascending", Order::Ascending),
         ("descending", Order::Descending),
     ];
-}
-
-/// Columns of values for the directions of travel of an axis that corrects itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Columns {
-    /// One for both.
-    One,
-    /// One for each.
-    Two,
-}
-
-impl Word for Columns {
-    const WORDS: &'static [(&'static str, Columns)] =
-        &[("one", Columns::One), ("two", Columns::Two)];
 }
 
 /// What the backlash parameter of an axis does beside a table of the axis.
@@ -168,16 +140,12 @@ facts! {
         position_size: Size,
         /// Decimals of positions.
         position_decimals: u32,
-        /// How a file says where a point lies.
-        nodes: Nodes,
         /// Order of the points.
         order: Order,
         /// Number of the first point of a table.
         first_point: u32,
         /// Most points of a table.
         points: u32,
-        /// Columns of a table of an axis for itself; one that follows another has one.
-        directions: Columns,
         /// What the backlash parameter does beside a table.
         backlash: BesideTable,
         /// What a control adds outside a table.
@@ -216,9 +184,9 @@ impl DeclaredFacts {
     /// What the switches have to be together: fact, whether it is so, what is expected.
     fn rules(&self) -> [(&'static str, bool, &'static str); 6] {
         let is_increment = self.value_form.value == ValueForm::Increment;
-        let has_two = self.directions.value == Columns::Two;
+        let has_two = self.has_two();
         let is_ascending = self.order.value == Order::Ascending;
-        let is_spaced = self.nodes.value == Nodes::Spaced;
+        let is_spaced = self.is_spaced();
         let sizes = [&self.value_size, &self.position_size].map(|size| size.value.um);
         [
             (
@@ -227,9 +195,9 @@ impl DeclaredFacts {
                 "`mm`, `um`, `inch`, or a power of ten of a micrometre",
             ),
             (
-                "directions",
+                "value_form",
                 !(is_increment && has_two),
-                "`one`: increments do not say what a second column holds at the reference",
+                "`amount` or `position` with two columns: increments do not say what the second one holds at the reference",
             ),
             (
                 "order",
@@ -281,26 +249,40 @@ impl DeclaredFacts {
 
     /// Fields of values in a table, by the field of the file.
     pub(crate) fn value_fields(&self, is_own: bool) -> &'static [Field] {
-        match is_own && self.directions.value == Columns::Two {
+        match is_own && self.has_two() {
             true => &[Field::Forward, Field::Reverse],
             false => &[Field::Value],
         }
     }
 
+    /// Whether the patterns have a field.
+    fn has(&self, field: Field) -> bool {
+        let mut all = self.lines.value.iter().chain(&self.file_name.value);
+        all.any(|pattern| pattern.fields().any(|own| own == field))
+    }
+
+    /// A table of an axis for itself has a value for each direction of travel; one that follows another has one.
+    pub fn has_two(&self) -> bool {
+        self.has(Field::Reverse)
+    }
+
+    /// Points have no positions of their own: the first one and the distance are given.
+    pub(crate) fn is_spaced(&self) -> bool {
+        !self.has(Field::Position)
+    }
+
     /// The patterns together have a field for all that a table holds.
     fn check_lines(&self, facts: &Facts<'_>) {
-        let all = || self.lines.value.iter().chain(&self.file_name.value);
-        let has = |field: &Field| all().any(|pattern| pattern.fields().any(|own| own == *field));
-        let places: &[Field] = match self.nodes.value {
-            Nodes::Free => &[Field::Position],
-            Nodes::Spaced => &[Field::Start, Field::Spacing],
+        let places: &[Field] = match self.is_spaced() {
+            false => &[],
+            true => &[Field::Start, Field::Spacing],
         };
         let cross: &[Field] = match self.cross_terms.value {
             0 => &[],
             _ => &[Field::Base, Field::Value],
         };
         let wanted = [self.value_fields(true), places, cross].concat();
-        for field in wanted.iter().filter(|field| !has(field)) {
+        for field in wanted.iter().filter(|field| !self.has(**field)) {
             let message = format!("no pattern has the field `{}`", field.word_of());
             let help = format!(
                 "write `(?<{}>…)` where it stands in a line",
@@ -308,7 +290,7 @@ impl DeclaredFacts {
             );
             facts.section.problem("lines", message, help);
         }
-        if ![Field::Axis, Field::Output].iter().any(has) {
+        if !self.has(Field::Axis) && !self.has(Field::Output) {
             let message = "no pattern has the field `axis`, so no table says whose it is";
             let help = "`axis` in a line before the values, in each line, or in `file_name`";
             facts.section.problem("lines", message, help);

@@ -1,6 +1,6 @@
 //! A table while its lines are read, and what it has to hold in the end.
 
-use crate::control::controller::{DeclaredFacts, Field, Nodes, Order};
+use crate::control::controller::{DeclaredFacts, Field, Order};
 use crate::control::table::declared::{DeclaredTable, Point, name};
 use crate::quantity::units::rounded;
 use crate::read::lexer::Complaint;
@@ -188,9 +188,9 @@ impl Draft {
             let message = format!("a point without `{field}`");
             Complaint::new(row.line.clone(), message, "take the whole file")
         };
-        match facts.nodes.value {
-            Nodes::Free => row.of(Field::Position).ok_or_else(|| missing("position")),
-            Nodes::Spaced => {
+        match facts.is_spaced() {
+            false => row.of(Field::Position).ok_or_else(|| missing("position")),
+            true => {
                 let head = |field| self.head(field).map(|placed| placed.0);
                 let start = head(Field::Start).ok_or_else(|| missing("start"))?;
                 let spacing = head(Field::Spacing).ok_or_else(|| missing("spacing"))?;
@@ -235,7 +235,7 @@ fn point(wanted: &[Field], position: f64, row: &Row) -> Result<Point, Complaint>
             if is_there { "" } else { "out" },
             field.word()
         );
-        let help = "`directions` of the profile says which values a point has";
+        let help = "the patterns of the profile say which values a point has";
         return Err(Complaint::new(row.line.clone(), message, help));
     }
     let mut values = wanted.iter().filter_map(|field| row.of(*field));

@@ -136,12 +136,7 @@ fn fields_of_a_point_stand_in_several_lines() {
 fn places_are_counted_from_the_start_and_the_axis_stands_in_the_name() {
     let lines = r"['start (?<start>\S+) step (?<spacing>\S+)', '(?<forward>\S+) (?<reverse>\S+)']";
     let name = r"['(?<axis>[a-z])-table\.txt']";
-    let facts = own(&[
-        ("lines", lines),
-        ("file_name", name),
-        ("nodes", "\"spaced\""),
-    ])
-    .unwrap();
+    let facts = own(&[("lines", lines), ("file_name", name)]).unwrap();
     let found = read(
         &[("kit/x-table.txt", "start -10 step 2.5\n1 2\n3 4\n5 6\n")],
         &facts,
@@ -170,7 +165,7 @@ fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
         (
             "lines",
             r"['(?<axis>[XYZ])', '(?<position>\S+) (?<forward>\S+)']",
-            "no pattern has the field `reverse`",
+            "no pattern has the field `value`",
         ),
         (
             "lines",
@@ -178,11 +173,15 @@ fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
             "no pattern has the field `axis`",
         ),
         ("lines", r"['(?<axis>[XYZ)']", "is no regular expression"),
-        ("nodes", "\"spaced\"", "no pattern has the field `start`"),
+        (
+            "lines",
+            r"['(?<axis>[XYZ])', '(?<forward>\S+) (?<reverse>\S+)']",
+            "no pattern has the field `start`",
+        ),
         (
             "value_form",
             "\"increment\"",
-            "`directions` is out of range, expected `one`",
+            "`value_form` is out of range, expected `amount`",
         ),
         ("position_size", "12.5", "`position_size` is out of range"),
         (

@@ -1,5 +1,5 @@
 use super::*;
-use crate::control::controller::{Columns, ControlUnit, Dialect, Fact, Size, TableSign, builtin};
+use crate::control::controller::{ControlUnit, Dialect, Fact, Size, TableSign, builtin};
 
 fn weihong() -> DeclaredFacts {
     match builtin::profile("weihong").unwrap().dialect {
@@ -69,7 +69,6 @@ fn the_error_of_a_direction_is_taken_off_and_the_parameter_does_nothing() {
 #[test]
 fn positions_and_increments_say_the_same_as_amounts() {
     let mut facts = weihong();
-    set(&mut facts.directions, Columns::One);
     set(&mut facts.backlash, BesideTable::Adds);
     let expected = [[2.0, -2.0], [0.0, -4.0], [-5.0, -9.0], [-10.0, -14.0]];
     let places = [0.0, 10.0, 15.0, 20.0];
