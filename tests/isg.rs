@@ -94,13 +94,13 @@ fn deviations_are_less_what_angles_do_on_the_line_of_measurement() {
         rows[3],
         "200.000000 0.009000 -0.003000 0.000500 0.000010000 0.000010000 0.000040000"
     );
-    // ECY counts from 50 mm, where Y rests while others are measured: 20 / 3 urad there.
+    // The angles of Y stand as they were measured: `angles_zero_mm` is not stated.
     assert_eq!(
         rows[5..8],
         [
             "Y EXY EYY EZY ECY",
-            "0.000000 0.000000 0.000000 0.000000 -0.000006667",
-            "150.000000 0.002000 0.003000 -0.001000 0.000013333",
+            "0.000000 0.000000 0.000000 0.000000 0.000000000",
+            "150.000000 0.002000 0.003000 -0.001000 0.000020000",
         ]
     );
     assert!(!file.contains("EAY") && !file.contains("C0Y"));
@@ -165,7 +165,7 @@ fn both_forms_are_read_back_and_judged() {
     }
     let (exchange, file) = &directories[1];
     let text = read(exchange.path(), &format!("kit/{file}"));
-    let words = "[ECY]\r\nGridpoints = {\r\n0.000000 -0.000006667\r\n150.000000 0.000013333\r\n";
+    let words = "[ECY]\r\nGridpoints = {\r\n0.000000 0.000000000\r\n150.000000 0.000020000\r\n";
     assert!(text.contains(words), "{text}");
     for (directory, file) in &directories {
         let at = directory.path();
@@ -191,6 +191,38 @@ fn both_forms_are_read_back_and_judged() {
             assert_eq!(status, Some(1), "{said}");
             assert!(said.contains(words), "{words}: {said}");
         }
+    }
+}
+
+/// Files read out under names of their own: angles that differ are seen, though on the lines of measurement, levers
+/// from the rest, they do nothing.
+#[test]
+fn angles_that_were_changed_are_seen_in_files_read_out() {
+    let rest = "offsets_mm = { x = 0.0, y = 0.0, z = 0.0 }\nangles_zero_mm = { x = 100.0 }";
+    let job = job("").replace("offsets_mm = { x = 100.0, y = 50.0, z = -100.0 }", rest);
+    let directory = kit(&job);
+    let at = directory.path();
+    let table = read(at, "kit/volcomp.csv");
+    let list = read(at, "kit/volcomp.lis").replace("volcomp.csv", "OUT.CSV");
+    fs::create_dir(at.join("out")).unwrap();
+    let minus = table.replace("0.000040000", "-0.000040000");
+    let without = table.replace(" ECX", "").replace(" -0.000030000\r", "\r");
+    let without = without.replace(" 0.000040000\r", "\r").replace(
+        "100.000000 0.000000 0.000000 0.000000 0.000000000 0.000000000 0.000000000\r",
+        "100.000000 0.000000 0.000000 0.000000 0.000000000 0.000000000\r",
+    );
+    let chain = list.replace("chain XYZ", "chain ZYX");
+    for (list, table, status, words) in [
+        (&list, &table, 0, "job and tables agree"),
+        (&list, &minus, 1, "ECX"),
+        (&list, &without, 1, "ECX"),
+        (&chain, &table, 1, "chain"),
+    ] {
+        fs::write(at.join("out/machine.lis"), list).unwrap();
+        fs::write(at.join("out/out.csv"), table).unwrap();
+        let (found, said, problems) = ended(at, "verify job.toml --tables out --explain");
+        assert_eq!(found, Some(status), "{said}{problems}");
+        assert!(said.contains(words), "{words}: {said}");
     }
 }
 

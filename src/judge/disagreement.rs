@@ -15,7 +15,7 @@ pub use self::diagnosis::Disagreements;
 use self::diagnosis::holds;
 
 use crate::judge::findings::Difference;
-use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, Rotation};
 use crate::quantity::units::{AT_PLACE_MM, Correction, Figure, Millimetres};
 use crate::read::emulate::{Emulator, NodeTable, Response};
 use crate::write::plan::{Plan, axis_pairs};
@@ -57,7 +57,39 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Di
         let foreign = Difference::ForeignAxis { base, output };
         diagnosis.tell(foreign, &moving, &corrected);
     }
+    for (what, how) in angles(plan, expected, found) {
+        let values = Difference::OtherValues {
+            table: what,
+            values: vec![how],
+        };
+        diagnosis.tell(values, "", "");
+    }
     diagnosis
+}
+
+/// What differs in the angles of two controls, which the lines of measurement need not show.
+fn angles(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Vec<(String, String)> {
+    let one = |rotation: Rotation| {
+        let base = plan.names[rotation.along].first()?;
+        let of = |control: &dyn Emulator| control.rotation(base, rotation.about);
+        let how = match (of(expected), of(found)) {
+            (None, None) => None,
+            (Some(_), None) => Some("missing".to_string()),
+            (None, Some(_)) => Some("the job does not write it".to_string()),
+            (Some(wanted), Some(got)) => Pair::of(&wanted, &got).difference(|_| None),
+        };
+        Some((rotation.to_string(), how?))
+    };
+    let mut all: Vec<(String, String)> = Rotation::all().filter_map(one).collect();
+    let orders =
+        [expected, found].map(|control| control.levers().map(|order| Axis::letters(&order)));
+    if let [Some(wanted), Some(got)] = &orders
+        && wanted != got
+    {
+        let how = format!("{got}, the job has {wanted}: the angles act at other levers");
+        all.push(("chain".to_string(), how));
+    }
+    all
 }
 
 /// What the job asks for of a term and a pair of moving and corrected axis, in each direction.

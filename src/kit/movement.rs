@@ -4,7 +4,7 @@
 use super::made::Made;
 use crate::judge::before::Before;
 use crate::kit::findings::InRollback;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
 use crate::read::emulator;
@@ -23,6 +23,14 @@ pub(super) fn switching(made: &Made<'_>) -> Result<Vec<String>, CannotEmulate> {
             anywhere += largest;
             at_reference += there;
         }
+        let swing = |at: Option<PerAxis<f64>>| {
+            let names = made.plan.names[axis].iter();
+            names
+                .map(|name| control.swing(name, at.clone()).abs())
+                .fold(0.0, f64::max)
+        };
+        anywhere += swing(None);
+        at_reference += swing(Some(references(made)));
         Ok(format!(
             "{}: at most {at_reference:.3} µm at the reference point, up to {anywhere:.1} µm elsewhere",
             made.axes(axis)
@@ -30,6 +38,12 @@ pub(super) fn switching(made: &Made<'_>) -> Result<Vec<String>, CannotEmulate> {
     };
     let axes = Axis::ALL.into_iter().filter(has_tables);
     axes.map(line).collect()
+}
+
+/// Where all axes stand at their reference point, mm.
+fn references(made: &Made<'_>) -> PerAxis<f64> {
+    let axes = &made.inputs.job.machine.axes;
+    PerAxis::from_fn(|axis| axes[axis].map_or(0.0, |own| own.reference.mm()))
 }
 
 /// The control without its backlash parameters: they are not switched with the tables, but what a

@@ -10,7 +10,7 @@
 //! is common to all controls. Controls follow the formal semantics of the references
 //! (docs/siemens.md §5, docs/fanuc.md §5) and know nothing of how a table was made.
 
-use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::{Correction, Millimetres, SAME_PLACE_MM};
 
 /// Why an emulator cannot tell what a control would do with these tables, in words.
@@ -337,9 +337,20 @@ pub trait Emulator {
     ) -> Result<Response, CannotEmulate>;
 
     /// What the control takes off a rotation about `about` while `base` stands somewhere, µrad in place of µm:
-    /// it acts through the positions of the axes that `base` carries, without a tool. Zero where `base` rests
-    /// while others are measured. None where the control holds no angles.
+    /// it acts through the positions of the axes that `base` carries, from where they rest while others are
+    /// measured, without a tool. None where the control holds no angles.
     fn rotation(&self, _base: &str, _about: Axis) -> Option<Response> {
+        None
+    }
+
+    /// What angles add to an axis beside its [`Emulator::response`]s: at a place, or the most anywhere in the
+    /// travel (a bound, of either sign); µm.
+    fn swing(&self, _output: &str, _at: Option<PerAxis<f64>>) -> f64 {
+        0.0
+    }
+
+    /// The order of the axes, from the workpiece, by which its angles act. None where it holds none.
+    fn levers(&self) -> Option<[Axis; 3]> {
         None
     }
 }

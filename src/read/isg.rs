@@ -76,7 +76,8 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
     let mut curves: Vec<Curve> = Vec::new();
     let mut named: Vec<&str> = Vec::new();
     for (path, format) in &list.files {
-        let is_it = |(name, _): &&(&str, &str)| file_name(name) == file_name(path);
+        let is_it =
+            |(name, _): &&(&str, &str)| file_name(name).eq_ignore_ascii_case(file_name(path));
         let Some((name, text)) = others.iter().find(is_it) else {
             problems.push(not_there(list_name, path));
             continue;

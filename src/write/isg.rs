@@ -14,6 +14,7 @@ use crate::inputs::job::{Compensation, WantedTerms};
 use crate::machine::model::Measured;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::chain::{Chain, unit};
+use crate::quantity::curve::{ErrorCurve, Interpolation};
 use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, power_of_ten, rounded};
 use crate::text::problem::{Problem, Problems};
 use crate::write::compiled::{Bump, Compiled, Placement, backlash_parameter, control_state};
@@ -211,14 +212,13 @@ impl IsgFacts {
         arms.fold(PerAxis::default(), PerAxis::plus)
     }
 
-    /// The measured angles of the axes that have a grid; zero where the axis rests while others are measured, for
-    /// what they do there is part of the deviations of the others.
+    /// The measured angles of the axes that have a grid, as the model of the machine has them; the table is zero at
+    /// `angles_zero_mm`, on a node or between two.
     fn angles(&self, task: Task<'_>, plan: &Plan) -> Result<Vec<Curve>, Problem> {
         if !self.takes_angles(task) {
             return Ok(Vec::new());
         }
-        let levers = &task.job.measurement.levers;
-        let rest = levers.origin(&task.job.machine.axes);
+        let zeros = &task.job.measurement.levers.angles_zero;
         let mut angles = Vec::new();
         for rotation in Rotation::all() {
             let along = rotation.along;
@@ -226,10 +226,17 @@ impl IsgFacts {
             let Some((curve, grid)) = measured.zip(plan.grids[along]) else {
                 continue;
             };
-            let zero = levers.angles_zero[along].unwrap_or(Millimetres::new(rest[along]));
-            let curve = curve.rezeroed_at(zero);
+            let places: Vec<Millimetres> = (grid.first..=grid.last)
+                .map(|at| grid.position(at))
+                .collect();
+            let urad: Vec<Deviation> = places.iter().map(|at| curve.at(*at)).collect();
+            let table = ErrorCurve::through(&places, &urad, Interpolation::Linear);
+            let table = match zeros[along] {
+                Some(zero) => table.rezeroed_at(zero),
+                None => table,
+            };
             let points = (grid.first..=grid.last).map(|at| {
-                let urad = self.angle_sign.value.table_um(curve.at(grid.position(at)));
+                let urad = self.angle_sign.value.table_um(table.at(grid.position(at)));
                 let value = rounded(urad / Parameter::PER_RAD, self.angle_decimals.value) + 0.0;
                 let position = grid.written(at);
                 Point { position, value }

@@ -134,7 +134,7 @@ fn headline(page: &Page) -> String {
         };
         let va = after.assessment.definitions.va.um;
         let from = &after.from;
-        format!("with the tables {va:.3} µm{hedge}: {from}, read back from their bytes; angular errors stay")
+        format!("with the tables {va:.3} µm{hedge}: {from}, read back from their bytes; angular errors stay unless a table holds them")
     }));
     let measured = count(&page.volume);
     if measured < ERRORS {

@@ -6,8 +6,9 @@
 //!   d, r, c    deviations, angles, constants of the files; straight between points, ends held
 //!   behind i   nearer to the tool, by `chain`; positions from where levers count; no tool
 //! ```
-//! The control adds −e. The response to an axis is that along the line on which it was measured: the others at
-//! rest. What the angles do besides, away from that line, is [`Emulator::rotation`].
+//! The control adds −e. The response to an axis holds its deviations, and its angles at the lever of the axes behind
+//! it where they rest. What an angle does as those leave their rest is [`Emulator::rotation`], as in the model of the
+//! machine.
 
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{IsgFacts, LeverOrigin, TableSign};
@@ -15,7 +16,7 @@ use crate::control::table::isg::{Curve, IsgTables, Parameter};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::chain::unit;
 use crate::quantity::units::{Correction, Millimetres};
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
 
 /// A control with a compensation in memory.
 #[derive(Clone, Debug)]
@@ -107,7 +108,7 @@ impl IsgControl {
         self.axes[axis].as_ref().map_or(0.0, |own| own.rest.mm())
     }
 
-    /// The axes behind one, or before it.
+    /// The axes from one towards the tool, or towards the workpiece, without it.
     fn beside(&self, axis: Axis, behind: bool) -> impl Iterator<Item = Axis> {
         let place = |axis: Axis| self.tables.chain.iter().position(|other| *other == axis);
         let own = place(axis);
@@ -118,6 +119,40 @@ impl IsgControl {
         self.tables.chain.iter().filter(is_it).copied()
     }
 
+    /// The most that an angle takes off anywhere, µrad.
+    fn largest_angle(&self, rotation: Rotation) -> f64 {
+        let own = self.angles[rotation].iter();
+        let nodes = own.flat_map(|own| own.tables()).flat_map(NodeTable::nodes);
+        nodes.map(|(_, value)| value.um().abs()).fold(0.0, f64::max)
+    }
+
+    /// The farthest that an axis gets from its rest, mm.
+    fn farthest(&self, axis: Axis) -> f64 {
+        let far = |own: &AxisState| {
+            let ends = [own.travel.0, own.travel.1];
+            ends.map(|end| (end.mm() - own.rest.mm()).abs())
+        };
+        let ends = self.axes[axis].as_ref().map_or([0.0; 2], far);
+        f64::max(ends[0], ends[1])
+    }
+
+    /// What the angles of an axis do to another as the axes behind it leave their rest, µm: at a place, or at most.
+    fn swing_by(&self, along: Axis, of: Axis, at: Option<&PerAxis<f64>>) -> f64 {
+        let behind = self.beside(along, true).filter(|axis| *axis != of);
+        let um = behind.map(|arm| match at {
+            Some(at) => {
+                let way = unit(arm).times(at[arm] - self.rest(arm));
+                self.angles_at(along, at[along]).cross(way)[of]
+            }
+            None => {
+                let about = Axis::ALL.into_iter().find(|axis| ![of, arm].contains(axis));
+                let most = |about| self.largest_angle(Rotation { about, along });
+                about.map_or(0.0, most) * self.farthest(arm)
+            }
+        });
+        um.sum::<f64>() / MM_PER_M
+    }
+
     /// The lever of an axis's angles while the others rest, mm.
     fn arm(&self, along: Axis) -> PerAxis<f64> {
         let arms = self.beside(along, true);
@@ -125,24 +160,19 @@ impl IsgControl {
         arms.fold(PerAxis::default(), PerAxis::plus)
     }
 
-    /// What turns the way of an axis: the angles of the axes before it where they rest; and constants.
-    fn tilts(&self, along: Axis) -> [PerAxis<f64>; 2] {
-        let at_rest = self.beside(along, false);
-        let at_rest = at_rest.map(|axis| self.angles_at(axis, self.rest(axis)));
+    /// What turns the way of an axis: the constants of it and of the axes before it.
+    fn tilt(&self, along: Axis) -> PerAxis<f64> {
         let before = self.beside(along, false).chain([along]);
         let turned = before
             .map(|axis| PerAxis::from_fn(|about| self.turned[Rotation { about, along: axis }]));
-        let sum = |all: Vec<PerAxis<f64>>| all.into_iter().fold(PerAxis::default(), PerAxis::plus);
-        [sum(at_rest.collect()), sum(turned.collect())]
+        turned.fold(PerAxis::default(), PerAxis::plus)
     }
 
     /// What `of` gets for angles and constants while `along` stands at a place, the others at rest, µm.
     fn swung(&self, of: Axis, along: Axis, at: f64) -> f64 {
         let swung = self.angles_at(along, at).cross(self.arm(along));
-        let [at_rest, turned] = self.tilts(along);
-        let way = |from: f64| unit(along).times(at - from);
-        let tilted = at_rest.cross(way(self.rest(along)));
-        let tilted = tilted.plus(turned.cross(way(self.origin[along])));
+        let way = unit(along).times(at - self.origin[along]);
+        let tilted = self.tilt(along).cross(way);
         let um = swung.plus(tilted)[of] / MM_PER_M;
         match self.tables.negated[of] {
             true => -um,
@@ -160,7 +190,7 @@ impl IsgControl {
         let angles = Axis::ALL.into_iter().filter_map(angle).filter(|_| swings);
         let points = angles.flat_map(|curve| &curve.points);
         let mut places: Vec<f64> = points.map(|point| point.position).collect();
-        let is_tilted = self.tilts(along).iter().any(|tilt| tilt.length() > 0.0);
+        let is_tilted = self.tilt(along).length() > 0.0;
         if let (true, Some(own)) = (is_tilted, &self.axes[along]) {
             places.extend([own.travel.0.mm(), own.travel.1.mm()]);
         }
@@ -216,10 +246,21 @@ impl Emulator for IsgControl {
 
     fn rotation(&self, base: &str, about: Axis) -> Option<Response> {
         let along = self.tables.axis(base)?;
-        let mut own = self.angles[Rotation { about, along }].clone()?;
-        let at_rest = own.correction(Millimetres::new(self.rest(along)));
-        own.shift(Correction::from_um(-at_rest.um()));
-        Some(own)
+        self.angles[Rotation { about, along }].clone()
+    }
+
+    fn swing(&self, output: &str, at: Option<PerAxis<f64>>) -> f64 {
+        let Some(of) = self.tables.axis(output) else {
+            return 0.0;
+        };
+        let along = Axis::ALL.into_iter();
+        along
+            .map(|along| self.swing_by(along, of, at.as_ref()))
+            .sum()
+    }
+
+    fn levers(&self) -> Option<[Axis; 3]> {
+        self.tables.has_angles().then_some(self.tables.chain)
     }
 }
 

@@ -116,7 +116,7 @@ impl Reading {
             "chain" => self.list.chain = chain(value)?,
             "negate" => self.list.negated = set(value)?,
             "set_to_zero" => self.list.zeroed = set(value)?,
-            "interpolation" => one_of(value, &["GRID", "AUTO"], "GRID: nothing else is emulated")?,
+            "interpolation" => one_of(value, &["GRID"], "GRID: nothing else is emulated")?,
             "workpiece_axes" => one_of(value, &["0"], "0: axes of the workpiece are not emulated")?,
             "alternative_model" | "use_axis_offsets" | "enable_splicing" => one_of(
                 value,

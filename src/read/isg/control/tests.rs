@@ -115,16 +115,26 @@ fn angles_act_at_the_levers_of_the_axes_behind() {
     close(um(&other, "3", "1", 100.0), 2.0);
 }
 
-/// What an angle is at rest turns the way of the axes behind it, and is no more told of as a rotation.
+/// What an angle does as the axes behind leave their rest is told of as a rotation, on no line: as in the model.
 #[test]
-fn an_angle_at_rest_tilts_the_axes_behind() {
+fn an_angle_at_rest_is_told_of_as_a_rotation() {
     let own = control("", "X ECX\n-100 0\n100 0.00002\n"); // 10 urad where X rests
-    close(um(&own, "2", "1", 300.0), 1.0); // +ECX (y - 200 mm)
-    close(um(&own, "2", "1", 200.0), 0.0);
+    close(um(&own, "2", "1", 300.0), 0.0);
     let rotation = own.rotation("1", Axis::Z).unwrap();
-    close(rotation.correction(Millimetres::new(0.0)).um(), 0.0);
-    close(rotation.correction(Millimetres::new(100.0)).um(), -10.0);
+    close(rotation.correction(Millimetres::new(0.0)).um(), -10.0);
+    close(rotation.correction(Millimetres::new(100.0)).um(), -20.0);
     assert!(own.rotation("1", Axis::X).is_none());
+    // X at 100 mm, Y 150 mm from its rest: 20 urad · 150 mm in X, against e = -ECX y.
+    let at = PerAxis {
+        x: 100.0,
+        y: 350.0,
+        z: 0.0,
+    };
+    close(own.swing("1", Some(at)), 3.0);
+    close(own.swing("3", Some(at)), 0.0);
+    let far = own.swing("1", None);
+    assert!(far >= 3.0, "a bound of the whole travel: {far}");
+    assert_eq!(own.levers(), Some([Axis::X, Axis::Y, Axis::Z]));
 }
 
 /// ISO: Y turned by +C0Y goes to -X, Z turned by +B0Z to +X, Z turned by +A0Z to -Y.
