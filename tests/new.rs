@@ -23,6 +23,7 @@ fn value_of(key: &str, axis: usize, is_siemens: bool) -> String {
         "reference_mm" => "0.0".to_string(),
         "reference_direction" => "\"+\"".to_string(),
         "active_backlash_um" => "{ x = 0.0, y = 0.0, z = 0.0 }".to_string(),
+        "u_um_per_m" => "0.5".to_string(),
         "control_unit" => "\"mm\"".to_string(),
         "first_table" => "0".to_string(),
         "first_set" | "measuring_system" => "1".to_string(),

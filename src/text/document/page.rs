@@ -93,7 +93,7 @@ fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
         many => format!("{many} keys are empty, expected a value of each"),
     };
     let help =
-        "write the value in place of `\"\"`; remove the line of an optional key that is not known";
+        "write the value in place of `\"\"`";
     let mut problem = Problem::new(message).at(first).help(help);
     problem.also = lines;
     problem.into()

@@ -3,7 +3,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{
     ControlUnit, Evidence, Fact, FileFormat, IsgFacts, LeverOrigin, TableSign,
 };
-use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::Emulator;
 use crate::read::isg::read;
