@@ -37,7 +37,7 @@ use nonius::quantity::axis::{Direction, ErrorTerm};
 use one_way::cancels;
 use support::machine::{Machine, machine};
 use support::um_at;
-use turned_sign::{turned_sign_doubles, with_signs_turned};
+use turned_sign::turned_sign_doubles;
 
 /// Machines for each profile.
 const MACHINES: usize = 72;
@@ -138,7 +138,7 @@ fn check(profile: &Profile, machine: &Machine) -> Seen {
     let (inputs, kit) = support::generate(&machine.job, &machine.csv);
     let tables = support::loaded(profile, &kit);
     let control = support::control(profile, &kit);
-    let turned = support::control(&with_signs_turned(profile), &kit);
+    let turned = support::control(&support::with_signs_turned(profile), &kit);
     let case = Case {
         machine,
         profile,

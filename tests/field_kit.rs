@@ -9,7 +9,7 @@
 
 mod support;
 
-use nonius::control::controller::{Dialect, Evidence, Profile, Role, TableSign, builtin};
+use nonius::control::controller::{Dialect, Evidence, Profile, Role, builtin};
 use nonius::control::table::Tables;
 use nonius::inputs::job::{ActiveTables, Job};
 use nonius::judge::active::{Origin, from_read_out};
@@ -62,38 +62,6 @@ fn proving(profile: &Profile, kit: &Kit) -> Box<dyn Emulator> {
         .unwrap_or_else(|reason| panic!("{}", reason.0))
 }
 
-fn turned(profile: &Profile) -> Profile {
-    let mut profile = profile.clone();
-    let turn = |sign: &mut TableSign| {
-        *sign = match sign {
-            TableSign::AsError => TableSign::AsCorrection,
-            TableSign::AsCorrection => TableSign::AsError,
-        };
-    };
-    match &mut profile.dialect {
-        Dialect::Siemens(facts) => {
-            turn(&mut facts.lec_sign.value);
-            turn(&mut facts.cec_sign.value);
-        }
-        Dialect::Fanuc(facts) => {
-            turn(&mut facts.pitch_sign.value);
-            turn(&mut facts.straightness_sign.value);
-        }
-        Dialect::Generic(_) => {}
-        Dialect::Declared(facts) => {
-            turn(&mut facts.own_sign.value);
-            turn(&mut facts.cross_sign.value);
-        }
-        Dialect::Linuxcnc(facts) => {
-            turn(&mut facts.trim_sign.value);
-            turn(&mut facts.sum_sign.value);
-        }
-        Dialect::Klipper(facts) => turn(&mut facts.skew_sign.value),
-        Dialect::Isg(facts) => turn(&mut facts.error_sign.value),
-    }
-    profile
-}
-
 fn number(proof: &Value, key: &str) -> f64 {
     proof[key].as_f64().unwrap()
 }
@@ -130,7 +98,7 @@ fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
         );
     }
     let control = proving(&inputs.profile, kit);
-    let other = proving(&turned(&inputs.profile), kit);
+    let other = proving(&support::with_signs_turned(&inputs.profile), kit);
     for (base, output) in axis_pairs(&kit.plan.names, term) {
         for direction in Direction::BOTH {
             let response = support::response(control.as_ref(), base, output, direction);

@@ -13,7 +13,7 @@ mod support;
 
 use nonius::control::claims::Precondition;
 use nonius::control::claims::SeenTo;
-use nonius::control::controller::{BesideTable, Dialect, builtin};
+use nonius::control::controller::builtin;
 use nonius::quantity::axis::ErrorTerm;
 use nonius::text::finding::Finding;
 use nonius::write::findings::TableFinding;
@@ -162,12 +162,7 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
         assert_eq!(directed("EZZ"), [true, true], "{id}");
         let backlash = kit.plan.backlash_um.x;
         assert_eq!(backlash.map(f64::to_bits), Some(0.0_f64.to_bits()), "{id}");
-        let replaced = match &profile.dialect {
-            Dialect::Linuxcnc(_) => true,
-            Dialect::Declared(facts) => facts.backlash.value == BesideTable::Replaced,
-            _ => false,
-        };
-        if replaced {
+        if support::replaces_backlash(&profile) {
             continue; // its tables stand in place of the parameter
         }
         let of_backlash = |p: &&Precondition| p.why.contains("no reversal is left");

@@ -3,7 +3,7 @@
 use crate::case::{Case, Held, count_um, two_tables};
 use crate::support::machine::Term;
 use crate::support::{self, DUST_UM};
-use nonius::control::controller::{Dialect, Profile, TableSign};
+use nonius::control::controller::Dialect;
 use nonius::quantity::axis::Direction;
 use nonius::read::emulate::Emulator;
 
@@ -73,40 +73,4 @@ pub(crate) fn turned_sign_doubles(
         }
     }
     seen
-}
-
-/// The profile with every sign the other way round, for emulation only.
-pub(crate) fn with_signs_turned(profile: &Profile) -> Profile {
-    let turn = |sign: &mut TableSign| {
-        *sign = match sign {
-            TableSign::AsError => TableSign::AsCorrection,
-            TableSign::AsCorrection => TableSign::AsError,
-        }
-    };
-    let mut turned = profile.clone();
-    match &mut turned.dialect {
-        Dialect::Siemens(facts) => {
-            turn(&mut facts.lec_sign.value);
-            turn(&mut facts.cec_sign.value);
-        }
-        Dialect::Fanuc(facts) => {
-            turn(&mut facts.pitch_sign.value);
-            turn(&mut facts.straightness_sign.value);
-        }
-        Dialect::Generic(_) => {}
-        Dialect::Declared(facts) => {
-            turn(&mut facts.own_sign.value);
-            turn(&mut facts.cross_sign.value);
-        }
-        Dialect::Linuxcnc(facts) => {
-            turn(&mut facts.trim_sign.value);
-            turn(&mut facts.sum_sign.value);
-        }
-        Dialect::Klipper(facts) => turn(&mut facts.skew_sign.value),
-        Dialect::Isg(facts) => {
-            turn(&mut facts.error_sign.value);
-            turn(&mut facts.angle_sign.value);
-        }
-    }
-    turned
 }

@@ -4,7 +4,7 @@
 //! zero, the mean of both directions and the reversal are computed here once more.
 
 use super::{Lines, Random};
-use nonius::control::controller::{BesideTable, Dialect, Profile};
+use nonius::control::controller::{Dialect, Profile};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::curve::{ErrorCurve, Interpolation};
 use nonius::quantity::units::{Deviation, Millimetres};
@@ -233,14 +233,9 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let fanuc = matches!(profile.dialect, Dialect::Fanuc(_));
     let siemens = matches!(profile.dialect, Dialect::Siemens(_));
     let linuxcnc = matches!(profile.dialect, Dialect::Linuxcnc(_));
-    let declared = match &profile.dialect {
-        Dialect::Declared(facts) => Some(facts),
-        _ => None,
-    };
+    let declared = matches!(profile.dialect, Dialect::Declared(_));
     // No table moves another axis.
     let own_only = linuxcnc || !super::has_cross_terms(profile);
-    let replaces_backlash =
-        linuxcnc || declared.is_some_and(|facts| facts.backlash.value == BesideTable::Replaced);
     let isg = matches!(profile.dialect, Dialect::Isg(_));
     let mut features = Vec::new();
     // Cycled, so that every value meets the others; the rest is drawn.
@@ -274,12 +269,12 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     features.push(if nine { "nine terms" } else { "fewer terms" });
 
     let unit_um = random.of(&[1.0, 0.1, 2.5]);
-    let is_plain = !siemens && !linuxcnc && !isg && declared.is_none();
+    let is_plain = !siemens && !linuxcnc && !isg && !declared;
     let stated_unit = (profile.detection_unit_required.value || (is_plain && random.once_in(3)))
         .then_some(unit_um);
     // A file that takes X, Y and Z alone has no name for the second axis.
     let numbered = profile.axis_names.value[0].parse::<u32>().is_ok();
-    let gantry = random.once_in(4) && !isg && (declared.is_none() || numbered);
+    let gantry = random.once_in(4) && !isg && (!declared || numbered);
     features.extend(gantry.then_some("gantry"));
     let measured: Vec<ErrorTerm> = ErrorTerm::ALL
         .into_iter()
@@ -503,7 +498,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         fit,
         kind,
         inch,
-        replaces_backlash,
+        replaces_backlash: super::replaces_backlash(profile),
         reserved,
         job,
         csv,

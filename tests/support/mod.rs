@@ -10,7 +10,7 @@
 pub(crate) mod machine;
 
 use nonius::control::controller::{
-    CrossTerms, DeclaredFacts, Dialect, Profile, TypedValue, builtin,
+    BesideTable, CrossTerms, DeclaredFacts, Dialect, Profile, TableSign, TypedValue, builtin,
 };
 use nonius::control::table::Tables;
 use nonius::inputs::error_table::ErrorTable;
@@ -76,6 +76,51 @@ pub(crate) fn has_cross_terms(profile: &Profile) -> bool {
 pub(crate) fn positioning_ids() -> impl Iterator<Item = &'static str> {
     let ids = nonius::control::controller::builtin::ids().into_iter();
     ids.filter(|id| *id != "klipper-skew")
+}
+
+/// Whether the table of an axis for itself stands in place of its backlash parameter.
+pub(crate) fn replaces_backlash(profile: &Profile) -> bool {
+    match &profile.dialect {
+        Dialect::Linuxcnc(_) => true,
+        Dialect::Declared(facts) => facts.backlash.value == BesideTable::Replaced,
+        _ => false,
+    }
+}
+
+/// The profile with every sign the other way round, for emulation only.
+pub(crate) fn with_signs_turned(profile: &Profile) -> Profile {
+    let turn = |sign: &mut TableSign| {
+        *sign = match sign {
+            TableSign::AsError => TableSign::AsCorrection,
+            TableSign::AsCorrection => TableSign::AsError,
+        }
+    };
+    let mut turned = profile.clone();
+    match &mut turned.dialect {
+        Dialect::Siemens(facts) => {
+            turn(&mut facts.lec_sign.value);
+            turn(&mut facts.cec_sign.value);
+        }
+        Dialect::Fanuc(facts) => {
+            turn(&mut facts.pitch_sign.value);
+            turn(&mut facts.straightness_sign.value);
+        }
+        Dialect::Generic(_) => {}
+        Dialect::Declared(facts) => {
+            turn(&mut facts.own_sign.value);
+            turn(&mut facts.cross_sign.value);
+        }
+        Dialect::Linuxcnc(facts) => {
+            turn(&mut facts.trim_sign.value);
+            turn(&mut facts.sum_sign.value);
+        }
+        Dialect::Klipper(facts) => turn(&mut facts.skew_sign.value),
+        Dialect::Isg(facts) => {
+            turn(&mut facts.error_sign.value);
+            turn(&mut facts.angle_sign.value);
+        }
+    }
+    turned
 }
 
 /// The kit of a job.
