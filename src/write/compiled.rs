@@ -7,7 +7,7 @@ use crate::control::controller::Proof;
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::units::{Deviation, Millimetres};
+use crate::quantity::units::{Deviation, Millimetres, rounded};
 use crate::text::finding::Finding;
 use crate::write::grid::{Grid, as_number, whole};
 use crate::write::task::{Plan, PlannedTable, Task};
@@ -152,6 +152,13 @@ pub(crate) fn backlash_parameter(
         when,
         ..Precondition::new(what, value, why, source)
     }
+}
+
+/// A backlash parameter in micrometres as it is named: to a tenth of one.
+pub(crate) fn backlash_text(um: f64) -> (String, f64) {
+    const DECIMALS: u32 = 1;
+    let um = rounded(um, DECIMALS);
+    (format!("{um:.1} µm"), um)
 }
 
 /// Why the backlash parameter of an axis has to be −B.

@@ -17,7 +17,8 @@ use crate::quantity::units::{Deviation, UM_PER_MM, power_of_ten, rounded};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compiled::{
-    Bump, Compiled, Placement, backlash_parameter, column, control_state, whole_below,
+    Bump, Compiled, Placement, backlash_parameter, backlash_text, column, control_state,
+    whole_below,
 };
 use crate::write::control_text::{Instead, fixed};
 use crate::write::family::Family;
@@ -67,7 +68,7 @@ impl Family for DeclaredFacts {
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         let backlash_um = |axis| match self.replaces_backlash() {
             true => 0.0,
-            false => plan.backlash_um[axis].map_or(0.0, |um| rounded(um, BACKLASH_DECIMALS)),
+            false => plan.backlash_um[axis].map_or(0.0, |um| backlash_text(um).1),
         };
         let state = control_state(task, plan, backlash_um);
         let all = |_: &PlannedTable| true;
@@ -153,9 +154,6 @@ impl Family for DeclaredFacts {
         Some(Tables::Declared(DeclaredTables::of(tables)))
     }
 }
-
-/// The backlash parameter is named to a tenth of a micrometre.
-const BACKLASH_DECIMALS: u32 = 1;
 
 impl DeclaredFacts {
     /// What is to be known of files whose form no manual states.
@@ -303,7 +301,7 @@ impl DeclaredFacts {
 
     fn preconditions(&self, task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
         let source = "the profile, fact `backlash`";
-        let named = |um| format!("{:.1} µm", rounded(um, BACKLASH_DECIMALS));
+        let named = |um| backlash_text(um).0;
         let of_axis = |axis: Axis| {
             let what = format!("backlash parameter of {axis}");
             match self.replaces_backlash() {

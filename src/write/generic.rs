@@ -12,7 +12,9 @@ use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{self, Deviation};
 use crate::text::document::MOST_ROWS;
 use crate::text::problem::Problems;
-use crate::write::compiled::{Bump, Compiled, Placement, backlash_parameter, control_state};
+use crate::write::compiled::{
+    Bump, Compiled, Placement, backlash_parameter, backlash_text, control_state,
+};
 use crate::write::control_text::Instead;
 use crate::write::family::Family;
 use crate::write::grid::LengthDigit;
@@ -67,15 +69,15 @@ impl Family for GenericFacts {
             let count_um = unit_um.unwrap_or(0.0);
             placements.push(Placement::of(planned, "rows".to_string(), count_um));
         }
-        let backlash_um = |um: f64| units::rounded(um, BACKLASH_DECIMALS);
+        let backlash = |um: f64| backlash_text(um).1;
         Ok(Compiled {
             tables: Tables::Generic(GenericTable { rows }),
             placements,
             state: control_state(task, plan, |axis| {
-                plan.backlash_um[axis].map_or(0.0, backlash_um)
+                plan.backlash_um[axis].map_or(0.0, backlash)
             }),
             assumptions: Vec::new(),
-            preconditions: backlash(task, plan),
+            preconditions: preconditions(task, plan),
             notes: Vec::new(),
         })
     }
@@ -149,8 +151,6 @@ fn table_rows(
 
 /// Multiples of a detection unit are freed from binary dust at a femtometre.
 const DUST_DECIMALS: u32 = 9;
-/// The backlash parameter is named to a tenth of a micrometre.
-const BACKLASH_DECIMALS: u32 = 1;
 
 fn rounded(value: Deviation, unit_um: Option<f64>) -> Deviation {
     match unit_um {
@@ -169,8 +169,8 @@ fn increment(um: f64, unit_um: Option<f64>) -> f64 {
     }
 }
 
-fn backlash(task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
-    let named = |um| format!("{:.1} µm", units::rounded(um, BACKLASH_DECIMALS));
+fn preconditions(task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
+    let named = |um| backlash_text(um).0;
     let axes = plan.backlash_um.iter().filter(|(_, um)| um.is_some());
     axes.map(|(axis, _)| {
         let what = format!("backlash parameter of {axis}");

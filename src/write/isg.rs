@@ -17,7 +17,9 @@ use crate::quantity::chain::{Chain, unit};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
 use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, power_of_ten, rounded};
 use crate::text::problem::{Problem, Problems};
-use crate::write::compiled::{Bump, Compiled, Placement, backlash_parameter, control_state};
+use crate::write::compiled::{
+    Bump, Compiled, Placement, backlash_parameter, backlash_text, control_state,
+};
 use crate::write::control_text::{Instead, fixed};
 use crate::write::family::Family;
 use crate::write::findings::TableFinding;
@@ -25,9 +27,6 @@ use crate::write::grid::LengthDigit;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use serde_json::{Value, json};
-
-/// The backlash parameter is named to a tenth of a micrometre.
-const BACKLASH_DECIMALS: u32 = 1;
 
 impl Family for IsgFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
@@ -77,12 +76,12 @@ impl Family for IsgFacts {
         let count_um = UM_PER_MM / power_of_ten(self.value_decimals.value);
         let placed = plan.tables.iter();
         let placed = placed.map(|planned| Placement::of(planned, place(planned), count_um));
-        let named = |axis| plan.backlash_um[axis].map_or(0.0, |um| rounded(um, BACKLASH_DECIMALS));
+        let backlash_um = |axis| plan.backlash_um[axis].map_or(0.0, |um| backlash_text(um).1);
         Ok(Compiled {
             placements: placed.collect(),
             preconditions: preconditions(task, plan, &tables),
             tables: Tables::Isg(tables),
-            state: control_state(task, plan, named),
+            state: control_state(task, plan, backlash_um),
             assumptions: Vec::new(),
             notes,
         })
@@ -397,7 +396,7 @@ fn preconditions(task: Task<'_>, plan: &Plan, tables: &IsgTables) -> Vec<Precond
             format!("{PAGES} §2"),
         ),
     ];
-    let named = |um| format!("{:.1} µm", rounded(um, BACKLASH_DECIMALS));
+    let named = |um| backlash_text(um).0;
     let axes = plan.backlash_um.iter().filter(|(_, um)| um.is_some());
     list.extend(axes.map(|(axis, _)| {
         let what = format!("{} of {axis}", task.profile.family.backlash_parameter);
