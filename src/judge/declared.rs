@@ -3,7 +3,7 @@
 use crate::control::controller::DeclaredFacts;
 use crate::control::table::Tables;
 use crate::control::table::declared::{DeclaredTable, DeclaredTables, Point};
-use crate::judge::active::{Found, Held, Others, ReadOutReader};
+use crate::judge::active::{Found, Held, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
@@ -23,18 +23,13 @@ impl Family for DeclaredFacts {
         let texts = texts.iter().map(|(name, text)| (&**name, &**text));
         let mut found = read(&texts.collect::<Vec<_>>(), self)?;
         let held = Held::plain(Tables::Declared(found.clone()));
-        take_others(reading, &mut found);
+        tell_others(reading, &mut found);
         Ok(Found {
             held,
             tables: Tables::Declared(found),
             backlash: PerAxis::default(),
             unit: None,
         })
-    }
-
-    /// A table of axes that the job does not have stays beside those of the kit.
-    fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
-        Vec::new()
     }
 
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
@@ -69,11 +64,6 @@ impl Family for DeclaredFacts {
         own(tables).iter().flat_map(of_table).collect()
     }
 
-    /// The files hold tables and nothing around them.
-    fn surroundings(&self, _before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
-        (Vec::new(), Vec::new())
-    }
-
     /// The files that were read out are the rollback.
     fn old(&self, _before: &Before<'_>) -> Result<Old, Vec<String>> {
         Err(vec!["tables of this format".to_string()])
@@ -89,13 +79,9 @@ fn own(tables: &Tables) -> &[DeclaredTable] {
 }
 
 /// Tables of axes that the job does not have; one that moves an axis of the job is told as such.
-fn take_others(reading: &mut ReadOutReader<'_>, found: &mut DeclaredTables) {
-    let is_other = |table: &DeclaredTable| !reading.has(&table.base) || !reading.has(&table.output);
-    let others: Vec<DeclaredTable> = found
-        .tables
-        .extract_if(.., |table| is_other(table))
-        .collect();
-    for table in others {
+fn tell_others(reading: &mut ReadOutReader<'_>, found: &mut DeclaredTables) {
+    let axes = |table: &DeclaredTable| [table.base.clone(), table.output.clone()];
+    for table in reading.take_others(&mut found.tables, axes) {
         let what = format!("the {}", table.name());
         let moving = table.base.clone();
         reading.tell(match reading.has(&table.output) {

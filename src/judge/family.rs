@@ -24,7 +24,9 @@ pub(crate) trait Family {
     ) -> Result<Found, Problems>;
 
     /// New tables at places of others, and what to do.
-    fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)>;
+    fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
+        Vec::new()
+    }
 
     /// What makes old tables act that the new files do not overwrite.
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String>;
@@ -65,7 +67,9 @@ pub(crate) trait Family {
     }
 
     /// What a read-out holds around the tables that contradicts the job; and what no file of it holds.
-    fn surroundings(&self, before: &Before<'_>) -> (Vec<InControl>, Vec<String>);
+    fn surroundings(&self, _before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
+        (Vec::new(), Vec::new())
+    }
 
     /// What the control held of all that a kit changes; `Err` = what of the tables, points and parameters
     /// that the files overwrite was not read out.

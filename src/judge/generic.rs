@@ -3,7 +3,7 @@
 use crate::control::controller::GenericFacts;
 use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
-use crate::judge::active::{Found, Held, Others, ReadOutReader};
+use crate::judge::active::{Found, Held, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
@@ -27,7 +27,7 @@ impl Family for GenericFacts {
         let mut table = generic::merge(problems.or_ok(tables)?)?;
         let held = Held::plain(Tables::Generic(table.clone()));
         if reading.judges() {
-            take_others(reading, &mut table);
+            tell_others(reading, &mut table);
         }
         Ok(Found {
             held,
@@ -35,11 +35,6 @@ impl Family for GenericFacts {
             backlash: PerAxis::default(),
             unit: None,
         })
-    }
-
-    /// Rows of others are refused when they are read.
-    fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
-        Vec::new()
     }
 
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
@@ -77,11 +72,6 @@ impl Family for GenericFacts {
         own.rows.iter().map(entry).collect()
     }
 
-    /// The table says everything itself.
-    fn surroundings(&self, _before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
-        (Vec::new(), Vec::new())
-    }
-
     fn old(&self, _before: &Before<'_>) -> Result<Old, Vec<String>> {
         Err(vec!["tables of this format".to_string()])
     }
@@ -97,10 +87,9 @@ fn own(tables: &Tables) -> &GenericTable {
 }
 
 /// Old tables of other axes are refused: the new file would take their place.
-fn take_others(reading: &mut ReadOutReader<'_>, table: &mut GenericTable) {
-    let is_other =
-        |row: &GenericRow| !reading.has(&row.base_axis) || !reading.has(&row.output_axis);
-    let others: Vec<GenericRow> = table.rows.extract_if(.., |row| is_other(row)).collect();
+fn tell_others(reading: &mut ReadOutReader<'_>, table: &mut GenericTable) {
+    let axes = |row: &GenericRow| [row.base_axis.clone(), row.output_axis.clone()];
+    let others = reading.take_others(&mut table.rows, axes);
     for row in others.iter().filter(|row| row.index == 0) {
         let (moving, output, term) = (row.base_axis.clone(), &row.output_axis, row.term);
         reading.tell(match reading.has(output) {

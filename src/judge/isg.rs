@@ -3,12 +3,11 @@
 use crate::control::controller::IsgFacts;
 use crate::control::table::Tables;
 use crate::control::table::isg::{Curve, IsgTables};
-use crate::judge::active::{Found, Held, Others, ReadOutReader};
+use crate::judge::active::{Found, Held, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
 use crate::judge::family::Family;
-use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::read::{Text, isg};
 use crate::text::problem::Problems;
@@ -31,11 +30,6 @@ impl Family for IsgFacts {
             backlash: PerAxis::default(),
             unit: None,
         })
-    }
-
-    /// The kit writes files of its own.
-    fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
-        Vec::new()
     }
 
     /// A new list takes the place of the old one, whole.
@@ -88,11 +82,6 @@ impl Family for IsgFacts {
         stated
             .chain(tables.curves.iter().flat_map(of_curve))
             .collect()
-    }
-
-    /// The list says everything itself.
-    fn surroundings(&self, _before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
-        (Vec::new(), Vec::new())
     }
 
     /// The files that were kept are the rollback.

@@ -3,12 +3,11 @@
 use crate::control::controller::KlipperFacts;
 use crate::control::table::Tables;
 use crate::control::table::klipper::{FACTORS, Skew};
-use crate::judge::active::{Found, Held, Others, ReadOutReader};
+use crate::judge::active::{Found, Held, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
 use crate::judge::family::Family;
-use crate::judge::findings::InControl;
 use crate::quantity::axis::PerAxis;
 use crate::read::{Text, klipper};
 use crate::text::problem::Problems;
@@ -30,11 +29,6 @@ impl Family for KlipperFacts {
             backlash: PerAxis::default(),
             unit: None,
         })
-    }
-
-    /// The kit writes a profile of its own.
-    fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
-        Vec::new()
     }
 
     /// The profile that is loaded last acts alone.
@@ -63,11 +57,6 @@ impl Family for KlipperFacts {
             (item, Entry::of(value, told, told))
         });
         factors.chain([name]).collect()
-    }
-
-    /// Macros say what is loaded; they are not read.
-    fn surroundings(&self, _before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
-        (Vec::new(), Vec::new())
     }
 
     /// The configuration that was kept is the rollback.

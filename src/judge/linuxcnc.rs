@@ -3,7 +3,7 @@
 use crate::control::controller::{ControlUnit, LinuxcncFacts};
 use crate::control::table::Tables;
 use crate::control::table::linuxcnc::{CompTable, CrossTable, LinuxcncTables, Point, Row};
-use crate::judge::active::{Found, Held, NamedBacklash, Others, ReadOutReader};
+use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
@@ -29,18 +29,13 @@ impl Family for LinuxcncFacts {
         reading.findings.extend(found.not_named());
         let held = Held::plain(Tables::Linuxcnc(found.tables.clone()));
         check_homes(reading, &found);
-        take_others(reading, &mut found.tables);
+        tell_others(reading, &mut found.tables);
         Ok(Found {
             backlash: PerAxis::from_fn(|axis| backlash(&reading.names[axis], reading, &found)),
             tables: Tables::Linuxcnc(found.tables),
             held,
             unit: found.unit,
         })
-    }
-
-    /// The kit writes files of its own, for joints of the job.
-    fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
-        Vec::new()
     }
 
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
@@ -97,11 +92,6 @@ impl Family for LinuxcncFacts {
         joints
             .chain(tables.cross.iter().flat_map(of_cross))
             .collect()
-    }
-
-    /// What the ini holds around the tables is compared where it is read.
-    fn surroundings(&self, _before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
-        (Vec::new(), Vec::new())
     }
 
     /// A kit overwrites no file of the machine: the ini file that was kept is the rollback.
@@ -179,21 +169,15 @@ fn check_homes(reading: &mut ReadOutReader<'_>, found: &Contents) {
 }
 
 /// Tables of joints that the job does not have.
-fn take_others(reading: &mut ReadOutReader<'_>, tables: &mut LinuxcncTables) {
-    let is_other = |table: &mut CompTable| !reading.has(&table.joint.to_string());
-    let others: Vec<CompTable> = tables
-        .joints
-        .extract_if(.., |table| is_other(table))
-        .collect();
-    for table in others {
+fn tell_others(reading: &mut ReadOutReader<'_>, tables: &mut LinuxcncTables) {
+    let own = |table: &CompTable| [table.joint, table.joint].map(|joint| joint.to_string());
+    for table in reading.take_others(&mut tables.joints, own) {
         let what = format!("the table of {}", table.name());
         let axes = "a joint";
         reading.tell(InControl::OfOthers { what, axes });
     }
-    let has = |joint: u32| reading.has(&joint.to_string());
-    let is_other = |table: &mut CrossTable| !has(table.base) || !has(table.output);
-    let others: Vec<CrossTable> = tables.cross.extract_if(.., is_other).collect();
-    for table in others {
+    let cross = |table: &CrossTable| [table.base, table.output].map(|joint| joint.to_string());
+    for table in reading.take_others(&mut tables.cross, cross) {
         let what = format!("the correction of {}", table.name());
         let axes = "a joint";
         reading.tell(InControl::OfOthers { what, axes });
