@@ -1,4 +1,5 @@
-//! The control of docs/controllers.md §3, added without Rust: the page's own files, from the profile to the second visit.
+//! The control of docs/controllers.md §3, added without Rust: the page's own files, from the profile to the second visit;
+//! and a control of which nobody knows what it adds outside a table.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -224,5 +225,40 @@ fn a_mistake_in_the_profile_has_its_line() {
         );
         assert!(said.contains(says), "{wrong}: {said}");
         assert!(says.is_empty() || said.contains("-->"), "{wrong}: {said}");
+    }
+}
+
+/// The X table of a Weihong cut at 200 of 400 mm: neither judged nor built upon.
+#[test]
+fn a_short_table_is_refused_where_outside_is_not_known() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = root().join("fixtures/machines/five_points");
+    let put = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let job = fs::read_to_string(machine.join("weihong.toml")).unwrap();
+    let errors = fs::read_to_string(machine.join("errors.csv")).unwrap();
+    let active = "= \"active\"\nactive_terms_not_measured = \"keep\"\n\
+                  active_backlash_um = { x = 0.0, y = 0.0, z = 0.0 }";
+    put("job.toml", &job);
+    put("errors.csv", &errors);
+    put("second.toml", &job.replace("= \"none\"", active));
+    nonius(&folder, "generate job.toml -o kit");
+    let whole = kit_file(&folder, "kit/axeserr.dat");
+    let is_cut = |line: &str| line.starts_with("300.000") || line.starts_with("400.000");
+    let lines = whole.lines().filter(|line| !is_cut(line));
+    let short: String = lines.map(|line| format!("{line}\r\n")).collect();
+    assert_eq!(whole.lines().count() - short.lines().count(), 2, "{whole}");
+    let verify = "verify job.toml --tables active";
+    let build_on = "generate second.toml -o second";
+    let words = "the table of X covers 0.000 mm to 200.000 mm, the travel of X with its reference point is 0.000 mm to 400.000 mm, and what this control adds outside a table is not known";
+    for (text, line, expected) in [
+        (&whole, verify, 0),
+        (&short, verify, 1),
+        (&short, build_on, 2),
+        (&whole, build_on, 0),
+    ] {
+        read_out(&folder, "active", text);
+        let (status, said) = nonius(&folder, line);
+        assert_eq!(status, Some(expected), "{line}: {said}");
+        assert_eq!(said.contains(words), expected > 0, "{line}: {said}");
     }
 }

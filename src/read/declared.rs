@@ -9,10 +9,9 @@
 //! With `point` the fields of one point may stand in several lines; without it each line is a point. A line that
 //! no pattern takes is refused: what the control makes of it is not known.
 
-pub mod control;
+mod control;
 mod table;
 
-use self::control::DeclaredControl;
 use self::table::Draft;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Comments, DeclaredFacts, Field};
@@ -38,7 +37,7 @@ impl Family for DeclaredFacts {
         let Tables::Declared(tables) = tables else {
             return Err(other_family());
         };
-        Ok(Box::new(DeclaredControl::new(tables, self, state)?))
+        Ok(Box::new(control::control(tables, self, state)?))
     }
 
     /// A pair of axes has one table.
@@ -62,10 +61,6 @@ impl Family for DeclaredFacts {
         let patterns: Vec<_> = patterns.collect();
         let is_taken = |line: &str| patterns.iter().any(|own| own.take(line).is_some());
         lines(text).any(|span| is_taken(&text[span]))
-    }
-
-    fn is_whole(&self, _text: &str) -> bool {
-        false
     }
 }
 

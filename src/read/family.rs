@@ -32,7 +32,9 @@ pub(crate) trait Family {
     fn may_obey(&self, text: &str) -> bool;
 
     /// Whether a text was read out of the control as a whole: what a kit writes is of concern throughout.
-    fn is_whole(&self, text: &str) -> bool;
+    fn is_whole(&self, _text: &str) -> bool {
+        false
+    }
 
     /// The files in a file of the control: an archive holds many.
     fn parts<'a>(&self, name: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Problem> {

@@ -11,11 +11,10 @@
 //! Written from the contract alone; it knows nothing of the program's own templates.
 
 mod check;
-pub mod control;
+mod control;
 mod rows;
 mod typed;
 
-use self::control::GenericControl;
 use crate::control::control_state::ControlState;
 use crate::control::controller::GenericFacts;
 use crate::control::table::Tables;
@@ -39,7 +38,7 @@ impl Family for GenericFacts {
         let Tables::Generic(table) = tables else {
             return Err(other_family());
         };
-        Ok(Box::new(GenericControl::new(table, state)?))
+        Ok(Box::new(control::control(table, state)?))
     }
 
     /// A table takes the place of the one before.
@@ -49,10 +48,6 @@ impl Family for GenericFacts {
 
     fn may_obey(&self, text: &str) -> bool {
         text.contains("position_mm")
-    }
-
-    fn is_whole(&self, _: &str) -> bool {
-        false
     }
 }
 

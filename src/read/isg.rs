@@ -55,10 +55,6 @@ impl Family for IsgFacts {
         let mut words = text.split(|c: char| !c.is_ascii_alphanumeric());
         list::is_list(text) || words.any(|word| names.iter().any(|name| name == word))
     }
-
-    fn is_whole(&self, _: &str) -> bool {
-        false
-    }
 }
 
 /// Reads a list and the parameter files that it names; names and texts in any order.

@@ -9,14 +9,13 @@
 //! the C source and the runs named in docs/linuxcnc.md §0; it knows nothing of the program's own templates.
 
 mod comp;
-pub mod control;
+mod control;
 mod hal;
 mod ini;
 pub(super) mod program;
 
 pub(crate) use self::ini::Joint;
 
-use self::control::LinuxcncControl;
 use self::ini::Ini;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, CrossTerms, LinuxcncFacts};
@@ -48,7 +47,7 @@ impl Family for LinuxcncFacts {
         let Tables::Linuxcnc(tables) = tables else {
             return Err(other_family());
         };
-        Ok(Box::new(LinuxcncControl::new(tables, self, state)?))
+        Ok(Box::new(control::control(tables, self, state)?))
     }
 
     /// A joint has one table; a HAL file takes the place of another.

@@ -17,6 +17,7 @@ pub mod isg;
 pub mod klipper;
 mod lexer;
 pub mod linuxcnc;
+mod pairs;
 pub mod program;
 pub mod siemens;
 

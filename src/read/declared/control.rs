@@ -8,84 +8,30 @@
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{BesideTable, DeclaredFacts, Outside, ValueForm};
 use crate::control::table::declared::{DeclaredTable, DeclaredTables, Point};
-use crate::quantity::axis::Direction;
-use crate::quantity::units::{Correction, Millimetres, UM_PER_MM};
-use crate::read::emulate::{Between, CannotEmulate, Emulator, NodeTable, Response};
+use crate::quantity::units::{Correction, Figure, Millimetres, UM_PER_MM, power_of_ten};
+use crate::read::emulate::{Between, CannotEmulate, NodeTable, Response};
+use crate::read::pairs::{Pair, PairControl, known_axis};
 
-/// A control with its tables in memory.
-#[derive(Clone, Debug)]
-pub struct DeclaredControl {
-    tables: Vec<Loaded>,
-    replaces: bool,
-    state: ControlState,
-}
-
-#[derive(Clone, Debug)]
-struct Loaded {
-    base: String,
-    output: String,
-    /// While the base axis moves in +, and in −.
-    ways: [Response; 2],
-}
-
-impl DeclaredControl {
-    /// A control that holds these tables.
-    ///
-    /// **limits** fails if an axis is not one of the control
-    pub fn new(
-        tables: &DeclaredTables,
-        facts: &DeclaredFacts,
-        state: &ControlState,
-    ) -> Result<DeclaredControl, CannotEmulate> {
-        let load = |table: &DeclaredTable| load(table, facts, state);
-        Ok(DeclaredControl {
-            tables: tables.tables.iter().map(load).collect::<Result<_, _>>()?,
-            replaces: facts.backlash.value == BesideTable::Replaced,
-            state: state.clone(),
-        })
-    }
-}
-
-impl Emulator for DeclaredControl {
-    fn connected_axes(&self) -> Vec<(String, String)> {
-        let pair = |own: &Loaded| (own.base.clone(), own.output.clone());
-        self.tables.iter().map(pair).collect()
-    }
-
-    fn response(
-        &self,
-        base: &str,
-        output: &str,
-        direction: Direction,
-    ) -> Result<Response, CannotEmulate> {
-        let is_it = |own: &&Loaded| {
-            own.base.eq_ignore_ascii_case(base) && own.output.eq_ignore_ascii_case(output)
-        };
-        let own = self.tables.iter().find(is_it);
-        let mut response = own.map_or_else(Response::default, |own| match direction {
-            Direction::Plus => own.ways[0].clone(),
-            Direction::Minus => own.ways[1].clone(),
-        });
-        let is_own = base.eq_ignore_ascii_case(output);
-        if is_own && !(self.replaces && own.is_some()) {
-            response.shift(known_axis(&self.state, base)?.backlash(direction));
-        }
-        Ok(response)
-    }
-}
-
-fn known_axis<'a>(state: &'a ControlState, name: &str) -> Result<&'a AxisState, CannotEmulate> {
-    let axis = state.axis(name);
-    axis.ok_or_else(|| CannotEmulate(format!("foreign axis: the job has no axis `{name}`")))
+/// A control that holds these tables.
+///
+/// **limits** fails if an axis is not one of the control, and if a table ends inside the travel of its axis and
+/// the profile does not say what is added outside
+pub(super) fn control(
+    tables: &DeclaredTables,
+    facts: &DeclaredFacts,
+    state: &ControlState,
+) -> Result<PairControl, CannotEmulate> {
+    let load = |table: &DeclaredTable| load(table, facts, known_axis(state, &table.base)?);
+    let pairs = tables.tables.iter().map(load).collect::<Result<_, _>>()?;
+    let replaces_backlash = facts.backlash.value == BesideTable::Replaced;
+    PairControl::new(pairs, replaces_backlash, state)
 }
 
 fn load(
     table: &DeclaredTable,
     facts: &DeclaredFacts,
-    state: &ControlState,
-) -> Result<Loaded, CannotEmulate> {
-    known_axis(state, &table.output)?;
-    let reference = known_axis(state, &table.base)?.reference;
+    base: &AxisState,
+) -> Result<Pair, CannotEmulate> {
     let mut points = table.points.clone();
     points.sort_by(|a, b| a.position.total_cmp(&b.position));
     let way = |value: fn(&Point) -> f64| {
@@ -94,17 +40,45 @@ fn load(
             value,
             facts,
         };
-        let response = column.response(table, reference);
+        let response = column.response(table, base.reference);
         response.ok_or_else(|| CannotEmulate(format!("the {} has no point", table.name())))
     };
-    Ok(Loaded {
+    let ways = [
+        way(|point| point.forward)?,
+        way(|point| point.reverse.unwrap_or(point.forward))?,
+    ];
+    if facts.outside.value == Outside::Unknown {
+        covers_travel(table, &points, facts, base)?;
+    }
+    Ok(Pair {
         base: table.base.clone(),
         output: table.output.clone(),
-        ways: [
-            way(|point| point.forward)?,
-            way(|point| point.reverse.unwrap_or(point.forward))?,
-        ],
+        ways,
     })
+}
+
+/// Whether ascending points cover the travel of the axis that is looked up, but for the rounding of a position.
+fn covers_travel(
+    table: &DeclaredTable,
+    points: &[Point],
+    facts: &DeclaredFacts,
+    base: &AxisState,
+) -> Result<(), CannotEmulate> {
+    let unit_mm = facts.position_size.value.um / UM_PER_MM;
+    let digit_mm = unit_mm / power_of_ten(facts.position_decimals.value);
+    let (Some(first), Some(last)) = (points.first(), points.last()) else {
+        return Ok(());
+    };
+    let [first, last] = [first, last].map(|point| point.position * unit_mm);
+    let (low, high) = (base.travel.0.mm(), base.travel.1.mm());
+    if first <= low + digit_mm && last >= high - digit_mm {
+        return Ok(());
+    }
+    let [first, last, low, high] = [first, last, low, high].map(Figure);
+    let (name, axis) = (table.name(), &base.name);
+    Err(CannotEmulate(format!(
+        "the {name} covers {first:.3} mm to {last:.3} mm, the travel of {axis} with its reference point is {low:.3} mm to {high:.3} mm, and what this control adds outside a table is not known"
+    )))
 }
 
 /// The values of a table for one direction.

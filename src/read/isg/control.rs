@@ -17,6 +17,7 @@ use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotati
 use crate::quantity::chain::unit;
 use crate::quantity::units::{Correction, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
+use crate::read::pairs::known_axis;
 
 /// A control with a compensation in memory.
 #[derive(Clone, Debug)]
@@ -262,11 +263,6 @@ impl Emulator for IsgControl {
     fn levers(&self) -> Option<[Axis; 3]> {
         self.tables.has_angles().then_some(self.tables.chain)
     }
-}
-
-fn known_axis<'a>(state: &'a ControlState, name: &str) -> Result<&'a AxisState, CannotEmulate> {
-    let axis = state.axis(name);
-    axis.ok_or_else(|| CannotEmulate(format!("foreign axis: the job has no axis `{name}`")))
 }
 
 /// What is added for a curve, µm or µrad.

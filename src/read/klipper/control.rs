@@ -12,6 +12,7 @@ use crate::control::table::klipper::{KlipperTables, Skew};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, UM_PER_MM};
 use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::pairs::known_axis;
 
 /// A printer with a profile loaded.
 #[derive(Clone, Debug)]
@@ -73,9 +74,4 @@ fn line(base: &AxisState, slope: f64) -> Option<Response> {
     let at = |place| Correction::from_um(slope * (place - base.reference.mm()));
     let ends = [low.mm(), high.mm()];
     Response::straight(&ends, &ends.map(at))
-}
-
-fn known_axis<'a>(state: &'a ControlState, name: &str) -> Result<&'a AxisState, CannotEmulate> {
-    let axis = state.axis(name);
-    axis.ok_or_else(|| CannotEmulate(format!("foreign axis: the job has no axis `{name}`")))
 }

@@ -10,102 +10,41 @@
 //! out: the ramp of a few milliseconds after a reversal, and the rounding of a slope to a C float, both below
 //! what moves an axis while it measures.
 
-use crate::control::control_state::{AxisState, ControlState};
+use crate::control::control_state::ControlState;
 use crate::control::controller::LinuxcncFacts;
 use crate::control::table::linuxcnc::{Columns, CompTable, CrossTable, LinuxcncTables, Point, Row};
-use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, UM_PER_MM};
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{CannotEmulate, Response};
+use crate::read::pairs::{Pair, PairControl};
 
-/// A control with its tables in memory.
-#[derive(Clone, Debug)]
-pub struct LinuxcncControl {
-    joints: Vec<LoadedJoint>,
-    /// By base and output.
-    cross: Vec<((String, String), Response)>,
-    state: ControlState,
+/// A control that holds these tables. BACKLASH, counted from the direction of homing, acts on a joint without a
+/// table only.
+///
+/// **unit** `state.unit` is that of the files · **limits** fails if a joint is not one of the control
+pub(super) fn control(
+    tables: &LinuxcncTables,
+    facts: &LinuxcncFacts,
+    state: &ControlState,
+) -> Result<PairControl, CannotEmulate> {
+    let unit_mm = state.unit.in_mm();
+    let own = |table: &CompTable| {
+        let way = |column: fn(&Row) -> f64| response(table, facts, unit_mm, column);
+        let ways = [way(|row| row.forward)?, way(|row| row.reverse)?];
+        Ok(pair(table.joint, table.joint, ways))
+    };
+    let cross = |table: &CrossTable| {
+        let response = cross_response(table, facts, unit_mm)?;
+        let ways = [response.clone(), response];
+        Ok(pair(table.base, table.output, ways))
+    };
+    let pairs = tables.joints.iter().map(own);
+    let pairs = pairs.chain(tables.cross.iter().map(cross));
+    PairControl::new(pairs.collect::<Result<_, _>>()?, true, state)
 }
 
-#[derive(Clone, Debug)]
-struct LoadedJoint {
-    name: String,
-    /// While it moves up, and down.
-    ways: [Response; 2],
-}
-
-impl LinuxcncControl {
-    /// A control that holds these tables.
-    ///
-    /// **unit** `state.unit` is that of the files · **limits** fails if a joint is not one of the control
-    pub fn new(
-        tables: &LinuxcncTables,
-        facts: &LinuxcncFacts,
-        state: &ControlState,
-    ) -> Result<LinuxcncControl, CannotEmulate> {
-        let load = |table: &CompTable| {
-            let name = table.joint.to_string();
-            known_axis(state, &name)?;
-            let way = |column: fn(&Row) -> f64| response(table, facts, state.unit.in_mm(), column);
-            let ways = [way(|row| row.forward)?, way(|row| row.reverse)?];
-            Ok(LoadedJoint { name, ways })
-        };
-        let load_cross = |table: &CrossTable| {
-            let names = (table.base.to_string(), table.output.to_string());
-            known_axis(state, &names.0)?;
-            known_axis(state, &names.1)?;
-            let response = cross_response(table, facts, state.unit.in_mm())?;
-            Ok((names, response))
-        };
-        Ok(LinuxcncControl {
-            joints: tables.joints.iter().map(load).collect::<Result<_, _>>()?,
-            cross: tables
-                .cross
-                .iter()
-                .map(load_cross)
-                .collect::<Result<_, _>>()?,
-            state: state.clone(),
-        })
-    }
-}
-
-impl Emulator for LinuxcncControl {
-    fn connected_axes(&self) -> Vec<(String, String)> {
-        let pair = |joint: &LoadedJoint| (joint.name.clone(), joint.name.clone());
-        let own = self.joints.iter().map(pair);
-        own.chain(self.cross.iter().map(|(names, _)| names.clone()))
-            .collect()
-    }
-
-    /// BACKLASH, counted from the direction of homing, acts on a joint without a table only.
-    fn response(
-        &self,
-        base: &str,
-        output: &str,
-        direction: Direction,
-    ) -> Result<Response, CannotEmulate> {
-        if !base.eq_ignore_ascii_case(output) {
-            let is_it = |names: &(String, String)| names.0 == base && names.1 == output;
-            let cross = self.cross.iter().find(|(names, _)| is_it(names));
-            return Ok(cross.map_or(Response::default(), |(_, response)| response.clone()));
-        }
-        let axis = known_axis(&self.state, base)?;
-        let own = self.joints.iter().find(|joint| joint.name == axis.name);
-        Ok(match (own, direction) {
-            (Some(LoadedJoint { ways: [up, _], .. }), Direction::Plus) => up.clone(),
-            (
-                Some(LoadedJoint {
-                    ways: [_, down], ..
-                }),
-                Direction::Minus,
-            ) => down.clone(),
-            (None, _) => Response::new(Vec::new(), axis.backlash(direction)),
-        })
-    }
-}
-
-fn known_axis<'a>(state: &'a ControlState, name: &str) -> Result<&'a AxisState, CannotEmulate> {
-    let axis = state.axis(name);
-    axis.ok_or_else(|| CannotEmulate(format!("foreign axis: the job has no joint `{name}`")))
+fn pair(base: u32, output: u32, ways: [Response; 2]) -> Pair {
+    let [base, output] = [base, output].map(|joint| joint.to_string());
+    Pair { base, output, ways }
 }
 
 /// The trim of a row, in the machine unit: a C float.

@@ -92,8 +92,7 @@ fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
         1 => "a key is empty, expected a value".to_string(),
         many => format!("{many} keys are empty, expected a value of each"),
     };
-    let help =
-        "write the value in place of `\"\"`";
+    let help = "write the value in place of `\"\"`";
     let mut problem = Problem::new(message).at(first).help(help);
     problem.also = lines;
     problem.into()

@@ -1,9 +1,15 @@
 use super::*;
 use crate::control::controller::{ControlUnit, Dialect, Fact, Size, TableSign, builtin};
+use crate::quantity::axis::Direction;
+use crate::read::emulate::Emulator;
 
+/// Weihong with its end values held.
 fn weihong() -> DeclaredFacts {
     match builtin::profile("weihong").unwrap().dialect {
-        Dialect::Declared(facts) => facts,
+        Dialect::Declared(mut facts) => {
+            set(&mut facts.outside, Outside::Hold);
+            facts
+        }
         other => panic!("{other:?}"),
     }
 }
@@ -29,9 +35,9 @@ fn table(points: &[(f64, f64, Option<f64>)]) -> DeclaredTables {
     }
 }
 
-/// What X gets at places while it moves in + and in −, its reference at 10 mm, 4 µm in the backlash parameter.
-fn um(facts: &DeclaredFacts, tables: &DeclaredTables, places: &[f64]) -> Vec<[f64; 2]> {
-    let state = ControlState {
+/// X from 0 to 1000 mm, its reference at 10 mm, 4 µm in the backlash parameter.
+fn state() -> ControlState {
+    ControlState {
         unit: ControlUnit::Millimetre,
         axes: vec![AxisState {
             name: "X".to_string(),
@@ -44,8 +50,12 @@ fn um(facts: &DeclaredFacts, tables: &DeclaredTables, places: &[f64]) -> Vec<[f6
             travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
             rest: Millimetres::new(0.0),
         }],
-    };
-    let control = DeclaredControl::new(tables, facts, &state).unwrap();
+    }
+}
+
+/// What X gets at places while it moves in + and in −.
+fn um(facts: &DeclaredFacts, tables: &DeclaredTables, places: &[f64]) -> Vec<[f64; 2]> {
+    let control = control(tables, facts, &state()).unwrap();
     let ways = Direction::BOTH.map(|way| control.response("x", "X", way).unwrap());
     let at = |place: &f64| {
         ways.each_ref()
@@ -108,4 +118,22 @@ fn outside_a_table_there_is_nothing_where_the_profile_says_so() {
         [0.0, 0.0],
     ];
     assert_eq!(um(&facts, &tables, &places), zero);
+}
+
+/// The reference counts as travel; a position is rounded to 0.001 mm.
+#[test]
+fn a_table_that_ends_inside_the_travel_is_not_evaluated_where_outside_is_not_known() {
+    let mut facts = weihong();
+    set(&mut facts.outside, Outside::Unknown);
+    let of = |first, last| table(&[(last, 0.0, Some(0.0)), (first, 0.001, Some(0.0))]);
+    for (first, last) in [(0.0, 1000.0), (-5.0, 1000.1), (0.001, 999.999)] {
+        assert!(control(&of(first, last), &facts, &state()).is_ok());
+    }
+    for (first, last) in [(0.0, 999.9), (0.1, 1000.0), (400.0, 600.0)] {
+        let why = control(&of(first, last), &facts, &state()).unwrap_err().0;
+        let covered = format!("the table of X covers {first:.3} mm to {last:.3} mm");
+        assert!(why.starts_with(&covered), "{why}");
+        assert!(why.contains("0.000 mm to 1000.000 mm"), "{why}");
+        assert!(why.ends_with("outside a table is not known"), "{why}");
+    }
 }

@@ -1,6 +1,7 @@
 use super::*;
-use crate::control::control_state::{AxisState, ControlState};
+use crate::control::control_state::AxisState;
 use crate::control::controller::ControlUnit;
+use crate::read::emulate::Emulator;
 use crate::read::generic::read;
 
 /// Rows of one block without their number, position in mm and deviation in µm.
@@ -41,18 +42,18 @@ fn state() -> ControlState {
     }
 }
 
-fn control(rows: &[String]) -> GenericControl {
-    GenericControl::new(&table(rows), &state()).unwrap_or_else(|why| panic!("{}", why.0))
+fn control(rows: &[String]) -> PairControl {
+    super::control(&table(rows), &state()).unwrap_or_else(|why| panic!("{}", why.0))
 }
 
-fn at(control: &GenericControl, pair: [&str; 2], direction: Direction, mm: f64) -> f64 {
+fn at(control: &PairControl, pair: [&str; 2], direction: Direction, mm: f64) -> f64 {
     let response = control.response(pair[0], pair[1], direction);
     let response = response.unwrap_or_else(|why| panic!("{}", why.0));
     response.correction(Millimetres::new(mm)).um()
 }
 
 /// In + and in −.
-fn both(control: &GenericControl, pair: [&str; 2], mm: f64) -> [Correction; 2] {
+fn both(control: &PairControl, pair: [&str; 2], mm: f64) -> [Correction; 2] {
     Direction::BOTH.map(|direction| Correction::from_um(at(control, pair, direction, mm)))
 }
 
@@ -128,7 +129,7 @@ fn backlash_acts_away_from_the_reference_direction() {
         state.axes[0].reference_direction = reference;
         state.axes[0].backlash_um = 8.0;
         let blocks = table(&[rows("EXX,X,X,", &FLAT), rows("EYX,X,Y,", &FLAT)]);
-        let control = GenericControl::new(&blocks, &state).expect("a table");
+        let control = super::control(&blocks, &state).expect("a table");
         let expected = expected.map(Correction::from_um);
         assert_eq!(both(&control, ["X", "X"], 10.0), expected, "{reference}");
         let unmoved = [Correction::from_um(-1.0); 2];
@@ -152,18 +153,16 @@ fn what_a_control_would_do_is_not_guessed() {
         (vec![rows("EZX,X,Z,", &FLAT)], "no axis `Z`"),
     ];
     for (blocks, part) in cases {
-        let why = GenericControl::new(&table(&blocks), &state())
-            .expect_err(part)
-            .0;
+        let why = super::control(&table(&blocks), &state()).expect_err(part).0;
         assert!(why.contains(part), "{part}: {why}");
     }
     let mut one = table(&[rows("EXX,X,X,", &RAMP)]);
     one.rows.truncate(1);
-    assert!(GenericControl::new(&one, &state()).is_err());
+    assert!(super::control(&one, &state()).is_err());
 }
 
 #[test]
 fn an_empty_table_connects_nothing() {
-    let control = GenericControl::new(&GenericTable::default(), &state()).expect("a table");
+    let control = super::control(&GenericTable::default(), &state()).expect("a table");
     assert!(control.connected_axes().is_empty());
 }

@@ -5,7 +5,6 @@
     reason = "a test may stop at what it did not expect"
 )]
 
-use super::LinuxcncControl;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, Dialect, builtin};
 use crate::control::table::linuxcnc::LinuxcncTables;
@@ -13,8 +12,9 @@ use crate::quantity::axis::Direction;
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::Emulator;
 use crate::read::linuxcnc::read;
+use crate::read::pairs::PairControl;
 
-fn control(comp: &str, kind: &str, unit: ControlUnit, backlash_um: f64) -> LinuxcncControl {
+fn control(comp: &str, kind: &str, unit: ControlUnit, backlash_um: f64) -> PairControl {
     let Dialect::Linuxcnc(facts) = builtin::profile("linuxcnc").unwrap().dialect else {
         unreachable!("it is LinuxCNC");
     };
@@ -36,10 +36,10 @@ fn control(comp: &str, kind: &str, unit: ControlUnit, backlash_um: f64) -> Linux
         rest: Millimetres::new(0.0),
     }];
     let state = ControlState { unit, axes };
-    LinuxcncControl::new(&tables, &facts, &state).unwrap()
+    super::control(&tables, &facts, &state).unwrap()
 }
 
-fn added_mm(control: &LinuxcncControl, direction: Direction, at: f64) -> f64 {
+fn added_mm(control: &PairControl, direction: Direction, at: f64) -> f64 {
     let response = control.response("0", "0", direction).unwrap();
     response.correction(Millimetres::new(at)).um() / 1000.0
 }
@@ -94,7 +94,7 @@ fn equal_and_other_distances_of_rows_give_the_same_lines() {
         let [a, b] = [&equal, &other].map(|control| added_mm(control, Direction::Plus, at));
         assert!((a - b).abs() < 1e-8, "{at}: {a}, {b}");
     }
-    let tables = |control: &LinuxcncControl| {
+    let tables = |control: &PairControl| {
         control
             .response("0", "0", Direction::Plus)
             .unwrap()
