@@ -1,5 +1,5 @@
-//! The page of a whole visit, n = 40: readings → nine errors, tables read back, volume, pictures, HTML; as a process, so
-//! what it prints goes nowhere. docs/performance.md has the figure.
+//! The page of a whole visit, n = 40: files of readings → nine errors, tables read back, volume, pictures, HTML; in
+//! process, and as a process, so what it prints goes nowhere. docs/performance.md has the figures.
 #![allow(
     missing_docs,
     clippy::expect_used,
@@ -7,7 +7,10 @@
 )]
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use nonius::cli::run;
+use std::ffi::OsString;
 use std::fmt::Write;
+use std::hint::black_box;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -43,10 +46,21 @@ fn readings() -> String {
     text
 }
 
+fn arguments(folder: &Path) -> [OsString; 7] {
+    let [job, page] = ["job.toml", "page.html"].map(|name| folder.join(name).into_os_string());
+    let words = ["nonius", "report", "-q", "--force", "-o"].map(OsString::from);
+    let [program, report, quiet, force, output] = words;
+    [program, report, quiet, force, job, output, page]
+}
+
+/// Files, command line and verdict included.
+fn write_in_process(folder: &Path) {
+    run(black_box(arguments(folder)));
+}
+
 fn write_page(folder: &Path) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
-    let command = command.current_dir(folder);
-    let command = command.args(["report", "job.toml", "-q", "--force", "-o", "page.html"]);
+    let command = command.args(&arguments(folder)[1..]);
     let status = command.stdout(Stdio::null()).stderr(Stdio::null()).status();
     let status = status.expect("the program runs");
     assert!(status.code().is_some_and(|code| code < 2));
@@ -56,9 +70,14 @@ fn report(criterion: &mut Criterion) {
     let folder = tempfile::tempdir().expect("a place to write to");
     std::fs::write(folder.path().join("job.toml"), job()).expect("a job");
     std::fs::write(folder.path().join("readings.csv"), readings()).expect("readings");
-    criterion.bench_function("report of readings, n = 40", |bencher| {
+    let mut group = criterion.benchmark_group("report of readings, n = 40");
+    group.bench_function("process", |bencher| {
         bencher.iter(|| write_page(folder.path()));
     });
+    group.bench_function("in process", |bencher| {
+        bencher.iter(|| write_in_process(folder.path()));
+    });
+    group.finish();
 }
 
 criterion_group!(benches, report);

@@ -356,7 +356,18 @@ fn typed(text: &str) -> Wrong {
     }
     let is_row = |line: &&str| {
         let cells: Vec<&str> = line.split(',').collect();
-        let [term, base, output, direction, zero, page, point, position, value, ""] = cells[..]
+        let [
+            term,
+            base,
+            output,
+            direction,
+            zero,
+            page,
+            point,
+            position,
+            value,
+            "",
+        ] = cells[..]
         else {
             return false;
         };

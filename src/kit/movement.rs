@@ -26,7 +26,7 @@ pub(super) fn switching(made: &Made<'_>) -> Result<Vec<String>, CannotEmulate> {
         let swing = |at: Option<PerAxis<f64>>| {
             let names = made.plan.names[axis].iter();
             names
-                .map(|name| control.swing(name, at.clone()).abs())
+                .map(|name| control.swing(name, at).abs())
                 .fold(0.0, f64::max)
         };
         anywhere += swing(None);
