@@ -585,7 +585,7 @@ fn a_kit_without_scales_is_undecided_and_says_what_is_missing() {
         );
         assert!(text.contains("verdict: undecided"), "{text}");
         assert!(text.contains("EXX   not determined"), "{text}");
-        assert!(text.contains("no table for EYY: not determined by the measurement: scale of X, Y and Z can be traded"), "{text}");
+        assert!(text.contains("no table for EXX, EYY, EZZ: not determined by the measurement: scale of X, Y and Z can be traded"), "{text}");
         let omitted = manifest(directory.path(), kit)["omitted"].clone();
         let terms = omitted
             .as_array()

@@ -78,7 +78,9 @@ fn declared(text: &str) -> Wrong {
         let mut words = line.split([' ', ',', '=', '[', ']']);
         !line.contains("{{") && !line.chars().any(char::is_control) && !words.any(is_none)
     };
-    match text.lines().find(|line| !is_plain(line)) {
+    let is_comment = |line: &&str| line.starts_with([';', '#']);
+    let mut lines = text.lines().filter(|line| !is_comment(line));
+    match lines.find(|line| !is_plain(line)) {
         Some(line) => Err(line.to_string()),
         None => Ok(()),
     }

@@ -204,6 +204,9 @@ impl Family for SiemensFacts {
     }
 }
 
+/// Positions in inch are rounded to six decimals.
+const ROUNDING_MM: f64 = 1e-3;
+
 /// `0.018 mm with AX1 at 900 mm; 0 mm with AX1 at its reference point`.
 fn shown(
     state: &ControlState,
@@ -215,6 +218,15 @@ fn shown(
     let unit = state.unit.word();
     let written = values.iter().enumerate();
     let written = written.filter_map(|(i, v)| Some((i, (*v)?)));
+    // The last point may lie behind the end of the travel: the axis cannot go there.
+    let mm = |index: usize| grid.position(index) * state.unit.in_mm();
+    let is_reached = |index: usize| {
+        let travel = state.axis(base).map(|own| own.travel);
+        travel.is_none_or(|(low, high)| {
+            (low.mm() - ROUNDING_MM..=high.mm() + ROUNDING_MM).contains(&mm(index))
+        })
+    };
+    let written = written.filter(|(index, _)| is_reached(*index));
     let larger = |a: (usize, f64), b: (usize, f64)| if b.1.abs() > a.1.abs() { b } else { a };
     let (index, largest) = written.reduce(larger).unwrap_or_default();
     let zero = at_reference(state, base, grid, values);
