@@ -67,11 +67,8 @@ impl Emulator for PairControl {
         direction: Direction,
     ) -> Result<Response, CannotEmulate> {
         let own = self.pairs.iter().find(|pair| pair.is_for(base, output));
-        let [plus, minus] = own.map(|own| own.ways.clone()).unwrap_or_default();
-        let mut response = match direction {
-            Direction::Plus => plus,
-            Direction::Minus => minus,
-        };
+        let way = usize::from(direction == Direction::Minus);
+        let mut response = own.map(|own| own.ways[way].clone()).unwrap_or_default();
         let is_replaced = self.replaces_backlash && own.is_some();
         if base.eq_ignore_ascii_case(output) && !is_replaced {
             response.shift(known_axis(&self.state, base)?.backlash(direction));
